@@ -76,7 +76,7 @@ class TestClosure:
         touching = np.array([[-0.3, 0.0], [0.1, 0.4]])
         assert len(turn.gaps_of(touching)) == 3 and np.allclose(turn.zones_of(turn.gaps_of(touching)), touching)
 
-    @pytest.mark.parametrize("profile, part", [(TWO, 0.97), (TWO, 0.99)])
+    @pytest.mark.parametrize("profile, part", [pytest.param(TWO, 0.97, marks=pytest.mark.slow), (TWO, 0.99)])
     def test_gaps_and_zones_lead_to_the_same_contact(self, monkeypatch, profile, part):
         scene = contact.Scene(profile, 1.0, FIRST, load=part * full_load(profile))
         by_gaps = contact.solve(scene)
@@ -85,6 +85,7 @@ class TestClosure:
         assert by_gaps.zones.shape == by_zones.zones.shape
         assert (np.abs(by_gaps.zones - by_zones.zones) / np.diff(by_zones.zones)).max() <= by_gaps.error + by_zones.error
 
+    @pytest.mark.slow
     def test_the_stiffness_is_that_of_contacts_beside_it(self):
         load = 0.98 * full_load(TWO)
         at = [contact.solve(contact.Scene(TWO, 1.0, FIRST, load=load * (1 + off))) for off in (-1e-3, 0, 1e-3)]
@@ -104,6 +105,7 @@ class TestClosure:
         assert solution.certificate.holds and solution.error <= 1e-8 and solution.contact_fraction > 0.8
         assert len(calls) <= 4 and not any(calls)
 
+    @pytest.mark.slow
     def test_what_the_root_is_unsure_of_covers_what_a_closer_one_changes(self):
         scene = contact.Scene(TWO, 1.0, FIRST, load=0.97 * full_load(TWO))
         solution, tight = contact.solve(scene, tol=1e-6), contact.solve(scene, tol=1e-11)
