@@ -272,7 +272,8 @@ class GapClosure:
             if largest < _NEAR and here.same_gaps(before):
                 here = replace(here, kept=before.rates)
         # The gap at a border is as wide in the angle as its intensity is large, and so goes straight with the unknowns.
-        raise Lost("the nominal pressure did not settle", bool(here.closing(here.step).min() <= -1.0))
+        closes = float(here.closing(here.step).min()) <= -1.0
+        raise Lost("the nominal pressure did not settle", closes and float(here.misses[0]) < -here.room)
 
     def _after(self, here: _Both, how: _How) -> _Both:
         """After a step, or as much of it as brings the root nearer, as the rates before it have that (P. Deuflhard, Newton Methods for

@@ -6,8 +6,8 @@ W: total width of the zones of the strip about c under the load P; W0: of those 
 under the load pbar L. Both are contacts under a load, so that W0 grows with it and every search is for a convex problem's only solution.
 Grids tell where the root is, and that there is none (contact.search.grid.closure); from there Newton's steps, by how the ends of either
 contact follow the loads, the nominal pressure and the centre (2 K / A), corrected by secants on the way (C. G. Broyden, Math. Comp. 19,
-1965, 577-593, doi 10.1090/S0025-5718-1965-0198670-6); near full contact those by the gaps (first_order_gaps), after which the strip is solved
-by its zones once. An approach is that of a load, found in turn.
+1965, 577-593, doi 10.1090/S0025-5718-1965-0198670-6); near full contact those by the gaps (first_order_gaps), after which the strip
+is solved by its zones once. An approach is that of a load, found in turn.
 """
 
 from __future__ import annotations
