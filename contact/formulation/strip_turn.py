@@ -99,7 +99,7 @@ class StripTurn(sie.Kept):
         at = (units.scaled(np.asarray(profile.breakpoints)) - self.centre + self.half) % period - self.half
         feature = (profile.feature or units.length * period / 16) / units.length
         # As close as the profile varies, and ever closer to the corners.
-        even = np.linspace(-self.half, self.half, int(np.clip(period / feature, 64, 2**15)))[1:-1]
+        even = np.linspace(-self.half, self.half, int(np.clip(period / feature, 512, 2**15)))[1:-1]
         cuts = np.arccos(np.clip(-np.unique(np.concatenate((at, even))) / self.half, -1, 1))
         beside = float(min(cuts[cuts > _BESIDE].min(), np.pi - cuts[cuts < np.pi - _BESIDE].max())) * 0.5 ** np.arange(_GRADED)
         cuts = np.unique(np.concatenate(([0.0, np.pi], cuts, beside, np.pi - beside)))

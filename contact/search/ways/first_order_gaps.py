@@ -224,6 +224,7 @@ class GapClosure:
         turn = StripTurn(self.problem, centre, self._points)
         gaps = turn.gaps_of(start.strip), turn.gaps_of(start.alone)
         here = self._settled(self._with(turn, pressure, *gaps, _How(_ROUGHLY, _DECAY, _ROUNDS)))
+        here = replace(here, kept=None)
         following = here.following
         # Newton's steps by the exact profile and longer series, at the same rates.
         for _ in range(_FINE_STEPS):
@@ -271,7 +272,8 @@ class GapClosure:
             if largest < _NEAR and here.same_gaps(before):
                 here = replace(here, kept=before.rates)
         # The gap at a border is as wide in the angle as its intensity is large, and so goes straight with the unknowns.
-        raise Lost("the nominal pressure did not settle", bool(here.closing(here.step).min() <= -1.0))
+        closes = float(here.closing(here.step).min()) <= -1.0
+        raise Lost("the nominal pressure did not settle", closes and float(here.misses[0]) < -here.room)
 
     def _after(self, here: _Both, how: _How) -> _Both:
         """After a step, or as much of it as brings the root nearer, as the rates before it have that (P. Deuflhard, Newton Methods for

@@ -6,7 +6,8 @@ W: total width of the zones of the strip about c under the load P; W0: of those 
 under the load pbar L. Both are contacts under a load, so that W0 grows with it and every search is for a convex problem's only solution.
 Grids tell where the root is, and that there is none (contact.search.grid.closure); from there Newton's steps, by how the ends of either
 contact follow the loads, the nominal pressure and the centre (2 K / A), corrected by secants on the way (C. G. Broyden, Math. Comp. 19,
-1965, 577-593, doi 10.1090/S0025-5718-1965-0198670-6). An approach is that of a load, found in turn.
+1965, 577-593, doi 10.1090/S0025-5718-1965-0198670-6); near full contact those by the gaps (first_order_gaps), after which the strip
+is solved by its zones once. An approach is that of a load, found in turn.
 """
 
 from __future__ import annotations
@@ -56,8 +57,8 @@ _CLOSELY, _FINER_GRID = 1e-5, 4
 _ROUGHLY, _FINER, _LAST = 1e-6, 1e-2, 1e-5
 # How often a contact is solved more tightly than its ends ask for, and how much more, since coefficients that are left out move the ends.
 _SHARPENED, _SHARPER, _LEAST_DECAY = 2, 1e-3, 3e-16
-# Contact of more than this part of the strip is solved by its gaps; their tolerance over that of the zones.
-_NEARLY_FULL, _OF_GAPS = 0.5, 1e-3
+# Contact of more than this part of the strip is solved by its gaps; their tolerance, and that of the zones there, over the one asked for.
+_NEARLY_FULL, _OF_GAPS, _OF_ZONES = 0.8, 1e-3, 0.3
 # What is left after the last step, over what it is estimated as.
 _MARGIN = 2.0
 
@@ -118,14 +119,18 @@ class FirstOrderOfSeveral:
     def closer(self, found: Closed) -> Found:
         """The same more tightly."""
         if found.place is not None:
-            try:
-                return replace(self._by_gaps(found.place, sharply=True), rounded=True)
-            except Lost as lost:
-                raise NotConverged(f"not converged: {lost}") from lost
-        assert found.at is not None
-        at = found.at
-        self.wanted, self.again = self._wanted(at.strip), True
-        return self._exact(self._at(Place(at.unknowns, at.table, table_of(at.alone)), self.task.tolerance, 0.0))
+            if float(np.max(found.off)) <= float((found.free.end_error + found.fields.state.end_truncation).max()):
+                try:
+                    return replace(self._by_gaps(found.place, sharply=True), rounded=True)
+                except Lost as lost:
+                    raise NotConverged(f"not converged: {lost}") from lost
+            # What gaps tell of the root is not enough.
+            place = found.place
+        else:
+            assert found.at is not None
+            at = found.at
+            self.wanted, self.again, place = self._wanted(at.strip), True, Place(at.unknowns, at.table, table_of(at.alone))
+        return self._exact(self._at(place, self.task.tolerance, 0.0))
 
     def _under_load(self, grid: ClosureGrid, first: AtPressure) -> Found:
         """By the gaps, from coarse grids or from fine ones; where these do not serve, by the zones."""
@@ -165,7 +170,7 @@ class FirstOrderOfSeveral:
             root = GapClosure(self.problem, load, _OF_GAPS * tolerance).root(place)
             (centre, pressure), problem = root.place.unknowns[:2], self.problem
             problem = problem.with_amplitude(float(pressure)).about(float(centre))
-            form, newton = ByPressure(problem), Newton(tolerance, off=_ROUGHLY)
+            form, newton = ByPressure(problem), Newton(_OF_ZONES * tolerance, off=_ROUGHLY)
             told = self.task.plan.timed
             found = refine_topology(form, Load(load), root.place.strip, newton, self.task.progress, timed=told)
             if isinstance(found, Missed):

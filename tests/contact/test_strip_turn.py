@@ -1,0 +1,113 @@
+"""The contact of one strip as one of a period in the angle: its grids, its relief, its gaps, and the first-order closure by these."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import contact
+from contact.formulation.strip_turn import StripTurn
+from contact.search.grid.conjugate_gradient import Response
+from contact.search.grid.scaling import scaled_scene
+from contact.search.grid.strip import StripGrid
+from contact.search.topology.by_pressure import ByPressure
+from contact.studies.trace_kinds import drawn
+
+FIRST = contact.Localized("first-order")
+ROUGH = contact.Fourier(1.0, [-0.01, 0.004, 0.002, -0.003], [0.003, -0.002, 0.004, 0.002])
+TWO = contact.Fourier(1.0, [-0.004, -0.01], [0.003, 0.001])
+
+
+def strip(profile, points=4096, centre=0.0):
+    return StripTurn(scaled_scene(contact.Scene(profile, 1.0, FIRST, load=1.0), False).problem, centre, points)
+
+
+def full_load(profile):
+    return contact.solve(contact.Scene(profile, 1.0, contact.Periodic(), contact_fraction=1.0)).load
+
+
+class TestGrids:
+    @pytest.mark.parametrize("load", [1e-3, 1e-2, 3e-2])
+    def test_grids_even_in_the_angle_and_in_x_tell_the_same_contact(self, load):
+        of_x, of_angle = (StripGrid(Response(1.0, False), 1.0, 0.25, turns).contact(ROUGH.height, 0.1, load, 2048, 1e-6, None)
+                          for turns in (False, True))
+        assert of_x.zones.shape == of_angle.zones.shape and of_x.reaches == of_angle.reaches
+        assert np.abs(of_x.zones - of_angle.zones).max() < 2 / 2048
+
+    def test_a_flat_strip_is_pressed_as_by_a_punch(self):
+        # p = P / (pi sqrt(h^2 - x^2)): even in the angle.
+        found = StripGrid(Response(1.0, False), 2.0, 0.25, True).contact(np.zeros_like, 0.3, 5.0, 64, 1e-8, None)
+        assert np.allclose(found.zones, [[-0.7, 1.3]]) and found.reaches == (True, True)
+        assert np.allclose(found.state.pressure, 5.0 / np.pi)
+
+
+class TestRelief:
+    def test_of_a_parabola_it_is_a_cosine_of_twice_the_angle(self):
+        turn = strip(contact.Parabola(2.0, period=1.0))
+        units, angle = turn.problem.units, np.linspace(-3, 9, 50)
+        expected = (turn.half * units.length) ** 2 / (2 * 2.0) * np.cos(2 * angle) / units.height
+        assert np.abs(turn.relief_at(angle) - expected).max() < 1e-9 * np.abs(expected).max()
+
+    @pytest.mark.parametrize("centre", [0.0, 0.37])
+    def test_by_that_of_the_whole_period_it_is_the_same(self, centre):
+        # Of a wave the samples tell all of it; near the borders as well.
+        turn = strip(ROUGH, 2**14, centre)
+        angle = np.concatenate((np.linspace(0.1, 3.0, 40), [1e-5, 1e-3, np.pi - 1e-4, 4.0, -1.0]))
+        assert np.abs(turn.exact_at(angle) - turn.relief_at(angle)).max() < 1e-9 * np.abs(turn.relief).max()
+
+    def test_of_a_spline_samples_come_nearer_to_it_with_the_second_power_at_least(self):
+        profile = drawn(np.random.default_rng(3), "rough", 100, "uneven")
+        angle = np.linspace(0.05, 3.0, 300)
+        exact = strip(profile).exact_at(angle)
+        off = [np.abs(strip(profile, points).relief_at(angle) - exact).max() for points in (2**11, 2**13, 2**15)]
+        assert off[1] < off[0] / 12 and off[2] < off[1] / 12
+
+    def test_how_it_follows_the_centre_is_its_derivative(self):
+        angle, step = np.linspace(0.0, 3.0, 40), 1e-5
+        rise = (strip(ROUGH, centre=0.2 + step).relief_at(angle) - strip(ROUGH, centre=0.2 - step).relief_at(angle)) / (2 * step)
+        by_centre = strip(ROUGH, centre=0.2).by_centre_at(angle)
+        assert np.abs(rise - by_centre).max() < 1e-6 * np.abs(by_centre).max()
+
+
+class TestClosure:
+    def test_zones_are_those_between_the_gaps_of_a_turn(self):
+        turn, zones = strip(ROUGH, centre=0.2), np.array([[-0.25, -0.1], [0.0, 0.3], [0.31, 0.6]])
+        assert np.allclose(turn.zones_of(turn.gaps_of(zones)), zones)
+        touching = np.array([[-0.3, 0.0], [0.1, 0.4]])
+        assert len(turn.gaps_of(touching)) == 3 and np.allclose(turn.zones_of(turn.gaps_of(touching)), touching)
+
+    @pytest.mark.parametrize("profile, part", [pytest.param(TWO, 0.97, marks=pytest.mark.slow), (TWO, 0.99)])
+    def test_gaps_and_zones_lead_to_the_same_contact(self, monkeypatch, profile, part):
+        scene = contact.Scene(profile, 1.0, FIRST, load=part * full_load(profile))
+        by_gaps = contact.solve(scene)
+        monkeypatch.setattr(StripTurn, "serves", lambda problem: False)
+        by_zones = contact.solve(scene)
+        assert by_gaps.zones.shape == by_zones.zones.shape
+        assert (np.abs(by_gaps.zones - by_zones.zones) / np.diff(by_zones.zones)).max() <= by_gaps.error + by_zones.error
+
+    @pytest.mark.slow
+    def test_the_stiffness_is_that_of_contacts_beside_it(self):
+        load = 0.98 * full_load(TWO)
+        at = [contact.solve(contact.Scene(TWO, 1.0, FIRST, load=load * (1 + off))) for off in (-1e-3, 0, 1e-3)]
+        by_difference = (at[2].load - at[0].load) / (at[2].approach - at[0].approach)
+        assert abs(at[1].stiffness / by_difference - 1) < 1e-4
+
+    def test_of_a_rough_trace_the_strip_is_solved_by_its_zones_once(self, monkeypatch):
+        profile = drawn(np.random.default_rng(6), "rough", 120, "uneven")
+        scene, calls, moved = contact.Scene(profile, 1.0, FIRST, load=0.5 * full_load(profile)), [], ByPressure.moved
+
+        def counted(form, control, zones, how):
+            calls.append(form.problem.reference)
+            return moved(form, control, zones, how)
+
+        monkeypatch.setattr(ByPressure, "moved", counted)
+        solution = contact.solve(scene)
+        assert solution.certificate.holds and solution.error <= 1e-8 and solution.contact_fraction > 0.8
+        assert len(calls) <= 4 and not any(calls)
+
+    @pytest.mark.slow
+    def test_what_the_root_is_unsure_of_covers_what_a_closer_one_changes(self):
+        scene = contact.Scene(TWO, 1.0, FIRST, load=0.97 * full_load(TWO))
+        solution, tight = contact.solve(scene, tol=1e-6), contact.solve(scene, tol=1e-11)
+        off = np.abs(solution.zones - tight.zones) / np.diff(tight.zones)
+        assert off.max() <= solution.error + tight.error
