@@ -331,6 +331,18 @@ class TestFirstOrderOfSeveralZones:
         by_difference = (at[2].load - at[0].load) / (at[2].approach - at[0].approach)
         assert abs(at[1].stiffness / by_difference - 1) < 1e-4
 
+    @pytest.mark.parametrize(
+        ("cosine", "sine", "load"),
+        [([-0.01, -0.01], [0.002, 0.004], 0.0399), ([-0.01, -0.01], [0.002, 0.004], 0.0698), ([-0.01, 0.0, -0.01], [0.002, 0.004], 0.073)],
+    )
+    def test_the_stiffness_follows_the_profile_alone_too_where_it_is_cut_off_at_the_borders(self, cosine, sine, load):
+        profile, step = contact.Fourier(1.0, cosine, sine), 2e-4 * load
+        at = [
+            contact.solve(contact.Scene(profile, 1.0, contact.Localized(), load=one), tol=1e-9) for one in (load - step, load, load + step)
+        ]
+        by_difference = 2 * step / (at[2].approach - at[0].approach)
+        assert abs(at[1].stiffness / by_difference - 1) < 1e-4
+
     @pytest.mark.parametrize("control", [{"mean_pressure": 0.006}, {"approach": 0.0086}])
     def test_ends_centre_and_nominal_pressure_come_to_the_root_at_once(self, monkeypatch, control):
         # By the zones alone.

@@ -17,8 +17,9 @@ from contact.formulation.fields import moved_ends, moves_by
 from contact.verify.accuracy import Found
 from sie import Array, Mask, record
 
-# Tolerance of what a motion of the centre calls up; by what part of the gap beside the border the centre is moved to see what that does.
-_ROUGHLY, _SHIFT = 1e-6, 1e-3
+# Tolerance of what a motion of the centre calls up, and of contacts of which a difference is taken; by what part of the gap beside the
+# border, or of a zone there, the centre is moved to see what that does.
+_ROUGHLY, _CLOSELY, _SHIFT = 1e-6, 1e-11, 1e-3
 
 
 @record
@@ -74,7 +75,7 @@ class At:
         """(where all ends come to, the largest move over the width of a zone or of a gap beside it), by a step of the unknowns and
         their own moves beside those it calls up. part: of a width or a gap that may go."""
         strip, alone = self.table, table_of(self.alone)
-        moved, moved_alone = rates.of_strip(step) + self.own[0], rates.alone * step[1] + self.own[1]
+        moved, moved_alone = rates.of_strip(step) + self.own[0], rates.alone_by_centre * step[0] + rates.alone * step[1] + self.own[1]
         largest = max(float((np.abs(move) / _room_beside(table)).max()) for move, table in ((moved, strip), (moved_alone, alone)))
         there = Place(self.unknowns + step, spread(strip, moved, part), spread(alone, moved_alone, part))
         # What is cut off at the borders of the strip moves with these.
@@ -149,10 +150,26 @@ class Rates(StripRates):
         return self.at.period * moved_ends(self.at.alone.fields.state, 0, tolerance=self.tolerance)
 
     @cached_property
+    def alone_by_centre(self) -> Array:
+        """Of its profile alone by the centre (2, Z): where it touches a border of the strip that is cut off there, and bears a load that
+        moves with the border, to which its other ends give way."""
+        alone, low_high = self.at.alone, self.at.cut_off
+        problem, zones = alone.fields.problem, alone.free.density.zones
+        moved = np.zeros((2, len(zones)))
+        if not low_high.any():
+            return moved
+        moved[[0, 1], [0, -1]] = low_high * (-1.0, 1.0)
+        away, own = _SHIFT * float(_room_beside(zones.table)[:, [0, -1]].min()), []
+        for shift in (away, -away):
+            equation = problem.about(problem.centre + shift).equation(alone.control)
+            density = sie.solve_zones(equation, zones.moved(shift * moved), _CLOSELY).density
+            own.append(moves_by(density, density))
+        return np.asarray(moved + (own[0] - own[1]) / (2 * away))
+
+    @cached_property
     def matrix(self) -> Array:
         """Of the misses by the centre and the nominal pressure (2, 2)."""
-        low, high = self.at.cut_off
-        width = float(self.by_centre.sum()) - (float(high) - float(low)), float(self.by_pressure.sum() - self.alone.sum())
+        width = float(self.by_centre.sum() - self.alone_by_centre.sum()), float(self.by_pressure.sum() - self.alone.sum())
         return np.array([width, (_aside(self.by_centre) - 1.0, _aside(self.by_pressure))])
 
     @cached_property
