@@ -175,7 +175,9 @@ class Moving:
         levels = any(c.levels for c in self.equation.conditions)
         first = self.level / (self.half * self._log(self.half)) if levels else self.total / self.half
         left, right = ([kinds[i] for i in self.chosen] for kinds in (self.zones.left, self.zones.right))
-        here = Zones(self.middle - self.half, self.middle + self.half, left, right)
+        a, b = self.middle - self.half, self.middle + self.half
+        # A zone may be narrower than the rounding of its places.
+        here = Zones(a, b, left, right, rest=np.array([(self.middle - a) - self.half, (self.middle - b) + self.half]))
         return Density(here, self.equation.kernel, np.column_stack((first, -self.h)), ForcingJumps.none(), np.zeros(0))
 
 

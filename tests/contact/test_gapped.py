@@ -109,7 +109,8 @@ class TestBorders:
         for _ in range(6):
             up = np.sum(k**2 * (-cosine * np.sin(k * x) + sine * np.cos(k * x)))
             x += up / np.sum(k**3 * (cosine * np.cos(k * x) + sine * np.sin(k * x)))
-        best = _best(contact.Scene(wave, 1e9, contact.Periodic(), contact_fraction=1 - gap))
+        with np.errstate(divide="raise", invalid="raise"):  # gaps on the way are narrower than the rounding of their places
+            best = _best(contact.Scene(wave, 1e9, contact.Periodic(), contact_fraction=1 - gap))
         off = (0.5 * float(best.zones.sum()) + 0.5 * PERIOD - x) / PERIOD + 0.5
         assert abs(off - np.floor(off) - 0.5) <= best.error
 
