@@ -175,13 +175,18 @@ def test_first_steps_take_rough_sums_and_what_is_found_does_not(monkeypatch):
     assert each[0] and not each[-1] and each == sorted(each, reverse=True)
 
 
+def solved_with_its_equation(tol):
+    """A rough contact in units of E*/2, and what the engine is asked for it."""
+    scene = replace(rough(400), E_star=2.0, mean_pressure=0.01)
+    solution, profile = contact.solve(scene, tol=tol), scene.profile
+    forcing = sie.Forcing(profile.slope, profile.height, resolution=1 / 400)
+    return solution, sie.Equation(sie.hilbert(1.0), forcing, (sie.Total(solution.load), sie.EqualPotential()))
+
+
 def test_ends_that_are_known_well_are_solved_for_tightly_at_once(monkeypatch):
     """With what they are off by told, one solution fewer."""
     monkeypatch.setattr(engine, "MANY_UNKNOWNS", 10)
-    scene = replace(rough(400), E_star=2.0, mean_pressure=0.01)
-    solution, profile = contact.solve(scene, tol=1e-10), scene.profile
-    forcing = sie.Forcing(profile.slope, profile.height, resolution=1 / 400)
-    equation = sie.Equation(sie.hilbert(1.0), forcing, (sie.Total(solution.load), sie.EqualPotential()))
+    solution, equation = solved_with_its_equation(1e-10)
     start = sie.Zones.of(solution.zones + 1e-6 * np.diff(solution.zones) * np.array([0.4, -0.7]))
     plain, told = (sie.find_ends(equation, start, 1e-7, off=off) for off in (1.0, 1e-6))
     assert plain.converged and told.converged and len(told.trace) < len(plain.trace)
@@ -289,10 +294,7 @@ def test_a_first_look_waits_for_no_more_than_three_steps(monkeypatch):
 def test_a_search_goes_on_from_what_the_last_one_has_left(monkeypatch):
     """On about the same zones half as many iterations are enough."""
     monkeypatch.setattr(engine, "MANY_UNKNOWNS", 10)
-    scene = replace(rough(400), E_star=2.0, mean_pressure=0.01)
-    solution, profile = contact.solve(scene, tol=1e-8), scene.profile
-    forcing = sie.Forcing(profile.slope, profile.height, resolution=1 / 400)
-    equation = sie.Equation(sie.hilbert(1.0), forcing, (sie.Total(solution.load), sie.EqualPotential()))
+    solution, equation = solved_with_its_equation(1e-8)
     beside = sie.Zones.of(solution.zones + 1e-5 * np.diff(solution.zones) * np.array([0.4, -0.7]))
     left = sie.find_ends(equation, sie.Zones.of(solution.zones), 1e-7).state.sizes
     fresh, after = (sie.find_ends(equation, beside, 1e-7, max_steps=0, like=like).state.sizes for like in (None, left))

@@ -62,11 +62,11 @@ class Multiplier:
     factors: NDArray[np.floating[Any]]
     scale: float = 1.0
 
-    @classmethod
-    def roughly(cls, factors: Array) -> Multiplier:
-        """In single precision."""
-        scale = float(np.abs(factors).max()) or 1.0
-        return cls((factors / scale).astype(np.float32), scale)
+    @cached_property
+    def rough(self) -> Multiplier:
+        """The same in single precision, to seven digits of the largest."""
+        scale = float(np.abs(self.factors).max()) or 1.0
+        return Multiplier((self.factors / scale).astype(np.float32), scale)
 
     def taken(self, values: Array) -> tuple[NDArray[np.floating[Any]], float]:
         """(values in its precision, what they were divided by)."""
@@ -97,8 +97,8 @@ class Influence:
     E: float
     is_periodic: bool
     images: int
-    _compliance: Array = field(repr=False, compare=False)  # S in Fourier space on the padded grid
-    _stiffness: Array = field(repr=False, compare=False)  # D = E|k|/2 on the padded grid
+    _compliance: Multiplier = field(repr=False, compare=False)  # S in Fourier space on the padded grid
+    stiffness: Multiplier = field(repr=False, compare=False)  # D = E|k|/2 on the padded grid
     _offset: float = 0.0  # u = ... + _offset * sum p h: the part of the datum, kept apart from the shape of u
 
     @classmethod
@@ -109,12 +109,12 @@ class Influence:
         compliance = np.zeros_like(stiffness)
         compliance[1:] = 1.0 / stiffness[1:]
         compliance[0] = 2.0 * compression / E
-        return cls(n, h, E, True, 0, compliance, stiffness)
+        return cls(n, h, E, True, 0, Multiplier(compliance), Multiplier(stiffness))
 
     @property
     def yields(self) -> float:
         """Displacement of a unit of uniform pressure on a period."""
-        return float(self._compliance[0]) if self.is_periodic else 0.0
+        return float(self._compliance.factors[0]) if self.is_periodic else 0.0
 
     @classmethod
     def isolated(
@@ -131,32 +131,14 @@ class Influence:
         # With images the neighbours carry load up to the border: there the periodic D is the better model.
         stiffness = _wave_stiffness(n if images else 2 * n, h, E)
         offset = scale * (2 * images + 1) * np.log(h / datum)
-        return cls(n, h, E, False, images, compliance, stiffness, float(offset))
+        return cls(n, h, E, False, images, Multiplier(compliance), Multiplier(stiffness), float(offset))
 
     def apply(self, p: ArrayLike, roughly: bool = False) -> Array:
         """Displacement u = S p at the grid points. roughly: to seven digits of the largest."""
         pressure = np.asarray(p, dtype=np.float64)
         size = self.n if self.is_periodic else 2 * self.n
-        u = (self._rough_compliance if roughly else self._exact_compliance)(pressure, size)[: self.n]
+        u = (self._compliance.rough if roughly else self._compliance)(pressure, size)[: self.n]
         return u + self._offset * (float(pressure.sum()) * self.h) if self._offset else u
-
-    @cached_property
-    def _exact_compliance(self) -> Multiplier:
-        return Multiplier(self._compliance)
-
-    @cached_property
-    def _rough_compliance(self) -> Multiplier:
-        return Multiplier.roughly(self._compliance)
-
-    @cached_property
-    def exact_stiffness(self) -> Multiplier:
-        """D."""
-        return Multiplier(self._stiffness)
-
-    @cached_property
-    def rough_stiffness(self) -> Multiplier:
-        """The same to seven digits."""
-        return Multiplier.roughly(self._stiffness)
 
     @property
     def _stiffness_size(self) -> int:
@@ -209,7 +191,7 @@ class _Extension:
 
     def __init__(self, influence: Influence, inside: Index, roughly: bool) -> None:
         self.size = influence._stiffness_size
-        self.stiffness = influence.rough_stiffness if roughly else influence.exact_stiffness
+        self.stiffness = influence.stiffness.rough if roughly else influence.stiffness
         self.starts = inside - inside[0]
         self.lengths = np.diff(self.starts, append=self.size)
         self.along = (np.arange(self.size) - np.repeat(self.starts, self.lengths)) / np.repeat(self.lengths, self.lengths)
@@ -383,7 +365,7 @@ class _Run:
         self.iterations += 1
         mean = float(shape.mean())
         level = mean + self.influence.yields * load / (n * h)
-        p = load / (n * h) - scipy.fft.irfft(self.influence._stiffness * scipy.fft.rfft(shape - mean), n)
+        p = load / (n * h) - scipy.fft.irfft(self.influence.stiffness.factors * scipy.fft.rfft(shape - mean), n)
         roundoff = np.finfo(float).eps * (
             self.influence.E / h * float(np.max(np.abs(shape - mean))) + load / (n * h)
         )
