@@ -1,7 +1,5 @@
 """One call for fixed and free ends alike: the density, the zones and one stated error, or the reason why there is none."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field
 

@@ -8,8 +8,6 @@ level's share of area, (pi N_j)^(-1/2) as in (1), and each other level outside a
 N_i)^(-1/2).
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import inf, isinf

@@ -8,8 +8,6 @@ so P_s (1 - F) = P_f(a), F = (2/pi)[arcsin(a/A) - (a/A) sqrt(1 - a^2/A^2)]. `rin
 their places, `math.inf` all of them: then only what varies with the angle is left out.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from math import asin, inf, isinf, pi, sqrt
 from typing import Any

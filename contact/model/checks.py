@@ -1,7 +1,5 @@
 """Validators of single fields: each returns the value in its plain type or raises SceneError."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from math import isfinite

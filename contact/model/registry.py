@@ -5,8 +5,6 @@ Classes of other installed packages come through the entry-point groups `contact
 all names are listed; one that fails is warned about and skipped.
 """
 
-from __future__ import annotations
-
 import inspect
 import warnings
 from collections.abc import Callable, Mapping

@@ -5,8 +5,6 @@ sampled between the zones, closer near their ends, and its minima are followed b
 sign of the gap is that of the pressure's slope A there, since gap ~ (4 A / 3) d^(3/2) / (E*/2).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 

@@ -1,7 +1,5 @@
 """Intervals that passed, whatever the formulation: what both leave behind for their stated errors."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import sie

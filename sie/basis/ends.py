@@ -7,8 +7,6 @@ condition; each bounded end takes one away; a free end takes one away and brings
 (Muskhelishvili, Singular Integral Equations, 1953, ch. 5).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 

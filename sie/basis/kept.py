@@ -1,7 +1,5 @@
 """What is kept of an object in pickles and copies: its fields, not what has been worked out from them."""
 
-from __future__ import annotations
-
 from functools import cached_property
 from typing import Any
 

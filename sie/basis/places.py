@@ -1,7 +1,5 @@
 """Places on a line that repeats, and among things that are counted one after the other."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from sie.basis.arrays import Array, Index

@@ -1,7 +1,5 @@
 """Classes of named fields."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from typing import TypeVar, dataclass_transform
 

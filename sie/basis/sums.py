@@ -1,7 +1,5 @@
 """Sums over the basis functions of many intervals at many points: powers of rho, sines and cosines of multiples of theta."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from typing import Any
 

@@ -5,8 +5,6 @@ this is cheap, because a zone's own operator is diagonal. What other zones do de
 nearest foreign end (or image, or singularity of a column), so few coupled modes are enough for narrow zones far apart.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from sie.basis import chebyshev

@@ -6,8 +6,6 @@ log(r / R) near it, R = 4 g g' / (g + g') the conformal radius, and what the lef
 measure 1/2 - asin(s) / pi, s = (g - g') / (g + g').
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from sie.basis.arrays import Array

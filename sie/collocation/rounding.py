@@ -6,8 +6,6 @@ Levels are differences of large potentials and heights: theirs is the rounding o
 zone between heavy ones feels what the heights of all are known to.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from sie.basis.arrays import Array

@@ -10,8 +10,6 @@ by Gauss-Legendre rules on the stretches between jumps, where g is smooth. The u
 coefficients of the jumps' parts included.
 """
 
-from __future__ import annotations
-
 from functools import lru_cache
 
 import numpy as np

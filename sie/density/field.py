@@ -4,8 +4,6 @@ What a zone, or one moved by one of the kernel's poles, does on itself and off i
 finished by quadrature.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

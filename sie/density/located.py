@@ -1,7 +1,5 @@
 """A density by places on the line and in the plane: what those on plain intervals and those beside slits have in common."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Self

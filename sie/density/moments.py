@@ -1,7 +1,5 @@
 """A density's weights for the regular part of the kernel: at nodes of a quadrature, and on the kernel's panels."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from sie.basis import chebyshev

@@ -13,8 +13,6 @@ On a zone or image everything is by rho (see `basis.interval`). A jump at s = co
 Zones that are many are summed by the tree (`treecode`): a node seen with |rho| < 0.21 is its first moments.
 """
 
-from __future__ import annotations
-
 from functools import cached_property
 
 import numpy as np

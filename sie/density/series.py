@@ -1,7 +1,5 @@
 """A density zone by zone: its coefficients and jumps, what they make of it on its zones, and what sums over zones read of it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 

@@ -4,8 +4,6 @@ The line is cut into cells, the zones and pieces of the gaps between them. What 
 them from one fast sum; a point adds what the few near zones do.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from functools import cached_property
 

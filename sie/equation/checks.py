@@ -4,8 +4,6 @@ What they return must be real and of the shape asked for; a primitive must rise 
 likewise; of a symmetric set the right side must be odd.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -5,8 +5,6 @@ which knows how total, potential, weighted integral and edge intensity of each z
 one class with `count` and `rows`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol

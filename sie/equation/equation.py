@@ -6,8 +6,6 @@ with side conditions on phi and on the unknown amplitudes lambda_k. Unknowns are
 arithmetic: per zone the index, one for each free end, one for each unknown amplitude.
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, field

@@ -4,8 +4,6 @@ Moments of what stands on an interval, the integrals of T_k over pi, go up the t
 (L. Greengard and V. Rokhlin, J. Comput. Phys. 73 (1987) 325-348, in one dimension and with Chebyshev series in place of powers).
 """
 
-from __future__ import annotations
-
 from functools import cached_property
 from typing import Any
 

@@ -1,7 +1,5 @@
 """GMRES for an operator that is nearly the identity, without restarts (Saad & Schultz 1986, SIAM J. Sci. Stat. Comput. 7, 856-869)."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

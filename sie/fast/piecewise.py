@@ -9,8 +9,6 @@ It is made once, from a fast sum over the pieces themselves (`fast`) and closed 
 So no number is larger than f itself, where truncated powers of n jumps grow to n^2 times it.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 

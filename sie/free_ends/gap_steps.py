@@ -18,8 +18,6 @@ whose integral grows with c and not with c^2; then it is the sum of both integra
 this is the plain step 2 K / A.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

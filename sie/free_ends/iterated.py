@@ -8,8 +8,6 @@ by GMRES: one fast sum a step, as for the equation itself. The preconditioner is
 to its own zone alone, so that the number of steps does not grow with that of the zones.
 """
 
-from __future__ import annotations
-
 from functools import cached_property
 
 import numpy as np

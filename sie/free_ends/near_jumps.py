@@ -13,8 +13,6 @@ puts 2 J / (pi sqrt(y)) into A, and 2 J sqrt(y) / pi into K, which it leaves whe
 passes one with J < 0 inward: the density would have the wrong sign all about it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What the steps of a search for ends tell: whether the ends have come to rest and to what they are known, or why they will not."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 import numpy as np

@@ -8,8 +8,6 @@ so the coefficients that are no unknowns are (2/w) rho^l / pi; their intensities
 this kind, are geometric series and logarithms, however near to the zone a source is.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Jumps within zones: where they are, and the closed forms of each, at any points that broadcast with them; see `forcing`."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from functools import cached_property

@@ -1,7 +1,5 @@
 """The density of wide zones with slits, as that of the pieces between the slits; see `slits` for the equations."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property

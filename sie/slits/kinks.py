@@ -20,8 +20,6 @@ one makes up for; with D = phi - phi(.), y = t - m, that is
     -(h/pi) X (bar(sin(phi) - sin(phi(.))) - 2 (s - m) bar(D) - 2 r bar(c D) + (y - m) bar(D)),   c = cos over the slit. (Derived here.)
 """
 
-from __future__ import annotations
-
 from functools import cached_property
 
 import numpy as np

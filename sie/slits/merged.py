@@ -4,8 +4,6 @@ A density on one of two zones a gap g apart has a singularity of its own one g b
 modes. On the zone that spans both, g a *slit*, everything but the slit's own share is as smooth as the right side.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property

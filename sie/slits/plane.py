@@ -16,8 +16,6 @@ of (zeta - s') log(zeta - s') is r (zeta_slit (log(r/2) + 1 + arcosh(zeta_slit))
 The potential is carried down from where the coefficients of the wide zones tell all of it, along the vertical: W(z) = W(z + i Y) - i int F.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from sie.basis import chebyshev

@@ -14,8 +14,6 @@ Off its own zone P[s] acts through its coefficients s_k = (2/pi) int s sin(k phi
 = sin(phi) / 2 (cos(theta) - cos(phi)); derived here, see docs/theory.)
 """
 
-from __future__ import annotations
-
 from functools import cached_property
 
 import numpy as np

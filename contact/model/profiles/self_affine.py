@@ -1,7 +1,5 @@
 """Random rough profiles: a self-affine spectrum with random phases, the same for the same seed."""
 
-from __future__ import annotations
-
 from math import floor, pi, sqrt
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Blunt wedge, alone or in a row: f(x) = slope |x| (Goryacheva & Tsukanov 2020, eq. 24-26)."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import pi
 from typing import Any

@@ -6,8 +6,6 @@ taper (bring both ends to one height, so that one length is a period). What was 
 `Trace.warnings`; `Trace.stages` has the points after each step.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import partial
 from math import ceil, log10

@@ -6,8 +6,6 @@ I. G. Goryacheva & I. Tsukanov, Front. Mech. Eng. 6 (2020) 45, doi 10.3389/fmech
 (E*/2) f' + (2 P_s/pi L) artanh(2x/L).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import atan2, pi, sqrt
 from typing import TYPE_CHECKING, Any

@@ -5,8 +5,6 @@ problem for half-plane allowing for forces of friction", Sov. Appl. Mech. 12 (19
 the load (28).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import exp, expm1, log, log1p, pi, sqrt
 

@@ -5,8 +5,6 @@ H. M. Westergaard, "Bearing pressures and cracks", J. Appl. Mech. 6 (1939) A49-A
 (18) is misprinted there.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import inf, log, pi, sqrt
 from typing import Any

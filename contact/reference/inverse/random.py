@@ -1,7 +1,5 @@
 """Random exact problems for property-based tests."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from contact.reference.inverse.adhesive import AdhesiveDesign

@@ -1,7 +1,5 @@
 """A scene over a grid of values of its parameters, solved in many processes."""
 
-from __future__ import annotations
-
 import itertools
 import time
 from collections.abc import Generator, Mapping, Sequence
