@@ -93,13 +93,8 @@ class NotConverged(ArithmeticError):
 
 
 def solve(
-    equation: Equation,
-    zones: Zones,
-    tol: float = 1e-10,
-    *,
-    value: float = 0.0,
-    signs: tuple[float, float] = (1.0, 1.0),
-    max_steps: int = 40,
+    equation: Equation, zones: Zones, tol: float = 1e-10, *, value: float = 0.0,
+    signs: tuple[float, float] = (1.0, 1.0), max_steps: int = 40,
 ) -> Solution:
     """Solve a singular integral equation on zones with fixed ends, free ends, or both.
 

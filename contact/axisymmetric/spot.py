@@ -27,15 +27,8 @@ _ALONE = Surroundings(None, 0.0, 0.0)
 
 
 def solve_spot(
-    profile: Any,
-    E_star: float,
-    lattice: Lattice | Density | None = None,
-    *,
-    load: float | None = None,
-    nominal_pressure: float | None = None,
-    spot_radius: float | None = None,
-    rings: float = 0,
-    tol: float = 1e-10,
+    profile: Any, E_star: float, lattice: Lattice | Density | None = None, *, load: float | None = None,
+    nominal_pressure: float | None = None, spot_radius: float | None = None, rings: float = 0, tol: float = 1e-10,
 ) -> Spot:
     """The spot under a load per spot [N], a nominal pressure [Pa] or of a given radius [m]: exactly one of them.
 

@@ -61,10 +61,7 @@ class Zones(Kept):
 
     @classmethod
     def of(
-        cls,
-        ends: ArrayLike,
-        left: End | Sequence[End] = FREE,
-        right: End | Sequence[End] = FREE,
+        cls, ends: ArrayLike, left: End | Sequence[End] = FREE, right: End | Sequence[End] = FREE,
         symmetric: bool = False,
     ) -> Zones:
         """Checked zones from an (n, 2) array of ends; left, right: one kind for all, or one for each.

@@ -116,9 +116,7 @@ class PanelSums:
 
     def moments(self, y: Array) -> Array:
         """Moments of the panels from unknowns."""
-        weights = [
-            (chebyshev.t_values(y[columns], q) * scale).ravel() for columns, scale, q in self.groups
-        ]
+        weights = [(chebyshev.t_values(y[columns], q) * scale).ravel() for columns, scale, q in self.groups]
         return self.panels.moments(self.sources, np.concatenate(weights))
 
     def at_targets(self, moments: Array) -> tuple[Array, Array]:

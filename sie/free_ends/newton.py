@@ -130,22 +130,10 @@ class Free:
 
 
 def find_ends(
-    equation: Equation,
-    zones: Zones,
-    tolerance: float = 1e-12,
-    max_steps: int = 40,
-    value: float = 0.0,
-    limits: tuple[float, float] = (-np.inf, np.inf),
-    signs: tuple[float, float] = (1.0, 1.0),
-    near: bool = False,
-    decay: float | None = None,
-    bounded_ends: bool = True,
-    off: float = 1.0,
-    like: AnyState | Sizes | None = None,
-    limited: End = FREE,
-    few: float = 0.0,
-    patient: int = 0,
-    drops: bool = False,
+    equation: Equation, zones: Zones, tolerance: float = 1e-12, max_steps: int = 40, value: float = 0.0,
+    limits: tuple[float, float] = (-np.inf, np.inf), signs: tuple[float, float] = (1.0, 1.0), near: bool = False,
+    decay: float | None = None, bounded_ends: bool = True, off: float = 1.0, like: AnyState | Sizes | None = None,
+    limited: End = FREE, few: float = 0.0, patient: int = 0, drops: bool = False,
 ) -> Free:
     """Move the free ends of `zones` until every one has its prescribed intensity.
 
@@ -423,9 +411,7 @@ def _intensity(end: End) -> float:
     return end.intensity if end.moves and end.intensity is not None else 0.0
 
 
-def _newton(
-    state: AnyState, zones: Zones, signs: tuple[float, float], unit: Unit | None
-) -> Motion:
+def _newton(state: AnyState, zones: Zones, signs: tuple[float, float], unit: Unit | None) -> Motion:
     """The next step of ends of these kinds."""
     moves = zones.moves
     target = np.array([[_intensity(end) for end in zones.left], [_intensity(end) for end in zones.right]])

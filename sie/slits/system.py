@@ -388,9 +388,7 @@ AnyState = State | SlitState
 AnyDensity = Density | SlitDensity
 
 
-def solve_zones(
-    equation: Equation, zones: Zones, tolerance: float = 1e-14, sizes: Sizes | None = None
-) -> AnyState:
+def solve_zones(equation: Equation, zones: Zones, tolerance: float = 1e-14, sizes: Sizes | None = None) -> AnyState:
     """`solve_fixed`, with narrow gaps between zones as slits of the wide zones that span them.
 
     Parameters
