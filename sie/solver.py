@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from sie.basis.arrays import Array
+from sie.basis.data import Array
 from sie.basis.zones import Zones
 from sie.collocation import modes
 from sie.collocation.fixed import SingularSystem

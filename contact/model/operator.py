@@ -14,6 +14,8 @@ An interaction of someone's own may give a kernel itself, for zones, their press
 kernel the operator has no inverse: neither full contact nor the gap formulation is offered.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache, cached_property, partial

@@ -8,6 +8,8 @@ tends to 1 for waves that are short. With L_n = L(2 pi n / l), the kernel of a p
 since (1/pi) int cos(k xi) ln|2 sin(pi d / l)| dxi = -cos(kx) / k.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from functools import partial
 

@@ -1,5 +1,7 @@
 """Solutions made of what a search has found: zones in metres, the stated error, and what the plan says of the way."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Callable
 from dataclasses import replace

@@ -5,6 +5,8 @@ over the peak. Ends are off by what Newton has left to do, by what truncated ser
 pressure follows its ends (`sie.Density.sensitivity`), and is off itself by the series' truncation.
 """
 
+from __future__ import annotations
+
 from functools import cached_property
 
 import numpy as np

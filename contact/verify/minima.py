@@ -1,6 +1,8 @@
 """Signs of a function on intervals, by samples and by dips followed below the sampling: whether a zone has a gap in it, or a gap a touch,
 that no sample has met."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
 
 import numpy as np

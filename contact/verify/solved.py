@@ -1,5 +1,7 @@
 """Intervals that passed, whatever the formulation: what both leave behind for their stated errors."""
 
+from __future__ import annotations
+
 from typing import Any
 
 import sie

@@ -10,7 +10,7 @@ from functools import lru_cache
 import numpy as np
 from scipy import fft
 
-from sie.basis.arrays import Array
+from sie.basis.data import Array
 
 # Below this size a product with a stored matrix is faster than the call of a fast transform.
 LARGEST_MATRIX = 96

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from sie.basis.arrays import Array, Index
+from sie.basis.data import Array, Index
 
 
 def wrapped(x: Array, start: float | Array, period: float | None) -> Array:

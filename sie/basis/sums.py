@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sie.basis.arrays import Array, Index, Mask
+from sie.basis.data import Array, Index, Mask
 
 # Below this number of multiplications all pairs are summed to the same order; of few pairs, all powers are formed at once.
 _SMALL, _FEW = 200_000, 256

@@ -17,10 +17,9 @@ from typing import Any
 import numpy as np
 
 from sie.basis import chebyshev
-from sie.basis.arrays import Array
+from sie.basis.data import Array, record
 from sie.basis.interval import Outside, fall
 from sie.basis.kernels import Kernel
-from sie.basis.record import record
 from sie.basis.zones import Zones
 from sie.collocation.system import Layout
 from sie.fast import lazy

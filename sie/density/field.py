@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sie.basis.arrays import Array, Index
+from sie.basis.data import Array, Index
 from sie.basis.interval import OnLine, potential_of, transform_of
 from sie.basis.kernels import Regular
 from sie.density.series import Series

@@ -3,7 +3,7 @@
 import numpy as np
 
 from sie.basis import chebyshev
-from sie.basis.arrays import Array
+from sie.basis.data import Array
 from sie.basis.kernels import Kernel, regular_size
 from sie.basis.zones import Zones
 from sie.fast.panels import Panels, Spread, panels_over

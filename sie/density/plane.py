@@ -18,7 +18,7 @@ from functools import cached_property
 import numpy as np
 
 from sie.basis import chebyshev
-from sie.basis.arrays import Array, Index
+from sie.basis.data import Array, Index
 from sie.basis.interval import Complex, InPlane, Outside, What, complex_of, of_t, transform_of, transform_slope_of
 from sie.basis.kernels import Regular
 from sie.basis.sums import of_zones, pair_blocks

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from sie.basis import chebyshev
-from sie.basis.arrays import Array, Index, Mask
+from sie.basis.data import Array, Index, Mask
 from sie.basis.interval import (
     OnLine,
     edge_slopes,

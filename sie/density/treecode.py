@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 from numpy.polynomial.chebyshev import chebint
 
-from sie.basis.arrays import Array, Index
+from sie.basis.data import Array, Index
 from sie.basis.interval import Outside, of_t
 from sie.basis.zones import Zones
 from sie.density.field import from_zones

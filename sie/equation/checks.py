@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from sie.basis.arrays import Array
+from sie.basis.data import Array
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
 from sie.equation.conditions import speaks_of_levels

@@ -12,9 +12,8 @@ from typing import Protocol
 import numpy as np
 
 from sie.basis import chebyshev
-from sie.basis.arrays import Array
+from sie.basis.data import Array, record
 from sie.basis.interval import edge_scale
-from sie.basis.record import record
 from sie.basis.zones import Zones
 
 Linear = tuple[Array, Array]

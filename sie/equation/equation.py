@@ -13,8 +13,7 @@ from functools import cached_property
 
 import numpy as np
 
-from sie.basis.arrays import Array, Index
-from sie.basis.kept import Kept
+from sie.basis.data import Array, Index, Kept
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
 from sie.equation.conditions import Condition, EndCondition

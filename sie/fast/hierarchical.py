@@ -9,7 +9,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from sie.basis.arrays import Array, Index
+from sie.basis.data import Array, Index
 
 Entries = Callable[[Index, Index], Array]
 """entries(rows, columns): the block, broadcast."""

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from sie.basis import chebyshev
-from sie.basis.arrays import Array, Index
+from sie.basis.data import Array, Index
 from sie.basis.interval import Outside
 from sie.basis.kernels import Kernel
 from sie.fast.far import FarSum, Nested

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import lu_factor
 
-from sie.basis.arrays import Array
+from sie.basis.data import Array
 from sie.collocation.fixed import SingularSystem, State, rows_of
 from sie.collocation.solved import Factored
 from sie.free_ends.iterated import IteratedMotions

@@ -12,8 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
-from sie.basis.arrays import Array
-from sie.basis.record import record
+from sie.basis.data import Array, record
 from sie.collocation.fixed import State
 from sie.collocation.iterative import Applied, Iterative, IterativeSystem
 from sie.collocation.system import condition_rows

@@ -4,8 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from sie.basis.arrays import Array, Index, Mask
-from sie.basis.record import record
+from sie.basis.data import Array, Index, Mask, record
 from sie.basis.zones import Zones
 
 # A zone alone that has shrunk to this part of its first width has vanished; one of several is then reported as lost, or a gap as closed, at

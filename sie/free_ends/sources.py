@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sie.basis import chebyshev
-from sie.basis.arrays import Array, Index
+from sie.basis.data import Array, Index
 from sie.basis.interval import edge_scale
 from sie.collocation.fixed import State
 from sie.collocation.system import Places, fields, outside

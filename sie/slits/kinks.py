@@ -25,10 +25,8 @@ from functools import cached_property
 import numpy as np
 
 from sie.basis import chebyshev
-from sie.basis.arrays import Array, Mask
+from sie.basis.data import Array, Kept, Mask, record
 from sie.basis.interval import Outside, theta
-from sie.basis.kept import Kept
-from sie.basis.record import record
 
 # Orders q that are carried.
 HIGHEST = 2

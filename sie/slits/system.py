@@ -13,10 +13,8 @@ from functools import cached_property
 
 import numpy as np
 
-from sie.basis.arrays import Array, Index
+from sie.basis.data import Array, Index, Kept, record
 from sie.basis.interval import edge_scale
-from sie.basis.kept import Kept
-from sie.basis.record import record
 from sie.basis.zones import Zones
 from sie.collocation.fixed import (
     THETA,

@@ -1,5 +1,7 @@
 """Fields of a contact that is one interval: the pressure and the numbers by its series, the rest by the engine when it is asked for."""
 
+from __future__ import annotations
+
 import math
 from functools import cached_property, lru_cache
 from typing import Any

@@ -5,6 +5,8 @@ right-hand-side terms of unknown amplitude and the conditions that close them. I
 scaled length) are given to it.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable, Mapping
 from typing import Any, ClassVar
 

@@ -5,6 +5,8 @@ from there as well), scaled with the unit of length, the derivative of its own p
 a symbol must be that of the kernel. Each is held at a few places, and what is wrong is named.
 """
 
+from __future__ import annotations
+
 import numpy as np
 
 import sie

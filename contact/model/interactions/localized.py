@@ -9,6 +9,8 @@ to the right side on a half-plane (contact.model.strip, for other substrates as 
 everything but the strip does.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import sie
