@@ -21,8 +21,7 @@ import numpy as np
 
 from contact import interrupts
 from contact.commands.explore import explore_command
-from contact.commands.options import QUIET, SCENE, TOL, scene_of
-from contact.commands.outputs import OVERWRITE, Outputs
+from contact.commands.options import OVERWRITE, QUIET, SCENE, TOL, Outputs, scene_of
 from contact.commands.path import path_command
 from contact.commands.sweep import sweep_command
 from contact.commands.trace import show_profile, trace_command

@@ -9,7 +9,7 @@ from typing import Any
 import click
 import numpy as np
 
-from contact.commands.outputs import OVERWRITE, Outputs, checked
+from contact.commands.options import OVERWRITE, Outputs, checked
 from contact.commands.trace_plot import plot_trace
 from contact.errors import SceneError, warn
 from contact.extras import require

@@ -7,7 +7,7 @@ import numpy as np
 from contact.model.traces.prepare import Trace
 from contact.model.traces.roughness import Roughness
 from contact.model.units import prefix, quantity
-from contact.solution.panels import new_figure
+from contact.solution.plotting import new_figure
 from sie import Array
 
 _BEFORE, _AFTER, _LOST = "#9a9a9a", "#1f5a92", "#b3261e"

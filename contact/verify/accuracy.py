@@ -14,8 +14,7 @@ import numpy as np
 import sie
 from contact.formulation.fields import ZoneFields
 from contact.formulation.problem import Problem
-from contact.verify.certificate import ROUNDING
-from contact.verify.solved import Solved
+from contact.verify.certificate import ROUNDING, Solved
 from sie import Array, record
 
 # Beside a singular end the pressure is several times the mean, to which its error is referred.

@@ -6,8 +6,7 @@ import numpy as np
 
 from contact.formulation.fields import moved_ends
 from contact.formulation.gaps import GapFields
-from contact.verify.certificate import ROUNDING
-from contact.verify.solved import Solved
+from contact.verify.certificate import ROUNDING, Solved
 from sie import Array, record, wrapped
 
 # Pressures closer to a gap than this part of the period are as uncertain as the rounding of their own position makes them:
