@@ -31,8 +31,7 @@ from contact.search.ways.guesses import Outcome
 from contact.solution import made, validity
 from contact.solution.answer import PullOff
 from contact.solution.solution import Solution
-from contact.verify.accuracy import Found
-from contact.verify.gap_accuracy import FoundByGaps
+from contact.verify.accuracy import Found, FoundByGaps
 
 
 def solve(

@@ -21,9 +21,8 @@ from contact.model.units import quantity
 from contact.solution.answer import PullOff
 from contact.solution.plan import Plan
 from contact.solution.solution import Solution, limit_of_approach
-from contact.verify.accuracy import Found, limit, of_positions, too_thin
+from contact.verify.accuracy import Found, FoundByGaps, limit, of_positions, too_thin
 from contact.verify.certificate import Certificate
-from contact.verify.gap_accuracy import FoundByGaps
 from sie import Array
 
 
