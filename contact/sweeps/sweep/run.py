@@ -15,7 +15,6 @@ from contact.extras import require
 from contact.model.checks import integer, one_of
 from contact.model.scene import Scene
 from contact.search.topology.loop import Progress
-from contact.solution.export import new_file
 from contact.solver import tolerance
 from contact.sweeps.sweep.chunks import Rows, chunks_of
 from contact.sweeps.sweep.cluster import Cluster
@@ -170,7 +169,9 @@ def _check_values(scene: Scene, axes: Sequence[Axis]) -> None:
 def _checked(out: str | PathLike[str]) -> Path:
     if not isinstance(out, (str, PathLike)) or Path(out).suffix.lower() != ".nc":
         raise SceneError.of("out", out, "the name of a file that ends in .nc")
-    path = new_file(out, overwrite=True)
+    path = Path(out)
+    if path.is_dir() or not path.parent.is_dir():
+        raise SceneError.of("out", str(path), "a file in a folder that exists")
     for needed in ("h5netcdf", "h5py", "filelock"):
         require(needed)
     return path
