@@ -8,8 +8,6 @@
     solution       in SI units, with its plan                                               contact.solution
 """
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable
 from dataclasses import replace

@@ -498,15 +498,7 @@ def _ends(profile: Profile) -> bool:
 
 
 _CHECKS: tuple[tuple[str, Callable[[Profile, Array], Iterator[str]]], ...] = (
-    ("declarations", _declarations),
-    ("values", _values),
-    ("shapes", _shapes),
-    ("periodicity", _periodicity),
-    ("continuity", _continuity),
-    ("slope", _slope),
-    ("symmetry", _symmetry),
-    ("kinks", _kinks),
-    ("jumps", _higher_jumps),
-    ("summits", _summits),
-    ("conjugate", _conjugate),
+    ("declarations", _declarations), ("values", _values), ("shapes", _shapes), ("periodicity", _periodicity),
+    ("continuity", _continuity), ("slope", _slope), ("symmetry", _symmetry), ("kinks", _kinks),
+    ("jumps", _higher_jumps), ("summits", _summits), ("conjugate", _conjugate),
 )

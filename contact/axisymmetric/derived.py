@@ -5,8 +5,6 @@ first met. The values come from a derivative in ln r (no step leaves r > 0), by 
 function takes complex numbers; one more derivative is the series' own.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -8,8 +8,6 @@ For s > 2 it is the plain sum; for s = 1, where that diverges, it is the sum les
 evenly: with it the displacement is measured from its own mean.
 """
 
-from __future__ import annotations
-
 from functools import lru_cache
 from math import gamma, pi
 

@@ -8,8 +8,6 @@ level's share of area, (pi N_j)^(-1/2) as in (1), and each other level outside a
 N_i)^(-1/2).
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import inf, isinf
@@ -143,14 +141,8 @@ class LevelsSolution:
 
 
 def solve_levels(
-    levels: Sequence[Level],
-    E_star: float,
-    lattice: Lattice | None = None,
-    *,
-    nominal_pressure: float | None = None,
-    approach: float | None = None,
-    rings: float = 0,
-    tol: float = 1e-10,
+    levels: Sequence[Level], E_star: float, lattice: Lattice | None = None, *, nominal_pressure: float | None = None,
+    approach: float | None = None, rings: float = 0, tol: float = 1e-10,
 ) -> LevelsSolution:
     """Which levels touch at a nominal pressure [Pa] or an approach [m], and their spots.
 
@@ -201,11 +193,8 @@ def solve_levels(
     for c in contacts:
         pressures[c.kinds], deltas[c.kinds] = E * c.pressure, c.delta
     return LevelsSolution(
-        nominal_pressure=sum(s.load * s.density for s in found),
-        approach=found[0].approach,
-        spots=tuple(spots.get(j) for j in range(len(kinds))),
-        touch_pressures=pressures,
-        touch_approaches=deltas,
+        nominal_pressure=sum(s.load * s.density for s in found), approach=found[0].approach,
+        spots=tuple(spots.get(j) for j in range(len(kinds))), touch_pressures=pressures, touch_approaches=deltas,
     )
 
 
@@ -369,9 +358,7 @@ def _shifts(sites: Sequence[Site], origin: Site) -> list[Site]:
 
 def _same_views(lattice: Lattice, views: list[list[list[Site]]]) -> None:
     """Refuse a level whose sites see different surroundings."""
-    rows = [
-        [np.sort(np.concatenate([lattice.distances(s, 4.0) for s in shifts])) for shifts in view] for view in views
-    ]
+    rows = [[np.sort(np.concatenate([lattice.distances(s, 4.0) for s in shifts])) for shifts in view] for view in views]
     for row in rows[1:]:
         for mine, first in zip(row, rows[0], strict=True):
             if mine.size != first.size or not np.allclose(mine, first, rtol=0, atol=1e-8):

@@ -16,8 +16,6 @@ kept):
 from the mean plane. All rings: no circle, and lattice sums in place of the far part of the series in (x - t)^2/D^2.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import asin, cos, inf, isinf, pi, sin, sqrt
 

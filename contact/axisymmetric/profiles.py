@@ -9,8 +9,6 @@ r"""Axisymmetric asperities f(r), f(0) = 0, and what their Abel transform says o
 do; a subclass needs its slope alone, and may give the rest in closed form.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property

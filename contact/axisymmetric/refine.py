@@ -1,7 +1,5 @@
 """More nodes until nothing changes: the error of a spot is stated from what was seen, not from a rate believed."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from math import inf

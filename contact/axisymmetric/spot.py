@@ -8,8 +8,6 @@ so P_s (1 - F) = P_f(a), F = (2/pi)[arcsin(a/A) - (a/A) sqrt(1 - a^2/A^2)]. `rin
 their places, `math.inf` all of them: then only what varies with the angle is left out.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from math import asin, inf, isinf, pi, sqrt
 from typing import Any
@@ -29,15 +27,8 @@ _ALONE = Surroundings(None, 0.0, 0.0)
 
 
 def solve_spot(
-    profile: Any,
-    E_star: float,
-    lattice: Lattice | Density | None = None,
-    *,
-    load: float | None = None,
-    nominal_pressure: float | None = None,
-    spot_radius: float | None = None,
-    rings: float = 0,
-    tol: float = 1e-10,
+    profile: Any, E_star: float, lattice: Lattice | Density | None = None, *, load: float | None = None,
+    nominal_pressure: float | None = None, spot_radius: float | None = None, rings: float = 0, tol: float = 1e-10,
 ) -> Spot:
     """The spot under a load per spot [N], a nominal pressure [Pa] or of a given radius [m]: exactly one of them.
 

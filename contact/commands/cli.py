@@ -5,8 +5,6 @@ Exit status 0: solved; 2: bad input or out of range; 3: not converged; 130: inte
 line for each warning.
 """
 
-from __future__ import annotations
-
 import inspect
 import os
 import sys

@@ -1,7 +1,5 @@
 """`contact explore [SCENE]`: the page with sliders, served on this machine alone."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import click

@@ -1,7 +1,5 @@
 """What several commands have in common: how a scene is named, and options."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Files that a command is asked to write: what cannot be written is refused before any work is done."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path

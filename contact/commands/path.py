@@ -1,7 +1,5 @@
 """`contact path SCENE --loads A:B:N`: a scene at many loads, up and down, with the loads at which zones come, go and merge."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path

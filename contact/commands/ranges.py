@@ -1,7 +1,5 @@
 """Many values in few words: A:B:N, A:B:N:log, or values with commas between them."""
 
-from __future__ import annotations
-
 from math import isfinite
 
 import numpy as np

@@ -1,7 +1,5 @@
 """`contact sweep SCENE --vary KEY=A:B:N --out OUT.nc`: a scene over a grid of values, on this machine or on a cluster, gone on with."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Sequence
 from pathlib import Path

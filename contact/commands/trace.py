@@ -1,7 +1,5 @@
 """`contact trace FILE`: what is read in a file, its roughness and its preparation, and a scene file to start from."""
 
-from __future__ import annotations
-
 import json
 import os
 from collections.abc import Callable, Mapping

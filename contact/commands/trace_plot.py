@@ -1,7 +1,5 @@
 """The picture of a trace: the points as read, after each step and as they are solved; how often heights occur; the power spectrum."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

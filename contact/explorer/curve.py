@@ -1,7 +1,5 @@
 """The load curve of a scene, a point at a time: so that the page goes on answering while it is drawn."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

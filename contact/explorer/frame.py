@@ -1,7 +1,5 @@
 """One frame of the page: a scene is solved, and what is drawn and said of it comes out; or a message, where it cannot be."""
 
-from __future__ import annotations
-
 import time
 from dataclasses import dataclass
 from typing import Any

@@ -4,8 +4,6 @@ A slider that is dragged sends more values than can be solved: what came last wh
 loads comes from the page's own server.
 """
 
-from __future__ import annotations
-
 import math
 import time
 import tomllib

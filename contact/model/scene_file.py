@@ -5,8 +5,6 @@ The keys of a table are the arguments of the Python object it stands for, in the
 an interaction, a substrate or a law is readable from a file as soon as it is registered. File names are relative to the scene file.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection, Mapping
 from functools import partial
 from os import PathLike

@@ -1,7 +1,5 @@
 """A scene as the text of a scene file: what `contact.load_scene` reads back as the same scene."""
 
-from __future__ import annotations
-
 import dataclasses
 import json
 from collections.abc import Mapping

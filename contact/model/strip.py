@@ -8,8 +8,6 @@ mean of a period; within the strip it does so by its potential, so that beyond i
 goes to the right side: (2 pbar/pi) artanh(2y/W) on a half-plane, equation (13) of Goryacheva & Tsukanov (2020).
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -8,8 +8,6 @@ With P0 the isolated load at half-width a and s = sqrt(L^2 - 4a^2)/L, the two re
 Every example knows the exact solution of the same half-width, which the errors are measured by.
 """
 
-from __future__ import annotations
-
 from typing import Any, Self
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The parabola f = x^2/2R in a row of period L by the localization principle: equations (28)-(30)."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from contact.paper.one_zone import OneZone

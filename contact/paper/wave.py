@@ -1,7 +1,5 @@
 """The sinusoid f = Delta (1 - cos(2 pi x/L)) by the localization principle: equations (18)-(24)."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import pi, sqrt
 

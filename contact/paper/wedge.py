@@ -1,7 +1,5 @@
 """The wedge f = tan(beta) |x| in a row of period L by the localization principle: equations (25)-(27)."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import pi
 

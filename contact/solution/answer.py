@@ -1,7 +1,5 @@
 """What a scene comes to: zones, fields and numbers in SI units, with their error, certificate and plan."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property

@@ -1,7 +1,5 @@
 """The energy of a contact, in parts."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 

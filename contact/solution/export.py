@@ -4,8 +4,6 @@ SI units everywhere. What a scene does not define (None) and what is infinite, a
 corner, is null in JSON, which has no infinities. A file that is there is written over only when that is asked for.
 """
 
-from __future__ import annotations
-
 import csv
 import io
 import json

@@ -1,7 +1,5 @@
 """Figures of matplotlib's own, drawn by Agg without pyplot: no window, no backend and no setting is touched."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

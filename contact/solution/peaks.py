@@ -1,7 +1,5 @@
 """The highest pressure of each zone."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

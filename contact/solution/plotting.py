@@ -6,8 +6,6 @@ down; the counter-face below, flat or with heights of its own, is given the disp
 zones narrow beside the stretch shown, has a second column: the same two panels close to the highest pressure.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

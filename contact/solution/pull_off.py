@@ -1,7 +1,5 @@
 """Where a contact comes apart as its control falls."""
 
-from __future__ import annotations
-
 from dataclasses import field
 
 from sie import Array, record

@@ -229,9 +229,7 @@ class _Path:
         events = sorted(self._events(low, high), key=lambda event: event.load)
         if rising:
             return events
-        return [
-            Event(_REVERSED[e.kind], e.load, e.position, e.after, e.before) for e in reversed(events)
-        ]
+        return [Event(_REVERSED[e.kind], e.load, e.position, e.after, e.before) for e in reversed(events)]
 
     def _events(self, low: Solution, high: Solution) -> list[Event]:
         changes = _changes(low, high)

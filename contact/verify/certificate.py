@@ -5,8 +5,6 @@ sampled between the zones, closer near their ends, and its minima are followed b
 sign of the gap is that of the pressure's slope A there, since gap ~ (4 A / 3) d^(3/2) / (E*/2).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -152,22 +150,10 @@ def certify(fields: ZoneFields, load: float | None, held: Control | None = None,
     if broken:
         holds, note = False, f"{law.name}: {broken}"
     return Certificate(
-        smallest_pressure=least * units.pressure,
-        smallest_gap=None if gaps is None else gaps * units.height,
-        gap_rounding=rounding * units.height,
-        load_balance=balance,
-        level_spread=spread,
-        points=signs.points + outside,
-        holds=bool(holds),
-        undecided=bool(undecided) or left_out > 0,
-        note=note,
-        dip=dip,
-        moment_balance=turned,
-        intensity=missed,
-        stability=stability,
-        negative=pressures,
-        overlaps=overlaps,
-        lowest=minima,
+        smallest_pressure=least * units.pressure, smallest_gap=None if gaps is None else gaps * units.height,
+        gap_rounding=rounding * units.height, load_balance=balance, level_spread=spread, points=signs.points + outside,
+        holds=bool(holds), undecided=bool(undecided) or left_out > 0, note=note, dip=dip, moment_balance=turned,
+        intensity=missed, stability=stability, negative=pressures, overlaps=overlaps, lowest=minima,
     )
 
 

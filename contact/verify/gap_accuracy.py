@@ -1,7 +1,5 @@
 """Gaps that passed the certificate, and what is stated of the error of the contact between them."""
 
-from __future__ import annotations
-
 from functools import cached_property
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Signs of a nearly full contact: every gap open, pressure in every zone of contact, and a gap in every valley with a kink."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from contact.formulation.full import NARROWEST

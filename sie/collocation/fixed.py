@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 from scipy.linalg import lapack, lu_factor, lu_solve
 
-from sie.basis.arrays import Array, Index, Mask
+from sie.basis.data import Array, Index, Mask
 from sie.basis.interval import edge_scale
 from sie.basis.zones import Zones
 from sie.collocation import modes

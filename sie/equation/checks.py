@@ -4,14 +4,12 @@ What they return must be real and of the shape asked for; a primitive must rise 
 likewise; of a symmetric set the right side must be odd.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-from sie.basis.arrays import Array
+from sie.basis.data import Array
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
 from sie.equation.conditions import speaks_of_levels

@@ -13,14 +13,12 @@ c_l = -2 l (finite parts: (1/pi) int T_l S dt = -l, from rho^l / sqrt(z^2 - 1) a
 So the rows at hand, applied to these, tell what S does to the other zones, and one solution with the factors at hand what answers.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import lu_factor
 
-from sie.basis.arrays import Array
+from sie.basis.data import Array
 from sie.collocation.fixed import SingularSystem, State, rows_of
 from sie.collocation.solved import Factored
 from sie.free_ends.iterated import IteratedMotions

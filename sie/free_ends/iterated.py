@@ -8,14 +8,11 @@ by GMRES: one fast sum a step, as for the equation itself. The preconditioner is
 to its own zone alone, so that the number of steps does not grow with that of the zones.
 """
 
-from __future__ import annotations
-
 from functools import cached_property
 
 import numpy as np
 
-from sie.basis.arrays import Array
-from sie.basis.record import record
+from sie.basis.data import Array, record
 from sie.collocation.fixed import State
 from sie.collocation.iterative import Applied, Iterative, IterativeSystem
 from sie.collocation.system import condition_rows

@@ -8,9 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from sie.basis.arrays import Array
+from sie.basis.data import Array, record
 from sie.basis.interval import edge_scale
-from sie.basis.record import record
 from sie.collocation.fixed import State
 
 

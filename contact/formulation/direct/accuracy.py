@@ -9,8 +9,6 @@ changes sum k g_k sin(k a) by k g_k (1 - cos(a) cos(k a)) / sin(a) of odd orders
 the middle moves: (cos(a) - cos(k a)) / sin(a), (1 - cos(k a)) / sin(a) and cos(a) (1 - cos(k a)) / sin(a), none of them above k.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from contact.formulation.direct.ends import Ends

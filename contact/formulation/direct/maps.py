@@ -13,8 +13,6 @@ as cot(u - v) + cot(u + v) = sin 2u / (sin^2 u - sin^2 v). The level of a pair i
 Shtaerman's (1949); the pair's is found by (34) of Goryacheva & Tsukanov (2020) with two zones.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -3,8 +3,6 @@
 Of so few numbers a call takes longer than what it does, and the place of the least is found by a quicker one than the least itself.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -10,8 +10,6 @@ and where it is nowhere negative outwards, and nowhere positive between the zone
 Where it is, as beside the border of a lone wave, the gap itself is looked at.
 """
 
-from __future__ import annotations
-
 import math
 from functools import lru_cache
 

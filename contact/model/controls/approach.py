@@ -1,7 +1,5 @@
 """The approach of the bodies."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The part of the period in contact."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

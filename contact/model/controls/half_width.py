@@ -1,7 +1,5 @@
 """The half width of the one zone of a symmetric profile."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The load, as such or by the mean pressure."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

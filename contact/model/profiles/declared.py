@@ -4,8 +4,6 @@ Looked at once, when a scene is made of a profile of someone's own: a wrong shap
 numpy's in the middle of a solution. Whether the values agree with each other is for `contact.testing.check_profile`.
 """
 
-from __future__ import annotations
-
 import warnings
 from typing import Any
 

@@ -5,8 +5,6 @@ reach past what the shape does beside s, short ones lose their digits to roundin
 A bend that is smooth, only sharp, looks like a jump from afar: a jump counts as one only if it is there from as near as rounding lets.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import factorial
 

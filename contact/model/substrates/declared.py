@@ -4,8 +4,6 @@ Looked at once, when a scene is made: the symbol must be real, finite and of the
 an atom, above zero, 1 for short waves, and for long ones as the `compression` says. What is wrong is named.
 """
 
-from __future__ import annotations
-
 from math import isfinite
 from numbers import Real
 from typing import Any

@@ -4,8 +4,6 @@ A file has many readings: what stands between columns, what marks decimals, whic
 can be told is taken; where two are possible the file is refused, with both of them and what to write for each.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """What the header of a trace says: names of columns, and units."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 

@@ -1,7 +1,5 @@
 """Units of a measured trace, by the names that people and instruments write."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

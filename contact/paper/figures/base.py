@@ -1,7 +1,5 @@
 """What a figure is here: numbers in columns, the words that say what they are, and a drawing of them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path

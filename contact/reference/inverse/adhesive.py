@@ -12,8 +12,6 @@ with its solutions that are unbounded at the ends, and the intensity of JKR (K. 
 doi 10.1016/0020-7683(94)00111-9).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 from math import pi, sqrt

@@ -17,8 +17,6 @@ At a strip of width w the integral over it is, with zeta the root of the distanc
 whose first part is smooth, and whose second, times X, is 2 artanh(zeta or 1/zeta), with an integral in closed form.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from math import pi

@@ -15,8 +15,6 @@ All factors are formed from distances to the ends of the point's own zone or gap
 end.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any

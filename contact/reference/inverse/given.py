@@ -1,7 +1,5 @@
 """What every contact designed to given zones shares: they, and numbers and fields built on the pressure and the slope of the gap."""
 
-from __future__ import annotations
-
 from functools import cached_property
 from typing import Any
 

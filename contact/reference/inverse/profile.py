@@ -1,7 +1,5 @@
 """The shape of a designed contact that is alone: a Chebyshev series of f'."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -10,8 +10,6 @@ all zones equal: the finite part of its integral over every gap vanishes. Derive
 second derivative, which nothing in its making supposes.
 """
 
-from __future__ import annotations
-
 from math import pi
 from typing import Any
 

@@ -3,8 +3,6 @@
 A worker that is lost on the way loses nothing: the scheduler gives what it ran to another. Workers may come and go at any time.
 """
 
-from __future__ import annotations
-
 import pickle
 from collections.abc import Generator, Sequence
 from typing import Any

@@ -1,7 +1,5 @@
 """What of a scene can be varied: the keys of its tables, as a scene file has them, `TABLE.KEY`, and the scene with other values of them."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any

@@ -1,7 +1,5 @@
 """One sweep at a time writes a file: two would each write over what the other has solved."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress

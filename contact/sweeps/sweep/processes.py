@@ -4,8 +4,6 @@ A process that ends on the way, killed or out of memory, loses nothing but its t
 point, and a point that ends its process once more is a failed one. Where others cannot be started, this one solves.
 """
 
-from __future__ import annotations
-
 import multiprocessing
 import os
 import pickle

@@ -1,7 +1,5 @@
 """A scene over a grid of values of its parameters, solved in many processes."""
 
-from __future__ import annotations
-
 import itertools
 import time
 from collections.abc import Generator, Mapping, Sequence
@@ -31,16 +29,8 @@ _OFTEN, _SHARE = 2.0, 10.0
 
 
 def sweep(
-    scene: Scene,
-    over: Mapping[str, Any],
-    scheduler: Any = None,
-    tol: float = 1e-8,
-    *,
-    workers: int | None = None,
-    out: str | PathLike[str] | None = None,
-    overwrite: bool = False,
-    retry: bool = False,
-    branch: str = BRANCHES[0],
+    scene: Scene, over: Mapping[str, Any], scheduler: Any = None, tol: float = 1e-8, *, workers: int | None = None,
+    out: str | PathLike[str] | None = None, overwrite: bool = False, retry: bool = False, branch: str = BRANCHES[0],
     progress: Progress | None = None,
 ) -> Any:
     """Solve a scene over a grid of values of its parameters, in processes of this machine or on a cluster.

@@ -1,7 +1,5 @@
 """A scene in another process or on another machine: what arrives there, and what is solved there."""
 
-from __future__ import annotations
-
 import pickle
 from functools import lru_cache
 from typing import Any

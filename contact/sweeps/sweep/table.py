@@ -1,7 +1,5 @@
 """The table of a sweep: numbers over the grid, what failed and why; as an xarray.Dataset, and in a netCDF file that can be gone on with."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 import os
