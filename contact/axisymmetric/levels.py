@@ -19,8 +19,7 @@ from contact.axisymmetric.answer import Spot
 from contact.axisymmetric.lattices import Lattice, Site, as_lattice, own_radius
 from contact.axisymmetric.neighbours import Surroundings, surroundings
 from contact.axisymmetric.profiles import as_profile
-from contact.axisymmetric.refine import NODES, first_radius, refined, settled, spot_of
-from contact.axisymmetric.spot import one_control, ring_count
+from contact.axisymmetric.spot import NODES, first_radius, one_control, refined, ring_count, settled, spot_of
 from contact.axisymmetric.system import Kind, closed_edge, refine_topology, room, total_load
 from contact.axisymmetric.system import approach as given_approach
 from contact.errors import OutOfRange, SceneError

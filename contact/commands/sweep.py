@@ -8,9 +8,7 @@ from typing import Any
 import click
 import numpy as np
 
-from contact.commands.options import QUIET, SCENE, TOL, scene_of
-from contact.commands.outputs import checked
-from contact.commands.ranges import values_of
+from contact.commands.options import QUIET, SCENE, TOL, checked, scene_of, values_of
 from contact.commands.trace import show_profile
 from contact.errors import NotConverged, OutOfRange, SceneError
 from contact.model.units import column, quantity

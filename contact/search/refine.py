@@ -16,8 +16,7 @@ from contact.search.ways.full_contact import Full
 from contact.search.ways.gaps import tightened_gaps
 from contact.search.ways.guesses import Outcome
 from contact.search.ways.tightened import tightened
-from contact.verify.accuracy import Found, limit, of_positions, too_thin
-from contact.verify.gap_accuracy import FoundByGaps
+from contact.verify.accuracy import Found, FoundByGaps, limit, of_positions, too_thin
 
 # Zones of a lone body farther than so many times their span from the origin of places.
 _FAR_OFF = 64.0

@@ -19,7 +19,7 @@ from contact.errors import MissingExtra, SceneError
 from contact.extras import require, version
 from contact.model.controls import TURNING
 from contact.model.scene import Scene
-from contact.model.scene_text import tables
+from contact.model.scene_file import tables
 from contact.solution.answer import Answer
 from contact.solution.sampling import positions, window
 from contact.solution.validity import everything

@@ -18,12 +18,11 @@ from contact.formulation.tables import begun_from
 from contact.formulation.units import Units
 from contact.model.scene import Scene
 from contact.model.units import quantity
+from contact.solution.answer import PullOff
 from contact.solution.plan import Plan
-from contact.solution.pull_off import PullOff
 from contact.solution.solution import Solution, limit_of_approach
-from contact.verify.accuracy import Found, limit, of_positions, too_thin
+from contact.verify.accuracy import Found, FoundByGaps, limit, of_positions, too_thin
 from contact.verify.certificate import Certificate
-from contact.verify.gap_accuracy import FoundByGaps
 from contact.verify.gap_certificate import told_of_left_out
 from sie import Array
 

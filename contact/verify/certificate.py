@@ -5,16 +5,19 @@ sampled between the zones, closer near their ends, and its minima are followed b
 sign of the gap is that of the pressure's slope A there, since gap ~ (4 A / 3) d^(3/2) / (E*/2).
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
 
+import sie
 from contact.formulation.controls import Control
 from contact.formulation.fields import ZoneFields
 from contact.formulation.runs import runs_of
 from contact.verify.minima import DIP_ROUNDING, Signs, lowest, signs_on
-from sie import Array, Index, Mask
+from sie import Array, Index, Mask, record
 
 # Each zoom into a minimum narrows its bracket to a quarter at least.
 _ZOOMS = 7
@@ -312,3 +315,22 @@ def _between(lo: float, hi: float, fields: ZoneFields, left_zone: bool, right_zo
     # One at the end of a zone is in contact.
     first, last = np.searchsorted(tips, lo, side="right"), np.searchsorted(tips, hi, side="left")
     return np.unique(np.concatenate((x, tips[first:last]))) if last > first else x
+
+
+@record
+class Solved:
+    """free: the Newton result. fields: under the load that the intervals have. rounds: corrections it took. tolerance: of the ends.
+    off: how far the control may have been missed, in what the formulation says; of all intervals, or of each end (n, 2)."""
+
+    free: sie.Free
+    fields: Any
+    certificate: Certificate
+    rounds: int
+    control: Control
+    tolerance: float = 0.0
+    off: float | Array = 0.0
+
+    @property
+    def error(self) -> float:
+        """Bound of the errors of the pressure and of the zones' ends: see `Solution.error`."""
+        raise NotImplementedError

@@ -21,8 +21,7 @@ from scipy.linalg import lu_factor
 from sie.basis.data import Array
 from sie.collocation.fixed import SingularSystem, State, rows_of
 from sie.collocation.solved import Factored
-from sie.free_ends.iterated import IteratedMotions
-from sie.free_ends.motions import Moved, free_ends, spread
+from sie.free_ends.motions import IteratedMotions, Moved, free_ends, spread
 
 # Condition of the rates of K from which on they are rounding.
 _NEUTRAL_FROM = 1e14

@@ -2,10 +2,9 @@
 
 import numpy as np
 
-from contact.reference.inverse.adhesive import AdhesiveDesign
+from contact.reference.inverse.adhesive import AdhesiveDesign, is_stable
 from contact.reference.inverse.cohesive import CohesiveDesign
 from contact.reference.inverse.designed import DesignedContact
-from contact.reference.inverse.stability import is_stable
 from sie import Array
 
 

@@ -28,8 +28,7 @@ from contact.search.topology.missed import NOT_MINE, Missed
 from contact.search.ways.full_contact import Full, full_under, no_inverse, refuse_full_approach
 from contact.search.ways.gaps import by_gaps, worth_gaps
 from contact.search.ways.loads import by_fraction
-from contact.verify.accuracy import Found
-from contact.verify.gap_accuracy import FoundByGaps
+from contact.verify.accuracy import Found, FoundByGaps
 from sie import Array
 
 Outcome: TypeAlias = Found | FoundByGaps | Full

@@ -20,8 +20,7 @@ from multiprocessing import connection
 
 from contact.extras import version
 from contact.model.scene import Scene
-from contact.sweeps.sweep.chunks import Chunk, Rows, failure, solved
-from contact.sweeps.sweep.sent import cannot_receive, solve_sent
+from contact.sweeps.sweep.chunks import Chunk, Rows, cannot_receive, failure, solve_sent, solved
 
 _ENDED = "the process that solved it ended, killed or out of memory"
 # Each process has one thread: as many as there are processors would get in one another's way.

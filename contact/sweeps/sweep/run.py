@@ -19,9 +19,8 @@ from contact.solver import tolerance
 from contact.sweeps.sweep.chunks import Rows, chunks_of
 from contact.sweeps.sweep.cluster import Cluster
 from contact.sweeps.sweep.keys import BRANCHES, Axis, axes_of, varied
-from contact.sweeps.sweep.lock import alone
 from contact.sweeps.sweep.processes import processors, solved_here, solved_in_processes
-from contact.sweeps.sweep.table import Table
+from contact.sweeps.sweep.table import Table, alone
 from sie import Mask
 
 # What is solved is written this often [s], or where writing takes long, so many times what it takes.
