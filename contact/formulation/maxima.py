@@ -1,7 +1,5 @@
 """The largest value of a sampled function, followed below the sampling."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A root in a bracket whose ends are known: a function that is costly, or starts from where it was last, is not asked there again."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 

@@ -1,7 +1,5 @@
 """Runs of samples that are alike."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from sie import Mask

@@ -1,7 +1,5 @@
 """Tables of zones or intervals (n, 2), ascending, on a line that may repeat: rows moved by whole periods, and what lies between them."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from sie import Array

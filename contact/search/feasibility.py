@@ -10,8 +10,6 @@ logarithm, so f must rise faster than tilt x on both sides. Looked at from decad
 not given, some tilt must do: f must not fall faster than all straight lines on either side, and f(x) + f(-x) must rise.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from contact.errors import OutOfRange

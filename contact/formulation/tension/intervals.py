@@ -1,7 +1,5 @@
 """The algebra of intervals of tension and of the zones within them, over a period if there is one."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from contact.errors import OutOfRange

@@ -1,7 +1,5 @@
 """How zones within intervals of tension change on the way from one state to another: without a jump, where a gap or a pressure is zero."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

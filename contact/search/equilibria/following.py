@@ -3,8 +3,6 @@
 Here of adhesion without range. A zone begins where surfaces touch, and takes a width at once: every change of the zones is a jump.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 

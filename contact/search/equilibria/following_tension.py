@@ -6,8 +6,6 @@ or a gap is zero. Under tension in all of a period there are no ends, and the co
 surfaces open from there where their tension comes to the stress.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 

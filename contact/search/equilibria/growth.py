@@ -1,7 +1,5 @@
 """Contact from first touch on: zones advance, and where the surfaces would overlap on the way new ones begin."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from contact.errors import NotConverged

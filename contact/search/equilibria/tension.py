@@ -5,8 +5,6 @@ below the reach, and they become one where it is below it all between; they are 
 of q does not press any more.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np
