@@ -14,7 +14,7 @@ import numpy as np
 
 from contact.errors import OutOfRange
 from contact.formulation.full import period_samples
-from contact.formulation.runs import runs_of
+from contact.formulation.tables import runs_of
 from contact.model.controls import Quantity
 from contact.model.profiles.base import Profile
 from contact.model.scene import Scene

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contact.formulation.maxima import maximum
+from contact.formulation.roots import maximum
 from contact.formulation.tables import centred_on
 from contact.formulation.tension.cohesive import Cohesive, CohesivePoint
 from sie import Array

@@ -10,7 +10,7 @@ import numpy as np
 
 from contact.errors import NotConverged
 from contact.formulation.equilibria import Closed, Equilibria, Point
-from contact.formulation.maxima import maximum
+from contact.formulation.roots import maximum
 from contact.search.equilibria.arc import Step
 from contact.search.equilibria.flow import receded
 from contact.search.equilibria.growth import grown, touched
