@@ -260,8 +260,10 @@ def sizes_of(sizes: Sizes, equation: Equation, zones: Zones) -> Sizes:
 
 def sizes_after(sizes: Sizes, equation: Equation, zones: Zones) -> Sizes:
     """Modes to begin with, and what the last solve has left, on zones most of which are about the same."""
-    kept = {"carried": sizes.carried, "solves": sizes.solves, "primitive_rounding": sizes.primitive_rounding, "joined": sizes.joined}
-    return replace(first_sizes(equation, zones), **kept)
+    first = first_sizes(equation, zones)
+    first.carried, first.solves, first.joined = sizes.carried, sizes.solves, sizes.joined
+    first.primitive_rounding = sizes.primitive_rounding
+    return first
 
 
 def solve_fixed(
