@@ -2,8 +2,8 @@ r"""The elastic operator of a scene: what the pressure does to the surface, comp
 
 The symbol of the substrate is the one source of all of it:
 
-    kernel        of a line load, 1/r + int (L - 1) sin(qr) dq (contact.model.line_kernel), alone or with the images of a strip;
-                  of all periods, Hilbert's and sum (L_n - 1) sin(2 pi n r / l) 2 pi / l (contact.model.spectrum)
+    kernel        of a line load, 1/r + int (L - 1) sin(qr) dq (contact.model.symbols), alone or with the images of a strip;
+                  of all periods, Hilbert's and sum (L_n - 1) sin(2 pi n r / l) 2 pi / l (contact.model.symbols)
     grid          the multiplier 2 L / (E* q)
     full contact  p_q = -E* q f_q / 2 L(q) + mean
     by the gaps   the slope of the gap as the unknown, under the symbol 1/L: sum (1/L_n - 1) sin(2 pi n r / l) 2 pi / l beside Hilbert's
@@ -35,9 +35,8 @@ import scipy.fft
 import sie
 from contact.errors import SceneError
 from contact.model.interactions.base import Interaction, Scaled
-from contact.model.line_kernel import SmoothPart
-from contact.model.spectrum import checked, excess, kernel_of
 from contact.model.substrates.base import Substrate
+from contact.model.symbols import SmoothPart, checked, excess, kernel_of
 from sie import Array, record
 
 Potential = Callable[[Array, Array], Array]

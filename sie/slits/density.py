@@ -22,7 +22,7 @@ from sie.jumps.forcing import ForcingJumps
 from sie.slits.kinks import SlitKink
 from sie.slits.merged import Merged
 from sie.slits.plane import SlitPlane
-from sie.slits.slits import Slit, Slits, off_slit
+from sie.slits.slits import Slits, off_slit
 
 # Points looked at together.
 _BLOCK = 4096
@@ -465,5 +465,3 @@ def _closed(d: Array) -> Array:
     out[2:] -= 0.5 * u
     return out
 
-
-__all__ = ["Slit", "SlitDensity"]
