@@ -232,11 +232,14 @@ def _gaps(fields: ZoneFields, rounding: float) -> tuple[float | None, Array, flo
     Levels that are tied from neighbour to neighbour drift by rounding along a long row of zones. Far from all zones a turned or a lopsided
     body may touch as well: samples are not even there, and all minima are followed.
     """
-    intervals = [(lo, hi, _between(lo, hi, fields, left, right)) for lo, hi, left, right in fields.open_intervals()]
-    near = len(intervals)
-    intervals += [(float(x[0]), float(x[-1]), x) for x in fields.far_stretches()]
-    points = np.concatenate([np.zeros(0), *(x for _, _, x in intervals)])
-    place = np.repeat(np.arange(len(intervals)), [len(x) for _, _, x in intervals])
+    open_ = list(fields.open_intervals())
+    intervals, near = [(lo, hi) for lo, hi, _, _ in open_], len(open_)
+    places_of = _looked_at(fields, open_)
+    for x in fields.far_stretches():
+        intervals.append((float(x[0]), float(x[-1])))
+        places_of.append(x)
+    points = np.concatenate([np.zeros(0), *places_of])
+    place = np.repeat(np.arange(len(intervals)), [len(x) for x in places_of])
     with np.errstate(over="ignore", invalid="ignore"):
         gap = _finite(fields.formal_gap(points))
         bend = gap[:-2] - 2 * gap[1:-1] + gap[2:]
@@ -261,7 +264,7 @@ def _gaps(fields: ZoneFields, rounding: float) -> tuple[float | None, Array, flo
     fails = gap < -rounding
     for i in np.unique(place[fails]):
         here = np.flatnonzero(place == i)
-        bad += _overlaps(x[here], fails[here], *intervals[i][:2])
+        bad += _overlaps(x[here], fails[here], *intervals[i])
     seen = gap[~_closing(gap, place, rounding) & (place < near)]
     smallest = float(seen.min()) if np.isfinite(seen).any() else None
     return smallest, np.array(bad).reshape(-1, 2), rounding, len(points), minima
@@ -294,6 +297,22 @@ def _overlaps(x: Array, fails: Mask, lo: float, hi: float) -> list[tuple[float, 
         (float(x[max(s - 1, 0)]) if s else lo, float(x[min(e + 1, len(x) - 1)]) if e < len(x) - 1 else hi)
         for s, e in runs_of(fails)
     ]
+
+
+def _looked_at(fields: ZoneFields, intervals: list[tuple[float, float, bool, bool]]) -> list[Array]:
+    """Points in each of these: in gaps between zones without a tip that ask for no more than the least number, all at once."""
+    if not intervals:
+        return []
+    lo, hi = np.array([row[:2] for row in intervals]).T
+    between = np.array([row[2] and row[3] for row in intervals])
+    tips = np.searchsorted(fields.tips, hi, side="left") > np.searchsorted(fields.tips, lo, side="right")
+    plain = between & ~tips & (4 * (hi - lo) / fields.spacing <= _FEWEST // 2)
+    x = np.clip(lo[plain, None] + (hi - lo)[plain, None] * _THINNED, lo[plain, None], hi[plain, None])
+    # Of gaps as narrow as rounding some are the same.
+    differ = np.diff(x, axis=1, prepend=-np.inf) > 0
+    every = differ.all(axis=1)
+    rows = iter([row if whole else row[some] for row, whole, some in zip(x, every, differ, strict=True)])
+    return [next(rows) if alike else _between(*row[:2], fields, *row[2:]) for row, alike in zip(intervals, plain, strict=True)]
 
 
 def _between(lo: float, hi: float, fields: ZoneFields, left_zone: bool, right_zone: bool) -> Array:

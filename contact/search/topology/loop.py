@@ -44,6 +44,8 @@ CLOSELY, FEWER = 1e-6, 0.5
 PATIENT, LEFT_OUT = 2, 24
 # Over the ends' stated errors.
 MARGIN = 10.0
+# Ends on either side of where signs fail that may have made them.
+_BESIDE = 2
 
 
 class Formulation(Protocol[Kind]):
@@ -260,7 +262,8 @@ def _beside_ends(free: sie.Free, state: sie.AnyState, bad: Array) -> Mask:
     """Which of these intervals (n, 2) lie so close to ends that their error may have made them."""
     if len(bad) == 0:
         return np.zeros(0, dtype=bool)
-    zones, reached = free.density.zones, off(free, state)
-    ends, reach = np.concatenate((zones.a, zones.b)), np.concatenate((reached[:, 0], reached[:, 1]))
-    near = (np.abs(bad[:, :1] - ends) <= reach) & (np.abs(bad[:, 1:] - ends) <= reach)
+    ends, reach = free.density.zones.table.ravel(), off(free, state).ravel()
+    beside = np.searchsorted(ends, bad.mean(axis=1))[:, None] + np.arange(-_BESIDE, _BESIDE)
+    beside = np.clip(beside, 0, len(ends) - 1)
+    near = (np.abs(bad[:, :1] - ends[beside]) <= reach[beside]) & (np.abs(bad[:, 1:] - ends[beside]) <= reach[beside])
     return np.asarray(near.any(axis=1))
