@@ -5,8 +5,6 @@ tolerance is a NotConverged that carries its best state; a load or approach no z
 is solved all the same, though the model hardly covers it, is a ModelWarning.
 """
 
-from __future__ import annotations
-
 import warnings
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
@@ -61,12 +59,12 @@ class SceneError(ContactError, ValueError):
         self.allowed = allowed
 
     @classmethod
-    def of(cls, field: str, value: Any, allowed: str) -> SceneError:
+    def of(cls, field: str, value: Any, allowed: str) -> "SceneError":
         """The usual message: the field, its value, what is allowed."""
         return cls(f"{field} = {shown(value)} is refused: it must be {allowed}", field, value, allowed)
 
     @classmethod
-    def unknown(cls, what: str, name: Any, known: Iterable[str]) -> SceneError:
+    def unknown(cls, what: str, name: Any, known: Iterable[str]) -> "SceneError":
         """A name that is not among the known ones, with the nearest of them."""
         names = sorted(known)
         near = get_close_matches(name, names, n=1) if isinstance(name, str) else []

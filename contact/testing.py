@@ -9,8 +9,6 @@ rounding: the step is chosen where two neighbours agree best. A bend that is smo
 counts as one only if it is there from as near as rounding lets.
 """
 
-from __future__ import annotations
-
 import copy
 import dataclasses
 import warnings
@@ -93,7 +91,7 @@ _CONJUGATE = 2e-3  # of the largest slope: the rule below is of second order and
 class Fault(ContactError, AssertionError):
     """A plug-in that contradicts itself; `report` has the whole list."""
 
-    def __init__(self, report: Report) -> None:
+    def __init__(self, report: "Report") -> None:
         super().__init__(str(report))
         self.report = report
 

@@ -10,8 +10,6 @@ zero load f(x) - tilt x, or by as much as a given `moment` of the pressure, int 
 Everything is checked when the scene is made, so that the solver need not check it again.
 """
 
-from __future__ import annotations
-
 from dataclasses import KW_ONLY, dataclass, replace
 from functools import cached_property
 from math import isfinite
@@ -176,7 +174,7 @@ class Scene(sie.Kept):
             allowed = f"another model or closure: every isolated load has the width of a {self.profile.name} profile"
             raise SceneError.of("interaction", self.interaction, allowed)
 
-    def under(self, name: str, value: float) -> Scene:
+    def under(self, name: str, value: float) -> "Scene":
         """The same under another value of a control, or another control: of all else nothing is looked at again."""
         other = object.__new__(type(self))
         other.__dict__.update({**self.__dict__, **fields_under(name, value)})

@@ -1,7 +1,5 @@
 """Tables on stdout and a progress bar on stderr."""
 
-from __future__ import annotations
-
 import sys
 import time
 from collections.abc import Callable, Iterable, Sequence
@@ -71,7 +69,7 @@ class Progress:
             return
         self._bar.start()
 
-    def __enter__(self) -> Progress:
+    def __enter__(self) -> "Progress":
         return self
 
     def __exit__(

@@ -7,8 +7,6 @@ A kernel is a sum of poles 1 / (x - xi - s) over its `poles` s, which the engine
 regular part, which Gauss-Chebyshev quadrature finishes.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -94,7 +92,7 @@ class Kernel(Kept):
         """Panels of the regular part that have been looked at (`panels`)."""
         return {}
 
-    def __add__(self, other: Smooth) -> Kernel:
+    def __add__(self, other: "Smooth") -> "Kernel":
         """This kernel plus a user's regular kernel."""
         if not isinstance(other, Smooth):
             return NotImplemented

@@ -2,8 +2,6 @@
 
 Many zones are not assembled: there fast sums and GMRES take the place of the matrix and its LU (see `iterative`)."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -92,11 +90,11 @@ class State(Solved):
     """
 
     @property
-    def whole(self) -> State:
+    def whole(self) -> "State":
         """The state without slits: this one."""
         return self
 
-    def wide_of(self, zones: Index) -> tuple[State, Index]:
+    def wide_of(self, zones: Index) -> "tuple[State, Index]":
         """The state without slits, and the places of zones among its own."""
         return self, zones
 

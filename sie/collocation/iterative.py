@@ -6,8 +6,6 @@ same side conditions. What is left to the iterations is how zones bend each othe
 distance, so their number does not grow with that of the zones.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from functools import cached_property, lru_cache
@@ -120,7 +118,7 @@ class IterativeSystem(System):
         return rows[self.kept], middle + mean
 
     # rows applied ---------------------------------------------------------------------------------------------------
-    def applied(self, y: Array, rough: bool = False) -> tuple[Array, Applied]:
+    def applied(self, y: Array, rough: bool = False) -> "tuple[Array, Applied]":
         """(rows of the equation, what conditions ask for) for unknowns y. rough: see `ZoneSums`."""
         rows, middle, mean = self.sums(y, rough or self.rough)
         rows -= y[self.own]
@@ -486,7 +484,7 @@ class Iterative:
     direct = None
 
     @property
-    def iteration(self) -> Iterative:
+    def iteration(self) -> "Iterative":
         return self
 
     @property

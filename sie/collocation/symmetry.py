@@ -1,7 +1,5 @@
 """Unknowns of a symmetric set of zones: those that are kept, and how the mirrored ones follow from them."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from sie.basis.data import Array, Index, numbered, record
@@ -20,7 +18,7 @@ class MirrorSymmetry:
     source: Index
 
     @classmethod
-    def of(cls, zones: Zones, layout: Layout) -> MirrorSymmetry:
+    def of(cls, zones: Zones, layout: Layout) -> "MirrorSymmetry":
         none = np.zeros(0, dtype=np.intp)
         if not zones.symmetric:
             return cls(layout.size, None, none, np.zeros(0), none)

@@ -9,8 +9,6 @@ a second-kind system; coefficients beyond m are -g_k at once, because what the o
 itself `sie.basis.interval` knows.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import cached_property
 
@@ -82,7 +80,7 @@ class Targets:
     x: Array
 
     @classmethod
-    def lobatto(cls, zones: Zones, chosen: Index, m: Index) -> Targets:
+    def lobatto(cls, zones: Zones, chosen: Index, m: Index) -> "Targets":
         """The Lobatto nodes of each chosen zone, ends included, from right to left."""
         count = m[chosen] + 2
         start = np.cumsum(count) - count

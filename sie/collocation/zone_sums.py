@@ -10,8 +10,6 @@ nodes of their own: coefficients in, coefficients out. Only near zones see each 
 Greengard & Rokhlin (1987), J. Comput. Phys. 73, 325-348, in one dimension and with Chebyshev series in place of powers.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -40,7 +38,7 @@ class NearRows:
     potential: Any
 
     @classmethod
-    def of(cls, zones: Zones, kernel: Kernel, layout: Layout, pairs: Pairs) -> NearRows:
+    def of(cls, zones: Zones, kernel: Kernel, layout: Layout, pairs: Pairs) -> "NearRows":
         solved = zones.solved
         other = ~((solved[pairs.target] == pairs.source) & (pairs.shift == 0.0))
         place, source, shift = pairs.target[other], pairs.source[other], pairs.shift[other]

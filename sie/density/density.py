@@ -1,7 +1,5 @@
 """The answer: a density on zones that evaluates anywhere, on and off the zones, as accurately as at its nodes."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -59,7 +57,7 @@ class Density(Series):
     """
 
     @property
-    def whole(self) -> Density:
+    def whole(self) -> "Density":
         """The density without slits: this one."""
         return self
 

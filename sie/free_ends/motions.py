@@ -12,8 +12,6 @@ by GMRES: one fast sum a step, as for the equation itself. The preconditioner is
 to its own zone alone, so that the number of steps does not grow with that of the zones.
 """
 
-from __future__ import annotations
-
 from functools import cached_property
 
 import numpy as np
@@ -37,7 +35,7 @@ class Moved:
     own: Array
 
     @classmethod
-    def of(cls, state: State, d: Array) -> Moved:
+    def of(cls, state: State, d: Array) -> "Moved":
         """By outward motions d (2, Z, ...) of the left and right ends."""
         zones, layout = state.density.zones, state.system.layout
         more = (1,) * (d.ndim - 2)

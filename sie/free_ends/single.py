@@ -13,8 +13,6 @@ by the same step 2 K / A. Its neighbours hold their levels whatever it does: so 
 (`neighbours`). Then all are solved together again.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import TypeAlias
 
@@ -78,7 +76,7 @@ class Field:
     coefficients: Array
 
     @classmethod
-    def of(cls, state: AnyState, chosen: Index, added: Added | None) -> Field:
+    def of(cls, state: AnyState, chosen: Index, added: Added | None) -> "Field":
         zones, (whole, place) = state.density.zones, state.wide_of(chosen)
         c = np.zeros((len(chosen), _FIELD + 1))
         parts = [(whole.density.coefficients, 1.0), (whole.system.g, 1.0)]

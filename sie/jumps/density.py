@@ -19,8 +19,6 @@ altogether: it is added here, from distances that lose no digit however narrow t
 it are carried too (`jumps.exterior`).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import cached_property
 from typing import Any
@@ -101,7 +99,7 @@ class DensityJumps(ForcingJumps):
     @classmethod
     def inside(
         cls, zones: Zones, at: Array, jumps: Array, orders: Index, kernel: Kernel, spline: Callable[[Array], Array] | None = None
-    ) -> DensityJumps:
+    ) -> "DensityJumps":
         """The jumps at positions `at` (repeated with the kernel's period) that lie inside a zone. spline: a quadratic spline with those
         of order 2, if there is one."""
         at, i, inside = cls.located(zones, at, kernel.period)

@@ -8,8 +8,6 @@ is transformed to (1/pi) ln(2 |rho| |t - s|) on the zone, and to (2/pi) ln(1 - r
 cos(j phi) continued to rho^j. Without this a logarithm close to an end would ask for 1/sqrt(distance) modes.
 """
 
-from __future__ import annotations
-
 from functools import cached_property
 
 import numpy as np
@@ -32,7 +30,7 @@ class ExteriorLogarithms(Kept):
     weight: Array
 
     @classmethod
-    def near(cls, zones: Zones, at: Array, weights: Array, period: float | None) -> ExteriorLogarithms:
+    def near(cls, zones: Zones, at: Array, weights: Array, period: float | None) -> "ExteriorLogarithms":
         """Those of the logarithms at `at` (repeated with the period) that lie outside a zone, but near."""
         which = np.arange(len(at))
         if period is not None:

@@ -22,8 +22,6 @@ with h = J w^q / q!, leaves a smooth right side once this is subtracted: q = 0 i
 its curvature, q = 2 a knot of a cubic spline.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import field, replace
 from functools import cached_property, partial
@@ -64,13 +62,13 @@ class ForcingJumps(Jumps):
     splines: dict[int, Spline] = field(default_factory=dict)
 
     @classmethod
-    def none(cls) -> ForcingJumps:
+    def none(cls) -> "ForcingJumps":
         return _NONE
 
     @classmethod
     def within(
         cls, zones: Zones, at: Array, jumps: Array, orders: Index, period: float | None, g: Callable[[Array], Array] | None = None
-    ) -> ForcingJumps:
+    ) -> "ForcingJumps":
         """The jumps at positions `at` (repeated with the period) that lie inside a zone. g: the right side, if it is known."""
         if len(at) == 0:
             return _NONE

@@ -4,8 +4,6 @@ Of very many zones with few jumps each all pairs of points and jumps are taken a
 numbers take their time from being called, and there are thousands of zones.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -230,7 +228,7 @@ class FewJumps(Kept):
     series: Array
 
     @classmethod
-    def of(cls, jumps: Jumps, others: Sequence[int] | Index) -> FewJumps:
+    def of(cls, jumps: Jumps, others: Sequence[int] | Index) -> "FewJumps":
         """Those of jumps in zones that are none of the others and have few of them."""
         count = np.bincount(jumps.zone, minlength=1).astype(np.intp)
         count[(count > MOST) | np.isin(np.arange(len(count)), others)] = 0

@@ -6,8 +6,6 @@ L. Ramshaw, Comput. Aided Geom. Des. 6 (1989) 323-358). Those that lie inside th
 larger than f, and leave jumps at the first and last three knots alone. Places are distances from the zone's left end over its half width.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import cached_property
 
@@ -58,7 +56,7 @@ class LocalSpline(Kept):
     pieces: Array
 
     @classmethod
-    def of(cls, knots: Array, control: Array) -> LocalSpline:
+    def of(cls, knots: Array, control: Array) -> "LocalSpline":
         """With the middle control points of its pieces, zero at the first and at the last knot; where the first and the last of these
         points are zero, so is its slope."""
         length = np.diff(knots)
@@ -68,7 +66,7 @@ class LocalSpline(Kept):
         return cls(knots, np.column_stack((first, 2 * (control - first) / length, (first - 2 * control + last) / length**2)))
 
     @classmethod
-    def inside(cls, knots: Array, jumps: Array, f: Callable[[Array], Array]) -> tuple[LocalSpline, Array, Array] | None:
+    def inside(cls, knots: Array, jumps: Array, f: Callable[[Array], Array]) -> "tuple[LocalSpline, Array, Array] | None":
         """(the B-splines of f between these knots, what is left of the jumps: half of those of the second derivative; places and heights of
         others: none); None if f has other jumps than these."""
         within = np.flatnonzero(np.minimum(knots, 2 - knots) > NEAREST)

@@ -13,8 +13,6 @@ have singularities no nearer to a phi than the ends of the zone. Panels that dou
 in a few moments each: the integrals are sums over some hundred nodes, whatever the number of knots.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import cached_property
 
@@ -42,7 +40,7 @@ class ZoneSpline(Kept):
     spline: LocalSpline
 
     @classmethod
-    def inside(cls, knots: Array, jumps: Array, g: Callable[[Array], Array]) -> tuple[ZoneSpline, Array, Array] | None:
+    def inside(cls, knots: Array, jumps: Array, g: Callable[[Array], Array]) -> "tuple[ZoneSpline, Array, Array] | None":
         """(the spline, what is left of the jumps: none; place and height of another one); None if g has other jumps than these.
 
         What is left of g has its values and slopes at both ends, and two pieces: no number is larger than those slopes.

@@ -5,8 +5,6 @@ zones' coefficients are the right sides of the slits. With factors at hand both 
 iteration the slits' answer is part of the rows.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cached_property
@@ -50,7 +48,7 @@ class Opened(Trial):
     system: System
 
     @classmethod
-    def of(cls, table: Callable[[], Array], mean_opening: Array, system: System) -> Opened:
+    def of(cls, table: Callable[[], Array], mean_opening: Array, system: System) -> "Opened":
         """table: s_k of every wide zone, for a condition that asks for them."""
         nothing = np.zeros((len(system.zones.solved), 0))
         return cls(system.zones, nothing, nothing, table, mean_opening, system)
@@ -260,7 +258,7 @@ class SlitState(Answered):
         """See `State.response`."""
         return self.slit_system.density(*self._answer(values, tolerance), homogeneous=True)[1]
 
-    def with_value(self, condition: int, change: float) -> SlitState:
+    def with_value(self, condition: int, change: float) -> "SlitState":
         """See `State.with_value`."""
         folded, series = self._answer(self.values(condition, change))
         both = tuple(one + other for one, other in zip(self.series, series, strict=True))

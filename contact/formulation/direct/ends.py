@@ -8,8 +8,6 @@ Of a tip with a kink J = f'(0+) - f'(0-) the part J/2 sgn(x) is taken off f'; un
 corners, without slope, p = load cos u / (L sqrt(sin^2 A - sin^2 u)), load / (pi sqrt(a^2 - x^2)) (Sadowsky 1928).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import replace
@@ -83,7 +81,7 @@ class Ends:
     punch: Value
     found: Value
 
-    def rows(self, chosen: Mask | int) -> Ends:
+    def rows(self, chosen: Mask | int) -> "Ends":
         """Some of the loads, or one."""
         return replace(self, **{name: getattr(self, name)[chosen] for name in _ROWS})
 

@@ -4,8 +4,6 @@ A law declares how the pressure ends, p ~ K / sqrt(d) at distance d from the end
 which controls and ways of solving hold under it. Nothing else of the package knows a law by its name.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from math import pi
 from typing import Any, ClassVar
@@ -65,7 +63,7 @@ class Law(sie.Kept):
     convex: ClassVar[bool] = False
     by_gaps: ClassVar[bool] = False
     full_contact: ClassVar[bool] = False
-    bare: ClassVar[Law | None] = None
+    bare: "ClassVar[Law | None]" = None
 
     def intensity(self, E_star: float) -> float:
         """K [Pa m^(1/2)] at the ends of zones that are free to move, or held where a half width is given; negative where it pulls."""

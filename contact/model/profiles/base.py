@@ -4,8 +4,6 @@ Only `height` must be given. f grows away from contact (a punch pointing down); 
 irrelevant to zones and pressures. A periodic profile repeats the cell [x0, x0 + L).
 """
 
-from __future__ import annotations
-
 import dataclasses
 import inspect
 from collections.abc import Mapping
@@ -193,7 +191,7 @@ class Profile(sie.Kept):
         return {f.name: getattr(self, f.name) for f in dataclasses.fields(self) if f.init}
 
     @property
-    def bodies(self) -> dict[str, Profile]:
+    def bodies(self) -> "dict[str, Profile]":
         """The profiles of the bodies whose gap this is, by the table of a scene file that tells each: of one body this one."""
         return {"profile": self}
 
@@ -219,7 +217,7 @@ class Profile(sie.Kept):
         """What there was before, by name."""
         return {}
 
-    def varied(self, changes: Mapping[str, Mapping[str, Any]]) -> Profile:
+    def varied(self, changes: Mapping[str, Mapping[str, Any]]) -> "Profile":
         """The same with other values of parameters, by table and name."""
         return type(self)(**{**self.parameters(), **changes.get("profile", {})})
 

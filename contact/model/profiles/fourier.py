@@ -1,7 +1,5 @@
 """Any smooth periodic shape: f(x) = sum_k cosine[k-1] cos(2 pi k x/L) + sine[k-1] sin(2 pi k x/L)."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 from math import ceil, pi, sqrt
@@ -94,7 +92,7 @@ class Fourier(Profile):
         return bool(np.size(self.cosine) >= _LONG)
 
     @cached_property
-    def _waves(self) -> tuple[_Waves, ...]:
+    def _waves(self) -> "tuple[_Waves, ...]":
         """f, f' and H f'."""
         c = np.asarray(self.cosine) - 1j * np.asarray(self.sine)
         rate = 2 * pi / self.period * np.arange(1, c.size + 1) * c

@@ -5,8 +5,6 @@ half widths of W/2 cells, once c_k has been divided by the transform of psi: W =
 (2019), SIAM J. Sci. Comput. 41, C479-C504, doi 10.1137/18M120885X.
 """
 
-from __future__ import annotations
-
 from functools import lru_cache
 from typing import Any
 
@@ -45,7 +43,7 @@ class Sum:
     n: int
 
     @classmethod
-    def of(cls, c: Complex) -> Sum:
+    def of(cls, c: Complex) -> "Sum":
         # A power of two: then the place on the grid is exact.
         n = 1 << int(np.ceil(np.log2(4 * (c.size + 1))))
         spectrum = np.zeros(n // 2 + 1, dtype=np.complex128)

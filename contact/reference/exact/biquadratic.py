@@ -5,8 +5,6 @@ Tsukanov (2020), doi 10.3389/fmech.2020.00045. The one-zone regime, gap and appr
 the two zones are one Hertz zone.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import log, pi, sqrt
 
@@ -94,7 +92,7 @@ class IsolatedBiquadratic(Zoned):
         positive_or_none("datum", self.datum)
 
     @classmethod
-    def from_inner_end(cls, inner_end: float, **shape: float) -> IsolatedBiquadratic:
+    def from_inner_end(cls, inner_end: float, **shape: float) -> "IsolatedBiquadratic":
         """The two-zone solution whose zones begin at |x| = a."""
         c = 0.5 * shape["spacing"]
         h = (c - inner_end) * (c + inner_end)

@@ -12,8 +12,6 @@ rho = -1/(z + sqrt(z^2 - 1)), z = (1 + m)/h. For G linear in y this is (32) and 
 doi 10.3389/fmech.2020.00045. The rest is derived here.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
@@ -93,7 +91,7 @@ class EvenPair:
     @classmethod
     def on(
         cls, middle: float, half: float, ratio: Ratio, E_star: float, limit: float, period: float | None = None
-    ) -> EvenPair:
+    ) -> "EvenPair":
         """The pair whose G is ratio(y, m, h), by its values at the Chebyshev nodes; G is singular at y = limit."""
         g = dct(_values(ratio, middle, half, limit), type=2) / _nodes(middle, half, limit)
         g[0] *= 0.5

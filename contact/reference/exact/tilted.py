@@ -6,8 +6,6 @@ lifts off and the zone is bounded there. A parabola only moves its zone. A turne
 phi of its tip, cos phi = -sin(pi tilt / 2 slope), makes both ends free.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import atan, cos, inf, log, pi, sin, tan
 from typing import TYPE_CHECKING
@@ -289,7 +287,7 @@ class TiltedWedge(TiltedZone):
             raise OutOfRange(f"tilt = {self.tilt:.6g}: a wedge of slope {self.wedge_slope:.6g} turned so far lies on its flank")
 
     @classmethod
-    def balanced(cls, load: float, moment: float, wedge_slope: float, E_star: float, datum: float | None = None) -> TiltedWedge:
+    def balanced(cls, load: float, moment: float, wedge_slope: float, E_star: float, datum: float | None = None) -> "TiltedWedge":
         """The solution of given load and moment."""
         alpha = atan(2.0 * E_star * wedge_slope * moment / positive("load", load) ** 2)
         w = load / (E_star * wedge_slope * cos(alpha))

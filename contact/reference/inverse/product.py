@@ -6,8 +6,6 @@ dx = 0. A factor is (x - e)/unit alone, 2 sin(pi (x - e)/L) with a period. Inter
 end i + 1: zones have even numbers, gaps odd ones; with a period the last gap wraps around.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 from math import ceil, sqrt
@@ -36,7 +34,7 @@ class CutProduct:
     zones: Array
     period: float | None = None
 
-    def rounded(self) -> CutProduct:
+    def rounded(self) -> "CutProduct":
         """The same in double precision, with these roots."""
         other = CutProduct(self.zones.astype(float), self.period)
         other.__dict__["roots"] = self.roots.astype(float)

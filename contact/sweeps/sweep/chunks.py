@@ -3,8 +3,6 @@
 In another process, or on another machine, a scene arrives as bytes.
 """
 
-from __future__ import annotations
-
 import itertools
 import pickle
 import time
@@ -49,12 +47,12 @@ class Chunk:
     control: str
     seconds: float
 
-    def singly(self) -> Iterator[Chunk]:
+    def singly(self) -> "Iterator[Chunk]":
         """Its points, each a chunk."""
         for place, setting in zip(self.places, self.settings, strict=True):
             yield replace(self, places=(place,), settings=(setting,))
 
-    def without(self, rows: Rows) -> list[Chunk]:
+    def without(self, rows: Rows) -> "list[Chunk]":
         """What is left when its first rows are there: one chunk, or none."""
         done = len(rows)
         return [replace(self, places=self.places[done:], settings=self.settings[done:])] if done < len(self.places) else []
