@@ -5,8 +5,6 @@ the lists that make all heights larger when they grow are the amplitude, those t
 tried out.
 """
 
-from __future__ import annotations
-
 import dataclasses
 import math
 from collections.abc import Callable, Mapping

@@ -1,7 +1,5 @@
 """What a scene needs: every part of the machinery, used or left out, with the reason, its size and the time it took."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager

@@ -12,11 +12,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+import sie
 from contact.formulation.controls import Control
 from contact.formulation.fields import ZoneFields
 from contact.formulation.runs import runs_of
 from contact.verify.minima import DIP_ROUNDING, Signs, lowest, signs_on
-from sie import Array, Index, Mask
+from sie import Array, Index, Mask, record
 
 # Each zoom into a minimum narrows its bracket to a quarter at least.
 _ZOOMS = 7
@@ -152,22 +153,10 @@ def certify(fields: ZoneFields, load: float | None, held: Control | None = None,
     if broken:
         holds, note = False, f"{law.name}: {broken}"
     return Certificate(
-        smallest_pressure=least * units.pressure,
-        smallest_gap=None if gaps is None else gaps * units.height,
-        gap_rounding=rounding * units.height,
-        load_balance=balance,
-        level_spread=spread,
-        points=signs.points + outside,
-        holds=bool(holds),
-        undecided=bool(undecided) or left_out > 0,
-        note=note,
-        dip=dip,
-        moment_balance=turned,
-        intensity=missed,
-        stability=stability,
-        negative=pressures,
-        overlaps=overlaps,
-        lowest=minima,
+        smallest_pressure=least * units.pressure, smallest_gap=None if gaps is None else gaps * units.height,
+        gap_rounding=rounding * units.height, load_balance=balance, level_spread=spread, points=signs.points + outside,
+        holds=bool(holds), undecided=bool(undecided) or left_out > 0, note=note, dip=dip, moment_balance=turned,
+        intensity=missed, stability=stability, negative=pressures, overlaps=overlaps, lowest=minima,
     )
 
 
@@ -345,3 +334,22 @@ def _between(lo: float, hi: float, fields: ZoneFields, left_zone: bool, right_zo
     # One at the end of a zone is in contact.
     first, last = np.searchsorted(tips, lo, side="right"), np.searchsorted(tips, hi, side="left")
     return np.unique(np.concatenate((x, tips[first:last]))) if last > first else x
+
+
+@record
+class Solved:
+    """free: the Newton result. fields: under the load that the intervals have. rounds: corrections it took. tolerance: of the ends.
+    off: how far the control may have been missed, in what the formulation says; of all intervals, or of each end (n, 2)."""
+
+    free: sie.Free
+    fields: Any
+    certificate: Certificate
+    rounds: int
+    control: Control
+    tolerance: float = 0.0
+    off: float | Array = 0.0
+
+    @property
+    def error(self) -> float:
+        """Bound of the errors of the pressure and of the zones' ends: see `Solution.error`."""
+        raise NotImplementedError

@@ -1,13 +1,10 @@
 """What the steps of a search for ends tell: whether the ends have come to rest and to what they are known, or why they will not."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from sie.basis.arrays import Array, Index, Mask
-from sie.basis.record import record
+from sie.basis.data import Array, Index, Mask, record
 from sie.basis.zones import Zones
 
 # A zone alone that has shrunk to this part of its first width has vanished; one of several is then reported as lost, or a gap as closed, at

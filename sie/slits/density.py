@@ -1,7 +1,5 @@
 """The density of wide zones with slits, as that of the pieces between the slits; see `slits` for the equations."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -11,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from sie.basis import chebyshev
-from sie.basis.arrays import Array, Index, Mask
+from sie.basis.data import Array, Index, Mask
 from sie.basis.interval import Outside, edge_scale, slope_scale
 from sie.basis.kernels import Kernel, cauchy
 from sie.basis.places import wrapped

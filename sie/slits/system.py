@@ -13,10 +13,8 @@ from functools import cached_property
 
 import numpy as np
 
-from sie.basis.arrays import Array, Index
+from sie.basis.data import Array, Index, Kept, record
 from sie.basis.interval import edge_scale
-from sie.basis.kept import Kept
-from sie.basis.record import record
 from sie.basis.zones import Zones
 from sie.collocation.fixed import (
     THETA,
@@ -388,9 +386,7 @@ AnyState = State | SlitState
 AnyDensity = Density | SlitDensity
 
 
-def solve_zones(
-    equation: Equation, zones: Zones, tolerance: float = 1e-14, sizes: Sizes | None = None
-) -> AnyState:
+def solve_zones(equation: Equation, zones: Zones, tolerance: float = 1e-14, sizes: Sizes | None = None) -> AnyState:
     """`solve_fixed`, with narrow gaps between zones as slits of the wide zones that span them.
 
     Parameters

@@ -17,8 +17,7 @@ from functools import cached_property
 
 import numpy as np
 
-from contact.formulation.direct.maps import Map
-from contact.formulation.direct.numbers import Value, largest
+from contact.formulation.direct.maps import Map, Value, largest
 from contact.formulation.direct.series import Table, orders, powers, table
 from contact.model.profiles.base import Profile
 from sie import Array, Index, Mask, record

@@ -5,8 +5,6 @@ half-plane, and tends to 1 for short waves. Everything follows from it (contact.
 full contact, and whether the displacement of a uniform pressure is finite.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from functools import cached_property
 from typing import ClassVar

@@ -3,8 +3,6 @@
 One function a figure; `contact figures` writes them. docs/paper says what they show.
 """
 
-from __future__ import annotations
-
 import warnings
 from collections.abc import Callable, Iterable
 from pathlib import Path

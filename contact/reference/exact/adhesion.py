@@ -7,8 +7,6 @@ an equilibrium is stable where approach + M load grows along the curve in the di
 (K. L. Johnson, Int. J. Solids Struct. 32 (1995) 423-430, doi 10.1016/0020-7683(94)00111-9; with a machine, derived here).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from math import inf, isfinite
 from typing import Generic, TypeVar

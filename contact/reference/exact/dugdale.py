@@ -19,8 +19,6 @@ derived again; row of waves: derived here. As c reaches L/2 the tension acts eve
 under a uniform tension.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 from math import atan2, exp, log, pi, sqrt

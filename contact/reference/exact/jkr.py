@@ -8,8 +8,6 @@ Cylinder: M. Barquins, J. Adhesion 26 (1988) 1-12, doi 10.1080/00218468808075464
 32 (1995) 423-430, doi 10.1016/0020-7683(94)00111-9. Other profiles, approaches and energies: derived from the same sum.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import pi, sqrt
 

@@ -22,8 +22,7 @@ from contact.formulation.controls import Control
 from contact.formulation.problem import Problem
 from contact.search.topology.intervals import merged
 from contact.search.topology.missed import Missed, WrongTopology, same
-from contact.verify.certificate import NOT_CHECKED, Certificate
-from contact.verify.solved import Solved
+from contact.verify.certificate import NOT_CHECKED, Certificate, Solved
 from sie import Array, Mask, record
 
 Progress = Callable[[str, int, int | None], None]
