@@ -194,14 +194,14 @@ def plan_command(scene: Path, run: bool, tol: float) -> None:
     """
     problem = scene_of(scene)
     if not run:
-        rows = [(row.name, "yes" if row.used else "no", row.reason, row.detail) for row in plan(problem).rows]
+        rows = [(row.name, "yes" if row.used else "no", row.reason, row.detail) for row in plan(problem).parts]
         show_table("plan", ("part", "used", "reason", "detail"), rows)
         return
     with Progress() as progress:
         done = solve(problem, tol=tol, progress=progress).plan
     show_profile(problem.profile)
     timed = [
-        (row.name, "yes" if row.used else "no", row.reason, row.detail, *_took(row.seconds, done.share(row))) for row in done.rows
+        (row.name, "yes" if row.used else "no", row.reason, row.detail, *_took(row.seconds, done.share(row))) for row in done.parts
     ]
     show_table("plan", ("part", "used", "reason", "detail", "time", "share"), timed, numeric=(4, 5))
     sizes = [(name.replace("_", " "), str(count)) for name, count in done.counts.items()]

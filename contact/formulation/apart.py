@@ -1,7 +1,5 @@
 """Surfaces that do not touch: no pressure, no displacement."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 

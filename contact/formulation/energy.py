@@ -5,8 +5,6 @@ are as exact as the series of p is. Between places where f or one of its derivat
 crowd at their ends, so that logarithms there cost no digits. The nodes are doubled until nothing changes any more.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import TYPE_CHECKING, TypeAlias
 

@@ -15,9 +15,9 @@ from numpy.typing import ArrayLike
 
 import sie
 from contact.formulation.fields import NoZones
-from contact.formulation.maxima import maximum
 from contact.formulation.problem import Problem
 from contact.formulation.relief import Relief, period_samples
+from contact.formulation.roots import maximum
 from contact.model.laws.base import Law
 from contact.model.operator import Operator
 from contact.model.profiles.base import Profile

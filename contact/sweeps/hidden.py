@@ -4,8 +4,6 @@ On a branch with fixed zones their ends move smoothly, at rates that are known a
 to that of the other: the way it went is more than its rates make of it. So where way and rates do not go together, one looks between.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from contact.formulation.fields import ZoneFields

@@ -15,7 +15,7 @@ import numpy as np
 import sie
 from contact.formulation.controls import Control
 from contact.formulation.fields import ZoneFields
-from contact.formulation.runs import runs_of
+from contact.formulation.tables import runs_of
 from contact.verify.minima import DIP_ROUNDING, Signs, lowest, signs_on
 from sie import Array, Index, Mask, record
 

@@ -4,7 +4,7 @@ import numpy as np
 
 from contact.formulation.full import NARROWEST
 from contact.formulation.gaps import GapFields
-from contact.formulation.runs import runs_of
+from contact.formulation.tables import runs_of
 from contact.verify.certificate import Certificate
 from contact.verify.minima import DIP_ROUNDING, Signs, follow, lowest, may_be_negative, signs_on
 from sie import Array, Index
