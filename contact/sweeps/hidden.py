@@ -2,8 +2,8 @@
 
 On a branch with fixed zones their ends move smoothly, at rates that are known at both loads. Where two zones merge the end of one jumps
 to that of the other: the way it went is more than its rates make of it. So where way and rates do not go together, one looks between.
-An end beside a narrow zone or gap goes as the root of what is left to the load at which that is born or closes: its rate times that width is
-what is even over the way.
+An end beside a narrow zone or gap goes as the root of what is left to the load at which that is born or closes: its rate times that width
+is what is even over the way.
 """
 
 import numpy as np
