@@ -76,7 +76,8 @@ class Rest:
 
 @dataclass(eq=False)
 class Progress:
-    """The steps so far of a search for ends from zones of these widths and gaps. off: what they are off by at first over these widths;
+    """The steps so far of a search for ends from zones of these widths and gaps. off: what they are off by at first over these widths, but
+    for a few;
     few: part of all ends that need not come to rest, after so many `patient` steps; drops: see `find_ends`; most: the largest move of the
     last step but for the few, over the width."""
 
@@ -105,8 +106,9 @@ class Progress:
 
     @property
     def last(self) -> float:
-        """The largest move of the last step over its zone's width, at most one; in doubt about a zone no less than some."""
-        return min(max(self.trace[-1].move if self.trace else self.off, _DOUBT if self.doubted else 0.0), 1.0)
+        """The largest move of the last step over its zone's width; in doubt about a zone no less than some. At most what the ends were said
+        to be off by: where nearly all are known so well, the others may be those of zones that bear no more."""
+        return min(max(self.trace[-1].move, _DOUBT if self.doubted else 0.0) if self.trace else 1.0, self.off)
 
     @property
     def linear(self) -> float:
