@@ -20,11 +20,10 @@ from contact.model.checks import one_of
 from contact.model.scene import Scene
 from contact.search.find import found
 from contact.search.refine import refined
-from contact.search.shared import Shared
-from contact.search.task import Task
+from contact.search.task import Shared, Task
 from contact.search.topology.carried import Passed
 from contact.search.topology.loop import Progress
-from contact.search.ways.by_quantity import by_quantity
+from contact.search.ways.by_load import by_quantity
 from contact.search.ways.direct import directly
 from contact.search.ways.full_contact import Full
 from contact.search.ways.guesses import Outcome

@@ -22,7 +22,7 @@ ORDER = {
         errors interrupts extras model testing reference exact inverse axisymmetric
         formulation verify solution search solver sweeps explorer __init__ paper studies commands __main__
     """,
-    "contact.search": "topology grid equilibria shared task feasibility ways find refine __init__",
+    "contact.search": "topology grid equilibria task feasibility ways find refine __init__",
 }
 # The only files that import by name: what is heavy, where a scene needs it.
 ON_DEMAND = {"contact.extras", "sie.fast.lazy"}

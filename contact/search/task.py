@@ -1,4 +1,6 @@
-"""What a search goes by: the scene, how tightly it is solved, a solution near by, and where it is told how it went."""
+"""What a search goes by: the scene, how tightly it is solved, a solution near by, and where it is told how it went; and
+what solves of one scene under many controls have in common, found when first asked for, and once.
+"""
 
 from __future__ import annotations
 
@@ -6,10 +8,12 @@ import math
 from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
+import sie
 from contact.errors import ContactError, NotConverged, OutOfRange, SceneError
 from contact.extras import require
 from contact.formulation import height_rounding
@@ -17,20 +21,64 @@ from contact.formulation.controls import Control, Machine, scaled_control
 from contact.formulation.fields import ZoneFields
 from contact.formulation.full import FullLimit
 from contact.formulation.problem import Problem
+from contact.formulation.relief import ScaledRelief
+from contact.formulation.units import Units
 from contact.model.controls import Quantity
 from contact.model.operator import Operator
 from contact.model.scene import Scene
-from contact.search.shared import Shared
 from contact.search.topology.by_pressure import ByPressure
 from contact.search.topology.carried import Passed
+from contact.search.topology.first_gaps import FirstGaps
 from contact.search.topology.loop import ROUNDS, Newton, Progress, refine_topology
 from contact.search.topology.missed import Missed
 from contact.solution.made import in_cell
-from contact.solution.plan import Plan, plan
+from contact.solution.plan import Plan, plan, starts_from_one_zone
 from contact.solution.solution import Solution
 from contact.verify.accuracy import Found
 from contact.verify.certificate import NOT_CHECKED
 from sie import Array, record
+
+
+class Shared(sie.Kept):
+    """Of a scene whatever its control is. single: the contact begins as one zone about x = 0; full: where full contact begins."""
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene = scene
+
+    @cached_property
+    def operator(self) -> Operator:
+        return self.scene.operator
+
+    @cached_property
+    def full(self) -> FullLimit:
+        return FullLimit(self.scene.profile, self.scene.E_star, self.operator, self.scene.law)
+
+    @cached_property
+    def single(self) -> bool:
+        return starts_from_one_zone(self.scene)
+
+    def relief(self, problem: Problem) -> ScaledRelief:
+        """R in the units of a problem: the same samples for all problems in the same units."""
+        key = problem.units, problem.centre
+        if key not in self._reliefs:
+            self._reliefs[key] = ScaledRelief.of(self.full.relief, problem)
+        return self._reliefs[key]
+
+    def first_gaps(self, problem: Problem) -> FirstGaps:
+        """First guesses of the gaps, likewise."""
+        key = problem.units, problem.centre
+        if key not in self._first_gaps:
+            self._first_gaps[key] = FirstGaps.of(problem, self.relief(problem))
+        return self._first_gaps[key]
+
+    @cached_property
+    def _reliefs(self) -> dict[tuple[Units, float], ScaledRelief]:
+        return {}
+
+    @cached_property
+    def _first_gaps(self) -> dict[tuple[Units, float], FirstGaps]:
+        return {}
+
 
 Solver = Callable[[Scene, float, Progress | None, Solution | None], Solution]
 

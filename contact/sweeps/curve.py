@@ -7,7 +7,7 @@ from contact.errors import SceneError, unwarned, warn
 from contact.model.checks import finite_array
 from contact.model.registry import CONTROLS
 from contact.model.scene import Scene
-from contact.search.shared import Shared
+from contact.search.task import Shared
 from contact.search.topology.carried import Passed
 from contact.search.topology.loop import Progress
 from contact.search.ways.direct import all_directly

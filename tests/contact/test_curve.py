@@ -5,7 +5,7 @@ import pytest
 
 import contact
 import contact.search.grid.coarse
-import contact.search.shared
+import contact.search.task
 import contact.search.ways.guesses
 import sie.free_ends.newton
 from contact.search.topology.by_pressure import ByPressure
@@ -42,7 +42,7 @@ def counted(monkeypatch):
         monkeypatch.setattr(module, name, call)
 
     counting(contact.search.ways.guesses, "from_grid", "grids")
-    counting(contact.search.shared, "FullLimit", "limits")
+    counting(contact.search.task, "FullLimit", "limits")
     return count
 
 

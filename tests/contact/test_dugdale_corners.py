@@ -10,8 +10,7 @@ import pytest
 from scipy.optimize import brentq
 
 import contact
-from contact.formulation.tension.pulled import clausen
-from contact.formulation.tension.spread import Spread
+from contact.formulation.tension.pulled import Spread, clausen
 from tests.tiers import quick
 
 E, WORK, STRESS = 1.0, 1e-7, 1e-3

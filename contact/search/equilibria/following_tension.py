@@ -20,9 +20,8 @@ from contact.formulation.tension.contact import Covered, Lost
 from contact.formulation.tension.intervals import interval_of, joined
 from contact.search.equilibria import arc, tension
 from contact.search.equilibria.arc import Step
-from contact.search.equilibria.changes import Change, about, changes, condition, with_change
 from contact.search.equilibria.following import LEAST, NEW, SLIGHT, Following, Jump, Standing, first_of
-from contact.search.equilibria.growth import touched
+from contact.search.equilibria.growth import Change, about, changes, condition, touched, with_change
 from sie import Array, Index, wrapped
 
 At = Callable[[float], CohesivePoint]

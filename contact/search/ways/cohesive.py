@@ -42,8 +42,7 @@ from contact.search.equilibria.tension import (
 )
 from contact.search.grid.proposals import placed
 from contact.search.grid.scaling import ScaledScene
-from contact.search.shared import Shared
-from contact.search.task import Task
+from contact.search.task import Shared, Task
 from contact.search.topology.missed import Missed
 from contact.search.ways.branches import bare, frame, past, way
 from contact.search.ways.full_contact import Full
