@@ -37,7 +37,7 @@ from contact.solution.sampling import surfaces
 from contact.solution.solution import Solution
 from contact.solution.validity import of_solution
 from contact.solver import solved_at, task_of
-from contact.sweeps.adhesive_plot import Drawn, draw
+from contact.sweeps.path_plot import Drawn, draw
 from contact.sweeps.paths import Event, Path
 from sie import Array
 

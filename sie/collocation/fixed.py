@@ -15,8 +15,7 @@ from sie.collocation import modes
 from sie.collocation.iterative import CoarseOperator, Iterative, IterativeSystem, unfit
 from sie.collocation.rounding import density_rounding, intensity_rounding
 from sie.collocation.solved import Carried, Factored, Sizes, Solved, Solver, density_of
-from sie.collocation.symmetry import MirrorSymmetry
-from sie.collocation.system import System, condition_rows
+from sie.collocation.system import MirrorSymmetry, System, condition_rows
 from sie.density.density import Density
 from sie.equation.checks import look_at
 from sie.equation.equation import Equation

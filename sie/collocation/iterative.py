@@ -18,8 +18,7 @@ from sie.basis.interval import Outside, edge_scale, mean_potential
 from sie.basis.zones import Zones
 from sie.collocation import modes
 from sie.collocation.modes import felt
-from sie.collocation.symmetry import MirrorSymmetry
-from sie.collocation.system import System, condition_rows, outside
+from sie.collocation.system import MirrorSymmetry, System, condition_rows, outside
 from sie.collocation.zone_sums import ZoneSums
 from sie.equation.conditions import ByZone, Linear, by_zone, speaks_of_levels
 from sie.equation.equation import Equation

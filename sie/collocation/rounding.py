@@ -14,7 +14,7 @@ from sie.basis.interval import edge_scale
 from sie.basis.zones import Zones
 from sie.collocation.modes import conformal_radius, gaps
 from sie.collocation.solved import Solved
-from sie.collocation.symmetry import MirrorSymmetry
+from sie.collocation.system import MirrorSymmetry
 from sie.equation.conditions import speaks_of_levels
 from sie.equation.equation import Forcing
 

@@ -13,8 +13,7 @@ from sie.basis import chebyshev
 from sie.basis.data import Array, Index, Kept, Mask, record, wrapped
 from sie.collocation import modes
 from sie.collocation.iterative import CoarseOperator, Iterative, IterativeSystem
-from sie.collocation.symmetry import MirrorSymmetry
-from sie.collocation.system import System
+from sie.collocation.system import MirrorSymmetry, System
 from sie.density.density import Density
 from sie.equation.conditions import of_levels, speaks_of_levels
 from sie.equation.equation import Equation

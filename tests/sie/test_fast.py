@@ -6,8 +6,7 @@ import pytest
 import sie
 from sie.collocation import modes
 from sie.collocation.iterative import IterativeSystem
-from sie.collocation.symmetry import MirrorSymmetry
-from sie.collocation.system import System
+from sie.collocation.system import MirrorSymmetry, System
 from sie.collocation.zone_sums import Nested, ZoneSums
 from sie.density.treecode import Treecode
 from sie.fast.far import ROUGH, FarSum

@@ -201,17 +201,9 @@ def _hertz(state: GridState, cells: NDArray[np.int64], first: int, E: float) -> 
 
 
 def propose(
-    height: Height,
-    cell: tuple[float, float],
-    response: Response,
-    *,
-    load: float | None = None,
-    level: float | None = None,
-    resolution: float | None = None,
-    points: int | None = None,
-    max_points: int = 2**17,
-    tol: float = 1e-8,
-    near: GridState | None = None,
+    height: Height, cell: tuple[float, float], response: Response, *, load: float | None = None,
+    level: float | None = None, resolution: float | None = None, points: int | None = None, max_points: int = 2**17,
+    tol: float = 1e-8, near: GridState | None = None,
 ) -> Proposal:
     """Zones of `height` on one period or window `cell` from nested grids.
 
@@ -275,15 +267,9 @@ def _refine(p: Array, periodic: bool) -> Array:
 
 
 def find_window(
-    height: Height,
-    response: Response,
-    *,
-    load: float | None = None,
-    level: float | None = None,
-    start_scale: float | None = None,
-    limits: tuple[float, float] | None = None,
-    start: tuple[float, float] | None = None,
-    light: float | None = None,
+    height: Height, response: Response, *, load: float | None = None, level: float | None = None,
+    start_scale: float | None = None, limits: tuple[float, float] | None = None,
+    start: tuple[float, float] | None = None, light: float | None = None,
 ) -> tuple[float, float]:
     """A window of the line of which an isolated contact takes between about 20 % and 70 %, clear of its
     border.

@@ -241,13 +241,8 @@ class GridState:
 
 
 def solve_grid(
-    f: ArrayLike,
-    influence: Influence,
-    *,
-    load: float | None = None,
-    level: float | None = None,
-    start: ArrayLike | None = None,
-    tol: float = 1e-6,
+    f: ArrayLike, influence: Influence, *, load: float | None = None, level: float | None = None,
+    start: ArrayLike | None = None, tol: float = 1e-6,
 ) -> GridState:
     """Solve the grid contact for a given load or level; `start` is a pressure to begin from (its scale does
     not matter, except that under level control its sum is the first guess of the load). f = inf marks points
@@ -406,7 +401,7 @@ class _Run:
         p = np.maximum(p, 0.0)
         gap = np.where(self.allowed, gap, np.inf)
         return GridState(
-            p, gap, level + self.lowest, load, self.iterations, converged, self.f, self.influence
+            p, gap, level + self.lowest, load, self.iterations, converged, self.f, self.influence,
         )
 
     def compliance(self, state: GridState) -> float:
