@@ -29,7 +29,7 @@ class Treecode:
 
     def __init__(self, density: Series) -> None:
         # Which holds this: the memory of both would only be free when somebody looks for cycles.
-        self.density = weakref.proxy(density)
+        self.density: Series = weakref.proxy(density)  # type: ignore[assignment]
         zones, period = density.zones, density.kernel.period
         first, last = float(zones.a[0]), float(zones.b[-1])
         middle = 0.5 * (first + last)
