@@ -14,9 +14,9 @@ import numpy as np
 
 from contact.commands.options import OVERWRITE, Outputs, checked
 from contact.errors import SceneError, warn
-from contact.extras import require
 from contact.model.profiles.base import Profile
 from contact.model.profiles.sampled import Sampled
+from contact.model.scene_file import load_scene, toml
 from contact.model.traces.prepare import Trace, load_trace
 from contact.model.traces.roughness import Roughness, height_distribution, power_spectrum, roughness
 from contact.model.units import prefix, quantity
@@ -112,7 +112,7 @@ def trace_command(file: Path, figure: Path | None, scene: Path | None, overwrite
     if scene is not None:
         scene.write_text(starting_scene(file, scene.parent, keys, measured, trace.period), encoding="utf-8")
         # What was written must be a scene.
-        require("contact.model.scene_file").load_scene(scene)
+        load_scene(scene)
         click.echo(f"written: {scene}", err=as_json)
 
 
@@ -167,7 +167,7 @@ def starting_scene(file: Path, folder: Path, keys: Mapping[str, Any], measured: 
     modulus = _MODULUS / (1 - _POISSON**2)
     pressure = _LIGHT * modulus * measured.rms_slope
     name = Path(os.path.relpath(file, folder)).as_posix()
-    lines = ["[profile]", 'shape = "sampled"', f"file = {_toml(name)}", *(f"{key} = {_toml(value)}" for key, value in keys.items())]
+    lines = ["[profile]", 'shape = "sampled"', f"file = {toml(name)}", *(f"{key} = {toml(value)}" for key, value in keys.items())]
     lines += ["", "[material]              # steel; the counter-face is rigid: E2 and nu2 are left out", f"E1 = {_MODULUS / 1e9:g}e9"]
     lines += [f"nu1 = {_POISSON}", "", "[interaction]"]
     told = f"# {_LIGHT:g} E* times the rms slope, {measured.rms_slope:.4g}"
@@ -177,11 +177,6 @@ def starting_scene(file: Path, folder: Path, keys: Mapping[str, Any], measured: 
         lines += ['model = "isolated"         # no period is given: the trace just ends', "", "[control]"]
         lines += [f"{told}, over a thousandth of its length [N/m]", f"load = {1e-3 * pressure * measured.length:.4g}"]
     return "\n".join(lines) + "\n"
-
-
-def _toml(value: Any) -> str:
-    """A value as TOML writes it: strings, numbers, true and lists are those of JSON."""
-    return json.dumps(value, ensure_ascii=False)
 
 
 _BEFORE, _AFTER, _LOST = "#9a9a9a", "#1f5a92", "#b3261e"

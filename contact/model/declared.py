@@ -23,11 +23,10 @@ import numpy as np
 import sie
 from contact.errors import SceneError, shown
 from contact.model.checks import of_author, positive_or_none
-from contact.model.line_kernel import WAVES
 from contact.model.operator import Operator, smooth_potential
 from contact.model.profiles.base import Profile
-from contact.model.spectrum import checked
 from contact.model.substrates.base import Substrate
+from contact.model.symbols import WAVES, checked
 from sie import Array
 
 # Shapes of what arrays with one row a place must have beyond the first axis.

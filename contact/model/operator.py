@@ -2,8 +2,8 @@ r"""The elastic operator of a scene: what the pressure does to the surface, comp
 
 The symbol of the substrate is the one source of all of it:
 
-    kernel        of a line load, 1/r + int (L - 1) sin(qr) dq (contact.model.line_kernel), alone or with the images of a strip;
-                  of all periods, Hilbert's and sum (L_n - 1) sin(2 pi n r / l) 2 pi / l (contact.model.spectrum)
+    kernel        of a line load, 1/r + int (L - 1) sin(qr) dq (contact.model.symbols), alone or with the images of a strip;
+                  of all periods, Hilbert's and sum (L_n - 1) sin(2 pi n r / l) 2 pi / l (contact.model.symbols)
     grid          the multiplier 2 L / (E* q)
     full contact  p_q = -E* q f_q / 2 L(q) + mean
     by the gaps   the slope of the gap as the unknown, under the symbol 1/L: sum (1/L_n - 1) sin(2 pi n r / l) 2 pi / l beside Hilbert's
@@ -35,9 +35,8 @@ import scipy.fft
 import sie
 from contact.errors import SceneError
 from contact.model.interactions.base import Interaction, Scaled
-from contact.model.line_kernel import SmoothPart
-from contact.model.spectrum import checked, excess, kernel_of
 from contact.model.substrates.base import Substrate
+from contact.model.symbols import SmoothPart, checked, excess, kernel_of
 from sie import Array, record
 
 Potential = Callable[[Array, Array], Array]
@@ -186,7 +185,9 @@ class Operator(sie.Kept):
         if not self.is_periodic or kernel.regular_potential is None or self.is_half_plane:
             return kernel
         assert period is not None
-        return replace(kernel, regular_potential=partial(_lowered, kernel.regular_potential, _mean_beyond(kernel, period)))
+        # Over a period Hilbert's has no mean.
+        mean = float(_beyond(kernel, period, period * (np.arange(_PLACES) + 0.5) / _PLACES).mean())
+        return replace(kernel, regular_potential=partial(_lowered, kernel.regular_potential, mean))
 
     @property
     def own_columns(self) -> bool:
@@ -303,11 +304,6 @@ def smooth_potential(kernel: sie.Kernel, lag: Array) -> Array:
     if kernel.regular_potential is not None:
         out += kernel.regular_potential(np.asarray(lag), np.zeros(1))
     return out
-
-
-def _mean_beyond(kernel: sie.Kernel, period: float) -> float:
-    """Mean over a period of a kernel's potential: Hilbert's has none."""
-    return float(_beyond(kernel, period, period * (np.arange(_PLACES) + 0.5) / _PLACES).mean())
 
 
 _INSIDE = 1 - 1e-15

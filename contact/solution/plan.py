@@ -54,10 +54,6 @@ class Plan:
     seconds: float | None = None
     _within: list[float] = field(default_factory=list, repr=False)
 
-    @property
-    def rows(self) -> list[Part]:
-        return self.parts
-
     def __getitem__(self, name: str) -> Part:
         for part in self.parts:
             if part.name == name:

@@ -9,10 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from sie.basis import chebyshev
-from sie.basis.data import Array, Index, Mask
+from sie.basis.data import Array, Index, Mask, wrapped
 from sie.basis.interval import Outside, edge_scale, slope_scale
 from sie.basis.kernels import Kernel, cauchy
-from sie.basis.places import wrapped
 from sie.basis.zones import Zones
 from sie.density.density import Density
 from sie.density.field import from_zones
@@ -22,7 +21,7 @@ from sie.jumps.forcing import ForcingJumps
 from sie.slits.kinks import SlitKink
 from sie.slits.merged import Merged
 from sie.slits.plane import SlitPlane
-from sie.slits.slits import Slit, Slits, off_slit
+from sie.slits.slits import Slits, off_slit
 
 # Points looked at together.
 _BLOCK = 4096
@@ -465,5 +464,3 @@ def _closed(d: Array) -> Array:
     out[2:] -= 0.5 * u
     return out
 
-
-__all__ = ["Slit", "SlitDensity"]

@@ -10,7 +10,7 @@ from functools import cached_property
 from typing import ClassVar
 
 import sie
-from contact.model.line_kernel import SmoothPart
+from contact.model.symbols import SmoothPart
 from sie import Array
 
 

@@ -29,18 +29,9 @@ from scipy.optimize import brentq
 
 from contact.errors import OutOfRange, SceneError
 from contact.model.checks import between, keep, positive, positive_or_none
+from contact.reference.exact import base
 from contact.reference.exact.adhesion import AdhesiveZone, Equilibria, frictionless_energy
-from contact.reference.exact.base import (
-    FROM_LEFT,
-    FROM_RIGHT,
-    WEIGHT,
-    Array,
-    IsolatedZone,
-    PeriodicZone,
-    arcosh1p,
-    cosine,
-    sine,
-)
+from contact.reference.exact.base import FROM_LEFT, FROM_RIGHT, WEIGHT, Array, arcosh1p, cosine, sine
 from contact.reference.exact.parabola import HertzLine
 from contact.reference.exact.sinusoid import Westergaard
 
@@ -56,17 +47,6 @@ class _DugdaleState(AdhesiveZone):
         r = np.abs(self._reduced(x))
         pulled = (r >= self.half_width) & (r < self.cohesive_end)
         return np.where(pulled, -self.stress, super().pressure(x))
-
-    @property
-    def cohesive_intervals(self) -> Array:
-        """The intervals [[-c, -a], [a, c]] under tension."""
-        a, c = self.half_width, self.cohesive_end
-        return np.array([[-c, -a], [a, c]])
-
-    @property
-    def max_pressure(self) -> float:
-        """Greatest pressure, in the middle for the profiles that are convex there."""
-        return float(self._pressure(np.array(0.0), np.array(self.half_width)))
 
 
 @dataclass(frozen=True)
@@ -117,7 +97,7 @@ class DugdaleZone(_DugdaleState):
     (True, True)
     """
 
-    zone: IsolatedZone | PeriodicZone
+    zone: base.IsolatedZone | base.PeriodicZone
     stress: float
     cohesive_end: float
 
@@ -251,10 +231,7 @@ class DugdaleZone(_DugdaleState):
         opened = slope + self._unit * (self.widening * self.share_by_end - self.logarithm)
         # What a takes back from the gap at c it adds to the load: d g/da = -(2/pi E*) l d P/da.
         load = 0.5 * pi * modulus * opened / self.widening - 2.0 * stress * self.share_by_end
-        compliance = self.punch_compliance
-        if compliance is None:
-            return load, float("nan")
-        return load, compliance * load + 4.0 * stress * self.widening / (pi * modulus)
+        return load, self._approach_rate(load, 4.0 * stress * self.widening / (pi * modulus))
 
 
 @dataclass(frozen=True)
@@ -303,7 +280,7 @@ class MetDugdaleZone(_DugdaleState):
     (True, True)
     """
 
-    zone: PeriodicZone
+    zone: base.PeriodicZone
     stress: float
     work: float
 

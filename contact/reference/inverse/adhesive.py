@@ -32,7 +32,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from contact.model.checks import finite, keep, positive
 from contact.model.profiles.fourier import Fourier
-from contact.reference.inverse.given import DesignedProfile, GivenZones, exp_of_power_sums
+from contact.reference.inverse.designed import DesignedProfile, GivenZones, exp_of_power_sums
 from contact.reference.inverse.product import CutProduct
 from sie import Array, Mask
 
@@ -214,13 +214,10 @@ class AdhesiveDesign(GivenZones):
             cosine, sine = self._smooth[2 * j], self._smooth[2 * j + 1]
             ratio[j] += 0.5 * (cosine + 1j * sine)
             ratio[n - j] += 0.5 * (cosine - 1j * sine)
-        if n % 2:
-            for j in range((n + 1) // 2, n + 1):
-                ratio[j] += -1j * np.sum(self._poles * np.exp(-1j * (2 * j - n) * angle))
-        else:
+        if n % 2 == 0:
             ratio[n // 2] += self._smooth[-1] - 0.5j * np.sum(self._poles)
-            for j in range(n // 2 + 1, n + 1):
-                ratio[j] += -1j * np.sum(self._poles * np.exp(-1j * (2 * j - n) * angle))
+        for j in range(n // 2 + 1, n + 1):
+            ratio[j] += -1j * np.sum(self._poles * np.exp(-1j * (2 * j - n) * angle))
         return self._of_slope(np.convolve(root, ratio)[:n][::-1])
 
     @cached_property

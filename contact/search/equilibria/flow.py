@@ -13,8 +13,6 @@ Newton's, over the ends that go no farther than they are let, given what the oth
 of -J, D diagonal, mu above their growth.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from contact.errors import NotConverged

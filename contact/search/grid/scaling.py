@@ -6,8 +6,6 @@ nearest power of two. A turned body is counted likewise, and repeats nothing; wh
 with the contact.
 """
 
-from __future__ import annotations
-
 import math
 from functools import partial
 
