@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from sie.equation.equation import CountError, Equation, Forcing
     from sie.fast.lazy import uncollected
     from sie.fast.piecewise import PiecewiseTransform
-    from sie.free_ends.end_rates import EndRates, end_motions, end_rates
+    from sie.free_ends.motions import EndRates, end_motions, end_rates
     from sie.free_ends.newton import Free, find_ends
     from sie.free_ends.sources import Answers, answers
     from sie.slits.density import SlitDensity
@@ -54,7 +54,7 @@ _HOMES = {
     "sie.equation.equation": "CountError Equation Forcing",
     "sie.fast.lazy": "uncollected",
     "sie.fast.piecewise": "PiecewiseTransform",
-    "sie.free_ends.end_rates": "EndRates end_motions end_rates",
+    "sie.free_ends.motions": "EndRates end_motions end_rates",
     "sie.free_ends.newton": "Free find_ends",
     "sie.free_ends.sources": "Answers answers",
     "sie.slits.density": "SlitDensity",

@@ -23,8 +23,7 @@ from sie.collocation.iterative import Iterative
 from sie.collocation.solved import Sizes
 from sie.density.density import Density
 from sie.equation.equation import Equation
-from sie.free_ends.end_rates import DirectMotions, motions_of
-from sie.free_ends.motions import STEP, IteratedMotions, spread
+from sie.free_ends.motions import STEP, DirectMotions, IteratedMotions, motions_of, spread
 from sie.free_ends.near_steps import bent_steps, corner_distances, gap_steps, tips_between
 from sie.free_ends.progress import Motion, Progress, Rest, Step, Turn
 from sie.free_ends.single import far_off, moved_singly

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import sie
-from sie.free_ends.end_rates import growth as growth_of
 from sie.free_ends.motions import IteratedMotions
+from sie.free_ends.motions import growth as growth_of
 
 BUMPS = sie.Forcing(lambda x: np.sin(2 * np.pi * x) / (2 * np.pi), lambda x: -np.cos(2 * np.pi * x) / (2 * np.pi) ** 2)
 ADHERING = sie.free_with_intensity(-0.01)
@@ -41,7 +41,7 @@ def test_motions_do_the_same_by_fast_sums_and_by_the_matrix(monkeypatch, name, s
     direct, iterated = both(monkeypatch, lambda: sie.solve_fixed(equation, zones))
     assert iterated.iterated and not direct.iterated
     one, by_matrix = sie.end_rates(direct), sie.end_rates(iterated)
-    monkeypatch.setattr("sie.free_ends.end_rates._MANY", 1)
+    monkeypatch.setattr("sie.free_ends.motions._MANY", 1)
     for other in (by_matrix, sie.end_rates(iterated)):
         assert one.ends == other.ends
         assert other.intensities == pytest.approx(one.intensities, abs=1e-13)
