@@ -5,7 +5,7 @@ K is the prescribed one. Moving ends outward by delta changes K_i by -(A_i / 2) 
 intensities are zero: the first-order change of a bounded density with the ends has no singular homogeneous part. So
 delta = 2 K / A is a Newton step with one linear solve. A condition on the ends alone (their total width) borders this
 diagonal by the response of K to the unknown value it fixes. Where an intensity is prescribed, the density's own change
-with the end is d^(-3/2)-singular and couples all ends (`end_rates`; of very many `iterated`).
+with the end is d^(-3/2)-singular and couples all ends (`motions`).
 """
 
 from __future__ import annotations
