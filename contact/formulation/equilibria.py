@@ -8,8 +8,6 @@ A sharp corner, beyond which the profile ends, is an obstacle: an end that is dr
 not move; one that is driven inward leaves it. So an equilibrium has r = 0 at free ends and r >= 0 at held ones.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -82,7 +80,7 @@ class Point:
         """Which ends rest at sharp corners (2n,)."""
         return self.whole.held
 
-    def holding(self, held: Mask) -> Point:
+    def holding(self, held: Mask) -> "Point":
         """The same with these ends held, and no others."""
         whole, free = self.whole, ~held
         rates = np.where(free[:, None] & free, whole.rates, 0.0) - np.diag(held / self.widths)

@@ -7,8 +7,6 @@ kinks are narrower than digits tell, and nothing else of the contact differs fro
 Surfaces that do not touch are told here too: no pressure, no displacement.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import cached_property
 

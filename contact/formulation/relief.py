@@ -5,8 +5,6 @@ few waves with L_n != 1 are put right, R = H f' + sum_n q_n (1/L_n - 1) 2 Re f_n
 there (infinite pressure), a concave one, a valley with a kink, +inf: the logarithm (J/pi) ln|2 sin(pi (x - s)/l)| whatever the body.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import cached_property
 
@@ -91,7 +89,7 @@ class ScaledRelief(sie.Kept):
     heights: Array
 
     @classmethod
-    def of(cls, relief: Relief, problem: Problem) -> ScaledRelief:
+    def of(cls, relief: Relief, problem: Problem) -> "ScaledRelief":
         return cls(relief, problem.units, *problem.forcing.kinks)
 
     @property

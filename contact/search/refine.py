@@ -1,7 +1,5 @@
 """What was found, solved more tightly, or better, where its stated error is above the wanted one."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 

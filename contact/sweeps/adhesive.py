@@ -4,8 +4,6 @@ What happens between two values is followed (contact.search.equilibria.history);
 its stated error and certificate, from where it was followed to.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any

@@ -3,8 +3,6 @@
 The models' pressures lie on each other where they are of any use, so what is drawn of them is the difference, on a logarithmic axis.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

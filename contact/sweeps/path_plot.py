@@ -9,8 +9,6 @@ The curve goes through what was followed, solved or not; jumps are dotted, from 
 approach, contact is drawn in its place. The surfaces are those just before pull-off, or, of a path without it, those of its last value.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

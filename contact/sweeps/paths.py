@@ -13,8 +13,6 @@ load grows, and may lift off again on one side: there deaths and splits are look
 not a half-plane, on which alone contact is known to grow with the load.
 """
 
-from __future__ import annotations
-
 import json
 import os
 from collections.abc import Callable
@@ -288,7 +286,7 @@ class _Path:
         except WrongTopology:
             return None
 
-    def _at(self, change: _Change, condition: _Condition, root: float, low: Solution, high: Solution) -> Event:
+    def _at(self, change: _Change, condition: "_Condition", root: float, low: Solution, high: Solution) -> Event:
         kind = _REVERSED[change.kind] if change.back else change.kind
         return Event(kind, root * condition.problem.units.load, condition.position, low.zones, high.zones)
 

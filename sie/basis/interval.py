@@ -14,8 +14,6 @@ These formulas and the exponent 1/2 stand here, and everything else asks for the
 from both ends over w, or by |zeta| - 1; at complex points by zeta + 1 and zeta - 1. So no digit is lost beside an end.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from functools import cached_property
 from typing import Any, Literal
@@ -146,7 +144,7 @@ class OnLine(Seen):
     any_on: bool
 
     @classmethod
-    def of(cls, left: Array, right: Array) -> OnLine:
+    def of(cls, left: Array, right: Array) -> "OnLine":
         on = (left >= 0) & (right >= 0)
         sign = np.where(left >= 0, 1.0, -1.0)
         size = np.sqrt(np.abs(left * right))
@@ -160,7 +158,7 @@ class OnLine(Seen):
     def _away(self) -> Array:
         return np.maximum(-self.left, -self.right)
 
-    def __getitem__(self, which: Any) -> OnLine:
+    def __getitem__(self, which: Any) -> "OnLine":
         return OnLine(self.left[which], self.right[which], self.root[which], self.rho[which], self.on[which], self.any_on)
 
 
@@ -181,7 +179,7 @@ class InPlane:
     less: Complex
 
     @classmethod
-    def of(cls, from_a: Array, from_b: Array, y: Array) -> InPlane:
+    def of(cls, from_a: Array, from_b: Array, y: Array) -> "InPlane":
         """By x - a, x - b and y, over the half width."""
         return cls(complex_of(from_a, y), complex_of(from_b, y))
 
@@ -221,7 +219,7 @@ class InPlane:
         """log(width / (2 rho))."""
         return np.asarray(np.log(0.5 * width) + self.log)
 
-    def __getitem__(self, which: Any) -> InPlane:
+    def __getitem__(self, which: Any) -> "InPlane":
         return InPlane(self.left[which], self.less[which])
 
     def turned(self, c: Array, s: Array) -> Complex:

@@ -7,8 +7,6 @@ condition; each bounded end takes one away; a free end takes one away and brings
 (Muskhelishvili, Singular Integral Equations, 1953, ch. 5).
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -136,7 +134,7 @@ class Zones(Kept):
     def of(
         cls, ends: ArrayLike, left: End | Sequence[End] = FREE, right: End | Sequence[End] = FREE,
         symmetric: bool = False,
-    ) -> Zones:
+    ) -> "Zones":
         """Checked zones from an (n, 2) array of ends; left, right: one kind for all, or one for each.
 
         Raises
@@ -161,7 +159,7 @@ class Zones(Kept):
             table = 0.5 * (table + mirrored)
         return cls(table[:, 0], table[:, 1], lefts, rights, symmetric)
 
-    def moved(self, outward: Array, exactly: bool = True) -> Zones:
+    def moved(self, outward: Array, exactly: bool = True) -> "Zones":
         """The same zones with ends moved outward (2, n); exactly: what rounding cuts off them is kept."""
         if self.symmetric:
             outward = 0.5 * (outward + outward[::-1, ::-1])
@@ -172,7 +170,7 @@ class Zones(Kept):
         rest = (ends - (there - back)) + (by - back)
         return replace(self, a=there[0], b=there[1], rest=rest if exactly else np.zeros_like(rest))
 
-    def changed(self, lost: Index, met: Index, period: float | None) -> tuple[Zones, Index]:
+    def changed(self, lost: Index, met: Index, period: float | None) -> "tuple[Zones, Index]":
         """(these without those that are lost, and with those joined that have met the next one, the numbers of what is left among these);
         of joined ones the first."""
         count = len(self)

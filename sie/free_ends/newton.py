@@ -8,8 +8,6 @@ diagonal by the response of K to the unknown value it fixes. Where an intensity 
 with the end is d^(-3/2)-singular and couples all ends (`motions`).
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field, replace
 
@@ -261,7 +259,7 @@ def _neutral(state: AnyState, progress: Progress, value: float) -> Free:
 
 
 def _by_iteration(
-    state: State, iteration: Iterative, signs: tuple[float, float], unit: Unit | None, motion: Motion, rest: Rest
+    state: State, iteration: Iterative, signs: tuple[float, float], unit: "Unit | None", motion: Motion, rest: Rest
 ) -> tuple[Motion, Rest] | None:
     """A step to rest and what it tells, with what iteration tells of them; None where the intensities do not tell the ends."""
     motions, zones, side = IteratedMotions(state, iteration), state.density.zones, np.array(signs, dtype=float)[:, None]
@@ -299,7 +297,7 @@ def _why_not(state: AnyState, progress: Progress, motion: Motion) -> str:
 
 
 def _limited(
-    state: AnyState, zones: Zones, motion: Motion, signs: tuple[float, float], unit: Unit | None
+    state: AnyState, zones: Zones, motion: Motion, signs: tuple[float, float], unit: "Unit | None"
 ) -> tuple[Array, Index]:
     """(moves cut to what widths and gaps allow, those of zones far off that stand alone by steps of their own; zones of which nothing is
     left)."""
@@ -406,7 +404,7 @@ def _intensity(end: End) -> float:
     return end.intensity if end.moves and end.intensity is not None else 0.0
 
 
-def _newton(state: AnyState, zones: Zones, signs: tuple[float, float], unit: Unit | None) -> Motion:
+def _newton(state: AnyState, zones: Zones, signs: tuple[float, float], unit: "Unit | None") -> Motion:
     """The next step of ends of these kinds."""
     moves = zones.moves
     target = np.array([[_intensity(end) for end in zones.left], [_intensity(end) for end in zones.right]])
@@ -465,7 +463,7 @@ class Unit:
         return float(np.abs(zones.table - self.table).sum() / width.sum())
 
     @classmethod
-    def of(cls, state: AnyState, sizes: Sizes) -> Unit:
+    def of(cls, state: AnyState, sizes: Sizes) -> "Unit":
         """An error of them is one of a step: as good as the square of the next is enough."""
         index = state.equation.open_condition
         assert index is not None

@@ -68,10 +68,7 @@ class SlitPlane:
                 close = seen[some]
                 out[some] -= told.plane.of_zones(at[some], y[some], np.full(len(some), number), what)
                 value, slope = _of_series(here, row, at[some], y[some])
-                if what == "transform":
-                    value = value / close.root
-                else:
-                    value = (slope - value * close.zeta / close.root**2) / close.root
+                value = (value if what == "transform" else slope - value * close.zeta / close.root**2) / close.root
                 for k, kink in kinks:
                     slit = here.slits[k]
                     inner = InPlane.of((at[some] - here.a[k]) / slit.width, (at[some] - here.b[k]) / slit.width, y[some] / slit.width)

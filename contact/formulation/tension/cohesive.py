@@ -12,8 +12,6 @@ move apart. In J the zones follow: what an end of I adds is a unit source at c, 
 are held with singular ends, whose intensities move these by 2 K/A.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -82,7 +80,7 @@ class Loose(Point):
     zones: Array
 
     @classmethod
-    def of(cls, table: Array, value: float, load: float, level: float, zones: Array) -> Loose:
+    def of(cls, table: Array, value: float, load: float, level: float, zones: Array) -> "Loose":
         none = np.zeros(0)
         return cls(table, float(value), none, np.zeros((0, 0)), none, float(load), float(level), zones)
 
@@ -101,7 +99,7 @@ class Cohesive(Equilibria):
     problem: Problem
     held: Control
     known: list[Known] = field(default_factory=list, compare=False, repr=False)
-    recent: list[tuple[Cohesive, CohesivePoint, float]] = field(default_factory=list, compare=False, repr=False)
+    recent: "list[tuple[Cohesive, CohesivePoint, float]]" = field(default_factory=list, compare=False, repr=False)
     loose: bool = False
     formal: bool = False
 

@@ -9,8 +9,6 @@ kinks. They are P-, W- or R-parameters as the trace has been filtered; no divisi
 where the standard has a formula of seven points.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -42,7 +40,7 @@ class Roughness:
     rms_slope: float
 
 
-def roughness(trace: Sampled) -> Roughness:
+def roughness(trace: "Sampled") -> Roughness:
     """The parameters of a trace."""
     knots = trace.x if trace.period is None else np.append(trace.x, trace.x[0] + trace.period)
     steps = np.diff(knots)
@@ -61,7 +59,7 @@ def roughness(trace: Sampled) -> Roughness:
     )
 
 
-def power_spectrum(trace: Sampled) -> tuple[Array, Array]:
+def power_spectrum(trace: "Sampled") -> tuple[Array, Array]:
     """Wavenumbers q = 2 pi/wavelength [1/m] and the one-sided density C(q) [m^3]: the integral of C over q is Rq^2.
 
     From as many even points of the spline as there are; a trace that just ends has its line subtracted and is weighted by Hann's window,
@@ -87,7 +85,7 @@ def power_spectrum(trace: Sampled) -> tuple[Array, Array]:
     return np.asarray(step * np.arange(1, waves.size)), np.asarray(waves[1:] / step)
 
 
-def height_distribution(trace: Sampled) -> tuple[Array, Array]:
+def height_distribution(trace: "Sampled") -> tuple[Array, Array]:
     """Edges of equal bins [m], from the mean height, and the density of heights in them [1/m], by the length of the trace."""
     n = trace.x.size
     count = int(np.clip(np.sqrt(n), 8, _MOST_BINS))

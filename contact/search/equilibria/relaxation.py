@@ -10,16 +10,7 @@ import numpy as np
 
 from contact.errors import NotConverged
 from contact.formulation.equilibria import Equilibria, Point
-from contact.search.equilibria.flow import (
-    DRIVEN,
-    MOST_STEPS,
-    MOST_TRIES,
-    REST,
-    ROUGH,
-    SLIGHT,
-    closing,
-    inward_and_outward,
-)
+from contact.search.equilibria import flow
 from contact.search.equilibria.growth import with_new
 from contact.verify.certificate import openings
 from sie import Array, wrapped
@@ -35,20 +26,20 @@ _PAST = 0.1
 def relaxed(curve: Equilibria, table: Array, value: float) -> Point | None:
     """The stable equilibrium that ends come to from these zones under a value of the control; None: all have come apart. `Closed` if the
     surfaces close altogether."""
-    here = curve.at(table, value, ROUGH)
+    here = curve.at(table, value, flow.ROUGH)
     widest = np.diff(here.table, axis=1)[:, 0]
-    for _ in range(MOST_STEPS):
+    for _ in range(flow.MOST_STEPS):
         changed = _changed(curve, here, widest)
         if changed is not None:
             if len(changed) == 0:
                 return None
             widest = _carried(here.table, widest, changed)
-            here = curve.at(changed, value, ROUGH)
+            here = curve.at(changed, value, flow.ROUGH)
             continue
         here, step = _step(curve, here)
         width = np.diff(here.table, axis=1)[:, 0]
         widest = np.maximum(widest, width)
-        if float(np.abs(step / here.widths).max()) <= REST and float(np.abs(here.residual).max()) <= SLIGHT:
+        if float(np.abs(step / here.widths).max()) <= flow.REST and float(np.abs(here.residual).max()) <= flow.SLIGHT:
             if here.growth < 0.0:
                 return here
             break
@@ -58,10 +49,10 @@ def relaxed(curve: Equilibria, table: Array, value: float) -> Point | None:
 def _changed(curve: Equilibria, here: Point, widest: Array) -> Array | None:
     """The zones without gaps that have closed, without those that have come apart, or with new ones where the surfaces overlap; None if
     nothing of that has happened."""
-    merged = closing(curve, here)
+    merged = flow.closing(curve, here)
     if merged is not None:
         return merged
-    apart = np.logical_and(*np.split(here.residual < -DRIVEN, 2)) & (np.diff(here.table, axis=1)[:, 0] < _GONE * widest)
+    apart = np.logical_and(*np.split(here.residual < -flow.DRIVEN, 2)) & (np.diff(here.table, axis=1)[:, 0] < _GONE * widest)
     if apart.any():
         return np.asarray(here.table[~apart])
     overlaps = _overlaps(curve, here)
@@ -71,7 +62,7 @@ def _changed(curve: Equilibria, here: Point, widest: Array) -> Array | None:
 def _overlaps(curve: Equilibria, here: Point) -> Array:
     """Where the surfaces overlap, but for gaps into which an end advances that is driven hard: that may close them first."""
     overlaps, period = curve.within(openings(curve.fields(here)).overlaps), curve.problem.period
-    left, right = np.split(here.residual > DRIVEN, 2)
+    left, right = np.split(here.residual > flow.DRIVEN, 2)
     advanced = np.append(False, right) | np.append(left, False)
     if period is not None:
         advanced[[0, -1]] = left[0] | right[-1]
@@ -88,14 +79,14 @@ def _carried(before: Array, widest: Array, table: Array) -> Array:
 
 def _step(curve: Equilibria, here: Point) -> tuple[Point, Array]:
     """(next state, step)."""
-    inward, outward = inward_and_outward(curve, here)
+    inward, outward = flow.inward_and_outward(curve, here)
     damped = _DAMPED
-    for _ in range(MOST_TRIES):
+    for _ in range(flow.MOST_TRIES):
         step = np.linalg.solve(np.diag((max(here.growth, 0.0) + damped) * here.weight) - here.rates, here.residual)
         damped *= 2.0
         if not np.all(np.abs(step) <= np.where(step > 0.0, outward, inward)):
             continue
-        ahead = curve.at(here.moved(np.asarray(step)), here.value, ROUGH)
+        ahead = curve.at(here.moved(np.asarray(step)), here.value, flow.ROUGH)
         if ahead.residual @ step >= -_PAST * (here.residual @ step):
             return ahead, np.asarray(step)
         damped *= 2.0

@@ -10,8 +10,6 @@ round. A reach taken a little smaller as they grow, and a little larger as they 
 intervals lie within the ones that are looked for, or hold them.
 """
 
-from __future__ import annotations
-
 import math
 from functools import cached_property
 
@@ -59,7 +57,7 @@ class GridTension(sie.Kept):
     by_load: bool
 
     @classmethod
-    def of(cls, problem: Problem, table: Array | None, by_load: bool) -> GridTension | None:
+    def of(cls, problem: Problem, table: Array | None, by_load: bool) -> "GridTension | None":
         """table: scaled intervals from which ends are to move; None where what the tension acts on is too narrow for a grid."""
         profile, law, units = problem.profile, problem.law, problem.units
         if problem.period is not None and profile.period is not None:

@@ -5,8 +5,6 @@ one with a moment too small and one too large. Newton's steps, with the contact 
 the bracket, or do not halve what is missing, the bracket is halved. A tilt at which the contact runs off bounds it too.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from typing import Generic, TypeVar
@@ -38,7 +36,7 @@ class AtTilt(Generic[T]):
     found: T
 
     @classmethod
-    def of(cls, tilt: float, cell: tuple[float, float], proposal: Proposal, fineness: float, found: T) -> AtTilt[T]:
+    def of(cls, tilt: float, cell: tuple[float, float], proposal: Proposal, fineness: float, found: T) -> "AtTilt[T]":
         """Read from a grid's contact; fineness: in cells."""
         state = proposal.state
         h = state.influence.h

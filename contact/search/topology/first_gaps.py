@@ -1,7 +1,5 @@
 """First guesses of the gaps of a nearly full contact: where the pressure of full contact would pull."""
 
-from __future__ import annotations
-
 from functools import cached_property
 
 import numpy as np
@@ -30,7 +28,7 @@ class FirstGaps:
     value: Array
 
     @classmethod
-    def of(cls, problem: Problem, relief: ScaledRelief) -> FirstGaps:
+    def of(cls, problem: Problem, relief: ScaledRelief) -> "FirstGaps":
         assert problem.period is not None
         resolution = problem.profile.resolution or problem.units.length * problem.period / 16
         n = int(np.clip(_CLOSE * problem.period * problem.units.length / resolution, 256, 2**18))

@@ -4,8 +4,6 @@ What the carrying on has not told of their number is left to the corrections of 
 born where the gap is negative, gaps that close are dropped.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

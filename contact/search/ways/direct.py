@@ -4,8 +4,6 @@ A half-plane, without friction or adhesion, alone or with all periods. What is f
 is left to the general ways: by doubt at a sign, by a series that does not end, by an error above the tolerance.
 """
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Iterator, Sequence

@@ -1,7 +1,5 @@
 """Full contact, and what is refused because of where it begins."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Nearly full contact: found by its gaps, where the operator has an inverse and the contact is wide."""
 
-from __future__ import annotations
-
 import math
 
 from contact.formulation.controls import Control

@@ -6,8 +6,6 @@
     a grid                 a coarse contact on ever finer grids
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import replace

@@ -4,8 +4,6 @@ Solutions under a load are the sure ones: a bracket on the load (contact.search.
 lead to those of the control itself.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import replace

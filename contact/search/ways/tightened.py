@@ -1,7 +1,5 @@
 """Solving again with a smaller inner tolerance, where the stated error came out above the wanted one."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import TypeVar
 
