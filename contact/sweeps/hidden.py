@@ -2,8 +2,8 @@
 
 On a branch with fixed zones their ends move smoothly, at rates that are known at both loads. Where two zones merge the end of one jumps
 to that of the other: the way it went is more than its rates make of it. So where way and rates do not go together, one looks between.
-An end beside a narrow zone or gap goes as the root of what is left to the load at which that is born or closes: its rate times that width
-is what is even over the way.
+An end beside a narrow zone or gap goes as the root of what is left to the load at which that is born or closes: even over the way is its
+rate times that width.
 """
 
 import numpy as np
@@ -24,7 +24,7 @@ _NOTHING = 1e-6
 
 def may_hide(low: Solution, high: Solution) -> bool:
     """Whether the ends of some zone, that both loads have, went a way that their rates do not tell."""
-    before, after = _ends(low), _ends(high)
+    before, after = ends_and_rates(low), ends_and_rates(high)
     if before is None or after is None or low.load >= high.load:
         return False
     (old, old_rates), (new, new_rates) = before, after
@@ -55,7 +55,7 @@ def _beside(zones: Array, period: float | None) -> Array:
     return np.minimum(np.diff(zones), gaps)
 
 
-def _ends(solution: Solution) -> tuple[Array, Array] | None:
+def ends_and_rates(solution: Solution) -> tuple[Array, Array] | None:
     """(zones [m], how far their ends move outward as the load grows by a factor of e, both (n, 2)); None in full contact."""
     fields = solution.fields
     if not isinstance(fields, ZoneFields | GapFields):
