@@ -209,14 +209,15 @@ def test_a_shape_of_very_many_features_has_half_as_fine_a_grid(monkeypatch):
     assert [n for n, after in zip(sizes, [*sizes[1:], 64], strict=True) if after <= n] == [2**18, 2**19, 2**19]
 
 
-def test_very_many_zones_are_first_looked_at_with_ends_that_are_known_loosely(monkeypatch):
+@pytest.mark.parametrize(("lacking", "looks"), [([3, 17], {loop.LOOSELY}), ([3], {loop.LOOSELY, loop.CLOSELY})], ids=["many", "few"])
+def test_very_many_zones_are_first_looked_at_with_ends_that_are_known_loosely(monkeypatch, lacking, looks):
     """Where the first zones are not those of the solution, no tight solution is made on them."""
     monkeypatch.setattr(loop, "MANY", 20)
     proposed, asked = guesses.proposed, []
 
     def left_out(*given, **named):
         proposal = proposed(*given, **named)
-        return replace(proposal, zones=np.delete(proposal.zones, [3, 17], axis=0))
+        return replace(proposal, zones=np.delete(proposal.zones, lacking, axis=0))
 
     monkeypatch.setattr(guesses, "proposed", left_out)
     original = sie.find_ends
@@ -228,8 +229,8 @@ def test_very_many_zones_are_first_looked_at_with_ends_that_are_known_loosely(mo
     monkeypatch.setattr(sie, "find_ends", found)
     scene = rough(400)
     solution = contact.solve(scene, tol=1e-9)
-    tight = [count for tolerance, count in asked if tolerance < loop.LOOSELY]
-    assert len(asked) > len(tight) == 1 and tight[0] == len(solution.zones) != asked[0][1]
+    assert len(asked) > 2 and {tolerance for tolerance, _ in asked[:-1]} == looks
+    assert asked[-1][0] < loop.CLOSELY and asked[-1][1] == len(solution.zones) != asked[0][1]
     monkeypatch.undo()
     plain = contact.solve(scene, tol=1e-9)
     assert np.abs((solution.zones - plain.zones) / np.diff(plain.zones)).max() <= solution.error + plain.error
