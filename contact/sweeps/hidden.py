@@ -6,8 +6,6 @@ An end beside a narrow zone or gap goes as the root of what is left to the load 
 rate times that width.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from contact.formulation.fields import ZoneFields

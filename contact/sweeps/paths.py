@@ -25,8 +25,7 @@ from typing import Any
 import numpy as np
 
 from contact.errors import NotConverged, OutOfRange, SceneError, unwarned, warn
-from contact.formulation.maxima import maximum
-from contact.formulation.roots import smooth_root
+from contact.formulation.roots import maximum, smooth_root
 from contact.formulation.tables import centred_on, gaps_between
 from contact.model.scene import Scene
 from contact.search.topology.by_gaps import ByGaps

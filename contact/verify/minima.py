@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 
 import sie
-from contact.formulation.runs import runs_of
+from contact.formulation.tables import runs_of
 from sie import Array, Index, Mask, record
 
 # Each zoom into a minimum narrows its bracket to an eighth.
