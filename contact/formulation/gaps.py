@@ -188,9 +188,9 @@ class GapFields(sie.Kept):
         turns = np.ceil((start - x) / self.period)
         first = int(np.argmin(x + turns * self.period))
         x, relief = (np.concatenate((part[first:], part[:first])) for part in (x + turns * self.period, relief))
-        with np.errstate(invalid="ignore"):
-            bears = self.mean - relief + self.density.transform(x)
-        return x, np.where(self.density.locate(x)[2], 0.0, bears)
+        bears, value = ~self.density.locate(x)[2], np.zeros(len(x))
+        value[bears] = self.mean - relief[bears] + self.density.transform(x[bears])
+        return x, value
 
     @cached_property
     def steepest(self) -> float:
