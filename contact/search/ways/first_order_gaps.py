@@ -20,6 +20,7 @@ from contact.formulation.fields import moves_by
 from contact.formulation.problem import Problem
 from contact.formulation.strip_turn import TURN, StripTurn
 from contact.formulation.tables import centred_on
+from contact.search.grid.centring import Unrest
 from contact.search.topology.intervals import united, without
 from contact.search.topology.missed import WrongTopology
 from contact.search.ways.first_order_contacts import Place, spread
@@ -52,11 +53,11 @@ class _How:
 
 
 class Lost(Exception):
-    """No gaps that lead on. border: whether the strip reaches its border before it is as wide as its profile alone."""
+    """No gaps that lead on; why: what keeps the strip from a root."""
 
-    def __init__(self, reason: str, border: bool = False) -> None:
+    def __init__(self, reason: str, why: Unrest = Unrest.JUMP) -> None:
         super().__init__(reason)
-        self.border = border
+        self.why = why
 
 
 @record
@@ -273,7 +274,8 @@ class GapClosure:
                 here = replace(here, kept=before.rates)
         # The gap at a border is as wide in the angle as its intensity is large, and so goes straight with the unknowns.
         closes = float(here.closing(here.step).min()) <= -1.0
-        raise Lost("the nominal pressure did not settle", closes and float(here.misses[0]) < -here.room)
+        why = Unrest.BORDER if closes and float(here.misses[0]) < -here.room else Unrest.JUMP
+        raise Lost("the nominal pressure did not settle", why)
 
     def _after(self, here: _Both, how: _How) -> _Both:
         """After a step, or as much of it as brings the root nearer, as the rates before it have that (P. Deuflhard, Newton Methods for
@@ -304,7 +306,7 @@ class GapClosure:
         added = 2 * turn.half * pressure / np.pi
         found = _contact(turn, pressure, self.load / np.pi - added, strip, how)
         if found.borders is None:
-            raise Lost("the strip reaches its border")
+            raise Lost("the strip reaches its border", Unrest.BORDER)
         return _Both(turn.centre, pressure, found, _contact(turn, 0.0, added, alone, how))
 
     @cached_property
@@ -337,7 +339,7 @@ def _contact(turn: StripTurn, beyond: float, mean: float, table: Array, how: _Ho
     equation = turn.equation(turn.relief_at, beyond * turn.half, mean)
     for look in range(how.looks + 1):
         if len(table) == 0:
-            raise Lost("no gap")
+            raise Lost("no gap", Unrest.BORDER)
         try:
             zones = sie.Zones.of(table)
             free = sie.find_ends(

@@ -133,20 +133,17 @@ class FirstOrderOfSeveral:
         return self._exact(self._at(place, self.task.tolerance, 0.0))
 
     def _under_load(self, grid: ClosureGrid, first: AtPressure) -> Found:
-        """By the gaps, from coarse grids or from fine ones; where these do not serve, by the zones."""
-        by_gaps = StripTurn.serves(self.problem)
-        for finely in (False, True) if by_gaps else (True,):
-            first = self._rough(grid, first, finely)
-            if first.unrest is not None:
-                raise self._refused(first.unrest)
-            if by_gaps and first.widths[0] > _NEARLY_FULL * self.period:
-                try:
-                    return self._by_gaps(self._place(grid, self._finer(grid, first) if finely else first))
-                except Lost as lost:
-                    if lost.border:
-                        raise self._refused(Unrest.BORDER) from lost
-                    self.task.left("the closure by gaps", Missed(f"the closure by gaps did not lead on: {lost}"))
-        return self._exact(self._started(grid, first))
+        """Nearly full contact by its gaps, where these serve, else by its zones."""
+        nearly_full = StripTurn.serves(self.problem) and first.widths[0] > _NEARLY_FULL * self.period
+        rough = self._rough(grid, first, nearly_full)
+        if rough.unrest is not None:
+            raise self._refused(rough.unrest)
+        if not nearly_full:
+            return self._exact(self._started(grid, rough))
+        try:
+            return self._by_gaps(self._place(grid, rough))
+        except Lost as lost:
+            raise self._refused(lost.why) from lost
 
     def _rough(self, grid: ClosureGrid, first: AtPressure, finely: bool) -> AtPressure:
         with self.task.plan.timed("coarse search"):
