@@ -16,6 +16,8 @@ from typing import Protocol, TypeVar
 
 # Miss over the room beside the borders, and over a cell, that does not matter; cells that a bracket without a rest is narrowed to.
 _CENTRED, _CELL, _NARROW = 3e-3, 0.1, 0.5
+# The same that may be one of the grid's.
+_NEARLY = 0.02
 # Looks at the most; how much farther than a secant, and than the last step, one goes; and cells of a step at the least.
 _LOOKS, _BEYOND, _LONGER, _SHORTEST = 30, 1.25, 3.0, 2.0
 
@@ -68,6 +70,10 @@ def settled(look: Callable[[float, Kind], Kind], here: Kind, reach: float) -> tu
                 break
         here = look(centre, near)
         passed = sorted([*passed, here], key=lambda strip: strip.centre)
+    nearest = min(passed, key=lambda strip: abs(strip.miss) - _NEARLY * strip.room)
+    if abs(nearest.miss) <= _NEARLY * nearest.room and not nearest.touches:
+        # What jumps on a grid need not: the gaps tell.
+        return nearest, None
     if all(strip.touches for strip in passed):
         return here, Unrest.BORDER
     jumped = any(left.balance * right.balance <= 0.0 for left, right in pairwise(passed))

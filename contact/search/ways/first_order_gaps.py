@@ -35,12 +35,13 @@ _STEPS, _HALVED, _TRUSTED, _LARGEST = 25, 1, 0.5, 0.2
 # How often signs are looked at, and on the way; of the largest pressure, and of the largest gap: what is none. Samples looked at.
 _ROUNDS, _ON_THE_WAY, _NONE, _OVERLAP, _SAMPLES = 6, 1, 1e-6, 1e-4, 2**14
 # Of a gap or a zone that may go in a step; and what it is no farther than at the root.
-_PART, _THERE, _NEAR = 0.4, 1e-4, 0.05
+_PART, _THERE, _NEAR = 0.4, 1e-2, 0.05
 # Steps in a row of which none halves what is left.
 _STALLED, _SLOW = 6, 0.7
 _NEWTON = 25
-# Steps by the exact profile, and how long one may be after which there is none.
-_FINE_STEPS, _SQUARE = 3, 3e-6
+# Steps by the exact profile, how long one may be after which there is none, and before which coefficients are cut off sooner, by what;
+# what may be unsure over their tolerance, the part to which they are cut off later where it is more, and the last one.
+_FINE_STEPS, _SQUARE, _SHORT, _COARSER, _UNSURE, _SHORTER, _SHORTEST = 8, 3e-6, 1e-3, 1e3, 300.0, 1e-2, 1e-15
 
 
 @dataclass(frozen=True)
@@ -76,6 +77,12 @@ class GapContact:
         """Total width of the gaps of the strip."""
         ends = _turned(self.table)
         return 0.5 * self.turn.half * float((ends[:, 1] - ends[:, 0]).sum())
+
+    @property
+    def zones_beside(self) -> Array:
+        """Widths of the zones to the left and to the right of each gap (2, n)."""
+        zones = np.append(self.table[1:, 0] - self.table[:-1, 1], self.table[0, 0] + TURN - self.table[-1, 1])
+        return np.array([np.roll(zones, 1), zones])
 
     @property
     def borders(self) -> tuple[int, int] | None:
@@ -190,7 +197,7 @@ class _Both:
     def moved(self, step: Array) -> tuple[Array, Array, float]:
         """(outward moves of the gaps of the strip and of those alone by a step, the largest over the width of a gap or a zone)."""
         strip, alone = (np.tensordot(step, rates, 1) for rates in self.rates)
-        return strip, alone, max(_largest(self.strip.table, strip), _largest(self.alone.table, alone))
+        return strip, alone, max(_largest(self.strip, strip), _largest(self.alone, alone))
 
     @cached_property
     def matrix(self) -> Array:
@@ -219,30 +226,38 @@ class GapClosure:
     load: float
     tolerance: float
 
-    def root(self, start: Place) -> Root:
-        """From some zones near by; raises Lost."""
+    def root(self, start: Place, near: bool) -> Root:
+        """From some zones near by, or from those of a root; raises Lost."""
         centre, pressure = (float(unknown) for unknown in start.unknowns[:2])
         turn = StripTurn(self.problem, centre, self._points)
         gaps = turn.gaps_of(start.strip), turn.gaps_of(start.alone)
-        here = self._settled(self._with(turn, pressure, *gaps, _How(_ROUGHLY, _DECAY, _ROUNDS)))
-        here = replace(here, kept=None)
-        following = here.following
-        # Newton's steps by the exact profile and longer series, at the same rates.
+        here = self._with(turn, pressure, *gaps, _How(_ROUGHLY, _DECAY, 0 if near else _ROUNDS))
+        here = here if near else replace(self._settled(here), kept=None)
+        following, matrix, size, decay = here.following, here.matrix, np.array([here.room, here.pressure]), _COARSER * self.tolerance
+        step = np.zeros(2)
+        # Newton's steps by the exact profile and longer series, at the same rates, those of the misses put right by secants.
         for _ in range(_FINE_STEPS):
-            (strip, of_strip), (alone, of_alone) = (each.finely(self.tolerance) for each in (here.strip, here.alone))
+            (strip, of_strip), (alone, of_alone) = (each.finely(decay) for each in (here.strip, here.alone))
             missed = here.misses + (here.alone.widening(alone) - here.strip.widening(strip), here.aside(strip))
-            step = np.asarray(-np.linalg.solve(here.matrix, missed))
-            left = here.strip.widening(of_strip) + here.alone.widening(of_alone), here.aside(of_strip * [[-1.0], [1.0]])
+            matrix = matrix + (np.outer(missed, step / size**2) / ((step / size) ** 2).sum() if step.any() else 0.0)
+            step = np.asarray(-np.linalg.solve(matrix, missed))
+            left = np.array([here.strip.widening(of_strip) + here.alone.widening(of_alone), here.aside(of_strip * [[-1.0], [1.0]])])
+            inverse = np.asarray(np.linalg.inv(matrix))
             by_strip, by_alone, largest = here.moved(step)
             tables = [each.table + _outward(moved) for each, moved in ((here.strip, strip + by_strip), (here.alone, alone + by_alone))]
             turn = StripTurn(self.problem, here.centre + float(step[0]), self._points)
             pressure = here.pressure + float(step[1])
-            largest = max(largest, _largest(here.strip.table, strip), _largest(here.alone.table, alone))
-            if largest < _SQUARE:
-                break
+            largest = max(largest, _largest(here.strip, strip), _largest(here.alone, alone))
+            if largest < _SQUARE and decay <= self.tolerance:
+                unsure = sum(np.abs(here.moved(by)[0]) * missed for by, missed in zip(inverse.T, left, strict=True))
+                if float((unsure / here.strip.zones_beside).max()) < _UNSURE * self.tolerance or decay <= _SHORTEST:
+                    break
+                decay *= _SHORTER
+            elif largest < _SHORT:
+                decay = min(decay, self.tolerance)
             here = replace(self._on(turn, pressure, *tables), kept=here.rates)
         place = Place(np.array([turn.centre, pressure, self.load]), *(turn.zones_of(table) for table in tables))
-        return Root(place, np.array(left), np.asarray(np.linalg.inv(here.matrix)), following)
+        return Root(place, left, inverse, following)
 
     def _on(self, turn: StripTurn, pressure: float, strip: Array, alone: Array) -> _Both:
         """On gaps as they are."""
@@ -328,10 +343,8 @@ def _outward(moved: Array) -> Array:
     return np.asarray(np.column_stack((-moved[0], moved[1])))
 
 
-def _largest(table: Array, moved: Array) -> float:
-    gaps = np.append(table[1:, 0] - table[:-1, 1], table[0, 0] + TURN - table[-1, 1])
-    room = np.minimum(table[:, 1] - table[:, 0], np.array([np.roll(gaps, 1), gaps]))
-    return float((np.abs(moved) / room).max())
+def _largest(gaps: GapContact, moved: Array) -> float:
+    return float((np.abs(moved) / np.minimum(np.diff(gaps.table)[:, 0], gaps.zones_beside)).max())
 
 
 def _contact(turn: StripTurn, beyond: float, mean: float, table: Array, how: _How) -> GapContact:

@@ -119,18 +119,10 @@ class FirstOrderOfSeveral:
     def closer(self, found: Closed) -> Found:
         """The same more tightly."""
         if found.place is not None:
-            if float(np.max(found.off)) <= float((found.free.end_error + found.fields.state.end_truncation).max()):
-                try:
-                    return replace(self._by_gaps(found.place, sharply=True), rounded=True)
-                except Lost as lost:
-                    raise NotConverged(f"not converged: {lost}") from lost
-            # What gaps tell of the root is not enough.
-            place = found.place
-        else:
-            assert found.at is not None
-            at = found.at
-            self.wanted, self.again, place = self._wanted(at.strip), True, Place(at.unknowns, at.table, table_of(at.alone))
-        return self._exact(self._at(place, self.task.tolerance, 0.0))
+            return self._by_gaps(found.place, near=True)
+        assert found.at is not None
+        self.wanted, self.again = self._wanted(found.at.strip), True
+        return self._exact(self._at(Place(found.at.unknowns, found.at.table, table_of(found.at.alone)), self.task.tolerance, 0.0))
 
     def _under_load(self, grid: ClosureGrid, first: AtPressure) -> Found:
         """Nearly full contact by its gaps, where these serve, else by its zones."""
@@ -160,20 +152,17 @@ class FirstOrderOfSeveral:
             # Beside the border a finer grid may tell zones that the exact contact does not have.
             return self._from_grid(grid, rough, grid.points)
 
-    def _by_gaps(self, place: Place, sharply: bool = False) -> Closed:
-        """The strip at the root, from some zones near by. sharply: with ends as well known as the pressure beside the border asks for."""
+    def _by_gaps(self, place: Place, near: bool = False) -> Closed:
+        """The strip at the root, from some zones near by; near: from those at the root."""
         tolerance, load = self.task.tolerance, float(place.unknowns[2])
         with self.task.plan.timed("zone ends"):
-            root = GapClosure(self.problem, load, _OF_GAPS * tolerance).root(place)
-            (centre, pressure), problem = root.place.unknowns[:2], self.problem
-            problem = problem.with_amplitude(float(pressure)).about(float(centre))
-            form, newton = ByPressure(problem), Newton(_OF_ZONES * tolerance, off=_ROUGHLY)
-            told = self.task.plan.timed
-            found = refine_topology(form, Load(load), root.place.strip, newton, self.task.progress, timed=told)
-            if isinstance(found, Missed):
-                raise Lost(found.reason)
-            if sharply:
-                self.wanted = self._wanted(found)
+            root = GapClosure(self.problem, load, _OF_GAPS * tolerance).root(place, near)
+        (centre, pressure), problem = root.place.unknowns[:2], self.problem
+        problem = problem.with_amplitude(float(pressure)).about(float(centre))
+        with self.task.plan.timed("zone ends"):
+            found = self._contact(problem, load, root.place.strip, Newton(_OF_ZONES * tolerance, off=_ROUGHLY), False)
+            self.wanted = self._wanted(found)
+            if float((found.free.end_error + found.fields.state.end_truncation).max()) > self.wanted:
                 found = self._contact(problem, load, table_of(found), Newton(self.wanted, off=tolerance), False)
         rates = StripRates(found, 0.0)
         fields = replace(found.fields, amplitude_rate=float(root.following[1]), centring=float(rates.approach[0] * root.following[0]))
