@@ -183,6 +183,15 @@ class StripTurn(sie.Kept):
         return self.x(np.concatenate((left, ends[(ends > 0.0) & (ends < np.pi)], right)).reshape(-1, 2))
 
 
+    def of_zones(self, gaps: Array, moved: Array, centre: float = 0.0) -> Array:
+        """What motions of the ends of gaps (n, 2) in the angle, and one of the centre, do to the ends of the strip's zones, over the widths
+        of these (n, 2): of a strip with a gap at either border."""
+        ends, inside = gaps.ravel(), (gaps.ravel() > 0.0) & (gaps.ravel() < np.pi)
+        order = np.argsort(ends[inside])
+        moved = centre + (moved.ravel()[inside] * self.half * np.sin(ends[inside]))[order].reshape(-1, 2)
+        return np.asarray(np.abs(moved) / np.diff(self.zones_of(gaps)))
+
+
 def _conjugate_slope(values: Array) -> Array:
     """H d/dtheta of an even function of the angle: k cos(k theta) for cos(k theta)."""
     waves = scipy.fft.dct(values, type=2)

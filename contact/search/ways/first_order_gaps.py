@@ -41,7 +41,9 @@ _STALLED, _SLOW = 6, 0.7
 _NEWTON = 25
 # Steps by the exact profile, how long one may be after which there is none, and before which coefficients are cut off sooner, by what;
 # what may be unsure over their tolerance, the part to which they are cut off later where it is more, and the last one.
-_FINE_STEPS, _SQUARE, _SHORT, _COARSER, _UNSURE, _SHORTER, _SHORTEST = 8, 3e-6, 1e-3, 1e3, 300.0, 1e-2, 1e-15
+_FINE_STEPS, _SQUARE, _SHORT, _COARSER, _UNSURE, _SHORTER, _SHORTEST = 8, 3e-6, 1e-3, 1e3, 100.0, 1e-2, 1e-15
+# What is left after the last step, over what it is estimated as.
+_MARGIN = 2.0
 
 
 @dataclass(frozen=True)
@@ -106,9 +108,10 @@ class GapContact:
         slopes = [np.array(state.density.edge_slopes) for state in states]
         slope = np.sum(slopes, axis=0)
         moved = np.asarray(2 * np.sum([np.array(state.density.intensities) for state in states], axis=0) / slope)
-        unsure = np.sum([np.abs(state.end_truncation.T * own) for state, own in zip(states, slopes, strict=True)], axis=0) / np.abs(slope)
         widths = np.diff(self.table, axis=1).T
-        return moved, np.asarray(unsure * widths + moved**2 / widths)
+        unsure = np.sum([np.abs(state.end_truncation.T * own) for state, own in zip(states, slopes, strict=True)], axis=0) * widths
+        unsure += 2 * np.sum([state.whole.intensity_noise for state in states], axis=0)
+        return moved, np.asarray(unsure / np.abs(slope) + moved**2 / widths)
 
     def widening(self, moved: Array) -> float:
         """What that adds to the width of the gaps."""
@@ -209,12 +212,12 @@ class _Both:
 
 @record
 class Root:
-    """The zones at the root. unsure: what width and centre may be missed by (2,); inverse: the unknowns by these (2, 2); following: how
-    centre and nominal pressure grow with the load (2,)."""
+    """The zones at the root. ends, off: what the ends of those of the strip may be off, over their widths (n, 2), under the centre and the
+    nominal pressure there, and since these are; following: how these grow with the load (2,)."""
 
     place: Place
-    unsure: Array
-    inverse: Array
+    ends: Array
+    off: Array
     following: Array
 
 
@@ -226,13 +229,12 @@ class GapClosure:
     load: float
     tolerance: float
 
-    def root(self, start: Place, near: bool) -> Root:
-        """From some zones near by, or from those of a root; raises Lost."""
+    def root(self, start: Place) -> Root:
+        """From some zones near by; raises Lost."""
         centre, pressure = (float(unknown) for unknown in start.unknowns[:2])
         turn = StripTurn(self.problem, centre, self._points)
         gaps = turn.gaps_of(start.strip), turn.gaps_of(start.alone)
-        here = self._with(turn, pressure, *gaps, _How(_ROUGHLY, _DECAY, 0 if near else _ROUNDS))
-        here = here if near else replace(self._settled(here), kept=None)
+        here = replace(self._settled(self._with(turn, pressure, *gaps, _How(_ROUGHLY, _DECAY, _ROUNDS))), kept=None)
         following, matrix, size, decay = here.following, here.matrix, np.array([here.room, here.pressure]), _COARSER * self.tolerance
         step = np.zeros(2)
         # Newton's steps by the exact profile and longer series, at the same rates, those of the misses put right by secants.
@@ -248,16 +250,19 @@ class GapClosure:
             turn = StripTurn(self.problem, here.centre + float(step[0]), self._points)
             pressure = here.pressure + float(step[1])
             largest = max(largest, _largest(here.strip, strip), _largest(here.alone, alone))
+            # By what width and centre may be missed, beside what each end is off itself.
+            by_misses = [here.strip.turn.of_zones(here.strip.table, _outward(here.moved(by)[0]), float(by[0])) for by in inverse.T]
+            off = _MARGIN * np.tensordot(left, by_misses, 1)
+            ends = _MARGIN * here.strip.turn.of_zones(here.strip.table, of_strip.T)
             if largest < _SQUARE and decay <= self.tolerance:
-                unsure = sum(np.abs(here.moved(by)[0]) * missed for by, missed in zip(inverse.T, left, strict=True))
-                if float((unsure / here.strip.zones_beside).max()) < _UNSURE * self.tolerance or decay <= _SHORTEST:
+                if float((off + ends).max()) < _UNSURE * self.tolerance or decay <= _SHORTEST:
                     break
                 decay *= _SHORTER
             elif largest < _SHORT:
                 decay = min(decay, self.tolerance)
             here = replace(self._on(turn, pressure, *tables), kept=here.rates)
-        place = Place(np.array([turn.centre, pressure, self.load]), *(turn.zones_of(table) for table in tables))
-        return Root(place, left, inverse, following)
+        zones, alone = (turn.zones_of(table) for table in tables)
+        return Root(Place(np.array([turn.centre, pressure, self.load]), zones, alone), ends, off, following)
 
     def _on(self, turn: StripTurn, pressure: float, strip: Array, alone: Array) -> _Both:
         """On gaps as they are."""

@@ -32,7 +32,7 @@ from contact.search.topology.by_pressure import ByPressure
 from contact.search.topology.loop import Newton, refine_topology
 from contact.search.topology.missed import Missed, WrongTopology
 from contact.search.ways.first_order_contacts import At, Place, Rates, StripRates, table_of, width_of
-from contact.search.ways.first_order_gaps import GapClosure, Lost
+from contact.search.ways.first_order_gaps import GapClosure, Lost, Root
 from contact.search.ways.guesses import EXACT
 from contact.verify.accuracy import Found
 from contact.verify.certificate import NOT_CHECKED
@@ -65,10 +65,15 @@ _MARGIN = 2.0
 
 @record
 class Closed(Found):
-    """The zones of the strip, and at: the contacts that they and the nominal pressure are of, or place: the root that was found by gaps."""
+    """The zones of the strip, and at: the contacts that they and the nominal pressure are of, or None; told: what the ends
+    are off under the nominal pressure and the centre, where the gaps tell it."""
 
     at: At | None = None
-    place: Place | None = None
+    told: Array | None = None
+
+    @property
+    def ends(self) -> Array:
+        return super().ends if self.told is None else self.told + self.off
 
 
 class FirstOrderOfSeveral:
@@ -118,9 +123,7 @@ class FirstOrderOfSeveral:
 
     def closer(self, found: Closed) -> Found:
         """The same more tightly."""
-        if found.place is not None:
-            return self._by_gaps(found.place, near=True)
-        assert found.at is not None
+        assert found.at is not None  # else rounding alone is left
         self.wanted, self.again = self._wanted(found.at.strip), True
         return self._exact(self._at(Place(found.at.unknowns, found.at.table, table_of(found.at.alone)), self.task.tolerance, 0.0))
 
@@ -152,27 +155,41 @@ class FirstOrderOfSeveral:
             # Beside the border a finer grid may tell zones that the exact contact does not have.
             return self._from_grid(grid, rough, grid.points)
 
-    def _by_gaps(self, place: Place, near: bool = False) -> Closed:
-        """The strip at the root, from some zones near by; near: from those at the root."""
+    def _by_gaps(self, place: Place) -> Closed:
+        """The strip at the root, from some zones near by."""
         tolerance, load = self.task.tolerance, float(place.unknowns[2])
         with self.task.plan.timed("zone ends"):
-            root = GapClosure(self.problem, load, _OF_GAPS * tolerance).root(place, near)
+            root = GapClosure(self.problem, load, _OF_GAPS * tolerance).root(place)
         (centre, pressure), problem = root.place.unknowns[:2], self.problem
         problem = problem.with_amplitude(float(pressure)).about(float(centre))
         with self.task.plan.timed("zone ends"):
-            found = self._contact(problem, load, root.place.strip, Newton(_OF_ZONES * tolerance, off=_ROUGHLY), False)
-            self.wanted = self._wanted(found)
-            if float((found.free.end_error + found.fields.state.end_truncation).max()) > self.wanted:
-                found = self._contact(problem, load, table_of(found), Newton(self.wanted, off=tolerance), False)
+            best = self._closed(root, self._on(problem, load, root.place.strip), root.ends)
+            if best is None or best.error > self.task.tol:
+                # Signs that the gaps' samples do not show, or gaps so wide that they tell less than zones beside them do.
+                newton = Newton(max(_OF_ZONES * tolerance, LEAST), off=_ROUGHLY)
+                other = self._closed(root, self._contact(problem, load, root.place.strip, newton, False), None)
+                best = other if best is None or (other is not None and other.error < best.error) else best
+        if best is None:
+            raise Lost("the strip has other zones than its gaps tell")
+        return best
+
+    def _on(self, problem: Problem, load: float, table: Array) -> Found:
+        """The strip on zones as they are."""
+        form, control, tolerance = ByPressure(problem), Load(load), self.task.tolerance
+        free = sie.find_ends(
+            problem.equation(control), form.intervals(control, table), tolerance, 0, limits=problem.corners, decay=_LEAST_DECAY,
+            off=_ROUGHLY, limited=problem.end, bounded_ends=False,
+        )
+        fields = ZoneFields(problem, free.state.with_bounded_ends())
+        return Found(free, fields, form.certificate(fields, control), 1, control, tolerance)
+
+    def _closed(self, root: Root, found: Found, told: Array | None) -> Closed | None:
+        """Zones of the strip at the root, and their error; None where they are others, or none. told: what their ends are off by the gaps."""
+        if not found.certificate.holds or len(table_of(found)) != len(root.place.strip):
+            return None
         rates = StripRates(found, 0.0)
         fields = replace(found.fields, amplitude_rate=float(root.following[1]), centring=float(rates.approach[0] * root.following[0]))
-        unsure = _MARGIN * root.unsure
-        if len(table_of(found)) != len(root.place.strip):
-            # A zone or a gap too narrow for the one or the other to tell.
-            unsure[0] += abs(width_of(found) - float(np.diff(root.place.strip).sum()))
-        moved = sum(np.abs(rates.of_strip(np.append(by, 0.0))) * missed for by, missed in zip(root.inverse.T, unsure, strict=True))
-        off = np.asarray(moved).T / np.diff(table_of(found), axis=1)
-        return Closed(**{**vars(found), "fields": fields, "control": self.scaled.control, "off": found.off + off}, place=root.place)
+        return Closed(**{**vars(found), "fields": fields, "control": self.scaled.control, "off": root.off, "rounded": True}, told=told)
 
     def _place(self, grid: ClosureGrid, fine: AtPressure) -> Place:
         strip, alone = (self.problem.units.scaled(each.zones) for each in (fine.strip, fine.alone))
