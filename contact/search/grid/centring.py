@@ -16,10 +16,10 @@ from typing import Protocol, TypeVar
 
 # Miss over the room beside the borders, and over a cell, that does not matter; cells that a bracket without a rest is narrowed to.
 _CENTRED, _CELL, _NARROW = 3e-3, 0.1, 0.5
-# The same that may be one of the grid's.
+# The same beside a jump that may be one of the grid alone.
 _NEARLY = 0.02
 # Looks at the most; how much farther than a secant, and than the last step, one goes; and cells of a step at the least.
-_LOOKS, _BEYOND, _LONGER, _SHORTEST = 30, 1.25, 3.0, 2.0
+_LOOKS, _BEYOND, _LONGER, _SHORTEST = 20, 1.25, 3.0, 2.0
 
 
 class Unrest(Enum):
@@ -56,10 +56,14 @@ def settled(look: Callable[[float, Kind], Kind], here: Kind, reach: float) -> tu
     why. look: at a centre, from another strip."""
     passed, first = [here], here.centre
     for looks in range(_LOOKS):
-        if _rests(here):
+        if _rests(here, _CENTRED, _CELL * here.cell):
             return here, Unrest.BORDER if here.touches else None
-        held = [(left, right) for left, right in pairwise(passed) if left.balance * right.balance <= 0.0]
-        held = [(left, right) for left, right in held if right.centre - left.centre > _NARROW * here.cell]
+        jumps = [pair for pair in pairwise(passed) if pair[0].balance * pair[1].balance <= 0.0]
+        held = [(left, right) for left, right in jumps if right.centre - left.centre > _NARROW * here.cell]
+        # What jumps on a grid need not jump: that a strip beside it is nearly at rest the gaps may put right.
+        nearly = [strip for pair in jumps if pair not in held for strip in pair if _rests(strip, _NEARLY) and not strip.touches]
+        if nearly:
+            return nearly[0], None
         if held:
             left, right = held[0]
             share = 0.5 if looks % 2 else min(max(left.balance / (left.balance - right.balance), 0.1), 0.9)
@@ -70,18 +74,13 @@ def settled(look: Callable[[float, Kind], Kind], here: Kind, reach: float) -> tu
                 break
         here = look(centre, near)
         passed = sorted([*passed, here], key=lambda strip: strip.centre)
-    nearest = min(passed, key=lambda strip: abs(strip.miss) - _NEARLY * strip.room)
-    if abs(nearest.miss) <= _NEARLY * nearest.room and not nearest.touches:
-        # What jumps on a grid need not: the gaps tell.
-        return nearest, None
     if all(strip.touches for strip in passed):
         return here, Unrest.BORDER
-    jumped = any(left.balance * right.balance <= 0.0 for left, right in pairwise(passed))
-    return here, Unrest.JUMP if jumped else Unrest.ASIDE
+    return here, Unrest.JUMP if any(left.balance * right.balance <= 0.0 for left, right in pairwise(passed)) else Unrest.ASIDE
 
 
-def _rests(here: Strip) -> bool:
-    return abs(here.miss) <= max(_CENTRED * here.room, _CELL * here.cell)
+def _rests(here: Strip, part: float, least: float = 0.0) -> bool:
+    return abs(here.miss) <= max(part * here.room, least)
 
 
 def _outward(passed: list[Kind], first: float) -> list[tuple[float, Kind]]:

@@ -212,12 +212,14 @@ class _Both:
 
 @record
 class Root:
-    """The zones at the root. ends, off: what the ends of those of the strip may be off, over their widths (n, 2), under the centre and the
-    nominal pressure there, and since these are; following: how these grow with the load (2,)."""
+    """The zones at the root. ends: what those of the strip may be off, over the zones' widths (n, 2), but for what the centre and the
+    nominal pressure are; unsure: what width and centre may be missed by (2,); inverse: the unknowns by these (2, 2); following: how centre
+    and nominal pressure grow with the load (2,)."""
 
     place: Place
     ends: Array
-    off: Array
+    unsure: Array
+    inverse: Array
     following: Array
 
 
@@ -262,7 +264,7 @@ class GapClosure:
                 decay = min(decay, self.tolerance)
             here = replace(self._on(turn, pressure, *tables), kept=here.rates)
         zones, alone = (turn.zones_of(table) for table in tables)
-        return Root(Place(np.array([turn.centre, pressure, self.load]), zones, alone), ends, off, following)
+        return Root(Place(np.array([turn.centre, pressure, self.load]), zones, alone), ends, left, inverse, following)
 
     def _on(self, turn: StripTurn, pressure: float, strip: Array, alone: Array) -> _Both:
         """On gaps as they are."""

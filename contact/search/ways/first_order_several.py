@@ -65,15 +65,15 @@ _MARGIN = 2.0
 
 @record
 class Closed(Found):
-    """The zones of the strip, and at: the contacts that they and the nominal pressure are of, or None; told: what the ends
-    are off under the nominal pressure and the centre, where the gaps tell it."""
+    """The zones of the strip, and at: the contacts that they and the nominal pressure are of, of gaps None; told: what the ends are
+    off as these tell it."""
 
     at: At | None = None
-    told: Array | None = None
+    told: Array | float = math.inf
 
     @property
     def ends(self) -> Array:
-        return super().ends if self.told is None else self.told + self.off
+        return np.minimum(super().ends, self.told)
 
 
 class FirstOrderOfSeveral:
@@ -163,33 +163,28 @@ class FirstOrderOfSeveral:
         (centre, pressure), problem = root.place.unknowns[:2], self.problem
         problem = problem.with_amplitude(float(pressure)).about(float(centre))
         with self.task.plan.timed("zone ends"):
-            best = self._closed(root, self._on(problem, load, root.place.strip), root.ends)
-            if best is None or best.error > self.task.tol:
-                # Signs that the gaps' samples do not show, or gaps so wide that they tell less than zones beside them do.
-                newton = Newton(max(_OF_ZONES * tolerance, LEAST), off=_ROUGHLY)
-                other = self._closed(root, self._contact(problem, load, root.place.strip, newton, False), None)
-                best = other if best is None or (other is not None and other.error < best.error) else best
-        if best is None:
-            raise Lost("the strip has other zones than its gaps tell")
-        return best
+            newton = Newton(max(_OF_ZONES * tolerance, LEAST), off=_ROUGHLY)
+            found = self._closed(root, self._contact(problem, load, root.place.strip, newton, False))
+            if found.error > self.task.tol:
+                newton = Newton(self._wanted(found), off=tolerance)
+                found = self._closed(root, self._contact(problem, load, table_of(found), newton, False))
+        return found
 
-    def _on(self, problem: Problem, load: float, table: Array) -> Found:
-        """The strip on zones as they are."""
-        form, control, tolerance = ByPressure(problem), Load(load), self.task.tolerance
-        free = sie.find_ends(
-            problem.equation(control), form.intervals(control, table), tolerance, 0, limits=problem.corners, decay=_LEAST_DECAY,
-            off=_ROUGHLY, limited=problem.end, bounded_ends=False,
-        )
-        fields = ZoneFields(problem, free.state.with_bounded_ends())
-        return Found(free, fields, form.certificate(fields, control), 1, control, tolerance)
-
-    def _closed(self, root: Root, found: Found, told: Array | None) -> Closed | None:
-        """Zones of the strip at the root, and their error; None where they are others, or none. told: what their ends are off by the gaps."""
-        if not found.certificate.holds or len(table_of(found)) != len(root.place.strip):
-            return None
-        rates = StripRates(found, 0.0)
+    def _closed(self, root: Root, found: Found) -> Closed:
+        """Zones of the strip at the root, and what their ends are off, since this is not known better; told: what they are off the gaps,
+        and these off the root."""
+        rates, widths = StripRates(found, 0.0), np.diff(table_of(found), axis=1)
         fields = replace(found.fields, amplitude_rate=float(root.following[1]), centring=float(rates.approach[0] * root.following[0]))
-        return Closed(**{**vars(found), "fields": fields, "control": self.scaled.control, "off": root.off, "rounded": True}, told=told)
+        unsure, told = _MARGIN * root.unsure, np.inf
+        if len(widths) == len(root.place.strip):
+            told = np.abs(table_of(found) - root.place.strip) / widths + root.ends
+        else:
+            # A zone or a gap too narrow for the one or the other to tell.
+            unsure[0] += abs(width_of(found) - float(np.diff(root.place.strip).sum()))
+        moved = sum(np.abs(rates.of_strip(np.append(by, 0.0))) * missed for by, missed in zip(root.inverse.T, unsure, strict=True))
+        off = np.asarray(moved).T / widths
+        known = {**vars(found), "fields": fields, "control": self.scaled.control, "off": off, "rounded": True}
+        return Closed(**known, told=np.asarray(told + off))
 
     def _place(self, grid: ClosureGrid, fine: AtPressure) -> Place:
         strip, alone = (self.problem.units.scaled(each.zones) for each in (fine.strip, fine.alone))
