@@ -1,7 +1,5 @@
 """`python -m contact`, and the console script: the command line, or one line that says what it lacks."""
 
-from __future__ import annotations
-
 import sys
 
 from contact import interrupts

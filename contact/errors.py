@@ -54,9 +54,7 @@ class SceneError(ContactError, ValueError):
     profile sinusiod
     """
 
-    def __init__(
-        self, message: str, field: str | None = None, value: Any = None, allowed: str | None = None
-    ) -> None:
+    def __init__(self, message: str, field: str | None = None, value: Any = None, allowed: str | None = None) -> None:
         super().__init__(message)
         self.field = field
         self.value = value

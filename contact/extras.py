@@ -1,7 +1,5 @@
 """The one place where packages are imported on demand: `import contact` loads numpy and nothing heavier."""
 
-from __future__ import annotations
-
 import importlib
 from collections.abc import Iterable
 from pathlib import Path

@@ -5,8 +5,6 @@ may answer with another error or go on without it. There the process ends at onc
 Only commands are handled so: who imports `contact` keeps the signals as they are.
 """
 
-from __future__ import annotations
-
 import os
 import signal
 import sys

@@ -8,8 +8,6 @@
     solution       in SI units, with its plan                                               contact.solution
 """
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable
 from dataclasses import replace
@@ -31,10 +29,9 @@ from contact.search.ways.direct import directly
 from contact.search.ways.full_contact import Full
 from contact.search.ways.guesses import Outcome
 from contact.solution import made, validity
-from contact.solution.pull_off import PullOff
+from contact.solution.answer import PullOff
 from contact.solution.solution import Solution
-from contact.verify.accuracy import Found
-from contact.verify.gap_accuracy import FoundByGaps
+from contact.verify.accuracy import Found, FoundByGaps
 
 
 def solve(

@@ -2,6 +2,11 @@
 
 Every claim a profile makes (its slope, period, symmetry, kinks, tips, conjugate) is held against its height; those of a substrate against
 its symbol.
+
+Jumps of f', f'' and f''' at a place are seen from its two sides. On either side a polynomial goes through points s +- h, s +- 2h, ... and
+is differentiated at s, for a ladder of steps h. Long steps reach past what the shape does beside s, short ones lose their digits to
+rounding: the step is chosen where two neighbours agree best. A bend that is smooth, only sharp, looks like a jump from afar: a jump
+counts as one only if it is there from as near as rounding lets.
 """
 
 from __future__ import annotations
@@ -10,19 +15,67 @@ import copy
 import dataclasses
 import warnings
 from collections.abc import Callable, Iterator
-from math import ceil, log2
+from math import ceil, factorial, log2
 from typing import Any
 
 import numpy as np
 
 from contact.errors import ContactError, SceneError, shown
+from contact.model.declared import require_body, require_declarations
 from contact.model.profiles.base import Profile
-from contact.model.profiles.declared import require_declarations
 from contact.model.profiles.derive import by_ladder
-from contact.model.profiles.one_sided import Seen, jumps_at
 from contact.model.substrates.base import Substrate
-from contact.model.substrates.declared import require_body
-from sie import Array
+from sie import Array, Mask
+
+_A_SIDE = 6  # points beside a place
+_HALVED = 30  # steps, each half of the one before
+_UNIT = float(np.finfo(float).eps)
+_CLEAR = 0.05  # of a jump: rounding below this still shows it
+_UNCHANGED = 0.2  # of a jump: how far it may seem to change from nearer by
+
+
+@dataclasses.dataclass(frozen=True)
+class Seen:
+    """Jumps of f^(1), f^(2), f^(3), one place a row: their heights, how far these may be off, and whether each is there from near by."""
+
+    height: Array
+    doubt: Array
+    sharp: Mask
+
+
+def jumps_at(profile: Profile, places: Array, reach: Array, nearest: float = 0.0) -> Seen:
+    """Jumps at places, looked at from no farther than `reach` (one for each place, beyond which there may be other jumps).
+
+    nearest: the shortest step, for places that are not known to the last digit.
+    """
+    # f' where the author gives it, else f: a derived slope takes its points from both sides.
+    first = 0 if profile.slope_is_derived else 1
+    function = profile.height if profile.slope_is_derived else profile.slope
+    k = np.arange(1.0, _A_SIDE + 1)
+    # Row m of the inverse holds the weights of the m-th derivative at 0 over m!, for points a step apart.
+    taylor = np.linalg.inv(np.vander(k, increasing=True))
+    seen, rounding = np.zeros((_HALVED, len(places), 3)), np.full((_HALVED, len(places), 3), np.inf)
+    for j in range(_HALVED):
+        h = reach / _A_SIDE * 0.5**j
+        if j > 1 and not np.any(h >= nearest):
+            break
+        right, left = (np.asarray(function(places[:, None] + side * h[:, None] * k), dtype=float) for side in (1, -1))
+        size = np.maximum(np.abs(right), np.abs(left)).max(axis=1)
+        # The place itself is rounded too: by what that moves the values.
+        moved = np.abs(places) / h * np.maximum(np.ptp(right, axis=1), np.ptp(left, axis=1))
+        for order in (1, 2, 3):
+            m = order - first
+            weights = taylor[m] * factorial(m)
+            seen[j, :, order - 1] = (right @ weights - (-1.0) ** m * (left @ weights)) / h**m
+            rounding[j, :, order - 1] = 2 * _UNIT * (size + moved) * np.abs(weights).sum() / h**m
+        rounding[j, h < nearest] = np.inf
+    off = np.abs(np.diff(seen, axis=0)) + rounding[1:]
+    best = np.argmin(off, axis=0)
+    height, doubt = (np.take_along_axis(a, best[None], axis=0)[0] for a in (seen[1:], off))
+    near = (rounding[1:] <= _CLEAR * np.abs(height)) & (np.arange(_HALVED - 1)[:, None, None] >= best)
+    sharp = np.all(~near | (np.abs(seen[1:] - height) <= _UNCHANGED * np.abs(height)), axis=0)
+    return Seen(height, doubt, sharp)
+
 
 _POINTS = 400
 _SAME = 1e-9  # of the largest value met: two evaluations of one quantity
@@ -498,15 +551,7 @@ def _ends(profile: Profile) -> bool:
 
 
 _CHECKS: tuple[tuple[str, Callable[[Profile, Array], Iterator[str]]], ...] = (
-    ("declarations", _declarations),
-    ("values", _values),
-    ("shapes", _shapes),
-    ("periodicity", _periodicity),
-    ("continuity", _continuity),
-    ("slope", _slope),
-    ("symmetry", _symmetry),
-    ("kinks", _kinks),
-    ("jumps", _higher_jumps),
-    ("summits", _summits),
-    ("conjugate", _conjugate),
+    ("declarations", _declarations), ("values", _values), ("shapes", _shapes), ("periodicity", _periodicity),
+    ("continuity", _continuity), ("slope", _slope), ("symmetry", _symmetry), ("kinks", _kinks),
+    ("jumps", _higher_jumps), ("summits", _summits), ("conjugate", _conjugate),
 )

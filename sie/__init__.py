@@ -5,13 +5,10 @@ from typing import TYPE_CHECKING, Any
 from sie.fast import lazy
 
 if TYPE_CHECKING:
-    from sie.basis.arrays import Array, Complex, Index, Mask
-    from sie.basis.ends import BOUNDED, FREE, SINGULAR, End, free_with_intensity
-    from sie.basis.kept import Kept
+    from sie.basis.data import Array, Complex, Index, Kept, Mask, record
     from sie.basis.kernels import Kernel, Smooth, cauchy, hilbert, images
     from sie.basis.places import nearest_image, wrapped
-    from sie.basis.record import record
-    from sie.basis.zones import Zones
+    from sie.basis.zones import BOUNDED, FREE, SINGULAR, End, Zones, free_with_intensity
     from sie.collocation.fixed import SingularSystem, State, solve_fixed
     from sie.density.density import Density
     from sie.equation.conditions import (
@@ -49,13 +46,10 @@ __all__ = [
 # Loaded when they are first asked for: a program that needs a zone does not load the search for ends. The imports above, for readers and
 # type checkers, say the same.
 _HOMES = {
-    "sie.basis.arrays": "Array Complex Index Mask",
-    "sie.basis.ends": "BOUNDED FREE SINGULAR End free_with_intensity",
-    "sie.basis.kept": "Kept",
+    "sie.basis.data": "Array Complex Index Kept Mask record",
     "sie.basis.kernels": "Kernel Smooth cauchy hilbert images",
     "sie.basis.places": "nearest_image wrapped",
-    "sie.basis.record": "record",
-    "sie.basis.zones": "Zones",
+    "sie.basis.zones": "BOUNDED FREE SINGULAR End Zones free_with_intensity",
     "sie.collocation.fixed": "SingularSystem State solve_fixed",
     "sie.density.density": "Density",
     "sie.equation.conditions": "Amplitude Condition EqualPotential Level Rows Total TotalWidth Weighted ZoneMoments ZoneTotals moment",

@@ -1,13 +1,11 @@
 """One call for fixed and free ends alike: the density, the zones and one stated error, or the reason why there is none."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from sie.basis.arrays import Array
+from sie.basis.data import Array
 from sie.basis.zones import Zones
 from sie.collocation import modes
 from sie.collocation.fixed import SingularSystem
@@ -95,13 +93,8 @@ class NotConverged(ArithmeticError):
 
 
 def solve(
-    equation: Equation,
-    zones: Zones,
-    tol: float = 1e-10,
-    *,
-    value: float = 0.0,
-    signs: tuple[float, float] = (1.0, 1.0),
-    max_steps: int = 40,
+    equation: Equation, zones: Zones, tol: float = 1e-10, *, value: float = 0.0,
+    signs: tuple[float, float] = (1.0, 1.0), max_steps: int = 40,
 ) -> Solution:
     """Solve a singular integral equation on zones with fixed ends, free ends, or both.
 

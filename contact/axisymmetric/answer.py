@@ -7,8 +7,6 @@ r"""A solved spot: pressure, gap and displacement from the Abel transforms, and 
 p_f the profile's own, e and A as in `system`. All is the mean over the angle; displacements count from the mean plane.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import inf, isinf, log, pi, sqrt

@@ -7,8 +7,6 @@ r"""The paper's own form (1) with the kernel (3), by quadrature: nothing of the 
 The paper prints E*/(4 pi^2); with H1 as printed f = r^2/(2R) gives Hertz only with E*/(4 pi).
 """
 
-from __future__ import annotations
-
 from math import pi
 from typing import Any
 

@@ -3,8 +3,6 @@
 A ring is all the spots at one distance from the spot looked at.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import inf, isinf, pi, sqrt
 from typing import Any

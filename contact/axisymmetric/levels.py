@@ -8,8 +8,6 @@ level's share of area, (pi N_j)^(-1/2) as in (1), and each other level outside a
 N_i)^(-1/2).
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import inf, isinf
@@ -21,8 +19,7 @@ from contact.axisymmetric.answer import Spot
 from contact.axisymmetric.lattices import Lattice, Site, as_lattice, own_radius
 from contact.axisymmetric.neighbours import Surroundings, surroundings
 from contact.axisymmetric.profiles import as_profile
-from contact.axisymmetric.refine import NODES, first_radius, refined, settled, spot_of
-from contact.axisymmetric.spot import one_control, ring_count
+from contact.axisymmetric.spot import NODES, first_radius, one_control, refined, ring_count, settled, spot_of
 from contact.axisymmetric.system import Kind, closed_edge, refine_topology, room, total_load
 from contact.axisymmetric.system import approach as given_approach
 from contact.errors import OutOfRange, SceneError
@@ -143,14 +140,8 @@ class LevelsSolution:
 
 
 def solve_levels(
-    levels: Sequence[Level],
-    E_star: float,
-    lattice: Lattice | None = None,
-    *,
-    nominal_pressure: float | None = None,
-    approach: float | None = None,
-    rings: float = 0,
-    tol: float = 1e-10,
+    levels: Sequence[Level], E_star: float, lattice: Lattice | None = None, *, nominal_pressure: float | None = None,
+    approach: float | None = None, rings: float = 0, tol: float = 1e-10,
 ) -> LevelsSolution:
     """Which levels touch at a nominal pressure [Pa] or an approach [m], and their spots.
 
@@ -201,11 +192,8 @@ def solve_levels(
     for c in contacts:
         pressures[c.kinds], deltas[c.kinds] = E * c.pressure, c.delta
     return LevelsSolution(
-        nominal_pressure=sum(s.load * s.density for s in found),
-        approach=found[0].approach,
-        spots=tuple(spots.get(j) for j in range(len(kinds))),
-        touch_pressures=pressures,
-        touch_approaches=deltas,
+        nominal_pressure=sum(s.load * s.density for s in found), approach=found[0].approach,
+        spots=tuple(spots.get(j) for j in range(len(kinds))), touch_pressures=pressures, touch_approaches=deltas,
     )
 
 
@@ -369,9 +357,7 @@ def _shifts(sites: Sequence[Site], origin: Site) -> list[Site]:
 
 def _same_views(lattice: Lattice, views: list[list[list[Site]]]) -> None:
     """Refuse a level whose sites see different surroundings."""
-    rows = [
-        [np.sort(np.concatenate([lattice.distances(s, 4.0) for s in shifts])) for shifts in view] for view in views
-    ]
+    rows = [[np.sort(np.concatenate([lattice.distances(s, 4.0) for s in shifts])) for shifts in view] for view in views]
     for row in rows[1:]:
         for mine, first in zip(row, rows[0], strict=True):
             if mine.size != first.size or not np.allclose(mine, first, rtol=0, atol=1e-8):

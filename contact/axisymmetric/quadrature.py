@@ -3,8 +3,6 @@
 Takahasi & Mori (1974), doi 10.2977/prims/1195192451. Every radius where a profile is not smooth is a panel's end.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from math import pi
 

@@ -14,8 +14,6 @@ vanishes there: the Jacobian of the edge values is diagonal, w_j'(a_j), and a_j 
 Newton's step, under any side condition.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from math import pi

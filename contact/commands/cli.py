@@ -5,8 +5,6 @@ Exit status 0: solved; 2: bad input or out of range; 3: not converged; 130: inte
 line for each warning.
 """
 
-from __future__ import annotations
-
 import inspect
 import os
 import sys
@@ -22,9 +20,7 @@ import click
 import numpy as np
 
 from contact import interrupts
-from contact.commands.explore import explore_command
-from contact.commands.options import QUIET, SCENE, TOL, scene_of
-from contact.commands.outputs import OVERWRITE, Outputs
+from contact.commands.options import OVERWRITE, QUIET, SCENE, TOL, Outputs, scene_of
 from contact.commands.path import path_command
 from contact.commands.sweep import sweep_command
 from contact.commands.trace import show_profile, trace_command
@@ -51,6 +47,25 @@ from contact.solver import solve
 from contact.sweeps.compare import compare, refusals, tables
 from contact.sweeps.compare_plot import plot_comparison
 from contact.sweeps.points import total_width
+
+
+@click.command("explore")
+@click.argument("scene", type=click.Path(path_type=Path), required=False)
+@click.option("--port", type=click.IntRange(1, 65535), help="Of the page; one that is free if left out.")
+@click.option("--show/--no-show", default=True, help="Open a browser.")
+@TOL
+def explore_command(scene: Path | None, port: int | None, show: bool, tol: float) -> None:
+    """Turn a SCENE by sliders in a browser: surfaces, pressure, load curve and stated error follow. Without one: a wave.
+
+    The page is served on this machine alone (127.0.0.1), with all that it loads; it ends with Ctrl-C.
+    """
+
+    def ready(address: str) -> None:
+        click.echo(f"{address}  (Ctrl-C ends it)")
+
+    given = scene_of(scene) if scene is not None and str(scene) == "-" else scene
+    require("contact.explorer.explore").serve(given, tol, port, ready, show)
+
 
 BAD_INPUT, NOT_CONVERGED, INTERRUPTED = 2, 3, interrupts.STATUS
 
@@ -179,14 +194,14 @@ def plan_command(scene: Path, run: bool, tol: float) -> None:
     """
     problem = scene_of(scene)
     if not run:
-        rows = [(row.name, "yes" if row.used else "no", row.reason, row.detail) for row in plan(problem).rows]
+        rows = [(row.name, "yes" if row.used else "no", row.reason, row.detail) for row in plan(problem).parts]
         show_table("plan", ("part", "used", "reason", "detail"), rows)
         return
     with Progress() as progress:
         done = solve(problem, tol=tol, progress=progress).plan
     show_profile(problem.profile)
     timed = [
-        (row.name, "yes" if row.used else "no", row.reason, row.detail, *_took(row.seconds, done.share(row))) for row in done.rows
+        (row.name, "yes" if row.used else "no", row.reason, row.detail, *_took(row.seconds, done.share(row))) for row in done.parts
     ]
     show_table("plan", ("part", "used", "reason", "detail", "time", "share"), timed, numeric=(4, 5))
     sizes = [(name.replace("_", " "), str(count)) for name, count in done.counts.items()]

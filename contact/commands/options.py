@@ -1,14 +1,21 @@
-"""What several commands have in common: how a scene is named, and options."""
+"""What several commands have in common: how a scene is named, options, the files that they are asked to write (what cannot be written is
+refused before any work is done), and many values in few words: A:B:N, A:B:N:log, or values with commas between them."""
 
-from __future__ import annotations
-
+import os
 import sys
+from collections.abc import Callable, Iterable, Mapping
+from math import isfinite
 from pathlib import Path
+from typing import Any
 
 import click
+import numpy as np
 
+from contact.errors import SceneError
+from contact.extras import require
 from contact.model.scene import Scene
 from contact.model.scene_file import load_scene, read_scene
+from sie import Array
 
 SCENE = click.argument("scene", type=click.Path(path_type=Path))
 QUIET = click.option("-q", "--quiet", is_flag=True, help="Print no tables and no progress, only what goes wrong.")
@@ -21,3 +28,84 @@ def scene_of(name: Path) -> Scene:
         return load_scene(name)
     # None where it was closed.
     return read_scene(b"" if sys.stdin is None else sys.stdin.buffer.read(), "standard input")
+
+
+# Of what is made, a file, and whether that may be written over.
+Write = Callable[[Any, Path, bool], Any]
+OVERWRITE = click.option("--overwrite", is_flag=True, help="Write over files of numbers that are there; pictures are drawn anew.")
+
+
+def checked_figure(path: Path) -> Path:
+    """The name of a picture that can be written; one that is there is drawn anew, as it holds nothing that is not drawn again."""
+    known = require("matplotlib.backends.backend_agg").FigureCanvasAgg.get_supported_filetypes()
+    return checked("--plot", path, [f".{kind}" for kind in known], overwrite=True)
+
+
+def checked(option: str, path: Path, endings: Iterable[str], overwrite: bool = False) -> Path:
+    """The name of a file that can be written; one that is there, only where it may be written over."""
+    if path.suffix.lower() not in endings:
+        raise SceneError.of(option, str(path), f"a file name that ends in {', '.join(sorted(endings))}")
+    if not path.parent.is_dir():
+        raise SceneError.of(option, str(path), "in a folder that exists")
+    if path.is_dir() or not os.access(path if path.exists() else path.parent, os.W_OK):
+        raise SceneError.of(option, str(path), "a file that may be written")
+    if path.exists() and not overwrite:
+        raise SceneError.of(option, str(path), "a file that is not there yet, or --overwrite given")
+    return path
+
+
+class Outputs:
+    """The files that a command is asked for, and how each is written; what cannot be written is refused before any work is done."""
+
+    def __init__(self, overwrite: bool = False) -> None:
+        self._overwrite = overwrite
+        self._writers: dict[Path, Write] = {}
+
+    def add(self, option: str, path: Path | None, writers: Mapping[str, Write]) -> None:
+        """By the endings of its name; None: none is asked for."""
+        if path is None:
+            return
+        if path in self._writers:
+            raise SceneError.of(option, str(path), "another file than the other options name")
+        self._writers[checked(option, path, writers, self._overwrite)] = writers[path.suffix.lower()]
+
+    def add_figure(self, path: Path | None, drawn: Callable[[Any], Any]) -> None:
+        """A picture of what is made."""
+        if path is not None:
+            self._writers[checked_figure(path)] = lambda made, name, _: drawn(made).savefig(name, dpi=200)
+
+    def write(self, made: Any) -> None:
+        for path, write in self._writers.items():
+            write(made, path, self._overwrite)
+
+    def tell(self, err: bool = False) -> None:
+        for path in self._writers:
+            click.echo(f"written: {path}", err=err)
+
+
+_MOST = 100_000
+
+
+def values_of(option: str, text: str) -> Array:
+    """N even values from A to B, evenly spaced in their logarithm with `:log`; both ends are among them."""
+    try:
+        values = _between(text.split(":")) if ":" in text else np.array([float(part) for part in text.split(",")])
+    except ValueError:
+        values = np.zeros(0)
+    if not values.size or not np.isfinite(values).all():
+        many = f"N a whole number from 2 to {_MOST}"
+        allowed = f"A:B:N or A:B:N:log, such as 1e3:1e6:20:log ({many}; with log A and B above 0), or numbers with commas between"
+        raise SceneError.of(option, text, allowed)
+    return values
+
+
+def _between(parts: list[str]) -> Array:
+    """Of the parts between colons; none where they make no sense."""
+    logarithmic = len(parts) == 4 and parts[3] == "log"
+    first, last, count = float(parts[0]), float(parts[1]), int(parts[2]) if len(parts) > 2 else 0
+    if (len(parts) != 3 and not logarithmic) or not 2 <= count <= _MOST or first == last or not isfinite(last - first):
+        return np.zeros(0)
+    if logarithmic and (first <= 0 or last <= 0):
+        return np.zeros(0)
+    # 0.3, and not 0.30000000000000004: values that are read again, and written by hand, are the same.
+    return np.array([float(f"{value:.15g}") for value in (np.geomspace if logarithmic else np.linspace)(first, last, count)])

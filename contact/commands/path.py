@@ -1,7 +1,5 @@
 """`contact path SCENE --loads A:B:N`: a scene at many loads, up and down, with the loads at which zones come, go and merge."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -9,9 +7,7 @@ from pathlib import Path
 import click
 import numpy as np
 
-from contact.commands.options import QUIET, SCENE, TOL, scene_of
-from contact.commands.outputs import OVERWRITE, Outputs
-from contact.commands.ranges import values_of
+from contact.commands.options import OVERWRITE, QUIET, SCENE, TOL, Outputs, scene_of, values_of
 from contact.commands.trace import show_profile
 from contact.errors import SceneError
 from contact.model.scene import Scene

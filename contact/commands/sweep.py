@@ -1,7 +1,5 @@
 """`contact sweep SCENE --vary KEY=A:B:N --out OUT.nc`: a scene over a grid of values, on this machine or on a cluster, gone on with."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Sequence
 from pathlib import Path
@@ -10,9 +8,7 @@ from typing import Any
 import click
 import numpy as np
 
-from contact.commands.options import QUIET, SCENE, TOL, scene_of
-from contact.commands.outputs import checked
-from contact.commands.ranges import values_of
+from contact.commands.options import QUIET, SCENE, TOL, checked, scene_of, values_of
 from contact.commands.trace import show_profile
 from contact.errors import NotConverged, OutOfRange, SceneError
 from contact.model.units import column, quantity

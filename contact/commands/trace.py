@@ -1,6 +1,7 @@
-"""`contact trace FILE`: what is read in a file, its roughness and its preparation, and a scene file to start from."""
+"""`contact trace FILE`: what is read in a file, its roughness and its preparation, and a scene file to start from.
 
-from __future__ import annotations
+Its picture: the points as read, after each step and as they are solved; how often heights occur; the power spectrum.
+"""
 
 import json
 import os
@@ -11,16 +12,17 @@ from typing import Any
 import click
 import numpy as np
 
-from contact.commands.outputs import OVERWRITE, Outputs, checked
-from contact.commands.trace_plot import plot_trace
+from contact.commands.options import OVERWRITE, Outputs, checked
 from contact.errors import SceneError, warn
-from contact.extras import require
 from contact.model.profiles.base import Profile
 from contact.model.profiles.sampled import Sampled
-from contact.model.traces.prepare import load_trace
+from contact.model.scene_file import load_scene, toml
+from contact.model.traces.prepare import Trace, load_trace
 from contact.model.traces.roughness import Roughness, height_distribution, power_spectrum, roughness
-from contact.model.units import quantity
+from contact.model.units import prefix, quantity
+from contact.solution.plotting import new_figure
 from contact.solution.terminal import show_table
+from sie import Array
 
 # Of the scene that is written: steel on a rigid flat, at a light load.
 _MODULUS, _POISSON = 210e9, 0.3
@@ -110,7 +112,7 @@ def trace_command(file: Path, figure: Path | None, scene: Path | None, overwrite
     if scene is not None:
         scene.write_text(starting_scene(file, scene.parent, keys, measured, trace.period), encoding="utf-8")
         # What was written must be a scene.
-        require("contact.model.scene_file").load_scene(scene)
+        load_scene(scene)
         click.echo(f"written: {scene}", err=as_json)
 
 
@@ -165,7 +167,7 @@ def starting_scene(file: Path, folder: Path, keys: Mapping[str, Any], measured: 
     modulus = _MODULUS / (1 - _POISSON**2)
     pressure = _LIGHT * modulus * measured.rms_slope
     name = Path(os.path.relpath(file, folder)).as_posix()
-    lines = ["[profile]", 'shape = "sampled"', f"file = {_toml(name)}", *(f"{key} = {_toml(value)}" for key, value in keys.items())]
+    lines = ["[profile]", 'shape = "sampled"', f"file = {toml(name)}", *(f"{key} = {toml(value)}" for key, value in keys.items())]
     lines += ["", "[material]              # steel; the counter-face is rigid: E2 and nu2 are left out", f"E1 = {_MODULUS / 1e9:g}e9"]
     lines += [f"nu1 = {_POISSON}", "", "[interaction]"]
     told = f"# {_LIGHT:g} E* times the rms slope, {measured.rms_slope:.4g}"
@@ -177,6 +179,49 @@ def starting_scene(file: Path, folder: Path, keys: Mapping[str, Any], measured: 
     return "\n".join(lines) + "\n"
 
 
-def _toml(value: Any) -> str:
-    """A value as TOML writes it: strings, numbers, true and lists are those of JSON."""
-    return json.dumps(value, ensure_ascii=False)
+_BEFORE, _AFTER, _LOST = "#9a9a9a", "#1f5a92", "#b3261e"
+_LONGEST = 90  # letters of a title
+
+
+def plot_trace(trace: Trace, measured: Roughness, spectrum: tuple[Array, Array], heights: tuple[Array, Array]) -> Any:
+    """A matplotlib Figure: a row for each step, and below heights and spectrum of the last."""
+    stages = list(trace.stages)
+    figure = new_figure(9.0, 1.7 * len(stages) + 3.0)
+    grid = figure.add_gridspec(len(stages) + 1, 2, height_ratios=[1.0] * len(stages) + [1.7])
+    longest = max(float(np.nanmax(x) - np.nanmin(x)) for _, x, _ in stages)
+    along, along_unit = prefix(longest)
+    for row, (name, x, height) in enumerate(stages):
+        axes = figure.add_subplot(grid[row, :])
+        up, up_unit = prefix(float(np.nanmax(height) - np.nanmin(height)))
+        axes.plot(along * x, up * height, color=_AFTER if row == len(stages) - 1 else _BEFORE, lw=0.7)
+        for at in x[~np.isfinite(height)]:
+            axes.axvline(along * at, color=_LOST, lw=0.5, alpha=0.5)
+        axes.set_title(name if len(name) <= _LONGEST else name[: _LONGEST - 3] + "...", fontsize=8, loc="left")
+        axes.set_ylabel(f"height [{up_unit}m]", fontsize=8)
+        axes.tick_params(labelsize=8)
+        axes.margins(x=0.0)
+    axes.set_xlabel(f"x [{along_unit}m]", fontsize=8)
+    _distribution(figure.add_subplot(grid[-1, 0]), measured, *heights)
+    _spectrum(figure.add_subplot(grid[-1, 1]), measured, *spectrum)
+    return figure
+
+
+def _distribution(axes: Any, measured: Roughness, edges: Array, density: Array) -> None:
+    up, unit = prefix(measured.Rq)
+    axes.stairs(density / up, up * edges, fill=True, color=_BEFORE, alpha=0.5)
+    z = np.linspace(edges[0], edges[-1], 200)
+    gauss = np.exp(-0.5 * (z / measured.Rq) ** 2) / (measured.Rq * np.sqrt(2 * np.pi))
+    axes.plot(up * z, gauss / up, color=_AFTER, lw=1.0, label=f"Gauss, Rq = {quantity(measured.Rq, 'm', 3)}")
+    axes.set_xlabel(f"height above the mean [{unit}m]", fontsize=8)
+    axes.set_ylabel(f"density [1/{unit}m]", fontsize=8)
+    axes.tick_params(labelsize=8)
+    axes.legend(fontsize=8, frameon=False)
+
+
+def _spectrum(axes: Any, measured: Roughness, q: Array, density: Array) -> None:
+    seen = density > 1e-12 * density.max()
+    axes.loglog(q[seen], density[seen], color=_AFTER, lw=0.7)
+    axes.set_xlabel(r"wavenumber $q = 2\pi/\lambda$ [1/m]", fontsize=8)
+    axes.set_ylabel("power spectrum C [m$^3$]", fontsize=8)
+    axes.set_title(f"rms slope {measured.rms_slope:.3g}", fontsize=8, loc="left")
+    axes.tick_params(labelsize=8)

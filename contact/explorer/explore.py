@@ -1,7 +1,5 @@
 """`contact.explore`: a scene with sliders, in a notebook or in a browser."""
 
-from __future__ import annotations
-
 import logging
 import socket
 import tomllib

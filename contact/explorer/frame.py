@@ -1,19 +1,21 @@
-"""One frame of the page: a scene is solved, and what is drawn and said of it comes out; or a message, where it cannot be."""
-
-from __future__ import annotations
+"""One frame of the page: a scene is solved, and what is drawn and said of it comes out; or a message, where it cannot be. Its
+load curve comes a point at a time, so that the page goes on answering while it is drawn."""
 
 import time
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from contact.errors import ContactError, NotConverged, unwarned
+from contact.explorer.handles import Handle, with_number
 from contact.model.scene import Scene
 from contact.model.units import prefix, quantity
 from contact.solution.sampling import positions, surfaces, window, zones_within
 from contact.solution.solution import Solution
 from contact.solver import solve
+from contact.sweeps.curve import Curve
 from sie import Array
 
 POINTS = 4000  # of a stretch: a few on each pixel column of a screen
@@ -114,3 +116,29 @@ def place_on_curve(solution: Any) -> tuple[float, float, tuple[str, str], tuple[
     if solution.approach is not None:
         return float(solution.approach), float(up[0]), ("approach", "m"), up[1]
     return float(np.sum(solution.zone_widths)), float(up[0]), ("width of the zones", "m"), up[1]
+
+
+_VALUES = 33
+
+
+def along(scene: Scene, control: Handle, tol: float, branch: str) -> Iterator[Solution]:
+    """Solutions of a scene all along its control, upwards; values that have none are left out."""
+    name = scene.control[0]
+    values = np.geomspace(control.low, control.high, _VALUES) if control.log else np.linspace(control.low, control.high, _VALUES)
+    # Under a law that pulls the branch matters, which each is solved on by itself.
+    curve = None if scene.law.pulls else Curve(scene, name, tol)
+    for value in values:
+        try:
+            with unwarned():
+                here = curve.at(float(value)) if curve else solve(with_number(scene, name, float(value)), tol=tol, branch=branch)
+        except ContactError:
+            continue
+        yield here
+        if len(here.zones) == 0:
+            return  # full contact: nothing more happens
+
+
+def same_curve(one: Scene, other: Scene) -> bool:
+    """Whether two scenes differ in the value of their control only."""
+    name, value = other.control
+    return one.control[0] == name and with_number(one, name, value) == other

@@ -5,8 +5,6 @@ the lists that make all heights larger when they grow are the amplitude, those t
 tried out.
 """
 
-from __future__ import annotations
-
 import dataclasses
 import math
 from collections.abc import Callable, Mapping
@@ -166,7 +164,7 @@ def _stands(profile: Profile) -> list[Handle]:
     found = []
     for place, table in profile.tables().items():
         body = profile.bodies[place]
-        own, (lo, hi) = body.tables()["profile"], _cell(body) or _cell(profile) or (-0.5, 0.5)
+        own, (lo, hi) = body.tables()["profile"], body.known or profile.known or (-0.5, 0.5)
         for name, value in table.items():
             if name not in own and isinstance(value, float):
                 reach = 0.5 * (hi - lo)
@@ -186,7 +184,7 @@ def _shape(scene: Scene, place: str) -> list[Handle]:
     found = []
     high = _together(profile, given, lists, _heights_grow)
     if high:
-        found.append(_scale(place, "amplitude", _depth(profile), high) if _cell(profile) else _scale(place, "heights, times", 1.0, high))
+        found.append(_scale(place, "amplitude", _depth(profile), high) if profile.known else _scale(place, "heights, times", 1.0, high))
     lengths = [name for name in given if name not in high and (name in lists or name == "period")]
     long = _together(profile, given, lengths, _shape_grows) if lists else ()
     if scene.profile.period is not None and len(scene.profile.bodies) > 1:
@@ -248,30 +246,25 @@ def _alike(a: Any, b: Any) -> bool:
 
 
 def _places(profile: Profile) -> Any:
-    lo, hi = _cell(profile) or (-0.5, 0.5)
+    lo, hi = profile.known or (-0.5, 0.5)
     return lo + (hi - lo) * (np.arange(_PLACES) + 0.3) / _PLACES
-
-
-def _cell(profile: Profile) -> tuple[float, float] | None:
-    """What there is of a shape: its period, or where it is known; None: it goes on for ever."""
-    return profile.extent if profile.period is None else (profile.x0, profile.x0 + profile.period)
 
 
 def _depth(profile: Profile) -> float:
     """From the highest to the lowest place."""
-    lo, hi = _cell(profile) or (-0.5, 0.5)
+    lo, hi = profile.known or (-0.5, 0.5)
     height = np.asarray(profile.height(np.linspace(lo, hi, 2001)))
     return float(f"{np.ptp(height):.4g}")
 
 
 def _samples(profile: Profile) -> list[Handle]:
     """A shape read at so many even places, with the spline of measured points through them: what a coarser instrument would see."""
-    if profile.support is not None or _cell(profile) is None or len(profile.bodies) > 1:
+    if profile.support is not None or profile.known is None or len(profile.bodies) > 1:
         return []
 
     def at(now: Scene, to: float) -> Scene:
         shape, count = now.profile, round(to)
-        lo, hi = _cell(shape) or (-0.5, 0.5)
+        lo, hi = shape.known or (-0.5, 0.5)
         x = np.linspace(lo, hi, count, endpoint=shape.period is None)
         trace = PROFILES.find("sampled")(x, -np.asarray(shape.height(x)), shape.period)
         return replace(now, profile=trace)

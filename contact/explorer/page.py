@@ -4,8 +4,6 @@ A slider that is dragged sends more values than can be solved: what came last wh
 loads comes from the page's own server.
 """
 
-from __future__ import annotations
-
 import math
 import time
 import tomllib
@@ -14,13 +12,11 @@ from pathlib import Path
 from typing import Any
 
 from contact.errors import ContactError, SceneError
-from contact.explorer.curve import along, same_curve
-from contact.explorer.frame import FEW, POINTS, Frame, drawn, numbers, place_on_curve, solved, told
+from contact.explorer.frame import FEW, POINTS, Frame, along, drawn, numbers, place_on_curve, same_curve, solved, told
 from contact.explorer.handles import Handle, handles, rounded, turned
 from contact.extras import require
 from contact.model.scene import Scene
-from contact.model.scene_file import scene_from_tables
-from contact.model.scene_text import to_toml
+from contact.model.scene_file import scene_from_tables, to_toml
 from contact.model.units import prefix
 from contact.solution.solution import Solution
 

@@ -1,7 +1,5 @@
 """Numbers and pictures of a frame, and the load curve: what a browser is sent of them. It draws them by pictures.js."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

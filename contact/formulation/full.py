@@ -1,7 +1,8 @@
 r"""Full contact of a periodic profile: p = pbar - (E*/2) R, R_q = q f_q / L(q), possible when the least of it is not negative.
 
 L is the symbol of the scene's operator (contact.model.operator): a model that declares none has no full contact that could be told. A
-valley with a kink makes R (contact.formulation.relief) infinite: no load brings such a profile into full contact.
+valley with a kink makes R (contact.formulation.relief) infinite: no load brings such a profile into full contact, but soon the gaps over
+kinks are narrower than digits tell, and nothing else of the contact differs from a full one.
 """
 
 from __future__ import annotations
@@ -29,17 +30,22 @@ def has_kinked_valley(profile: Profile) -> bool:
     return bool(len(kinks) and np.any(kinks[:, 1] < 0))
 
 
+# Half widths below this part of the period are a rounding of the ends' positions: such gaps are left out, and said so.
+NARROWEST = 1e-13
+
+
 class FullLimit(sie.Kept):
     """Where full contact begins: the smallest mean pressure [Pa], inf if there is none, found when first asked for.
 
     approached: whether growing loads come near to full contact, as they do to valleys with kinks but not past sharp corners.
-    possible: whether some load reaches it, and the model tells what the pressure then is.
+    told: whether the model tells what the pressure then is. possible: whether some load reaches it, and the model tells.
     """
 
     def __init__(self, profile: Profile, E_star: float, operator: Operator, law: Law) -> None:
         self.profile, self.E_star, self.operator, self.law = profile, E_star, operator, law
         self.approached = operator.is_periodic and profile.support is None
-        self.possible = self.approached and operator.has_inverse and law.full_contact and not has_kinked_valley(profile)
+        self.told = self.approached and operator.has_inverse and law.full_contact
+        self.possible = self.told and not has_kinked_valley(profile)
 
     @cached_property
     def relief(self) -> Relief:
@@ -56,8 +62,23 @@ class FullLimit(sie.Kept):
 
     @cached_property
     def relieved(self) -> float:
-        """The mean pressure under which the least pressure of full contact is zero [Pa], whether contact begins there or not."""
-        return 0.5 * self.E_star * maximum(self.relief, period_samples(self.profile))[1]
+        """The mean pressure under which the least pressure of full contact is zero [Pa], whether contact begins there or not; that of
+        valleys with kinks where a lone gap over each is as wide as gaps that are left out."""
+        relief, samples, kinks = self.relief, period_samples(self.profile), self.profile.kinks
+        valleys = np.sort(self.profile.wrap(kinks[kinks[:, 1] < 0, 0]))
+        if len(valleys) == 0:
+            return 0.5 * self.E_star * maximum(relief, samples)[1]
+        around = np.concatenate((valleys[-1:] - relief.period, valleys, valleys[:1] + relief.period))
+        # A lone gap is twice as wide as the stretch on which the pressure of full contact would be negative.
+        least = NARROWEST * relief.period / 2
+
+        def beside_valleys(x: Array) -> Array:
+            x = np.asarray(self.profile.wrap(x))
+            nearest = around[np.searchsorted(0.5 * (around[1:] + around[:-1]), x)]
+            return relief(np.where(np.abs(x - nearest) < least, nearest + least, x))
+
+        # Between samples a logarithm is as narrow as any.
+        return 0.5 * self.E_star * max(maximum(beside_valleys, samples)[1], float(beside_valleys(valleys).max()))
 
 
 def lowest(profile: Profile, cell: tuple[float, float] | None = None) -> float:

@@ -1,7 +1,5 @@
 """Validators of single fields: each returns the value in its plain type or raises SceneError."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from math import isfinite
@@ -102,9 +100,7 @@ def one_of(field: str, value: Any, choices: Iterable[str]) -> str:
 
 def finite_array(field: str, value: Any, ndim: int | None = 1, least: int = 1) -> Array:
     """A read-only float copy of at least `least` finite real numbers with `ndim` axes (None: any)."""
-    shape = {None: "an array", 0: "a number", 1: "a one-dimensional array"}.get(
-        ndim, f"an array with {ndim} axes"
-    )
+    shape = {None: "an array", 0: "a number", 1: "a one-dimensional array"}.get(ndim, f"an array with {ndim} axes")
     count = f" of at least {least}" if least > 1 else " of"
     allowed = f"{shape}{count} finite real numbers"
     if isinstance(value, (str, bytes)) or (
@@ -149,8 +145,6 @@ def increasing(field: str, value: Any, least: int = 1) -> Array:
     if wrong.size:
         i = int(wrong[0])
         raise SceneError.of(
-            field,
-            value,
-            f"strictly increasing (element {i + 1} is {array[i + 1]:.17g} after {array[i]:.17g})",
+            field, value, f"strictly increasing (element {i + 1} is {array[i + 1]:.17g} after {array[i]:.17g})",
         )
     return array

@@ -1,9 +1,9 @@
-"""The elastic operator of a scene: what the pressure does to the surface, composed of the interaction and the substrate.
+r"""The elastic operator of a scene: what the pressure does to the surface, composed of the interaction and the substrate.
 
 The symbol of the substrate is the one source of all of it:
 
-    kernel        of a line load, 1/r + int (L - 1) sin(qr) dq (contact.model.line_kernel), alone or with the images of a strip;
-                  of all periods, Hilbert's and sum (L_n - 1) sin(2 pi n r / l) 2 pi / l (contact.model.spectrum)
+    kernel        of a line load, 1/r + int (L - 1) sin(qr) dq (contact.model.symbols), alone or with the images of a strip;
+                  of all periods, Hilbert's and sum (L_n - 1) sin(2 pi n r / l) 2 pi / l (contact.model.symbols)
     grid          the multiplier 2 L / (E* q)
     full contact  p_q = -E* q f_q / 2 L(q) + mean
     by the gaps   the slope of the gap as the unknown, under the symbol 1/L: sum (1/L_n - 1) sin(2 pi n r / l) 2 pi / l beside Hilbert's
@@ -12,10 +12,19 @@ The symbol of the substrate is the one source of all of it:
 
 An interaction of someone's own may give a kernel itself, for zones, their pressure and what is certified; without the symbol of that
 kernel the operator has no inverse: neither full contact nor the gap formulation is offered.
+
+A uniform nominal pressure beyond a strip of half width W/2 about its centre would everywhere displace the surface by 2 pbar c / E*, c the
+substrate's compression, or, of a body without a base, by nothing in the mean of a period; within the strip it does so by its potential,
+so that beyond it
+
+    (pbar/pi) [Lambda(W/2 + y) - Lambda(W/2 - y)],    y = x - centre,
+
+goes to the right side: (2 pbar/pi) artanh(2y/W) on a half-plane, equation (13) of Goryacheva & Tsukanov (2020).
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache, cached_property, partial
@@ -26,10 +35,8 @@ import scipy.fft
 import sie
 from contact.errors import SceneError
 from contact.model.interactions.base import Interaction, Scaled
-from contact.model.line_kernel import SmoothPart
-from contact.model.spectrum import checked, excess, kernel_of
-from contact.model.strip import BeyondStrip
 from contact.model.substrates.base import Substrate
+from contact.model.symbols import SmoothPart, checked, excess, kernel_of
 from sie import Array, record
 
 Potential = Callable[[Array, Array], Array]
@@ -300,3 +307,44 @@ def smooth_potential(kernel: sie.Kernel, lag: Array) -> Array:
 def _mean_beyond(kernel: sie.Kernel, period: float) -> float:
     """Mean over a period of a kernel's potential: Hilbert's has none."""
     return float(_beyond(kernel, period, period * (np.arange(_PLACES) + 0.5) / _PLACES).mean())
+
+
+_INSIDE = 1 - 1e-15
+
+
+@record
+class BeyondStrip:
+    """Of a unit of nominal pressure, scaled; unit [m]: that of lengths, for the substrate's smooth part and compression."""
+
+    half: float
+    period: float
+    centre: float
+    smooth: SmoothPart
+    unit: float
+    compression: float | None
+
+    def slope(self, x: Array) -> Array:
+        # Zones on their way may pass the border of the strip for a step: the term stays finite there.
+        y = x - self.centre
+        out = 2 / np.pi * np.arctanh(np.clip(y / self.half, -_INSIDE, _INSIDE))
+        if not self.smooth.is_zero:
+            potential, unit = self.smooth.potential, self.unit
+            out = out + (potential((self.half + y) * unit) - potential((self.half - y) * unit)) / np.pi
+        return np.asarray(out)
+
+    def height(self, x: Array) -> Array:
+        half, smooth, unit = self.half, self.smooth, self.unit
+        # A line load displaces nothing at this distance, or, of a body with a base, far away.
+        length = self.period if smooth.scale is None else smooth.scale / unit
+        before, after = half + (x - self.centre), half - (x - self.centre)
+        total = length * (_entropy(before / length) + _entropy(after / length)) - 2 * half
+        if not smooth.is_zero:
+            raised = 0.0 if smooth.scale is not None else -float(smooth.potential(np.array(self.period * unit)))
+            total = total + (smooth.primitive(before * unit) + smooth.primitive(after * unit)) / unit + 2 * half * raised
+        return np.asarray(total / math.pi + (self.compression or 0.0) / unit)
+
+
+def _entropy(x: Array) -> Array:
+    """x ln x, zero at zero."""
+    x = np.maximum(x, 0.0)
+    return np.asarray(x * np.log(np.where(x > 0, x, 1.0)))

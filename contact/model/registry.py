@@ -5,8 +5,6 @@ Classes of other installed packages come through the entry-point groups `contact
 all names are listed; one that fails is warned about and skipped.
 """
 
-from __future__ import annotations
-
 import inspect
 import warnings
 from collections.abc import Callable, Mapping
@@ -99,10 +97,7 @@ def construct(cls: Callable[..., Any], what: str, params: Mapping[str, Any]) -> 
     for p in accepted:
         if p.name in known and p.default is p.empty and p.name not in params:
             raise SceneError(
-                f"{what} needs the parameter {p.name!r}; its parameters are {', '.join(known)}",
-                p.name,
-                None,
-                "given",
+                f"{what} needs the parameter {p.name!r}; its parameters are {', '.join(known)}", p.name, None, "given",
             )
     return cls(**params)
 

@@ -22,15 +22,13 @@ import sie
 from contact.errors import SceneError
 from contact.model.checks import finite, finite_or_none, keep, positive, such
 from contact.model.controls import CONTROLS, TURNING, Control, Quantity, fields_under
+from contact.model.declared import require_body, require_declared, require_elastic
 from contact.model.interactions.base import Interaction
-from contact.model.interactions.declared import require_elastic
 from contact.model.laws import Frictionless, Law
 from contact.model.operator import Operator
 from contact.model.profiles.base import Profile
-from contact.model.profiles.declared import require_declared
 from contact.model.registry import CONTROLS as REGISTERED
 from contact.model.substrates import HalfPlane, Substrate
-from contact.model.substrates.declared import require_body
 
 
 def E_star(E1: float, nu1: float, E2: float | None = None, nu2: float | None = None) -> float:

@@ -1,7 +1,5 @@
 """Numbers for reading: SI prefixes so that a value stands between 1 and 1000."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 

@@ -3,16 +3,23 @@ Surfaces With Regular Microgeometry Based on the Localization Principle", Front.
 doi 10.3389/fmech.2020.00045.
 
     (6)-(17)   principle    any symmetric shape, by quadrature
-    (18)-(24)  wave         LocalizedWave, AlmostFullWave (Johnson's, which the results name)
-    (25)-(27)  wedge        LocalizedWedge
-    (28)-(30)  parabola     LocalizedParabola
+    (18)-(24)  one_zone     LocalizedWave, AlmostFullWave (Johnson's, which the results name)
+    (25)-(27)               LocalizedWedge
+    (28)-(30)               LocalizedParabola
     (31)-(39)  two_zones    LocalizedPair (the full artanh), CubicPair (37)-(38)
 
 Plain names are the corrected equations. What the paper prints instead has `Printed` or `printed` before its name. The exact
 solutions beside them are those of `contact.exact`.
 """
 
-from contact.paper.parabola import LocalizedParabola
+from contact.paper.one_zone import (
+    AlmostFullWave,
+    LocalizedParabola,
+    LocalizedWave,
+    LocalizedWedge,
+    PrintedLocalizedWedge,
+    PrintedWestergaard,
+)
 from contact.paper.principle import (
     LocalizedShape,
     PrintedLocalizedShape,
@@ -23,8 +30,6 @@ from contact.paper.principle import (
     strip_slope,
 )
 from contact.paper.two_zones import CubicPair, LocalizedPair, PrintedArtanhPair, PrintedCubicPair
-from contact.paper.wave import AlmostFullWave, LocalizedWave, PrintedWestergaard
-from contact.paper.wedge import LocalizedWedge, PrintedLocalizedWedge
 from contact.reference.exact.localized import FIRST_ORDER, SELF_CONSISTENT
 
 __all__ = [

@@ -1,4 +1,6 @@
-"""What the paper's three one-zone examples share: the isolated solution of a family, corrected by (16)-(17).
+"""The paper's three one-zone examples by the localization principle, the isolated solution of a family corrected by (16)-(17): the
+sinusoid f = Delta (1 - cos(2 pi x/L)), (18)-(24), the wedge f = tan(beta) |x|, (25)-(27), and the parabola f = x^2/2R, (28)-(30), in a
+row of period L.
 
 With P0 the isolated load at half-width a and s = sqrt(L^2 - 4a^2)/L, the two readings of P_s in (16) are
 
@@ -8,18 +10,19 @@ With P0 the isolated load at half-width a and s = sqrt(L^2 - 4a^2)/L, the two re
 Every example knows the exact solution of the same half-width, which the errors are measured by.
 """
 
-from __future__ import annotations
-
+from dataclasses import dataclass
+from math import pi, sqrt
 from typing import Any, Self
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from contact.model.checks import positive
-from contact.reference.exact import PeriodicParabola, PeriodicWedge, Westergaard, localized_at_load
-from contact.reference.exact.localized import FIRST_ORDER, Localized
-from contact.reference.exact.parabola import HertzLine
-from contact.reference.exact.sinusoid import IsolatedSinusoid
-from contact.reference.exact.wedge import IsolatedWedge
+from contact.reference.exact.base import Array
+from contact.reference.exact.localized import FIRST_ORDER, Localized, localized_at_load
+from contact.reference.exact.parabola import HertzLine, PeriodicParabola
+from contact.reference.exact.sinusoid import IsolatedSinusoid, Westergaard
+from contact.reference.exact.wedge import IsolatedWedge, PeriodicWedge
 
 Isolated = HertzLine | IsolatedWedge | IsolatedSinusoid
 Periodic = PeriodicParabola | PeriodicWedge | Westergaard
@@ -69,3 +72,138 @@ class OneZone(Localized):
         if not np.isfinite(self.max_pressure):
             return float("nan")
         return self.max_pressure / self.exact.max_pressure - 1.0
+
+
+@dataclass(frozen=True)
+class LocalizedWave(OneZone):
+    """(20)-(24), Goryacheva & Tsukanov (2020), with k = 2 pi/L and s = sqrt(L^2 - 4a^2)/L:
+
+    (20) p0 = (2 pi Delta E*/L) sqrt(1 - t^2) sum (-1)^j J_(2j+1)(ka) U_2j(t),  t = x/a,
+    (23) mean pressure = (pi^2 Delta E*/L^2) a J_1(ka) (2 - s),
+    (24) p(0) = (pi Delta E*/L) int_0^ka J_0 + (2 pi Delta E*/L^2) a J_1(ka) arctan(2a/(L s)),
+
+    both first-order. OutOfRange where the pressure would be negative at the ends.
+    """
+
+    amplitude: float
+    period: float
+    E_star: float
+    half_width: float
+    closure: str = FIRST_ORDER
+    _family = IsolatedSinusoid
+    _shape = "amplitude"
+
+    @property
+    def isolated(self) -> IsolatedSinusoid:
+        """(20)-(22)."""
+        return IsolatedSinusoid(self.amplitude, self.period, self.E_star, self.half_width)
+
+    @property
+    def exact(self) -> Westergaard:
+        """(18)-(19), Westergaard (1939)."""
+        return Westergaard(self.amplitude, self.period, self.E_star, self.half_width)
+
+
+@dataclass(frozen=True)
+class PrintedWestergaard(Westergaard):
+    """(18) as printed: the factor sqrt(2 pi E* Delta)/L for sqrt(2) pi E* Delta/L, the root drawn too far. It has the
+    dimension of sqrt(Pa/m), and in the units at hand is 1/sqrt(pi E* Delta) of the pressure whose mean is (19)."""
+
+    def pressure(self, x: ArrayLike) -> Array:
+        """(18) as printed, 0 outside the zone."""
+        u = 2.0 * pi / self.period * self._reduced(x)
+        below = np.cos(u) - np.cos(2.0 * pi / self.period * self.half_width)
+        factor = sqrt(2.0 * pi * self.E_star * self.amplitude) / self.period
+        return np.asarray(factor * np.cos(0.5 * u) * np.sqrt(np.maximum(below, 0.0)))
+
+
+@dataclass(frozen=True)
+class AlmostFullWave:
+    """K. L. Johnson (1985), sec. 13.2, almost complete contact: the gap of half-width b = L/2 - a is a crack alone in the
+    pressure of full contact, whose stress intensity vanishes,
+
+    mean pressure = p* (1 - (pi b/L)^2),   p* = pi E* Delta/L.
+
+    The exact (19) has sin^2 for the square. The results section names it for 2a/L beyond 0.7.
+    """
+
+    amplitude: float
+    period: float
+    E_star: float
+    half_width: float
+
+    @property
+    def mean_pressure(self) -> float:
+        gap = pi * (0.5 - self.half_width / self.period)
+        return pi * self.E_star * self.amplitude / self.period * (1.0 - gap * gap)
+
+
+@dataclass(frozen=True)
+class LocalizedWedge(OneZone):
+    """(26)-(27), Goryacheva & Tsukanov (2020), wedge_slope = tan(beta), s = sqrt(L^2 - 4a^2)/L:
+
+    (26) p = (E* tan(beta)/pi) arcosh(a/|x|) + (2 E* a tan(beta)/pi L) arctan(2 sqrt(a^2 - x^2)/(L s)),
+    (27) mean pressure = (E* a tan(beta)/L) (2 - s),
+
+    both first-order.
+    """
+
+    wedge_slope: float
+    period: float
+    E_star: float
+    half_width: float
+    closure: str = FIRST_ORDER
+    _family = IsolatedWedge
+    _shape = "wedge_slope"
+
+    @property
+    def isolated(self) -> IsolatedWedge:
+        return IsolatedWedge(self.wedge_slope, self.E_star, self.half_width)
+
+    @property
+    def exact(self) -> PeriodicWedge:
+        """(25), Block & Keer (2008)."""
+        return PeriodicWedge(self.wedge_slope, self.period, self.E_star, self.half_width)
+
+
+@dataclass(frozen=True)
+class PrintedLocalizedWedge(LocalizedWedge):
+    """(26) as printed, arcosh(a/x): the same for x > 0, and not a number for x < 0."""
+
+    def pressure(self, x: ArrayLike) -> Array:
+        """(26) as printed; nan on the left half of the zone."""
+        x = np.asarray(x, dtype=float)
+        inside = np.abs(x) < self.half_width
+        with np.errstate(divide="ignore", invalid="ignore"):
+            own = np.arccosh(np.where(inside, self.half_width / x, 1.0))
+        alone = self.E_star * self.wedge_slope / pi
+        return np.where(inside, alone * own + (super().pressure(x) - self.isolated.pressure(x)), 0.0)
+
+
+@dataclass(frozen=True)
+class LocalizedParabola(OneZone):
+    """(29)-(30), Goryacheva & Tsukanov (2020), s = sqrt(L^2 - 4a^2)/L:
+
+    (29) p = (E*/2R) sqrt(a^2 - x^2) + (E* a^2/2RL) arctan(2 sqrt(a^2 - x^2)/(L s)),
+    (30) P = (pi E* a^2/4R) (2 - s),
+
+    both first-order. The exact pressure, which the paper says is not known in closed form, is that of `PeriodicParabola`.
+    """
+
+    radius: float
+    period: float
+    E_star: float
+    half_width: float
+    closure: str = FIRST_ORDER
+    _family = HertzLine
+    _shape = "radius"
+
+    @property
+    def isolated(self) -> HertzLine:
+        """Hertz."""
+        return HertzLine(self.radius, self.E_star, self.half_width)
+
+    @property
+    def exact(self) -> PeriodicParabola:
+        """(28), Kuznetsov (1976), with its pressure."""
+        return PeriodicParabola(self.radius, self.period, self.E_star, self.half_width)

@@ -9,8 +9,6 @@ and the zone is then an isolated one under h. Where print and proof differ, the 
 that begins with `printed` (or `Printed`) is what the paper says, so that both can be computed.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import pi, sqrt

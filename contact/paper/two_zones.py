@@ -11,8 +11,6 @@ out the second zone. Three solutions: with the full artanh (`LocalizedPair`), wi
 that follows (`CubicPair`), and with the relation the paper has (`PrintedCubicPair`). Exact: `contact.exact.PeriodicBiquadratic`.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 from math import pi, sqrt

@@ -16,8 +16,7 @@ from contact.search.ways.full_contact import Full
 from contact.search.ways.gaps import tightened_gaps
 from contact.search.ways.guesses import Outcome
 from contact.search.ways.tightened import tightened
-from contact.verify.accuracy import Found, limit, of_positions, too_thin
-from contact.verify.gap_accuracy import FoundByGaps
+from contact.verify.accuracy import Found, FoundByGaps, limit, of_positions, too_thin
 
 # Zones of a lone body farther than so many times their span from the origin of places.
 _FAR_OFF = 64.0
@@ -52,13 +51,12 @@ def _counted_from_there(task: Task, found: Found) -> Found:
 
 
 def _by_zones(task: Task, found: FoundByGaps) -> Found | FoundByGaps:
-    """The same contact with the pressure as the unknown, if that comes out better. Not under an approach: near full contact the level of
-    the zones, a difference of large numbers, tells little of them."""
-    problem = found.fields.problem
-    control = task.control(problem)
-    if control.approach is not None:
+    """The same contact with the pressure as the unknown, if that comes out better; not where it is the approach that tells too little:
+    near full contact the level of the zones, a difference of large numbers, tells no more."""
+    if replace(found, off=0.0).error <= task.tol:
         return found
-    table = found.fields.zones
+    problem = found.fields.problem
+    control, table = task.control(problem), found.fields.zones
     other = task.refine_topology(about(problem, table), control, table, off=found.error)
     return other if isinstance(other, Found) and other.error < found.error else found
 

@@ -1,6 +1,5 @@
-"""What a scene comes to: zones, fields and numbers in SI units, with their error, certificate and plan."""
-
-from __future__ import annotations
+"""What a scene comes to: zones, fields and numbers in SI units, with their error, certificate and plan.
+"""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -15,16 +14,55 @@ import sie
 from contact.errors import SceneError
 from contact.formulation.energy import Fields, elastic_energy
 from contact.formulation.fields import ZoneFields
+from contact.formulation.maxima import maximum
 from contact.formulation.tables import begun_from
 from contact.model.checks import real
 from contact.model.controls import Quantity
 from contact.model.scene import Scene
-from contact.solution.energy import Energy
-from contact.solution.peaks import peaks
 from contact.solution.plan import Plan
-from contact.solution.pull_off import PullOff
 from contact.verify.certificate import Certificate
-from sie import Array, Index, wrapped
+from sie import Array, Index, record, wrapped
+
+
+@record
+class PullOff:
+    """The last equilibrium before the surfaces come apart altogether, as the control falls: load [N/m] (per period where there is one),
+    approach [m] (None without), zones [m] there."""
+
+    load: float
+    approach: float | None
+    zones: Array = field(repr=False)
+
+
+@dataclass(frozen=True)
+class Energy:
+    """What pressing has stored, and what closing has released; their changes add up to the work of the load.
+
+    Parameters
+    ----------
+    elastic : float
+        (1/2) int p u dx, u the displacement of which `Solution.approach` is one [J/m], per period where there is one.
+    surface : float
+        -w times the width in contact, w the law's work of adhesion [J/m]; 0 without adhesion.
+
+    Examples
+    --------
+    A wave in full contact: pi E* amplitude^2/4 - w period (K. L. Johnson, Int. J. Solids Struct. 32, 1995, 423).
+
+    >>> import contact
+    >>> import numpy as np
+    >>> wave = contact.Scene(contact.Sinusoid(1e-2, 1.0), 1.0, contact.Periodic(), law=contact.JKR(1e-5), load=1.0)
+    >>> energy = contact.solve(wave).energy
+    >>> bool(np.isclose(energy.elastic, np.pi * 1e-4 / 4)), energy.surface, bool(energy.total == energy.elastic - 1e-5)
+    (True, -1e-05, True)
+    """
+
+    elastic: float
+    surface: float
+
+    @property
+    def total(self) -> float:
+        return self.elastic + self.surface
 
 
 @dataclass(frozen=True, eq=False)
@@ -215,3 +253,36 @@ class Answer(sie.Kept):
     def mean_gap(self) -> float | None:
         """Mean of the gap over a period [m], off by at most about 3 error p L / E* (L: the period); None without one."""
         return None if self.scene.period is None else self.fields.mean_gap
+
+
+# Even angles of a zone that is smooth, for each length over which the profile varies, and at the most.
+_ANGLES, _PER_FEATURE, _MOST = 48, 12, 2**14
+
+
+def peaks(scene: Scene, zones: Array, pressure_at: Callable[[Array, int], Array]) -> Array:
+    """Sampled closer than the profile varies and followed below the sampling; inf where a tip with a kink is in contact.
+
+    zones (n, 2) [m]; pressure_at(t, zone) [Pa] at normalised positions of one of them.
+    """
+    found = np.empty(len(zones))
+    tips = _tips(scene)
+    resolution = scene.profile.resolution or np.inf
+    for zone, (left, right) in enumerate(zones):
+        if np.any((left < tips) & (tips < right)):
+            found[zone] = np.inf
+            continue
+        count = int(min(_ANGLES + _PER_FEATURE * (right - left) / resolution, _MOST))
+        # A zone's pressure is smooth in the angle.
+        found[zone] = maximum(_in_angle(pressure_at, zone), np.linspace(0.0, np.pi, count + 1), levels=7)[1]
+    return found
+
+
+def _in_angle(pressure_at: Callable[[Array, int], Array], zone: int) -> Callable[[Array], Array]:
+    return lambda angle: pressure_at(np.clip(np.cos(angle), -1.0, 1.0), zone)
+
+
+def _tips(scene: Scene) -> Array:
+    """Where the slope of the profile jumps upwards, and the images of these: zones lie within a period and the next."""
+    kinks = np.reshape(scene.profile.kinks, (-1, 2))
+    places = kinks[kinks[:, 1] > 0, 0]
+    return places if scene.period is None else np.concatenate([places + turn * scene.period for turn in (-1, 0, 1)])

@@ -4,8 +4,6 @@ SI units everywhere. What a scene does not define (None) and what is infinite, a
 corner, is null in JSON, which has no infinities. A file that is there is written over only when that is asked for.
 """
 
-from __future__ import annotations
-
 import csv
 import io
 import json
@@ -21,7 +19,7 @@ from contact.errors import MissingExtra, SceneError
 from contact.extras import require, version
 from contact.model.controls import TURNING
 from contact.model.scene import Scene
-from contact.model.scene_text import tables
+from contact.model.scene_file import tables
 from contact.solution.answer import Answer
 from contact.solution.sampling import positions, window
 from contact.solution.validity import everything

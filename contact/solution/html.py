@@ -1,7 +1,5 @@
 """A solution in a notebook: its numbers as a table, and its figure where matplotlib is installed."""
 
-from __future__ import annotations
-
 import base64
 import io
 from html import escape

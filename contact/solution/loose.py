@@ -1,7 +1,5 @@
 """The solution of surfaces that pull at each other without touching: loaded by the scenes whose law pulls at a distance."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from contact.formulation.tension.cohesive import CohesivePoint

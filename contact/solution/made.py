@@ -18,12 +18,12 @@ from contact.formulation.tables import begun_from
 from contact.formulation.units import Units
 from contact.model.scene import Scene
 from contact.model.units import quantity
+from contact.solution.answer import PullOff
 from contact.solution.plan import Plan
-from contact.solution.pull_off import PullOff
 from contact.solution.solution import Solution, limit_of_approach
-from contact.verify.accuracy import Found, limit, of_positions, too_thin
+from contact.verify.accuracy import Found, FoundByGaps, limit, of_positions, too_thin
 from contact.verify.certificate import Certificate
-from contact.verify.gap_accuracy import FoundByGaps
+from contact.verify.gap_certificate import told_of_left_out
 from sie import Array
 
 
@@ -70,9 +70,10 @@ def of_full(scene: Scene, full: FullLimit, mean_pressure: float, plan: Plan, tol
     profile = scene.profile
     fields = FullFields(of_period(scene), mean_pressure, full.relief, mean_height(scene))
     least = mean_pressure - full.relieved
+    left_out = 0 if scene.law.pulls else int(np.sum(profile.kinks[:, 1] < 0))
     certificate = Certificate(
         smallest_pressure=least, smallest_gap=None, gap_rounding=0.0, load_balance=0.0, level_spread=0.0,
-        points=len(period_samples(profile)), holds=True, note=_told_of_full(scene, least),
+        points=len(period_samples(profile)), holds=True, undecided=left_out > 0, note=_told_of_full(scene, least, left_out),
     )
     for name in ("zone ends", "coarse search"):
         plan[name].used, plan[name].reason = False, "full contact"
@@ -97,7 +98,9 @@ def of_apart(scene: Scene, problem: Problem, approach: float | None, plan: Plan)
     return Solution(scene, np.zeros((0, 2)), ApartFields(problem, approach), 0.0, certificate, plan, branch="receding")
 
 
-def _told_of_full(scene: Scene, least: float) -> str:
+def _told_of_full(scene: Scene, least: float, left_out: int) -> str:
+    if left_out:
+        return f"full contact; {told_of_left_out(left_out)}"
     if least >= 0.0 or not scene.law.pulls:
         return "full contact: the pressure is nowhere negative"
     if scene.law.tension:

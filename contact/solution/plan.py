@@ -1,7 +1,5 @@
 """What a scene needs: every part of the machinery, used or left out, with the reason, its size and the time it took."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -55,10 +53,6 @@ class Plan:
     tried: list[str] = field(default_factory=list)
     seconds: float | None = None
     _within: list[float] = field(default_factory=list, repr=False)
-
-    @property
-    def rows(self) -> list[Part]:
-        return self.parts
 
     def __getitem__(self, name: str) -> Part:
         for part in self.parts:

@@ -4,8 +4,6 @@ Pressure leaves an end as sqrt(d) and the gap as d^(3/2), d the distance, so eac
 which are quadratically closer at the ends: sqrt(d) is smooth in the angle that counts them.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from contact.errors import SceneError

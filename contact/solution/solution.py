@@ -1,7 +1,5 @@
 """The solution of a scene: its numbers and fields, and its ways out as tables, files and pictures."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 from os import PathLike

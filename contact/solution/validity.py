@@ -4,8 +4,6 @@ The bodies are half-planes, their strains small and elastic. Slopes and pressure
 in any system of units; lengths only of files, whose numbers have a unit, and the modulus where the lengths show that it should have one.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

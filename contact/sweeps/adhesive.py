@@ -30,7 +30,7 @@ from contact.search.topology.loop import Progress
 from contact.search.ways.along_curve import followed, under
 from contact.search.ways.branches import closed
 from contact.solution import made
-from contact.solution.energy import Energy
+from contact.solution.answer import Energy
 from contact.solution.loose import of_loose
 from contact.solution.plan import plan
 from contact.solution.sampling import surfaces

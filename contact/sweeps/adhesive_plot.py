@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from contact.model.units import prefix
-from contact.solution.panels import finish, panels
+from contact.solution.plotting import finish, panels
 from sie import Array, Mask, record
 
 _UP, _DOWN, _BODY, _CONTACT = "#1f5a92", "#b3261e", "#7a7a7a", "#b3261e"

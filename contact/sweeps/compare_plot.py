@@ -11,7 +11,7 @@ import numpy as np
 
 from contact.model.units import prefix
 from contact.solution.answer import Answer
-from contact.solution.panels import new_figure
+from contact.solution.plotting import new_figure
 from contact.solution.sampling import peak_position, positions, window
 from contact.sweeps.compare import Attempt, difference, ends_apart, pressure_apart, refusals
 

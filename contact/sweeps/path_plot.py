@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from contact.model.units import prefix
-from contact.solution.panels import finish, panels
+from contact.solution.plotting import finish, panels
 from contact.solution.solution import Solution
 from contact.sweeps.path_table import Passed, columns
 from sie import Array

@@ -19,7 +19,6 @@ import json
 import os
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property
 from os import PathLike
 from typing import Any
 
@@ -38,7 +37,6 @@ from contact.search.topology.missed import WrongTopology
 from contact.solution.export import new_file
 from contact.solution.solution import Solution
 from contact.solution.validity import of_solution
-from contact.solver import solved_along
 from contact.sweeps import path_table
 from contact.sweeps.curve import Curve
 from contact.sweeps.hidden import may_hide
@@ -215,12 +213,6 @@ class _Path:
     def __init__(self, scene: Scene, tol: float, progress: Progress | None = None) -> None:
         self.scene, self.curve, self.progress, self.found = scene, Curve(scene, "load", tol), progress, 0
 
-    @cached_property
-    def full(self) -> Solution:
-        """Full contact at its smallest load."""
-        fraction = replace(self.scene, load=None, mean_pressure=None, approach=None, half_width=None, contact_fraction=1.0)
-        return solved_along(fraction, self.curve.tol, None, self.curve.shared, ())
-
     def on_the_way(self, load: float, near: Solution) -> Solution:
         """A state between two loads: close to an event a zone or gap may be too narrow for the tolerance, and still serve."""
         try:
@@ -237,17 +229,16 @@ class _Path:
         events = sorted(self._events(low, high), key=lambda event: event.load)
         if rising:
             return events
-        return [
-            Event(_REVERSED[e.kind], e.load, e.position, e.after, e.before) for e in reversed(events)
-        ]
+        return [Event(_REVERSED[e.kind], e.load, e.position, e.after, e.before) for e in reversed(events)]
 
     def _events(self, low: Solution, high: Solution) -> list[Event]:
         changes = _changes(low, high)
         if changes and changes[0].kind == "full":
+            assert low.scene.period is not None
+            load = self.curve.shared.full.relieved * low.scene.period
             # Other gaps close before the last one does.
-            before = max(low.load, self.full.load * (1 - _BEFORE_FULL))
-            last = self.on_the_way(before, low)
-            return [*self._events(low, last), _full_event(self.full, last)]
+            last = self.on_the_way(max(low.load, load * (1 - _BEFORE_FULL)), low)
+            return [*self._events(low, last), *_full_event(load, high, last)]
         apart = high.load - low.load > _CLOSE * high.load
         hides = high.load > _FAR * low.load or (high.load - low.load > _SEEN * high.load and may_hide(low, high))
         if not changes and not hides:
@@ -445,10 +436,15 @@ def _scaled(fields: Any, zone: Array) -> tuple[float, float]:
     return a, b
 
 
-def _full_event(full: Solution, low: Solution) -> Event:
+def _full_event(load: float, full: Solution, low: Solution) -> list[Event]:
+    """The closing of the last gap, but that of one over a kink, which never does."""
     first, last = _gap_before(low)
+    kinks = low.scene.profile.kinks
+    over = centred_on(kinks[kinks[:, 1] < 0, :1], 0.5 * (first + last), low.scene.period)
+    if np.any((over > first) & (over < last)):
+        return []
     place, _ = maximum(lambda points: -full.pressure(points), np.linspace(first, last, 65))
-    return Event("full", full.load, place, low.zones, np.zeros((0, 2)))
+    return [Event("full", load, place, low.zones, np.zeros((0, 2)))]
 
 
 def _gap_before(low: Solution) -> tuple[float, float]:

@@ -12,11 +12,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+import sie
 from contact.formulation.controls import Control
 from contact.formulation.fields import ZoneFields
 from contact.formulation.runs import runs_of
 from contact.verify.minima import DIP_ROUNDING, Signs, lowest, signs_on
-from sie import Array, Index, Mask
+from sie import Array, Index, Mask, record
 
 # Each zoom into a minimum narrows its bracket to a quarter at least.
 _ZOOMS = 7
@@ -152,22 +153,10 @@ def certify(fields: ZoneFields, load: float | None, held: Control | None = None,
     if broken:
         holds, note = False, f"{law.name}: {broken}"
     return Certificate(
-        smallest_pressure=least * units.pressure,
-        smallest_gap=None if gaps is None else gaps * units.height,
-        gap_rounding=rounding * units.height,
-        load_balance=balance,
-        level_spread=spread,
-        points=signs.points + outside,
-        holds=bool(holds),
-        undecided=bool(undecided) or left_out > 0,
-        note=note,
-        dip=dip,
-        moment_balance=turned,
-        intensity=missed,
-        stability=stability,
-        negative=pressures,
-        overlaps=overlaps,
-        lowest=minima,
+        smallest_pressure=least * units.pressure, smallest_gap=None if gaps is None else gaps * units.height,
+        gap_rounding=rounding * units.height, load_balance=balance, level_spread=spread, points=signs.points + outside,
+        holds=bool(holds), undecided=bool(undecided) or left_out > 0, note=note, dip=dip, moment_balance=turned,
+        intensity=missed, stability=stability, negative=pressures, overlaps=overlaps, lowest=minima,
     )
 
 
@@ -243,11 +232,14 @@ def _gaps(fields: ZoneFields, rounding: float) -> tuple[float | None, Array, flo
     Levels that are tied from neighbour to neighbour drift by rounding along a long row of zones. Far from all zones a turned or a lopsided
     body may touch as well: samples are not even there, and all minima are followed.
     """
-    intervals = [(lo, hi, _between(lo, hi, fields, left, right)) for lo, hi, left, right in fields.open_intervals()]
-    near = len(intervals)
-    intervals += [(float(x[0]), float(x[-1]), x) for x in fields.far_stretches()]
-    points = np.concatenate([np.zeros(0), *(x for _, _, x in intervals)])
-    place = np.repeat(np.arange(len(intervals)), [len(x) for _, _, x in intervals])
+    open_ = list(fields.open_intervals())
+    intervals, near = [(lo, hi) for lo, hi, _, _ in open_], len(open_)
+    places_of = _looked_at(fields, open_)
+    for x in fields.far_stretches():
+        intervals.append((float(x[0]), float(x[-1])))
+        places_of.append(x)
+    points = np.concatenate([np.zeros(0), *places_of])
+    place = np.repeat(np.arange(len(intervals)), [len(x) for x in places_of])
     with np.errstate(over="ignore", invalid="ignore"):
         gap = _finite(fields.formal_gap(points))
         bend = gap[:-2] - 2 * gap[1:-1] + gap[2:]
@@ -272,7 +264,7 @@ def _gaps(fields: ZoneFields, rounding: float) -> tuple[float | None, Array, flo
     fails = gap < -rounding
     for i in np.unique(place[fails]):
         here = np.flatnonzero(place == i)
-        bad += _overlaps(x[here], fails[here], *intervals[i][:2])
+        bad += _overlaps(x[here], fails[here], *intervals[i])
     seen = gap[~_closing(gap, place, rounding) & (place < near)]
     smallest = float(seen.min()) if np.isfinite(seen).any() else None
     return smallest, np.array(bad).reshape(-1, 2), rounding, len(points), minima
@@ -307,6 +299,22 @@ def _overlaps(x: Array, fails: Mask, lo: float, hi: float) -> list[tuple[float, 
     ]
 
 
+def _looked_at(fields: ZoneFields, intervals: list[tuple[float, float, bool, bool]]) -> list[Array]:
+    """Points in each of these: in gaps between zones without a tip that ask for no more than the least number, all at once."""
+    if not intervals:
+        return []
+    lo, hi = np.array([row[:2] for row in intervals]).T
+    between = np.array([row[2] and row[3] for row in intervals])
+    tips = np.searchsorted(fields.tips, hi, side="left") > np.searchsorted(fields.tips, lo, side="right")
+    plain = between & ~tips & (4 * (hi - lo) / fields.spacing <= _FEWEST // 2)
+    x = np.clip(lo[plain, None] + (hi - lo)[plain, None] * _THINNED, lo[plain, None], hi[plain, None])
+    # Of gaps as narrow as rounding some are the same.
+    differ = np.diff(x, axis=1, prepend=-np.inf) > 0
+    every = differ.all(axis=1)
+    rows = iter([row if whole else row[some] for row, whole, some in zip(x, every, differ, strict=True)])
+    return [next(rows) if alike else _between(*row[:2], fields, *row[2:]) for row, alike in zip(intervals, plain, strict=True)]
+
+
 def _between(lo: float, hi: float, fields: ZoneFields, left_zone: bool, right_zone: bool) -> Array:
     """Points in (lo, hi), evenly at least as close as the fields' spacing asks for, quadratically closer next to zones; tips among
     them, and the limit of what is looked at: the body may touch right there. Between zones no more than the spacing asks for, if that is
@@ -326,3 +334,22 @@ def _between(lo: float, hi: float, fields: ZoneFields, left_zone: bool, right_zo
     # One at the end of a zone is in contact.
     first, last = np.searchsorted(tips, lo, side="right"), np.searchsorted(tips, hi, side="left")
     return np.unique(np.concatenate((x, tips[first:last]))) if last > first else x
+
+
+@record
+class Solved:
+    """free: the Newton result. fields: under the load that the intervals have. rounds: corrections it took. tolerance: of the ends.
+    off: how far the control may have been missed, in what the formulation says; of all intervals, or of each end (n, 2)."""
+
+    free: sie.Free
+    fields: Any
+    certificate: Certificate
+    rounds: int
+    control: Control
+    tolerance: float = 0.0
+    off: float | Array = 0.0
+
+    @property
+    def error(self) -> float:
+        """Bound of the errors of the pressure and of the zones' ends: see `Solution.error`."""
+        raise NotImplementedError

@@ -3,8 +3,6 @@
 p >= -s inside the zones is q = p + s >= 0, which that part's certificate looks at, with overlaps and the balance of the whole load.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cached_property
 

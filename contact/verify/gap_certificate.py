@@ -1,17 +1,14 @@
 """Signs of a nearly full contact: every gap open, pressure in every zone of contact, and a gap in every valley with a kink."""
 
-from __future__ import annotations
-
 import numpy as np
 
+from contact.formulation.full import NARROWEST
 from contact.formulation.gaps import GapFields
 from contact.formulation.runs import runs_of
 from contact.verify.certificate import Certificate
 from contact.verify.minima import DIP_ROUNDING, Signs, follow, lowest, may_be_negative, signs_on
 from sie import Array, Index
 
-# Half widths below this part of the period are a rounding of the ends' positions: such gaps are left out, and said so.
-NARROWEST = 1e-13
 _EPS = 2.2e-16
 # Shortest lengths of the profile: half widths from which zones are wide, and distances from their ends at which they are inner.
 _WIDE, _BESIDE_ENDS = 16, 2
@@ -26,7 +23,7 @@ def certify_gaps(fields: GapFields) -> Certificate:
     units = fields.problem.units
     note = "solved by its gaps"
     if left_out:
-        note += f"; {left_out} gaps over kinks are left out: narrower than {2 * NARROWEST:.0e} of the period"
+        note += f"; {told_of_left_out(left_out)}"
     return Certificate(
         smallest_pressure=least * units.pressure, smallest_gap=openings.least * units.height, gap_rounding=0.0,
         load_balance=0.0, level_spread=0.0, points=openings.points + points, holds=not (negative or openings.negative),
@@ -34,6 +31,10 @@ def certify_gaps(fields: GapFields) -> Certificate:
         negative=np.array(sorted(negative)).reshape(-1, 2), overlaps=np.array(openings.negative).reshape(-1, 2),
         lowest=minima,
     )
+
+
+def told_of_left_out(gaps: int) -> str:
+    return f"{gaps} gaps over kinks are left out: narrower than {2 * NARROWEST:.0e} of the period"
 
 
 def _openings(fields: GapFields) -> tuple[Signs, Array]:

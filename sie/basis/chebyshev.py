@@ -5,14 +5,12 @@ U_{j-1}(t) = sin(j theta) / sin(theta). Nodes are the zeros of U_n, theta_k = k 
 a sine transform; with the two ends they are the Lobatto nodes of the weight 1 / sqrt(1 - t^2).
 """
 
-from __future__ import annotations
-
 from functools import lru_cache
 
 import numpy as np
 from scipy import fft
 
-from sie.basis.arrays import Array
+from sie.basis.data import Array
 
 # Below this size a product with a stored matrix is faster than the call of a fast transform.
 LARGEST_MATRIX = 96

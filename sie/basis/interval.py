@@ -23,8 +23,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from sie.basis.arrays import Array, Complex, Index, Mask
-from sie.basis.record import record
+from sie.basis.data import Array, Complex, Index, Mask, record
 from sie.basis.sums import cosine_sum, sine_sum, sum_of_powers
 
 Number = NDArray[Any]

@@ -18,9 +18,8 @@ from typing import Any
 import numpy as np
 from scipy.special import gammaln, loggamma, psi
 
-from sie.basis.arrays import Array
+from sie.basis.data import Array, Kept
 from sie.basis.interval import fall
-from sie.basis.kept import Kept
 
 Regular = Callable[[Array, Array], Array]
 

@@ -1,10 +1,8 @@
 """Places on a line that repeats, and among things that are counted one after the other."""
 
-from __future__ import annotations
-
 import numpy as np
 
-from sie.basis.arrays import Array, Index
+from sie.basis.data import Array, Index
 
 
 def wrapped(x: Array, start: float | Array, period: float | None) -> Array:

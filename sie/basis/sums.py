@@ -1,14 +1,12 @@
 """Sums over the basis functions of many intervals at many points: powers of rho, sines and cosines of multiples of theta."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sie.basis.arrays import Array, Index, Mask
+from sie.basis.data import Array, Index, Mask
 
 # Below this number of multiplications all pairs are summed to the same order; of few pairs, all powers are formed at once.
 _SMALL, _FEW = 200_000, 256

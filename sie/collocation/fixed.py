@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 from scipy.linalg import lapack, lu_factor, lu_solve
 
-from sie.basis.arrays import Array, Index, Mask
+from sie.basis.data import Array, Index, Mask
 from sie.basis.interval import edge_scale
 from sie.basis.zones import Zones
 from sie.collocation import modes
@@ -260,7 +260,10 @@ def sizes_of(sizes: Sizes, equation: Equation, zones: Zones) -> Sizes:
 
 def sizes_after(sizes: Sizes, equation: Equation, zones: Zones) -> Sizes:
     """Modes to begin with, and what the last solve has left, on zones most of which are about the same."""
-    return replace(first_sizes(equation, zones), carried=sizes.carried, solves=sizes.solves, primitive_rounding=sizes.primitive_rounding)
+    return replace(
+        first_sizes(equation, zones), carried=sizes.carried, solves=sizes.solves, primitive_rounding=sizes.primitive_rounding,
+        joined=sizes.joined,
+    )
 
 
 def solve_fixed(

@@ -15,13 +15,12 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from sie.basis import chebyshev
-from sie.basis.arrays import Array, Index
+from sie.basis.data import Array, Index, record
 from sie.basis.interval import Outside, edge_scale, mean_potential
 from sie.basis.places import numbered
-from sie.basis.record import record
 from sie.basis.zones import Zones
 from sie.collocation import modes
-from sie.collocation.neighbours import felt
+from sie.collocation.modes import felt
 from sie.collocation.symmetry import MirrorSymmetry
 from sie.collocation.system import System, condition_rows, outside
 from sie.collocation.zone_sums import ZoneSums

@@ -6,16 +6,13 @@ Levels are differences of large potentials and heights: theirs is the rounding o
 zone between heavy ones feels what the heights of all are known to.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
-from sie.basis.arrays import Array
 from sie.basis.chebyshev import bounded_part
+from sie.basis.data import Array
 from sie.basis.interval import edge_scale
 from sie.basis.zones import Zones
-from sie.collocation.modes import gaps
-from sie.collocation.neighbours import conformal_radius
+from sie.collocation.modes import conformal_radius, gaps
 from sie.collocation.solved import Solved
 from sie.collocation.symmetry import MirrorSymmetry
 from sie.equation.conditions import speaks_of_levels

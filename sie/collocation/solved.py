@@ -10,10 +10,8 @@ import numpy as np
 from scipy.linalg import lu_solve
 
 from sie.basis import chebyshev
-from sie.basis.arrays import Array, Index, Mask
-from sie.basis.kept import Kept
+from sie.basis.data import Array, Index, Kept, Mask, record
 from sie.basis.places import wrapped
-from sie.basis.record import record
 from sie.collocation import modes
 from sie.collocation.iterative import CoarseOperator, Iterative, IterativeSystem
 from sie.collocation.symmetry import MirrorSymmetry
@@ -69,7 +67,8 @@ class Carried:
     do to it, while what the right side makes of its coefficients is known on any zones.
 
     coarse: inverse; middle, half: of the zones (n,); totals: of each, over pi (n,); field: what the others do to each, coefficients of
-    U_{k-1} at [:, k] (n, max m + 1) for k up to m (n,); amplitudes: of the columns.
+    U_{k-1} at [:, k] (n, max m + 1) for k up to m (n,), and its own slits, which bend it beyond the coupled modes too; amplitudes: of the
+    columns.
     """
 
     coarse: CoarseOperator | None
@@ -81,12 +80,18 @@ class Carried:
     amplitudes: Array
 
     @classmethod
-    def of(cls, coarse: CoarseOperator | None, system: System, y: Array) -> Carried:
-        layout, zones = system.layout, system.zones
+    def of(cls, coarse: CoarseOperator | None, system: System, y: Array, slits: tuple[tuple[int, Array], ...] = ()) -> Carried:
+        """slits: zones that have some, and what these add to their coefficients."""
+        layout, zones, m = system.layout, system.zones, system.layout.m.copy()
         table = layout.padded(y)
         totals, count = zones.half * (table[:, 0] + system.known[:, 0]), min(table.shape[1], system.lowest.shape[1])
         table[:, :count] += system.lowest[:, :count]
-        return cls(coarse, zones.middle, zones.half, totals, table, layout.m, y[layout.coefficients :])
+        longest = max((len(s) for _, s in slits), default=0)
+        table = np.pad(table, ((0, 0), (0, max(longest - table.shape[1], 0))))
+        for zone, s in slits:
+            if len(s) > m[zone] + 1:
+                table[zone, m[zone] + 1 : len(s)], m[zone] = s[m[zone] + 1 :], len(s) - 1
+        return cls(coarse, zones.middle, zones.half, totals, table, m, y[layout.coefficients :])
 
     def near(self, system: IterativeSystem) -> Array:
         """Unknowns of another system to start from."""

@@ -10,13 +10,11 @@ by Gauss-Legendre rules on the stretches between jumps, where g is smooth. The u
 coefficients of the jumps' parts included.
 """
 
-from __future__ import annotations
-
 from functools import lru_cache
 
 import numpy as np
 
-from sie.basis.arrays import Array, Index
+from sie.basis.data import Array, Index
 from sie.basis.places import divided
 from sie.basis.zones import Zones
 from sie.equation.equation import Forcing

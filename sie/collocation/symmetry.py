@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from sie.basis.arrays import Array, Index
+from sie.basis.data import Array, Index, record
 from sie.basis.places import numbered
-from sie.basis.record import record
 from sie.basis.zones import Zones
 from sie.collocation.system import Layout
 

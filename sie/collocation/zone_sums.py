@@ -17,10 +17,9 @@ from typing import Any
 import numpy as np
 
 from sie.basis import chebyshev
-from sie.basis.arrays import Array
+from sie.basis.data import Array, record
 from sie.basis.interval import Outside, fall
 from sie.basis.kernels import Kernel
-from sie.basis.record import record
 from sie.basis.zones import Zones
 from sie.collocation.system import Layout
 from sie.fast import lazy
@@ -116,9 +115,7 @@ class PanelSums:
 
     def moments(self, y: Array) -> Array:
         """Moments of the panels from unknowns."""
-        weights = [
-            (chebyshev.t_values(y[columns], q) * scale).ravel() for columns, scale, q in self.groups
-        ]
+        weights = [(chebyshev.t_values(y[columns], q) * scale).ravel() for columns, scale, q in self.groups]
         return self.panels.moments(self.sources, np.concatenate(weights))
 
     def at_targets(self, moments: Array) -> tuple[Array, Array]:

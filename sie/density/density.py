@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from sie.basis.arrays import Array, Mask
+from sie.basis.data import Array, Mask
 from sie.density.field import CHUNK, from_zones, regular_at
 from sie.density.located import real_of
 from sie.density.plane import Plane

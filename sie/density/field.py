@@ -4,15 +4,13 @@ What a zone, or one moved by one of the kernel's poles, does on itself and off i
 finished by quadrature.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sie.basis.arrays import Array, Index
+from sie.basis.data import Array, Index
 from sie.basis.interval import OnLine, potential_of, transform_of
 from sie.basis.kernels import Regular
 from sie.density.series import Series

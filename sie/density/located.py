@@ -1,7 +1,5 @@
 """A density by places on the line and in the plane: what those on plain intervals and those beside slits have in common."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Self
@@ -9,9 +7,8 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from sie.basis.arrays import Array, Complex, Index, Mask
+from sie.basis.data import Array, Complex, Index, Kept, Mask
 from sie.basis.interval import What
-from sie.basis.kept import Kept
 from sie.basis.kernels import Kernel
 from sie.basis.places import nearest_image, wrapped
 from sie.basis.zones import Zones

@@ -1,11 +1,9 @@
 """A density's weights for the regular part of the kernel: at nodes of a quadrature, and on the kernel's panels."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from sie.basis import chebyshev
-from sie.basis.arrays import Array
+from sie.basis.data import Array
 from sie.basis.kernels import Kernel, regular_size
 from sie.basis.zones import Zones
 from sie.fast.panels import Panels, Spread, panels_over

@@ -13,14 +13,12 @@ On a zone or image everything is by rho (see `basis.interval`). A jump at s = co
 Zones that are many are summed by the tree (`treecode`): a node seen with |rho| < 0.21 is its first moments.
 """
 
-from __future__ import annotations
-
 from functools import cached_property
 
 import numpy as np
 
 from sie.basis import chebyshev
-from sie.basis.arrays import Array, Index
+from sie.basis.data import Array, Index
 from sie.basis.interval import Complex, InPlane, Outside, What, complex_of, of_t, transform_of, transform_slope_of
 from sie.basis.kernels import Regular
 from sie.basis.sums import of_zones, pair_blocks

@@ -1,7 +1,5 @@
 """A density zone by zone: its coefficients and jumps, what they make of it on its zones, and what sums over zones read of it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -9,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from sie.basis import chebyshev
-from sie.basis.arrays import Array, Index, Mask
+from sie.basis.data import Array, Index, Mask
 from sie.basis.interval import (
     OnLine,
     edge_slopes,

@@ -4,15 +4,13 @@ The line is cut into cells, the zones and pieces of the gaps between them. What 
 them from one fast sum; a point adds what the few near zones do.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from functools import cached_property
 
 import numpy as np
 from numpy.polynomial.chebyshev import chebint
 
-from sie.basis.arrays import Array, Index
+from sie.basis.data import Array, Index
 from sie.basis.interval import Outside, of_t
 from sie.basis.zones import Zones
 from sie.density.field import from_zones

@@ -4,14 +4,12 @@ What they return must be real and of the shape asked for; a primitive must rise 
 likewise; of a symmetric set the right side must be odd.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-from sie.basis.arrays import Array
+from sie.basis.data import Array
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
 from sie.equation.conditions import speaks_of_levels
@@ -121,8 +119,9 @@ def _look_at_symmetry(name: str, here: Array, there: Array, x: Array) -> None:
 
 
 def _look_at_rise(name: str, of: str, value: Callable[[Array], Array], primitive: Callable[[Array], Array], x: Array, half: Array) -> None:
-    """Mean value theorem: over a short interval the primitive rises by its length times a value that the function takes there."""
-    wrong = np.ones(len(x), dtype=bool)
+    """Mean value theorem: over a short interval the primitive rises by its length times a value that the function takes there. What is
+    missing is rounding where it is as much over a shorter interval."""
+    wrong, longer, missing = np.ones(len(x), dtype=bool), np.zeros(len(x)), np.zeros(len(x))
     for step in _STEPS:
         h = np.maximum(step * half, 1e7 * np.spacing(np.abs(x)))
         g = value(x[:, None] + h[:, None] * np.linspace(-1, 1, 5))
@@ -133,10 +132,12 @@ def _look_at_rise(name: str, of: str, value: Callable[[Array], Array], primitive
             # Of a primitive far from zero, a short interval's rise may be nothing but rounding.
             slack = (high - low) + _DISAGREES * size + _ROUNDED * np.abs(ends).max(axis=1) / (2 * h)
             # Of places that are rounded to much of a zone nothing can be told; nor where something is not finite.
-            wrong &= (rise < low - slack) | (rise > high + slack)
+            missed = 2 * h * np.maximum(low - slack - rise, rise - high - slack)
+            wrong &= (missed > 0.0) & (missing >= 0.5 * np.sqrt(longer / h) * missed)
             wrong &= (h < 0.1 * half) & np.isfinite(g).all(axis=1)
         if not wrong.any():
             return
+        longer, missing = h, missed
     worst = int(np.flatnonzero(wrong)[0])
     middle = 0.5 * (low[worst] + high[worst])
     raise ValueError(f"{name} is not an antiderivative of its {of}: at x = {x[worst]:.6g} its slope is {rise[worst]:.6g}, not {middle:.6g}")

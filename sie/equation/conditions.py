@@ -5,8 +5,6 @@ which knows how total, potential, weighted integral and edge intensity of each z
 one class with `count` and `rows`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
@@ -14,9 +12,8 @@ from typing import Protocol
 import numpy as np
 
 from sie.basis import chebyshev
-from sie.basis.arrays import Array
+from sie.basis.data import Array, record
 from sie.basis.interval import edge_scale
-from sie.basis.record import record
 from sie.basis.zones import Zones
 
 Linear = tuple[Array, Array]

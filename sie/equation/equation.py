@@ -6,8 +6,6 @@ with side conditions on phi and on the unknown amplitudes lambda_k. Unknowns are
 arithmetic: per zone the index, one for each free end, one for each unknown amplitude.
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -15,8 +13,7 @@ from functools import cached_property
 
 import numpy as np
 
-from sie.basis.arrays import Array, Index
-from sie.basis.kept import Kept
+from sie.basis.data import Array, Index, Kept
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
 from sie.equation.conditions import Condition, EndCondition

@@ -4,8 +4,6 @@ Moments of what stands on an interval, the integrals of T_k over pi, go up the t
 (L. Greengard and V. Rokhlin, J. Comput. Phys. 73 (1987) 325-348, in one dimension and with Chebyshev series in place of powers).
 """
 
-from __future__ import annotations
-
 from functools import cached_property
 from typing import Any
 
@@ -13,11 +11,10 @@ import numpy as np
 from numpy.polynomial.chebyshev import chebint, chebval
 
 from sie.basis import chebyshev
-from sie.basis.arrays import Array, Index
+from sie.basis.data import Array, Index, record
 from sie.basis.interval import Outside
 from sie.basis.kernels import Kernel
 from sie.basis.places import numbered
-from sie.basis.record import record
 from sie.basis.zones import Zones
 from sie.fast import lazy
 from sie.fast.panels import panels_over

@@ -5,13 +5,11 @@ y = A_i^-1 b_i and s2 = V1' x2, s1 = V2' x1 solve a small system. Low ranks by a
 (Bebendorf 2000, Numer. Math. 86, 565-589). Ambikasaran & Darve (2013), J. Sci. Comput. 57, 477-501.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np
 
-from sie.basis.arrays import Array, Index
+from sie.basis.data import Array, Index
 
 Entries = Callable[[Index, Index], Array]
 """entries(rows, columns): the block, broadcast."""

@@ -1,14 +1,11 @@
 """GMRES for an operator that is nearly the identity, without restarts (Saad & Schultz 1986, SIAM J. Sci. Stat. Comput. 7, 856-869)."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np
 from scipy.linalg import solve_triangular
 
-from sie.basis.arrays import Array
-from sie.basis.record import record
+from sie.basis.data import Array, record
 
 # Vectors of which no more than this part is new are made orthogonal twice (L. Giraud, J. Langou, M. Rozloznik, Comput. Math. Appl. 50
 # (2005) 1069-1075).

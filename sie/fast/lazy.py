@@ -1,7 +1,5 @@
 """The one place where the engine imports on demand: its own rooms as they are asked for, and what only many zones need."""
 
-from __future__ import annotations
-
 import gc
 import importlib
 from collections.abc import Iterator

@@ -20,10 +20,8 @@ import numpy as np
 from scipy import fft
 
 from sie.basis import chebyshev
-from sie.basis.arrays import Array, Complex, Index
-from sie.basis.kept import Kept
+from sie.basis.data import Array, Complex, Index, Kept, record
 from sie.basis.kernels import Kernel
-from sie.basis.record import record
 from sie.basis.zones import Zones
 
 Function = Callable[[Array, Array], Array]

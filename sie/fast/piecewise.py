@@ -9,13 +9,11 @@ It is made once, from a fast sum over the pieces themselves (`fast`) and closed 
 So no number is larger than f itself, where truncated powers of n jumps grow to n^2 times it.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 
 from sie.basis import chebyshev
-from sie.basis.arrays import Array, Index
+from sie.basis.data import Array, Index
 from sie.basis.interval import Outside
 from sie.basis.kernels import Kernel
 from sie.fast.far import FarSum, Nested

@@ -11,8 +11,7 @@ from functools import cached_property
 
 import numpy as np
 
-from sie.basis.arrays import Array, Index
-from sie.basis.record import record
+from sie.basis.data import Array, Index, record
 
 TERMS = 24
 SEPARATION = 1.45

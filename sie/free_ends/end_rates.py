@@ -13,18 +13,15 @@ c_l = -2 l (finite parts: (1/pi) int T_l S dt = -l, from rho^l / sqrt(z^2 - 1) a
 So the rows at hand, applied to these, tell what S does to the other zones, and one solution with the factors at hand what answers.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import lu_factor
 
-from sie.basis.arrays import Array
+from sie.basis.data import Array
 from sie.collocation.fixed import SingularSystem, State, rows_of
 from sie.collocation.solved import Factored
-from sie.free_ends.iterated import IteratedMotions
-from sie.free_ends.motions import Moved, free_ends, spread
+from sie.free_ends.motions import IteratedMotions, Moved, free_ends, spread
 
 # Condition of the rates of K from which on they are rounding.
 _NEUTRAL_FROM = 1e14

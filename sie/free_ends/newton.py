@@ -15,10 +15,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from sie.basis.arrays import Array, Index, Mask
-from sie.basis.ends import FREE, SINGULAR, End
-from sie.basis.record import record
-from sie.basis.zones import Zones
+from sie.basis.data import Array, Index, Mask, record
+from sie.basis.zones import FREE, SINGULAR, End, Zones
 from sie.collocation import modes
 from sie.collocation.fixed import SingularSystem, State, first_sizes, sizes_after, sizes_of
 from sie.collocation.iterative import Iterative
@@ -26,10 +24,8 @@ from sie.collocation.solved import Sizes
 from sie.density.density import Density
 from sie.equation.equation import Equation
 from sie.free_ends.end_rates import DirectMotions, motions_of
-from sie.free_ends.gap_steps import gap_steps
-from sie.free_ends.iterated import STEP, IteratedMotions
-from sie.free_ends.motions import spread
-from sie.free_ends.near_jumps import bent_steps, corner_distances, tips_between
+from sie.free_ends.motions import STEP, IteratedMotions, spread
+from sie.free_ends.near_steps import bent_steps, corner_distances, gap_steps, tips_between
 from sie.free_ends.progress import Motion, Progress, Rest, Step, Turn
 from sie.free_ends.single import far_off, moved_singly
 from sie.slits.system import AnyDensity, AnyState, solve_zones
@@ -130,22 +126,10 @@ class Free:
 
 
 def find_ends(
-    equation: Equation,
-    zones: Zones,
-    tolerance: float = 1e-12,
-    max_steps: int = 40,
-    value: float = 0.0,
-    limits: tuple[float, float] = (-np.inf, np.inf),
-    signs: tuple[float, float] = (1.0, 1.0),
-    near: bool = False,
-    decay: float | None = None,
-    bounded_ends: bool = True,
-    off: float = 1.0,
-    like: AnyState | Sizes | None = None,
-    limited: End = FREE,
-    few: float = 0.0,
-    patient: int = 0,
-    drops: bool = False,
+    equation: Equation, zones: Zones, tolerance: float = 1e-12, max_steps: int = 40, value: float = 0.0,
+    limits: tuple[float, float] = (-np.inf, np.inf), signs: tuple[float, float] = (1.0, 1.0), near: bool = False,
+    decay: float | None = None, bounded_ends: bool = True, off: float = 1.0, like: AnyState | Sizes | None = None,
+    limited: End = FREE, few: float = 0.0, patient: int = 0, drops: bool = False,
 ) -> Free:
     """Move the free ends of `zones` until every one has its prescribed intensity.
 
@@ -423,9 +407,7 @@ def _intensity(end: End) -> float:
     return end.intensity if end.moves and end.intensity is not None else 0.0
 
 
-def _newton(
-    state: AnyState, zones: Zones, signs: tuple[float, float], unit: Unit | None
-) -> Motion:
+def _newton(state: AnyState, zones: Zones, signs: tuple[float, float], unit: Unit | None) -> Motion:
     """The next step of ends of these kinds."""
     moves = zones.moves
     target = np.array([[_intensity(end) for end in zones.left], [_intensity(end) for end in zones.right]])

@@ -1,13 +1,10 @@
 """What the steps of a search for ends tell: whether the ends have come to rest and to what they are known, or why they will not."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from sie.basis.arrays import Array, Index, Mask
-from sie.basis.record import record
+from sie.basis.data import Array, Index, Mask, record
 from sie.basis.zones import Zones
 
 # A zone alone that has shrunk to this part of its first width has vanished; one of several is then reported as lost, or a gap as closed, at
@@ -18,6 +15,8 @@ _VANISHED, _COLLAPSED = 1e-12, 1e-3
 _CLOSING, _INSISTS = 0.05, 3
 # Steps, and moves over the widths, from which on a search that may drop zones is not in doubt about those that do not push outward.
 _DOUBTED, _SLOW = 4, 0.1
+# While it is in doubt, no solution is tighter and no series are longer than such a move asks for: it will be solved anew with other zones.
+_DOUBT = 0.05
 # Steps after which ends that still want to move by more than half of their zones may be given up.
 _WANDERING = 20
 # Of zones said to be near: the first move over the width, and what is left of a move in the next one. Moves below the last are about
@@ -26,7 +25,9 @@ _NEAR, _FALLING, _AT_REST = 0.3, 0.25, 1e-6
 # Tolerances of solutions by iteration: at first, and at last over that of the ends.
 _LOOSE, _TIGHT = 1e-6, 1e-3
 # Of more zones than these the last is tighter as they are more.
-_VERY_MANY = 600
+_VERY_MANY = 6000
+# Rounding of ends is told as a root mean square; of more zones than these the largest is so many times as large.
+_HUNDREDS, _LARGEST = 600, 4.0
 # The first of these where it is open which zones there are, and where a few of the ends need not come to rest.
 _LOOSER, _LOOSEST = 1e-5, 1e-4
 # The remaining motion of an end is the next step but for its square.
@@ -89,6 +90,7 @@ class Progress:
     trace: list[Step] = field(default_factory=list)
     turns: list[Turn] = field(default_factory=list)
     most: float = 1.0
+    doubted: bool = False
     best: float = np.inf
     stalled: int = 0
     closing: Index = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
@@ -103,8 +105,8 @@ class Progress:
 
     @property
     def last(self) -> float:
-        """The largest move of the last step over its zone's width, at most one."""
-        return min(self.trace[-1].move if self.trace else self.off, 1.0)
+        """The largest move of the last step over its zone's width, at most one; in doubt about a zone no less than some."""
+        return min(max(self.trace[-1].move if self.trace else self.off, _DOUBT if self.doubted else 0.0), 1.0)
 
     @property
     def linear(self) -> float:
@@ -124,9 +126,11 @@ class Progress:
         width, delta = zones.b - zones.a, np.abs(motion.delta)
         move = float((delta / width).max(initial=0.0))
         self.trace.append(Step(zones.table, move, value if opened else None))
+        self.doubted = self.drops and not motion.certain
         if self.few:
             self.most = min(float(np.quantile((delta / width).max(axis=0), 1.0 - self.few)), 1.0)
-        at_rest = delta <= np.maximum(self.tolerance * np.minimum(width, corners), motion.noise)
+        largest_noise = (_LARGEST if len(width) > _HUNDREDS else 1.0) * motion.noise
+        at_rest = delta <= np.maximum(self.tolerance * np.minimum(width, corners), largest_noise)
         rests = bool(np.all(at_rest)) or (len(self.trace) > self.patient and bool(np.mean(at_rest) >= 1.0 - self.few))
         self.stalled = self.stalled + 1 if move > 0.5 * self.best else 0
         self.best = min(self.best, move)

@@ -21,12 +21,11 @@ from typing import TypeAlias
 import numpy as np
 
 from sie.basis import chebyshev
-from sie.basis.arrays import Array, Index, Mask
+from sie.basis.data import Array, Index, Mask, record
 from sie.basis.interval import mean_potential
-from sie.basis.record import record
 from sie.basis.zones import Zones
 from sie.collocation import modes
-from sie.collocation.neighbours import conformal_radius
+from sie.collocation.modes import conformal_radius
 from sie.density.density import Density
 from sie.jumps.forcing import ForcingJumps
 from sie.slits.system import AnyState

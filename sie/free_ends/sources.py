@@ -8,14 +8,12 @@ so the coefficients that are no unknowns are (2/w) rho^l / pi; their intensities
 this kind, are geometric series and logarithms, however near to the zone a source is.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
 
 from sie.basis import chebyshev
-from sie.basis.arrays import Array, Index
+from sie.basis.data import Array, Index
 from sie.basis.interval import edge_scale
 from sie.collocation.fixed import State
 from sie.collocation.system import Places, fields, outside

@@ -28,17 +28,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sie.basis.arrays import Array, Index
+from sie.basis.data import Array, Index, record
 from sie.basis.interval import LOG2 as _LOG2
 from sie.basis.interval import Complex, InPlane, theta
 from sie.basis.kernels import Kernel
-from sie.basis.record import record
 from sie.basis.zones import Zones
 from sie.jumps.exterior import ExteriorLogarithms, potential_series
 from sie.jumps.forcing import ForcingJumps
-from sie.jumps.formulas import HIGHEST, of_sines, raised
+from sie.jumps.formulas import HIGHEST, FewJumps, of_sines, raised
 from sie.jumps.local_spline import LocalSpline
-from sie.jumps.pairs import FewJumps
 
 # From this number of jumps of order 2 on a spline takes their place. What the powers of n of them lose, n^2 units in the last digit, the
 # zones beside this one see; those of the right side need not tell these, since what is seen of them is found from g itself.

@@ -14,11 +14,9 @@ from functools import cached_property
 
 import numpy as np
 
-from sie.basis.arrays import Array, Index
+from sie.basis.data import Array, Index, Kept, record
 from sie.basis.interval import Complex, InPlane, Outside, theta
-from sie.basis.kept import Kept
 from sie.basis.places import numbered, wrapped
-from sie.basis.record import record
 from sie.basis.zones import Zones
 
 # Logarithms nearer than this part of a zone's half width are carried; farther ones are smooth enough.

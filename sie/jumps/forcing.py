@@ -31,15 +31,13 @@ from typing import Self
 
 import numpy as np
 
-from sie.basis.arrays import Array, Index, Mask
+from sie.basis.data import Array, Index, Mask, record
 from sie.basis.interval import Complex, InPlane, OnLine, theta
-from sie.basis.record import record
 from sie.basis.sums import of_zones, pair_blocks
 from sie.basis.zones import Zones
 from sie.jumps.exterior import NOWHERE, ExteriorLogarithms
-from sie.jumps.formulas import HIGHEST, Jumps
+from sie.jumps.formulas import HIGHEST, FewJumps, Jumps, far_potential, far_transform
 from sie.jumps.local_spline import MANY, LocalSpline
-from sie.jumps.pairs import FewJumps, far_potential, far_transform
 from sie.jumps.zone_spline import ZoneSpline
 
 # What takes the place of very many jumps of order 2 in one zone, of the right side's or of the density's own: with the same methods, of

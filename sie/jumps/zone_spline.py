@@ -21,10 +21,8 @@ from functools import cached_property
 import numpy as np
 
 from sie.basis import chebyshev
-from sie.basis.arrays import Array
+from sie.basis.data import Array, Kept, record
 from sie.basis.interval import Complex, InPlane, What, theta
-from sie.basis.kept import Kept
-from sie.basis.record import record
 from sie.basis.sums import pair_blocks
 from sie.fast.piecewise import clenshaw
 from sie.jumps.local_spline import NEAREST, LocalSpline, cosine_sums, same_jumps

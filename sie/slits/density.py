@@ -1,7 +1,5 @@
 """The density of wide zones with slits, as that of the pieces between the slits; see `slits` for the equations."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -11,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from sie.basis import chebyshev
-from sie.basis.arrays import Array, Index, Mask
+from sie.basis.data import Array, Index, Mask
 from sie.basis.interval import Outside, edge_scale, slope_scale
 from sie.basis.kernels import Kernel, cauchy
 from sie.basis.places import wrapped
@@ -24,7 +22,7 @@ from sie.jumps.forcing import ForcingJumps
 from sie.slits.kinks import SlitKink
 from sie.slits.merged import Merged
 from sie.slits.plane import SlitPlane
-from sie.slits.slits import Slit, Slits, off_slit
+from sie.slits.slits import Slits, off_slit
 
 # Points looked at together.
 _BLOCK = 4096
@@ -467,5 +465,3 @@ def _closed(d: Array) -> Array:
     out[2:] -= 0.5 * u
     return out
 
-
-__all__ = ["Slit", "SlitDensity"]

@@ -20,17 +20,13 @@ one makes up for; with D = phi - phi(.), y = t - m, that is
     -(h/pi) X (bar(sin(phi) - sin(phi(.))) - 2 (s - m) bar(D) - 2 r bar(c D) + (y - m) bar(D)),   c = cos over the slit. (Derived here.)
 """
 
-from __future__ import annotations
-
 from functools import cached_property
 
 import numpy as np
 
 from sie.basis import chebyshev
-from sie.basis.arrays import Array, Mask
+from sie.basis.data import Array, Kept, Mask, record
 from sie.basis.interval import Outside, theta
-from sie.basis.kept import Kept
-from sie.basis.record import record
 
 # Orders q that are carried.
 HIGHEST = 2

@@ -4,18 +4,14 @@ A density on one of two zones a gap g apart has a singularity of its own one g b
 modes. On the zone that spans both, g a *slit*, everything but the slit's own share is as smooth as the right side.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
 
-from sie.basis.arrays import Array, Index, Mask
-from sie.basis.kept import Kept
+from sie.basis.data import Array, Index, Kept, Mask, record
 from sie.basis.places import wrapped
-from sie.basis.record import record
 from sie.basis.zones import Zones
 from sie.collocation.modes import gaps
 from sie.equation.conditions import BUILT_IN, Condition, ZoneTotals, for_every_zone

@@ -16,14 +16,11 @@ of (zeta - s') log(zeta - s') is r (zeta_slit (log(r/2) + 1 + arcosh(zeta_slit))
 The potential is carried down from where the coefficients of the wide zones tell all of it, along the vertical: W(z) = W(z + i Y) - i int F.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from sie.basis import chebyshev
-from sie.basis.arrays import Array
+from sie.basis.data import Array, record
 from sie.basis.interval import Complex, InPlane, What, complex_of, transform_of, transform_slope_of
-from sie.basis.record import record
 from sie.density.density import Density
 from sie.slits.kinks import SlitKink
 from sie.slits.merged import Merged

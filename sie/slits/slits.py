@@ -14,18 +14,14 @@ Off its own zone P[s] acts through its coefficients s_k = (2/pi) int s sin(k phi
 = sin(phi) / 2 (cos(theta) - cos(phi)); derived here, see docs/theory.)
 """
 
-from __future__ import annotations
-
 from functools import cached_property
 
 import numpy as np
 from scipy.linalg import lu_factor, lu_solve
 
 from sie.basis import chebyshev
-from sie.basis.arrays import Array, Index, Mask
+from sie.basis.data import Array, Index, Kept, Mask, record
 from sie.basis.interval import Outside, fall, root_on, theta, transform_of
-from sie.basis.kept import Kept
-from sie.basis.record import record
 from sie.jumps.forcing import ForcingJumps
 from sie.jumps.formulas import HIGHEST
 from sie.slits.kinks import SlitKink

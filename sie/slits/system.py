@@ -13,10 +13,8 @@ from functools import cached_property
 
 import numpy as np
 
-from sie.basis.arrays import Array, Index
+from sie.basis.data import Array, Index, Kept, record
 from sie.basis.interval import edge_scale
-from sie.basis.kept import Kept
-from sie.basis.record import record
 from sie.basis.zones import Zones
 from sie.collocation.fixed import (
     THETA,
@@ -171,11 +169,11 @@ class SlitSystem(Kept):
         """s_k of every wide zone."""
         count = max(int(self.system.layout.m.max()), max(here.modes for here in self.slits), TOLD) + 1
         out = np.zeros((len(self.merged.wide), count))
-        for here, told in zip(self.slits, self._told(d, homogeneous), strict=True):
+        for here, told in zip(self.slits, self.told(d, homogeneous), strict=True):
             out[here.zone, : len(told)] = told
         return out
 
-    def _told(self, d: tuple[Array, ...], homogeneous: bool) -> list[Array]:
+    def told(self, d: tuple[Array, ...], homogeneous: bool) -> list[Array]:
         """s_k of every wide zone with slits."""
         return [here.told @ one + (0.0 if homogeneous else here.told_by_kinks) for here, one in zip(self.slits, d, strict=True)]
 
@@ -190,7 +188,7 @@ class SlitSystem(Kept):
         system, base = self.system, self.base
         s, layout = np.zeros(system.layout.size), system.layout
         # Few zones have slits.
-        for here, told in zip(self.slits, self._told(d, homogeneous), strict=True):
+        for here, told in zip(self.slits, self.told(d, homogeneous), strict=True):
             count, first = min(int(layout.m[here.zone]) + 1, len(told)), int(layout.offset[here.zone])
             s[first : first + count] = told[:count]
         rows = -s[system.diagonal]
@@ -388,9 +386,7 @@ AnyState = State | SlitState
 AnyDensity = Density | SlitDensity
 
 
-def solve_zones(
-    equation: Equation, zones: Zones, tolerance: float = 1e-14, sizes: Sizes | None = None
-) -> AnyState:
+def solve_zones(equation: Equation, zones: Zones, tolerance: float = 1e-14, sizes: Sizes | None = None) -> AnyState:
     """`solve_fixed`, with narrow gaps between zones as slits of the wide zones that span them.
 
     Parameters
@@ -452,7 +448,8 @@ def solve_zones(
             break
         inner.least = least
     if inner.carried is not None:
-        inner.carried = sizes.carried = Carried.of(inner.carried.coarse, wide.system, wide.unknowns)
+        told = tuple((here.zone, s) for here, s in zip(slit_system.slits, slit_system.told(series, False), strict=True))
+        inner.carried = sizes.carried = Carried.of(inner.carried.coarse, wide.system, wide.unknowns, told)
     sizes.wide = inner
     sizes.solves += 1
     sizes.profile_evaluations += inner.profile_evaluations - profile

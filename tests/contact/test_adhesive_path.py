@@ -227,7 +227,7 @@ def test_the_figure_has_both_ways_every_jump_and_the_surfaces_at_pull_off():
     assert rising.max() == pytest.approx(4.0) and falling.min() == pytest.approx(1e3 * found.events[-1].load, rel=1e-9)
     x, surface, body = found.events[-1].surfaces
     a = found.events[-1].before[0, 1]
-    touching, apart = np.abs(x) < a, np.abs(x) > a * (1 + 1e-9)
+    touching, apart = np.abs(x) < a * (1 - 1e-9), np.abs(x) > a * (1 + 1e-9)
     assert np.all(body[touching] == surface[touching]) and np.all(body[apart] > surface[apart])
     assert found.plot(surfaces) is figure
     with pytest.raises(contact.SceneError, match="ax"):

@@ -10,7 +10,7 @@ import pytest
 from scipy.special import ellipe, ellipk, ellipkm1
 
 from contact.axisymmetric import Cone, Hexagonal, PowerLaw, Sphere, Square, own_radius, solve_spot
-from contact.axisymmetric.lattice_sums import epstein
+from contact.axisymmetric.neighbours import epstein
 from contact.axisymmetric.quadrature import panels
 from contact.errors import NotConverged
 

@@ -233,7 +233,7 @@ class TestPlan:
         result = run("plan", scene())
         assert result.exit_code == 0
         expected = contact.plan(contact.load_scene(scene()))
-        for part in expected.rows:
+        for part in expected.parts:
             assert part.name in result.stdout
             assert part.reason.split(":")[0] in result.stdout
 

@@ -22,8 +22,7 @@ from contact.explorer.explore import ADDRESS
 from contact.explorer.frame import drawn
 from contact.explorer.handles import handles, turned
 from contact.explorer.page import Explorer
-from contact.model.scene_file import scene_from_tables
-from contact.model.scene_text import to_toml
+from contact.model.scene_file import scene_from_tables, to_toml
 from contact.model.units import quantity
 from tests.browser import CHROMIUM, MISSING, Page, browser
 

@@ -178,3 +178,55 @@ def test_a_conjugate_in_closed_form_is_taken_where_the_series_does_not_end():
     # Beside the kink it is straight: Clausen's function turns there as u ln u does.
     beside = np.array([-1e-6, 0.0, 1e-9, 1e-6])
     assert np.max(np.abs(conjugate.smooth(beside) - Rough.c * clausen2(beside))) < 1e-4 * Rough.c
+
+
+class Rippled(contact.Profile):
+    """A parabola of curvature 0.04 with ripples, and the kink of its row."""
+
+    period, x0 = 1.0, -0.5
+    kinks = np.array([[-0.5, -0.04]])
+
+    def __init__(self, ripple):
+        self.ripple = ripple
+
+    def height(self, x):
+        y = np.asarray(x) - np.round(x)
+        return 0.02 * y**2 - self.ripple * np.cos(10 * np.pi * y)
+
+    def slope(self, x):
+        y = np.asarray(x) - np.round(x)
+        return 0.04 * y + 10 * np.pi * self.ripple * np.sin(10 * np.pi * y)
+
+
+class TestAllButKinks:
+    """Gaps over the kinks of valleys never close: from a load on digits do not tell them, and nothing else is left of the contact."""
+
+    @pytest.mark.parametrize("share", [0.98, 1.0001, 2.0, 30.0, 1e6])
+    def test_a_row_of_wedges_under_any_load_has_the_pressure_of_the_closed_form(self, share):
+        # mean = (slope/pi) artanh(sin A), here of a gap of 1e-13 of the period on either side of the valley: cos A = pi 1e-13.
+        mean = share * 0.01 / np.pi * np.log(2 / (np.pi * 1e-13))
+        solution = solve(contact.Wedge(0.01, period=1.0), PERIODIC, mean_pressure=mean)
+        x = np.array([1e-6, 0.01, 0.2, 0.4, 0.499, 0.5 - 1e-6])
+        # (slope/pi) arcosh(tan A/tan u), tan A = sinh(pi mean/slope) beyond all tan u.
+        expected = mean - 0.01 / np.pi * np.log(np.tan(np.pi * x))
+        assert (len(solution.zones) == 0) == (share > 1) and solution.certificate.holds
+        assert np.abs(solution.pressure(x) - expected).max() < 1e-10 * mean
+        if share > 1:
+            assert solution.contact_fraction == 1.0 and solution.certificate.undecided
+            assert "1 gaps over kinks are left out" in solution.certificate.note
+
+    @pytest.mark.filterwarnings("ignore::contact.ModelWarning")
+    def test_smooth_valleys_close_at_loads_of_their_own(self):
+        path = contact.path(contact.Scene(Rippled(-0.02), 1.0, PERIODIC, load=1.0), [0.313, 0.316, 2.0])
+        x = np.linspace(0.38, 0.42, 2_000_001)
+        full = (0.02 / np.pi) * np.log(2 * np.cos(np.pi * x)) - 0.1 * np.pi * np.cos(10 * np.pi * x)
+        # The last two at once.
+        last = path.events[-1]
+        assert [event.kind for event in path.events] == ["full"] and len(last.before) == 2
+        assert abs(last.load + full.min()) < 1e-11
+        assert abs(min(last.position % 1, -last.position % 1) - x[np.argmin(full)]) < 1e-6
+
+    @pytest.mark.filterwarnings("ignore::contact.ModelWarning")
+    def test_the_gap_over_the_kink_narrows_without_an_event(self):
+        path = contact.path(contact.Scene(Rippled(0.02), 1.0, PERIODIC, load=1.0), [0.35, 0.45, 2.0])
+        assert [len(solution.zones) for solution in path.solutions] == [1, 1, 0] and path.events == ()

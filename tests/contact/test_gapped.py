@@ -6,6 +6,7 @@ import pytest
 import contact
 from contact.reference import exact
 from contact.reference.inverse import random_problem
+from tests.contact.corners import polygon
 from tests.contact.judge import pressure_error, true_error
 from tests.tiers import quick
 
@@ -125,6 +126,13 @@ class TestBorders:
         shifted = [np.nextafter(answer.approach, side) for side in (0.0, 1.0)]
         loads = [_best(contact.Scene(contact.Wedge(0.1, 1.0), 1e9, contact.Periodic(), approach=a)).load for a in shifted]
         assert 0.2 < abs(loads[1] - loads[0]) / best.load / (2 * np.spacing(answer.approach) * best.stiffness / best.load) < 5
+
+    def test_an_approach_far_below_the_heights_is_that_of_the_load(self):
+        # The slope of a gap over so deep a valley tells little of so small a pressure.
+        terrace = polygon(np.array([-4.67, -2.6, 0.1, 0.55, 2.2, 3.82]), -np.array([0.0, 0.0, 0.0, 0.15, 0.15, 0.15]), 9.35)
+        loaded = contact.solve(contact.Scene(terrace, 1e9, contact.Periodic(), load=1e4), tol=1e-8)
+        solution = contact.solve(contact.Scene(terrace, 1e9, contact.Periodic(), approach=loaded.approach), tol=1e-8)
+        assert abs(solution.load / loaded.load - 1) < loaded.error + solution.error < 1e-8
 
 
 def _best(scene):

@@ -13,7 +13,7 @@ from hypothesis import assume, example, given
 import contact
 from contact import exact, inverse
 from contact.formulation.equilibria import Equilibria, Point
-from contact.reference.inverse.stability import second_variation
+from contact.reference.inverse.adhesive import second_variation
 from contact.search.equilibria import arc, flow
 from tests.contact.strategies import adhesive_designs
 from tests.tiers import quick

@@ -11,8 +11,7 @@ import pytest
 import contact
 from contact.model import registry
 from contact.model.controls import Held, Quantity
-from contact.model.scene_file import read_scene
-from contact.model.scene_text import to_toml
+from contact.model.scene_file import read_scene, to_toml
 
 WAVE = contact.Sinusoid(1e-6, 1e-4)
 BALL = contact.Parabola(1.0)

@@ -9,7 +9,7 @@ import pytest
 
 import contact
 from contact.model import registry
-from contact.model.line_kernel import SmoothPart
+from contact.model.symbols import SmoothPart
 from contact.studies.grid_judge import judge_line, judge_period
 from contact.testing import SubstrateFault, check_substrate
 from tests.contact.judge import solve, true_error

@@ -506,7 +506,7 @@ def test_a_file_is_written_by_one_sweep_at_a_time_whatever_name_it_goes_by(tmp_p
 
 def test_what_a_process_holds_is_let_go_when_it_is_killed(tmp_path):
     out = tmp_path / "sweep.nc"
-    script = "import pathlib, sys\nfrom contact.sweeps.sweep.lock import alone\nwith alone(pathlib.Path(sys.argv[1])):\n"
+    script = "import pathlib, sys\nfrom contact.sweeps.sweep.table import alone\nwith alone(pathlib.Path(sys.argv[1])):\n"
     script += "    print('held', flush=True)\n    sys.stdin.read()\n"
     other = subprocess.Popen([sys.executable, "-c", script, str(out)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
     try:

@@ -31,8 +31,7 @@ from contact import (
 from contact.commands import cli
 from contact.explorer.handles import handles, turned
 from contact.formulation.conjugate import Conjugate
-from contact.model.scene_file import scene_from_tables
-from contact.model.scene_text import to_toml
+from contact.model.scene_file import scene_from_tables, to_toml
 from contact.solution.sampling import surfaces
 from contact.testing import check_profile
 

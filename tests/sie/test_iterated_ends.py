@@ -5,7 +5,7 @@ import pytest
 
 import sie
 from sie.free_ends.end_rates import growth as growth_of
-from sie.free_ends.iterated import IteratedMotions
+from sie.free_ends.motions import IteratedMotions
 
 BUMPS = sie.Forcing(lambda x: np.sin(2 * np.pi * x) / (2 * np.pi), lambda x: -np.cos(2 * np.pi * x) / (2 * np.pi) ** 2)
 ADHERING = sie.free_with_intensity(-0.01)

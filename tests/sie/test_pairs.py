@@ -6,7 +6,7 @@ import pytest
 import sie
 from sie.jumps.density import DensityJumps
 from sie.jumps.forcing import ForcingJumps
-from sie.jumps.pairs import MOST
+from sie.jumps.formulas import MOST
 
 
 def drawn(orders, of_density=False):

@@ -8,7 +8,7 @@ import contact
 import sie
 from contact.reference.inverse import random_problem
 from sie.collocation import modes
-from sie.collocation.neighbours import conformal_radius, felt
+from sie.collocation.modes import conformal_radius, felt
 from sie.free_ends import newton as free_boundary
 from sie.free_ends.single import Moving
 from sie.jumps.forcing import ForcingJumps

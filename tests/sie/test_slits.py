@@ -221,15 +221,28 @@ def test_newton_finds_designed_ends_across_a_narrow_gap(gap, period):
         assert error.max() < max(1e-12, 20 * 2.2e-16 / gap) * designed.max_pressure
 
 
-def test_many_zones_by_fast_sums_have_the_same_slits(monkeypatch):
-    """Without a matrix, from the same profile and zones, two of their gaps narrow."""
+def many(first, second):
+    """An equation on a period, and zones of which two gaps are narrow."""
     rng = np.random.default_rng(3)
     table = np.cumsum(rng.uniform(0.5, 1.5, 48)).reshape(24, 2) / 60
-    table[5, 0], table[17, 0] = table[4, 1] + 1e-5, table[16, 1] + 1e-6
+    table[5, 0], table[17, 0] = table[4, 1] + first, table[16, 1] + second
     wave = 2 * np.pi
     forcing = sie.Forcing(lambda x: np.sin(wave * x + 0.3), lambda x: -np.cos(wave * x + 0.3) / wave)
-    problem = sie.Equation(sie.hilbert(1.0), forcing, (sie.Total(0.3), sie.EqualPotential()))
-    zones = sie.Zones.of(table)
+    return sie.Equation(sie.hilbert(1.0), forcing, (sie.Total(0.3), sie.EqualPotential())), sie.Zones.of(table)
+
+
+def test_a_solution_with_more_modes_starts_from_what_slits_bend_beyond_those_of_the_last_one(monkeypatch):
+    """They bend their zone far beyond what the distance of other zones asks for."""
+    monkeypatch.setattr("sie.collocation.fixed.MANY_UNKNOWNS", 10)
+    problem, zones = many(3e-4, 3e-4)
+    few, more = (solve_zones(problem, zones, tolerance) for tolerance in (1e-5, 1e-12))
+    start, found = few.sizes.carried.near(more.whole.system), more.whole.folded_unknowns
+    assert np.abs(start - found).max() < 1e-5 * np.abs(found).max()
+
+
+def test_many_zones_by_fast_sums_have_the_same_slits(monkeypatch):
+    """Without a matrix, from the same profile and zones."""
+    problem, zones = many(1e-5, 1e-6)
     direct = solve_zones(problem, zones)
     monkeypatch.setattr("sie.collocation.fixed.MANY_UNKNOWNS", 10)
     iterated = solve_zones(problem, zones)

@@ -17,8 +17,7 @@ from functools import cached_property
 
 import numpy as np
 
-from contact.formulation.direct.maps import Map
-from contact.formulation.direct.numbers import Value, largest
+from contact.formulation.direct.maps import Map, Value, largest
 from contact.formulation.direct.series import Table, orders, powers, table
 from contact.model.profiles.base import Profile
 from sie import Array, Index, Mask, record
@@ -287,7 +286,7 @@ def _pair_load(sheet: Sheet, load: float) -> Ends:
     def step(middle: float, half: float, sums: list[float]) -> tuple[float, float, float, float] | None:
         first, upper, _, _, lower, mean = sums
         missed, odd, even = half * first - wanted, 0.5 * (upper + lower), 0.5 * (upper - lower)
-        if not (math.isfinite(missed) and upper * lower != 0.0 and 0.0 < half < middle):
+        if not (math.isfinite(missed) and upper * lower != 0.0 and 0.0 < half < min(middle, top - middle)):
             return None
         by_middle = (0.5 * even * missed - odd * mean * half) / (upper * lower)
         by_half = (even * mean * half - 0.5 * odd * missed) / (upper * lower)

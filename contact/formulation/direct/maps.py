@@ -11,16 +11,44 @@ side, the equation becomes (1/pi) PV int Phi(eta) / (y - eta) d eta = G(y), wher
 
 as cot(u - v) + cot(u + v) = sin 2u / (sin^2 u - sin^2 v). The level of a pair is one by symmetry. Without a period the first line is
 Shtaerman's (1949); the pair's is found by (34) of Goryacheva & Tsukanov (2020) with two zones.
+
+Numbers of one load, and rows of several, go by the same words. Of so few numbers a call takes longer than what it does, and the place of
+the least is found by a quicker one than the least itself.
 """
 
-from __future__ import annotations
-
 import math
+from typing import Any
 
 import numpy as np
 
-from contact.formulation.direct.numbers import Value
-from sie import record
+from sie import Array, record
+
+# A number, or an array of one for each load.
+Value = Any
+
+
+def column(value: Value) -> Value:
+    """For places along a row."""
+    return value if isinstance(value, float) else value[:, None]
+
+
+def least(values: Array) -> Value:
+    """Along each row, nan where there is one."""
+    return values.item(values.argmin()) if values.ndim == 1 else values.min(axis=-1)
+
+
+def largest(values: Array) -> Value:
+    return values.item(values.argmax()) if values.ndim == 1 else values.max(axis=-1)
+
+
+def everywhere(mask: Any) -> bool:
+    """Whether a condition holds for all loads."""
+    return bool(mask.all()) if isinstance(mask, np.ndarray) else bool(mask)
+
+
+def smallest(value: Value) -> float:
+    """Of all loads."""
+    return value if isinstance(value, float) else float(value.min())
 
 
 @record

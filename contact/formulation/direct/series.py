@@ -5,8 +5,6 @@ transform is sum g_k rho^k, rho = z - sgn(z) sqrt(z^2 - 1). Moving both ends out
 U_{k-1}: so the load grows with the half length at the rate pi q(1), and all that is needed of a step is two sums over the samples.
 """
 
-from __future__ import annotations
-
 from functools import lru_cache
 
 import numpy as np

@@ -4,8 +4,6 @@ Most come to one of the four quantities that the solver can hold (`Quantity`). W
 the load that has its value is looked for.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from enum import Enum
 from typing import Any, ClassVar, NamedTuple

@@ -1,7 +1,5 @@
 """One punch, nothing else: equation (6), and (34) for several zones."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from contact.model.checks import keep, positive_or_none

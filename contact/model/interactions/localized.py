@@ -5,7 +5,7 @@ W = (2m + 1) L only the nominal pressure acts, which adds
 
     (2 pbar / pi) artanh(2 (x - centre) / W)
 
-to the right side on a half-plane (contact.model.strip, for other substrates as well), and to the displacement what a uniform pressure on
+to the right side on a half-plane (contact.model.operator, for other substrates as well), and to the displacement what a uniform pressure on
 everything but the strip does.
 """
 

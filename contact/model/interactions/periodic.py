@@ -1,7 +1,5 @@
 """All periods at once, exactly: equation (5) with the Hilbert kernel."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from contact.model.interactions.base import Interaction

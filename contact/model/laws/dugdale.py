@@ -5,8 +5,6 @@ J. Adhes. Sci. Technol. 11 (1997) 393-406, doi 10.1163/156856197X00778. The tens
 100-104, doi 10.1016/0022-5096(60)90013-2.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Frictionless unilateral contact: p >= 0, gap >= 0, p gap = 0 (Signorini 1933)."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from contact.model.laws.base import Law

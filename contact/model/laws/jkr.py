@@ -5,8 +5,6 @@ K. L. Johnson, K. Kendall & A. D. Roberts, Proc. R. Soc. Lond. A 324 (1971) 301-
 doi 10.1016/0020-7683(94)00111-9. Attraction has no range: where the surfaces do not touch, nothing acts between them.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import pi, sqrt
 from typing import Any

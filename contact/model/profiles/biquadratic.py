@@ -3,8 +3,6 @@
 Goryacheva & Tsukanov 2020, eq. (31), raised so that the tips are at height 0.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

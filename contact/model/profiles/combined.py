@@ -5,8 +5,6 @@ The contact of two elastic bodies depends on their gap and on E* alone (K. L. Jo
 that is, heights of both bodies are counted towards the other body.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property

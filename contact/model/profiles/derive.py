@@ -6,8 +6,6 @@ It is believed only where central differences agree; else sixth-order central di
 steps, the step of each point chosen where two neighbouring steps agree best.
 """
 
-from __future__ import annotations
-
 import warnings
 from collections.abc import Callable
 from typing import Any

@@ -1,7 +1,5 @@
 """Flat punch with sharp corners (Sadowsky 1928): f = 0 for |x| <= width/2 and +inf beyond."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

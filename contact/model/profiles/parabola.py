@@ -1,7 +1,5 @@
 """Parabolic asperity (Hertz line contact), alone or in a row: f(x) = x^2/(2R)."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import pi
 

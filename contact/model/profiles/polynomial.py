@@ -1,7 +1,5 @@
 """Polynomial profile: f(x) = sum_k coefficients[k] x^k, lowest power first, on the cell if it is periodic."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -39,25 +39,12 @@ _ROUNDING = 4 * float(np.finfo(np.float64).eps)  # relative: heights this near o
 
 
 def read_trace(
-    path: str | Path,
-    columns: Sequence[int | str] = (),
-    units: str | Sequence[str] | None = None,
-    detrend: str | int = "none",
-    regrid: bool | int | None = None,
-    taper: float | None = None,
-    period: bool | float | None = None,
-    *,
-    pitch: float | None = None,
-    decimal: str | None = None,
-    delimiter: str | None = None,
-    fill: str | None = None,
-    missing: str | float | None = None,
-    sort: bool = False,
-    lambda_s: float | None = None,
-    lambda_c: float | None = None,
-    channel: str | int | None = None,
-    line: int | Sequence[Sequence[float]] | None = None,
-    along: str | None = None,
+    path: str | Path, columns: Sequence[int | str] = (), units: str | Sequence[str] | None = None,
+    detrend: str | int = "none", regrid: bool | int | None = None, taper: float | None = None,
+    period: bool | float | None = None, *, pitch: float | None = None, decimal: str | None = None,
+    delimiter: str | None = None, fill: str | None = None, missing: str | float | None = None, sort: bool = False,
+    lambda_s: float | None = None, lambda_c: float | None = None, channel: str | int | None = None,
+    line: int | Sequence[Sequence[float]] | None = None, along: str | None = None,
 ) -> Sampled:
     """A measured trace from a file, a table of text or an instrument's own format, prepared as asked.
 
@@ -183,9 +170,7 @@ class Sampled(Profile):
         points = increasing("x", x, _FEWEST)
         heights = finite_array("height", height, 1, _FEWEST)
         if heights.size != points.size:
-            raise SceneError.of(
-                "height", height, f"as many as there are x ({points.size}, not {heights.size})"
-            )
+            raise SceneError.of("height", height, f"as many as there are x ({points.size}, not {heights.size})")
         length = positive_or_none("period", period)
         if length is not None:
             points, heights = _one_period(points, heights, length)
@@ -211,9 +196,7 @@ class Sampled(Profile):
         return read_trace(Path(directory) / text("file", table["file"]), **rest)
 
     def __repr__(self) -> str:
-        return (
-            f"Sampled({self.x.size} points from {self.x[0]:.6g} to {self.x[-1]:.6g}, period={self.period!r})"
-        )
+        return f"Sampled({self.x.size} points from {self.x[0]:.6g} to {self.x[-1]:.6g}, period={self.period!r})"
 
     def parameters(self) -> dict[str, Any]:
         return {"x": self.x, "height": self.heights, "period": self.period}

@@ -1,7 +1,5 @@
 """Random rough profiles: a self-affine spectrum with random phases, the same for the same seed."""
 
-from __future__ import annotations
-
 from math import floor, pi, sqrt
 from typing import Any
 
@@ -17,13 +15,7 @@ _MOST = 1 << 22  # harmonics
 
 
 def self_affine(
-    *,
-    hurst: float,
-    period: float,
-    shortest: float,
-    rms_slope: float,
-    seed: int,
-    rolloff: float | None = None,
+    *, hurst: float, period: float, shortest: float, rms_slope: float, seed: int, rolloff: float | None = None,
     longest: float | None = None,
 ) -> Fourier:
     """A random rough profile: amplitudes k^-(H + 1/2), level beyond the roll-off, phases drawn evenly, scaled to an rms slope.

@@ -1,7 +1,5 @@
 """Sinusoidal waviness (Westergaard 1939): f(x) = amplitude (1 - cos(2 pi x/L))."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import pi
 

@@ -1,7 +1,5 @@
 """A body turned by a small angle about x = 0: the gap at zero load becomes f(x) - tilt x, so that x > 0 comes down for tilt > 0."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import ClassVar
 

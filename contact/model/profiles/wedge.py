@@ -1,7 +1,5 @@
 """Blunt wedge, alone or in a row: f(x) = slope |x| (Goryacheva & Tsukanov 2020, eq. 24-26)."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import pi
 from typing import Any
@@ -72,9 +70,7 @@ class Wedge(Profile):
             return None
         turn = pi * np.asarray(self.wrap(x)) / self.period
         with np.errstate(divide="ignore"):
-            return np.asarray(
-                2 * self.tangent / pi * (np.log(np.abs(np.sin(turn))) - np.log(np.abs(np.cos(turn))))
-            )
+            return np.asarray(2 * self.tangent / pi * (np.log(np.abs(np.sin(turn))) - np.log(np.abs(np.cos(turn)))))
 
     @property
     def kinks(self) -> Array:

@@ -5,14 +5,12 @@ half-plane, and tends to 1 for short waves. Everything follows from it (contact.
 full contact, and whether the displacement of a uniform pressure is finite.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from functools import cached_property
 from typing import ClassVar
 
 import sie
-from contact.model.line_kernel import SmoothPart
+from contact.model.symbols import SmoothPart
 from sie import Array
 
 

@@ -1,7 +1,5 @@
 """The homogeneous elastic half-plane: L = 1 (Muskhelishvili 1953, Shtaerman 1949)."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -9,8 +9,6 @@ both 1 for waves shorter than the thickness. They are taken times exp(-2s), so t
 2k (sinh 2s - 2s) + 4 (k - 1) s, in which nothing cancels: k - 1 = 2 (1 - 2 nu) vanishes where the layer keeps its volume.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import factorial
 

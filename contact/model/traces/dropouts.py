@@ -1,7 +1,5 @@
 """Points without a height, and points out of order: put right as asked, and said."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

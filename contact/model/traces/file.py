@@ -4,8 +4,6 @@ A file has many readings: what stands between columns, what marks decimals, whic
 can be told is taken; where two are possible the file is refused, with both of them and what to write for each.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -19,10 +17,9 @@ from numpy.typing import NDArray
 from contact.errors import SceneError, shown
 from contact.model.checks import integer
 from contact.model.traces.dropouts import no_height
-from contact.model.traces.header import bare_name, header_fields, unit_of
+from contact.model.traces.header import UNITS, bare_name, header_fields, known, scales, unit_of, written
 from contact.model.traces.readings import Data, refuse_unclear_columns, refuse_unclear_commas
 from contact.model.traces.text import Layout, Row, at, rows_of
-from contact.model.traces.units import UNITS, known, scales, written
 from sie import Array
 
 FEWEST = 4  # points

@@ -5,8 +5,6 @@ through by half: one of the length l by exp(-pi (alpha lambda/l)^2). Near the en
 trace, the height is that of the straight line fitted with the weights that are left (ISO 16610-28): lines stay lines up to the ends.
 """
 
-from __future__ import annotations
-
 from math import ceil, log, pi, sqrt
 from typing import Any
 

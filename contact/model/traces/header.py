@@ -1,12 +1,53 @@
-"""What the header of a trace says: names of columns, and units."""
-
-from __future__ import annotations
+"""What the header of a trace says: names of columns, and units by the names that people and instruments write."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from typing import Any
 
+from contact.errors import SceneError
+from contact.model.checks import one_of
 from contact.model.traces.text import unquoted
-from contact.model.traces.units import ONLY_IN_BRACKETS, known
+
+UNITS = {
+    "m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "μm": 1e-6, "micron": 1e-6, "micrometer": 1e-6,
+    "micrometre": 1e-6, "nm": 1e-9, "A": 1e-10, "Å": 1e-10, "pm": 1e-12, "in": 0.0254,
+}  # fmt: skip
+_LONG_NAMES = {
+    "meter": "m", "metre": "m", "centimeter": "cm", "centimetre": "cm", "millimeter": "mm", "millimetre": "mm",
+    "nanometer": "nm", "nanometre": "nm", "angstrom": "A", "picometer": "pm", "picometre": "pm", "inch": "in", "inches": "in",
+}  # fmt: skip
+# Alone behind a name these may as well be a part of it, as in "Height A".
+ONLY_IN_BRACKETS = ("m", "A", "Å", "in")
+
+
+def scales(units: Any) -> tuple[float, float]:
+    """What positions and heights are multiplied by to be in metres: one unit for both, or two."""
+    both = (units, units) if isinstance(units, str) else units
+    if not isinstance(both, Sequence) or len(both) != 2:
+        raise SceneError.of("units", units, "one unit or two, for positions and heights")
+    return UNITS[one_of("units", both[0], UNITS)], UNITS[one_of("units", both[1], UNITS)]
+
+
+def known(word: str) -> str | None:
+    """The name in `UNITS` of a unit as headers write it, in any case and number; None if it is none."""
+    word = word.strip()
+    if word in UNITS:
+        return word
+    lower = word.lower()
+    for name in (lower, lower.removesuffix("s")):
+        if name in _LONG_NAMES:
+            return _LONG_NAMES[name]
+        if name in UNITS and name not in ONLY_IN_BRACKETS:
+            return name
+    return None
+
+
+def written(names: Sequence[str]) -> str:
+    """Units as a scene file and Python have them."""
+    if len(set(names)) == 1:
+        return f'"{names[0]}"'
+    return "[" + ", ".join(f'"{name}"' for name in names) + "]"
+
 
 _BRACKETED = re.compile(r"[\[(<{]\s*([^\[\](){}<>]+?)\s*[\])>}]\s*$|/\s*(\S+)$")
 _LAST_WORD = re.compile(r"^.*[\s_](\S+?)$")

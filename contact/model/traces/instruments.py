@@ -4,8 +4,6 @@ A map z(x, y) has lines along x, numbered by their place in y, and along y, numb
 interpolated bilinearly.
 """
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 from typing import Any

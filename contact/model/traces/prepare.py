@@ -6,8 +6,6 @@ taper (bring both ends to one height, so that one length is a period). What was 
 `Trace.warnings`; `Trace.stages` has the points after each step.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import partial
 from math import ceil, log10
@@ -245,9 +243,7 @@ def to_uniform(x: Array, height: Array, count: int) -> tuple[Array, Array, str]:
     if pitch is not None:
         moved = x[0] + pitch * np.arange(x.size)
         far = float(np.max(np.abs(moved - x)))
-        note = (
-            f"positions taken as even, pitch {pitch:.9g} m: rounding explains their shifts (<= {far:.2g} m)"
-        )
+        note = f"positions taken as even, pitch {pitch:.9g} m: rounding explains their shifts (<= {far:.2g} m)"
         x = moved
     elif np.any(np.diff(x) <= 0):
         i = int(np.flatnonzero(np.diff(x) <= 0)[0])

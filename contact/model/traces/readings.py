@@ -1,7 +1,5 @@
 """Rows of numbers that can be read in two ways: refused, with both readings and what to write for each."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass
 from pathlib import Path

@@ -54,15 +54,9 @@ def roughness(trace: Sampled) -> Roughness:
     z = z - float(part @ z)
     rms = float(np.sqrt(part @ z**2))
     return Roughness(
-        points=trace.x.size,
-        length=length,
-        pitch=float(np.mean(np.diff(trace.x))),
-        even=bool(np.ptp(np.diff(trace.x)) <= 1e-3 * np.mean(np.diff(trace.x))),
-        depth=float(np.ptp(trace.heights)),
-        Ra=float(part @ np.abs(z)),
-        Rq=rms,
-        Rsk=float(part @ z**3) / rms**3,
-        Rku=float(part @ z**4) / rms**4,
+        points=trace.x.size, length=length, pitch=float(np.mean(np.diff(trace.x))),
+        even=bool(np.ptp(np.diff(trace.x)) <= 1e-3 * np.mean(np.diff(trace.x))), depth=float(np.ptp(trace.heights)),
+        Ra=float(part @ np.abs(z)), Rq=rms, Rsk=float(part @ z**3) / rms**3, Rku=float(part @ z**4) / rms**4,
         rms_slope=float(np.sqrt(part @ trace.slope(at) ** 2)),
     )
 

@@ -1,7 +1,5 @@
 """A text file as numbered rows, and a row as cells and numbers: encodings, line ends, delimiters, quotes, decimal marks."""
 
-from __future__ import annotations
-
 import csv
 import re
 from collections.abc import Sequence

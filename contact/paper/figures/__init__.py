@@ -3,8 +3,6 @@
 One function a figure; `contact figures` writes them. docs/paper says what they show.
 """
 
-from __future__ import annotations
-
 import warnings
 from collections.abc import Callable, Iterable
 from pathlib import Path
@@ -17,17 +15,8 @@ from contact.paper.figures.two_zones import figure_13
 
 __all__ = ["FIGURES", "Figure", "chosen", "write"]
 
-FIGURES: dict[str, Callable[[], Figure]] = {
-    "2A": figure_2a,
-    "2B": figure_2b,
-    "7": figure_7,
-    "8": figure_8,
-    "9": figure_9,
-    "10": figure_10,
-    "11": figure_11,
-    "12": figure_12,
-    "13": figure_13,
-}
+_DRAWN = (figure_2a, figure_2b, figure_7, figure_8, figure_9, figure_10, figure_11, figure_12, figure_13)
+FIGURES: dict[str, Callable[[], Figure]] = {figure.__name__.removeprefix("figure_").upper(): figure for figure in _DRAWN}
 
 
 def chosen(numbers: Iterable[str]) -> list[str]:

@@ -1,7 +1,5 @@
 """Figures 7 to 12, one asperity a period: pressure on a wave, a wedge and a parabola, and how wide their contact is."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property

@@ -1,7 +1,5 @@
 """What a figure is here: numbers in columns, the words that say what they are, and a drawing of them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,7 +11,7 @@ from contact.errors import OutOfRange
 from contact.model.interactions import Interaction, Isolated, Localized, Periodic
 from contact.model.profiles import Profile
 from contact.model.scene import Scene
-from contact.solution.panels import finish, new_figure
+from contact.solution.plotting import finish, new_figure
 from contact.solution.solution import Solution
 from contact.solver import solve
 from sie import Array

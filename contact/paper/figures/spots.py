@@ -1,7 +1,5 @@
 """Figures 2A and 2B: spherical asperities on a hexagonal lattice, by (1)-(4) and with the neighbours in their places."""
 
-from __future__ import annotations
-
 from math import inf, pi
 from typing import Any
 

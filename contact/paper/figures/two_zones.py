@@ -1,7 +1,5 @@
 """Figure 13: pairs of asperities, two zones a period."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

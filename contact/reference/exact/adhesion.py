@@ -7,10 +7,8 @@ an equilibrium is stable where approach + M load grows along the curve in the di
 (K. L. Johnson, Int. J. Solids Struct. 32 (1995) 423-430, doi 10.1016/0020-7683(94)00111-9; with a machine, derived here).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
-from math import inf, isfinite
+from math import inf, isfinite, nan
 from typing import Generic, TypeVar
 
 import numpy as np
@@ -87,6 +85,15 @@ class AdhesiveZone(SymmetricZone):
         if compliance is None:
             raise SceneError.of("datum", None, "a length > 0 where the approach of an isolated zone is asked for")
         return compliance
+
+    def _approach_rate(self, load: float, at_load: float) -> float:
+        """Derivative of the approach, by those of the load and of the approach at a given load; nan without a datum."""
+        return nan if self.punch_compliance is None else self.punch_compliance * load + at_load
+
+    @property
+    def max_pressure(self) -> float:
+        """Greatest pressure, in the middle for the profiles that are convex there."""
+        return float(self._pressure(np.array(0.0), np.array(self.half_width)))
 
     @property
     def elastic_energy(self) -> float:

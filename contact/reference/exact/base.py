@@ -12,8 +12,6 @@ since tan(pi x/L) turns the Hilbert kernel into the Cauchy one for symmetric zon
 distances to the zone's ends, so nothing cancels where a distance is small.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from math import asin, inf, log, log1p, pi
 from typing import TYPE_CHECKING, Any, Self

@@ -200,11 +200,7 @@ class IsolatedBiquadratic(Zoned):
         if self.merged:
             eta = arcosh1p(e / b)
             quartic = b**4 / 16.0 * sinh_minus(4.0 * eta)
-            return (
-                2.0
-                * self._unit
-                * (quartic + 0.25 * b * b * (b * b - 2.0 * self._c**2) * sinh_minus(2.0 * eta))
-            )
+            return 2.0 * self._unit * (quartic + 0.25 * b * b * (b * b - 2.0 * self._c**2) * sinh_minus(2.0 * eta))
         inner = np.maximum(a - r, 0.0)
         beyond = e * (r + b) + inner * (r + a)  # v - h
         return self._unit * h * h * zone_potential(beyond / h)

@@ -19,8 +19,6 @@ derived again; row of waves: derived here. As c reaches L/2 the tension acts eve
 under a uniform tension.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 from math import atan2, exp, log, pi, sqrt
@@ -58,17 +56,6 @@ class _DugdaleState(AdhesiveZone):
         r = np.abs(self._reduced(x))
         pulled = (r >= self.half_width) & (r < self.cohesive_end)
         return np.where(pulled, -self.stress, super().pressure(x))
-
-    @property
-    def cohesive_intervals(self) -> Array:
-        """The intervals [[-c, -a], [a, c]] under tension."""
-        a, c = self.half_width, self.cohesive_end
-        return np.array([[-c, -a], [a, c]])
-
-    @property
-    def max_pressure(self) -> float:
-        """Greatest pressure, in the middle for the profiles that are convex there."""
-        return float(self._pressure(np.array(0.0), np.array(self.half_width)))
 
 
 @dataclass(frozen=True)
@@ -253,10 +240,7 @@ class DugdaleZone(_DugdaleState):
         opened = slope + self._unit * (self.widening * self.share_by_end - self.logarithm)
         # What a takes back from the gap at c it adds to the load: d g/da = -(2/pi E*) l d P/da.
         load = 0.5 * pi * modulus * opened / self.widening - 2.0 * stress * self.share_by_end
-        compliance = self.punch_compliance
-        if compliance is None:
-            return load, float("nan")
-        return load, compliance * load + 4.0 * stress * self.widening / (pi * modulus)
+        return load, self._approach_rate(load, 4.0 * stress * self.widening / (pi * modulus))
 
 
 @dataclass(frozen=True)

@@ -4,8 +4,6 @@ Alone: M. A. Sadowsky (1928); K. L. Johnson, Contact Mechanics (1985), sec. 2.8.
 the substitution tan(pi x/L).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import inf, pi
 

@@ -8,8 +8,6 @@ Cylinder: M. Barquins, J. Adhesion 26 (1988) 1-12, doi 10.1080/00218468808075464
 32 (1995) 423-430, doi 10.1016/0020-7683(94)00111-9. Other profiles, approaches and energies: derived from the same sum.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import pi, sqrt
 
@@ -106,11 +104,6 @@ class JKRZone(AdhesiveZone):
     def load(self) -> float:
         return self.zone.load - self.punch.load
 
-    @property
-    def max_pressure(self) -> float:
-        """Greatest pressure, in the middle for the profiles that are convex there."""
-        return float(self._pressure(np.array(0.0), np.array(self.half_width)))
-
     def _approach(self) -> float:
         return self.zone._approach() - self.punch.load * self._compliance()
 
@@ -130,11 +123,8 @@ class _JKREquilibria(Equilibria[JKRZone]):
     def _rates(self, parameter: float) -> tuple[float, float]:
         state = self.at(parameter)
         load = float(state.zone.load_rate(np.array(parameter))) - state.punch_load_rate  # type: ignore[union-attr]
-        compliance = state.punch_compliance
-        if compliance is None:
-            return load, float("nan")
         # dC/da = -2/(pi E* a) alone, -(2/E* L) cot(pi a/L) with a period.
-        return load, compliance * load + 2.0 * state.punch.load / (pi * state.E_star * state.tangent)
+        return load, state._approach_rate(load, 2.0 * state.punch.load / (pi * state.E_star * state.tangent))
 
     @property
     def jump_in(self) -> JKRZone:

@@ -6,8 +6,6 @@ I. G. Goryacheva & I. Tsukanov, Front. Mech. Eng. 6 (2020) 45, doi 10.3389/fmech
 (E*/2) f' + (2 P_s/pi L) artanh(2x/L).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import atan2, pi, sqrt
 from typing import TYPE_CHECKING, Any
@@ -114,9 +112,7 @@ class Localized(SymmetricZone):
         positive("period", self.period)
         one_of("closure", self.closure, (FIRST_ORDER, SELF_CONSISTENT))
         if not isinstance(self.isolated, (HertzLine, IsolatedWedge, IsolatedSinusoid)):
-            raise SceneError.of(
-                "isolated", self.isolated, "a HertzLine, an IsolatedWedge or an IsolatedSinusoid"
-            )
+            raise SceneError.of("isolated", self.isolated, "a HertzLine, an IsolatedWedge or an IsolatedSinusoid")
         between("half_width", self.half_width, 0.0, 0.5 * self.period)
         if isinstance(self.isolated, IsolatedSinusoid) and self.isolated.wavelength != self.period:
             raise SceneError.of("wavelength", self.isolated.wavelength, f"the period {self.period:.17g}")
@@ -238,11 +234,8 @@ class LocalizedZone(Localized):
 
 
 def localized_at_load(
-    family: type[HertzLine] | type[IsolatedWedge] | type[IsolatedSinusoid],
-    load: float,
-    period: float,
-    closure: str = FIRST_ORDER,
-    **shape: Any,
+    family: type[HertzLine] | type[IsolatedWedge] | type[IsolatedSinusoid], load: float, period: float,
+    closure: str = FIRST_ORDER, **shape: Any,
 ) -> LocalizedZone:
     """The localized solution of a family at a load per period, on the branch that starts at zero load.
 
@@ -302,9 +295,7 @@ def localized_at_load(
         last = float(minimize_scalar(lambda a: -at(a), bounds=bracket, method="bounded").x)
     most = at(last)
     if load > most:
-        raise OutOfRange(
-            f"load = {load:.6g} N/m is out of range: the {closure} load is at most {most:.6g} N/m"
-        )
+        raise OutOfRange(f"load = {load:.6g} N/m is out of range: the {closure} load is at most {most:.6g} N/m")
     first = 0.25 * period
     while at(first) > load:
         first *= 0.5

@@ -5,8 +5,6 @@ problem for half-plane allowing for forces of friction", Sov. Appl. Mech. 12 (19
 the load (28).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import exp, expm1, log, log1p, pi, sqrt
 
@@ -182,12 +180,7 @@ class PeriodicParabola(_Parabola, PeriodicZone):
     def _gap(self, e: Array) -> Array:
         # The integral of arccos(cos u/cos A) is not elementary; the rule gives it to rounding.
         step = e[..., None] * FROM_LEFT
-        y = (
-            2.0
-            * sine(self.half_width + 0.5 * step, self.period)
-            * sine(0.5 * step, self.period)
-            / self._cosine()
-        )
+        y = 2.0 * sine(self.half_width + 0.5 * step, self.period) * sine(0.5 * step, self.period) / self._cosine()
         total = np.sum(e[..., None] * WEIGHT * arccos1m(y), axis=-1)
         return self.period / (pi * self.radius) * total
 

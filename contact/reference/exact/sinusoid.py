@@ -5,8 +5,6 @@ H. M. Westergaard, "Bearing pressures and cracks", J. Appl. Mech. 6 (1939) A49-A
 (18) is misprinted there.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import inf, log, pi, sqrt
 from typing import Any
@@ -312,12 +310,7 @@ class IsolatedSinusoid(IsolatedZone):
         phi = 2.0 * np.arcsin(np.sqrt(0.5 * d / a))
         j = np.arange(20)  # J_41(pi) is below 1e-40
         weight = (-1.0) ** j * jv(2 * j + 1, ka)
-        return (
-            self.E_star
-            * self.amplitude
-            * self._k
-            * np.sum(weight * np.sin((2 * j + 1) * phi[..., None]), axis=-1)
-        )
+        return self.E_star * self.amplitude * self._k * np.sum(weight * np.sin((2 * j + 1) * phi[..., None]), axis=-1)
 
     def load_rate(self, s: ArrayLike) -> Array:
         """dP/da at a = s."""

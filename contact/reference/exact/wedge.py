@@ -4,8 +4,6 @@ Alone: K. L. Johnson, Contact Mechanics (1985), sec. 5.2, doi 10.1017/CBO9781139
 & L. M. Keer, "Periodic contact problems in plane elasticity", J. Mech. Mater. Struct. 3 (2008).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import asinh, atanh, log, pi, tanh
 

@@ -17,8 +17,6 @@ At a strip of width w the integral over it is, with zeta the root of the distanc
 whose first part is smooth, and whose second, times X, is 2 artanh(zeta or 1/zeta), with an integral in closed form.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from math import pi
@@ -30,7 +28,7 @@ from numpy.typing import ArrayLike, NDArray
 from contact.errors import SceneError
 from contact.model.checks import finite_or_none, keep, positive
 from contact.model.profiles.polynomial import Polynomial
-from contact.reference.inverse.profile import exp_of_power_sums
+from contact.reference.inverse.given import exp_of_power_sums
 
 Array = NDArray[np.float64]
 

@@ -15,8 +15,6 @@ All factors are formed from distances to the ends of the point's own zone or gap
 end.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -26,9 +24,8 @@ from numpy.typing import ArrayLike
 
 from contact.model.checks import keep, positive
 from contact.model.profiles.fourier import Fourier
-from contact.reference.inverse.given import GivenZones
+from contact.reference.inverse.given import DesignedProfile, GivenZones, exp_of_power_sums
 from contact.reference.inverse.product import CutProduct
-from contact.reference.inverse.profile import DesignedProfile, exp_of_power_sums
 from sie import Array, Mask
 
 

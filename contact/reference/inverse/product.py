@@ -78,9 +78,7 @@ class CutProduct:
     def _leftward(self) -> Array:
         """[i, j]: the way left from end i to end j."""
         m = 2 * len(self.zones)
-        return np.array(
-            [[self._sum(j, i) if self.period or j <= i else np.nan for j in range(m)] for i in range(m)]
-        )
+        return np.array([[self._sum(j, i) if self.period or j <= i else np.nan for j in range(m)] for i in range(m)])
 
     def _factors(self, left: Array, right: Array, positive_side: Mask) -> Array:
         """Signed factors (x - e)/unit or 2 sin(pi (x - e)/L), cut at e + L: e is `left` behind x, or `right`
@@ -103,9 +101,7 @@ class CutProduct:
         right = dr[..., None] + self._leftward[:, (i + 1) % m]
         return self._factors(left, right, j <= i)
 
-    def _root_distances(
-        self, i: int, dl: Array, dr: Array, offsets: Array
-    ) -> tuple[Array, Array, Mask]:
+    def _root_distances(self, i: int, dl: Array, dr: Array, offsets: Array) -> tuple[Array, Array, Mask]:
         """Ways left and right to all roots, (..., roots), and whether each lies behind; `offsets` (roots, 2)
         from the ends of their gaps. The way left to the root of the point's own gap carries the sign of x - r, that right is none."""
         m = 2 * len(self.zones)
@@ -140,10 +136,7 @@ class CutProduct:
         offsets = np.repeat(0.5 * width[:, None], 2, axis=1)
         samples = [self._gap_samples(g) for g in gaps]
         for _ in range(_NEWTON_STEPS):
-            rows = [
-                self._gap_row(row, g, *at, offsets)
-                for row, (g, at) in enumerate(zip(gaps, samples, strict=True))
-            ]
+            rows = [self._gap_row(row, g, *at, offsets) for row, (g, at) in enumerate(zip(gaps, samples, strict=True))]
             residual = np.array([r for r, _ in rows], dtype=float)
             jacobian = np.array([j for _, j in rows], dtype=float).reshape(len(gaps), len(gaps))
             step = -np.linalg.solve(jacobian, residual)
@@ -155,9 +148,7 @@ class CutProduct:
                 return offsets
         raise NotConverged("the roots of M of an inverse design did not converge")
 
-    def _gap_row(
-        self, row: int, g: int, dl: Array, dr: Array, weight: Array, offsets: Array
-    ) -> tuple[Any, Array]:
+    def _gap_row(self, row: int, g: int, dl: Array, dr: Array, weight: Array, offsets: Array) -> tuple[Any, Array]:
         """int_gap |X| M of one gap and its derivatives by all roots, relative to int_gap |X M|."""
         factors = self._root_factors(g, dl, dr, offsets)
         others = np.prod(np.delete(factors, row, axis=-1), axis=-1) * weight

@@ -1,19 +1,14 @@
 """Random exact problems for property-based tests."""
 
-from __future__ import annotations
-
 import numpy as np
 
-from contact.reference.inverse.adhesive import AdhesiveDesign
+from contact.reference.inverse.adhesive import AdhesiveDesign, is_stable
 from contact.reference.inverse.cohesive import CohesiveDesign
 from contact.reference.inverse.designed import DesignedContact
-from contact.reference.inverse.stability import is_stable
 from sie import Array
 
 
-def random_zones(
-    rng: np.random.Generator, zones: int, spread: float = 10.0, fraction: float | None = None
-) -> Array:
+def random_zones(rng: np.random.Generator, zones: int, spread: float = 10.0, fraction: float | None = None) -> Array:
     """Random zones in a cell of length 1 from 0: widths and gaps log-uniform, each within a factor `spread` of its kind.
 
     Parameters
@@ -48,15 +43,8 @@ def random_zones(
 
 
 def random_problem(
-    rng: np.random.Generator,
-    zones: int | None = None,
-    period: float | None = None,
-    *,
-    E_star: float = 1.0,
-    strain: float = 0.05,
-    spread: float = 10.0,
-    fraction: float | None = None,
-    length: float = 1.0,
+    rng: np.random.Generator, zones: int | None = None, period: float | None = None, *, E_star: float = 1.0,
+    strain: float = 0.05, spread: float = 10.0, fraction: float | None = None, length: float = 1.0,
 ) -> DesignedContact:
     """A random exact problem of 1 to 12 (or the given number of) zones, asymmetric and off the origin.
 
@@ -111,13 +99,8 @@ def random_problem(
 
 
 def random_adhesive_problem(
-    rng: np.random.Generator,
-    zones: int | None = None,
-    period: float | None = None,
-    *,
-    pull: float = 1.0,
-    stable: bool = True,
-    **shape: float,
+    rng: np.random.Generator, zones: int | None = None, period: float | None = None, *, pull: float = 1.0,
+    stable: bool = True, **shape: float,
 ) -> AdhesiveDesign:
     """A random JKR contact of 1 to 6 (or the given number of) zones, else as `random_problem`.
 

@@ -13,7 +13,7 @@ from contact.formulation.tension.cohesive import Cohesive
 from contact.formulation.tension.fields import PulledFields
 from contact.search.equilibria import tension as under_tension
 from contact.search.equilibria.arc import pull_off
-from contact.solution.pull_off import PullOff
+from contact.solution.answer import PullOff
 
 
 @dataclass(frozen=True)

@@ -15,10 +15,9 @@ from contact.formulation.relief import ScaledRelief
 from contact.search.topology.intervals import united, without
 from contact.search.topology.loop import Newton
 from contact.search.topology.missed import WrongTopology
-from contact.verify.certificate import Certificate
-from contact.verify.gap_accuracy import FoundByGaps
+from contact.verify.accuracy import FoundByGaps
+from contact.verify.certificate import Certificate, Solved
 from contact.verify.gap_certificate import certify_gaps
-from contact.verify.solved import Solved
 from sie import Array, record
 
 

@@ -17,8 +17,7 @@ from contact.search.topology.intervals import united, without
 from contact.search.topology.loop import Newton, off
 from contact.search.topology.missed import WrongTopology
 from contact.verify.accuracy import HOPELESS, Found, too_thin
-from contact.verify.certificate import Certificate, certify
-from contact.verify.solved import Solved
+from contact.verify.certificate import Certificate, Solved, certify
 from sie import Array, record, wrapped
 
 # Gaps over kinks below this part of the zones beside them are not taken to close.

@@ -6,12 +6,12 @@ from functools import cached_property
 
 import numpy as np
 
+from contact.formulation.full import NARROWEST
 from contact.formulation.maxima import maximum
 from contact.formulation.problem import Problem
 from contact.formulation.relief import ScaledRelief
 from contact.search.topology.intervals import united
 from contact.search.topology.missed import WrongTopology
-from contact.verify.gap_certificate import NARROWEST
 from sie import Array, Index, Mask, record
 
 # Samples a shortest length of the shape.

@@ -22,8 +22,7 @@ from contact.formulation.controls import Control
 from contact.formulation.problem import Problem
 from contact.search.topology.intervals import merged
 from contact.search.topology.missed import Missed, WrongTopology, same
-from contact.verify.certificate import NOT_CHECKED, Certificate
-from contact.verify.solved import Solved
+from contact.verify.certificate import NOT_CHECKED, Certificate, Solved
 from sie import Array, Mask, record
 
 Progress = Callable[[str, int, int | None], None]
@@ -38,10 +37,15 @@ CLOSER = 1e-3
 # Of so many intervals hardly any first guess has the right ones: these are looked at first with ends that are known to a part of their
 # widths, but for a few, until no more than another part of them is put right at once.
 MANY, LOOSELY, UNKNOWN, FEW = 1000, 1e-3, 0.005, 0.05
+# Then with all ends known to this part, for as long as less than this part of what was put right last is left to be put right: a zone that
+# is missing costs a solution to the wanted tolerance more than several of these.
+CLOSELY, FEWER = 1e-6, 0.5
 # Steps after which the few are no longer waited for; how often intervals that are lost on the way are left out.
 PATIENT, LEFT_OUT = 2, 24
 # Over the ends' stated errors.
 MARGIN = 10.0
+# Ends on either side of where signs fail that may have made them.
+_BESIDE = 2
 
 
 class Formulation(Protocol[Kind]):
@@ -138,7 +142,7 @@ def _rounds(
     wanted = newton.tolerance
     if len(table) >= MANY and newton.off >= 1.0 and not (formal or newton.near or newton.steps):
         newton = replace(newton, tolerance=max(wanted, LOOSELY), few=UNKNOWN, patient=PATIENT)
-    done, left_out = 0, 0
+    done, left_out, failed = 0, 0, np.inf
     while done < rounds:
         done += 1
         if progress is not None:
@@ -163,9 +167,10 @@ def _rounds(
             yield form.solved(free, fields, NOT_CHECKED, done, control, newton.tolerance)
             return
         with timed("certificate"):
-            certificate = form.certificate(fields, control, newton.few)
+            loosely = newton.tolerance > wanted and not (free.converged and newton.few == 0.0)
+            certificate = form.certificate(fields, control, UNKNOWN if loosely else 0.0)
         if newton.tolerance > wanted:
-            table, newton = _loosely(form, free, fields.state, certificate, newton, wanted)
+            table, newton, failed = _loosely(form, free, fields.state, certificate, newton, wanted, failed)
         elif not free.converged:
             # Where signs fail tells which ones are missing.
             missing = not certificate.holds
@@ -181,19 +186,21 @@ def _rounds(
 
 
 def _loosely(
-    form: Formulation[Kind], free: sie.Free, state: sie.AnyState, certificate: Certificate, newton: Newton, wanted: float
-) -> tuple[Array, Newton]:
-    """Where to go on from ends that are known to a part of their widths, but for a few: loosely where many intervals are put right, else to
-    the wanted tolerance. What may be their error is left as it is."""
-    closer = replace(newton, tolerance=wanted, few=0.0, drops=True)
-    newton = replace(newton, patient=PATIENT)
+    form: Formulation[Kind], free: sie.Free, state: sie.AnyState, certificate: Certificate, newton: Newton, wanted: float, failed: float
+) -> tuple[Array, Newton, float]:
+    """Where to go on from ends that are known to a part of their widths, and how many signs have failed: loosely where many intervals are
+    put right, else more closely, and where no more of them are, to the wanted tolerance. What may be their error is left as it is.
+    failed: signs that did so before."""
     near = [_beside_ends(free, state, bad) for bad in (certificate.negative, certificate.overlaps)]
     certificate = replace(certificate, negative=certificate.negative[~near[0]], overlaps=certificate.overlaps[~near[1]])
     put_right = len(certificate.negative) + len(certificate.overlaps)
-    if put_right == 0:
-        return free.next_zones.table, closer
     zones = free.next_zones
-    return form.corrected(zones, certificate), newton if put_right > FEW * len(zones) else closer
+    if newton.few and put_right > FEW * len(zones):
+        return form.corrected(zones, certificate), replace(newton, patient=PATIENT), put_right
+    goes_on = 0 < put_right and (newton.few > 0.0 or put_right <= FEWER * failed)
+    known = 1.0 if newton.few or put_right or not free.converged else newton.tolerance
+    newton = replace(newton, tolerance=max(CLOSELY, wanted) if goes_on else wanted, few=0.0, drops=True, off=known)
+    return form.corrected(zones, certificate) if put_right else zones.table, newton, put_right
 
 
 def _ended(form: Formulation[Kind], control: Control, table: Array, newton: Newton, before: sie.Free | None) -> sie.Free:
@@ -255,7 +262,8 @@ def _beside_ends(free: sie.Free, state: sie.AnyState, bad: Array) -> Mask:
     """Which of these intervals (n, 2) lie so close to ends that their error may have made them."""
     if len(bad) == 0:
         return np.zeros(0, dtype=bool)
-    zones, reached = free.density.zones, off(free, state)
-    ends, reach = np.concatenate((zones.a, zones.b)), np.concatenate((reached[:, 0], reached[:, 1]))
-    near = (np.abs(bad[:, :1] - ends) <= reach) & (np.abs(bad[:, 1:] - ends) <= reach)
+    ends, reach = free.density.zones.table.ravel(), off(free, state).ravel()
+    beside = np.searchsorted(ends, bad.mean(axis=1))[:, None] + np.arange(-_BESIDE, _BESIDE)
+    beside = np.clip(beside, 0, len(ends) - 1)
+    near = (np.abs(bad[:, :1] - ends[beside]) <= reach[beside]) & (np.abs(bad[:, 1:] - ends[beside]) <= reach[beside])
     return np.asarray(near.any(axis=1))

@@ -6,6 +6,8 @@ born where the gap is negative, gaps that close are dropped.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from contact.formulation.controls import Control
@@ -27,10 +29,12 @@ from sie import Array
 # Values over one another between which a contact counted in the units of one is in good hands.
 _FARTHEST = 16.0
 # Rounds of corrections of the number of zones, after which a search from scratch is no longer, and steps of Newton's in each: where a grid
-# takes long, or there is none, and where it takes no time.
+# takes long, or there is none, or little changes; and where it takes no time, and the values are far apart.
 _ROUNDS, _STEPS = (6, 1), (0, 6)
 # Zones that come and go up to which corrections are the shorter way, likewise.
-_FEW = 8, 0
+_FEW = 8, 2
+# Values over one another up to which little changes.
+_NEAR = 1.08
 # Points of a grid: by what part they are fewer than those of a search from scratch, with few zones and with many, one more of which is
 # longer than more points; at the least; and from which on it takes long.
 _COARSER, _MANY, _FEWEST, _DEAR = (4, 2), 400, 256, 2**15
@@ -42,7 +46,8 @@ def from_last(task: Task) -> Outcome | Missed:
         return NOT_MINE
     last, value = task.along[-1], task.scene.control[1]
     fields = last.fields
-    if fields is None or not 1 / _FARTHEST <= value / last.solution.scene.control[1] <= _FARTHEST:
+    apart = abs(math.log(value / last.solution.scene.control[1]))
+    if fields is None or not apart <= math.log(_FARTHEST):
         return NOT_MINE
     problem = fields.problem
     control = task.control(problem)
@@ -50,11 +55,11 @@ def from_last(task: Task) -> Outcome | Missed:
         return full
     by_grid = task.scene.profile.period is not None and control.load is not None
     points = _points(task) if by_grid else _DEAR
-    cheap = points < _DEAR
+    cheap = points < _DEAR and apart > math.log(_NEAR)
     if by_grid and _changes_often(task.along):
         # Not even asked how the ends move.
         return _by_grid_or_missed(task, problem, control, points)
-    zones, changes = carried(task.along, float(np.log(value)))
+    zones, changes = carried(task.along, math.log(value))
     if len(zones) == 0:
         return NOT_MINE
     if by_grid and changes > _FEW[cheap]:

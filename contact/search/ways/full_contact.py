@@ -41,11 +41,12 @@ def no_inverse(task: Task, what: str) -> str:
     )
 
 
-def full_under(task: Task, control: Control) -> Full | None:
-    """Full contact, if the load, or the approach of a body with a base, is that of it or above."""
+def full_under(task: Task, control: Control, but_for_kinks: bool = False) -> Full | None:
+    """Full contact, if the load, or the approach of a body with a base, is that of it or above. but_for_kinks: or where nothing is left of
+    it but gaps over kinks of valleys, narrower than digits tell."""
     scene, compression = task.scene, task.operator.compression
     period = scene.profile.period
-    if not task.full.possible or period is None:
+    if not (task.full.told if but_for_kinks else task.full.possible) or period is None:
         return None
     if control.load is not None and scene.given_load is not None:
         mean_pressure = scene.given_load / period if scene.mean_pressure is None else scene.mean_pressure
@@ -54,7 +55,7 @@ def full_under(task: Task, control: Control) -> Full | None:
         mean_pressure = 0.5 * scene.E_star * (approach - mean_height(scene)) / compression
     else:
         return None
-    return Full(mean_pressure) if mean_pressure >= task.full.pressure else None
+    return Full(mean_pressure) if mean_pressure >= task.full.relieved else None
 
 
 def refuse_full_approach(task: Task, problem: Problem, control: Control) -> None:

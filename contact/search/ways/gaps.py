@@ -14,7 +14,7 @@ from contact.search.topology.intervals import united
 from contact.search.topology.loop import Newton, refine_topology
 from contact.search.topology.missed import Missed, WrongTopology
 from contact.search.ways.tightened import tightened
-from contact.verify.gap_accuracy import FoundByGaps
+from contact.verify.accuracy import FoundByGaps
 from sie import Array
 
 # Contact of more than this part of the period is solved by its gaps.

@@ -28,8 +28,7 @@ from contact.search.topology.missed import NOT_MINE, Missed
 from contact.search.ways.full_contact import Full, full_under, no_inverse, refuse_full_approach
 from contact.search.ways.gaps import by_gaps, worth_gaps
 from contact.search.ways.loads import by_fraction
-from contact.verify.accuracy import Found
-from contact.verify.gap_accuracy import FoundByGaps
+from contact.verify.accuracy import Found, FoundByGaps
 from sie import Array
 
 Outcome: TypeAlias = Found | FoundByGaps | Full
@@ -110,6 +109,8 @@ def _one_zone(task: Task, scaled: ScaledScene, start: Array | None) -> Outcome |
         if isinstance(found_by_gaps, FoundByGaps):
             return found_by_gaps
         task.left("gaps of one zone", found_by_gaps)
+        if full := full_under(task, control, but_for_kinks=True):
+            return full
     found = task.refine_topology(problem, control, np.array([[-guess, guess]]))
     if isinstance(found, Found) or control.load is None and control.approach is None:
         return found
@@ -206,7 +207,7 @@ def _from_proposal(
     if isinstance(found_by_gaps, FoundByGaps):
         return found_by_gaps
     if proposal.full or not len(proposal.zones):
-        return NOT_MINE
+        return full_under(task, control, but_for_kinks=True) or NOT_MINE
     found = task.refine_topology(problem if held else about(problem, table), control, table, drops=drops)
     if isinstance(found, Missed) and found.beyond:
         raise task.error(found, problem)

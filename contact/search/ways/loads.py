@@ -25,8 +25,7 @@ from contact.search.topology.missed import Missed
 from contact.search.ways.by_load import approach, contact_fraction, nearer
 from contact.search.ways.gaps import OF_GAPS, by_gaps, gaps_beside, tightened_gaps
 from contact.solution.solution import Solution
-from contact.verify.accuracy import Found
-from contact.verify.gap_accuracy import FoundByGaps
+from contact.verify.accuracy import Found, FoundByGaps
 
 # Of a load: near enough for the zones to lead to those of the approach, and to be about them.
 NEAR_LOAD, NEARER_LOAD = 1e-2, 1e-5

@@ -7,7 +7,7 @@ from typing import TypeVar
 
 from contact.search.task import LEAST, Task
 from contact.search.topology.missed import Missed
-from contact.verify.solved import Solved
+from contact.verify.certificate import Solved
 
 Kind = TypeVar("Kind", bound=Solved)
 

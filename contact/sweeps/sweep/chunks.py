@@ -1,18 +1,24 @@
-"""Points of a grid that are solved together: along the control of one scene they share work, as those of `contact.solve_many` do."""
+"""Points of a grid that are solved together: along the control of one scene they share work, as those of `contact.solve_many` do.
+
+In another process, or on another machine, a scene arrives as bytes.
+"""
 
 from __future__ import annotations
 
 import itertools
+import pickle
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from math import ceil, nan
 from typing import Any
 
 import numpy as np
 
 from contact.errors import unwarned
+from contact.extras import version
 from contact.model.scene import Scene
 from contact.solution.solution import Solution
 from contact.solver import solve
@@ -126,3 +132,35 @@ def failure(reason: str) -> Row:
 
 def _row(solution: Solution) -> Row:
     return {**numbers(solution), "failed": False, "reason": "", "warning": "; ".join(solution.warnings)}
+
+
+def solve_sent(given: bytes, chunk: Chunk, tol: float) -> Rows:
+    """The rows of a chunk of a scene that was sent."""
+    return solve_chunk(_received(given), chunk, tol)
+
+
+def cannot_receive(given: bytes, here: str) -> str:
+    """Why it is of no use where it arrives, as the end of a sentence; empty where it is. here: the version of this package that sent it."""
+    if version() != here:
+        return f"have sie-contact {version()}, and not {here}"
+    try:
+        _received(given)
+    except Exception as error:
+        return f"cannot make the scene ({type(error).__name__}: {error}): what it is made of belongs in a module that they can import"
+    return ""
+
+
+class Question:
+    """Asks `cannot_receive` where it is unpickled, for places of which it is not known whether they have this package at all."""
+
+    def __init__(self, given: bytes) -> None:
+        self.given = given
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return cannot_receive, (self.given, version())
+
+
+@lru_cache(maxsize=1)
+def _received(given: bytes) -> Scene:
+    scene: Scene = pickle.loads(given)
+    return scene

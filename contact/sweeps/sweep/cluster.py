@@ -3,8 +3,6 @@
 A worker that is lost on the way loses nothing: the scheduler gives what it ran to another. Workers may come and go at any time.
 """
 
-from __future__ import annotations
-
 import pickle
 from collections.abc import Generator, Sequence
 from typing import Any
@@ -13,8 +11,7 @@ from contact.errors import ContactError, SceneError
 from contact.extras import require
 from contact.model.scene import Scene
 from contact.search.topology.loop import Progress
-from contact.sweeps.sweep.chunks import Chunk, Rows, failure
-from contact.sweeps.sweep.sent import Question, solve_sent
+from contact.sweeps.sweep.chunks import Chunk, Question, Rows, failure, solve_sent
 
 _PATIENCE = "10s"
 # Work is cut for so many at the least.

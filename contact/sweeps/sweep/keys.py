@@ -1,7 +1,5 @@
 """What of a scene can be varied: the keys of its tables, as a scene file has them, `TABLE.KEY`, and the scene with other values of them."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -12,7 +10,7 @@ from contact.errors import SceneError
 from contact.model.controls import TURNING, fields_under
 from contact.model.registry import CONTROLS
 from contact.model.scene import Scene
-from contact.model.scene_text import parameters
+from contact.model.scene_file import parameters
 
 Value = float | int | str
 

@@ -4,8 +4,6 @@ A process that ends on the way, killed or out of memory, loses nothing but its t
 point, and a point that ends its process once more is a failed one. Where others cannot be started, this one solves.
 """
 
-from __future__ import annotations
-
 import multiprocessing
 import os
 import pickle
@@ -22,8 +20,7 @@ from multiprocessing import connection
 
 from contact.extras import version
 from contact.model.scene import Scene
-from contact.sweeps.sweep.chunks import Chunk, Rows, failure, solved
-from contact.sweeps.sweep.sent import cannot_receive, solve_sent
+from contact.sweeps.sweep.chunks import Chunk, Rows, cannot_receive, failure, solve_sent, solved
 
 _ENDED = "the process that solved it ended, killed or out of memory"
 # Each process has one thread: as many as there are processors would get in one another's way.

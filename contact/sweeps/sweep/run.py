@@ -1,7 +1,5 @@
 """A scene over a grid of values of its parameters, solved in many processes."""
 
-from __future__ import annotations
-
 import itertools
 import time
 from collections.abc import Generator, Mapping, Sequence
@@ -21,9 +19,8 @@ from contact.solver import tolerance
 from contact.sweeps.sweep.chunks import Rows, chunks_of
 from contact.sweeps.sweep.cluster import Cluster
 from contact.sweeps.sweep.keys import BRANCHES, Axis, axes_of, varied
-from contact.sweeps.sweep.lock import alone
 from contact.sweeps.sweep.processes import processors, solved_here, solved_in_processes
-from contact.sweeps.sweep.table import Table
+from contact.sweeps.sweep.table import Table, alone
 from sie import Mask
 
 # What is solved is written this often [s], or where writing takes long, so many times what it takes.
@@ -31,16 +28,8 @@ _OFTEN, _SHARE = 2.0, 10.0
 
 
 def sweep(
-    scene: Scene,
-    over: Mapping[str, Any],
-    scheduler: Any = None,
-    tol: float = 1e-8,
-    *,
-    workers: int | None = None,
-    out: str | PathLike[str] | None = None,
-    overwrite: bool = False,
-    retry: bool = False,
-    branch: str = BRANCHES[0],
+    scene: Scene, over: Mapping[str, Any], scheduler: Any = None, tol: float = 1e-8, *, workers: int | None = None,
+    out: str | PathLike[str] | None = None, overwrite: bool = False, retry: bool = False, branch: str = BRANCHES[0],
     progress: Progress | None = None,
 ) -> Any:
     """Solve a scene over a grid of values of its parameters, in processes of this machine or on a cluster.

@@ -12,14 +12,28 @@ q = 0; beyond, by the double exponential formula of Ooura & Mori (1999), J. Comp
 10.1016/S0377-0427(99)00223-X, whose nodes run into the zeros of the sine. Panels of r double in width up to where r m(r) is its own
 limit L(0) - 1, and in each a series of 24 terms is good to rounding: singularities of m lie off the real axis, or at r = 0 as seen from
 far away.
+
+The symbol L(q) of an elastic body over the harmonics of a period, and the kernel that has it.
+
+A pressure p_q exp(iqx) displaces the surface by u_q = 2 L(q) p_q / (E* q): L is the surface compliance over that of the half-plane and
+tends to 1 for waves that are short. With L_n = L(2 pi n / l), the kernel of a period l is Hilbert's plus the smooth
+
+    K = (2 pi / l) sum_n (L_n - 1) sin(2 pi n d / l),    Lambda = -sum_n (L_n - 1) cos(2 pi n d / l) / n,    d = x - xi,
+
+since (1/pi) int cos(k xi) ln|2 sin(pi d / l)| dxi = -cos(kx) / k.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 
+import sie
+from contact.errors import SceneError
+from contact.model.checks import of_author
+from contact.model.profiles.trigonometric import Sum
 from sie import Array, record
 
 Symbol = Callable[[Array], Array]
@@ -232,3 +246,65 @@ def _summed(series: Array, t: Array) -> Array:
     for row in series.T[:0:-1]:
         b1, b2 = row[panel] + 2 * x * b1 - b2, b1
     return np.asarray(series[:, 0][panel] + x * b1 - b2)
+
+
+# Harmonics looked at, first and at the most, and what is taken for L = 1.
+_FEWEST, _MOST_HARMONICS = 2**12, 2**16
+_ONE = 1e-15
+# Waves from which on they tell how they fall.
+_FALLING = 16
+
+
+def checked(symbol: Callable[[Array], Array], q: Array, of: str) -> Array:
+    """L(q); SceneError where it is none of a body. of: what the symbol belongs to."""
+    name = f"{of}.symbol(q)"
+    with of_author(name, of, f" for an array of shape {q.shape}"):
+        value = symbol(q.copy())
+    try:
+        found = np.asarray(value)
+    except ValueError:
+        found = np.asarray(None)
+    if found.dtype.kind not in "iuf" or found.shape != q.shape or not np.all(np.isfinite(found)):
+        at = ""
+        if found.dtype.kind in "iuf" and found.shape == q.shape:
+            at = f" (not at q = {q[~np.isfinite(found)].ravel()[0]:.6g} 1/m: exponentials that grow overflow, those that fall do not)"
+        raise SceneError.of(name, value, f"real, finite, and of the shape of q{at}")
+    if not np.all(found > 0):
+        lowest = q.ravel()[np.argmin(found)]
+        raise SceneError.of(name, float(found.min()), f"above 0: at q = {lowest:.6g} 1/m pressure would lift the surface")
+    return np.asarray(found, dtype=np.float64)
+
+
+def excess(symbol: Callable[[Array], Array], period: float, of: str) -> Array:
+    """L_n - 1, n = 1, 2, ..., up to the last that is not zero. SceneError where the symbol is none of a body."""
+    count = _FEWEST
+    while True:
+        q = np.asarray(2 * np.pi / period * np.arange(1, count + 1), dtype=np.float64)
+        found = checked(symbol, q, of)
+        off = np.asarray(found - 1.0, dtype=np.float64)
+        seen = np.flatnonzero(np.abs(off) > _ONE)
+        if len(seen) == 0 or seen[-1] < 0.9 * count:
+            return off[: seen[-1] + 1] if len(seen) else np.zeros(0)
+        if count >= _MOST_HARMONICS:
+            raise SceneError.of(
+                f"{of}.symbol(q)", float(found[-1]), f"1 for short waves: to {_ONE:.0e} from harmonic {_MOST_HARMONICS} of the period on"
+            )
+        count *= 4
+
+
+def _waves(sums: Sum, period: float, x: Array, xi: Array) -> Array:
+    """A trigonometric sum of x - xi."""
+    turns = np.asarray((x - xi) / period)
+    return sums(turns.ravel()).reshape(turns.shape)
+
+
+def kernel_of(excess: Array, period: float) -> sie.Kernel:
+    """The kernel of a scaled period."""
+    plain = sie.hilbert(period)
+    if len(excess) == 0:
+        return plain
+    n = np.arange(1, len(excess) + 1)
+    value, potential = (Sum.of(np.asarray(c, dtype=np.complex128)) for c in (-2j * np.pi / period * excess, -excess / n))
+    # The harmonics fall by so much as exp(-2 pi n length / l) does; but for a few of them there is no telling.
+    length = -np.log(_ONE) * period / (2 * np.pi * len(excess)) if len(excess) >= _FALLING else np.inf
+    return plain + sie.Smooth(partial(_waves, value, period), partial(_waves, potential, period), of_lag=True, length=float(length))

@@ -1,0 +1,108 @@
+"""The controls that are fields of a scene: load, mean pressure, approach, part of the period in contact, half width."""
+
+from dataclasses import dataclass
+from typing import Any
+
+from contact.errors import SceneError
+from contact.model.controls.base import TURNING, Control, Held, Quantity
+from contact.model.registry import register_control
+
+
+@register_control("load")
+@dataclass(frozen=True)
+class Load(Control):
+    """Load [N/m], per period where there is one."""
+
+    unit = "N/m"
+
+    def signed(self, scene: Any) -> bool:
+        return bool(scene.law.pulls)
+
+    def held(self, scene: Any) -> Held:
+        return Held(Quantity.LOAD, self.value)
+
+
+@register_control("mean_pressure")
+@dataclass(frozen=True)
+class MeanPressure(Control):
+    """Load over the profile's period [Pa]."""
+
+    unit = "Pa"
+
+    def signed(self, scene: Any) -> bool:
+        return bool(scene.law.pulls)
+
+    def check(self, scene: Any) -> None:
+        if scene.profile.period is None:
+            raise SceneError.of(self.name, self.value, "left out: without a period there is no mean pressure")
+
+    def held(self, scene: Any) -> Held:
+        return Held(Quantity.LOAD, self.value * scene.profile.period)
+
+
+@register_control("approach")
+@dataclass(frozen=True)
+class Approach(Control):
+    """Approach [m]; needs a datum where nothing repeats."""
+
+    unit = "m"
+
+    def signed(self, scene: Any) -> bool:
+        # A turned body touches at some other place than its lowest: there the approach counts from there. Adhesion bears tension.
+        return bool(scene.turned or scene.law.pulls)
+
+    def check(self, scene: Any) -> None:
+        if not scene.operator.has_approach:
+            allowed = f"left out, or {scene.interaction.name} given a datum: without one a {scene.substrate.name} has no approach"
+            raise SceneError.of(self.name, self.value, allowed)
+
+    def held(self, scene: Any) -> Held:
+        return Held(Quantity.APPROACH, self.value)
+
+
+@register_control("contact_fraction")
+@dataclass(frozen=True)
+class ContactFraction(Control):
+    """Width in contact over the period [1], above 0 and at most 1."""
+
+    def check(self, scene: Any) -> None:
+        if self.value > 1.0:
+            raise SceneError.of(self.name, self.value, "above 0 and at most 1")
+        if scene.is_flat:
+            allowed = f"left out: {scene.profile.name} has no slope, any load has its width; give a load"
+            raise SceneError.of(self.name, self.value, allowed)
+
+    def held(self, scene: Any) -> Held:
+        return Held(Quantity.WIDTH, self.value * scene.profile.period)
+
+
+@register_control("half_width")
+@dataclass(frozen=True)
+class HalfWidth(Control):
+    """Half width [m]."""
+
+    unit = "m"
+
+    def check(self, scene: Any) -> None:
+        profile = scene.profile
+        if scene.turned:
+            turning = next(name for name in TURNING if getattr(scene, name) is not None)
+            allowed = "0 or left out with half_width, which means one zone about x = 0"
+            raise SceneError.of(turning, getattr(scene, turning), allowed)
+        if not profile.symmetric:
+            self._refuse(f"left out: it means one zone about x = 0, and {profile.name} is not known to be symmetric")
+        if profile.period is not None and not self.value < 0.5 * profile.period:
+            self._refuse(f"less than half the period, {0.5 * profile.period:.17g}")
+        if profile.support is None:
+            return
+        reach = profile.support[1]
+        if self.value >= reach:
+            self._refuse(f"less than the profile's own, {reach:.17g}, with which any load from some on is borne")
+        if scene.is_flat_between(-self.value, self.value):
+            self._refuse(f"left out: {profile.name} has no slope, any load has its half width {reach:.17g}; give a load")
+
+    def _refuse(self, allowed: str) -> None:
+        raise SceneError.of(self.name, self.value, allowed)
+
+    def held(self, scene: Any) -> Held:
+        return Held(Quantity.HALF_WIDTH, self.value)

@@ -1,0 +1,66 @@
+"""What all else is made of: arrays by what they hold, classes of named fields, and what copies keep of an object."""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, TypeVar, dataclass_transform
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+Index = NDArray[np.intp]
+Mask = NDArray[np.bool_]
+T = TypeVar("T")
+
+
+@dataclass_transform(frozen_default=True, eq_default=False, field_specifiers=(field,))
+def record(cls: type[T]) -> type[T]:
+    """Make a class of its annotated fields: a data class that nobody changes, and that equals itself alone.
+
+    Type checkers see that no field is set again. Nothing looks while the program runs: a frozen data class takes three times as long
+    to be made, and its instances twice, where many are made in every Newton step and in every import.
+
+    Parameters
+    ----------
+    cls : type
+        A class of fields with annotations, as for ``dataclasses.dataclass``.
+
+    Returns
+    -------
+    type
+        The same class, with ``__init__``.
+
+    Examples
+    --------
+    >>> import sie
+    >>> @sie.record
+    ... class Place:
+    ...     zone: int
+    ...     coordinate: float = 0.0
+    >>> Place(2).coordinate
+    0.0
+    """
+    return dataclass(eq=False, repr=False)(cls)
+
+
+class Kept:
+    """Base of classes whose cached properties follow from their fields, bit for bit, whenever they are asked for again.
+
+    Examples
+    --------
+    >>> import pickle, sie
+    >>> zones = sie.Zones.of([[0.0, 1.0]])
+    >>> zones.half.tolist(), "half" in pickle.loads(pickle.dumps(zones)).__dict__
+    ([0.5], False)
+    """
+
+    def __getstate__(self) -> Any:
+        state: Any = super().__getstate__()
+        if isinstance(state, tuple):  # of a class with slots
+            return self._fields_of(state[0] or {}), state[1]
+        return state and self._fields_of(state)
+
+    def _fields_of(self, values: dict[str, Any]) -> dict[str, Any]:
+        cls = type(self)
+        return {name: value for name, value in values.items() if not isinstance(getattr(cls, name, None), cached_property)}
