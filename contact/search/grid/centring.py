@@ -15,11 +15,11 @@ from itertools import pairwise
 from typing import Protocol, TypeVar
 
 # Miss over the room beside the borders, and over a cell, that does not matter; cells that a bracket without a rest is narrowed to.
-_CENTRED, _CELL, _NARROW = 3e-3, 0.1, 0.5
+_CENTRED, _CELL, _NARROW = 3e-3, 0.1, 0.25
 # The same beside a jump that may be one of the grid alone.
-_NEARLY = 0.02
+_NEARLY = 0.03
 # Looks at the most; how much farther than a secant, and than the last step, one goes; and cells of a step at the least.
-_LOOKS, _BEYOND, _LONGER, _SHORTEST = 20, 1.25, 3.0, 2.0
+_LOOKS, _BEYOND, _LONGER, _SHORTEST = 24, 1.25, 4.0, 0.1
 
 
 class Unrest(Enum):
@@ -28,6 +28,8 @@ class Unrest(Enum):
     BORDER = "a contact zone reaches the border of the strip, which is cut at the widest gap of the period"
     JUMP = "no strip is centred on its zones, since one beside its border comes or goes as it is moved there"
     ASIDE = "no strip that is cut about the widest gap of the period is centred on its zones"
+    LOST = "no strip is centred on its zones where grids have one, since zones come and go beside it"
+    MANY = "the strip and its profile alone have more zones than the 64 together with which nearly full contact is solved"
 
 
 class Strip(Protocol):

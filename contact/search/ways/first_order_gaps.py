@@ -58,7 +58,7 @@ class _How:
 class Lost(Exception):
     """No gaps that lead on; why: what keeps the strip from a root."""
 
-    def __init__(self, reason: str, why: Unrest = Unrest.JUMP) -> None:
+    def __init__(self, reason: str, why: Unrest = Unrest.LOST) -> None:
         super().__init__(reason)
         self.why = why
 
@@ -296,7 +296,7 @@ class GapClosure:
                 here = replace(here, kept=before.rates)
         # The gap at a border is as wide in the angle as its intensity is large, and so goes straight with the unknowns.
         closes = float(here.closing(here.step).min()) <= -1.0
-        why = Unrest.BORDER if closes and float(here.misses[0]) < -here.room else Unrest.JUMP
+        why = Unrest.BORDER if closes and float(here.misses[0]) < -here.room else Unrest.LOST
         raise Lost("the nominal pressure did not settle", why)
 
     def _after(self, here: _Both, how: _How) -> _Both:
@@ -367,7 +367,7 @@ def _contact(turn: StripTurn, beyond: float, mean: float, table: Array, how: _Ho
             )
         except (ValueError, sie.SingularSystem) as e:
             raise Lost(str(e)) from e
-        if not free.converged:
+        if not free.converged and look == how.looks:
             raise Lost(free.reason)
         found = GapContact(turn, beyond, mean, free.density.zones.table, free.state)
         if look == how.looks:
@@ -375,6 +375,8 @@ def _contact(turn: StripTurn, beyond: float, mean: float, table: Array, how: _Ho
             return found
         pulls, overlaps = _signs(found)
         if len(pulls) == 0 and len(overlaps) == 0:
+            if not free.converged:
+                raise Lost(free.reason)
             return found
         try:
             table = united(np.concatenate((without(found.table, overlaps), pulls)), TURN, True, "gap")

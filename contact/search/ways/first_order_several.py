@@ -59,6 +59,8 @@ _ROUGHLY, _FINER, _LAST = 1e-6, 1e-2, 1e-5
 _SHARPENED, _SHARPER, _LEAST_DECAY = 2, 1e-3, 3e-16
 # Contact of more than this part of the strip is solved by its gaps; their tolerance, and that of the zones there, over the one asked for.
 _NEARLY_FULL, _OF_GAPS, _OF_ZONES = 0.8, 1e-3, 0.3
+# Zones of both that are too many for that.
+_MANY = 64
 # What is left after the last step, over what it is estimated as.
 _MARGIN = 2.0
 
@@ -133,6 +135,8 @@ class FirstOrderOfSeveral:
         rough = self._rough(grid, first, nearly_full)
         if rough.unrest is not None:
             raise self._refused(rough.unrest)
+        if nearly_full and len(rough.strip.zones) + len(rough.alone.zones) > _MANY:
+            raise self._refused(Unrest.MANY)
         if not nearly_full:
             return self._exact(self._started(grid, rough))
         try:
