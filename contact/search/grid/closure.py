@@ -32,8 +32,9 @@ from sie import Array, record
 # Cells to a shortest length of the profile, at first and in the end, bounds of how many that makes of a period at first, and the tolerance
 # of their contact.
 _CELLS, _CELLS_FINELY, _FEWEST, _MOST, _ROUGHLY = 1, 4, 2**9, 2**12, 1e-3
-# Cells that tell the room beside the border; of the finest grid. What the grid may have the miss off by, where that is little.
-_TELLING, _FINEST, _SHARP = 8, 2**14, 0.05
+# Cells that tell the room beside the border; of the finest grid. What the grid may have the miss off by, where that is little. How far the
+# centre may go from the first one, over the gap that is cut, or the room beside the borders.
+_TELLING, _FINEST, _SHARP, _REACH = 8, 2**14, 0.05, 2.0
 # Miss that is near enough, and, by the rounding of ends to parts of a cell, of each end; width of a bracket of the logarithm of the nominal
 # pressure; nominal pressures tried, and those to clear the border at first.
 _CLOSE, _END, _CLOSED, _STEPS, _CLEARINGS = 1e-3, 0.1, 1e-3, 40, 4
@@ -131,7 +132,7 @@ class ClosureGrid:
         first, reach = here.centre, max(self._cut[1], here.room)
         while True:
             here = self._closed(here.centre, here)
-            here, unrest = settled(self._closed, here, max(reach, here.room))
+            here, unrest = settled(self._closed, here, _REACH * max(reach, here.room))
             if self.points >= self.finest or (unrest is None and here.told and not finely):
                 return replace(here, unrest=unrest)
             self.points = min(4 * self.points, self.finest)

@@ -237,7 +237,7 @@ class GapClosure:
         turn = StripTurn(self.problem, centre, self._points)
         gaps = turn.gaps_of(start.strip), turn.gaps_of(start.alone)
         here = replace(self._settled(self._with(turn, pressure, *gaps, _How(_ROUGHLY, _DECAY, _ROUNDS))), kept=None)
-        following, matrix, size, decay = here.following, here.matrix, np.array([here.room, here.pressure]), _COARSER * self.tolerance
+        matrix, size, decay = here.matrix, np.array([here.room, here.pressure]), _COARSER * self.tolerance
         step = np.zeros(2)
         # Newton's steps by the exact profile and longer series, at the same rates, those of the misses put right by secants.
         for _ in range(_FINE_STEPS):
@@ -263,6 +263,10 @@ class GapClosure:
             elif largest < _SHORT:
                 decay = min(decay, self.tolerance)
             here = replace(self._on(turn, pressure, *tables), kept=here.rates)
+        if largest > _SHORT:
+            # Width and centre ask for the same there.
+            raise Lost("the steps by the exact profile come to no rest")
+        following = self._with(turn, pressure, *tables, _How(_ENDS, _DECAY, 0)).following
         zones, alone = (turn.zones_of(table) for table in tables)
         return Root(Place(np.array([turn.centre, pressure, self.load]), zones, alone), ends, left, inverse, following)
 
