@@ -106,7 +106,7 @@ class StripTurn(sie.Kept):
         cuts = np.unique(np.concatenate((cuts, panels)))
         t, weights = leggauss(_IN_CUT)
         half, middle = 0.5 * np.diff(cuts)[:, None], 0.5 * (cuts[1:] + cuts[:-1])[:, None]
-        phi, weights = (middle + half * t).ravel(), (half * weights).ravel()
+        phi, weights = np.asarray((middle + half * t).ravel()), (half * weights).ravel()
         slope = self.problem.slope(self.x(phi)) * self.half * np.sin(phi) * weights / np.pi
         # The kernel is smooth in panels ever closer to the corners: what is under it is told by its moments there.
         first, width = np.searchsorted(phi, panels[:-1]), np.diff(panels)
@@ -115,7 +115,7 @@ class StripTurn(sie.Kept):
         node = np.cos(np.pi * (np.arange(_IN_PANEL) + 0.5) / _IN_PANEL)
         moments[:, 0] *= 0.5
         slope = (moments @ chebvander(node, _IN_PANEL - 1).T * (2 / _IN_PANEL)).ravel()
-        phi = (panels[:-1, None] + 0.5 * width[:, None] * (1 + node)).ravel()
+        phi = np.asarray(panels[:-1, None] + 0.5 * width[:, None] * (1 + node), dtype=np.float64).reshape(-1)
         theta = 0.5 * np.pi * (1 - np.cos(np.pi * (np.arange(_MODES) + 0.5) / _MODES))[:, None]
         values = (1 / np.tan(0.5 * (theta + phi)) + self.half * np.sin(theta) * _rest(self.x(theta) - self.x(phi), period)) @ slope
         waves = scipy.fft.dct(values[::-1], type=2) / _MODES

@@ -256,7 +256,8 @@ class TestCentring:
         def look(centre, beside=None):
             looks.append(centre)
             touches = not walls[0] < centre < walls[1]
-            return SimpleNamespace(centre=centre, balance=balance(centre), miss=0.02 * balance(centre), room=0.1, cell=1e-4, touches=touches)
+            b = balance(centre)
+            return SimpleNamespace(centre=centre, balance=b, miss=0.02 * b, room=0.1, cell=1e-4, touches=touches)
 
         return *settled(look, look(start), reach), looks
 

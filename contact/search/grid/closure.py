@@ -45,8 +45,8 @@ _POWER, _FLATTEST, _LEAST, _LARGEST, _CLEARED = 0.8, -0.1, 2e-4, 1.0, 0.25
 
 @record
 class AtPressure:
-    """Contacts of a strip and of its profile alone about a centre under a nominal pressure, all but the contacts scaled. beside: room beside
-    both borders; widths: of the zones of both; unrest: why it is not where its centre stays."""
+    """Contacts of a strip and of its profile alone about a centre under a nominal pressure, all but the contacts scaled. beside: room
+    beside both borders; widths: of the zones of both; unrest: why it is not where its centre stays."""
 
     amplitude: float
     centre: float

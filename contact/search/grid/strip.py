@@ -69,8 +69,8 @@ class StripGrid:
             reaches = bool(pressures[0] > 0), bool(pressures[1] > 0)
             room = (float(found.zones[0, 0]) - cell[0], cell[1] - float(found.zones[-1, 1])) if len(found.zones) else (0.0, 0.0)
             excess = h * self.length * pressures / load
-            beside = [-float(more) if reached else left for more, reached, left in zip(excess, reaches, room, strict=True)]
-            return StripContact(found.zones, points, h, found.state, reaches, (beside[0], beside[1]))
+            left, right = np.where(reaches, -excess, room)
+            return StripContact(found.zones, points, h, found.state, reaches, (float(left), float(right)))
 
         def turned(theta: Array) -> Array:
             there = np.asarray(height(_placed(theta[: len(theta) // 2], middle, half)))

@@ -266,7 +266,7 @@ class GapClosure:
         if largest > _SHORT:
             # Width and centre ask for the same there.
             raise Lost("the steps by the exact profile come to no rest")
-        following = self._with(turn, pressure, *tables, _How(_ENDS, _DECAY, 0)).following
+        following = self._with(turn, pressure, tables[0], tables[1], _How(_ENDS, _DECAY, 0)).following
         zones, alone = (turn.zones_of(table) for table in tables)
         return Root(Place(np.array([turn.centre, pressure, self.load]), zones, alone), ends, left, inverse, following)
 

@@ -179,7 +179,7 @@ class FirstOrderOfSeveral:
         and these off the root."""
         rates, widths = StripRates(found, 0.0), np.diff(table_of(found), axis=1)
         fields = replace(found.fields, amplitude_rate=float(root.following[1]), centring=float(rates.approach[0] * root.following[0]))
-        unsure, told = _MARGIN * root.unsure, np.inf
+        unsure, told = _MARGIN * root.unsure, np.full(widths.shape, np.inf)
         if len(widths) == len(root.place.strip):
             told = np.abs(table_of(found) - root.place.strip) / widths + root.ends
         else:
