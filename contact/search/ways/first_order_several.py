@@ -57,8 +57,9 @@ _CLOSELY, _FINER_GRID = 1e-5, 4
 _ROUGHLY, _FINER, _LAST = 1e-6, 1e-2, 1e-5
 # How often a contact is solved more tightly than its ends ask for, and how much more, since coefficients that are left out move the ends.
 _SHARPENED, _SHARPER, _LEAST_DECAY = 2, 1e-3, 3e-16
-# Contact of more than this part of the strip is solved by its gaps; their tolerance, and that of the zones there, over the one asked for.
-_NEARLY_FULL, _OF_GAPS, _OF_ZONES = 0.8, 1e-3, 0.3
+# Contact of more than this part of the strip is solved by its gaps, of more than that by these alone; their tolerance, and that of the
+# zones there, over the one asked for.
+_NEARLY_FULL, _BY_GAPS_ALONE, _OF_GAPS, _OF_ZONES = 0.8, 0.9, 1e-3, 0.3
 # Zones of both that are too many for that.
 _MANY = 64
 # What is left after the last step, over what it is estimated as.
@@ -142,7 +143,13 @@ class FirstOrderOfSeveral:
         try:
             return self._by_gaps(self._place(grid, rough))
         except Lost as lost:
-            raise self._refused(lost.why) from lost
+            if lost.why is Unrest.BORDER or rough.widths[0] > _BY_GAPS_ALONE * self.period:
+                raise self._refused(lost.why) from lost
+            self.task.left("the closure by gaps", Missed(f"the closure by gaps did not lead on: {lost}"))
+        try:
+            return self._exact(self._started(grid, rough))
+        except NotConverged as lost:
+            raise self._refused(Unrest.LOST) from lost
 
     def _rough(self, grid: ClosureGrid, first: AtPressure, finely: bool) -> AtPressure:
         with self.task.plan.timed("coarse search"):
@@ -193,10 +200,6 @@ class FirstOrderOfSeveral:
     def _place(self, grid: ClosureGrid, fine: AtPressure) -> Place:
         strip, alone = (self.problem.units.scaled(each.zones) for each in (fine.strip, fine.alone))
         return Place(np.array([fine.centre, fine.amplitude, grid.load]), strip, alone)
-
-    def _finer(self, grid: ClosureGrid, rough: AtPressure) -> AtPressure:
-        with self.task.plan.timed("coarse search"):
-            return grid.closer(rough, _FINER_GRID * grid.points, _CLOSELY)
 
     def _from_grid(self, grid: ClosureGrid, rough: AtPressure, points: int) -> At:
         part = self.task.plan["coarse search"]
