@@ -33,8 +33,8 @@ from sie import Array, record
 # of their contact.
 _CELLS, _CELLS_FINELY, _FEWEST, _MOST, _ROUGHLY = 1, 4, 2**9, 2**12, 1e-3
 # Cells that tell the room beside the border; of the finest grid. What the grid may have the miss off by, where that is little. How far the
-# centre may go from the first one, over the gap that is cut, or the room beside the borders.
-_TELLING, _FINEST, _SHARP, _REACH = 8, 2**14, 0.05, 2.0
+# centre may go from the first one, over the gap that is cut, or the room beside the borders, and over the period.
+_TELLING, _FINEST, _SHARP, _REACH, _FARTHEST = 8, 2**14, 0.05, 2.0, 0.125
 # Miss that is near enough, and, by the rounding of ends to parts of a cell, of each end; width of a bracket of the logarithm of the nominal
 # pressure; nominal pressures tried, and those to clear the border at first.
 _CLOSE, _END, _CLOSED, _STEPS, _CLEARINGS = 1e-3, 0.1, 1e-3, 40, 4
@@ -113,6 +113,8 @@ class ClosureGrid:
             2 ** int(np.clip(np.ceil(np.log2(max(cells * features, 1.0))), math.log2(_FEWEST), math.log2(most)))
             for cells, most in ((_CELLS, _MOST), (_CELLS_FINELY, _FINEST))
         )
+        # A body between corners is never cut.
+        self.farthest = self.period * (_FARTHEST if profile.support is None else 1.0)
         # How the miss goes with the logarithm of the nominal pressure.
         self.rate = -_POWER
 
@@ -132,7 +134,7 @@ class ClosureGrid:
         first, reach = here.centre, max(self._cut[1], here.room)
         while True:
             here = self._closed(here.centre, here)
-            here, unrest = settled(self._closed, here, _REACH * max(reach, here.room))
+            here, unrest = settled(self._closed, here, min(_REACH * max(reach, here.room), self.farthest))
             if self.points >= self.finest or (unrest is None and here.told and not finely):
                 return replace(here, unrest=unrest)
             self.points = min(4 * self.points, self.finest)
