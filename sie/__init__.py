@@ -5,9 +5,8 @@ from typing import TYPE_CHECKING, Any
 from sie.fast import lazy
 
 if TYPE_CHECKING:
-    from sie.basis.data import Array, Complex, Index, Kept, Mask, record
+    from sie.basis.data import Array, Complex, Index, Kept, Mask, nearest_image, record, wrapped
     from sie.basis.kernels import Kernel, Smooth, cauchy, hilbert, images
-    from sie.basis.places import nearest_image, wrapped
     from sie.basis.zones import BOUNDED, FREE, SINGULAR, End, Zones, free_with_intensity
     from sie.collocation.fixed import SingularSystem, State, solve_fixed
     from sie.density.density import Density
@@ -46,9 +45,8 @@ __all__ = [
 # Loaded when they are first asked for: a program that needs a zone does not load the search for ends. The imports above, for readers and
 # type checkers, say the same.
 _HOMES = {
-    "sie.basis.data": "Array Complex Index Kept Mask record",
+    "sie.basis.data": "Array Complex Index Kept Mask nearest_image record wrapped",
     "sie.basis.kernels": "Kernel Smooth cauchy hilbert images",
-    "sie.basis.places": "nearest_image wrapped",
     "sie.basis.zones": "BOUNDED FREE SINGULAR End Zones free_with_intensity",
     "sie.collocation.fixed": "SingularSystem State solve_fixed",
     "sie.density.density": "Density",

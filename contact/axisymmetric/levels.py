@@ -335,7 +335,7 @@ def _system(levels: Sequence[Level], lattice: Lattice | None, rings: float) -> t
     sites = [_placed(level) for level in levels]
     around = []
     for own in sites:
-        views = [[_shifts(other, site) for other in sites] for site in own]
+        views = [[[(x - site[0], y - site[1]) for x, y in other] for other in sites] for site in own]
         _same_views(lattice, views)
         if kept:
             cut = lattice.cut([s for view in views[0] for s in view], kept)
@@ -349,10 +349,6 @@ def _kinds(levels: Sequence[Level], densities: Sequence[float], around: Sequence
     each = range(len(densities))
     around = around or [[Surroundings(None, own_radius(densities[i]) if i == j else share, densities[i]) for i in each] for j in each]
     return [Kind(level.profile, level.depth, n, seen) for level, n, seen in zip(levels, densities, around, strict=True)]
-
-
-def _shifts(sites: Sequence[Site], origin: Site) -> list[Site]:
-    return [(s[0] - origin[0], s[1] - origin[1]) for s in sites]
 
 
 def _same_views(lattice: Lattice, views: list[list[list[Site]]]) -> None:

@@ -10,8 +10,6 @@ and what is left is smooth, a Fourier series. The logarithms are kept apart: bes
 that is known better than x (sie.jumps.density), and everything else is `smooth`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import cached_property, partial
 from math import pi

@@ -5,16 +5,13 @@ are as exact as the series of p is. Between places where f or one of its derivat
 crowd at their ends, so that logarithms there cost no digits. The nodes are doubled until nothing changes any more.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
-from contact.formulation.apart import ApartFields
 from contact.formulation.fields import ZoneFields
-from contact.formulation.full import FullFields
+from contact.formulation.full import ApartFields, FullFields
 from contact.formulation.gaps import GapFields
 from contact.formulation.quadrature import panels
 from sie import Array

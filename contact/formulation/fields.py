@@ -13,9 +13,9 @@ from numpy.typing import ArrayLike
 
 import sie
 from contact.formulation.controls import Load
-from contact.formulation.maxima import maximum, reaches
 from contact.formulation.problem import Problem
 from contact.formulation.quadrature import over_period, panels
+from contact.formulation.roots import maximum, reaches
 from sie import Array, Index, Mask, nearest_image, record, wrapped
 
 # Zones at the most that the highest pressure is looked for in, below the sampling.

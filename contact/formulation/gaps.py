@@ -27,9 +27,9 @@ from numpy.typing import ArrayLike
 import sie
 from contact.formulation import zone_loads
 from contact.formulation.fields import ROUGHLY, mean_shape, moved_ends
-from contact.formulation.maxima import maximum
 from contact.formulation.problem import Problem
 from contact.formulation.relief import ScaledRelief
+from contact.formulation.roots import maximum
 from contact.formulation.tables import gaps_between
 from sie import Array, Index, record
 

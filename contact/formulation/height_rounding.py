@@ -4,8 +4,6 @@ Over an interval the height rises by the integral of the slope. What is missing 
 where the rise is larger; of a height and a slope that do not go together it grows with them.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

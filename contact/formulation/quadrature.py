@@ -1,7 +1,5 @@
 """Gauss's rule over a period, and with nodes that crowd at both ends of a panel, so that logarithms and powers there cost no digits."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 
 import numpy as np

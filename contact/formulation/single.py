@@ -9,8 +9,6 @@ The first is Shtaerman's (1949); the second follows from it by the map tan u, wh
 levels from the equilibrium measure of the zone. Localization adds its correction (16). Newton has little left to do.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,10 +1,10 @@
-"""Tables of zones or intervals (n, 2), ascending, on a line that may repeat: rows moved by whole periods, and what lies between them."""
-
-from __future__ import annotations
+"""Tables of zones or intervals (n, 2), ascending, on a line that may repeat: rows moved by whole periods, and what lies between them;
+and runs of samples that are alike.
+"""
 
 import numpy as np
 
-from sie import Array
+from sie import Array, Mask
 
 # Of the widest gap.
 _WIDE = 0.1
@@ -37,3 +37,9 @@ def parted_at_wide(table: Array, period: float) -> Array:
     ahead, behind = table[last + 1 :], table[: last + 1]
     few_behind = middle[last] - table[0, 0] < table[-1, 1] - middle[last]
     return np.concatenate((ahead, behind + period) if few_behind else (ahead - period, behind))
+
+
+def runs_of(flags: Mask) -> list[tuple[int, int]]:
+    """First and last index of every run of True."""
+    change = np.flatnonzero(np.diff(np.concatenate(([False], flags, [False])).astype(np.int8)))
+    return [(int(s), int(e) - 1) for s, e in zip(change[::2], change[1::2], strict=True)]

@@ -1,7 +1,5 @@
 """What lengths, slopes, pressures and loads are counted in."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

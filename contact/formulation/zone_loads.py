@@ -14,8 +14,6 @@ Rounding leaves about 1e-16 of the mean pressure times a zone's width, and of th
 a zone of a millionth of its neighbours' gaps loses some ten digits of its load.
 """
 
-from __future__ import annotations
-
 from math import pi
 
 import numpy as np

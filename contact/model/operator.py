@@ -185,7 +185,9 @@ class Operator(sie.Kept):
         if not self.is_periodic or kernel.regular_potential is None or self.is_half_plane:
             return kernel
         assert period is not None
-        return replace(kernel, regular_potential=partial(_lowered, kernel.regular_potential, _mean_beyond(kernel, period)))
+        # Over a period Hilbert's has no mean.
+        mean = float(_beyond(kernel, period, period * (np.arange(_PLACES) + 0.5) / _PLACES).mean())
+        return replace(kernel, regular_potential=partial(_lowered, kernel.regular_potential, mean))
 
     @property
     def own_columns(self) -> bool:
@@ -302,11 +304,6 @@ def smooth_potential(kernel: sie.Kernel, lag: Array) -> Array:
     if kernel.regular_potential is not None:
         out += kernel.regular_potential(np.asarray(lag), np.zeros(1))
     return out
-
-
-def _mean_beyond(kernel: sie.Kernel, period: float) -> float:
-    """Mean over a period of a kernel's potential: Hilbert's has none."""
-    return float(_beyond(kernel, period, period * (np.arange(_PLACES) + 0.5) / _PLACES).mean())
 
 
 _INSIDE = 1 - 1e-15

@@ -10,13 +10,11 @@ logarithm, so f must rise faster than tilt x on both sides. Looked at from decad
 not given, some tilt must do: f must not fall faster than all straight lines on either side, and f(x) + f(-x) must rise.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from contact.errors import OutOfRange
 from contact.formulation.full import period_samples
-from contact.formulation.runs import runs_of
+from contact.formulation.tables import runs_of
 from contact.model.controls import Quantity
 from contact.model.profiles.base import Profile
 from contact.model.scene import Scene

@@ -11,8 +11,6 @@ A way leads to the contact, or is left with the reason; the first refusal is rai
 there is no contact at all.
 """
 
-from __future__ import annotations
-
 from contact.errors import OutOfRange
 from contact.extras import require
 from contact.model.controls import Quantity

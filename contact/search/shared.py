@@ -1,7 +1,5 @@
 """What solves of one scene under many controls have in common: found when first asked for, and once."""
 
-from __future__ import annotations
-
 from functools import cached_property
 
 import sie

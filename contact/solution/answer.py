@@ -14,7 +14,7 @@ import sie
 from contact.errors import SceneError
 from contact.formulation.energy import Fields, elastic_energy
 from contact.formulation.fields import ZoneFields
-from contact.formulation.maxima import maximum
+from contact.formulation.roots import maximum
 from contact.formulation.tables import begun_from
 from contact.model.checks import real
 from contact.model.controls import Quantity
@@ -272,13 +272,13 @@ def peaks(scene: Scene, zones: Array, pressure_at: Callable[[Array, int], Array]
             found[zone] = np.inf
             continue
         count = int(min(_ANGLES + _PER_FEATURE * (right - left) / resolution, _MOST))
+
+        def over_angle(angle: Array, zone: int = zone) -> Array:
+            return pressure_at(np.clip(np.cos(angle), -1.0, 1.0), zone)
+
         # A zone's pressure is smooth in the angle.
-        found[zone] = maximum(_in_angle(pressure_at, zone), np.linspace(0.0, np.pi, count + 1), levels=7)[1]
+        found[zone] = maximum(over_angle, np.linspace(0.0, np.pi, count + 1), levels=7)[1]
     return found
-
-
-def _in_angle(pressure_at: Callable[[Array, int], Array], zone: int) -> Callable[[Array], Array]:
-    return lambda angle: pressure_at(np.clip(np.cos(angle), -1.0, 1.0), zone)
 
 
 def _tips(scene: Scene) -> Array:

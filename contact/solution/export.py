@@ -47,10 +47,11 @@ _FIELDS = {
 
 def to_dict(solution: Answer) -> dict[str, Any]:
     """The solution's zones and numbers as JSON has them: floats, strings, lists, dictionaries and None."""
+    turns = any(getattr(solution.scene, name) is not None for name in TURNING)
     values = {
         **{name: getattr(solution, name) for name in UNITS if name != "rotational_stiffness"},
         # One more solution: worth it only where turning is what the scene is about.
-        "rotational_stiffness": solution.rotational_stiffness if _is_about_turning(solution.scene) else None,
+        "rotational_stiffness": solution.rotational_stiffness if turns else None,
         "certificate": solution.certificate.to_dict(),
         "plan": solution.plan.to_dict(),
         "warnings": everything(solution),
@@ -60,10 +61,6 @@ def to_dict(solution: Answer) -> dict[str, Any]:
         "version": version(),
     }
     return {key: plain(value) for key, value in values.items()}
-
-
-def _is_about_turning(scene: Scene) -> bool:
-    return any(getattr(scene, name) is not None for name in TURNING)
 
 
 def to_json(solution: Answer) -> str:

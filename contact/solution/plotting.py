@@ -6,14 +6,19 @@ down; the counter-face below, flat or with heights of its own, is given the disp
 zones narrow beside the stretch shown, has a second column: the same two panels close to the highest pressure.
 
 All figures are matplotlib's own, drawn by Agg without pyplot: no window, no backend and no setting is touched.
+
+In a notebook a solution is a table of its numbers, and its figure where matplotlib is installed.
 """
 
+import base64
+import io
 from collections.abc import Sequence
+from html import escape
 from typing import Any
 
 import numpy as np
 
-from contact.errors import SceneError
+from contact.errors import MissingExtra, SceneError
 from contact.extras import require
 from contact.model.units import prefix, quantity
 from contact.solution.answer import Answer
@@ -205,3 +210,33 @@ def finish(axes: Any, across: str, up: str, legend: bool = True) -> None:
     handles = dict(zip(*reversed(axes.get_legend_handles_labels()), strict=True))
     if legend and len(handles) > 1:
         axes.legend(handles.values(), handles.keys(), frameon=False, fontsize=8)
+
+
+def to_html(solution: Answer) -> str:
+    """Numbers with their units, the stated error, what the certificate says, and the figure as a picture within the page."""
+    checked = solution.certificate.to_dict()
+    rows = [
+        ("zones", str(len(solution.zones))),
+        ("load", quantity(solution.load, "N/m")),
+        ("largest pressure", quantity(solution.max_pressure, "Pa")),
+        ("mean pressure", _if_any(solution.mean_pressure, "Pa")),
+        ("approach", _if_any(solution.approach, "m")),
+        ("contact fraction", "" if solution.contact_fraction is None else f"{solution.contact_fraction:.6g}"),
+        ("stated error", f"{solution.error:.1e}"),
+        ("certificate", "holds" if checked["holds"] else f"does not hold: {checked['note']}"),
+    ]
+    lines = "".join(f"<tr><th>{escape(name)}</th><td>{escape(value)}</td></tr>" for name, value in rows if value)
+    return f"<table>{lines}</table>{_picture(solution)}"
+
+
+def _if_any(value: float | None, unit: str) -> str:
+    return "" if value is None else quantity(value, unit)
+
+
+def _picture(solution: Answer) -> str:
+    stream = io.BytesIO()
+    try:
+        plot(solution).savefig(stream, format="png", dpi=96)
+    except MissingExtra as error:
+        return f"<p>{escape(str(error))}</p>"
+    return f'<img alt="surfaces and pressure" src="data:image/png;base64,{base64.b64encode(stream.getvalue()).decode()}">'

@@ -15,7 +15,7 @@ from contact.solution.answer import Answer
 from contact.solution.validity import everything
 
 # Loaded by those who ask for them.
-_PICTURES, _PAGES, _FILES = "contact.solution.plotting", "contact.solution.html", "contact.solution.export"
+_PICTURES, _FILES = "contact.solution.plotting", "contact.solution.export"
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +73,7 @@ class Solution(Answer):
         return require(_FILES).to_xarray(self)
 
     def _repr_html_(self) -> str:
-        page: str = require(_PAGES).to_html(self)
+        page: str = require(_PICTURES).to_html(self)
         return page
 
     def zone_table(self) -> Any:

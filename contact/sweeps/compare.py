@@ -5,8 +5,6 @@ neighbours on each side kept explicitly, the scene's own where it is another, an
 One that has no solution says why and does not stop the rest.
 """
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """A curve: one scene at many values of one control, each solution from the last ones."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 

@@ -1,7 +1,5 @@
 """`contact.path`: one scene along a list of values of its control, with what happens between them."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 

@@ -1,7 +1,5 @@
 """A load path as data: a row for each load, and the events since the one before; plain types and CSV, in SI units."""
 
-from __future__ import annotations
-
 import csv
 import dataclasses
 import io

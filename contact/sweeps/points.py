@@ -1,7 +1,5 @@
 """What a solution is as one point of a curve: its numbers by name, each in its SI unit."""
 
-from __future__ import annotations
-
 from math import nan
 
 from contact.solution.answer import Answer

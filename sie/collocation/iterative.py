@@ -15,9 +15,8 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from sie.basis import chebyshev
-from sie.basis.data import Array, Index, record
+from sie.basis.data import Array, Index, numbered, record
 from sie.basis.interval import Outside, edge_scale, mean_potential
-from sie.basis.places import numbered
 from sie.basis.zones import Zones
 from sie.collocation import modes
 from sie.collocation.modes import felt

@@ -63,7 +63,8 @@ def coupled(zones: Zones, kernel: Kernel, tolerance: float, least: int | Index) 
     """Coupled modes per zone so that rho^m is below the tolerance at the nearest foreign end; at least `least`."""
     by = decay(zones, kernel)
     want = np.where(by < _ALONE, -np.log(tolerance) / np.maximum(by, 1e-3), 0.0)
-    return _at_least(COUPLED_SIZES[: np.searchsorted(COUPLED_SIZES, most(kernel)) + 1], np.maximum(np.minimum(want, _MOST), least))
+    sizes = COUPLED_SIZES[: np.searchsorted(COUPLED_SIZES, most(kernel)) + 1]
+    return sizes[np.minimum(np.searchsorted(sizes, np.maximum(np.minimum(want, _MOST), least)), len(sizes) - 1)]
 
 
 def decay(zones: Zones, kernel: Kernel) -> Array:
@@ -78,10 +79,6 @@ def gaps(zones: Zones, kernel: Kernel) -> tuple[Array, Array]:
     shifts = [s for s in kernel.poles if s > 0]
     border = min(shifts) - (zones.b[-1] - zones.a[0]) if shifts else np.inf
     return np.concatenate(([border], between)), np.concatenate((between, [border]))
-
-
-def _at_least(sizes: Index, want: Array) -> Index:
-    return sizes[np.minimum(np.searchsorted(sizes, want), len(sizes) - 1)]
 
 
 @record

@@ -10,8 +10,7 @@ import numpy as np
 from scipy.linalg import lu_solve
 
 from sie.basis import chebyshev
-from sie.basis.data import Array, Index, Kept, Mask, record
-from sie.basis.places import wrapped
+from sie.basis.data import Array, Index, Kept, Mask, record, wrapped
 from sie.collocation import modes
 from sie.collocation.iterative import CoarseOperator, Iterative, IterativeSystem
 from sie.collocation.symmetry import MirrorSymmetry

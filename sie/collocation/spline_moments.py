@@ -14,8 +14,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from sie.basis.data import Array, Index
-from sie.basis.places import divided
+from sie.basis.data import Array, Index, divided
 from sie.basis.zones import Zones
 from sie.equation.equation import Forcing
 from sie.jumps.forcing import ForcingJumps

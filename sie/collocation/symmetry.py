@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from sie.basis.data import Array, Index, record
-from sie.basis.places import numbered
+from sie.basis.data import Array, Index, numbered, record
 from sie.basis.zones import Zones
 from sie.collocation.system import Layout
 

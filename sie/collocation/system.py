@@ -17,10 +17,9 @@ from functools import cached_property
 import numpy as np
 
 from sie.basis import chebyshev
-from sie.basis.data import Array, Index, record
+from sie.basis.data import Array, Index, numbered, record
 from sie.basis.interval import Outside, edge_scale, mean_potential
 from sie.basis.kernels import Kernel, regular_size
-from sie.basis.places import numbered
 from sie.basis.zones import Zones
 from sie.collocation.spline_moments import coefficients as coefficients_between
 from sie.collocation.spline_moments import many_jumps

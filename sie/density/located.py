@@ -7,10 +7,9 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from sie.basis.data import Array, Complex, Index, Kept, Mask
+from sie.basis.data import Array, Complex, Index, Kept, Mask, nearest_image, wrapped
 from sie.basis.interval import What
 from sie.basis.kernels import Kernel
-from sie.basis.places import nearest_image, wrapped
 from sie.basis.zones import Zones
 
 

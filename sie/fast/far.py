@@ -11,10 +11,9 @@ import numpy as np
 from numpy.polynomial.chebyshev import chebint, chebval
 
 from sie.basis import chebyshev
-from sie.basis.data import Array, Index, record
+from sie.basis.data import Array, Index, numbered, record
 from sie.basis.interval import Outside
 from sie.basis.kernels import Kernel
-from sie.basis.places import numbered
 from sie.basis.zones import Zones
 from sie.fast import lazy
 from sie.fast.panels import panels_over

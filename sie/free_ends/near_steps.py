@@ -36,8 +36,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sie.basis.data import Array, Mask
-from sie.basis.places import wrapped
+from sie.basis.data import Array, Mask, wrapped
 from sie.basis.zones import Zones
 from sie.equation.equation import Forcing
 

@@ -14,9 +14,8 @@ from functools import cached_property
 
 import numpy as np
 
-from sie.basis.data import Array, Index, Kept, record
+from sie.basis.data import Array, Index, Kept, numbered, record, wrapped
 from sie.basis.interval import Complex, InPlane, Outside, theta
-from sie.basis.places import numbered, wrapped
 from sie.basis.zones import Zones
 
 # Logarithms nearer than this part of a zone's half width are carried; farther ones are smooth enough.

@@ -16,9 +16,8 @@ import numpy as np
 from numpy.polynomial.polynomial import polyval
 from numpy.typing import NDArray
 
-from sie.basis.data import Array, Index, Kept, Mask, record
+from sie.basis.data import Array, Index, Kept, Mask, numbered, record
 from sie.basis.interval import LOG2, Outside, theta
-from sie.basis.places import numbered
 from sie.basis.sums import PAIRS
 
 HIGHEST = 2

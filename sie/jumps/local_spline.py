@@ -13,10 +13,9 @@ from functools import cached_property
 
 import numpy as np
 
-from sie.basis.data import Array, Index, Kept, Mask, record
+from sie.basis.data import Array, Index, Kept, Mask, divided, record
 from sie.basis.interval import Complex, InPlane, Outside, What, of_t, root_on
 from sie.basis.kernels import cauchy
-from sie.basis.places import divided
 from sie.basis.sums import pair_blocks
 from sie.fast.piecewise import PiecewiseTransform
 from sie.fast.tree import TERMS

@@ -9,10 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from sie.basis import chebyshev
-from sie.basis.data import Array, Index, Mask
+from sie.basis.data import Array, Index, Mask, wrapped
 from sie.basis.interval import Outside, edge_scale, slope_scale
 from sie.basis.kernels import Kernel, cauchy
-from sie.basis.places import wrapped
 from sie.basis.zones import Zones
 from sie.density.density import Density
 from sie.density.field import from_zones

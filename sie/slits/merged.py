@@ -10,8 +10,7 @@ from functools import cached_property
 
 import numpy as np
 
-from sie.basis.data import Array, Index, Kept, Mask, record
-from sie.basis.places import wrapped
+from sie.basis.data import Array, Index, Kept, Mask, record, wrapped
 from sie.basis.zones import Zones
 from sie.collocation.modes import gaps
 from sie.equation.conditions import BUILT_IN, Condition, ZoneTotals, for_every_zone

@@ -89,11 +89,6 @@ class Slit(Kept):
         return np.asarray(out)
 
     @cached_property
-    def total_row(self) -> Array:
-        """int s over the slit, by d."""
-        return self.means(1 / self.x_root)
-
-    @cached_property
     def mean_row(self) -> Array:
         """Mean over the wide zone of the integral of s (weight 1 / sqrt(1 - t^2)), by d."""
         middle = self.angle(np.ones(1), np.ones(1))
@@ -108,11 +103,6 @@ class Slit(Kept):
 def off_slit(excess: Array, sign: float, d: Array) -> Array:
     """(1/pi) PV int sigma / (t - tau) of T_l / sqrt series d, off the slit: at |z| - 1 = excess on the side `sign`."""
     return transform_of(*chebyshev.bounded_part(d[None]), Outside(sign, excess), np.zeros(len(excess), dtype=np.intp))
-
-
-def off_slit_rows(excess: Array, sign: float, count: int) -> Array:
-    """What each of `count` terms does off the slit: (points, count)."""
-    return Outside(sign, excess).transforms(count)
 
 
 def _within(jumps: ForcingJumps, zone: int, start: Array, length: Array) -> tuple[Index, ForcingJumps]:
@@ -244,14 +234,15 @@ class Slits(Kept):
             for j, other in enumerate(self.slits):
                 columns = slice(self.offset[j], self.offset[j + 1])
                 if i == j:
-                    matrix[self.offset[i], columns] = slit.total_row
+                    # The integral of s over the slit.
+                    matrix[self.offset[i], columns] = slit.means(1 / slit.x_root)
                     matrix[rows, columns] = np.eye(slit.modes, slit.modes + 1, 1)
                     continue
                 if j < i:
                     away, sign = self.start[i] - self.stop[j] + slit.width * left, 1.0
                 else:
                     away, sign = self.start[j] - self.stop[i] + slit.width * right, -1.0
-                matrix[rows, columns] = -chebyshev.project_rows(off_slit_rows(away / other.width, sign, other.modes + 1))
+                matrix[rows, columns] = -chebyshev.project_rows(Outside(sign, away / other.width).transforms(other.modes + 1))
         lu, pivots = lu_factor(matrix, check_finite=False)
         return lu, pivots
 

@@ -388,7 +388,7 @@ def test_a_worker_of_a_cluster_that_is_killed_loses_no_point_and_what_was_done_i
 
 def test_an_address_at_which_nothing_answers_is_refused_by_name(monkeypatch):
     pytest.importorskip("distributed")
-    monkeypatch.setattr("contact.sweeps.sweep.cluster._PATIENCE", "0.2s")
+    monkeypatch.setattr("contact.sweeps.sweep.processes._PATIENCE", "0.2s")
     for address in ("tcp://127.0.0.1:9", "nowhere", 3):
         with pytest.raises(contact.SceneError, match="scheduler"):
             contact.sweep(WAVE, {"control.load": [1e-3]}, address)

@@ -15,8 +15,8 @@ from contact.formulation.direct.ends import Ends, arcosh_over
 from contact.formulation.direct.series import summed, table
 from contact.formulation.fields import ZoneFields, mean_shape
 from contact.formulation.full import lowest
-from contact.formulation.maxima import maximum
 from contact.formulation.problem import Problem
+from contact.formulation.roots import maximum
 from contact.formulation.units import Units
 from contact.model.scene import Scene
 from sie import Array, nearest_image

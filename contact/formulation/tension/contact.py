@@ -15,8 +15,8 @@ from contact.errors import NotConverged
 from contact.formulation.controls import Control
 from contact.formulation.equilibria import NoState
 from contact.formulation.fields import ZoneFields
-from contact.formulation.maxima import reaches
-from contact.formulation.runs import runs_of
+from contact.formulation.roots import reaches
+from contact.formulation.tables import runs_of
 from contact.formulation.tension.intervals import fitted, interval_of, places
 from contact.formulation.tension.pulled import Pulled
 from sie import Array, Mask

@@ -1,7 +1,5 @@
 """Fields of a contact with a constant tension beside it: of q = p + s on the intervals where s pulls, and what they are in SI units."""
 
-from __future__ import annotations
-
 from functools import cached_property
 from typing import Any
 

@@ -1,13 +1,10 @@
 """The algebra of intervals of tension and of the zones within them, over a period if there is one."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from contact.errors import OutOfRange
 from contact.formulation.equilibria import Closed
-from contact.formulation.runs import runs_of
-from contact.formulation.tables import begun_from
+from contact.formulation.tables import begun_from, runs_of
 from sie import Array, Index, Mask, wrapped
 
 # Points between two zones, or in a part of an interval, at the least, and at the most.

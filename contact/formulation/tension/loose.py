@@ -1,7 +1,5 @@
 """Surfaces that pull at each other without touching: a constant tension on intervals, and no contact anywhere."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import cached_property
 

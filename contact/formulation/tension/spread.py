@@ -9,8 +9,6 @@ What is smooth is summed by Gauss's rule for mu: equal weights at the cosines of
 ln|2 sin(pi y/L)| after the poles at 0, L and -L.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

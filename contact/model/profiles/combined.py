@@ -93,7 +93,7 @@ class Combined(Profile):
 
     def facing(self, x: Array) -> dict[str, Array]:
         w = np.asarray(self.wrap(np.asarray(x, dtype=np.float64)))
-        return {"profile": self._on_profile(w), "counter": self._beneath(w)}
+        return {"profile": _onto(self.profile, w, _EPS * 8 * (np.abs(w) + abs(self.shift))), "counter": self._beneath(w)}
 
     @property
     def title(self) -> str:
@@ -222,9 +222,6 @@ class Combined(Profile):
         x = np.asarray(x, dtype=np.float64)
         off = _EPS * 8 * (np.abs(x) + abs(self.shift))
         return _onto(self.counter, self.shift - x if self.mirrored else x - self.shift, off)
-
-    def _on_profile(self, x: Array) -> Array:
-        return _onto(self.profile, x, _EPS * 8 * (np.abs(x) + abs(self.shift)))
 
     def _window_of(self, ends: Window) -> Window:
         """A stretch of the counter body as it stands."""

@@ -3,8 +3,7 @@ by."""
 
 from contact.reference.inverse.adhesive import AdhesiveDesign, adhesive_design, is_stable, second_variation
 from contact.reference.inverse.cohesive import CohesiveDesign
-from contact.reference.inverse.designed import DesignedContact, design
-from contact.reference.inverse.given import DesignedProfile
+from contact.reference.inverse.designed import DesignedContact, DesignedProfile, design
 from contact.reference.inverse.random import (
     random_adhesive_problem,
     random_cohesive_problem,

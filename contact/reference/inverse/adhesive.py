@@ -32,7 +32,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from contact.model.checks import finite, keep, positive
 from contact.model.profiles.fourier import Fourier
-from contact.reference.inverse.given import DesignedProfile, GivenZones, exp_of_power_sums
+from contact.reference.inverse.designed import DesignedProfile, GivenZones, exp_of_power_sums
 from contact.reference.inverse.product import CutProduct
 from sie import Array, Mask
 

@@ -28,7 +28,7 @@ from numpy.typing import ArrayLike, NDArray
 from contact.errors import SceneError
 from contact.model.checks import finite_or_none, keep, positive
 from contact.model.profiles.polynomial import Polynomial
-from contact.reference.inverse.given import exp_of_power_sums
+from contact.reference.inverse.designed import exp_of_power_sums
 
 Array = NDArray[np.float64]
 

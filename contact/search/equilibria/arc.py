@@ -7,8 +7,6 @@ Where an end reaches a sharp corner, or one that is held there is driven no long
 one begins with that end held, or free. If it is free but unstable it lets go, and the curve ends.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Any

@@ -1,12 +1,10 @@
 """How zones within intervals of tension change on the way from one state to another: without a jump, where a gap or a pressure is zero."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
 
-from contact.formulation.maxima import maximum
+from contact.formulation.roots import maximum
 from contact.formulation.tables import centred_on
 from contact.formulation.tension.cohesive import Cohesive, CohesivePoint
 from sie import Array

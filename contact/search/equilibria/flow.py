@@ -13,8 +13,6 @@ Newton's, over the ends that go no farther than they are let, given what the oth
 of -J, D diagonal, mu above their growth.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from contact.errors import NotConverged
@@ -67,6 +65,9 @@ def _flowed(curve: Equilibria, table: Array, value: float, sign: float) -> Point
             return here
         if move == 0.0:
             break
+        # A zone that others relieve on the way narrows anew from there.
+        relieved = here.residual > residual
+        widths, residual = np.where(relieved, here.widths, widths), np.maximum(here.residual, residual)
     raise NotConverged("the ends of zones that grow or shrink under a held control did not come to rest")
 
 
@@ -145,7 +146,7 @@ def closing(curve: Equilibria, here: Point) -> Array | None:
 
 
 def _come_apart(here: Point, widths: Array, residual: Array) -> Mask:
-    """Which zones have come apart that were so wide and so driven: the narrower they are the more they are driven."""
+    """Which zones have come apart that were so wide when they were driven least: the narrower they are the more they are driven."""
     driven = here.residual < np.minimum(-DRIVEN, 1.5 * residual)
     return np.logical_and(*np.split(driven & (here.widths < _OPENED * widths), 2))
 

@@ -3,8 +3,6 @@
 Here of adhesion without range. A zone begins where surfaces touch, and takes a width at once: every change of the zones is a jump.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
@@ -12,7 +10,7 @@ import numpy as np
 
 from contact.errors import NotConverged
 from contact.formulation.equilibria import Closed, Equilibria, Point
-from contact.formulation.maxima import maximum
+from contact.formulation.roots import maximum
 from contact.search.equilibria.arc import Step
 from contact.search.equilibria.flow import receded
 from contact.search.equilibria.growth import grown, touched

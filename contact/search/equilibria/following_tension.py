@@ -6,8 +6,6 @@ or a gap is zero. Under tension in all of a period there are no ends, and the co
 surfaces open from there where their tension comes to the stress.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
@@ -15,9 +13,8 @@ import numpy as np
 
 from contact.errors import NotConverged
 from contact.formulation.equilibria import Closed, NoState, Point
-from contact.formulation.maxima import maximum
-from contact.formulation.roots import bracketed
-from contact.formulation.runs import runs_of
+from contact.formulation.roots import bracketed, maximum
+from contact.formulation.tables import runs_of
 from contact.formulation.tension.cohesive import Cohesive, CohesivePoint, Known
 from contact.formulation.tension.contact import Covered, Lost
 from contact.formulation.tension.intervals import interval_of, joined

@@ -1,13 +1,11 @@
 """Contact from first touch on: zones advance, and where the surfaces would overlap on the way new ones begin."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from contact.errors import NotConverged
 from contact.formulation.equilibria import Equilibria, Point
-from contact.formulation.maxima import maximum
-from contact.formulation.runs import runs_of
+from contact.formulation.roots import maximum
+from contact.formulation.tables import runs_of
 from contact.search.equilibria.flow import advanced
 from contact.verify.certificate import openings
 from sie import Array

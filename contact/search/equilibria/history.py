@@ -11,8 +11,6 @@ intensity only once it has some, sqrt(width) times the tension there. To open it
 (A. A. Griffith, Phil. Trans. R. Soc. Lond. A 221, 1921, 163), and surfaces have none here.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Generator, Iterator
 from dataclasses import dataclass, field, replace
 

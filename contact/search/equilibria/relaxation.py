@@ -6,8 +6,6 @@ those of the implicit Euler method for D ds/dt = r, r the slope of the energy an
 ever nearer to Newton's. So the energy falls, and where the ends come to rest they are stable.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from contact.errors import NotConverged

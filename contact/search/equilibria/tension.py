@@ -5,17 +5,14 @@ below the reach, and they become one where it is below it all between; they are 
 of q does not press any more.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np
 
 from contact.errors import NotConverged
 from contact.formulation.equilibria import Closed, Equilibria, NoState, Point
-from contact.formulation.maxima import maximum
-from contact.formulation.runs import runs_of
-from contact.formulation.tables import gaps_between
+from contact.formulation.roots import maximum
+from contact.formulation.tables import gaps_between, runs_of
 from contact.formulation.tension.cohesive import Cohesive, CohesivePoint, Loose
 from contact.formulation.tension.contact import Covered, Lost
 from contact.formulation.tension.intervals import below, interval_of, joined, within

@@ -10,8 +10,6 @@ falls to -d, p = -d + k x^2 / 2 there, and the pressure of a lone gap, p less wh
 int p / sqrt(a^2 - x^2) dx = 0: a = 2 sqrt(d / k). Where that through a least gap falls below zero there is a zone, about as wide as that.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import field
 

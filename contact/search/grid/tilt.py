@@ -4,8 +4,6 @@ A rigid body on a rigid plane rests on the two places between which its load has
 f there has the tilt of the smallest loads. It is tried after the guess that is at hand.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from functools import partial

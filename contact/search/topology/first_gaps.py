@@ -7,9 +7,9 @@ from functools import cached_property
 import numpy as np
 
 from contact.formulation.full import NARROWEST
-from contact.formulation.maxima import maximum
 from contact.formulation.problem import Problem
 from contact.formulation.relief import ScaledRelief
+from contact.formulation.roots import maximum
 from contact.search.topology.intervals import united
 from contact.search.topology.missed import WrongTopology
 from sie import Array, Index, Mask, record

@@ -1,7 +1,5 @@
 """The algebra of intervals, be they zones or the gaps between them: parts cut out, neighbours merged, overlapping ones united."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from contact.search.topology.missed import WrongTopology

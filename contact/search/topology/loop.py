@@ -180,7 +180,9 @@ def _rounds(
             yield form.solved(free, fields, certificate, done, control, newton.tolerance)
             table, newton = ended, replace(newton, tolerance=TIGHT, near=False)
         else:
-            table, newton = _again(form, control, free, fields.state, certificate, newton, tried)
+            # What bears so little that signs tell it at last would be lost in rougher solutions.
+            known = newton.tolerance if free.state.iterated else 1.0
+            table, newton = _again(form, control, free, fields.state, certificate, replace(newton, off=known), tried)
         del fields, certificate
     raise WrongTopology(f"the number of {form.what}s did not settle", free)
 
@@ -198,7 +200,7 @@ def _loosely(
     if newton.few and put_right > FEW * len(zones):
         return form.corrected(zones, certificate), replace(newton, patient=PATIENT), put_right
     goes_on = 0 < put_right and (newton.few > 0.0 or put_right <= FEWER * failed)
-    known = 1.0 if newton.few or put_right or not free.converged else newton.tolerance
+    known = 1.0 if newton.few or not free.converged else newton.tolerance
     newton = replace(newton, tolerance=max(CLOSELY, wanted) if goes_on else wanted, few=0.0, drops=True, off=known)
     return form.corrected(zones, certificate) if put_right else zones.table, newton, put_right
 

@@ -1,7 +1,5 @@
 """What a path of surfaces that adhere is followed by: where it begins, how it goes on, and the solution where it stands."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace

@@ -8,8 +8,6 @@
 Whatever is closed stays closed: an opening without width has no intensity. So there are no new gaps within zones.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

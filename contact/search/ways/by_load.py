@@ -7,8 +7,6 @@ Upright, contact only grows with the load: the approach is concave in it, below 
 approach.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator
 

@@ -4,8 +4,6 @@ How the quantity and the zones change with the load is told by a second load bes
 differ from that of the value itself, for what the load is known to.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import replace

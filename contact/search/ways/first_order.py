@@ -6,8 +6,6 @@
 W, whose root is taken on the branch that starts at zero load and ends at the first maximum. Of several zones: first_order_several.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 

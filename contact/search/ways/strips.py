@@ -1,8 +1,6 @@
 """Contact in one strip under a nominal pressure beyond it (the localized model): the strip is centred on its zones, and the
 first-order closure takes the nominal pressure from the isolated load of the same total width."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -17,9 +17,8 @@ from contact.model.scene import Scene
 from contact.search.topology.loop import Progress
 from contact.solver import tolerance
 from contact.sweeps.sweep.chunks import Rows, chunks_of
-from contact.sweeps.sweep.cluster import Cluster
 from contact.sweeps.sweep.keys import BRANCHES, Axis, axes_of, varied
-from contact.sweeps.sweep.processes import processors, solved_here, solved_in_processes
+from contact.sweeps.sweep.processes import Cluster, processors, solved_here, solved_in_processes
 from contact.sweeps.sweep.table import Table, alone
 from sie import Mask
 
