@@ -115,9 +115,10 @@ class StripTurn(sie.Kept):
         node = np.cos(np.pi * (np.arange(_IN_PANEL) + 0.5) / _IN_PANEL)
         moments[:, 0] *= 0.5
         slope = (moments @ chebvander(node, _IN_PANEL - 1).T * (2 / _IN_PANEL)).ravel()
-        phi = np.asarray(panels[:-1, None] + 0.5 * width[:, None] * (1 + node), dtype=np.float64).reshape(-1)
+        nodes = (panels[:-1, None] + 0.5 * width[:, None] * (1 + node)).ravel()
         theta = 0.5 * np.pi * (1 - np.cos(np.pi * (np.arange(_MODES) + 0.5) / _MODES))[:, None]
-        values = (1 / np.tan(0.5 * (theta + phi)) + self.half * np.sin(theta) * _rest(self.x(theta) - self.x(phi), period)) @ slope
+        rest = self.half * np.sin(theta) * _rest(self.x(theta) - self.x(nodes), period)
+        values = (1 / np.tan(0.5 * (theta + nodes)) + rest) @ slope
         waves = scipy.fft.dct(values[::-1], type=2) / _MODES
         waves[0] *= 0.5
         return np.asarray(waves)
