@@ -114,11 +114,11 @@ class StripTurn(sie.Kept):
         moments = np.add.reduceat(chebvander(along, _IN_PANEL - 1) * slope[:, None], first, axis=0)
         node = np.cos(np.pi * (np.arange(_IN_PANEL) + 0.5) / _IN_PANEL)
         moments[:, 0] *= 0.5
-        slope = (moments @ chebvander(node, _IN_PANEL - 1).T * (2 / _IN_PANEL)).ravel()
+        carried = (moments @ chebvander(node, _IN_PANEL - 1).T * (2 / _IN_PANEL)).ravel()
         nodes = (panels[:-1, None] + 0.5 * width[:, None] * (1 + node)).ravel()
         theta = 0.5 * np.pi * (1 - np.cos(np.pi * (np.arange(_MODES) + 0.5) / _MODES))[:, None]
         rest = self.half * np.sin(theta) * _rest(self.x(theta) - self.x(nodes), period)
-        values = (1 / np.tan(0.5 * (theta + nodes)) + rest) @ slope
+        values = (1 / np.tan(0.5 * (theta + nodes)) + rest) @ carried
         waves = scipy.fft.dct(values[::-1], type=2) / _MODES
         waves[0] *= 0.5
         return np.asarray(waves)
