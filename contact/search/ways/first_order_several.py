@@ -61,7 +61,7 @@ _SHARPENED, _SHARPER, _LEAST_DECAY = 2, 1e-3, 3e-16
 # zones there, over the one asked for.
 _NEARLY_FULL, _BY_GAPS_ALONE, _OF_GAPS, _OF_ZONES = 0.8, 0.9, 1e-3, 0.3
 # Zones of both that are too many for that.
-_MANY = 64
+_MANY = 48
 # What is left after the last step, over what it is estimated as.
 _MARGIN = 2.0
 
