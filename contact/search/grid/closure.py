@@ -5,9 +5,9 @@ large a load.
 
 W: total width of the zones of the strip under a load and a nominal pressure beyond it; W0: of those of its profile alone, cut off at the
 borders of the strip, under a load. Without the nominal pressure both are the same contact, and W is the larger one of any load below it;
-under one as large as the mean of the load itself as a rule W0 is. The contact alone only grows with its load. So the root lies between,
-and a bracket holds it, as far as the strip has a contact clear of its border there. Where it has not, the bracket closes on the nominal
-pressure from which on it is clear, with W0 still the larger: then there is none. Grids are refined until they tell the gaps.
+under one far above the mean of the load W0 is. The contact alone only grows with its load. So the root lies between, and a bracket
+holds it, about every centre, whether the strip is clear of its borders there or not. The centre is where its gaps beside the two borders
+balance (contact.search.grid.centring): a root at which they are closed, or none, is a refusal. Grids are refined until they tell the gaps.
 """
 
 from __future__ import annotations
