@@ -19,7 +19,7 @@ from functools import cached_property
 
 import numpy as np
 import scipy.fft
-from numpy.polynomial.chebyshev import chebval
+from numpy.polynomial.chebyshev import chebval, chebvander
 from numpy.polynomial.legendre import leggauss
 
 import sie
@@ -29,8 +29,8 @@ from sie import Array, Index, record
 
 TURN = 2 * np.pi
 _BORDERS, _OF_SLOPE = np.array([0.0, np.pi]), np.ones(2, dtype=np.intp)
-# Of the smooth part: its modes; halvings towards the corners, nodes of a panel, and what is none.
-_MODES, _GRADED, _IN_PANEL, _BESIDE = 128, 24, 4, 1e-9
+# Of the smooth part: its modes; halvings towards the corners, nodes of a panel, and between two cuts.
+_MODES, _GRADED, _IN_PANEL, _IN_CUT = 128, 18, 18, 8
 # Angles at which the cotangent is a series.
 _SMALL = 0.05
 _KERNEL = sie.hilbert(TURN)
@@ -98,20 +98,27 @@ class StripTurn(sie.Kept):
         units, profile, period = self.problem.units, self.problem.profile, 2 * self.half
         at = (units.scaled(np.asarray(profile.breakpoints)) - self.centre + self.half) % period - self.half
         feature = (profile.feature or units.length * period / 16) / units.length
-        # As close as the profile varies, and ever closer to the corners.
-        even = np.linspace(-self.half, self.half, int(np.clip(period / feature, 512, 2**15)))[1:-1]
-        cuts = np.arccos(np.clip(-np.unique(np.concatenate((at, even))) / self.half, -1, 1))
-        beside = float(min(cuts[cuts > _BESIDE].min(), np.pi - cuts[cuts < np.pi - _BESIDE].max())) * 0.5 ** np.arange(_GRADED)
-        cuts = np.unique(np.concatenate(([0.0, np.pi], cuts, beside, np.pi - beside)))
-        t, weights = leggauss(_IN_PANEL)
+        # Cut where the profile is, as close as it varies.
+        even = np.linspace(-self.half, self.half, int(np.clip(period / feature, 512, 2**15)))
+        cuts = np.arccos(np.clip(-np.concatenate((at, even)) / self.half, -1, 1))
+        corner = 0.5 * np.pi * 0.5 ** np.arange(_GRADED)
+        panels = np.concatenate(([0.0], corner[::-1], np.pi - corner[1:], [np.pi]))
+        cuts = np.unique(np.concatenate((cuts, panels)))
+        t, weights = leggauss(_IN_CUT)
         half, middle = 0.5 * np.diff(cuts)[:, None], 0.5 * (cuts[1:] + cuts[:-1])[:, None]
-        phi, weights = (middle + half * t).ravel(), (half * weights).ravel()
-        x = self.x(phi)
-        slope = self.problem.slope(x) * self.half * np.sin(phi) * weights / np.pi
-        nodes = 0.5 * np.pi * (1 - np.cos(np.pi * (np.arange(_MODES) + 0.5) / _MODES))
-        values = np.empty(_MODES)
-        for k, theta in enumerate(nodes):
-            values[k] = slope @ (1 / np.tan(0.5 * (theta + phi)) + self.half * np.sin(theta) * _rest(self.x(theta) - x, period))
+        phi, weights = np.asarray((middle + half * t).ravel()), (half * weights).ravel()
+        slope = self.problem.slope(self.x(phi)) * self.half * np.sin(phi) * weights / np.pi
+        # The kernel is smooth in panels ever closer to the corners: what is under it is told by its moments there.
+        first, width = np.searchsorted(phi, panels[:-1]), np.diff(panels)
+        along = 2 * (phi - np.repeat(panels[:-1], np.diff(first, append=len(phi)))) / np.repeat(width, np.diff(first, append=len(phi))) - 1
+        moments = np.add.reduceat(chebvander(along, _IN_PANEL - 1) * slope[:, None], first, axis=0)
+        node = np.cos(np.pi * (np.arange(_IN_PANEL) + 0.5) / _IN_PANEL)
+        moments[:, 0] *= 0.5
+        carried = (moments @ chebvander(node, _IN_PANEL - 1).T * (2 / _IN_PANEL)).ravel()
+        nodes = (panels[:-1, None] + 0.5 * width[:, None] * (1 + node)).ravel()
+        theta = 0.5 * np.pi * (1 - np.cos(np.pi * (np.arange(_MODES) + 0.5) / _MODES))[:, None]
+        rest = self.half * np.sin(theta) * _rest(self.x(theta) - self.x(nodes), period)
+        values = (1 / np.tan(0.5 * (theta + nodes)) + rest) @ carried
         waves = scipy.fft.dct(values[::-1], type=2) / _MODES
         waves[0] *= 0.5
         return np.asarray(waves)
@@ -175,6 +182,15 @@ class StripTurn(sie.Kept):
         open_ = (bool(np.any((gaps[:, 0] < border) & (gaps[:, 1] > border))) for border in _BORDERS)
         left, right = ([] if gap else [border] for gap, border in zip(open_, _BORDERS, strict=True))
         return self.x(np.concatenate((left, ends[(ends > 0.0) & (ends < np.pi)], right)).reshape(-1, 2))
+
+
+    def of_zones(self, gaps: Array, moved: Array, centre: float = 0.0) -> Array:
+        """What motions of the ends of gaps (n, 2) in the angle, and one of the centre, do to the ends of the strip's zones, over the widths
+        of these (n, 2): of a strip with a gap at either border."""
+        ends, inside = gaps.ravel(), (gaps.ravel() > 0.0) & (gaps.ravel() < np.pi)
+        order = np.argsort(ends[inside])
+        moved = centre + (moved.ravel()[inside] * self.half * np.sin(ends[inside]))[order].reshape(-1, 2)
+        return np.asarray(np.abs(moved) / np.diff(self.zones_of(gaps)))
 
 
 def _conjugate_slope(values: Array) -> Array:

@@ -41,15 +41,20 @@ class Found(Solved):
     fields: ZoneFields
     rounded: bool = False
 
+    @property
+    def ends(self) -> Array:
+        """How far the ends may be off, over the widths of their zones (Z, 2)."""
+        return np.asarray(self.free.end_error + self.fields.state.end_truncation + self.off)
+
     @cached_property
     def error(self) -> float:
         return _stated(self)
 
 
 def _stated(found: Found) -> float:
-    free, state = found.free, found.fields.state
+    state = found.fields.state
     density = state.density
-    ends = free.end_error + state.end_truncation + found.off
+    ends = found.ends
     _, by_left, by_right = density.sensitivity
     problem = found.fields.problem
     singular, peak = _is_singular(density), _reference(density, problem.end, problem.borne(density))

@@ -24,7 +24,7 @@ OWN_SIZES = np.array(
     [8, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512, 768, 1024, 1536, 2048, 3072, 4096, 6144, 8192]
 )
 # Only below this part of the largest coefficient can a plateau be rounding.
-_NOISE = 1e-5
+_NOISE, _TO_A_PIECE = 1e-5, 4
 # Places rounded to less than this part of a zone are exact to all purposes.
 _FINE = 1e-14
 # No zone has this decay but one without neighbours.
@@ -101,7 +101,8 @@ def sample(forcing: Forcing, zones: Zones, jumps: ForcingJumps, own: Index, tole
     """
     own = own.copy()
     subtracted = np.abs(jumps.t_coefficients(zones, _LEADING)).max(axis=1)
-    bent = np.bincount(jumps.zone[jumps.order > 0], minlength=len(zones)) > 0
+    knots = np.bincount(jumps.zone[jumps.order > 0], minlength=len(zones))
+    bent = knots > 0
     bent[jumps.kinked] = False
     noise = jumps.rounding(len(zones))
     found: dict[int, Array] = {}
@@ -126,7 +127,8 @@ def sample(forcing: Forcing, zones: Zones, jumps: ForcingJumps, own: Index, tole
             for place, i in enumerate(group):
                 # A jump of g itself leaves coefficients ~ 1/n, rounding ~ 1/sqrt(n): what falls no faster is rounding.
                 slow = i in found and last[place] > tail[i] * (len(found[i]) / n) ** 0.75
-                calm[i] += slow and last[place] < _NOISE * scale[place]
+                # Nor do fewer nodes than tell the pieces between jumps show how what these leave falls.
+                calm[i] += slow and last[place] < _NOISE * scale[place] and n >= _TO_A_PIECE * knots[i]
                 found[i], tail[i] = g[place], last[place]
             grow &= calm[group] < 3
             bad = group[grow]

@@ -14,7 +14,7 @@ from contact.formulation.controls import Width
 from contact.formulation.strip_turn import StripTurn
 from contact.reference import exact
 from contact.reference.inverse import design
-from contact.search.grid.centring import Strip, Unrest, settled
+from contact.search.grid.centring import Unrest, settled
 from contact.search.topology.missed import Missed
 from contact.search.ways import first_order_several, strips
 from contact.studies import random_scenes
@@ -248,27 +248,43 @@ class TestNearFullContact:
 
 
 class TestCentring:
-    """`settled` on strips whose middle and borders are given functions of the centre."""
+    """`settled` on strips whose balance and borders are given functions of the centre."""
 
-    def settle(self, miss, walls=(-np.inf, np.inf), start=0.0):
+    def settle(self, balance, walls=(-np.inf, np.inf), start=0.0, reach=0.1):
+        looks = []
+
         def look(centre, beside=None):
+            looks.append(centre)
             touches = not walls[0] < centre < walls[1]
-            return Strip(centre, SimpleNamespace(touches_border=touches), centre + miss(centre), 0.1, 1e-4)
+            b = balance(centre)
+            return SimpleNamespace(centre=centre, balance=b, miss=0.02 * b, room=0.1, cell=1e-4, touches=touches)
 
-        return settled(look, look(start))
+        return *settled(look, look(start), reach), looks
 
-    @pytest.mark.parametrize("slope", [-0.2, -0.9, -1.8])
-    def test_the_centre_comes_to_rest_where_the_miss_changes_its_sign(self, slope):
-        there = self.settle(lambda c: slope * (c - 0.03) + (c - 0.03) ** 2)
-        assert there.unrest is None and abs(there.centre - 0.03) < 0.02
+    @pytest.mark.parametrize("slope", [-9.0, -0.9, 1.2, 2.0])
+    def test_the_centre_comes_to_rest_where_the_balance_changes_its_sign(self, slope):
+        # It falls under light loads, and grows near full contact.
+        there, unrest, looks = self.settle(lambda c: slope * (c - 0.03) + (c - 0.03) ** 2)
+        assert unrest is None and abs(there.centre - 0.03) < 0.02 and len(looks) < 15
 
-    def test_a_zone_on_the_way_that_reaches_the_border_keeps_it_from_rest(self):
-        there = self.settle(lambda c: 0.5 * (0.03 - c), walls=(-1.0, 0.01))
-        assert there.unrest is Unrest.BORDER and abs(there.centre - 0.01) < 2e-4
+    @pytest.mark.parametrize("side", [-1, 1])
+    def test_the_nearest_place_on_either_side_is_found(self, side):
+        there, unrest, _ = self.settle(lambda c: np.sin(40 * (side * c - 0.02)))
+        assert unrest is None and abs(there.centre - 0.02 * side) < 1e-3
 
-    def test_a_miss_that_jumps_over_zero_does_too(self):
-        there = self.settle(lambda c: 0.02 if c < 0.0123 else -0.02)
-        assert there.unrest is Unrest.JUMP and abs(there.centre - 0.0123) < 2e-4
+    def test_where_zones_reach_both_borders_wherever_it_is_there_is_none(self):
+        assert self.settle(lambda c: c - 0.03, walls=(-1.0, -1.0))[1] is Unrest.BORDER
+
+    def test_a_balance_that_jumps_over_zero_keeps_it_from_rest(self):
+        assert self.settle(lambda c: 0.2 if c < 0.0123 else -0.2)[1] is Unrest.JUMP
+
+    def test_what_jumps_by_little_is_left_to_the_gaps(self):
+        there, unrest, _ = self.settle(lambda c: 0.1 if c < 0.0123 else -0.2)
+        assert unrest is None and abs(there.centre - 0.0123) < 1e-3
+
+    def test_a_balance_of_one_sign_within_reach_does_too(self):
+        there, unrest, looks = self.settle(lambda c: 1.0 - c, reach=0.1)
+        assert unrest is Unrest.ASIDE and max(np.abs(looks)) <= 0.1
 
 
 class TestFirstOrderSearch:

@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 
 import contact
+import sie
 from contact.formulation.strip_turn import StripTurn
 from contact.search.grid.conjugate_gradient import Response
 from contact.search.grid.scaling import scaled_scene
 from contact.search.grid.strip import StripGrid
 from contact.search.topology.by_pressure import ByPressure
+from contact.search.ways import first_order_several
 from contact.studies.trace_kinds import drawn
 
 FIRST = contact.Localized("first-order")
@@ -33,6 +35,15 @@ class TestGrids:
                           for turns in (False, True))
         assert of_x.zones.shape == of_angle.zones.shape and of_x.reaches == of_angle.reaches
         assert np.abs(of_x.zones - of_angle.zones).max() < 2 / 2048
+
+    @pytest.mark.parametrize("turns", [False, True])
+    def test_room_beside_a_border_falls_below_zero_as_the_strip_touches_it(self, turns):
+        grid = StripGrid(Response(1.0, False), 1.0, 0.25, turns)
+        found = [grid.contact(ROUGH.height, 0.1, load, 1024, 1e-6, None) for load in np.geomspace(1e-3, 0.2, 12)]
+        for side in (0, 1):
+            room = np.array([each.beside[side] for each in found])
+            assert np.all((room < 0) == [each.reaches[side] for each in found]) and room[-1] < 0 < room[0]
+            assert np.all(np.diff(room[room > 0]) < 0)
 
     def test_a_flat_strip_is_pressed_as_by_a_punch(self):
         # p = P / (pi sqrt(h^2 - x^2)): even in the angle.
@@ -61,6 +72,12 @@ class TestRelief:
         exact = strip(profile).exact_at(angle)
         off = [np.abs(strip(profile, points).relief_at(angle) - exact).max() for points in (2**11, 2**13, 2**15)]
         assert off[1] < off[0] / 12 and off[2] < off[1] / 12
+
+    def test_series_of_a_gap_over_many_knots_are_as_long_as_they_are_asked_to_be(self):
+        # Before they tell the pieces between knots coefficients seem to have stopped falling.
+        turn = strip(drawn(np.random.default_rng(0), "plateaus", 2000), centre=1.725073)
+        gaps = sie.Zones.of([[-0.2717, 0.2717], [np.pi - 0.2717, np.pi + 0.2717]])
+        assert sie.solve_zones(turn.equation(turn.exact_at, 0.0, 0.4), gaps, 1e-12).end_truncation.max() < 1e-8
 
     def test_how_it_follows_the_centre_is_its_derivative(self):
         angle, step = np.linspace(0.0, 3.0, 40), 1e-5
@@ -104,6 +121,18 @@ class TestClosure:
         solution = contact.solve(scene)
         assert solution.certificate.holds and solution.error <= 1e-8 and solution.contact_fraction > 0.8
         assert len(calls) <= 4 and not any(calls)
+
+    def test_a_strip_that_no_centre_balances_is_refused_by_grids_alone(self, monkeypatch):
+        profile = drawn(np.random.default_rng(0), "rough", 2000)
+        monkeypatch.setattr(first_order_several, "GapClosure", None)
+        with pytest.raises(contact.OutOfRange, match="under the first-order closure"):
+            contact.solve(contact.Scene(profile, 1.0, FIRST, load=0.9 * full_load(profile)))
+
+    def test_more_zones_than_are_solved_near_full_contact_are_refused_before_that(self, monkeypatch):
+        monkeypatch.setattr(first_order_several, "GapClosure", None)
+        monkeypatch.setattr(first_order_several, "_MANY", 1)
+        with pytest.raises(contact.OutOfRange, match="more zones than"):
+            contact.solve(contact.Scene(TWO, 1.0, FIRST, load=0.97 * full_load(TWO)))
 
     @pytest.mark.slow
     def test_what_the_root_is_unsure_of_covers_what_a_closer_one_changes(self):

@@ -1,24 +1,25 @@
-"""Where a strip stays: its centre follows the middle of the outermost ends of its zones, on grids.
+"""Where a strip stays: its centre is the middle of the outermost ends of its zones, on grids.
 
-The miss, that middle less the centre, tells which way: the centre goes there until the miss changes its sign, and a bracket holds the place
-between. Two things keep it from coming to rest, and the bracket shows either: a zone reaches the border of the strip on the way, or the
-miss jumps over zero, where a zone beside the border comes or goes as the strip is moved.
+Its balance, what the gap beside its left border is more than that beside its right one, changes its sign there. Under a light load the
+middle of the zones falls behind a centre that is moved; near full contact the zone that the border is moved towards comes on faster than
+the border. So places on either side of the first one are looked at, those nearest to it first, until a bracket holds a change of sign. Two
+things keep a strip from a rest in it, and the bracket shows either: a zone reaches a border there, or the balance jumps over zero, where a
+zone beside a border comes or goes as the strip is moved.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
-from dataclasses import replace
 from enum import Enum
+from itertools import pairwise
+from typing import Protocol, TypeVar
 
-from contact.search.grid.strip import StripContact
-from sie import record
-
-# Miss over the room beside the border, and over a cell, that does not matter; cells that a bracket without a rest is narrowed to.
-_CENTRED, _CELL, _NARROW = 0.02, 0.25, 0.5
-# Looks at the most, those that may clear the border, how much longer than the miss a step may be, and the flattest fall of the miss.
-_LOOKS, _CLEARED, _LONGER, _FLATTEST = 40, 4, 8.0, -0.1
+# Miss over the room beside the borders, and over a cell, that does not matter; cells that a bracket without a rest is narrowed to.
+_CENTRED, _CELL, _NARROW = 3e-3, 0.1, 0.25
+# The same beside a jump that may be one of the grid alone.
+_NEARLY = 0.03
+# Looks at the most; how much farther than a secant, and than the last step, one goes; and cells of a step at the least.
+_LOOKS, _BEYOND, _LONGER, _SHORTEST = 24, 1.25, 4.0, 0.1
 
 
 class Unrest(Enum):
@@ -26,71 +27,75 @@ class Unrest(Enum):
 
     BORDER = "a contact zone reaches the border of the strip, which is cut at the widest gap of the period"
     JUMP = "no strip is centred on its zones, since one beside its border comes or goes as it is moved there"
+    ASIDE = "no strip that is cut about the widest gap of the period is centred on its zones"
+    LOST = "no strip is centred on its zones where grids have one, since zones come and go beside it"
+    MANY = "the strip and its profile alone have more zones than the 48 together with which nearly full contact is solved"
 
 
-@record
-class Strip:
-    """The contact of a strip about a centre. middle: of its outermost ends; room: from these to the borders, together; cell: of its grid,
-    all in one unit; unrest: why the centre does not stay, None where it does, or where that was not asked."""
-
-    centre: float
-    contact: StripContact
-    middle: float
-    room: float
-    cell: float
-    unrest: Unrest | None = None
+class Strip(Protocol):
+    """A strip about a centre. balance: see above; miss: the middle of its outermost ends less the centre; room: from these to the borders,
+    together; cell: of its grid, all in one unit."""
 
     @property
-    def miss(self) -> float:
-        return self.middle - self.centre
-
+    def centre(self) -> float: ...
     @property
-    def touches(self) -> bool:
-        return self.contact.touches_border
-
+    def balance(self) -> float: ...
     @property
-    def side(self) -> float:
-        """Negative where a zone reaches the left border alone, positive where one reaches the right one."""
-        left, right = self.contact.reaches
-        return float(right) - float(left)
-
+    def miss(self) -> float: ...
     @property
-    def rests(self) -> bool:
-        return not self.touches and abs(self.miss) <= max(_CENTRED * self.room, _CELL * self.cell)
+    def room(self) -> float: ...
+    @property
+    def cell(self) -> float: ...
+    @property
+    def touches(self) -> bool: ...
 
 
-def settled(look: Callable[[float, Strip], Strip], here: Strip) -> Strip:
-    """The strip where its centre stays, from one near by; where there is no such place, the last one on the way there, with its unrest."""
-    for _ in range(_CLEARED):
-        if here.touches:
-            here = look(here.middle, here)
-    if here.touches:
-        return replace(here, unrest=Unrest.BORDER)
-    behind: Strip | None = None
-    ahead: Strip | None = None
+Kind = TypeVar("Kind", bound=Strip)
+
+
+def settled(look: Callable[[float, Kind], Kind], here: Kind, reach: float) -> tuple[Kind, Unrest | None]:
+    """(the strip where its centre stays, from one near by, None); where there is none no farther than a reach, the last one looked at, and
+    why. look: at a centre, from another strip."""
+    passed, first = [here], here.centre
     for looks in range(_LOOKS):
-        if here.rests:
-            return here
-        if ahead is not None and abs(ahead.centre - here.centre) < _NARROW * here.cell:
-            break
-        there = look(_towards(here, behind, ahead, halved=looks % 2 == 1), here)
-        if there.rests:
-            return there
-        if there.touches or there.miss * here.miss < 0.0:
-            ahead = there
+        if _rests(here, _CENTRED, _CELL * here.cell):
+            return here, Unrest.BORDER if here.touches else None
+        jumps = [pair for pair in pairwise(passed) if pair[0].balance * pair[1].balance <= 0.0]
+        held = [(left, right) for left, right in jumps if right.centre - left.centre > _NARROW * here.cell]
+        # What jumps on a grid need not jump: that a strip beside it is nearly at rest the gaps may put right.
+        nearly = [strip for pair in jumps if pair not in held for strip in pair if _rests(strip, _NEARLY) and not strip.touches]
+        if nearly:
+            return nearly[0], None
+        if held:
+            left, right = held[0]
+            share = 0.5 if looks % 2 else min(max(left.balance / (left.balance - right.balance), 0.1), 0.9)
+            centre, near = left.centre + share * (right.centre - left.centre), left if share < 0.5 else right
         else:
-            behind, here = here, there
-    return replace(here, unrest=Unrest.BORDER if ahead is not None and ahead.touches else Unrest.JUMP)
+            centre, near = min(_outward(passed, first), key=lambda there: abs(there[0] - first))
+            if abs(centre - first) > reach:
+                break
+        here = look(centre, near)
+        passed = sorted([*passed, here], key=lambda strip: strip.centre)
+    if all(strip.touches for strip in passed):
+        return here, Unrest.BORDER
+    return here, Unrest.JUMP if any(left.balance * right.balance <= 0.0 for left, right in pairwise(passed)) else Unrest.ASIDE
 
 
-def _towards(here: Strip, behind: Strip | None, ahead: Strip | None, halved: bool) -> float:
-    """The next centre: by a secant, within the bracket, or in its middle."""
-    if ahead is not None and halved:
-        return 0.5 * (here.centre + ahead.centre)
-    if ahead is not None and not ahead.touches:
-        return here.centre + (ahead.centre - here.centre) * here.miss / (here.miss - ahead.miss)
-    rate = -1.0
-    if behind is not None:
-        rate = min((here.miss - behind.miss) / (here.centre - behind.centre), _FLATTEST)
-    longest = _LONGER * abs(here.miss) if ahead is None else 0.5 * abs(ahead.centre - here.centre)
-    return here.centre + math.copysign(min(-abs(here.miss) / rate, longest), here.miss)
+def _rests(here: Strip, part: float, least: float = 0.0) -> bool:
+    return abs(here.miss) <= max(part * here.room, least)
+
+
+def _outward(passed: list[Kind], first: float) -> list[tuple[float, Kind]]:
+    """The next centres on the left and on the right, and from which strips."""
+    out = []
+    for sign, (last, before) in ((-1.0, (passed[0], passed[min(1, len(passed) - 1)])), (1.0, (passed[-1], passed[max(-2, -len(passed))]))):
+        if last is before:
+            # Under light loads zones stay where they are.
+            way = abs(last.miss) * (1.0 if sign * last.miss > 0.0 else 2.0) * _BEYOND
+        else:
+            done = abs(last.centre - before.centre)
+            falls = (abs(before.balance) - abs(last.balance)) / done
+            longest = _LONGER * max(done, abs(last.centre - first))
+            way = min(_BEYOND * abs(last.balance) / falls, longest) if falls > 0.0 else longest
+        out.append((last.centre + sign * max(way, _SHORTEST * last.cell), last))
+    return out

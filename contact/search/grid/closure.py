@@ -5,9 +5,9 @@ large a load.
 
 W: total width of the zones of the strip under a load and a nominal pressure beyond it; W0: of those of its profile alone, cut off at the
 borders of the strip, under a load. Without the nominal pressure both are the same contact, and W is the larger one of any load below it;
-under one as large as the mean of the load itself as a rule W0 is. The contact alone only grows with its load. So the root lies between,
-and a bracket holds it, as far as the strip has a contact clear of its border there. Where it has not, the bracket closes on the nominal
-pressure from which on it is clear, with W0 still the larger: then there is none. Grids are refined until they tell the gaps.
+under one far above the mean of the load W0 is. The contact alone only grows with its load. So the root lies between, and a bracket
+holds it, about every centre, whether the strip is clear of its borders there or not. The centre is where its gaps beside the two borders
+balance (contact.search.grid.centring): a root at which they are closed, or none, is a refusal. Grids are refined until they tell the gaps.
 """
 
 from __future__ import annotations
@@ -15,13 +15,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
+from functools import cached_property, partial
 
 import numpy as np
 
 from contact.formulation.problem import Problem
 from contact.formulation.strip_turn import StripTurn
-from contact.search.grid.centring import Strip, Unrest, settled
+from contact.search.grid.centring import Unrest, settled
 from contact.search.grid.coarse import grid_height, propose
 from contact.search.grid.conjugate_gradient import Response
 from contact.search.grid.proposals import cut_of, pressed, whole_response
@@ -32,18 +32,12 @@ from sie import Array, record
 # Cells to a shortest length of the profile, at first and in the end, bounds of how many that makes of a period at first, and the tolerance
 # of their contact.
 _CELLS, _CELLS_FINELY, _FEWEST, _MOST, _ROUGHLY = 1, 4, 2**9, 2**12, 1e-3
-# Cells that tell the room beside the border, and that are none; of the finest grid. What the grid may have the miss off by: of a miss
-# that is sure, and that is little.
-_TELLING, _TOUCHING, _FINEST, _SURE, _SHARP = 8, 4, 2**14, 3.0, 0.05
+# Cells that tell the room beside the border; of the finest grid. What the grid may have the miss off by, where that is little. How far the
+# centre may go from the first one, over the gap that is cut, or the room beside the borders, and over the period.
+_TELLING, _FINEST, _SHARP, _REACH, _FARTHEST = 8, 2**14, 0.05, 2.0, 0.125
 # Miss that is near enough, and, by the rounding of ends to parts of a cell, of each end; width of a bracket of the logarithm of the nominal
-# pressure.
-_CLOSE, _END, _CLOSED = 1e-3, 0.1, 1e-3
-# Nominal pressures tried, and those to clear the border at first; of one under which the profile alone leaves no gap, the part under which
-# that is asked once more.
-_STEPS, _CLEARINGS, _LIGHTER = 40, 4, 0.95
-# Centres tried between the borders, steps of them over the room there and of the logarithm of the nominal pressure, to begin with, the
-# longest over the room, the cells that a bracket is narrowed to, and one of the nominal pressure that tells the nearer border.
-_PLACES, _ASIDE, _ASIDE_PRESSURE, _FARTHEST, _NARROW, _NEARLY = 24, 0.1, 1e-2, 4.0, 0.5, 5e-3
+# pressure; nominal pressures tried, and those to clear the border at first.
+_CLOSE, _END, _CLOSED, _STEPS, _CLEARINGS = 1e-3, 0.1, 1e-3, 40, 4
 # How the miss falls with the logarithm of the nominal pressure, as a first guess and at the least; least and largest steps of that, and
 # one away from where zones reach the border.
 _POWER, _FLATTEST, _LEAST, _LARGEST, _CLEARED = 0.8, -0.1, 2e-4, 1.0, 0.25
@@ -51,33 +45,40 @@ _POWER, _FLATTEST, _LEAST, _LARGEST, _CLEARED = 0.8, -0.1, 2e-4, 1.0, 0.25
 
 @record
 class AtPressure:
-    """Contacts of a strip and of its profile alone under a nominal pressure, all but the contacts scaled. widths: of the zones of both."""
+    """Contacts of a strip and of its profile alone about a centre under a nominal pressure, all but the contacts scaled. beside: room
+    beside both borders; widths: of the zones of both; unrest: why it is not where its centre stays."""
 
     amplitude: float
-    placed: Strip
+    centre: float
+    strip: StripContact
     alone: StripContact
+    beside: tuple[float, float]
     widths: tuple[float, float]
     period: float
+    cell: float
+    unrest: Unrest | None = None
 
     @property
-    def centre(self) -> float:
-        return self.placed.centre
+    def touches(self) -> bool:
+        return self.strip.touches_border
 
     @property
-    def strip(self) -> StripContact:
-        return self.placed.contact
-
-    @property
-    def unrest(self) -> Unrest | None:
-        return self.placed.unrest
-
-    @property
-    def reaches(self) -> bool:
-        """Whether a zone of the strip reaches its border."""
-        return self.unrest is Unrest.BORDER
+    def room(self) -> float:
+        return max(self.beside[0], 0.0) + max(self.beside[1], 0.0)
 
     @property
     def miss(self) -> float:
+        """Of the middle of the outermost ends, less the centre."""
+        return 0.5 * (self.beside[0] - self.beside[1])
+
+    @property
+    def balance(self) -> float:
+        """The same by the angle of the strip up to which the gaps at its borders reach: these go straight with what is not known."""
+        left, right = (math.copysign(math.sqrt(abs(room) / self.period), room) for room in self.beside)
+        return left - right
+
+    @property
+    def wider(self) -> float:
         """By how much the strip's total width is larger than that of the profile alone: of what is in contact to what is not, the
         logarithm; -inf where the profile alone leaves no gap."""
         width, alone = self.widths
@@ -87,9 +88,14 @@ class AtPressure:
 
     @property
     def blur(self) -> float:
-        """What the grid may have the miss off by."""
-        least = min(min(width, max(self.period - width, self.placed.cell)) for width in self.widths)
-        return _END * self.placed.cell * 2 * (len(self.strip.zones) + len(self.alone.zones)) / least
+        """What the grid may have that off by."""
+        least = min(min(width, max(self.period - width, self.cell)) for width in self.widths)
+        return _END * self.cell * 2 * (len(self.strip.zones) + len(self.alone.zones)) / least
+
+    @property
+    def told(self) -> bool:
+        """Whether the grid tells the gaps."""
+        return self.room >= _TELLING * self.cell and self.blur <= _SHARP
 
 
 class ClosureGrid:
@@ -107,184 +113,86 @@ class ClosureGrid:
             2 ** int(np.clip(np.ceil(np.log2(max(cells * features, 1.0))), math.log2(_FEWEST), math.log2(most)))
             for cells, most in ((_CELLS, _MOST), (_CELLS_FINELY, _FINEST))
         )
+        # A body between corners is never cut.
+        self.farthest = self.period * (_FARTHEST if profile.support is None else 1.0)
         # How the miss goes with the logarithm of the nominal pressure.
         self.rate = -_POWER
 
     def first(self) -> AtPressure:
         """The contacts under a nominal pressure that is the mean of the load, or a larger one, under which the strip is clear of its
         border."""
-        centre = self._first_centre()
-        here = self._at(self.load / self.period, centre, None)
+        here = self._held(self.load / self.period, self._cut[0], None)
         for _ in range(_CLEARINGS):
-            if here.unrest is None:
+            if not here.touches:
                 break
-            here = self._at(here.amplitude * math.exp(_CLEARED), centre, here)
+            here = self._held(here.amplitude * math.exp(_CLEARED), here.centre, here)
         return here
 
     def root(self, here: AtPressure, finely: bool) -> AtPressure:
-        """The contacts at the root, roughly, from some; with the strip's unrest, where it has none: then the profile alone is in wider
-        contact wherever the strip is clear of its border. finely: on the finest grids, even where a coarse one has a root."""
-        found, clear = self._followed(here)
-        while self.points < self.finest and (finely or found.unrest is not None):
-            # What a coarse grid tells is the beginning of what a finer one does.
-            if found.unrest is not None and clear is None:
-                return found
+        """The contacts at the root, roughly, from some near by; or the last ones looked at, with the strip's unrest, where it has none.
+        finely: on the finest grids, even where a coarse one tells all."""
+        first, reach = here.centre, max(self._cut[1], here.room)
+        while True:
+            here = self._closed(here.centre, here)
+            here, unrest = settled(self._closed, here, min(_REACH * max(reach, here.room), self.farthest))
+            if self.points >= self.finest or (unrest is None and here.told and not finely):
+                return replace(here, unrest=unrest)
             self.points = min(4 * self.points, self.finest)
-            beside = found if found.unrest is None or clear is None else clear
-            found, clear = self._followed(self._at(beside.amplitude, beside.centre, beside))
-        if found.unrest is None or clear is None or clear.placed.room < _TOUCHING * clear.placed.cell:
-            return found
-        return self._balanced(clear)
+            here = replace(here, centre=here.centre if unrest is None else first)
 
-    def _followed(self, here: AtPressure) -> tuple[AtPressure, AtPressure | None]:
-        """(the root, or where its search ends, the last contacts with a strip clear of its border on the way): the centre of the strip
-        follows its zones under every nominal pressure."""
-        low, high = 0.0, math.inf
-        last: AtPressure | None = None
-        # The last ones that are too wide alone, and those that are not, or not clear of the border.
-        wide: AtPressure | None = None
-        lost: AtPressure | None = None
+    def _closed(self, centre: float, near: AtPressure) -> AtPressure:
+        """The contacts about a centre under the nominal pressure under which both are as wide, whether the strip is clear of its border
+        or not: there always is one."""
+        low, high, here, last = 0.0, math.inf, self._held(near.amplitude, centre, near), None
         for _ in range(_STEPS):
-            if here.unrest is None and abs(here.miss) <= max(_CLOSE, here.blur):
-                return here, here
-            if here.unrest is None and here.miss < 0.0:
-                high, wide = here.amplitude, here
-            else:
-                # A smaller nominal pressure lets the zones at the border grow.
-                low, lost = here.amplitude, here
-            shut = low > 0.0 and math.log(high / low) < _CLOSED
-            if lost is not None and (shut or (lost.reaches and wide is not None and self._covers(lost))):
-                return lost, wide
-            step = self._step(here, last, low, high)
-            last = None if here.unrest is not None else here
-            here = self._at(here.amplitude * math.exp(step), (wide or here).centre, wide or here)
-        return replace(here, placed=replace(here.placed, unrest=here.unrest or Unrest.JUMP)), wide
-
-    def _covers(self, here: AtPressure) -> bool:
-        """Whether the profile alone leaves no gap, under clearly less load neither: no strip clear of its border is then as wide."""
-        if not math.isinf(here.miss):
-            return False
-        lighter = self.alone(_LIGHTER * here.amplitude, here.centre, self.points, _ROUGHLY, here.alone)
-        return self._of(here.amplitude, here.placed, lighter).miss == -math.inf
-
-    def _balanced(self, clear: AtPressure) -> AtPressure:
-        """The root between centres at which the strip reaches its left border and its right one first, as its nominal pressure falls.
-
-        Near full contact no centre that follows the zones stays: the nearer to a border the place to cut at is moved, the faster the zone
-        beside it comes on. So the middle of the zones lies to the left of the centre at the one end, to the right at the other, and is the
-        centre between.
-        """
-        here, side = self._closed(clear.centre, clear)
-        left: AtPressure | None = None
-        right: AtPressure | None = None
-        step = _ASIDE * max(here.placed.room, 4 * here.placed.cell)
-        for looks in range(_PLACES):
-            if here.unrest is None and here.placed.rests:
-                return here
-            left, right = (here, right) if side < 0.0 else (left, here)
-            if left is None or right is None:
-                if step > _FARTHEST * here.placed.room:
-                    break
-                centre = here.centre - math.copysign(step, side)
-                step *= 2
-            elif abs(right.centre - left.centre) < _NARROW * here.placed.cell:
+            if abs(here.wider) <= max(_CLOSE, here.blur) or math.log(high / max(low, 1e-300)) < _CLOSED:
                 break
-            else:
-                known = left.unrest is None and right.unrest is None and looks % 2
-                share = left.placed.miss / (left.placed.miss - right.placed.miss) if known else 0.5
-                centre = left.centre + min(max(share, 0.1), 0.9) * (right.centre - left.centre)
-            here, side = self._closed(centre, here)
-        both = [each for each in (left, right) if each is not None]
-        why = Unrest.BORDER if any(each.unrest is not None for each in both) else Unrest.JUMP
-        return replace(here, placed=replace(here.placed, unrest=why))
-
-    def _closed(self, centre: float, near: AtPressure) -> tuple[AtPressure, float]:
-        """(the contacts about a centre under the nominal pressure of the root there, negative where the left border is the nearer one);
-        where there is no root, about the least nominal pressure under which the strip is clear of its border, with that for its unrest."""
-        low, high, amplitude, width = 0.0, math.inf, near.amplitude, _ASIDE_PRESSURE
-        clear: AtPressure | None = None
-        touched: Strip | None = None
-        for _ in range(_STEPS):
-            here = self._held(amplitude, centre, clear or near)
-            if not here.placed.touches and abs(here.miss) <= max(_CLOSE, here.blur):
-                return here, here.placed.miss
-            if here.placed.touches or here.miss > 0.0:
-                low, touched = amplitude, here.placed if here.placed.touches else None
-            else:
-                high, clear = amplitude, here
-            if low == 0.0 or clear is None:
-                amplitude *= math.exp(width if clear is None else -width)
-                width *= 2
-            elif math.log(high / low) < (_CLOSED if touched is None else _NEARLY):
-                break
-            else:
-                amplitude = math.sqrt(low * high)
-        assert clear is not None
-        if touched is None:
-            return clear, clear.placed.miss
-        return replace(clear, placed=replace(clear.placed, unrest=Unrest.BORDER)), touched.side or clear.placed.miss
+            low, high = (here.amplitude, high) if here.wider > 0.0 else (low, here.amplitude)
+            step, last = self._step(here, last, low, high), here
+            here = self._held(here.amplitude * math.exp(step), centre, here)
+        return here
 
     def _step(self, here: AtPressure, last: AtPressure | None, low: float, high: float) -> float:
-        """Of the logarithm of the nominal pressure: a secant's within the bracket, or to its middle; out of the reach of the border as long
-        as nothing bounds it."""
+        """Of the logarithm of the nominal pressure: a secant's within the bracket, or to its middle."""
         bounded = low > 0.0 and high < math.inf
         middle = 0.5 * (math.log(low / here.amplitude) + math.log(high / here.amplitude)) if bounded else math.nan
-        if here.unrest is not None:
-            return _CLEARED if math.isnan(middle) else middle
-        if math.isinf(here.miss):
-            return -_CLEARED if math.isnan(middle) else middle
-        if last is not None and last.amplitude != here.amplitude and math.isfinite(last.miss):
-            self.rate = min((here.miss - last.miss) / math.log(here.amplitude / last.amplitude), _FLATTEST)
-        step = -here.miss / self.rate
+        if math.isinf(here.wider):
+            return math.copysign(_CLEARED, here.wider) if math.isnan(middle) else middle
+        if last is not None and last.amplitude != here.amplitude and math.isfinite(last.wider):
+            self.rate = min((here.wider - last.wider) / math.log(here.amplitude / last.amplitude), _FLATTEST)
+        step = -here.wider / self.rate
         step = math.copysign(min(max(abs(step), _LEAST), _LARGEST), step)
         inside = low < here.amplitude * math.exp(step) < high
         return step if inside or math.isnan(middle) else middle
 
-    def _first_centre(self) -> float:
-        """Half a period from the middle of the widest gap of the period; of a body between sharp corners, its middle."""
+    @cached_property
+    def _cut(self) -> tuple[float, float]:
+        """(the first centre, the width of the gap that is cut): half a period from the middle of the widest gap of the period; of a body
+        between sharp corners, its middle, and all that is beside it."""
         profile, units = self.problem.profile, self.problem.units
         assert profile.period is not None
         if profile.support is not None:
-            return float(units.scaled(np.array(0.5 * sum(profile.support))))
+            left, right = (float(units.scaled(np.array(at))) for at in profile.support)
+            return 0.5 * (left + right), self.period - (right - left)
         whole = propose(
             partial(grid_height, profile), self.scaled.cell, whole_response(self.problem), points=self.points,
             load=self.load * units.load, tol=_ROUGHLY,
         )
-        return float(units.scaled(np.array(cut_of(whole, profile.x0, profile.period) + 0.5 * profile.period)))
+        middle, width = cut_of(whole, profile.x0, profile.period)
+        return float(units.scaled(np.array(middle + 0.5 * profile.period))), width / units.length
 
-    def _look(self, amplitude: float, centre: float, near: StripContact | None) -> Strip:
-        contact = self.strip(amplitude, centre, self.points, _ROUGHLY, near)
-        ends = self.problem.units.scaled(contact.zones[[0, -1], [0, 1]])
-        room = self.period - float(ends[1] - ends[0])
-        return Strip(centre, contact, 0.5 * float(ends[0] + ends[1]), room, contact.cell / self.problem.units.length)
-
-    def _held(self, amplitude: float, centre: float, near: AtPressure) -> AtPressure:
+    def _held(self, amplitude: float, centre: float, near: AtPressure | None) -> AtPressure:
         """Contacts under a nominal pressure about a centre."""
-        placed = self._look(amplitude, centre, near.strip)
-        return self._of(amplitude, placed, self.alone(amplitude, centre, self.points, _ROUGHLY, near.alone))
+        strip = self.strip(amplitude, centre, self.points, _ROUGHLY, None if near is None else near.strip)
+        alone = self.alone(amplitude, centre, self.points, _ROUGHLY, None if near is None else near.alone)
+        return self._of(amplitude, centre, strip, alone)
 
-    def _at(self, amplitude: float, centre: float, near: AtPressure | None) -> AtPressure:
-        """Contacts under a nominal pressure, the strip moved to the middle of its zones, on grids that tell the gaps."""
-
-        def look(centre: float, beside: Strip) -> Strip:
-            return self._look(amplitude, centre, beside.contact)
-
-        placed = settled(look, self._look(amplitude, centre, None if near is None else near.strip))
-        while True:
-            alone = self.alone(amplitude, placed.centre, self.points, _ROUGHLY, None if near is None else near.alone)
-            here = self._of(amplitude, placed, alone)
-            told = placed.room >= _TELLING * placed.cell and (abs(here.miss) > _SURE * here.blur or here.blur <= _SHARP)
-            if self.points >= max(self.finest, _FEWEST) or here.unrest is not None or told:
-                return here
-            self.points *= 2
-            placed = settled(look, look(placed.centre, placed))
-
-    def _of(self, amplitude: float, placed: Strip, alone: StripContact) -> AtPressure:
+    def _of(self, amplitude: float, centre: float, strip: StripContact, alone: StripContact) -> AtPressure:
         length = self.problem.units.length
-        widths = placed.contact.width / length, alone.width / length
         # Full contact on the grid is that to half a cell.
-        full = self.period * (1 - 1e-9)
-        return AtPressure(amplitude, placed, alone, (widths[0], self.period if widths[1] > full else widths[1]), self.period)
+        widths = [self.period if each.width > self.period * length * (1 - 1e-9) else each.width / length for each in (strip, alone)]
+        beside = strip.beside[0] / length, strip.beside[1] / length
+        return AtPressure(amplitude, centre, strip, alone, beside, (widths[0], widths[1]), self.period, strip.cell / length)
 
     def strip(self, amplitude: float, centre: float, points: int, tol: float, near: StripContact | None) -> StripContact:
         """The contact of the strip."""
@@ -300,7 +208,7 @@ class ClosureGrid:
         """The same contacts on finer grids."""
         strip = self.strip(rough.amplitude, rough.centre, points, tol, rough.strip)
         alone = self.alone(rough.amplitude, rough.centre, points, tol, rough.alone)
-        return self._of(rough.amplitude, replace(rough.placed, contact=strip, cell=strip.cell / self.problem.units.length), alone)
+        return self._of(rough.amplitude, rough.centre, strip, alone)
 
     def _proposed(
         self, height: Callable[[Array], Array], load: float, centre: float, points: int, tol: float, near: StripContact | None

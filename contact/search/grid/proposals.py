@@ -97,7 +97,7 @@ def _in_strip(problem: Problem, control: Control, points: int | None, whole: Pro
     assert profile.period is not None and problem.period is not None
     load = whole.state.load if control.load is None else control.load * units.load
     nominal = load / units.load / problem.period if problem.amplitude is None else problem.amplitude
-    middle = cut_of(whole, profile.x0, profile.period) + 0.5 * profile.period
+    middle = cut_of(whole, profile.x0, profile.period)[0] + 0.5 * profile.period
     if profile.support is not None:
         middle = 0.5 * sum(profile.support)
     if held:
@@ -122,13 +122,13 @@ def pressed(problem: Problem, nominal: float, column: Callable[[Array], Array], 
     return grid_height(problem.profile, x) + nominal * units.height * np.asarray(column(units.scaled(x)))
 
 
-def cut_of(whole: Proposal, x0: float, period: float) -> float:
-    """The middle of the widest gap of a period; in full contact the place of least pressure."""
+def cut_of(whole: Proposal, x0: float, period: float) -> tuple[float, float]:
+    """(the middle of the widest gap of a period, its width); in full contact the place of least pressure."""
     if whole.full or len(whole.zones) == 0:
-        return x0 + period * (int(np.argmin(whole.state.pressure)) + 0.5) / whole.points
+        return x0 + period * (int(np.argmin(whole.state.pressure)) + 0.5) / whole.points, 0.0
     gaps = gaps_between(whole.zones, period)
     left, right = gaps[np.argmax(np.diff(gaps)[:, 0])]
-    return 0.5 * float(left + right)
+    return 0.5 * float(left + right), float(right - left)
 
 
 class _TooNarrow(Exception):

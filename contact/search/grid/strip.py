@@ -28,13 +28,15 @@ from sie import Array, record
 @record
 class StripContact:
     """Zones (n, 2) [m] of a strip; points: of its grid; cell: the width of one in the middle [m]; state: on the grid; reaches: whether
-    zones reach its left and its right border."""
+    zones reach its left and its right border; beside: what room is left there [m], negative where a zone reaches a border: about as much as
+    a pressure lower by that at the border would leave."""
 
     zones: Array
     points: int
     cell: float
     state: GridState = field(repr=False)
     reaches: tuple[bool, bool]
+    beside: tuple[float, float]
 
     @property
     def width(self) -> float:
@@ -63,8 +65,12 @@ class StripGrid:
         if not self.turns:
             cell = (middle - half, middle + half)
             found = propose(height, cell, self.response, resolution=self.resolution, points=points, load=load, tol=tol, near=state)
-            pressure = found.state.pressure
-            return StripContact(found.zones, points, self.length / points, found.state, (bool(pressure[0] > 0), bool(pressure[-1] > 0)))
+            pressures, h = found.state.pressure[[0, -1]], self.length / points
+            reaches = bool(pressures[0] > 0), bool(pressures[1] > 0)
+            room = (float(found.zones[0, 0]) - cell[0], cell[1] - float(found.zones[-1, 1])) if len(found.zones) else (0.0, 0.0)
+            excess = h * self.length * pressures / load
+            left, right = np.where(reaches, -excess, room)
+            return StripContact(found.zones, points, h, found.state, reaches, (float(left), float(right)))
 
         def turned(theta: Array) -> Array:
             there = np.asarray(height(_placed(theta[: len(theta) // 2], middle, half)))
@@ -79,7 +85,11 @@ class StripGrid:
         crossing = np.array([[0.0, float(zones[-1, 1]) - 2 * np.pi]]) if reaches[0] and len(found.zones) else np.zeros((0, 2))
         zones = zones[zones[:, 0] < np.pi]
         zones = np.concatenate((crossing, np.column_stack((zones[:, 0], np.minimum(zones[:, 1], np.pi)))))
-        return StripContact(_placed(zones, middle, half), points, half * np.pi / points, found.state, reaches)
+        # Of a gap about the border, above which the relief falls as |theta|, the angle goes straight with the mean pressure.
+        excess = -np.pi * found.state.pressure[[0, points - 1]] / load
+        left, right = np.where(reaches, excess, (zones[0, 0], np.pi - zones[-1, 1]))
+        beside = float(np.copysign(half * (1 - np.cos(left)), left)), float(np.copysign(half * (1 - np.cos(right)), right))
+        return StripContact(_placed(zones, middle, half), points, half * np.pi / points, found.state, reaches, beside)
 
 
 def _placed(theta: Array, middle: float, half: float) -> Array:

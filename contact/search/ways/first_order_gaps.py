@@ -20,6 +20,7 @@ from contact.formulation.fields import moves_by
 from contact.formulation.problem import Problem
 from contact.formulation.strip_turn import TURN, StripTurn
 from contact.formulation.tables import centred_on
+from contact.search.grid.centring import Unrest
 from contact.search.topology.intervals import united, without
 from contact.search.topology.missed import WrongTopology
 from contact.search.ways.first_order_contacts import Place, spread
@@ -34,12 +35,15 @@ _STEPS, _HALVED, _TRUSTED, _LARGEST = 25, 1, 0.5, 0.2
 # How often signs are looked at, and on the way; of the largest pressure, and of the largest gap: what is none. Samples looked at.
 _ROUNDS, _ON_THE_WAY, _NONE, _OVERLAP, _SAMPLES = 6, 1, 1e-6, 1e-4, 2**14
 # Of a gap or a zone that may go in a step; and what it is no farther than at the root.
-_PART, _THERE, _NEAR = 0.4, 1e-4, 0.05
+_PART, _THERE, _NEAR = 0.4, 1e-2, 0.05
 # Steps in a row of which none halves what is left.
 _STALLED, _SLOW = 6, 0.7
 _NEWTON = 25
-# Steps by the exact profile, and how long one may be after which there is none.
-_FINE_STEPS, _SQUARE = 3, 3e-6
+# Steps by the exact profile, how long one may be after which there is none, and before which coefficients are cut off sooner, by what;
+# what may be unsure over their tolerance, the part to which they are cut off later where it is more, and the last one.
+_FINE_STEPS, _SQUARE, _SHORT, _COARSER, _UNSURE, _SHORTER, _SHORTEST = 8, 3e-6, 1e-3, 1e3, 100.0, 1e-2, 1e-15
+# What is left after the last step, over what it is estimated as.
+_MARGIN = 2.0
 
 
 @dataclass(frozen=True)
@@ -52,11 +56,11 @@ class _How:
 
 
 class Lost(Exception):
-    """No gaps that lead on. border: whether the strip reaches its border before it is as wide as its profile alone."""
+    """No gaps that lead on; why: what keeps the strip from a root."""
 
-    def __init__(self, reason: str, border: bool = False) -> None:
+    def __init__(self, reason: str, why: Unrest = Unrest.LOST) -> None:
         super().__init__(reason)
-        self.border = border
+        self.why = why
 
 
 @record
@@ -75,6 +79,12 @@ class GapContact:
         """Total width of the gaps of the strip."""
         ends = _turned(self.table)
         return 0.5 * self.turn.half * float((ends[:, 1] - ends[:, 0]).sum())
+
+    @property
+    def zones_beside(self) -> Array:
+        """Widths of the zones to the left and to the right of each gap (2, n)."""
+        zones = np.append(self.table[1:, 0] - self.table[:-1, 1], self.table[0, 0] + TURN - self.table[-1, 1])
+        return np.array([np.roll(zones, 1), zones])
 
     @property
     def borders(self) -> tuple[int, int] | None:
@@ -98,9 +108,10 @@ class GapContact:
         slopes = [np.array(state.density.edge_slopes) for state in states]
         slope = np.sum(slopes, axis=0)
         moved = np.asarray(2 * np.sum([np.array(state.density.intensities) for state in states], axis=0) / slope)
-        unsure = np.sum([np.abs(state.end_truncation.T * own) for state, own in zip(states, slopes, strict=True)], axis=0) / np.abs(slope)
         widths = np.diff(self.table, axis=1).T
-        return moved, np.asarray(unsure * widths + moved**2 / widths)
+        unsure = np.sum([np.abs(state.end_truncation.T * own) for state, own in zip(states, slopes, strict=True)], axis=0) * widths
+        unsure += 2 * np.sum([state.whole.intensity_noise for state in states], axis=0)
+        return moved, np.asarray(unsure / np.abs(slope) + moved**2 / widths)
 
     def widening(self, moved: Array) -> float:
         """What that adds to the width of the gaps."""
@@ -189,7 +200,7 @@ class _Both:
     def moved(self, step: Array) -> tuple[Array, Array, float]:
         """(outward moves of the gaps of the strip and of those alone by a step, the largest over the width of a gap or a zone)."""
         strip, alone = (np.tensordot(step, rates, 1) for rates in self.rates)
-        return strip, alone, max(_largest(self.strip.table, strip), _largest(self.alone.table, alone))
+        return strip, alone, max(_largest(self.strip, strip), _largest(self.alone, alone))
 
     @cached_property
     def matrix(self) -> Array:
@@ -201,10 +212,12 @@ class _Both:
 
 @record
 class Root:
-    """The zones at the root. unsure: what width and centre may be missed by (2,); inverse: the unknowns by these (2, 2); following: how
-    centre and nominal pressure grow with the load (2,)."""
+    """The zones at the root. ends: what those of the strip may be off, over the zones' widths (n, 2), but for what the centre and the
+    nominal pressure are; unsure: what width and centre may be missed by (2,); inverse: the unknowns by these (2, 2); following: how centre
+    and nominal pressure grow with the load (2,)."""
 
     place: Place
+    ends: Array
     unsure: Array
     inverse: Array
     following: Array
@@ -223,25 +236,39 @@ class GapClosure:
         centre, pressure = (float(unknown) for unknown in start.unknowns[:2])
         turn = StripTurn(self.problem, centre, self._points)
         gaps = turn.gaps_of(start.strip), turn.gaps_of(start.alone)
-        here = self._settled(self._with(turn, pressure, *gaps, _How(_ROUGHLY, _DECAY, _ROUNDS)))
-        here = replace(here, kept=None)
-        following = here.following
-        # Newton's steps by the exact profile and longer series, at the same rates.
+        here = replace(self._settled(self._with(turn, pressure, *gaps, _How(_ROUGHLY, _DECAY, _ROUNDS))), kept=None)
+        matrix, size, decay = here.matrix, np.array([here.room, here.pressure]), _COARSER * self.tolerance
+        step = np.zeros(2)
+        # Newton's steps by the exact profile and longer series, at the same rates, those of the misses put right by secants.
         for _ in range(_FINE_STEPS):
-            (strip, of_strip), (alone, of_alone) = (each.finely(self.tolerance) for each in (here.strip, here.alone))
+            (strip, of_strip), (alone, of_alone) = (each.finely(decay) for each in (here.strip, here.alone))
             missed = here.misses + (here.alone.widening(alone) - here.strip.widening(strip), here.aside(strip))
-            step = np.asarray(-np.linalg.solve(here.matrix, missed))
-            left = here.strip.widening(of_strip) + here.alone.widening(of_alone), here.aside(of_strip * [[-1.0], [1.0]])
+            matrix = matrix + (np.outer(missed, step / size**2) / ((step / size) ** 2).sum() if step.any() else 0.0)
+            step = np.asarray(-np.linalg.solve(matrix, missed))
+            left = np.array([here.strip.widening(of_strip) + here.alone.widening(of_alone), here.aside(of_strip * [[-1.0], [1.0]])])
+            inverse = np.asarray(np.linalg.inv(matrix))
             by_strip, by_alone, largest = here.moved(step)
             tables = [each.table + _outward(moved) for each, moved in ((here.strip, strip + by_strip), (here.alone, alone + by_alone))]
             turn = StripTurn(self.problem, here.centre + float(step[0]), self._points)
             pressure = here.pressure + float(step[1])
-            largest = max(largest, _largest(here.strip.table, strip), _largest(here.alone.table, alone))
-            if largest < _SQUARE:
-                break
+            largest = max(largest, _largest(here.strip, strip), _largest(here.alone, alone))
+            # By what width and centre may be missed, beside what each end is off itself.
+            by_misses = [here.strip.turn.of_zones(here.strip.table, _outward(here.moved(by)[0]), float(by[0])) for by in inverse.T]
+            off = _MARGIN * np.tensordot(left, by_misses, 1)
+            ends = _MARGIN * here.strip.turn.of_zones(here.strip.table, of_strip.T)
+            if largest < _SQUARE and decay <= self.tolerance:
+                if float((off + ends).max()) < _UNSURE * self.tolerance or decay <= _SHORTEST:
+                    break
+                decay *= _SHORTER
+            elif largest < _SHORT:
+                decay = min(decay, self.tolerance)
             here = replace(self._on(turn, pressure, *tables), kept=here.rates)
-        place = Place(np.array([turn.centre, pressure, self.load]), *(turn.zones_of(table) for table in tables))
-        return Root(place, np.array(left), np.asarray(np.linalg.inv(here.matrix)), following)
+        if largest > _SHORT:
+            # Width and centre ask for the same there.
+            raise Lost("the steps by the exact profile come to no rest")
+        following = self._with(turn, pressure, tables[0], tables[1], _How(_ENDS, _DECAY, 0)).following
+        zones, alone = (turn.zones_of(table) for table in tables)
+        return Root(Place(np.array([turn.centre, pressure, self.load]), zones, alone), ends, left, inverse, following)
 
     def _on(self, turn: StripTurn, pressure: float, strip: Array, alone: Array) -> _Both:
         """On gaps as they are."""
@@ -273,7 +300,8 @@ class GapClosure:
                 here = replace(here, kept=before.rates)
         # The gap at a border is as wide in the angle as its intensity is large, and so goes straight with the unknowns.
         closes = float(here.closing(here.step).min()) <= -1.0
-        raise Lost("the nominal pressure did not settle", closes and float(here.misses[0]) < -here.room)
+        why = Unrest.BORDER if closes and float(here.misses[0]) < -here.room else Unrest.LOST
+        raise Lost("the nominal pressure did not settle", why)
 
     def _after(self, here: _Both, how: _How) -> _Both:
         """After a step, or as much of it as brings the root nearer, as the rates before it have that (P. Deuflhard, Newton Methods for
@@ -304,7 +332,7 @@ class GapClosure:
         added = 2 * turn.half * pressure / np.pi
         found = _contact(turn, pressure, self.load / np.pi - added, strip, how)
         if found.borders is None:
-            raise Lost("the strip reaches its border")
+            raise Lost("the strip reaches its border", Unrest.BORDER)
         return _Both(turn.centre, pressure, found, _contact(turn, 0.0, added, alone, how))
 
     @cached_property
@@ -326,10 +354,8 @@ def _outward(moved: Array) -> Array:
     return np.asarray(np.column_stack((-moved[0], moved[1])))
 
 
-def _largest(table: Array, moved: Array) -> float:
-    gaps = np.append(table[1:, 0] - table[:-1, 1], table[0, 0] + TURN - table[-1, 1])
-    room = np.minimum(table[:, 1] - table[:, 0], np.array([np.roll(gaps, 1), gaps]))
-    return float((np.abs(moved) / room).max())
+def _largest(gaps: GapContact, moved: Array) -> float:
+    return float((np.abs(moved) / np.minimum(np.diff(gaps.table)[:, 0], gaps.zones_beside)).max())
 
 
 def _contact(turn: StripTurn, beyond: float, mean: float, table: Array, how: _How) -> GapContact:
@@ -337,7 +363,7 @@ def _contact(turn: StripTurn, beyond: float, mean: float, table: Array, how: _Ho
     equation = turn.equation(turn.relief_at, beyond * turn.half, mean)
     for look in range(how.looks + 1):
         if len(table) == 0:
-            raise Lost("no gap")
+            raise Lost("no gap", Unrest.BORDER)
         try:
             zones = sie.Zones.of(table)
             free = sie.find_ends(
@@ -345,7 +371,7 @@ def _contact(turn: StripTurn, beyond: float, mean: float, table: Array, how: _Ho
             )
         except (ValueError, sie.SingularSystem) as e:
             raise Lost(str(e)) from e
-        if not free.converged:
+        if not free.converged and look == how.looks:
             raise Lost(free.reason)
         found = GapContact(turn, beyond, mean, free.density.zones.table, free.state)
         if look == how.looks:
@@ -353,6 +379,8 @@ def _contact(turn: StripTurn, beyond: float, mean: float, table: Array, how: _Ho
             return found
         pulls, overlaps = _signs(found)
         if len(pulls) == 0 and len(overlaps) == 0:
+            if not free.converged:
+                raise Lost(free.reason)
             return found
         try:
             table = united(np.concatenate((without(found.table, overlaps), pulls)), TURN, True, "gap")

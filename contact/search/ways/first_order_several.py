@@ -32,7 +32,7 @@ from contact.search.topology.by_pressure import ByPressure
 from contact.search.topology.loop import Newton, refine_topology
 from contact.search.topology.missed import Missed, WrongTopology
 from contact.search.ways.first_order_contacts import At, Place, Rates, StripRates, table_of, width_of
-from contact.search.ways.first_order_gaps import GapClosure, Lost
+from contact.search.ways.first_order_gaps import GapClosure, Lost, Root
 from contact.search.ways.guesses import EXACT
 from contact.verify.accuracy import Found
 from contact.verify.certificate import NOT_CHECKED
@@ -57,18 +57,26 @@ _CLOSELY, _FINER_GRID = 1e-5, 4
 _ROUGHLY, _FINER, _LAST = 1e-6, 1e-2, 1e-5
 # How often a contact is solved more tightly than its ends ask for, and how much more, since coefficients that are left out move the ends.
 _SHARPENED, _SHARPER, _LEAST_DECAY = 2, 1e-3, 3e-16
-# Contact of more than this part of the strip is solved by its gaps; their tolerance, and that of the zones there, over the one asked for.
-_NEARLY_FULL, _OF_GAPS, _OF_ZONES = 0.8, 1e-3, 0.3
+# Contact of more than this part of the strip is solved by its gaps, of more than that by these alone; their tolerance, and that of the
+# zones there, over the one asked for.
+_NEARLY_FULL, _BY_GAPS_ALONE, _OF_GAPS, _OF_ZONES = 0.8, 0.9, 1e-3, 0.3
+# Zones of both that are too many for that.
+_MANY = 48
 # What is left after the last step, over what it is estimated as.
 _MARGIN = 2.0
 
 
 @record
 class Closed(Found):
-    """The zones of the strip, and at: the contacts that they and the nominal pressure are of, or place: the root that was found by gaps."""
+    """The zones of the strip, and at: the contacts that they and the nominal pressure are of, of gaps None; told: what the ends are
+    off as these tell it."""
 
     at: At | None = None
-    place: Place | None = None
+    told: Array | float = math.inf
+
+    @property
+    def ends(self) -> Array:
+        return np.minimum(super().ends, self.told)
 
 
 class FirstOrderOfSeveral:
@@ -118,35 +126,30 @@ class FirstOrderOfSeveral:
 
     def closer(self, found: Closed) -> Found:
         """The same more tightly."""
-        if found.place is not None:
-            if float(np.max(found.off)) <= float((found.free.end_error + found.fields.state.end_truncation).max()):
-                try:
-                    return replace(self._by_gaps(found.place, sharply=True), rounded=True)
-                except Lost as lost:
-                    raise NotConverged(f"not converged: {lost}") from lost
-            # What gaps tell of the root is not enough.
-            place = found.place
-        else:
-            assert found.at is not None
-            at = found.at
-            self.wanted, self.again, place = self._wanted(at.strip), True, Place(at.unknowns, at.table, table_of(at.alone))
-        return self._exact(self._at(place, self.task.tolerance, 0.0))
+        assert found.at is not None  # else rounding alone is left
+        self.wanted, self.again = self._wanted(found.at.strip), True
+        return self._exact(self._at(Place(found.at.unknowns, found.at.table, table_of(found.at.alone)), self.task.tolerance, 0.0))
 
     def _under_load(self, grid: ClosureGrid, first: AtPressure) -> Found:
-        """By the gaps, from coarse grids or from fine ones; where these do not serve, by the zones."""
-        by_gaps = StripTurn.serves(self.problem)
-        for finely in (False, True) if by_gaps else (True,):
-            first = self._rough(grid, first, finely)
-            if first.unrest is not None:
-                raise self._refused(first.unrest)
-            if by_gaps and first.widths[0] > _NEARLY_FULL * self.period:
-                try:
-                    return self._by_gaps(self._place(grid, self._finer(grid, first) if finely else first))
-                except Lost as lost:
-                    if lost.border:
-                        raise self._refused(Unrest.BORDER) from lost
-                    self.task.left("the closure by gaps", Missed(f"the closure by gaps did not lead on: {lost}"))
-        return self._exact(self._started(grid, first))
+        """Nearly full contact by its gaps, where these serve, else by its zones."""
+        nearly_full = StripTurn.serves(self.problem) and first.widths[0] > _NEARLY_FULL * self.period
+        rough = self._rough(grid, first, nearly_full)
+        if rough.unrest is not None:
+            raise self._refused(rough.unrest)
+        if nearly_full and len(rough.strip.zones) + len(rough.alone.zones) > _MANY:
+            raise self._refused(Unrest.MANY)
+        if not nearly_full:
+            return self._exact(self._started(grid, rough))
+        try:
+            return self._by_gaps(self._place(grid, rough))
+        except Lost as lost:
+            if lost.why is Unrest.BORDER or rough.widths[0] > _BY_GAPS_ALONE * self.period:
+                raise self._refused(lost.why) from lost
+            self.task.left("the closure by gaps", Missed(f"the closure by gaps did not lead on: {lost}"))
+        try:
+            return self._exact(self._started(grid, rough))
+        except NotConverged as lost:
+            raise self._refused(Unrest.LOST) from lost
 
     def _rough(self, grid: ClosureGrid, first: AtPressure, finely: bool) -> AtPressure:
         with self.task.plan.timed("coarse search"):
@@ -163,38 +166,40 @@ class FirstOrderOfSeveral:
             # Beside the border a finer grid may tell zones that the exact contact does not have.
             return self._from_grid(grid, rough, grid.points)
 
-    def _by_gaps(self, place: Place, sharply: bool = False) -> Closed:
-        """The strip at the root, from some zones near by. sharply: with ends as well known as the pressure beside the border asks for."""
+    def _by_gaps(self, place: Place) -> Closed:
+        """The strip at the root, from some zones near by."""
         tolerance, load = self.task.tolerance, float(place.unknowns[2])
         with self.task.plan.timed("zone ends"):
             root = GapClosure(self.problem, load, _OF_GAPS * tolerance).root(place)
-            (centre, pressure), problem = root.place.unknowns[:2], self.problem
-            problem = problem.with_amplitude(float(pressure)).about(float(centre))
-            form, newton = ByPressure(problem), Newton(_OF_ZONES * tolerance, off=_ROUGHLY)
-            told = self.task.plan.timed
-            found = refine_topology(form, Load(load), root.place.strip, newton, self.task.progress, timed=told)
-            if isinstance(found, Missed):
-                raise Lost(found.reason)
-            if sharply:
-                self.wanted = self._wanted(found)
-                found = self._contact(problem, load, table_of(found), Newton(self.wanted, off=tolerance), False)
-        rates = StripRates(found, 0.0)
+        (centre, pressure), problem = root.place.unknowns[:2], self.problem
+        problem = problem.with_amplitude(float(pressure)).about(float(centre))
+        with self.task.plan.timed("zone ends"):
+            newton = Newton(max(_OF_ZONES * tolerance, LEAST), off=_ROUGHLY)
+            found = self._closed(root, self._contact(problem, load, root.place.strip, newton, False))
+            if found.error > self.task.tol:
+                newton = Newton(self._wanted(found), off=tolerance)
+                found = self._closed(root, self._contact(problem, load, table_of(found), newton, False))
+        return found
+
+    def _closed(self, root: Root, found: Found) -> Closed:
+        """Zones of the strip at the root, and what their ends are off, since this is not known better; told: what they are off the gaps,
+        and these off the root."""
+        rates, widths = StripRates(found, 0.0), np.diff(table_of(found), axis=1)
         fields = replace(found.fields, amplitude_rate=float(root.following[1]), centring=float(rates.approach[0] * root.following[0]))
-        unsure = _MARGIN * root.unsure
-        if len(table_of(found)) != len(root.place.strip):
+        unsure, told = _MARGIN * root.unsure, np.full(widths.shape, np.inf)
+        if len(widths) == len(root.place.strip):
+            told = np.abs(table_of(found) - root.place.strip) / widths + root.ends
+        else:
             # A zone or a gap too narrow for the one or the other to tell.
             unsure[0] += abs(width_of(found) - float(np.diff(root.place.strip).sum()))
         moved = sum(np.abs(rates.of_strip(np.append(by, 0.0))) * missed for by, missed in zip(root.inverse.T, unsure, strict=True))
-        off = np.asarray(moved).T / np.diff(table_of(found), axis=1)
-        return Closed(**{**vars(found), "fields": fields, "control": self.scaled.control, "off": found.off + off}, place=root.place)
+        off = np.asarray(moved).T / widths
+        known = {**vars(found), "fields": fields, "control": self.scaled.control, "off": off, "rounded": True}
+        return Closed(**known, told=np.asarray(told + off))
 
     def _place(self, grid: ClosureGrid, fine: AtPressure) -> Place:
         strip, alone = (self.problem.units.scaled(each.zones) for each in (fine.strip, fine.alone))
         return Place(np.array([fine.centre, fine.amplitude, grid.load]), strip, alone)
-
-    def _finer(self, grid: ClosureGrid, rough: AtPressure) -> AtPressure:
-        with self.task.plan.timed("coarse search"):
-            return grid.closer(rough, _FINER_GRID * grid.points, _CLOSELY)
 
     def _from_grid(self, grid: ClosureGrid, rough: AtPressure, points: int) -> At:
         part = self.task.plan["coarse search"]
