@@ -65,9 +65,10 @@ def _flowed(curve: Equilibria, table: Array, value: float, sign: float) -> Point
             return here
         if move == 0.0:
             break
-        # A zone that others relieve on the way narrows anew from there.
-        relieved = here.residual > residual
-        widths, residual = np.where(relieved, here.widths, widths), np.maximum(here.residual, residual)
+        if sign < 0:
+            # A zone that others relieve on the way narrows anew from there.
+            relieved = here.residual > residual
+            widths, residual = np.where(relieved, here.widths, widths), np.maximum(here.residual, residual)
     raise NotConverged("the ends of zones that grow or shrink under a held control did not come to rest")
 
 
