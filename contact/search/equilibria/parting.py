@@ -6,9 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contact.errors import NotConverged
 from contact.formulation.controls import Control
-from contact.formulation.equilibria import Equilibria, Point
+from contact.formulation.equilibria import Equilibria
 from contact.formulation.fields import ZoneFields
 from contact.formulation.tension.cohesive import Cohesive
 from contact.formulation.tension.fields import PulledFields
@@ -17,7 +16,6 @@ from contact.search.equilibria.arc import pull_off
 from contact.search.equilibria.flow import receded
 from contact.search.equilibria.relaxation import relaxed
 from contact.solution.answer import PullOff
-from sie import Array
 
 
 @dataclass(frozen=True)
@@ -29,19 +27,11 @@ class Parting:
     def __call__(self, fields: ZoneFields) -> PullOff:
         problem, units = fields.problem, fields.problem.units
         curve = Equilibria(problem, self.held)
-        last = pull_off(curve, curve.at(fields.density.zones.table, self.held.value), _receded)
+        # Under a held approach ends that recede may drive others on.
+        recede = receded if self.held.load is not None else relaxed
+        last = pull_off(curve, curve.at(fields.density.zones.table, self.held.value), recede)
         approach = float(-last.level * units.height) if problem.operator.has_approach else None
         return PullOff(float(last.load * units.load), approach, np.asarray(units.x(last.table)))
-
-
-def _receded(curve: Equilibria, table: Array, value: float) -> Point | None:
-    """What ends recede to; where these hold back one another, as they may under a held approach, what they go down to."""
-    try:
-        return receded(curve, table, value)
-    except NotConverged:
-        if curve.held.load is not None:
-            raise
-        return relaxed(curve, table, value)
 
 
 @dataclass(frozen=True)
