@@ -29,17 +29,8 @@ from contact.extras import other_package, owners, require, version
 from contact.model.controls import TURNING
 from contact.model.registry import controls, interactions, laws, profiles, substrates
 from contact.model.units import column, quantity
+from contact.solution import export
 from contact.solution.answer import Answer
-from contact.solution.export import (
-    ZONE_COLUMNS,
-    ZONE_UNITS,
-    to_json,
-    write_csv,
-    write_fields,
-    write_json,
-    write_netcdf,
-    zone_table,
-)
 from contact.solution.plan import plan
 from contact.solution.plotting import plot
 from contact.solution.terminal import Progress, show_table
@@ -163,9 +154,9 @@ def solve_command(
     """Solve a SCENE and print its zones, loads and what was checked."""
     problem = scene_of(scene)
     outputs = Outputs(overwrite)
-    outputs.add("--save", save, {".nc": write_netcdf, ".json": write_json})
-    outputs.add("--csv", table, {".csv": write_csv})
-    outputs.add("--fields", fields, {".csv": write_fields})
+    outputs.add("--save", save, {".nc": export.write_netcdf, ".json": export.write_json})
+    outputs.add("--csv", table, {".csv": export.write_csv})
+    outputs.add("--fields", fields, {".csv": export.write_fields})
     outputs.add_figure(figure, plot)
     for needed in ("xarray", "h5netcdf", "h5py") if save is not None and save.suffix.lower() == ".nc" else ():
         require(needed)
@@ -175,7 +166,7 @@ def solve_command(
     seconds = time.perf_counter() - start
     outputs.write(solution)
     if as_json:
-        click.echo(to_json(solution))
+        click.echo(export.to_json(solution))
     if as_json or quiet:
         return
     show_profile(problem.profile)
@@ -333,12 +324,12 @@ def _show_solution(solution: Answer, seconds: float) -> None:
     )
     checks = solution.certificate.to_dict().items()
     show_table("checked", ("what", "value"), [(k.replace("_", " "), _told(v)) for k, v in checks if v != ""])
-    rows = zone_table(solution)
+    rows = export.zone_table(solution)
     if not rows:
         return
     shown = rows[:_ZONES_SHOWN]
     names, columns = ["zone"], [[str(place) for place in range(1, len(shown) + 1)]]
-    for name, unit, values in zip(ZONE_COLUMNS, ZONE_UNITS, zip(*shown, strict=True), strict=True):
+    for name, unit, values in zip(export.ZONE_COLUMNS, export.ZONE_UNITS, zip(*shown, strict=True), strict=True):
         prefixed, told = column(values, unit, 9 if name in ("left", "right") else 7)
         names.append(f"{name.replace('_', chr(10))}\n[{prefixed}]")
         columns.append(told)

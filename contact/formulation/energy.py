@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
-from contact.formulation.apart import ApartFields
 from contact.formulation.fields import ZoneFields
-from contact.formulation.full import FullFields
+from contact.formulation.full import ApartFields, FullFields
 from contact.formulation.gaps import GapFields
 from contact.formulation.quadrature import panels
 from sie import Array

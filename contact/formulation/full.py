@@ -3,6 +3,8 @@ r"""Full contact of a periodic profile: p = pbar - (E*/2) R, R_q = q f_q / L(q),
 L is the symbol of the scene's operator (contact.model.operator): a model that declares none has no full contact that could be told. A
 valley with a kink makes R (contact.formulation.relief) infinite: no load brings such a profile into full contact, but soon the gaps over
 kinks are narrower than digits tell, and nothing else of the contact differs from a full one.
+
+Surfaces that do not touch are told here too: no pressure, no displacement.
 """
 
 from __future__ import annotations
@@ -14,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import sie
-from contact.formulation.fields import NoZones
+from contact.formulation.fields import NoZones, mean_shape
 from contact.formulation.problem import Problem
 from contact.formulation.relief import Relief, period_samples
 from contact.formulation.roots import maximum
@@ -139,3 +141,29 @@ class FullFields(NoZones):
     def stiffness(self) -> float:
         assert self.problem.profile.period is not None
         return self.problem.profile.period / self._compressed if self._compressed else np.inf
+
+
+@record
+class ApartFields(NoZones):
+    """approach [m], not above zero; None where no approach is held: then they may be anywhere, and their gap is infinite."""
+
+    problem: Problem
+    approach: float | None
+    load = max_pressure = contact_fraction = stiffness = 0.0
+
+    def pressure(self, x: ArrayLike) -> Array:
+        return np.zeros(np.shape(x))
+
+    def displacement(self, x: ArrayLike) -> Array:
+        return np.zeros(np.shape(x))
+
+    def gap(self, x: ArrayLike) -> Array:
+        if self.approach is None:
+            return np.full(np.shape(x), np.inf)
+        return np.asarray(self.problem.profile.height(np.asarray(x, dtype=float)) - self.problem.lowest - self.approach)
+
+    @property
+    def mean_gap(self) -> float:
+        if self.approach is None:
+            return np.inf
+        return mean_shape(self.problem) * self.problem.units.height - self.approach

@@ -38,7 +38,9 @@ def smooth_root(function: Callable[[float], float], known: dict[float, float], r
             return here
         guess = _inverse(points)
         step = abs(guess - here)
-        if step <= rtol * abs(guess) or (step > 0.5 * steps[-1] and step < _ROUNDED * abs(guess)):
+        # What the step leaves is less of it than it is of the last one.
+        closes = math.isfinite(steps[-1]) and step * step <= rtol * abs(guess) * steps[-1]
+        if step <= rtol * abs(guess) or closes or (step > 0.5 * steps[-1] and step < _ROUNDED * abs(guess)):
             return guess
         if not low < guess < high or step > 0.5 * steps[-2]:
             guess = 0.5 * (low + high)

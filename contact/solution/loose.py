@@ -22,9 +22,8 @@ def of_loose(scene: Scene, fields: LooseFields, here: CohesivePoint, plan: Plan,
     stability = least_eigenvalue(scaled_second_variation(here)) if ends else None
     holds = least > 0.0 and missed <= _MISSED and (stability is None or stability > 0.0)
     certificate = Certificate(
-        smallest_pressure=-scene.law.tension, smallest_gap=least * fields.problem.units.height, gap_rounding=0.0, load_balance=0.0,
-        level_spread=0.0, points=len(here.look[0]), holds=holds, note="the surfaces pull at each other without touching", intensity=missed,
-        stability=stability,
+        smallest_pressure=-scene.law.tension, smallest_gap=least * fields.problem.units.height, points=len(here.look[0]),
+        holds=holds, note="the surfaces pull at each other without touching", intensity=missed, stability=stability,
     )
     off = np.abs(np.linalg.solve(here.rates, here.residual)) / here.widths if ends else np.zeros(1)
     return Solution(scene, np.zeros((0, 2)), fields, 1e-13 + float(off.max()), certificate, plan, branch=branch)

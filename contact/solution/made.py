@@ -10,9 +10,8 @@ import numpy as np
 
 import sie
 from contact.errors import NotConverged
-from contact.formulation.apart import ApartFields
 from contact.formulation.fields import ZoneFields, mean_shape
-from contact.formulation.full import FullFields, FullLimit, lowest, period_samples
+from contact.formulation.full import ApartFields, FullFields, FullLimit, lowest, period_samples
 from contact.formulation.problem import Problem
 from contact.formulation.tables import begun_from
 from contact.formulation.units import Units
@@ -72,8 +71,8 @@ def of_full(scene: Scene, full: FullLimit, mean_pressure: float, plan: Plan, tol
     least = mean_pressure - full.relieved
     left_out = 0 if scene.law.pulls else int(np.sum(profile.kinks[:, 1] < 0))
     certificate = Certificate(
-        smallest_pressure=least, smallest_gap=None, gap_rounding=0.0, load_balance=0.0, level_spread=0.0,
-        points=len(period_samples(profile)), holds=True, undecided=left_out > 0, note=_told_of_full(scene, least, left_out),
+        smallest_pressure=least, smallest_gap=None, points=len(period_samples(profile)), holds=True, undecided=left_out > 0,
+        note=_told_of_full(scene, least, left_out),
     )
     for name in ("zone ends", "coarse search"):
         plan[name].used, plan[name].reason = False, "full contact"
@@ -91,10 +90,8 @@ def of_apart(scene: Scene, problem: Problem, approach: float | None, plan: Plan)
     """Surfaces that do not touch, at an approach [m] or where none is held."""
     for name in ("zone ends", "coarse search"):
         plan[name].used, plan[name].reason = False, "the surfaces are apart"
-    certificate = Certificate(
-        smallest_pressure=0.0, smallest_gap=None if approach is None else -approach, gap_rounding=0.0, load_balance=0.0, level_spread=0.0,
-        points=0, holds=approach is None or approach <= 0.0, note="the surfaces are apart",
-    )
+    gap, holds = (None, True) if approach is None else (-approach, approach <= 0.0)
+    certificate = Certificate(smallest_pressure=0.0, smallest_gap=gap, points=0, holds=holds, note="the surfaces are apart")
     return Solution(scene, np.zeros((0, 2)), ApartFields(problem, approach), 0.0, certificate, plan, branch="receding")
 
 

@@ -38,7 +38,7 @@ from contact.solution.solution import Solution
 from contact.solution.validity import of_solution
 from contact.sweeps import path_table
 from contact.sweeps.curve import Curve
-from contact.sweeps.hidden import may_hide
+from contact.sweeps.hidden import ends_and_rates, may_hide
 from contact.sweeps.path_plot import plot_path
 from sie import Array, nearest_image
 
@@ -52,6 +52,8 @@ _FAR = 1.3
 _BEYOND = (1e-6, 1e-5, 1e-4)
 # Of ends and of coefficients on the way to an event: pressure and gap away from an end that is off change by the square of that.
 _ENDS, _DECAY = 1e-7, 1e-14
+# Of a load, how far beside it the rates of the ends are as good as a second state.
+_RIGHT_BESIDE = 1e-4
 # Of a state from which others start: these of the nearest loads.
 _THROUGH = 4
 # Zooms to a least gap or pressure, the place of which is about known.
@@ -60,6 +62,8 @@ _ZOOMS = 5
 _ON_THE_WAY, _USEFUL = 1e-6, 1e-3
 # Where the last gap but one has closed, as a rule: this far below the load of full contact.
 _BEFORE_FULL = 1e-7
+# Of the way from an event to the solution that tells where it is: how much farther one looks to have it behind.
+_MARGIN = 0.1
 # Of a way between two loads that must be gone for a third one to part its events.
 _ENTERED = 0.02
 _REVERSED = {"birth": "death", "merge": "split", "full": "full", "death": "birth", "split": "merge"}
@@ -263,12 +267,16 @@ class _Path:
         """The event of one change; None if its condition does not change sign between the two loads, nor where it is looked for beyond
         them, by these parts of the loads: signs within their rounding pass a certificate on either side of the event."""
         first, second = (high, low) if change.back else (low, high)
-        side = first if change.kind == "birth" else second
+        side, other = (first, second) if change.kind == "birth" else (second, first)
         condition = _CONDITIONS[change.kind](side.fields, first, second, change)
         load = condition.problem.units.load
         try:
             # Each state starts from the zones of the last: close to a zero its sign may depend on the way there.
             known = {side.fields.load / load: condition.of(side.fields)}
+            if not beyond and (about := _just_beyond(change, side, other)):
+                known |= {about / load: condition(about / load)}
+                if not _one_sign(known):
+                    return self._at(change, condition, smooth_root(condition, _bracket(known)), low, high)
             known |= {end: condition(end) for end in (low.load / load, high.load / load) if end not in known}
             for part in beyond:
                 if not _one_sign(known):
@@ -276,11 +284,13 @@ class _Path:
                 known |= {end: condition(end) for end in (low.load / load * (1 - part), high.load / load * (1 + part))}
             if _one_sign(known):
                 return None
-            root = smooth_root(condition, _bracket(known))
+            return self._at(change, condition, smooth_root(condition, _bracket(known)), low, high)
         except WrongTopology:
             return None
+
+    def _at(self, change: _Change, condition: _Condition, root: float, low: Solution, high: Solution) -> Event:
         kind = _REVERSED[change.kind] if change.back else change.kind
-        return Event(kind, root * load, condition.position, low.zones, high.zones)
+        return Event(kind, root * condition.problem.units.load, condition.position, low.zones, high.zones)
 
 
 def _changes(low: Solution, high: Solution) -> list[_Change]:
@@ -321,14 +331,9 @@ def _between_events(changes: list[_Change], low: Solution, high: Solution) -> fl
     zones that are born and of the gaps that close go on, at their rates."""
     first, last = np.log([low.load, high.load])
     even = 0.5 * float(first + last)
-    before, after = Passed(low), Passed(high)
-    if len(changes) < 2 or before.fields is None or after.fields is None:
+    if len(changes) < 2:
         return even
-    at = []
-    for change in changes:
-        one, side, k = (after, after.own, change.higher) if change.kind == "birth" else (before, before.between, change.lower[0])
-        square, rate = side.values[1][_of(one, k)], side.rates[1][_of(one, k)]
-        at.append(np.log(one.solution.load) - square / rate if rate != 0.0 else np.inf)
+    at = [_gone_at(high if (change.kind == "birth") != change.back else low, change) for change in changes]
     inner = np.sort([load for load in at if first < load < last])
     if len(inner) < 2:
         return even
@@ -339,10 +344,27 @@ def _between_events(changes: list[_Change], low: Solution, high: Solution) -> fl
     return float(middle[best]) if min(middle[best] - first, last - middle[best]) > _ENTERED * (last - first) else even
 
 
-def _of(one: Passed, zone: int) -> int:
-    """The place of a solution's zone among those of its fields."""
-    away = one.problem.units.x(one.zones.mean(axis=1)) - one.solution.zones[zone].mean()
-    return int(np.argmin(np.abs(nearest_image(away, 0.0, one.solution.scene.period))))
+def _gone_at(one: Solution, change: _Change) -> float:
+    """The logarithm of the load at which nothing is left of the zone that is born, or of the gap that closes, by one of the two solutions:
+    squared widths go evenly."""
+    zone = change.higher if change.kind == "birth" else change.lower[0]
+    told, period = ends_and_rates(one), one.scene.period
+    if told is None:
+        return np.inf
+    table, outward = told
+    k = int(np.argmin(np.abs(nearest_image(table.mean(axis=1) - one.zones[zone].mean(), 0.0, period))))
+    if change.kind == "birth":
+        (a, b), grows = table[k], outward[k].sum()
+    else:
+        (a, b), grows = gaps_between(table, period)[k], -outward[k, 1] - outward[(k + 1) % len(table), 0]
+    return float(np.log(one.load) - (b - a) / (2 * grows)) if grows != 0.0 else np.inf
+
+
+def _just_beyond(change: _Change, side: Solution, other: Solution) -> float | None:
+    """A load a little beyond the event, seen from the solution that the condition begins with; None where the other one does not tell."""
+    end, at = float(np.log(other.load)), _gone_at(other, change)
+    load = float(np.exp(at + _MARGIN * (end - at))) if np.isfinite(at) else side.load
+    return load if min(side.load, other.load) < load < max(side.load, other.load) else None
 
 
 def _one_sign(known: dict[float, float]) -> bool:
@@ -372,8 +394,9 @@ class _Condition:
     def __init__(self, fields: Any, low: Solution, high: Solution, change: _Change) -> None:
         self.problem = fields.problem
         self.form = ByPressure(self.problem) if fields.relief is None else ByGaps(self.problem, fields.relief)
-        # Of the loads at which it was evaluated: the zones (or gaps) found there.
-        self.tables: dict[float, Array] = {fields.load / fields.problem.units.load: fields.density.zones.table}
+        # Of the loads at which it was evaluated, and of one right beside the first: the zones (or gaps) found there.
+        load, table = fields.load / fields.problem.units.load, fields.density.zones.table
+        self.tables: dict[float, Array] = {load: table, load * (1 + _RIGHT_BESIDE): table + _RIGHT_BESIDE * _moving(fields)}
         if change.kind == "birth":
             self.where = _scaled(fields, high.zones[change.higher])
         else:
@@ -386,13 +409,13 @@ class _Condition:
             self.where = left[1] - 0.25 * gap, left[1] + 1.25 * gap
 
     def start(self, load: float) -> Array:
-        """Zones to begin with: by the polynomial through those of the nearest loads, where that keeps them apart."""
+        """Zones to begin with: by the polynomial through those of the nearest loads, where that keeps them and their gaps about as wide."""
         nearest = sorted(self.tables, key=lambda known: abs(known - load))[:_THROUGH]
         first = self.tables[nearest[0]]
         others = [[(load - other) / (at - other) for other in nearest if other != at] for at in nearest]
         table = np.tensordot(np.prod(np.array(others).reshape(len(nearest), -1), axis=1), np.array([self.tables[at] for at in nearest]), 1)
-        kept = np.diff(table.ravel()) > 0.5 * np.diff(first.ravel())
-        return np.asarray(table) if kept.all() else first
+        grown = np.diff(table.ravel()) / np.diff(first.ravel())
+        return np.asarray(table) if np.all((grown > 0.5) & (grown < 2.0)) else first
 
     def formal(self, load: float) -> Any:
         """Fields with this number of zones, or of gaps, at a load, whatever the signs; later calls start from these."""
@@ -421,6 +444,14 @@ class _Merge(_Condition):
 
 
 _CONDITIONS: dict[str, type[_Condition]] = {"birth": _Birth, "merge": _Merge}
+
+
+def _moving(fields: Any) -> Array:
+    """How far the ends of a state's zones, or gaps, move with the logarithm of the load (n, 2)."""
+    outward = fields.spreading / fields.problem.units.length
+    if fields.relief is None:
+        return np.asarray(outward * (-1, 1))
+    return np.column_stack((np.roll(outward[:, 1], 1), -outward[:, 0]))
 
 
 def _scaled(fields: Any, zone: Array) -> tuple[float, float]:

@@ -65,11 +65,11 @@ class Certificate:
 
     smallest_pressure: float
     smallest_gap: float | None
-    gap_rounding: float
-    load_balance: float
-    level_spread: float
     points: int
     holds: bool
+    gap_rounding: float = 0.0
+    load_balance: float = 0.0
+    level_spread: float = 0.0
     undecided: bool = False
     note: str = ""
     dip: float = np.inf
@@ -90,7 +90,7 @@ class Certificate:
         return {**found, **{name: value for name, value in further.items() if value is not None}}
 
 
-NOT_CHECKED = Certificate(np.nan, None, 0.0, np.nan, np.nan, 0, False, note="a formal solution: its signs were not checked")
+NOT_CHECKED = Certificate(np.nan, None, 0, False, 0.0, np.nan, np.nan, note="a formal solution: its signs were not checked")
 
 
 class Openings(NamedTuple):

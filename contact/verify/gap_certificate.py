@@ -25,8 +25,8 @@ def certify_gaps(fields: GapFields) -> Certificate:
     if left_out:
         note += f"; {told_of_left_out(left_out)}"
     return Certificate(
-        smallest_pressure=least * units.pressure, smallest_gap=openings.least * units.height, gap_rounding=0.0,
-        load_balance=0.0, level_spread=0.0, points=openings.points + points, holds=not (negative or openings.negative),
+        smallest_pressure=least * units.pressure, smallest_gap=openings.least * units.height,
+        points=openings.points + points, holds=not (negative or openings.negative),
         undecided=left_out > 0 or (dip <= DIP_ROUNDING and not negative), note=note, dip=dip,
         negative=np.array(sorted(negative)).reshape(-1, 2), overlaps=np.array(openings.negative).reshape(-1, 2),
         lowest=minima,

@@ -15,6 +15,8 @@ from sie import Array, Index, Mask, record
 _ZOOMS = 7
 # So many negative samples show the width of a dip.
 _TELLING = 4
+# Different counts of samples that are many; binary digits that are left of each, but the first one.
+_MANY, _DIGITS = 16, 3
 # A dip of the pressure this far from zero, over the zone's largest pressure, is rounding.
 DIP_ROUNDING = 1e-14
 
@@ -108,6 +110,7 @@ def signs_on(
         hi, lo = intervals.middle[i] + intervals.half[i] * np.cos([first, last])
         return float(intervals.a[i] if last == np.pi else lo), float(intervals.b[i] if first == 0.0 else hi)
 
+    counts = _alike(counts)
     # Dips of all intervals are followed at once: zone, angles before and after, scale, rounding.
     followed: list[tuple[Index, Array, Array, Array, Array]] = []
     for n in np.unique(counts):
@@ -126,3 +129,11 @@ def signs_on(
     dips = follow(over, zone, before, after, scale, rounding)
     negative += [within(*found) for found in dips.negative]
     return Signs(sorted(negative), min(least, dips.least, dips.lowest), dips.relative, points)
+
+
+def _alike(counts: Index) -> Index:
+    """Counts of which there are not many different ones, none lower: intervals with the same count are looked at together."""
+    if len(np.unique(counts)) <= _MANY:
+        return counts
+    step = 2.0 ** np.maximum(np.floor(np.log2(counts)) - _DIGITS, 0)
+    return np.asarray(np.ceil(counts / step) * step, dtype=np.intp)

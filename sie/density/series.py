@@ -6,19 +6,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from sie.basis import chebyshev
+from sie.basis import chebyshev, interval
 from sie.basis.data import Array, Index, Mask
-from sie.basis.interval import (
-    OnLine,
-    edge_slopes,
-    integral_on,
-    intensities,
-    own_potential,
-    own_transform,
-    slope_scale,
-    theta,
-    values_on,
-)
 from sie.basis.kernels import Kernel
 from sie.basis.sums import of_zones
 from sie.basis.zones import Zones
@@ -99,14 +88,14 @@ class Series(Located):
     def intensities(self) -> tuple[Array, Array]:
         """K at the left and the right end of each zone: density ~ K / sqrt(d) at distance d from the end."""
         alpha, beta, _ = self.bounded
-        return intensities(alpha, beta, self.zones.half)
+        return interval.intensities(alpha, beta, self.zones.half)
 
     @cached_property
     def edge_slopes(self) -> tuple[Array, Array]:
         """A at the left and the right end of each zone: density ~ K / sqrt(d) + A sqrt(d)."""
-        left, right = edge_slopes(*self.bounded, self.zones.half)
+        left, right = interval.edge_slopes(*self.bounded, self.zones.half)
         jump_left, jump_right = self.jumps.edge_slopes(self.zones)
-        scale = slope_scale(self.zones.half)
+        scale = interval.slope_scale(self.zones.half)
         return left + scale * jump_left, right + scale * jump_right
 
     @cached_property
@@ -157,7 +146,7 @@ class Series(Located):
         (left + right = 2): no digit is lost near the ends."""
         zone, left, right = np.broadcast_arrays(np.asarray(zone, dtype=np.intp), *map(real_of, (left, right)))
         # At an end where the density is bounded, the rounding of its intensity is not divided by zero.
-        out = values_on(*self.bounded, zone, left, right, self._bounded_ends)
+        out = interval.values_on(*self.bounded, zone, left, right, self._bounded_ends)
         if len(self.jumps):
             out = out + self.jumps.density_at(zone.ravel(), left.ravel(), right.ravel()).reshape(out.shape)
         return np.asarray(out)
@@ -166,7 +155,7 @@ class Series(Located):
         """Integral of the density from a zone's left end to the angle theta (t = cos theta), of densities with jumps of their own or
         none."""
         zone, angle = np.broadcast_arrays(np.asarray(zone, dtype=np.intp), real_of(angle))
-        w, out = self.zones.half[zone], integral_on(self.coefficients, zone, angle)
+        w, out = self.zones.half[zone], interval.integral_on(self.coefficients, zone, angle)
         if len(self.jumps):
             flat_out, flat = out.reshape(-1), angle.ravel()
             for i, here in of_zones(zone.ravel()):
@@ -181,7 +170,7 @@ class Series(Located):
         out = np.zeros(x.shape)
         z, w = i[inside], self.zones.half[i[inside]]
         left, right = (x[inside] - self.zones.a[z]) / w, (self.zones.b[z] - x[inside]) / w
-        out[inside] = self.integral_at(z, theta(left, right))
+        out[inside] = self.integral_at(z, interval.theta(left, right))
         return out
 
     # what sums over zones read ----------------------------------------------------------------------------------------
@@ -196,9 +185,9 @@ class Series(Located):
         panels = panels_over(self.kernel, self.zones)
         return None if panels is None else (panels, moments_of(panels, self.zones, self.kernel, self.coefficients, self.jumps))
 
-    def own_transform(self, zone: Index, seen: OnLine) -> Array:
+    def own_transform(self, zone: Index, seen: interval.OnLine) -> Array:
         """What the series of zones are transformed to on these, pair by pair."""
-        return own_transform(self.coefficients, zone, seen.left, seen.right)
+        return interval.own_transform(self.coefficients, zone, seen.left, seen.right)
 
     @cached_property
     def potential_coefficients(self) -> Array:
@@ -210,10 +199,10 @@ class Series(Located):
         table[:, 1:] /= np.arange(1, table.shape[1])
         return table
 
-    def own_potential(self, zone: Index, seen: OnLine) -> Array:
+    def own_potential(self, zone: Index, seen: interval.OnLine) -> Array:
         """Potential of zones at points on them, all but `ForcingJumps.sharp_potential`, pair by pair."""
         w = self.zones.half[zone]
-        return w * own_potential(self.potential_coefficients, zone, seen.left, seen.right, w / self.kernel.datum)
+        return w * interval.own_potential(self.potential_coefficients, zone, seen.left, seen.right, w / self.kernel.datum)
 
     @cached_property
     def sharp_totals(self) -> Array:

@@ -4,6 +4,7 @@ The line is cut into cells, the zones and pieces of the gaps between them. What 
 them from one fast sum; a point adds what the few near zones do.
 """
 
+import weakref
 from collections.abc import Iterator
 from functools import cached_property
 
@@ -27,7 +28,8 @@ class Treecode:
     """A density's series on all cells. Points are those of `Density.into_period`, or any if nothing repeats."""
 
     def __init__(self, density: Series) -> None:
-        self.density = density
+        # Which holds this: the memory of both would only be free when somebody looks for cycles.
+        self.density: Series = weakref.proxy(density)  # type: ignore[assignment]
         zones, period = density.zones, density.kernel.period
         first, last = float(zones.a[0]), float(zones.b[-1])
         middle = 0.5 * (first + last)

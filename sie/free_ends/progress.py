@@ -26,8 +26,9 @@ _NEAR, _FALLING, _AT_REST = 0.3, 0.25, 1e-6
 _LOOSE, _TIGHT = 1e-6, 1e-3
 # Of more zones than these the last is tighter as they are more.
 _VERY_MANY = 6000
-# Rounding of ends is told as a root mean square; of more zones than these the largest is so many times as large.
-_HUNDREDS, _LARGEST = 600, 4.0
+# Rounding of ends is told as a root mean square; of more zones than these the largest is so many times as large, and moves below the last
+# that do not fall by half from one step to the next are its: Newton's own would fall to their square.
+_HUNDREDS, _LARGEST, _ROUNDED = 600, 4.0, 1e-8
 # The first of these where it is open which zones there are, and where a few of the ends need not come to rest.
 _LOOSER, _LOOSEST = 1e-5, 1e-4
 # The remaining motion of an end is the next step but for its square.
@@ -77,9 +78,8 @@ class Rest:
 @dataclass(eq=False)
 class Progress:
     """The steps so far of a search for ends from zones of these widths and gaps. off: what they are off by at first over these widths, but
-    for a few;
-    few: part of all ends that need not come to rest, after so many `patient` steps; drops: see `find_ends`; most: the largest move of the
-    last step but for the few, over the width."""
+    for some; few: part of all ends that need not come to rest, after so many `patient` steps; drops: see `find_ends`; most: the largest
+    move of the last step but for the few, over the width; doubted: whether some zones did not push outward, and may be dropped."""
 
     tolerance: float
     first_width: Array
@@ -131,13 +131,15 @@ class Progress:
         self.doubted = self.drops and not motion.certain
         if self.few:
             self.most = min(float(np.quantile((delta / width).max(axis=0), 1.0 - self.few)), 1.0)
-        largest_noise = (_LARGEST if len(width) > _HUNDREDS else 1.0) * motion.noise
+        hundreds = len(width) > _HUNDREDS
+        largest_noise = (_LARGEST if hundreds else 1.0) * motion.noise
         at_rest = delta <= np.maximum(self.tolerance * np.minimum(width, corners), largest_noise)
         rests = bool(np.all(at_rest)) or (len(self.trace) > self.patient and bool(np.mean(at_rest) >= 1.0 - self.few))
         self.stalled = self.stalled + 1 if move > 0.5 * self.best else 0
         self.best = min(self.best, move)
         quiet = bool(np.all(delta < np.clip(100 * motion.noise, 1e-6 * width, 1e-2 * width)))
         stuck = (self.stalled >= 2 and move < 1e-9) or (self.stalled >= 5 and quiet)
+        stuck = stuck or (self.stalled > 0 and hundreds and move < _ROUNDED)
         # Where rounding keeps the ends moving, the largest of the moves since the least one is what they are known to.
         largest = max(step.move for step in self.trace[-min(self.stalled + 1, 4) :]) / max(move, 1e-300) if stuck else 1.0
         # The value cannot be at rest where rounding keeps the ends moving.

@@ -151,12 +151,17 @@ class Moving:
         inner = np.clip(deepest, 1, _NODES - 2)
         slope = self.h @ (np.sin(np.arccos(t) * k[:, None]) / np.sin(np.arccos(t)))
         kappa = (slope[each, inner - 1] - slope[each, inner + 1]) / (self.half * (t[inner - 1] - t[inner + 1]))
-        holds = (depth < 0) & (kappa > 0) & (deepest == inner)
+        between = (kappa > 0) & (deepest == inner)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            # Nodes may be farther from each other than the interval is wide: the tip is where h vanishes.
+            aside = np.where(between, -slope[each, deepest] / kappa, 0.0)
+        depth = depth - 0.5 * np.where(between, kappa * aside**2, 0.0)
+        holds = (depth < 0) & between
         a = half.copy()
         for _ in range(8):
             with np.errstate(divide="ignore", invalid="ignore"):
                 a = np.where(holds, np.sqrt(2 * depth / (kappa * (self._log(a) - 0.5))), half)
-        tip = np.where(holds, self.middle + self.half * t[deepest], middle)
+        tip = np.where(holds, self.middle + self.half * t[deepest] + aside, middle)
         left, right = np.maximum(tip - a, self.lowest), np.minimum(tip + a, self.highest)
         self.to(0.5 * (left + right), 0.5 * (right - left))
         return np.asarray(depth >= 0)

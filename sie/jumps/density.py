@@ -184,11 +184,16 @@ class DensityJumps(ForcingJumps):
         third = (sine - sine**3 / 3 - inner * cosine**3) / 3
         square = third - 2 * shift * second + shift**2 * first
         part = np.where(q == 0, first, np.where(q == 1, second - shift * first, square)) * self.height[k] / np.pi
-        total = np.pi * self.coefficients(k, np.arange(len(k)), len(k), 1)[:, 0]
-        out = np.asarray(np.where(on_right, total - part, np.where(q == 1, 1.0, -1.0) * part).sum(axis=1))
+        out = np.asarray(np.where(on_right, self._totals[k] - part, np.where(q == 1, 1.0, -1.0) * part).sum(axis=1))
         if zone in self.splines:
             out += self.splines[zone].integral(left)
-        return out + self.near.integral(self.near.of(zone), left, right)
+        return out + self.near.integral(self.near.of(zone), left, right) if len(self.near) else out
+
+    @cached_property
+    def _totals(self) -> Array:
+        """Integral of each part over its zone; over w."""
+        count = len(self.zone)
+        return np.pi * self.coefficients(np.arange(count), np.arange(count), count, 1)[:, 0]
 
     def edge_slopes(self, zones: Zones) -> tuple[Array, Array]:
         scale, n = self.height / np.pi, len(zones)

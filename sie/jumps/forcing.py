@@ -403,15 +403,10 @@ class ForcingJumps(Jumps):
             for count in np.unique(terms[terms > 0]):
                 out[terms == count] = far_potential(c[:count], rho[terms == count])
         inside, near = np.flatnonzero(on), np.flatnonzero(~on & (terms == 0))
-        for some, seen in ((inside, None), (near, rho[near, None])):
-            out[some] = self._closed(k, left[some, None], right[some, None], seen)
+        l, r = left[:, None], right[:, None]
+        out[inside] = self._summed(k, len(inside), lambda here: self.potential_on(k, l[inside[here]], r[inside[here]]))
+        out[near] = self._summed(k, len(near), lambda here: self.potential_off(k, l[near[here]], r[near[here]], rho[near[here], None]))
         return out
-
-    def _closed(self, k: Index, left: Array, right: Array, rho: Array | None) -> Array:
-        """By the closed forms at points (n, 1), on the zone (rho None) or off it."""
-        if rho is None:
-            return self._summed(k, len(left), lambda here: self.potential_on(k, left[here], right[here]))
-        return self._summed(k, len(left), lambda here: self.potential_off(k, left[here], right[here], rho[here]))
 
     # at complex points (see `plane`) ----------------------------------------------------------------------------------
     def logarithm(self, k: Index, seen: InPlane, away: Complex) -> Complex:

@@ -16,16 +16,8 @@ import numpy as np
 from sie.basis.data import Array, Index, Kept, record
 from sie.basis.interval import edge_scale
 from sie.basis.zones import Zones
-from sie.collocation.fixed import (
-    THETA,
-    SingularSystem,
-    State,
-    field_tails,
-    first_sizes,
-    more_modes,
-    residual_error,
-    solve_fixed,
-)
+from sie.collocation import fixed
+from sie.collocation.fixed import SingularSystem, State
 from sie.collocation.solved import Answered, Carried, Sizes, Solver, density_of
 from sie.collocation.system import System
 from sie.density.density import Density
@@ -216,7 +208,7 @@ class SlitSystem(Kept):
 
     def tails(self, wide: State, d: tuple[Array, ...]) -> Array:
         """See `State.tails`, of what stands in the rows beside s."""
-        return field_tails(self.system, wide.unknowns - self.system.layout.flat(self.s_table(d, False)), wide.density)
+        return fixed.field_tails(self.system, wide.unknowns - self.system.layout.flat(self.s_table(d, False)), wide.density)
 
 
 @record
@@ -353,7 +345,7 @@ class SlitState(Answered):
     def _residuals(self) -> Array:
         """Residual of the equation times the wide zone's sqrt(1 - t^2) at a few points of each piece."""
         zones, merged = self.density.zones, self.merged
-        t = np.cos(THETA)
+        t = np.cos(fixed.THETA)
         x = (zones.middle[:, None] + zones.half[:, None] * t).ravel()
         value = self.density.transform(x) - self.right_side(x)
         left = merged.start[:, None] + (zones.half[:, None] * (1 + t))
@@ -369,7 +361,7 @@ class SlitState(Answered):
             return 0.0
         coupled = wide.system.layout.m
         zone = self.merged.piece_zone
-        seen = residual_error(self._residuals, peak, coupled[zone], wide.jumps_rounding[zone], np.bincount(zone)[zone] == 1)
+        seen = fixed.residual_error(self._residuals, peak, coupled[zone], wide.jumps_rounding[zone], np.bincount(zone)[zone] == 1)
         slits = (float(self._tails.max()) + wide.density_rounding) / peak + self.rest
         neglected = float((self._neglected * np.maximum(wide.sizes.own[: len(coupled)], 1)).max()) / peak
         return neglected + seen + slits
@@ -416,13 +408,13 @@ def solve_zones(equation: Equation, zones: Zones, tolerance: float = 1e-14, size
     [0.5, 0.5]
     """
     equation.check_count(zones)
-    sizes = first_sizes(equation, zones) if sizes is None else sizes
+    sizes = fixed.first_sizes(equation, zones) if sizes is None else sizes
     found = merge(equation, zones, sizes.joined)
     if found is None:
-        return solve_fixed(equation, zones, tolerance, sizes)
+        return fixed.solve_fixed(equation, zones, tolerance, sizes)
     sizes.joined, inner = found.slit_after >= 0, sizes.wide
     if inner is None or len(inner.own) != len(found.wide):
-        inner = first_sizes(equation, found.wide)
+        inner = fixed.first_sizes(equation, found.wide)
     inner.carried = sizes.carried
     # By iteration the wide zones alone are no more than a start.
     inner.linear = sizes.linear if equation.grows else max(sizes.linear, _START)
@@ -431,19 +423,19 @@ def solve_zones(equation: Equation, zones: Zones, tolerance: float = 1e-14, size
     profile, kernel, iterations = inner.profile_evaluations, inner.kernel_evaluations, inner.iterations
     while True:
         before = inner.iterations
-        state = solve_fixed(equation, found.wide, tolerance, inner)
+        state = fixed.solve_fixed(equation, found.wide, tolerance, inner)
         slit_system = SlitSystem(found, state, sizes.linear)
         try:
             folded, series, rest = slit_system.solve()
         except SlitsNotConverged:
-            return solve_fixed(equation, zones, tolerance, sizes)
+            return fixed.solve_fixed(equation, zones, tolerance, sizes)
         if state.iteration is not None:
             more = state.iteration.iterations - (inner.iterations - before)
             inner.iterations += more
             inner.kernel_evaluations += more * state.iteration.system.sums.size
         wide, density = slit_system.density(folded, series)
         # What the slits do through a smooth part of the kernel may take more modes than there are.
-        least = more_modes(wide, slit_system.tails(wide, series), tolerance)
+        least = fixed.more_modes(wide, slit_system.tails(wide, series), tolerance)
         if least is None:
             break
         inner.least = least
@@ -458,6 +450,6 @@ def solve_zones(equation: Equation, zones: Zones, tolerance: float = 1e-14, size
     found_state = SlitState(slit_system, wide, density, series, rest, sizes)
     if any(here.kinks for here in slit_system.slits) and found_state.density_error > max(_CARELESS * tolerance, _SETTLED):
         # A jump of a derivative that is not declared lies between zones by themselves, but within a wide one.
-        separate = solve_fixed(equation, zones, tolerance, sizes)
+        separate = fixed.solve_fixed(equation, zones, tolerance, sizes)
         return separate if separate.density_error < found_state.density_error else found_state
     return found_state

@@ -397,3 +397,20 @@ def test_an_approach_at_which_grids_see_no_contact_is_that_of_a_load():
     scene = random_scenes.draw(21455).scene
     solution = contact.solve(scene)
     assert solution.error <= 1e-8 and relative(solution.approach, scene.control[1]) < 1e-6
+
+
+class TestBetweenCorners:
+    """A flat body on a wave with ripples, its own mirror image, under the first-order closure."""
+
+    FACES = contact.Combined(contact.Flat(0.6, period=1.0), contact.Fourier(1.0, -np.r_[0.004, np.zeros(8), 1e-4]))
+
+    def under(self, mean, tol=1e-11):
+        return contact.solve(contact.Scene(self.FACES, 1.0, contact.Localized(closure="first-order"), mean_pressure=mean), tol=tol)
+
+    def test_the_approach_grows_as_the_stiffness_says(self):
+        low, here, high = (self.under(mean) for mean in (9.999e-4, 1e-3, 1.0001e-3))
+        assert abs((high.load - low.load) / (high.approach - low.approach) / here.stiffness - 1) < 1e-7
+
+    def test_zones_from_corner_to_corner_tell_no_nominal_pressure(self):
+        with pytest.raises(contact.OutOfRange, match="from corner to corner, where every isolated load has their width"):
+            self.under(0.03, tol=1e-8)

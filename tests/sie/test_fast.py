@@ -1,5 +1,8 @@
 """Fast sums: what the assembled matrix gives, for any widths and distances, at a cost that grows with the zones and no faster."""
 
+import gc
+import weakref
+
 import numpy as np
 import pytest
 
@@ -122,6 +125,20 @@ def test_all_that_is_asked_once_series_are_at_hand_is_summed_with_them():
     density.transform(np.linspace(-1.0, 1.0, 30_000))
     assert density.has_series
     assert density.transform(0.3) == density.treecode.transform(np.array([0.3]))[0] == pytest.approx(before, rel=1e-12)
+
+
+def test_a_density_with_series_is_gone_as_soon_as_nobody_holds_it():
+    zones = scattered(20, np.random.default_rng(3))
+    density = sie.Density(zones, sie.cauchy(), np.tile([0.5, 0.0, -0.5], (20, 1)), ForcingJumps.none(), np.zeros(0))
+    density.transform(np.linspace(-1.0, 1.0, 30_000))
+    assert density.has_series
+    held = weakref.ref(density)
+    gc.disable()
+    try:
+        del density
+        assert held() is None
+    finally:
+        gc.enable()
 
 
 @pytest.mark.parametrize("kernel", KERNELS.values(), ids=KERNELS)

@@ -59,6 +59,17 @@ class TestFarOffZones:
         assert len(sie.find_ends(problem, self.start(zones, [1.8]), 1e-10).trace) > 8
 
 
+@pytest.mark.parametrize("half", [1e-2, 1e-3, 1e-5])
+def test_a_zone_narrower_than_the_distance_between_nodes_is_found_at_its_tip(half):
+    """A parabola at a level L < 0: (a^2 / 2) (log(a / 2) - 1/2) = L."""
+    level = 0.5 * half**2 * (np.log(0.5 * half) - 0.5)
+    parabola = sie.Forcing(lambda x: 1.0 * x, lambda x: 0.5 * x * x, resolution=1.0)
+    zones = sie.Zones.of([[0.003 - 0.5 * half, 0.003 + 0.5 * half]])
+    moving = Moving(sie.solve_fixed(sie.Equation(sie.cauchy(), parabola, (sie.Level(level),)), zones), np.array([0]))
+    assert not moving.to_tips()[0]
+    assert moving.half == pytest.approx(half, rel=1e-3) and moving.middle == pytest.approx(0.0, abs=1e-3 * half)
+
+
 def test_level_follows_a_zone_to_where_it_goes():
     """Level plus the mean of the primitive of h, against quadrature of h from interval to interval."""
     problem = random_problem(np.random.default_rng(1), zones=6, period=1.0, E_star=2.0)

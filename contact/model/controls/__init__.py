@@ -2,8 +2,3 @@
 
 from contact.model.controls.base import CONTROLS, TURNING, Control, Held, Quantity, fields_under
 from contact.model.controls.fields import Approach, ContactFraction, HalfWidth, Load, MeanPressure
-
-__all__ = [
-    "CONTROLS", "TURNING", "Approach", "ContactFraction", "Control", "HalfWidth", "Held", "Load", "MeanPressure", "Quantity",
-    "fields_under",
-]

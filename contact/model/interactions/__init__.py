@@ -4,5 +4,3 @@ from contact.model.interactions.base import Interaction
 from contact.model.interactions.isolated import Isolated
 from contact.model.interactions.localized import Localized
 from contact.model.interactions.periodic import Periodic
-
-__all__ = ["Interaction", "Isolated", "Localized", "Periodic"]

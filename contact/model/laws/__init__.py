@@ -4,5 +4,3 @@ from contact.model.laws.base import Law
 from contact.model.laws.dugdale import Dugdale
 from contact.model.laws.frictionless import Frictionless
 from contact.model.laws.jkr import JKR
-
-__all__ = ["JKR", "Dugdale", "Frictionless", "Law"]

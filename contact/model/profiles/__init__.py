@@ -11,8 +11,3 @@ from contact.model.profiles.sampled import Sampled, read_trace
 from contact.model.profiles.self_affine import self_affine
 from contact.model.profiles.sinusoid import Sinusoid
 from contact.model.profiles.wedge import Wedge
-
-__all__ = [
-    "Biquadratic", "Combined", "Flat", "Fourier", "Parabola", "Polynomial", "Profile", "Sampled", "Sinusoid",
-    "Wedge", "read_trace", "self_affine",
-]

@@ -3,5 +3,3 @@
 from contact.model.substrates.base import Substrate
 from contact.model.substrates.half_plane import HalfPlane
 from contact.model.substrates.layer import Layer
-
-__all__ = ["HalfPlane", "Layer", "Substrate"]

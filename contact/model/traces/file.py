@@ -17,20 +17,9 @@ from numpy.typing import NDArray
 from contact.errors import SceneError, shown
 from contact.model.checks import integer
 from contact.model.traces.dropouts import no_height
+from contact.model.traces.header import UNITS, bare_name, header_fields, known, scales, unit_of, written
 from contact.model.traces.readings import Data, refuse_unclear_columns, refuse_unclear_commas
-from contact.model.traces.text import (
-    UNITS,
-    Layout,
-    Row,
-    at,
-    bare_name,
-    header_fields,
-    known,
-    rows_of,
-    scales,
-    unit_of,
-    written,
-)
+from contact.model.traces.text import Layout, Row, at, rows_of
 from sie import Array
 
 FEWEST = 4  # points

@@ -4,7 +4,8 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
-from contact.model.traces.text import Layout, Row, at, header_fields
+from contact.model.traces.header import header_fields
+from contact.model.traces.text import Layout, Row, at
 
 _WHOLE = re.compile(r"[+-]?\d+([eE][+-]?\d+)?")
 # Names of columns that count the points.

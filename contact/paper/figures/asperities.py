@@ -9,22 +9,8 @@ import numpy as np
 
 from contact.model.profiles import Parabola, Profile, Sinusoid, Wedge
 from contact.paper import LocalizedParabola, LocalizedWave, LocalizedWedge
-from contact.paper.figures.base import (
-    ALONE,
-    EXACT,
-    FIRST,
-    MODELS,
-    ONE,
-    SELF,
-    STYLE,
-    Figure,
-    curve,
-    label_panel,
-    on_cell,
-    pressures,
-    solved,
-    worst,
-)
+from contact.paper.figures import base
+from contact.paper.figures.base import ALONE, EXACT, FIRST, MODELS, ONE, SELF, Figure, curve, label_panel, solved, worst
 from contact.reference.exact import PeriodicParabola
 from contact.solution.solution import Solution
 from sie import Array
@@ -50,11 +36,11 @@ class _Pressures:
 
     @cached_property
     def x(self) -> Array:
-        return on_cell(list(self.every.values()), 0.5)
+        return base.on_cell(list(self.every.values()), 0.5)
 
     @cached_property
     def columns(self) -> dict[str, Array]:
-        of_models = {self.name(*key): pressures(solution, self.x) / self.unit for key, solution in self.every.items()}
+        of_models = {self.name(*key): base.pressures(solution, self.x) / self.unit for key, solution in self.every.items()}
         return {"x/L": self.x, **of_models}
 
     def name(self, value: float, model: str) -> str:
@@ -95,7 +81,7 @@ def _draw_errors(
     for model in (FIRST, SELF, ONE, ALONE):
         for name, width in names.items():
             error = columns[f"{name} {model}"] / columns[f"{name} {EXACT}"] - 1.0
-            axes.plot(x, 100.0 * error, **{**STYLE[model], **({} if width is None else {"linewidth": width})})
+            axes.plot(x, 100.0 * error, **{**base.STYLE[model], **({} if width is None else {"linewidth": width})})
     axes.axhline(0.0, **_LINE)
     label_panel(axes, across, up, legend=False, xlim=(0.0, round(x[-1], 1)), ylim=(-most, most))
 

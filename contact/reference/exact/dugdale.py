@@ -29,18 +29,9 @@ from scipy.optimize import brentq
 
 from contact.errors import OutOfRange, SceneError
 from contact.model.checks import between, keep, positive, positive_or_none
+from contact.reference.exact import base
 from contact.reference.exact.adhesion import AdhesiveZone, Equilibria, frictionless_energy
-from contact.reference.exact.base import (
-    FROM_LEFT,
-    FROM_RIGHT,
-    WEIGHT,
-    Array,
-    IsolatedZone,
-    PeriodicZone,
-    arcosh1p,
-    cosine,
-    sine,
-)
+from contact.reference.exact.base import FROM_LEFT, FROM_RIGHT, WEIGHT, Array, arcosh1p, cosine, sine
 from contact.reference.exact.parabola import HertzLine
 from contact.reference.exact.sinusoid import Westergaard
 
@@ -106,7 +97,7 @@ class DugdaleZone(_DugdaleState):
     (True, True)
     """
 
-    zone: IsolatedZone | PeriodicZone
+    zone: base.IsolatedZone | base.PeriodicZone
     stress: float
     cohesive_end: float
 
@@ -289,7 +280,7 @@ class MetDugdaleZone(_DugdaleState):
     (True, True)
     """
 
-    zone: PeriodicZone
+    zone: base.PeriodicZone
     stress: float
     work: float
 

@@ -11,22 +11,11 @@ from math import exp, expm1, log, log1p, pi, sqrt
 import numpy as np
 from scipy.special import spence
 
-from contact.reference.exact.base import (
-    FROM_LEFT,
-    WEIGHT,
-    Array,
-    IsolatedZone,
-    PeriodicZone,
-    SymmetricZone,
-    arccos1m,
-    arcosh1p,
-    half_width_from_sine,
-    sine,
-    zone_potential,
-)
+from contact.reference.exact import base
+from contact.reference.exact.base import FROM_LEFT, WEIGHT, Array, arccos1m, arcosh1p, sine, zone_potential
 
 
-class _Parabola(SymmetricZone):
+class _Parabola(base.SymmetricZone):
     """What the two share: the profile."""
 
     radius: float
@@ -42,7 +31,7 @@ class _Parabola(SymmetricZone):
 
 
 @dataclass(frozen=True)
-class HertzLine(_Parabola, IsolatedZone):
+class HertzLine(_Parabola, base.IsolatedZone):
     """A parabola alone (Hertz 1882): p = (E*/2R) sqrt(a^2 - x^2), P = pi E* a^2/4R,
 
     gap = (1/2R)(x sqrt(x^2 - a^2) - a^2 arcosh(x/a)), approach = (a^2/2R)(ln(2d/a) + 1/2) (greatest at a = 2d).
@@ -118,7 +107,7 @@ class HertzLine(_Parabola, IsolatedZone):
 
 
 @dataclass(frozen=True)
-class PeriodicParabola(_Parabola, PeriodicZone):
+class PeriodicParabola(_Parabola, base.PeriodicZone):
     """A parabola in a row: Kuznetsov's load (28), P = -(L^2 E*/2 pi R) ln cos A, and by the superposition of punches in closed
     form (derived here):
 
@@ -170,7 +159,7 @@ class PeriodicParabola(_Parabola, PeriodicZone):
     @classmethod
     def _half_width_for(cls, load: float, **shape: float) -> float:
         y = 2.0 * pi * load * shape["radius"] / (shape["period"] ** 2 * shape["E_star"])
-        return half_width_from_sine(sqrt(-expm1(-2.0 * y)), exp(-y), shape["period"])
+        return base.half_width_from_sine(sqrt(-expm1(-2.0 * y)), exp(-y), shape["period"])
 
     def _pressure(self, r: Array, d: Array) -> Array:
         # cos u - cos A = 2 sin((A + u)/2) sin((A - u)/2)

@@ -16,20 +16,12 @@ from scipy.special import itj0y0, j0, j1, jn_zeros, jv
 
 from contact.errors import OutOfRange
 from contact.model.checks import keep, positive
-from contact.reference.exact.base import (
-    Array,
-    IsolatedZone,
-    PeriodicZone,
-    abel_gap,
-    half_width_from_sine,
-    refuse_load,
-    sine,
-    zone_potential,
-)
+from contact.reference.exact import base
+from contact.reference.exact.base import Array, abel_gap, half_width_from_sine, refuse_load, sine, zone_potential
 
 
 @dataclass(frozen=True)
-class Westergaard(PeriodicZone):
+class Westergaard(base.PeriodicZone):
     """A wave f = Delta (1 - cos(2 pi x/L)) in partial contact (Westergaard 1939), p* = pi E* Delta/L, u = pi x/L, A = pi a/L:
 
     (18) p = sqrt2 p* cos u sqrt(cos 2u - cos 2A),   (19) mean pressure = p* sin^2 A,
@@ -220,7 +212,7 @@ class FullContactSinusoid:
 
 
 @dataclass(frozen=True)
-class IsolatedSinusoid(IsolatedZone):
+class IsolatedSinusoid(base.IsolatedZone):
     """One wave alone, Tsukanov (2018a), k = 2 pi/L, t = x/a:
 
     (20) p = (2 pi Delta E*/L) sqrt(1 - t^2) sum_j (-1)^j J_{2j+1}(ka) U_{2j}(t),

@@ -10,21 +10,11 @@ from math import asinh, atanh, log, pi, tanh
 import numpy as np
 from scipy.special import spence
 
-from contact.reference.exact.base import (
-    FROM_LEFT,
-    WEIGHT,
-    Array,
-    IsolatedZone,
-    PeriodicZone,
-    SymmetricZone,
-    arccos1m,
-    arcosh1p,
-    half_width_from_sine,
-    sine,
-)
+from contact.reference.exact import base
+from contact.reference.exact.base import FROM_LEFT, WEIGHT, Array, arccos1m, arcosh1p, half_width_from_sine, sine
 
 
-class _Wedge(SymmetricZone):
+class _Wedge(base.SymmetricZone):
     """What the two share: the profile, and the forms, in which alone sin(pi x/L) is x and cos A is 1."""
 
     wedge_slope: float
@@ -53,7 +43,7 @@ class _Wedge(SymmetricZone):
 
 
 @dataclass(frozen=True)
-class IsolatedWedge(_Wedge, IsolatedZone):
+class IsolatedWedge(_Wedge, base.IsolatedZone):
     """A wedge f = slope |x| alone: p = (E* slope/pi) arcosh(a/|x|), P = E* slope a,
 
     gap = (2 slope/pi)(x arccos(a/x) - a arcosh(x/a)), approach = (2 slope a/pi)(ln(2d/a) + 1).
@@ -115,7 +105,7 @@ class IsolatedWedge(_Wedge, IsolatedZone):
 
 
 @dataclass(frozen=True)
-class PeriodicWedge(_Wedge, PeriodicZone):
+class PeriodicWedge(_Wedge, base.PeriodicZone):
     """A wedge in a row (Block & Keer 2008), u = pi x/L, A = pi a/L:
 
     (25) p = (E* slope/pi) arcosh(tan A/tan|u|),   mean pressure = (E* slope/pi) artanh(sin A),

@@ -7,6 +7,7 @@ with the contact.
 """
 
 import math
+from collections.abc import Callable
 from functools import partial
 
 import numpy as np
@@ -113,9 +114,22 @@ def _lowest_unturned(scene: Scene) -> float:
     cell = profile.support or profile.extent
     if cell is None and profile.period is None and profile.summits is None:
         datum = scene.operator.datum or 1.0
-        load = 1e-3 * scene.E_star * datum
-        cell = find_window(profile.height, response_of(scene, datum), load=load, start_scale=profile.resolution)
+        find = partial(find_window, response=response_of(scene, datum), start_scale=profile.resolution)
+        cell = _about_lowest(profile, find, 1e-3 * scene.E_star * datum, _dip(profile))
     return lowest(profile, cell)
+
+
+def _about_lowest(profile: Profile, find: Callable[..., Window], load: float, start: Window | None) -> Window:
+    """A window of the contact under a load. Any contact holds the lowest point: the points of wide windows may miss it, or there may be a
+    tip before it."""
+    window = find(partial(grid_height, profile), load=load, start=start)
+    for _ in range(_DESCENTS):
+        deeper = _deeper(profile, window)
+        if deeper is None:
+            break
+        half = 0.5 * (window[1] - window[0])
+        window = find(profile.height, load=load, start=(deeper - half, deeper + half))
+    return window
 
 
 def _isolated_origin(scene: Scene, single: bool) -> tuple[float, float, Window]:
@@ -135,21 +149,14 @@ def _isolated_origin(scene: Scene, single: bool) -> tuple[float, float, Window]:
     datum = scene.operator.datum
     find = partial(find_window, response=response_of(scene, datum or 1.0), start_scale=profile.resolution, limits=profile.extent)
     if load is not None:
-        window = find(partial(grid_height, profile), load=load, start=_dip(profile))
-        for _ in range(_DESCENTS):
-            deeper = _deeper(profile, window)
-            if deeper is None:
-                break
-            # Any contact holds the lowest point: the points of wide windows missed it, or there was a tip before it.
-            half = 0.5 * (window[1] - window[0])
-            window = find(profile.height, load=load, start=(deeper - half, deeper + half))
+        window = _about_lowest(profile, find, load, _dip(profile))
     else:
         # The lowest point is in contact at any load: a window of any contact holds it.
         dip, value = _dip(profile), scene.held(Quantity.APPROACH)
         assert value is not None
         light = 1e-3 * scene.E_star * (datum or 1.0) if dip is None else value * scene.E_star * _LIGHT
-        first = find(profile.height, load=light, start=dip)
-        window = find(profile.height, level=lowest(profile, first) + value, start=dip and first, light=light)
+        first = _about_lowest(profile, find, light, dip)
+        window = find(profile.height, level=lowest(profile, first) + value, start=first, light=light)
     origin = 0.0 if profile.symmetric else _middle_or_tip(profile, window)
     return origin, 0.5 * (window[1] - window[0]), window
 

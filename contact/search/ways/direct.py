@@ -199,7 +199,7 @@ def _certificate(scene: Scene, ends: Ends, gap: float) -> Certificate:
         smallest_gap=None if corner else gap if math.isfinite(gap) else 0.0,
         gap_rounding=_ROUNDING * abs(float(scene.profile.height(ends.outer))),
         load_balance=0.0 if load is None else abs(unit * float(ends.totals) / load - 1.0),
-        level_spread=0.0, points=points, holds=True, note=_NOTE,
+        points=points, holds=True, note=_NOTE,
     )
 
 

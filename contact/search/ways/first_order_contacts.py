@@ -7,7 +7,7 @@ zones, and the ends move by 2 K / A of it, as in a step of Newton's.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -180,7 +180,8 @@ class Rates(StripRates):
 
 def _shifted(strip: Found) -> sie.AnyState:
     """What a unit of motion of the strip's centre adds to its density on the same zones, by a difference."""
-    problem, zones = strip.fields.problem, strip.free.density.zones
+    # Where the strip is its own mirror image, this is not.
+    problem, zones = strip.fields.problem, replace(strip.free.density.zones, symmetric=False)
     assert problem.period is not None and problem.amplitude is not None
     pressure, ends = problem.amplitude, zones.table[[0, -1], [0, 1]] - problem.centre
     away = _SHIFT * (0.5 * problem.period - float(np.abs(ends).max()))

@@ -330,6 +330,11 @@ class FirstOrderOfSeveral:
         before, slow, looked, last = math.inf, 0, False, False
         rates, size = Rates.of(at, _ROUGHLY), np.array([self.period, at.unknowns[1]])
         matrix = rates.matrix
+        if not matrix[0].any():
+            raise OutOfRange(
+                "under the first-order closure the zones reach from corner to corner, where every isolated load has their width: none is "
+                f"told from others; closure='self-consistent' or {EXACT}"
+            )
         for _ in range(_TOGETHER):
             step = np.append(-np.linalg.solve(matrix, at.misses), 0.0)
             off = float(rates.of_ends(step).max())
