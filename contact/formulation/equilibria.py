@@ -196,10 +196,10 @@ class Equilibria:
                 break
         return here
 
-    def fields(self, here: Point) -> ZoneFields:
+    def fields(self, here: Point, tolerance: float = _EXACT) -> ZoneFields:
         """Pressure and gap on these zones, under the load that they have."""
         zones = sie.Zones.of(here.table, self.problem.end, self.problem.end)
-        return ZoneFields(self.problem, sie.solve_zones(self.problem.equation(Load(here.load)), zones, 1e-13))
+        return ZoneFields(self.problem, sie.solve_zones(self.problem.equation(Load(here.load)), zones, tolerance))
 
     def gaps(self, table: Array) -> Array:
         """Right of each zone; infinite beyond the last without a period."""

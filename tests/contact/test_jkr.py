@@ -281,6 +281,39 @@ def test_an_end_that_is_at_rest_does_not_hold_up_one_that_runs():
     assert np.abs(rest.residual).max() < 1e-4 and rest.growth < 0.0
 
 
+class Relieved(Stiff):
+    """Two zones, of which the right one is relieved as the left one is lost, and comes apart by itself."""
+
+    def __init__(self):
+        self.narrowest = 1.0
+
+    def at(self, table, value, tolerance=0.0):
+        width = np.diff(table, axis=1)[:, 0]
+        self.narrowest = min(self.narrowest, width[-1])
+        driven = np.array([-50.0 / width[0], -50.0]) if len(table) > 1 else np.maximum(-2.0 * width**-0.5, -60.0)
+        count = 2 * len(table)
+        return Point(table, value, np.tile(driven, 2), np.eye(count), np.ones(count), 0.0, 0.0)
+
+
+def test_a_zone_that_is_relieved_by_one_that_is_lost_has_come_apart_once_it_is_narrow_and_driven_ever_more():
+    curve = Relieved()
+    assert flow.receded(curve, np.array([[-2.0, -1.9], [1.0, 2.0]]), 0.0) is None
+    assert curve.narrowest > 1e-6
+
+
+def test_a_zone_that_slides_as_it_comes_off_does_so_next_to_its_turning_point():
+    rng = np.random.default_rng(59)
+    k, phase = np.arange(1, 25), 2 * np.pi * rng.random(24)
+    size = 0.02 * k**-1.2 / np.sqrt(0.5 * np.sum((2 * np.pi * k**-0.2) ** 2))
+    profile = contact.Fourier(1.0, size * np.cos(phase), size * np.sin(phase))
+    scene = contact.Scene(profile, E, contact.Periodic(), law=contact.JKR(1e-7), mean_pressure=1e-3)
+    solution = contact.solve(scene)
+    assert len(solution.zones) == 3
+    curve = Equilibria(solution.fields.problem, solution.parting.held)
+    # A little within where the last zone comes off, under the control at which it does.
+    assert flow.receded(curve, np.array([[0.157164, 0.168935]]), -0.0016022921712400835) is None
+
+
 def test_past_a_turning_point_ends_are_pushed_no_farther_than_the_narrow_gap_between_them_holds():
     table = np.array([[-1.0, -1e-3], [1e-3, 1.0]])
     turned = Point(table, 0.0, np.zeros(4), 0.25 * np.ones((4, 4)) - np.eye(4), np.ones(4), 0.0, 0.0)

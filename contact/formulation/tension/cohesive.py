@@ -234,7 +234,8 @@ class Cohesive(Equilibria):
             return 1.0
         return float(self.held.yields or 0.0)
 
-    def fields(self, here: Point) -> ZoneFields:
+    def fields(self, here: Point, tolerance: float = TIGHT) -> ZoneFields:
+        """As tightly as it was solved."""
         assert isinstance(here, CohesivePoint) and here.q is not None
         return here.q
 

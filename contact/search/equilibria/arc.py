@@ -306,7 +306,8 @@ def pull_off(curve: Equilibria, here: Point, recede: Recede = receded, torn: Cal
 
 def _apart(curve: Equilibria, here: Point, recede: Recede) -> tuple[Point, float]:
     """(an equilibrium, a lower value of the control under which there is none) as the control falls."""
-    step = curve.unit(here)
+    # Under a load what is left does not depend on the way there.
+    step = curve.unit(here) if curve.held.load is None else max(curve.unit(here), 0.5 * abs(here.value))
     for _ in range(_MOST_TRIES):
         rest = recede(curve, here.table, here.value - step)
         if rest is None:

@@ -65,9 +65,10 @@ def _flowed(curve: Equilibria, table: Array, value: float, sign: float) -> Point
             return here
         if move == 0.0:
             break
-        # A zone that others relieve on the way narrows anew from there.
-        relieved = here.residual > residual
-        widths, residual = np.where(relieved, here.widths, widths), np.maximum(here.residual, residual)
+        if sign < 0:
+            # A zone that others relieve on the way narrows anew from there.
+            relieved = here.residual > residual
+            widths, residual = np.where(relieved, here.widths, widths), np.maximum(here.residual, residual)
     raise NotConverged("the ends of zones that grow or shrink under a held control did not come to rest")
 
 
@@ -83,7 +84,10 @@ def at_rest(here: Point, move: float) -> bool:
 def _step(curve: Equilibria, here: Point, sign: float) -> tuple[Point, float]:
     """(next state, largest move over the widths)."""
     limit, back = limits(curve, here, sign)
-    runaway = running_away(here)
+    runaway: Mask | None = running_away(here)
+    if np.any(runaway) and float(np.abs(here.residual).max()) <= SLIGHT:
+        # Next to a turning point they leave by the motion that grows, not each as far as it may.
+        runaway = None
     for _ in range(MOST_TRIES):
         step = kept_step(here, sign, limit, back, runaway)
         # Of ends that are driven hard, little must be left out to know how those at rest are.

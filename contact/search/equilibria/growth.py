@@ -12,7 +12,7 @@ from contact.formulation.equilibria import Equilibria, Point
 from contact.formulation.roots import maximum
 from contact.formulation.tables import centred_on, runs_of
 from contact.formulation.tension.cohesive import Cohesive, CohesivePoint
-from contact.search.equilibria.flow import advanced
+from contact.search.equilibria.flow import ROUGH, advanced
 from contact.verify.certificate import openings
 from sie import Array
 
@@ -27,7 +27,7 @@ def grown(curve: Equilibria, table: Array, value: float) -> Point:
     """The least equilibrium without overlap that holds these zones, of which all ends are driven outward; `Closed` if there is none."""
     for _ in range(_ROUNDS):
         here = advanced(curve, table, value)
-        new = curve.within(openings(curve.fields(here)).overlaps)
+        new = curve.within(openings(curve.fields(here, ROUGH)).overlaps)
         if len(new) == 0:
             return here
         table = with_new(here.table, new)

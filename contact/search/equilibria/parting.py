@@ -13,6 +13,8 @@ from contact.formulation.tension.cohesive import Cohesive
 from contact.formulation.tension.fields import PulledFields
 from contact.search.equilibria import tension as under_tension
 from contact.search.equilibria.arc import pull_off
+from contact.search.equilibria.flow import receded
+from contact.search.equilibria.relaxation import relaxed
 from contact.solution.answer import PullOff
 
 
@@ -25,7 +27,9 @@ class Parting:
     def __call__(self, fields: ZoneFields) -> PullOff:
         problem, units = fields.problem, fields.problem.units
         curve = Equilibria(problem, self.held)
-        last = pull_off(curve, curve.at(fields.density.zones.table, self.held.value))
+        # Under a held approach ends that recede may drive others on.
+        recede = receded if self.held.load is not None else relaxed
+        last = pull_off(curve, curve.at(fields.density.zones.table, self.held.value), recede)
         approach = float(-last.level * units.height) if problem.operator.has_approach else None
         return PullOff(float(last.load * units.load), approach, np.asarray(units.x(last.table)))
 

@@ -61,7 +61,7 @@ def _changed(curve: Equilibria, here: Point, widest: Array) -> Array | None:
 
 def _overlaps(curve: Equilibria, here: Point) -> Array:
     """Where the surfaces overlap, but for gaps into which an end advances that is driven hard: that may close them first."""
-    overlaps, period = curve.within(openings(curve.fields(here)).overlaps), curve.problem.period
+    overlaps, period = curve.within(openings(curve.fields(here, flow.ROUGH)).overlaps), curve.problem.period
     left, right = np.split(here.residual > flow.DRIVEN, 2)
     advanced = np.append(False, right) | np.append(left, False)
     if period is not None:
