@@ -16,6 +16,7 @@ from contact.formulation.controls import Load
 from contact.formulation.problem import Problem
 from contact.formulation.quadrature import over_period, panels
 from contact.formulation.roots import maximum, reaches
+from contact.model.profiles.derive import detail_of
 from sie import Array, Index, Mask, nearest_image, record, wrapped
 
 # Zones at the most that the highest pressure is looked for in, below the sampling.
@@ -247,12 +248,8 @@ class ZoneFields(sie.Kept):
     @cached_property
     def spacing(self) -> float:
         """Scaled length over which the gap may vary."""
-        resolution = self.problem.profile.resolution
-        zones = self.density.zones
-        span = float(zones.b[-1] - zones.a[0])
-        if self.problem.period is not None:
-            span = self.problem.period
-        return span / 16 if resolution is None else resolution / self.problem.units.length
+        units, profile, ends = self.problem.units, self.problem.profile, self.density.zones.table[[0, -1], [0, 1]]
+        return (profile.resolution or detail_of(profile.height, *units.x(ends).tolist())) / units.length
 
     @cached_property
     def tips(self) -> Array:

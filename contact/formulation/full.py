@@ -21,6 +21,7 @@ from contact.formulation.roots import maximum
 from contact.model.laws.base import Law
 from contact.model.operator import Operator
 from contact.model.profiles.base import Profile
+from contact.model.profiles.derive import detail_of
 from sie import Array, record
 
 
@@ -89,8 +90,8 @@ def lowest(profile: Profile, cell: tuple[float, float] | None = None) -> float:
         x = period_samples(profile)
     else:
         assert cell is not None
-        per_feature = 0.0 if profile.resolution is None else 4 * (cell[1] - cell[0]) / profile.resolution
-        x = np.linspace(*cell, int(np.clip(per_feature, 1025, 2**20)))
+        detail = profile.resolution or detail_of(profile.height, *cell)
+        x = np.linspace(*cell, int(np.clip(4 * (cell[1] - cell[0]) / detail, 1025, 2**20)))
     return -maximum(lambda points: -np.asarray(profile.height(points)), x)[1]
 
 

@@ -309,10 +309,11 @@ class ForcingJumps(Jumps):
 
     def beside_kinks(self, zone: int, nearest: float, theta: Array) -> Array:
         """Angles of a zone at which its density is asked for: those given, and right beside the largest kinks, but none nearer
-        to a kink than `nearest` over w, or than a quarter of the kinks' mean distance."""
+        to a kink than `nearest` over w, or than a quarter of the kinks' mean distance; without kinks, beside jumps of the next order, at
+        which the density is steepest."""
         k = self.by_zone[zone]
-        k = k[self.order[k] == 0]
-        if len(k) == 0:
+        k = k[self.order[k] == self.order[k].min(initial=2)]
+        if len(k) == 0 or self.order[k[0]] > 1:
             return theta
         away, s = min(nearest, 0.25 / len(k)), np.sort(self.s[k])
         largest = self.s[k[np.argsort(-np.abs(self.height[k]))[:_KINKS]]]

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import sie
-from contact.model.profiles.derive import slope_of
+from contact.model.profiles.derive import detail_of, slope_of
 from contact.model.registry import construct
 from sie import Array
 
@@ -125,8 +125,12 @@ class Profile(sie.Kept):
 
     @property
     def resolution(self) -> float | None:
-        """Smallest length over which the shape varies; None if unknown."""
-        return None
+        """Smallest length over which the shape varies: of one that repeats, if not given, as its heights tell; None if unknown."""
+        return self._detail
+
+    @cached_property
+    def _detail(self) -> float | None:
+        return None if self.period is None else detail_of(self.height, *(self.support or (self.x0, self.x0 + self.period)))
 
     @property
     def feature(self) -> float | None:

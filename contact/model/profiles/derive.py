@@ -18,6 +18,9 @@ from sie import Array, Mask
 _TINY = 1e-100  # its square vanishes beside any length met, so the step has no truncation error
 _APART = (1e2, 1e4, 1e6)  # how many times farther apart to look again
 _SIXTH = ((1, 3 / 4), (2, -3 / 20), (3, 1 / 60))  # f' = sum c_k (f(x + kh) - f(x - kh)) / h + O(h^6)
+# Heights that tell how finely a shape varies, at first and at the most; terms of its slope that count, over the largest, and of one whose
+# series has not come to its end, as of sharp corners; parts of a length that are looked at of any shape.
+_FIRST, _LAST, _COUNTS, _OF_SHARP, _COARSEST = 256, 2**14, 1e-5, 0.1, 16
 # The doubt of a step that does not resolve f.
 _LEAST_BELIEVED = 1e300
 
@@ -115,3 +118,23 @@ def _difference(height: Callable[[Any], Any], x: Array, h: float, here: Array) -
         size = np.maximum(size, np.maximum(np.abs(right), np.abs(left)))
         sixth = sixth + binomial * (right + left)
     return total, size, np.abs(sixth) <= high - low + 64 * np.finfo(np.float64).eps * size
+
+
+def detail_of(height: Callable[[Array], Any], lo: float, hi: float) -> float:
+    """Smallest length over which heights vary between two places, from their Chebyshev series: that of the last term of the slope which
+    counts."""
+    length, n = hi - lo, _FIRST
+    while True:
+        with np.errstate(all="ignore"):
+            # The ends themselves may be corners, beyond which there is no body.
+            heights = np.asarray(height(lo + length * np.sin(0.25 * np.pi * (2 * np.arange(n) + 1) / n) ** 2), dtype=np.float64)
+            slopes = np.arange(n) * np.abs(np.fft.rfft(np.concatenate((heights, heights[::-1])))[:n])
+        most = float(slopes.max())
+        if not 0.0 < most < np.inf:
+            return length / _COARSEST
+        ended = bool(slopes[-n // 8 :].max() <= _COUNTS * most)
+        if ended or n >= _LAST:
+            break
+        n *= 4
+    last = int(np.flatnonzero(slopes > (_COUNTS if ended else _OF_SHARP) * most)[-1])
+    return min(np.pi / last, 1 / _COARSEST) * length

@@ -13,6 +13,7 @@ from contact.formulation.controls import Control, Load
 from contact.formulation.problem import Problem
 from contact.formulation.tables import centred_on, gaps_between
 from contact.model.interactions.periodic import Periodic
+from contact.model.profiles.derive import detail_of
 from contact.search.grid.coarse import Proposal, grid_height, propose
 from contact.search.grid.conjugate_gradient import GridState, Response
 from contact.search.grid.scaling import ScaledScene
@@ -71,7 +72,8 @@ def proposed(
     units, profile, interaction, by_load = problem.units, problem.profile, problem.interaction, control.load is not None
     found = propose(
         partial(grid_height, profile) if by_load else profile.height, scaled.cell, whole_response(problem),
-        resolution=profile.feature, points=points, load=control.value * units.load if by_load else None,
+        resolution=profile.feature or detail_of(profile.height, *scaled.cell), points=points,
+        load=control.value * units.load if by_load else None,
         level=None if by_load else problem.lowest + control.value * units.height, tol=tol, near=None if near is None else near.state,
     )
     if interaction.strip and found.state.load > 0.0:
