@@ -186,6 +186,8 @@ def _not_found(task: Task, problem: Problem, failure: Missed | None, width: floa
     if full and task.operator.is_periodic and not task.operator.has_inverse:
         return OutOfRange(no_inverse(task, f"in full contact, or nearer to it than a grid of {points} points tells"))
     narrow = "the gaps are narrower than the finest grid tells from full contact"
+    if not (full or width):
+        return task.error(failure or Missed("the contact is narrower than the finest grid tells; give a load"), problem)
     if task.operator.is_periodic and not task.operator.has_inverse:
         narrow += "; the gaps themselves are solved for where the model declares its symbol"
         if failure is not None and width > _ALMOST_FULL * (problem.period or math.inf):
