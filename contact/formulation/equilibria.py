@@ -18,7 +18,7 @@ from contact.errors import NotConverged, OutOfRange
 from contact.formulation.controls import Control, Load
 from contact.formulation.fields import ZoneFields
 from contact.formulation.problem import Problem
-from contact.formulation.tables import centred_on, gaps_between
+from contact.formulation.tables import centred_on, gaps_between, room_beside
 from sie import Array, Mask, record
 
 # Newton's steps to an equilibrium near by, and the last one's size over the widths; one so large is of another.
@@ -204,3 +204,7 @@ class Equilibria:
     def gaps(self, table: Array) -> Array:
         """Right of each zone; infinite beyond the last without a period."""
         return np.asarray(np.diff(gaps_between(table, self.problem.period))[:, 0])
+
+    def room(self, table: Array) -> Array:
+        """The width of the zone of each end, or of the gap beside it, whichever is less (2n,)."""
+        return np.asarray(room_beside(table, self.problem.period).T.ravel())

@@ -24,15 +24,15 @@ from contact.model.profiles.base import Profile
 from contact.model.profiles.derive import detail_of
 from sie import Array, record
 
+# Half widths of gaps below this part of the period, or of the zone they are in, are a rounding of the ends' positions: such gaps are left
+# out, and said so.
+NARROWEST = 1e-13
+
 
 def has_kinked_valley(profile: Profile) -> bool:
     """A profile whose slope jumps down somewhere never comes into full contact."""
     kinks = profile.kinks
     return bool(len(kinks) and np.any(kinks[:, 1] < 0))
-
-
-# Half widths below this part of the period are a rounding of the ends' positions: such gaps are left out, and said so.
-NARROWEST = 1e-13
 
 
 class FullLimit(sie.Kept):

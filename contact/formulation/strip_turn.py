@@ -183,7 +183,6 @@ class StripTurn(sie.Kept):
         left, right = ([] if gap else [border] for gap, border in zip(open_, _BORDERS, strict=True))
         return self.x(np.concatenate((left, ends[(ends > 0.0) & (ends < np.pi)], right)).reshape(-1, 2))
 
-
     def of_zones(self, gaps: Array, moved: Array, centre: float = 0.0) -> Array:
         """What motions of the ends of gaps (n, 2) in the angle, and one of the centre, do to the ends of the strip's zones, over the widths
         of these (n, 2): of a strip with a gap at either border."""

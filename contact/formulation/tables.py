@@ -25,6 +25,12 @@ def gaps_between(table: Array, period: float | None) -> Array:
     return np.column_stack((table[:, 1], np.append(table[1:, 0], np.inf if period is None else table[0, 0] + period)))
 
 
+def room_beside(table: Array, period: float | None) -> Array:
+    """The width of each row, or of the gap beside each of its ends (n, 2), whichever is less."""
+    right = np.diff(gaps_between(table, period))
+    return np.minimum(np.diff(table), np.column_stack((np.roll(right, 1), right)))
+
+
 def parted_at_wide(table: Array, period: float) -> Array:
     """Rows about where they were, with a wide gap over the border of the period: the nearest one, so that few are moved."""
     gaps = gaps_between(table, period)

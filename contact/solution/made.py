@@ -21,8 +21,7 @@ from contact.solution.answer import PullOff
 from contact.solution.plan import Plan
 from contact.solution.solution import Solution, limit_of_approach
 from contact.verify.accuracy import Found, FoundByGaps, limit, of_positions, too_thin
-from contact.verify.certificate import Certificate
-from contact.verify.gap_certificate import told_of_left_out
+from contact.verify.certificate import Certificate, told_of_left_out
 from sie import Array
 
 
@@ -97,7 +96,7 @@ def of_apart(scene: Scene, problem: Problem, approach: float | None, plan: Plan)
 
 def _told_of_full(scene: Scene, least: float, left_out: int) -> str:
     if left_out:
-        return f"full contact; {told_of_left_out(left_out)}"
+        return f"full contact; {told_of_left_out(left_out, 'the period')}"
     if least >= 0.0 or not scene.law.pulls:
         return "full contact: the pressure is nowhere negative"
     if scene.law.tension:

@@ -10,7 +10,7 @@ import numpy as np
 
 from contact.formulation.fields import ZoneFields
 from contact.formulation.gaps import GapFields
-from contact.formulation.tables import gaps_between
+from contact.formulation.tables import room_beside
 from contact.solution.solution import Solution
 from sie import Array
 
@@ -30,7 +30,7 @@ def may_hide(low: Solution, high: Solution) -> bool:
     (old, old_rates), (new, new_rates) = before, after
     period = low.scene.period
     step = np.log(high.load / low.load)
-    old_widths, new_widths = _beside(old, period), _beside(new, period)
+    old_widths, new_widths = room_beside(old, period), room_beside(new, period)
     for k, (a, b) in enumerate(new):
         middles = old.mean(axis=1)
         turn = np.zeros(len(old)) if period is None else np.ceil((a - middles) / period) * period
@@ -46,13 +46,6 @@ def may_hide(low: Solution, high: Solution) -> bool:
         if np.any(open_ & (np.abs(way) > _NOTHING * (b - a))):
             return True
     return False
-
-
-def _beside(zones: Array, period: float | None) -> Array:
-    """Widths of the narrower interval beside each end, the zone or the gap (n, 2)."""
-    right = np.diff(gaps_between(zones, period))[:, 0]
-    gaps = np.column_stack((np.roll(right, 1), right))
-    return np.minimum(np.diff(zones), gaps)
 
 
 def ends_and_rates(solution: Solution) -> tuple[Array, Array] | None:

@@ -481,4 +481,3 @@ def _gap_before(low: Solution) -> tuple[float, float]:
     gaps = gaps_between(low.zones, low.scene.period)
     right, left = gaps[np.argmax(np.diff(gaps)[:, 0])].tolist()
     return right, left
-

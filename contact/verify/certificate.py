@@ -15,14 +15,13 @@ import numpy as np
 import sie
 from contact.formulation.controls import Control
 from contact.formulation.fields import ZoneFields
+from contact.formulation.full import NARROWEST
 from contact.formulation.tables import runs_of
 from contact.verify.minima import DIP_ROUNDING, Signs, lowest, signs_on
 from sie import Array, Index, Mask, record
 
 # Each zoom into a minimum narrows its bracket to a quarter at least.
 _ZOOMS = 7
-# Half gaps below this part of a zone's half width are a rounding of the ends' positions.
-NARROWEST = 1e-13
 # Distances from a kink, over the half width, at which the pressure is looked at.
 _AWAY = np.geomspace(NARROWEST, 0.1, 37)
 
@@ -131,7 +130,7 @@ def certify(fields: ZoneFields, load: float | None, held: Control | None = None,
     spread = float(np.ptp(fields.levels)) * units.height
     undecided = (gaps is not None and -rounding <= gaps <= 0.0) or (dip <= DIP_ROUNDING and len(pressures) == 0)
     holds = (least > 0 or law.pulls) and len(new) == 0 and len(overlaps) == 0 and balance < 1e-9 and (turned is None or turned < 1e-9)
-    note = f"{left_out} gaps over kinks are left out: narrower than {2 * NARROWEST:.0e} of their zones" if left_out else ""
+    note = told_of_left_out(left_out, "their zones") if left_out else ""
     if not on_zones <= fields.gap_error:
         holds = False
         note = f"on the zones, where it is zero, the gap comes to {on_zones * units.height:.1e} m: height and slope do not go together"
@@ -158,6 +157,10 @@ def certify(fields: ZoneFields, load: float | None, held: Control | None = None,
         holds=bool(holds), undecided=bool(undecided) or left_out > 0, note=note, dip=dip, moment_balance=turned,
         intensity=missed, stability=stability, negative=pressures, overlaps=overlaps, lowest=minima,
     )
+
+
+def told_of_left_out(gaps: int, over: str) -> str:
+    return f"{gaps} gaps over kinks are left out: narrower than {2 * NARROWEST:.0e} of {over}"
 
 
 def _missed(fields: ZoneFields) -> float:

@@ -5,7 +5,7 @@ import numpy as np
 from contact.formulation.full import NARROWEST
 from contact.formulation.gaps import GapFields
 from contact.formulation.tables import runs_of
-from contact.verify.certificate import Certificate
+from contact.verify.certificate import Certificate, told_of_left_out
 from contact.verify.minima import DIP_ROUNDING, Signs, follow, lowest, may_be_negative, signs_on
 from sie import Array, Index
 
@@ -23,7 +23,7 @@ def certify_gaps(fields: GapFields) -> Certificate:
     units = fields.problem.units
     note = "solved by its gaps"
     if left_out:
-        note += f"; {told_of_left_out(left_out)}"
+        note += f"; {told_of_left_out(left_out, 'the period')}"
     return Certificate(
         smallest_pressure=least * units.pressure, smallest_gap=openings.least * units.height,
         points=openings.points + points, holds=not (negative or openings.negative),
@@ -31,10 +31,6 @@ def certify_gaps(fields: GapFields) -> Certificate:
         negative=np.array(sorted(negative)).reshape(-1, 2), overlaps=np.array(openings.negative).reshape(-1, 2),
         lowest=minima,
     )
-
-
-def told_of_left_out(gaps: int) -> str:
-    return f"{gaps} gaps over kinks are left out: narrower than {2 * NARROWEST:.0e} of the period"
 
 
 def _openings(fields: GapFields) -> tuple[Signs, Array]:

@@ -97,7 +97,6 @@ class Targets:
         x = np.where(lefts <= rights, zones.a[zone] + lefts, zones.b[zone] - rights)
         return cls(zone, lefts, rights, x)
 
-
     def seen(self, zones: Zones, sources: Index, shift: float) -> tuple[Outside, Array | None]:
         """(the targets seen from zones `sources` shifted by `shift`; 0 where these are their own zones, else 1), (points, sources) each.
 

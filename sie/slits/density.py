@@ -463,4 +463,3 @@ def _closed(d: Array) -> Array:
     out[: len(u)] += 0.5 * u
     out[2:] -= 0.5 * u
     return out
-

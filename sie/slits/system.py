@@ -203,7 +203,6 @@ class SlitSystem(Kept):
         state = replace(base, folded_unknowns=folded, unknowns=y, density=whole, linear_error=left_over)
         return state, SlitDensity(self.merged, smooth, whole, self.slits, d, forced=not homogeneous)
 
-
     def tails(self, wide: State, d: tuple[Array, ...]) -> Array:
         """See `State.tails`, of what stands in the rows beside s."""
         return fixed.field_tails(self.system, wide.unknowns - self.system.layout.flat(self.s_table(d, False)), wide.density)

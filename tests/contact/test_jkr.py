@@ -261,10 +261,7 @@ class Stiff:
         profile=SimpleNamespace(resolution=None), units=SimpleNamespace(length=1.0), borders=(-np.inf, np.inf), period=None
     )
     start = np.array([[-2.0, -1.0], [1.0, 2.0]])
-    unit = Equilibria.unit
-
-    def gaps(self, table):
-        return np.append(table[1:, 0] - table[:-1, 1], np.inf)
+    unit, gaps, room = Equilibria.unit, Equilibria.gaps, Equilibria.room
 
     def at(self, table, value, tolerance=0.0):
         moved = np.concatenate((self.start[:, 0] - table[:, 0], table[:, 1] - self.start[:, 1]))

@@ -262,9 +262,7 @@ def let_go(step: Step) -> Array:
 def beyond(curve: Equilibria, turned: Point, sense: float) -> Array:
     """Zones from which ends move on to another equilibrium at a turning point: inward where the control falls."""
     move = _begun(curve, turned, sense).tangent[:-1] * turned.widths
-    gaps = curve.gaps(turned.table)
-    room = np.minimum(turned.widths, np.concatenate((np.roll(gaps, 1), gaps)))
-    return turned.moved(np.asarray(move * (sense * np.sign(move.sum()) * _PUSH / np.abs(move / room).max())))
+    return turned.moved(np.asarray(move * (sense * np.sign(move.sum()) * _PUSH / np.abs(move / curve.room(turned.table)).max())))
 
 
 def pull_off(curve: Equilibria, here: Point, recede: Recede = receded, torn: Callable[[Point], float] = lambda at: -1.0) -> Point:

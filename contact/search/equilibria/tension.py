@@ -159,13 +159,7 @@ def _about_to_rest(curve: Cohesive, here: CohesivePoint) -> bool:
     """Whether a stable equilibrium is so near that Newton's steps alone lead to it."""
     if here.growth >= 0.0 or np.abs(here.residual).max() > flow.DRIVEN:
         return False
-    return bool(np.all(np.abs(here.newton) <= _ABOUT_TO_REST * _sizes(curve, here)))
-
-
-def _sizes(curve: Cohesive, here: Point) -> Array:
-    """Of the interval of each end, or of the gap beside it if that is smaller: one that was cut is parted by little at first."""
-    gaps = curve.gaps(here.table)
-    return np.minimum(here.widths, np.concatenate((np.roll(gaps, 1), gaps)))
+    return bool(np.all(np.abs(here.newton) <= _ABOUT_TO_REST * curve.room(here.table)))
 
 
 def settled(curve: Cohesive, here: Point, sign: float) -> CohesivePoint | None:
@@ -204,7 +198,7 @@ def uncovered(curve: Cohesive, table: Array, value: float, zones: Array) -> Arra
 def _step(curve: Cohesive, here: Point, sign: float) -> tuple[Point, float]:
     limit, back = flow.limits(curve, here, sign)
     lost, beyond = 0, np.zeros(len(limit))
-    size = _sizes(curve, here)
+    size = curve.room(here.table)
     back_again = 0
     for _ in range(flow.MOST_TRIES):
         if back_again >= _ONE_WAY and here.growth >= 0.0:
@@ -244,7 +238,7 @@ def _let_go(curve: Cohesive, here: Point, sign: float) -> tuple[Point, float]:
     """Where ends that run away drive others the other way, as under a held approach: all ends down the slope of the energy, a step of
     the implicit Euler method, as long as lets them go no farther than they may."""
     onward, back = flow.limits(curve, here, sign)
-    size = _sizes(curve, here)
+    size = curve.room(here.table)
     onward, above = np.minimum(onward, _SLOWLY * np.maximum(size, 1e-3 * here.widths)), 1e-3
     for _ in range(flow.MOST_TRIES):
         step: Array = np.linalg.solve(np.diag((max(here.growth, 0.0) + above) * here.weight) - here.rates, here.residual).astype(np.float64)

@@ -70,10 +70,10 @@ def proposed(
     if problem.moment is not None:
         return _by_moment(scaled, problem, control, points)
     units, profile, interaction, by_load = problem.units, problem.profile, problem.interaction, control.load is not None
+    detail = profile.feature or detail_of(profile.height, *scaled.cell) if points is None else None
     found = propose(
         partial(grid_height, profile) if by_load else profile.height, scaled.cell, whole_response(problem),
-        resolution=profile.feature or detail_of(profile.height, *scaled.cell), points=points,
-        load=control.value * units.load if by_load else None,
+        resolution=detail, points=points, load=control.value * units.load if by_load else None,
         level=None if by_load else problem.lowest + control.value * units.height, tol=tol, near=None if near is None else near.state,
     )
     if interaction.strip and found.state.load > 0.0:

@@ -22,7 +22,7 @@ from contact.formulation.equilibria import Closed, Point
 from contact.formulation.fields import ZoneFields
 from contact.formulation.gaps import GapFields
 from contact.formulation.problem import Problem
-from contact.formulation.tables import gaps_between
+from contact.formulation.tables import room_beside
 from contact.formulation.tension.cohesive import Cohesive, CohesivePoint
 from contact.formulation.tension.contact import TIGHT, Lost, edge_slopes
 from contact.formulation.tension.fields import PulledFields, PulledGapFields
@@ -193,10 +193,7 @@ def _begun(curve: Cohesive, fields: ZoneFields) -> Array:
     wanted = math.sqrt(2 * curve.stress * curve.reach / math.pi)
     strip, width = np.pi**2 / 4 * (wanted / curve.stress) ** 2, np.diff(zones, axis=1)
     slope = np.maximum(np.array(fields.density.edge_slopes).T, 1e-300)
-    out = np.where(strip < _THIN * width, np.minimum(2 * _PART * wanted / slope, _FIRST * width), 0.0)
-    gaps = np.diff(gaps_between(zones, problem.round))[:, 0]
-    room = _FIRST * np.column_stack((np.roll(gaps, 1), gaps))
-    out = np.minimum(out, room)
+    out = np.where(strip < _THIN * width, np.minimum(2 * _PART * wanted / slope, _FIRST * room_beside(zones, problem.round)), 0.0)
     return zones + np.column_stack((-out[:, 0], out[:, 1]))
 
 

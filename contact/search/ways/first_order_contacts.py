@@ -14,6 +14,7 @@ import numpy as np
 
 import sie
 from contact.formulation.fields import moved_ends, moves_by
+from contact.formulation.tables import room_beside
 from contact.verify.accuracy import Found
 from sie import Array, Mask, record
 
@@ -76,7 +77,7 @@ class At:
         their own moves beside those it calls up. part: of a width or a gap that may go."""
         strip, alone = self.table, table_of(self.alone)
         moved, moved_alone = rates.of_strip(step) + self.own[0], rates.alone_by_centre * step[0] + rates.alone * step[1] + self.own[1]
-        largest = max(float((np.abs(move) / _room_beside(table)).max()) for move, table in ((moved, strip), (moved_alone, alone)))
+        largest = max(float((np.abs(move.T) / room_beside(table, None)).max()) for move, table in ((moved, strip), (moved_alone, alone)))
         there = Place(self.unknowns + step, spread(strip, moved, part), spread(alone, moved_alone, part))
         # What is cut off at the borders of the strip moves with these.
         border = self.alone.fields.problem.about(float(there.unknowns[0])).cut
@@ -159,7 +160,7 @@ class Rates(StripRates):
         if not low_high.any():
             return moved
         moved[[0, 1], [0, -1]] = low_high * (-1.0, 1.0)
-        away, own = _SHIFT * float(_room_beside(zones.table)[:, [0, -1]].min()), []
+        away, own = _SHIFT * float(room_beside(zones.table, None)[[0, -1]].min()), []
         for shift in (away, -away):
             equation = problem.about(problem.centre + shift).equation(alone.control)
             density = sie.solve_zones(equation, zones.moved(shift * moved), _CLOSELY).density
@@ -217,17 +218,10 @@ def _own_moves(found: Found) -> Array:
     return moves_by(found.free.density, found.free.density)
 
 
-def _room_beside(table: Array) -> Array:
-    """The width of each zone or of the gap beside each of its ends (2, Z), whichever is less."""
-    gaps = np.concatenate(([np.inf], table[1:, 0] - table[:-1, 1], [np.inf]))
-    return np.minimum(table[:, 1] - table[:, 0], np.array([gaps[:-1], gaps[1:]]))
-
-
 def spread(table: Array, moved: Array, part: float) -> Array:
     """Ends after outward moves (2, Z), cut to what widths and gaps allow. part: of them that may go."""
-    room = part * _room_beside(table)
-    outward = np.clip(moved, -part * (table[:, 1] - table[:, 0]), room)
-    return np.column_stack((table[:, 0] - outward[0], table[:, 1] + outward[1]))
+    outward = np.clip(moved.T, -part * np.diff(table), part * room_beside(table, None))
+    return np.asarray(table + outward * [-1, 1])
 
 
 def width_of(found: Found) -> float:

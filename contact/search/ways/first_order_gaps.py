@@ -19,7 +19,7 @@ import sie
 from contact.formulation.fields import moves_by
 from contact.formulation.problem import Problem
 from contact.formulation.strip_turn import TURN, StripTurn
-from contact.formulation.tables import centred_on
+from contact.formulation.tables import centred_on, room_beside
 from contact.search.grid.centring import Unrest
 from contact.search.topology.intervals import united, without
 from contact.search.topology.missed import WrongTopology
@@ -79,12 +79,6 @@ class GapContact:
         """Total width of the gaps of the strip."""
         ends = _turned(self.table)
         return 0.5 * self.turn.half * float((ends[:, 1] - ends[:, 0]).sum())
-
-    @property
-    def zones_beside(self) -> Array:
-        """Widths of the zones to the left and to the right of each gap (2, n)."""
-        zones = np.append(self.table[1:, 0] - self.table[:-1, 1], self.table[0, 0] + TURN - self.table[-1, 1])
-        return np.array([np.roll(zones, 1), zones])
 
     @property
     def borders(self) -> tuple[int, int] | None:
@@ -355,7 +349,7 @@ def _outward(moved: Array) -> Array:
 
 
 def _largest(gaps: GapContact, moved: Array) -> float:
-    return float((np.abs(moved) / np.minimum(np.diff(gaps.table)[:, 0], gaps.zones_beside)).max())
+    return float((np.abs(moved.T) / room_beside(gaps.table, TURN)).max())
 
 
 def _contact(turn: StripTurn, beyond: float, mean: float, table: Array, how: _How) -> GapContact:
@@ -419,4 +413,3 @@ def _runs(where: Array, angle: Array) -> Array:
     first, last = change[::2], change[1::2] - 1
     half = 0.5 * np.gradient(angle)
     return np.column_stack((angle[first] - half[first], angle[last] + half[last]))
-

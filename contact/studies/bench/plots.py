@@ -95,4 +95,3 @@ def _line(axis: Any, rows: list[Row], what: str, colour: str, style: str, label:
     if points:
         x, y = np.array(points).T
         axis.plot(x, np.maximum(y, 1e-16), style, color=colour, label=label, markersize=4, **more)
-
