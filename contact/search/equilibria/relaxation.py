@@ -13,7 +13,7 @@ from contact.formulation.equilibria import Equilibria, Point
 from contact.search.equilibria import flow
 from contact.search.equilibria.growth import with_new
 from contact.verify.certificate import openings
-from sie import Array, wrapped
+from sie import Array
 
 # A zone narrower than this part of what it was has come apart.
 _GONE = 0.02
@@ -40,34 +40,25 @@ def relaxed(curve: Equilibria, table: Array, value: float) -> Point | None:
         width = np.diff(here.table, axis=1)[:, 0]
         widest = np.maximum(widest, width)
         if float(np.abs(step / here.widths).max()) <= flow.REST and float(np.abs(here.residual).max()) <= flow.SLIGHT:
-            if here.growth < 0.0:
-                return here
-            break
+            # Looked for here alone: what overlaps on the way costs as much as many steps to see, and may part again.
+            overlaps = curve.within(openings(curve.fields(here, flow.ROUGH)).overlaps)
+            if len(overlaps) == 0:
+                if here.growth < 0.0:
+                    return here
+                break
+            changed = with_new(here.table, overlaps)
+            widest = _carried(here.table, widest, changed)
+            here = curve.at(changed, value, flow.ROUGH)
     raise NotConverged("the ends of zones did not come to rest under a held control")
 
 
 def _changed(curve: Equilibria, here: Point, widest: Array) -> Array | None:
-    """The zones without gaps that have closed, without those that have come apart, or with new ones where the surfaces overlap; None if
-    nothing of that has happened."""
+    """The zones without gaps that have closed, or without those that have come apart; None if nothing of that has happened."""
     merged = flow.closing(curve, here)
     if merged is not None:
         return merged
     apart = np.logical_and(*np.split(here.residual < -flow.DRIVEN, 2)) & (np.diff(here.table, axis=1)[:, 0] < _GONE * widest)
-    if apart.any():
-        return np.asarray(here.table[~apart])
-    overlaps = _overlaps(curve, here)
-    return with_new(here.table, overlaps) if len(overlaps) else None
-
-
-def _overlaps(curve: Equilibria, here: Point) -> Array:
-    """Where the surfaces overlap, but for gaps into which an end advances that is driven hard: that may close them first."""
-    overlaps, period = curve.within(openings(curve.fields(here, flow.ROUGH)).overlaps), curve.problem.period
-    left, right = np.split(here.residual > flow.DRIVEN, 2)
-    advanced = np.append(False, right) | np.append(left, False)
-    if period is not None:
-        advanced[[0, -1]] = left[0] | right[-1]
-    starts = wrapped(here.table[:, 0], float(here.table[0, 0]), period)
-    return np.asarray(overlaps[~advanced[np.searchsorted(starts, wrapped(overlaps.mean(axis=1), float(starts[0]), period))]])
+    return np.asarray(here.table[~apart]) if apart.any() else None
 
 
 def _carried(before: Array, widest: Array, table: Array) -> Array:
