@@ -8,7 +8,7 @@ one begins with that end held, or free. If it is free but unstable it lets go, a
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import replace
+from dataclasses import field, replace
 from typing import Any
 
 import numpy as np
@@ -67,20 +67,38 @@ class Place:
 @record
 class Step:
     """A step along the arc, of a length, from one equilibrium to another. after: the equilibrium at its end with other ends held at sharp
-    corners, from which the next one begins; None where these are the same."""
+    corners, from which the next one begins; None where these are the same. known: how the curve bends there, by lengths that were asked
+    for."""
 
     curve: Equilibria
     start: Place
     length: float
     end: Place
     after: Point | None = None
+    known: dict[float, Array] = field(default_factory=dict)
 
     def at(self, length: float, tight: bool = True) -> Point:
         """The equilibrium at a part of the step."""
-        found = along(self.curve, self.start, length, tight)
+        if not self.known:
+            self.known[0.0] = self.known[self.length] = self._bend(self.end.at)
+        found = _corrected(self.curve, self.start, length * self.start.tangent + length**2 * self._bent(length), self.start.tangent, tight)
         if found is None:
             raise NotConverged("an equilibrium on the way along a curve was lost")
+        if length > 0.0:
+            self.known[length] = self._bend(found)
         return found
+
+    def _bend(self, at: Point) -> Array:
+        """By how much an equilibrium is beside the tangent, over the square of how far it is (2n + 1,)."""
+        moved, tangent = _moved(self.start, at), self.start.tangent
+        length = float(tangent @ moved)
+        return np.asarray((moved - length * tangent) / length**2) if abs(length) > _NO_STEP else np.zeros(len(tangent))
+
+    def _bent(self, length: float) -> Array:
+        """The same at a length, between those that are known beside it."""
+        before, behind = max(k for k in self.known if k <= length), min((k for k in self.known if k >= length), default=self.length)
+        part = 0.0 if behind == before else (length - before) / (behind - before)
+        return (1.0 - part) * self.known[before] + part * self.known[behind]
 
     @property
     def lets_go(self) -> bool:
@@ -205,9 +223,14 @@ def _to_corner(curve: Equilibria, here: Place, end: int, tight: bool) -> Point |
 
 def _length(start: Place, end: Point) -> float:
     """How far along the tangent another equilibrium is."""
+    return float(start.tangent @ _moved(start, end))
+
+
+def _moved(start: Place, end: Point) -> Array:
+    """How far another equilibrium is, in what a tangent is told in (2n + 1,)."""
     moved = end.table - start.at.table
     outward = np.concatenate((-moved[:, 0], moved[:, 1])) / start.widths
-    return float(start.tangent @ np.append(outward, (end.value - start.at.value) / start.unit))
+    return np.append(outward, (end.value - start.at.value) / start.unit)
 
 
 def _to_change(step: Step) -> Step:
