@@ -91,8 +91,14 @@ def _slope_matrix(n: int) -> Array:
 
 
 def slopes(values: Array) -> Array:
-    """d/dt at the n zeros of U_n, n <= LARGEST_MATRIX, of the polynomial through values there (along the last axis)."""
-    return np.asarray(values @ _slope_matrix(values.shape[-1]))
+    """d/dt at the n zeros of U_n of the polynomial through values there (along the last axis)."""
+    n = values.shape[-1]
+    if n <= LARGEST_MATRIX:
+        return np.asarray(values @ _slope_matrix(n))
+    theta, k_g = angles(n)[1:-1], np.arange(1, n + 1) * u_coefficients(values)
+    with_ends = np.concatenate((np.zeros((*values.shape[:-1], 1)), k_g, np.zeros((*values.shape[:-1], 1))), axis=-1)
+    cosines = 0.5 * fft.dct(with_ends, type=1, axis=-1)[..., 1:-1]
+    return np.asarray((values * np.cos(theta) - cosines) / np.sin(theta) ** 2)
 
 
 @lru_cache(maxsize=64)

@@ -165,7 +165,7 @@ def _values(forcing: Forcing, zones: Zones, jumps: ForcingJumps, group: Index, n
     # From the ends as positions, of which rounding has cut off the rest.
     rest = zones.rest[:, group][:, :, None]
     away = w * np.where(left <= right, left, -right) + np.where(left <= right, rest[0], rest[1])
-    if n <= chebyshev.LARGEST_MATRIX and float(_places(zones, group).max()) > _FINE:
+    if float(_places(zones, group).max()) > _FINE:
         # What a jump adds to the slope is none of g's on either side.
         levels = np.array([jumps.level_part(int(zone), left) for zone in group]) if len(jumps) else 0.0
         values = forcing.sampled(end, away, lambda g: chebyshev.slopes(g + levels) / w)
