@@ -35,8 +35,8 @@ def antiderivatives(s: Array) -> Array:
         np.multiply(2 * s, t[k - 1], out=t[k])
         t[k] -= t[k - 2]
     t[::2] -= np.resize([1.0, -1.0], TERMS // 2 + 1)[:, None]
-    k = np.arange(2, TERMS)[:, None]
-    return np.concatenate(([s, 0.5 * s * s], 0.5 / (k + 1) * t[3:] - 0.5 / (k - 1) * t[1:-2])).T
+    order = np.arange(2, TERMS)[:, None]
+    return np.concatenate(([s, 0.5 * s * s], 0.5 / (order + 1) * t[3:] - 0.5 / (order - 1) * t[1:-2])).T
 
 
 @record
