@@ -218,12 +218,25 @@ class TestLimits:
         with pytest.raises(contact.SceneError, match="contact_fraction"):
             solve(WAVE, SELF, contact_fraction=0.3)
 
-    @pytest.mark.parametrize("model", MODELS, ids=lambda m: m.closure)
     @pytest.mark.parametrize("turns", [1.1, 2.0])
-    def test_a_load_with_no_gap_to_cut_the_period_at_is_refused_by_name(self, model, turns):
+    def test_a_load_with_no_gap_to_cut_the_period_at_is_refused_by_name(self, turns):
         full = solve(ROUGH, PERIODIC, contact_fraction=1.0).load
         with pytest.raises(contact.OutOfRange, match=r"border of the strip.*Periodic\(\)"):
-            solve(ROUGH, model, load=turns * full)
+            solve(ROUGH, FIRST, load=turns * full)
+
+    @pytest.mark.parametrize("turns", [1.1, 2.0, 10.0])
+    def test_a_nominal_pressure_keeps_a_gap_at_the_borders_of_its_strip_under_any_load(self, turns):
+        # Beside a border it bends the surface without bound: no zone gets there, and the centre stays where the gaps balance.
+        solution = solve(ROUGH, SELF, load=turns * solve(ROUGH, PERIODIC, contact_fraction=1.0).load)
+        assert solution.certificate.holds and len(solution.zones) == 1
+        centre = solution.fields.problem.units.x(np.array(solution.fields.problem.centre))
+        beside = solution.zones[0] - centre + 0.5 * np.array([1.0, -1.0])
+        assert beside[0] > 1e-5 and abs(beside.sum()) < 1e-10
+
+    def test_a_strip_beside_whose_border_a_zone_comes_and_goes_is_refused_by_name(self):
+        full = solve(ROUGH, PERIODIC, contact_fraction=1.0).load
+        with pytest.raises(contact.OutOfRange, match=r"comes or goes.*Periodic\(\)"):
+            solve(ROUGH, SELF, load=0.85 * full)
 
 
 def height_where_cut(solution):

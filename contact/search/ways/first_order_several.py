@@ -33,7 +33,7 @@ from contact.search.topology.loop import Newton, refine_topology
 from contact.search.topology.missed import Missed, WrongTopology
 from contact.search.ways.first_order_contacts import At, Place, Rates, StripRates, table_of, width_of
 from contact.search.ways.first_order_gaps import GapClosure, Lost, Root
-from contact.search.ways.guesses import EXACT
+from contact.search.ways.guesses import EXACT, no_rest
 from contact.verify.accuracy import Found
 from contact.verify.certificate import NOT_CHECKED
 from sie import Array, record
@@ -172,7 +172,7 @@ class FirstOrderOfSeveral:
             return grid.root(first, finely)
 
     def _refused(self, why: Unrest) -> OutOfRange:
-        return OutOfRange(f"{self.scaled.control.told(self.problem.units)}: under the first-order closure {why.value}; {EXACT}")
+        return no_rest(self.problem, self.scaled.control, why)
 
     def _started(self, grid: ClosureGrid, rough: AtPressure) -> At:
         """The contacts under the nominal pressure of the grids, from zones of finer ones."""
