@@ -21,6 +21,8 @@ from sie import Array, Index, Mask, nearest_image, record, wrapped
 
 # Zones at the most that the highest pressure is looked for in, below the sampling.
 _PEAKS = 16
+# Tolerance of what a nominal pressure does to the stiffness.
+_OF_STIFFNESS = 1e-10
 # How far from the zones a half-line is looked at closely, and at all, in units of what the zones span.
 _FAR, _FARTHEST = 1e3, 1e12
 _FAR_POINTS = 512
@@ -62,6 +64,12 @@ def moves_by(density: sie.AnyDensity, on: sie.AnyDensity) -> Array:
     calls up the first is added to what calls up the second; 0 for ends that are held."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where(on.zones.moves, 2 * np.array(density.intensities) / np.array(on.edge_slopes), 0.0)
+
+
+def by_nominal_pressure(problem: Problem, zones: sie.Zones, tolerance: float) -> sie.AnyState:
+    """What a unit of nominal pressure beyond a strip adds to the density on the same zones."""
+    equation = sie.Equation(problem.kernel, problem.columns[0], (sie.Total(0.0), sie.EqualPotential()))
+    return sie.solve_zones(equation, zones, tolerance)
 
 
 @record
@@ -117,9 +125,9 @@ class ZoneFields(sie.Kept):
         if self.approach is None:
             return None
         state, values = self.state, self.state.values()
-        if self.amplitude_rate:
-            values += state.values(2, self.amplitude_rate)
         rate = self.centring - float(state.level_rates(values).mean())
+        if self.amplitude_rate:
+            rate -= self.amplitude_rate * float(by_nominal_pressure(self.problem, self.density.zones, _OF_STIFFNESS).levels.mean())
         if self.density.zones.follow_ends:
             k = np.array(state.response(state.values()).intensities)
             rate -= float(sie.end_motions(state.whole, -k)[1].mean())
@@ -239,7 +247,7 @@ class ZoneFields(sie.Kept):
 
     def _with_columns(self, x: Array, potential: Array, amplitudes: Array) -> Array:
         out = -potential
-        columns = self.problem.columns
+        columns = self.problem.unknown_columns
         for amplitude, column in zip(amplitudes[: len(columns)], columns, strict=True):
             assert column.primitive is not None
             out = out + amplitude * column.primitive(x)
