@@ -48,6 +48,9 @@ class GapFields(sie.Kept):
     relief: ScaledRelief
     pressure_bound = math.inf
     cut_off = None
+    # As for `ZoneFields`: nothing acts beside the contact.
+    cohesive = np.zeros((0, 2))
+    borne_beside = 0.0
 
     def __getstate__(self) -> dict[str, Any]:
         kept = {"problem": self.problem, "mean": self.mean, "relief": self.relief}
@@ -138,15 +141,6 @@ class GapFields(sie.Kept):
         """u = approach - f + gap."""
         height = np.asarray(self.problem.profile.height(x)) - self.problem.lowest
         return np.asarray(self.approach - height + self.gap(x))
-
-    @property
-    def borne_beside(self) -> float:
-        return 0.0
-
-    @property
-    def cohesive(self) -> Array:
-        """None: nothing acts beside the contact."""
-        return np.zeros((0, 2))
 
     @property
     def starts(self) -> Array:
