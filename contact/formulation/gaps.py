@@ -78,11 +78,7 @@ class GapFields(sie.Kept):
         return np.asarray(self.density.integral(x))
 
     def formal_pressure(self, x: Array) -> Array:
-        """Scaled, whatever its sign."""
-        return self.scaled_pressure(x)
-
-    def scaled_pressure(self, x: Array) -> Array:
-        """pbar - R + G s where there is contact, zero in the gaps."""
+        """Scaled, whatever its sign: pbar - R + G s where there is contact, zero in the gaps."""
         inside = self.density.locate(x)[2]
         with np.errstate(invalid="ignore"):
             return np.where(inside, 0.0, self.bearing(x))
@@ -126,7 +122,7 @@ class GapFields(sie.Kept):
         return self._of_zones(moved_ends(self.state, 0, response)), np.asarray(response.whole.integral(x) * self.mean)
 
     def pressure(self, x: ArrayLike) -> Array:
-        return self.scaled_pressure(self.problem.units.scaled(np.asarray(x, dtype=float))) * self.problem.units.pressure
+        return self.formal_pressure(self.problem.units.scaled(np.asarray(x, dtype=float))) * self.problem.units.pressure
 
     def pressure_at(self, zone: int, t: ArrayLike) -> Array:
         t = np.asarray(t, dtype=float)
@@ -172,7 +168,7 @@ class GapFields(sie.Kept):
         if not np.all(self.density.locate(tips)[2]):
             return np.inf
         x, value = self.samples
-        return maximum(self.scaled_pressure, x, value=value)[1] * self.problem.units.pressure
+        return maximum(self.formal_pressure, x, value=value)[1] * self.problem.units.pressure
 
     @cached_property
     def samples(self) -> tuple[Array, Array]:
