@@ -85,6 +85,9 @@ class ZoneFields(sie.Kept):
     centring: float = 0.0
     relief = None
     pressure_bound = math.inf
+    # Nothing acts beside the contact: intervals where something does (m, 2) [m], and the scaled int p (F - gap) dx there.
+    cohesive = np.zeros((0, 2))
+    borne_beside = 0.0
 
     def __getstate__(self) -> dict[str, Any]:
         kept = {"problem": self.problem, "amplitude_rate": self.amplitude_rate, "centring": self.centring, "density": self.density}
@@ -164,11 +167,6 @@ class ZoneFields(sie.Kept):
         root = np.sqrt(np.tile(zones.b - zones.a, 2))
         moves = zones.moves.ravel()
         return np.asarray((root[:, None] * matrix * root / wanted)[np.ix_(moves, moves)])
-
-    @property
-    def borne_beside(self) -> float:
-        """Scaled int p (F - gap) dx beside the zones, of what acts there."""
-        return 0.0
 
     @cached_property
     def mean_gap(self) -> float:
@@ -342,11 +340,6 @@ class ZoneFields(sie.Kept):
         zones = self.density.zones
         middle = 0.5 * float(zones.a[0] + zones.b[-1])
         return nearest_image(self.problem.units.scaled(np.asarray(x, dtype=float)), middle, self.problem.period)
-
-    @property
-    def cohesive(self) -> Array:
-        """None: nothing acts beside the contact."""
-        return np.zeros((0, 2))
 
     @property
     def starts(self) -> Array:

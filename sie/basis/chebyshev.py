@@ -68,11 +68,15 @@ def u_moved(g: Array, shift: Array, stretch: Array) -> Array:
         return g
     beyond = 1 + 1 / n**2
     t = np.clip(shift[:, None] + stretch[:, None] * lobatto(n)[0][1:-1], -beyond, beyond)
-    # Clenshaw's recurrence.
+    return u_coefficients(u_values(g, t))
+
+
+def u_values(g: Array, t: Array) -> Array:
+    """sum g_k U_{k-1} at points t (zones, points), g (zones, n): by Clenshaw's recurrence."""
     here, before = np.zeros_like(t), np.zeros_like(t)
-    for k in range(n - 1, -1, -1):
-        here, before = g[:, k : k + 1] + 2 * t * here - before, here
-    return u_coefficients(here)
+    for c in g.T[::-1]:
+        here, before = c[:, None] + 2 * t * here - before, here
+    return here
 
 
 def project_rows(values: Array) -> Array:
