@@ -393,6 +393,14 @@ class TestFirstOrderOfSeveralZones:
         assert solution.certificate.holds and len(solution.zones) > 1
 
     @pytest.mark.slow
+    def test_knots_within_a_gap_do_not_cut_its_series_short(self):
+        # 28 knots beat with 128, 256 and 512 modes, which was taken for rounding: 2.6e-7.
+        profile = drawn(np.random.default_rng([7, 2]), "honed", 2000, "even")
+        full = contact.solve(contact.Scene(profile, 1e9, PERIODIC, contact_fraction=1.0), tol=1e-6).load
+        solution = contact.solve(contact.Scene(profile, 1e9, FIRST, load=0.1 * full))
+        assert solution.certificate.holds and solution.error <= 1e-8
+
+    @pytest.mark.slow
     def test_a_given_nominal_pressure_is_resolved_up_to_the_border(self):
         # The gaps there are 7e-5 of the period wide: as a column the nominal pressure was cut short, and the error 4e-8.
         profile = drawn(np.random.default_rng([7, 0]), "rough", 2000, "uneven")
