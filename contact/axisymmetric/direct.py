@@ -104,14 +104,10 @@ def direct_pressure(profile: Any, E_star: float, a: float, r: ArrayLike) -> Arra
     if np.any(shape.breakpoints < a):
         raise SceneError.of("profile", profile, "smooth inside the spot: (1) has no term for an edge")
     total = np.zeros(r.shape)
-    for width, near, far, sign in ((r, FROM_LEFT, FROM_RIGHT, -1.0), (a - r, FROM_LEFT, FROM_RIGHT, 1.0)):
+    for width, border, sign in ((r, 0.0, -1.0), (a - r, a, 1.0)):
         # On either side of r, by the distance from it.
-        apart = width[..., None] * near
-        s = r[..., None] + sign * apart
-        if sign < 0:
-            s = np.where(far < 0.5, width[..., None] * far, s)
-        else:
-            s = np.where(far < 0.5, a - width[..., None] * far, s)
+        apart = width[..., None] * FROM_LEFT
+        s = np.where(FROM_RIGHT < 0.5, border - sign * width[..., None] * FROM_RIGHT, r[..., None] + sign * apart)
         weight = width[..., None] * WEIGHT
         kernel = direct_kernel(np.broadcast_to(r[..., None], s.shape), s, a, apart)
         total = total + np.sum(weight * shape.r_laplacian(s) / s * kernel, axis=-1)

@@ -36,7 +36,10 @@ class Control:
 
     value: float
     name: ClassVar[str]
+    counted_in: ClassVar[str]
     quantity: ClassVar[Quantity | None] = None
+    # d(approach)/d(load) of what holds the contact: 0 where that holds the approach, None where it holds the load.
+    yields: ClassVar[float | None] = None
 
     def _if(self, quantity: Quantity) -> float | None:
         return self.value if self.quantity is quantity else None
@@ -57,11 +60,6 @@ class Control:
     def width(self) -> float | None:
         return self._if(Quantity.WIDTH)
 
-    @property
-    def yields(self) -> float | None:
-        """d(approach)/d(load) of what holds the contact: 0 where that holds the approach, None where it holds the load."""
-        return None
-
     def conditions(self) -> Conditions:
         """Side conditions on the pressure, and on the ends of its zones."""
         raise NotImplementedError
@@ -73,7 +71,7 @@ class Control:
 
     def unit(self, units: Units) -> float:
         """The unit of the value, in SI."""
-        raise NotImplementedError
+        return float(getattr(units, self.counted_in))
 
     def told(self, units: Units) -> str:
         """Name and value for a message."""
@@ -84,7 +82,7 @@ class Control:
 class Load(Control):
     """The load, per period where there is one."""
 
-    name: ClassVar[str] = "load"
+    name, counted_in = "load", "load"
     quantity = Quantity.LOAD
 
     def conditions(self) -> Conditions:
@@ -93,20 +91,14 @@ class Load(Control):
     def gap_conditions(self, period: float, mean_height: Callable[[], float], compression: float) -> Conditions:
         return (sie.Amplitude(0, self.value / period), sie.ZoneTotals(0.0)), ()
 
-    def unit(self, units: Units) -> float:
-        return units.load
-
 
 @dataclass(frozen=True)
 class Approach(Control):
     """The approach: minus the level of the zones."""
 
-    name: ClassVar[str] = "approach"
+    name, counted_in = "approach", "height"
     quantity = Quantity.APPROACH
-
-    @property
-    def yields(self) -> float:
-        return 0.0
+    yields = 0.0
 
     def conditions(self) -> Conditions:
         return (sie.Level(-self.value),), ()
@@ -116,47 +108,38 @@ class Approach(Control):
         opened = sie.ZoneMoments((self.value - mean_height()) * period)
         return (opened if compression == 0.0 else _OpenedAndSunk(opened, compression * period), sie.ZoneTotals(0.0)), ()
 
-    def unit(self, units: Units) -> float:
-        return units.height
-
 
 @dataclass(frozen=True)
 class Machine(Control):
     """The approach of the far end of a spring: that of the contact and `give` times the load, give > 0."""
 
     give: float
-    name: ClassVar[str] = "machine"
+    name, counted_in = "machine", "height"
 
     @property
-    def yields(self) -> float:
+    def yields(self) -> float:  # type: ignore[override]
         return self.give
 
     def conditions(self) -> Conditions:
         return (_Sprung(-self.value, self.give),), ()
-
-    def unit(self, units: Units) -> float:
-        return units.height
 
 
 @dataclass(frozen=True)
 class HalfWidth(Control):
     """The half width of one zone about the origin; its ends stand where they are given."""
 
-    name: ClassVar[str] = "half_width"
+    name, counted_in = "half_width", "length"
     quantity = Quantity.HALF_WIDTH
 
     def conditions(self) -> Conditions:
         return (), ()
-
-    def unit(self, units: Units) -> float:
-        return units.length
 
 
 @dataclass(frozen=True)
 class Width(Control):
     """The width of all zones together; the load is unknown."""
 
-    name: ClassVar[str] = "width"
+    name, counted_in = "width", "length"
     quantity = Quantity.WIDTH
 
     def conditions(self) -> Conditions:
@@ -164,9 +147,6 @@ class Width(Control):
 
     def gap_conditions(self, period: float, mean_height: Callable[[], float], compression: float) -> Conditions:
         return (sie.Amplitude(0, None), sie.ZoneTotals(0.0)), (sie.TotalWidth(period - self.value),)
-
-    def unit(self, units: Units) -> float:
-        return units.length
 
 
 @dataclass(frozen=True)

@@ -43,17 +43,10 @@ def elastic_energy(fields: Fields) -> float | None:
 def _of_zones(fields: ZoneFields | GapFields) -> float:
     """int p F dx, scaled."""
     problem = fields.problem
-    if isinstance(fields, ZoneFields):
-        density, tilted = fields.density, fields.standing_shape
-        table, shape = density.zones.table, tilted
-
-        def pressure(zone: int, left: Array, right: Array) -> Array:
-            return np.asarray(density.at(zone, left, right))
-    else:
-        table, shape, pressure = fields.zones, problem.shape, fields.pressure_in
-    breaks = np.sort(np.asarray(problem.forcing.jumps_at))
-    total = 0.0
-    for zone, (a, b) in enumerate(table):
+    breaks, total = np.sort(np.asarray(problem.forcing.jumps_at)), 0.0
+    shape = fields.standing_shape if isinstance(fields, ZoneFields) else problem.shape
+    pressure = fields.density.at if isinstance(fields, ZoneFields) else fields.pressure_in
+    for zone, (a, b) in enumerate(fields.scaled_zones):
         half = 0.5 * (b - a)
 
         def bears(angle: Array, zone: int = zone, a: float = a, b: float = b, half: float = half) -> Array:

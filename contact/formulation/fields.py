@@ -21,6 +21,8 @@ from sie import Array, Index, Mask, nearest_image, record, wrapped
 
 # Zones at the most that the highest pressure is looked for in, below the sampling.
 _PEAKS = 16
+# Tolerance of what a nominal pressure does to the stiffness.
+_OF_STIFFNESS = 1e-10
 # How far from the zones a half-line is looked at closely, and at all, in units of what the zones span.
 _FAR, _FARTHEST = 1e3, 1e12
 _FAR_POINTS = 512
@@ -64,6 +66,12 @@ def moves_by(density: sie.AnyDensity, on: sie.AnyDensity) -> Array:
         return np.where(on.zones.moves, 2 * np.array(density.intensities) / np.array(on.edge_slopes), 0.0)
 
 
+def by_nominal_pressure(problem: Problem, zones: sie.Zones, tolerance: float) -> sie.AnyState:
+    """What a unit of nominal pressure beyond a strip adds to the density on the same zones."""
+    equation = sie.Equation(problem.kernel, problem.columns[0], (sie.Total(0.0), sie.EqualPotential()))
+    return sie.solve_zones(equation, zones, tolerance)
+
+
 @record
 class ZoneFields(sie.Kept):
     """Fields of a load-controlled state on its zones; scaled inside, SI in `pressure`, `displacement`, `gap`.
@@ -77,6 +85,9 @@ class ZoneFields(sie.Kept):
     centring: float = 0.0
     relief = None
     pressure_bound = math.inf
+    # Nothing acts beside the contact: intervals where something does (m, 2) [m], and the scaled int p (F - gap) dx there.
+    cohesive = np.zeros((0, 2))
+    borne_beside = 0.0
 
     def __getstate__(self) -> dict[str, Any]:
         kept = {"problem": self.problem, "amplitude_rate": self.amplitude_rate, "centring": self.centring, "density": self.density}
@@ -117,9 +128,9 @@ class ZoneFields(sie.Kept):
         if self.approach is None:
             return None
         state, values = self.state, self.state.values()
-        if self.amplitude_rate:
-            values += state.values(2, self.amplitude_rate)
         rate = self.centring - float(state.level_rates(values).mean())
+        if self.amplitude_rate:
+            rate -= self.amplitude_rate * float(by_nominal_pressure(self.problem, self.density.zones, _OF_STIFFNESS).levels.mean())
         if self.density.zones.follow_ends:
             k = np.array(state.response(state.values()).intensities)
             rate -= float(sie.end_motions(state.whole, -k)[1].mean())
@@ -156,11 +167,6 @@ class ZoneFields(sie.Kept):
         root = np.sqrt(np.tile(zones.b - zones.a, 2))
         moves = zones.moves.ravel()
         return np.asarray((root[:, None] * matrix * root / wanted)[np.ix_(moves, moves)])
-
-    @property
-    def borne_beside(self) -> float:
-        """Scaled int p (F - gap) dx beside the zones, of what acts there."""
-        return 0.0
 
     @cached_property
     def mean_gap(self) -> float:
@@ -239,7 +245,7 @@ class ZoneFields(sie.Kept):
 
     def _with_columns(self, x: Array, potential: Array, amplitudes: Array) -> Array:
         out = -potential
-        columns = self.problem.columns
+        columns = self.problem.unknown_columns
         for amplitude, column in zip(amplitudes[: len(columns)], columns, strict=True):
             assert column.primitive is not None
             out = out + amplitude * column.primitive(x)
@@ -334,11 +340,6 @@ class ZoneFields(sie.Kept):
         zones = self.density.zones
         middle = 0.5 * float(zones.a[0] + zones.b[-1])
         return nearest_image(self.problem.units.scaled(np.asarray(x, dtype=float)), middle, self.problem.period)
-
-    @property
-    def cohesive(self) -> Array:
-        """None: nothing acts beside the contact."""
-        return np.zeros((0, 2))
 
     @property
     def starts(self) -> Array:

@@ -48,6 +48,9 @@ class GapFields(sie.Kept):
     relief: ScaledRelief
     pressure_bound = math.inf
     cut_off = None
+    # As for `ZoneFields`: nothing acts beside the contact.
+    cohesive = np.zeros((0, 2))
+    borne_beside = 0.0
 
     def __getstate__(self) -> dict[str, Any]:
         kept = {"problem": self.problem, "mean": self.mean, "relief": self.relief}
@@ -75,11 +78,7 @@ class GapFields(sie.Kept):
         return np.asarray(self.density.integral(x))
 
     def formal_pressure(self, x: Array) -> Array:
-        """Scaled, whatever its sign."""
-        return self.scaled_pressure(x)
-
-    def scaled_pressure(self, x: Array) -> Array:
-        """pbar - R + G s where there is contact, zero in the gaps."""
+        """Scaled, whatever its sign: pbar - R + G s where there is contact, zero in the gaps."""
         inside = self.density.locate(x)[2]
         with np.errstate(invalid="ignore"):
             return np.where(inside, 0.0, self.bearing(x))
@@ -123,7 +122,7 @@ class GapFields(sie.Kept):
         return self._of_zones(moved_ends(self.state, 0, response)), np.asarray(response.whole.integral(x) * self.mean)
 
     def pressure(self, x: ArrayLike) -> Array:
-        return self.scaled_pressure(self.problem.units.scaled(np.asarray(x, dtype=float))) * self.problem.units.pressure
+        return self.formal_pressure(self.problem.units.scaled(np.asarray(x, dtype=float))) * self.problem.units.pressure
 
     def pressure_at(self, zone: int, t: ArrayLike) -> Array:
         t = np.asarray(t, dtype=float)
@@ -138,15 +137,6 @@ class GapFields(sie.Kept):
         """u = approach - f + gap."""
         height = np.asarray(self.problem.profile.height(x)) - self.problem.lowest
         return np.asarray(self.approach - height + self.gap(x))
-
-    @property
-    def borne_beside(self) -> float:
-        return 0.0
-
-    @property
-    def cohesive(self) -> Array:
-        """None: nothing acts beside the contact."""
-        return np.zeros((0, 2))
 
     @property
     def starts(self) -> Array:
@@ -178,7 +168,7 @@ class GapFields(sie.Kept):
         if not np.all(self.density.locate(tips)[2]):
             return np.inf
         x, value = self.samples
-        return maximum(self.scaled_pressure, x, value=value)[1] * self.problem.units.pressure
+        return maximum(self.formal_pressure, x, value=value)[1] * self.problem.units.pressure
 
     @cached_property
     def samples(self) -> tuple[Array, Array]:

@@ -35,9 +35,9 @@ def minus_one(x: Array) -> Array:
 
 @record
 class Problem(sie.Kept):
-    """Profile, interaction, substrate and law in scaled variables. centre: of the strip; amplitude: the column's, where it is given.
-    reference: one strip alone, of a profile that repeats: zones may lie across the border of its cell, and end at that of the strip.
-    moment: scaled, about x = 0; None where the tilt of the profile is not an unknown."""
+    """Profile, interaction, substrate and law in scaled variables. centre: of the strip; amplitude: the column's, where it is given, which
+    then is a part of the right side. reference: one strip alone, of a profile that repeats: zones may lie across the border of its cell,
+    and end at that of the strip. moment: scaled, about x = 0; None where the tilt of the profile is not an unknown."""
 
     profile: Profile
     interaction: Interaction
@@ -118,14 +118,29 @@ class Problem(sie.Kept):
         at = nearest_image(at, self.centre, self.cell if self.reference else self.period)
         resolution = None if profile.resolution is None else profile.resolution / units.length
         exact = profile.exact_places
-        return sie.Forcing(self.slope, self.shape, at, heights, orders, resolution=resolution, placed=units.placed, exact=exact)
+        whole = sie.Forcing(self.slope, self.shape, at, heights, orders, resolution=resolution, placed=units.placed, exact=exact)
+        # Beside the border of a strip what presses beyond it varies over any length.
+        return replace(whole, resolution=None, spline=self._profile_slope) if self.amplitude else whole
 
     def slope(self, x: Array) -> Array:
-        """f' over the unit of slope."""
+        """f' over the unit of slope, and what the given amplitude of the column adds: a part of the right side has as many modes as it
+        takes so near to the border of a strip, which are cheap; a column, as all that is coupled, would be cut short."""
+        slope = self._profile_slope(x)
+        return slope + self.amplitude * self.columns[0].value(x) if self.amplitude else slope
+
+    def _profile_slope(self, x: Array) -> Array:
         return np.asarray(self.profile.slope(self.units.x(x))) / self.units.slope
 
     def shape(self, x: Array) -> Array:
-        """F = (f - min f) / (slope length)."""
+        """F = (f - min f) / (slope length), and the same."""
+        shape = self._profile_shape(x)
+        if not self.amplitude:
+            return shape
+        primitive = self.columns[0].primitive
+        assert primitive is not None
+        return shape + self.amplitude * primitive(x)
+
+    def _profile_shape(self, x: Array) -> Array:
         at, ends = self.units.x(x), self.profile.support
         if ends is not None:
             at = onto(ends, at, 4 * np.finfo(float).eps * (ends[1] - ends[0] + np.abs(at)))
@@ -145,6 +160,11 @@ class Problem(sie.Kept):
     @cached_property
     def columns(self) -> tuple[sie.Forcing, ...]:
         return self.operator.columns(self.centre, self.units.length, self.units.scaled)
+
+    @property
+    def unknown_columns(self) -> tuple[sie.Forcing, ...]:
+        """Those whose amplitudes are unknown."""
+        return self.columns if self.amplitude is None else ()
 
     @cached_property
     def compression(self) -> float:
@@ -182,14 +202,15 @@ class Problem(sie.Kept):
 
     def equation(self, control: Control) -> sie.Equation:
         """The integral equation with the side conditions of the control."""
-        if self.interaction.follows_isolated:
-            closure: tuple[sie.Condition, ...] = (sie.Amplitude(0, self.amplitude or 0.0),)
-        else:
+        closure: tuple[sie.Condition, ...] = ()
+        if self.amplitude is None and self.interaction.follows_isolated:
+            closure = (sie.Amplitude(0, 0.0),)
+        elif self.amplitude is None:
             closure = self.interaction.placed_conditions(self.period, self.units.scaled)
         conditions, ends = control.conditions()
         if self.moment is not None:
             closure = (*closure, sie.moment(self.moment, about=-self.units.lever))
-        return sie.Equation(self.kernel, self.forcing, (*conditions, *closure), (*self.columns, *self._turning), ends)
+        return sie.Equation(self.kernel, self.forcing, (*conditions, *closure), (*self.unknown_columns, *self._turning), ends)
 
     def with_amplitude(self, amplitude: float) -> Problem:
         return replace(self, amplitude=amplitude)

@@ -15,12 +15,12 @@ _MOST, _INVERSE, _ROUNDED = 100, 4, 1e-12
 
 
 def bracketed(
-    function: Callable[[float], float], known: dict[float, float], xtol: float, rtol: float = 4e-15, most: int = 100, strict: bool = False
+    function: Callable[[float], float], known: dict[float, float], xtol: float, rtol: float = 4e-15, most: int = 100
 ) -> float:
     """The root by Brent's method (R. P. Brent, Algorithms for Minimization without Derivatives, 1973). known: the two ends and the values
-    there, of opposite signs. strict: RuntimeError where the bracket does not close in `most` steps, else its last point."""
+    there, of opposite signs. Where the bracket does not close in `most` steps, its last point."""
     root: float = require("scipy.optimize").brentq(
-        lambda x: known[x] if x in known else function(x), *known, xtol=xtol, rtol=rtol, maxiter=most, disp=strict
+        lambda x: known[x] if x in known else function(x), *known, xtol=xtol, rtol=rtol, maxiter=most, disp=False
     )
     return float(root)
 

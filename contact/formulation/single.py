@@ -18,6 +18,7 @@ from contact.errors import OutOfRange
 from contact.extras import require
 from contact.formulation.controls import Control, HalfWidth
 from contact.formulation.problem import Problem
+from contact.formulation.roots import smooth_root
 from sie import Array
 
 _T = np.cos((np.arange(8) + 0.5) * np.pi / 16)  # the positive half of 16 Gauss nodes
@@ -53,20 +54,14 @@ def guess_half_width(problem: Problem, control: Control) -> float:
     low, high, at_low, at_high = float(a[k - 1]), float(a[k]), float(value[k - 1]), float(value[k])
     if at_low <= 0:
         return low * math.sqrt(high / low)
-    # Secant steps in the logarithms, where a power law is straight; what leaves the bracket is brought back to its middle.
-    goal, bounds = math.log(control.value), (math.log(low), math.log(high))
-    old, at_old, new, at_new = bounds[0], math.log(at_low) - goal, bounds[1], math.log(at_high) - goal
-    for _ in range(12):
-        step = new - at_new * (new - old) / (at_new - at_old) if at_new != at_old else new
-        if not bounds[0] < step < bounds[1]:
-            step = 0.5 * (bounds[0] + bounds[1])
-        old, at_old, new = new, at_new, step
-        carried = float(_carried(problem, control, np.array([math.exp(step)]))[0])
-        at_new = math.log(carried) - goal if carried > 0 else -math.inf
-        if abs(at_new) < 2e-15 * max(1.0, abs(goal)) or not math.isfinite(at_new) or abs(new - old) < 1e-15:
-            break
-        bounds = (step, bounds[1]) if at_new < 0 else (bounds[0], step)
-    return math.exp(new)
+
+    def above_goal(logarithm: float) -> float:
+        carried = float(_carried(problem, control, np.array([math.exp(logarithm)]))[0])
+        return math.log(carried / control.value) if carried > 0 else -math.inf
+
+    # In the logarithms, where a power law is straight.
+    known = {math.log(a): math.log(carried / control.value) for a, carried in ((low, at_low), (high, at_high))}
+    return math.exp(smooth_root(above_goal, known))
 
 
 def widest(problem: Problem) -> float:

@@ -45,6 +45,11 @@ def parted_at_wide(table: Array, period: float) -> Array:
     return np.concatenate((ahead, behind + period) if few_behind else (ahead - period, behind))
 
 
+def joined_where(table: Array, meets: Mask) -> Array:
+    """The rows, those after which it is so as one with the next (n - 1,)."""
+    return np.column_stack((table[np.append(True, ~meets), 0], table[np.append(~meets, True), 1]))
+
+
 def runs_of(flags: Mask) -> list[tuple[int, int]]:
     """First and last index of every run of True."""
     change = np.flatnonzero(np.diff(np.concatenate(([False], flags, [False])).astype(np.int8)))

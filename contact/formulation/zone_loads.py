@@ -45,7 +45,8 @@ def integrals(relief: ScaledRelief, zones: Array) -> Array:
     inside = lo < zones[zone, 1]
     lo, hi, zone = lo[inside], hi[inside], zone[inside]
     out = np.bincount(zone, _panels(relief, lo, hi), len(zones))
-    return np.asarray(out + _of_logarithms(relief, zones))
+    factor = -relief.heights * period / (2 * pi**2)
+    return np.asarray(out + np.diff(over_jumps(zones, relief.at, factor, period, clausen2), axis=1)[:, 0])
 
 
 def _panels(relief: ScaledRelief, lo: Array, hi: Array) -> Array:
@@ -72,15 +73,6 @@ def _panels(relief: ScaledRelief, lo: Array, hi: Array) -> Array:
         panel = np.repeat(panel[rough], 2)
         lo, hi = np.column_stack((lo[rough], middle)).ravel(), np.column_stack((middle, hi[rough])).ravel()
     else:
-        np.add.at(out, panel, _last(relief, lo, hi))
+        # Halved down to rounding: by their middles.
+        np.add.at(out, panel, (hi - lo) * relief.smooth(0.5 * (lo + hi)))
     return out
-
-
-def _last(relief: ScaledRelief, lo: Array, hi: Array) -> Array:
-    """Panels halved down to rounding, by their middles."""
-    return np.asarray((hi - lo) * relief.smooth(0.5 * (lo + hi)))
-
-
-def _of_logarithms(relief: ScaledRelief, zones: Array) -> Array:
-    factor = -relief.heights * relief.period / (2 * pi**2)
-    return np.asarray(np.diff(over_jumps(zones, relief.at, factor, relief.period, clausen2), axis=1)[:, 0])

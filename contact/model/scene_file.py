@@ -72,15 +72,12 @@ def load_scene(path: str | PathLike[str]) -> Scene:
     """
     if not isinstance(path, (str, PathLike)):
         raise SceneError.of("path", path, "the name of a scene file")
-    path, tomllib = Path(path), require("tomllib")
+    path = Path(path)
     try:
-        with path.open("rb") as stream:
-            tables = tomllib.load(stream)
+        written = path.read_bytes()
     except (OSError, ValueError) as error:
-        if isinstance(error, (tomllib.TOMLDecodeError, UnicodeDecodeError)):
-            raise SceneError(f"{path}: is not a TOML file{_if_a_trace(path)}: {error}") from error
         raise SceneError(f"{path}: cannot be read: {getattr(error, 'strerror', None) or error}") from error
-    return _under(f"{path}:", lambda: scene_from_tables(tables, path.parent))
+    return read_scene(written, str(path), path.parent, _if_a_trace(path))
 
 
 def _if_a_trace(path: Path) -> str:
@@ -90,13 +87,14 @@ def _if_a_trace(path: Path) -> str:
     return f" with a scene (of a trace, `contact trace {path.name} --scene NEW.toml` writes one)"
 
 
-def read_scene(text: bytes, name: str) -> Scene:
-    """The scene of a TOML text that no file holds; faults are told under that name."""
+def read_scene(text: bytes, name: str, directory: str | PathLike[str] = ".", hint: str = "") -> Scene:
+    """The scene of a TOML text; faults are told under that name. directory: from where files that it names are looked for; hint: what to do
+    where it is no TOML."""
     try:
         tables = require("tomllib").loads(text.decode("utf-8"))
     except ValueError as error:
-        raise SceneError(f"{name}: is not a TOML file: {error}") from error
-    return _under(f"{name}:", lambda: scene_from_tables(tables))
+        raise SceneError(f"{name}: is not a TOML file{hint}: {error}") from error
+    return _under(f"{name}:", lambda: scene_from_tables(tables, directory))
 
 
 def scene_from_tables(tables: Table, directory: str | PathLike[str] = ".") -> Scene:

@@ -31,18 +31,25 @@ Periodic = PeriodicParabola | PeriodicWedge | Westergaard
 class OneZone(Localized):
     """Base of the frozen dataclasses of the examples; a family gives `isolated` and `exact`."""
 
-    _family: type[HertzLine] | type[IsolatedWedge] | type[IsolatedSinusoid]
+    _family: Any
+    _periodic: Any
     _shape: str
 
     @property
     def isolated(self) -> Isolated:
-        """The isolated solution of the same half-width."""
-        raise NotImplementedError
+        """The isolated solution of the same half-width: Hertz, a wedge, or (20)-(22)."""
+        wave = {"wavelength": self.period} if self._family is IsolatedSinusoid else {}
+        return self._family(**self._sizes, **wave)  # type: ignore[no-any-return]
 
     @property
     def exact(self) -> Periodic:
-        """The exact periodic solution of the same half-width."""
-        raise NotImplementedError
+        """The exact periodic solution of the same half-width: (18)-(19), Westergaard (1939); (25), Block & Keer (2008); (28),
+        Kuznetsov (1976), with its pressure."""
+        return self._periodic(**self._sizes, period=self.period)  # type: ignore[no-any-return]
+
+    @property
+    def _sizes(self) -> dict[str, float]:
+        return {name: getattr(self, name) for name in (self._shape, "E_star", "half_width")}
 
     @classmethod
     def from_load(cls, load: float, *, period: float, E_star: float, closure: str = FIRST_ORDER, **shape: float) -> Self:
@@ -91,17 +98,8 @@ class LocalizedWave(OneZone):
     half_width: float
     closure: str = FIRST_ORDER
     _family = IsolatedSinusoid
+    _periodic = Westergaard
     _shape = "amplitude"
-
-    @property
-    def isolated(self) -> IsolatedSinusoid:
-        """(20)-(22)."""
-        return IsolatedSinusoid(self.amplitude, self.period, self.E_star, self.half_width)
-
-    @property
-    def exact(self) -> Westergaard:
-        """(18)-(19), Westergaard (1939)."""
-        return Westergaard(self.amplitude, self.period, self.E_star, self.half_width)
 
 
 @dataclass(frozen=True)
@@ -154,16 +152,8 @@ class LocalizedWedge(OneZone):
     half_width: float
     closure: str = FIRST_ORDER
     _family = IsolatedWedge
+    _periodic = PeriodicWedge
     _shape = "wedge_slope"
-
-    @property
-    def isolated(self) -> IsolatedWedge:
-        return IsolatedWedge(self.wedge_slope, self.E_star, self.half_width)
-
-    @property
-    def exact(self) -> PeriodicWedge:
-        """(25), Block & Keer (2008)."""
-        return PeriodicWedge(self.wedge_slope, self.period, self.E_star, self.half_width)
 
 
 @dataclass(frozen=True)
@@ -196,14 +186,5 @@ class LocalizedParabola(OneZone):
     half_width: float
     closure: str = FIRST_ORDER
     _family = HertzLine
+    _periodic = PeriodicParabola
     _shape = "radius"
-
-    @property
-    def isolated(self) -> HertzLine:
-        """Hertz."""
-        return HertzLine(self.radius, self.E_star, self.half_width)
-
-    @property
-    def exact(self) -> PeriodicParabola:
-        """(28), Kuznetsov (1976), with its pressure."""
-        return PeriodicParabola(self.radius, self.period, self.E_star, self.half_width)

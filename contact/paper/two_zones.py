@@ -79,15 +79,6 @@ class TwoZones:
         a, b = self.ends
         return 2.0 * (a * a + b * b) / self.spacing**2
 
-    @property
-    def max_pressure(self) -> float:
-        """Peak pressure [Pa]."""
-        raise NotImplementedError
-
-    def pressure(self, x: ArrayLike) -> Array:
-        """p(x) [Pa] in the cell |x| < L/2; 0 outside the zones."""
-        raise NotImplementedError
-
     def _shape_slope(self, x: Array) -> Array:
         """f'(x)."""
         return tips_slope(x, self.radius, self.spacing)
@@ -141,9 +132,11 @@ class LocalizedPair(TwoZones):
 
     @property
     def max_pressure(self) -> float:
+        """Peak pressure [Pa]."""
         return self.pair.max_pressure
 
     def pressure(self, x: ArrayLike) -> Array:
+        """p(x) [Pa] in the cell |x| < L/2; 0 outside the zones."""
         r = np.abs(np.asarray(x, dtype=float))
         return self.pair.pressure(r if self.centre == "pair" else 0.5 * self.period - r)
 
@@ -220,6 +213,7 @@ class CubicPair(TwoZones):
         return 0.5 * self.E_star * self.alpha * sqrt((middle + rise) * (half - rise) * (half + rise))
 
     def pressure(self, x: ArrayLike) -> Array:
+        """p(x) [Pa] in the cell |x| < L/2; 0 outside the zones."""
         r = np.abs(np.asarray(x, dtype=float))
         a, b = self.ends
         root = np.sqrt(np.maximum((b - r) * (b + r) * (r - a) * (r + a), 0.0))

@@ -8,6 +8,7 @@ One that has no solution says why and does not stop the rest.
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from operator import attrgetter
 
 import numpy as np
 
@@ -68,10 +69,11 @@ def difference(attempt: Attempt, exact: Attempt, quantity: str) -> float | None:
     """How far a positive quantity is from the exact model's, relative to it; None where there is no such number."""
     if attempt.solution is None or exact.solution is None:
         return None
-    value, reference = _value(attempt.solution, quantity), _value(exact.solution, quantity)
+    tell = total_width if quantity == "total_width" else attrgetter(quantity)
+    value, reference = tell(attempt.solution), tell(exact.solution)
     if value is None or reference is None or not np.isfinite([value, reference]).all() or reference == 0.0:
         return None
-    return value / reference - 1.0
+    return float(value / reference - 1.0)
 
 
 def ends_apart(attempt: Attempt, exact: Attempt) -> float | None:
@@ -180,13 +182,6 @@ def _percent(value: float | None, form: str = ".3g") -> str:
 
 def _within(zones: np.ndarray) -> np.ndarray:
     return np.asarray(0.5 * (zones[:, :1] + zones[:, 1:]) + 0.5 * np.diff(zones) * _T)
-
-
-def _value(solution: Answer, quantity: str) -> float | None:
-    if quantity == "total_width":
-        return total_width(solution)
-    value: float | None = getattr(solution, quantity)
-    return value
 
 
 def _models(own: Interaction) -> dict[str, Interaction]:

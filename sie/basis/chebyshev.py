@@ -68,11 +68,15 @@ def u_moved(g: Array, shift: Array, stretch: Array) -> Array:
         return g
     beyond = 1 + 1 / n**2
     t = np.clip(shift[:, None] + stretch[:, None] * lobatto(n)[0][1:-1], -beyond, beyond)
-    # Clenshaw's recurrence.
+    return u_coefficients(u_values(g, t))
+
+
+def u_values(g: Array, t: Array) -> Array:
+    """sum g_k U_{k-1} at points t (zones, points), g (zones, n): by Clenshaw's recurrence."""
     here, before = np.zeros_like(t), np.zeros_like(t)
-    for k in range(n - 1, -1, -1):
-        here, before = g[:, k : k + 1] + 2 * t * here - before, here
-    return u_coefficients(here)
+    for c in g.T[::-1]:
+        here, before = c[:, None] + 2 * t * here - before, here
+    return here
 
 
 def project_rows(values: Array) -> Array:
@@ -91,8 +95,14 @@ def _slope_matrix(n: int) -> Array:
 
 
 def slopes(values: Array) -> Array:
-    """d/dt at the n zeros of U_n, n <= LARGEST_MATRIX, of the polynomial through values there (along the last axis)."""
-    return np.asarray(values @ _slope_matrix(values.shape[-1]))
+    """d/dt at the n zeros of U_n of the polynomial through values there (along the last axis)."""
+    n = values.shape[-1]
+    if n <= LARGEST_MATRIX:
+        return np.asarray(values @ _slope_matrix(n))
+    theta, k_g = angles(n)[1:-1], np.arange(1, n + 1) * u_coefficients(values)
+    with_ends = np.concatenate((np.zeros((*values.shape[:-1], 1)), k_g, np.zeros((*values.shape[:-1], 1))), axis=-1)
+    cosines = 0.5 * fft.dct(with_ends, type=1, axis=-1)[..., 1:-1]
+    return np.asarray((values * np.cos(theta) - cosines) / np.sin(theta) ** 2)
 
 
 @lru_cache(maxsize=64)

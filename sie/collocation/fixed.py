@@ -257,10 +257,8 @@ def sizes_of(sizes: Sizes, equation: Equation, zones: Zones) -> Sizes:
 
 def sizes_after(sizes: Sizes, equation: Equation, zones: Zones) -> Sizes:
     """Modes to begin with, and what the last solve has left, on zones most of which are about the same."""
-    return replace(
-        first_sizes(equation, zones), carried=sizes.carried, solves=sizes.solves, primitive_rounding=sizes.primitive_rounding,
-        joined=sizes.joined,
-    )
+    kept = {name: getattr(sizes, name) for name in ("carried", "solves", "primitive_rounding", "joined")}
+    return replace(first_sizes(equation, zones), **kept)
 
 
 def solve_fixed(

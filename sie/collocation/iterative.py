@@ -32,8 +32,9 @@ _COARSE = 1e-4
 # A coarse inverse is kept from one set of zones to the next while the ends of nearly all zones move by less than this part of a width, and
 # of the others by no more than the width.
 _KEPT, _NEARLY = 0.1, 0.99
-# What a correction leaves of the residual; corrections at the most; and one that leaves more than this of it is the last.
-_CORRECTED, _CORRECTIONS, _STAGNANT = 1e-6, 6, 0.1
+# What a correction leaves of the residual; corrections at the most; and one that leaves more than this of it is the last: rough sums leave
+# much less, and so it is rounding.
+_CORRECTED, _CORRECTIONS, _STAGNANT = 1e-6, 6, 1e-3
 # From the square of this number of zones on, the tolerance is that of each.
 _ALIKE = 10.0
 # The residual that rounding leaves, over the size of the solution.

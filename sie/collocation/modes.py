@@ -106,6 +106,8 @@ def sample(forcing: Forcing, zones: Zones, jumps: ForcingJumps, own: Index, tole
     bent[jumps.kinked] = False
     noise = jumps.rounding(len(zones))
     found: dict[int, Array] = {}
+    # Sizes and tails of each zone so far.
+    seen: dict[int, list[tuple[int, float]]] = {}
     tail = np.zeros(len(zones))
     calm = np.zeros(len(zones), dtype=np.intp)
     pending = zones.solved
@@ -126,7 +128,10 @@ def sample(forcing: Forcing, zones: Zones, jumps: ForcingJumps, own: Index, tole
             grow = (last > np.maximum(tolerance * scale, np.maximum(rounded, noise[group] / np.sqrt(n)))) & (n < largest)
             for place, i in enumerate(group):
                 # A jump of g itself leaves coefficients ~ 1/n, rounding ~ 1/sqrt(n): what falls no faster is rounding.
-                slow = i in found and last[place] > tail[i] * (len(found[i]) / n) ** 0.75
+                # Sizes two steps apart are in the ratio of two: beside knots what one size tells may beat with the next.
+                told = seen.setdefault(int(i), [])
+                slow = bool(told) and all(last[place] > fell * (size / n) ** 0.75 for size, fell in told[-2:])
+                told.append((int(n), float(last[place])))
                 # Nor do fewer nodes than tell the pieces between jumps show how what these leave falls.
                 calm[i] += slow and last[place] < _NOISE * scale[place] and n >= _TO_A_PIECE * knots[i]
                 found[i], tail[i] = g[place], last[place]
@@ -165,7 +170,7 @@ def _values(forcing: Forcing, zones: Zones, jumps: ForcingJumps, group: Index, n
     # From the ends as positions, of which rounding has cut off the rest.
     rest = zones.rest[:, group][:, :, None]
     away = w * np.where(left <= right, left, -right) + np.where(left <= right, rest[0], rest[1])
-    if n <= chebyshev.LARGEST_MATRIX and float(_places(zones, group).max()) > _FINE:
+    if float(_places(zones, group).max()) > _FINE:
         # What a jump adds to the slope is none of g's on either side.
         levels = np.array([jumps.level_part(int(zone), left) for zone in group]) if len(jumps) else 0.0
         values = forcing.sampled(end, away, lambda g: chebyshev.slopes(g + levels) / w)

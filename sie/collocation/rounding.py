@@ -93,7 +93,9 @@ def _through_rows(state: Solved) -> Array:
         levels = np.broadcast_to(_level_noise(state), (len(zones.solved),))
         squares += levels**2 @ (state.level_rows.T @ effect[state.conditions_from :]) ** 2
     squares += rounding**2 @ effect**2
-    return _mirrored(zones, np.sqrt(squares).reshape(2, -1))
+    out = np.zeros((2, len(zones)))
+    out[:, zones.solved] = np.sqrt(squares).reshape(2, -1)
+    return np.maximum(out, out[::-1, ::-1]) if zones.symmetric else out
 
 
 def density_rounding(state: Solved) -> float:
@@ -154,16 +156,3 @@ def primitive_rounding(forcing: Forcing, zones: Zones, period: float | None) -> 
     bend = 0.5 * np.abs(np.diff(np.asarray(forcing.primitive(near.ravel())).reshape(near.shape), 2, axis=1))
     finite = heights[np.isfinite(heights)]
     return float(np.hypot(EPS * np.ptp(finite) if len(finite) else 0.0, np.sqrt(np.mean(bend[np.isfinite(bend)] ** 2))))
-
-
-def _mirrored(zones: Zones, solved: Array) -> Array:
-    """(2, solved zones) as (2, Z): of a symmetric set the left half mirrors the right one."""
-    if not zones.symmetric:
-        return solved
-    out = np.zeros((2, len(zones)))
-    out[:, zones.solved] = solved
-    if zones.central:
-        out[0, zones.solved[0]] = out[1, zones.solved[0]]
-    half = len(zones) // 2
-    out[:, :half] = out[::-1, ::-1][:, :half]
-    return out

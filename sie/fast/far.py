@@ -8,7 +8,6 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.polynomial.chebyshev import chebint, chebval
 
 from sie.basis import chebyshev
 from sie.basis.data import Array, Index, numbered, record
@@ -29,8 +28,15 @@ _TWICE = np.array([1.0] + [2.0] * (TERMS - 1))
 
 
 def antiderivatives(s: Array) -> Array:
-    """int_0^s T_k, k = 0 ... TERMS - 1, along a new last axis."""
-    return np.moveaxis(np.asarray(chebval(s, chebint(np.eye(TERMS))), dtype=float), 0, -1)
+    """int_0^s T_k, k = 0 ... TERMS - 1, of places (n,), along a new last axis: T_(k+1) / 2 (k+1) - T_(k-1) / 2 (k-1) but for k < 2."""
+    t = np.empty((TERMS + 1, len(s)))
+    t[0], t[1] = 1.0, s
+    for k in range(2, TERMS + 1):
+        np.multiply(2 * s, t[k - 1], out=t[k])
+        t[k] -= t[k - 2]
+    t[::2] -= np.resize([1.0, -1.0], TERMS // 2 + 1)[:, None]
+    order = np.arange(2, TERMS)[:, None]
+    return np.concatenate(([s, 0.5 * s * s], 0.5 / (order + 1) * t[3:] - 0.5 / (order - 1) * t[1:-2])).T
 
 
 @record

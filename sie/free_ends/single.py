@@ -86,12 +86,8 @@ class Field:
         return cls(zones.middle[chosen], zones.half[chosen], c[:, 1:])
 
     def __call__(self, x: Array) -> Array:
-        """E at x (n, m), by Clenshaw's recurrence."""
-        t = (x - self.middle[:, None]) / self.half[:, None]
-        one, two = np.zeros_like(t), np.zeros_like(t)
-        for c in self.coefficients.T[::-1]:
-            one, two = c[:, None] + 2 * t * one - two, one
-        return one
+        """E at x (n, m)."""
+        return chebyshev.u_values(self.coefficients, (x - self.middle[:, None]) / self.half[:, None])
 
 
 class Moving:
@@ -120,9 +116,12 @@ class Moving:
 
     def _coefficients(self, middle: Array, half: Array) -> Array:
         """h_k on intervals (n, _NODES)."""
+        return chebyshev.u_coefficients(self._left(middle, half))
+
+    def _left(self, middle: Array, half: Array) -> Array:
+        """h at the nodes of intervals (n, _NODES)."""
         x = middle[:, None] + half[:, None] * chebyshev.lobatto(_NODES)[0][1:-1]
-        g = np.asarray(self.equation.forcing.value(x.ravel())).reshape(x.shape)
-        return chebyshev.u_coefficients(g - self.field(x))
+        return np.asarray(self.equation.forcing.value(x.ravel())).reshape(x.shape) - self.field(x)
 
     def to(self, middle: Array, half: Array) -> None:
         """Go to other intervals: the primitive of U_{k-1} is T_k / k. What lies between the middles is read off the wider one."""
@@ -166,10 +165,8 @@ class Moving:
 
     def shut(self, sign: float) -> Mask:
         """Which zones of no total have nothing to open them: h of the density's sign nowhere about them."""
-        middle, half = 0.5 * (self.lowest + self.highest), 0.5 * (self.highest - self.lowest)
-        x = middle[:, None] + half[:, None] * chebyshev.lobatto(_NODES)[0][1:-1]
-        g = np.asarray(self.equation.forcing.value(x.ravel())).reshape(x.shape)
-        h = g - self.field(x)
+        half = 0.5 * (self.highest - self.lowest)
+        h = self._left(0.5 * (self.lowest + self.highest), half)
         return np.asarray((np.abs(self.total) <= _NO_TOTAL * half * np.abs(h).max(axis=1)) & ((sign * h).max(axis=1) <= 0))
 
     def density(self) -> Density:

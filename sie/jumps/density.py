@@ -156,14 +156,6 @@ class DensityJumps(ForcingJumps):
     def density(self, zone: int, left: Array, right: Array) -> Array:
         return super().density(zone, left, right) + self.near.density(self.near.of(zone), left, right)
 
-    def angular_slope(self, zone: int, left: Array, right: Array) -> Array:
-        """d/dtheta of `density`, by differences."""
-        angle = theta(left, right)
-        order = np.argsort(angle)
-        out = np.empty(angle.shape)
-        out[order] = np.gradient(self.density(zone, left, right)[order], angle[order])
-        return out
-
     def integral(self, zone: int, left: Array, right: Array) -> Array:
         """Integral of a zone's parts from its left end, at distances from the ends over w; over w.
 

@@ -47,8 +47,8 @@ MadeSpline = Callable[[Array, Array, Callable[[Array], Array]], tuple[Spline, Ar
 _FAR = 0.25
 # Up to which rho how many terms of the series are enough.
 _SERIES_TO = ((0.25, 32), (0.6, 80), (0.87, 288))
-# kappa is taken no nearer to a jump than this.
-_TINY = 1e-16
+# Of the angle: by which slopes are found.
+_STEP = 1e-5
 # Kinks of a zone beside which it is looked how the density follows the ends.
 _KINKS = 32
 # Zones whose series are found together.
@@ -293,19 +293,14 @@ class ForcingJumps(Jumps):
         return out
 
     def angular_slope(self, zone: int, left: Array, right: Array) -> Array:
-        """d/dtheta of `density` at points that are no jumps: d kappa/dtheta = sin(phi) / (t - s)."""
-        k = self.by_zone[zone]
+        """d/dtheta of `density` at points that are no jumps, by differences."""
+        angle = theta(left, right)
+        step = np.minimum(_STEP, 0.5 * np.minimum(angle, np.pi - angle))
 
-        def slopes(here: slice) -> Array:
-            l, r = left[here, None], right[here, None]
-            away, own, q = l - self.left[k], self.shape(k, l, r), self.order[k]
-            with np.errstate(divide="ignore", invalid="ignore"):
-                return np.asarray(away ** (q - 1.0) * (self.sine[k] - q * np.sqrt(l * r) * np.minimum(own, -np.log(_TINY))))
+        def value(at: Array) -> Array:
+            return self.density(zone, 2 * np.cos(0.5 * at) ** 2, 2 * np.sin(0.5 * at) ** 2)
 
-        out = self._summed(k, len(left), slopes)
-        if zone in self.splines:
-            out += self.splines[zone].angular_slope(left, right)
-        return out
+        return np.asarray((value(angle + step) - value(angle - step)) / (2 * step))
 
     def beside_kinks(self, zone: int, nearest: float, theta: Array) -> Array:
         """Angles of a zone at which its density is asked for: those given, and right beside the largest kinks, but none nearer

@@ -12,7 +12,7 @@ from functools import cached_property
 import numpy as np
 
 from sie.basis.data import Array, Index, Kept, Mask, divided, record
-from sie.basis.interval import Complex, InPlane, Outside, What, of_t, root_on
+from sie.basis.interval import Complex, InPlane, Outside, What, of_t
 from sie.basis.kernels import cauchy
 from sie.basis.sums import pair_blocks
 from sie.fast.piecewise import PiecewiseTransform
@@ -97,12 +97,6 @@ class LocalSpline(Kept):
     def density(self, left: Array, right: Array) -> Array:
         """What it is of the density at distances from both ends of the zone."""
         return self(left)
-
-    def angular_slope(self, left: Array, right: Array) -> Array:
-        """Its derivative by theta."""
-        i, y, inside = self._locate(left)
-        p = self.pieces[i]
-        return np.where(inside, -root_on(left, right) * (p[..., 1] + 2 * y * p[..., 2]), 0.0)
 
     @property
     def jumps(self) -> Array:

@@ -194,15 +194,6 @@ class ZoneSpline(Kept):
         left, right = (value / angle - np.array(self.edge_slopes)) / angle**2
         return float(left), float(right)
 
-    def angular_slope(self, left: Array, right: Array) -> Array:
-        """Its derivative by theta, by differences."""
-        angle = theta(left, right)
-        step = np.minimum(1e-5, 0.5 * np.minimum(angle, np.pi - angle))
-        ahead, behind = (
-            self.density(2 * np.cos(0.5 * at) ** 2, 2 * np.sin(0.5 * at) ** 2) for at in (angle + step, angle - step)
-        )
-        return np.asarray((ahead - behind) / (2 * step))
-
     # off the zone ---------------------------------------------------------------------------------------------------
     def transform_off(self, z: Array, rho: Array) -> Array:
         """What the kernel makes of the density off the zone."""

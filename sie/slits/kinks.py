@@ -69,28 +69,21 @@ class SlitKink(Kept):
     # psi ------------------------------------------------------------------------------------------------------------
     def slope(self, left: Array, right: Array) -> Array:
         """psi at distances from the slit's ends over its half width; the mean of both sides at a kink."""
-        place, angle, z = left - self._beside[0], theta(right, left), 0.5 * (left - right)
+        place, zeta, (step, first, second, _) = left - self._beside[0], self.zeta, _spread_powers(left, right)
         if self.order == 0:
-            return np.asarray(self.jump * (np.heaviside(place, 0.5) - angle / np.pi))
-        root, zeta = np.sqrt(left * right), self.zeta
-        first = (z * angle + root) / np.pi
+            return np.asarray(self.jump * (np.heaviside(place, 0.5) - step))
         if self.order == 1:
-            return np.asarray(self.jump * self.half * (np.maximum(place, 0.0) - first + zeta * angle / np.pi))
-        second = (angle * (z * z + 0.5) + 1.5 * z * root) / np.pi
-        spread = second - 2 * zeta * first + (zeta * zeta - 0.5) * angle / np.pi
+            return np.asarray(self.jump * self.half * (np.maximum(place, 0.0) - first + zeta * step))
+        spread = second - 2 * zeta * first + (zeta * zeta - 0.5) * step
         return np.asarray(self.jump * self.half**2 * (np.maximum(place, 0.0) ** 2 - spread))
 
     def opening(self, left: Array, right: Array) -> Array:
         """Integral of psi from the slit's left end, over its half width."""
-        angle, z = theta(right, left), 0.5 * (left - right)
-        root, place = np.sqrt(left * right), np.maximum(left - self._beside[0], 0.0)
-        first = (z * angle + root) / np.pi
+        place, zeta, (_, first, second, third) = np.maximum(left - self._beside[0], 0.0), self.zeta, _spread_powers(left, right)
         if self.order == 0:
             return np.asarray(self.jump * (place - first))
-        second, zeta = (angle * (z * z + 0.5) + 1.5 * z * root) / np.pi, self.zeta
         if self.order == 1:
             return np.asarray(self.jump * self.half * 0.5 * (place**2 - second + 2 * zeta * first))
-        third = (angle * z * (z * z + 1.5) + root * (11 * z * z + 4) / 6) / np.pi
         return np.asarray(self.jump * self.half**2 * ((place**3 - third) / 3 + zeta * second - (zeta * zeta - 0.5) * first))
 
     @property
@@ -223,3 +216,10 @@ class SlitKink(Kept):
                 spread -= self.half * self.zeta * float(np.mean(np.sqrt(far / near)))
             out.append(-self.jump / np.pi * (own - spread) - self.polynomial[0])
         return out[0], out[1]
+
+
+def _spread_powers(left: Array, right: Array) -> tuple[Array, Array, Array, Array]:
+    """b_k = bar((z - .)_+^k), k = 0 ... 3, at distances from the slit's ends over its half width."""
+    angle, z, root = theta(right, left) / np.pi, 0.5 * (left - right), np.sqrt(left * right) / np.pi
+    second, third = angle * (z * z + 0.5) + 1.5 * z * root, angle * z * (z * z + 1.5) + root * (11 * z * z + 4) / 6
+    return angle, z * angle + root, second, third

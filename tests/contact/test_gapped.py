@@ -151,7 +151,7 @@ def test_what_full_contact_takes_of_the_pressure_is_sampled_once_for_all_loads_o
     for solution in found:
         x, pressure = solution.fields.samples
         assert len(x) == len(relief.samples[0]) and np.ptp(x) < solution.fields.period
-        assert pressure == pytest.approx(solution.fields.scaled_pressure(x), abs=1e-12)
+        assert pressure == pytest.approx(solution.fields.formal_pressure(x), abs=1e-12)
         # Nothing that is sampled lies above the peak, nor much below it.
         peak = pressure.max() * solution.fields.problem.units.pressure
         assert 0.99 * solution.max_pressure < peak <= (1 + 1e-12) * solution.max_pressure

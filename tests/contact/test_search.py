@@ -14,6 +14,7 @@ from contact import inverse
 from contact.errors import OutOfRange
 from contact.search.grid.coarse import find_window, propose, zones_of
 from contact.search.grid.conjugate_gradient import GridState, Influence, Response, solve_grid
+from contact.search.topology.intervals import merged
 
 Array = NDArray[np.float64]
 Shape = Callable[[Array], Array]
@@ -408,3 +409,10 @@ def test_zones_that_the_first_window_of_a_lone_body_missed_are_found_in_a_wider_
     solution = contact.solve(contact.Scene(shape, 1.0, contact.Isolated(), load=0.05))
     # The first window begins at -0.66.
     assert solution.certificate.holds and len(solution.zones) == 5 and solution.zones[0, 1] < -0.75
+
+
+def test_zones_that_meet_across_the_border_and_within_the_cell_at_once_become_one() -> None:
+    zones = np.array([[0.0, 1.0], [2.0, 3.0], [4.0, 5.0], [6.0, 7.0]])
+    joined = merged(zones, np.array([2, 3]), 8.0)  # the gap from 5 to 6, and that from 7 to 8, where the first zone begins again
+    assert joined.tolist() == [[2.0, 3.0], [4.0, 9.0]]
+    assert merged(zones, np.array([0, 3]), None).tolist() == [[0.0, 3.0], [4.0, 5.0], [6.0, 7.0]]

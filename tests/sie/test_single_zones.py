@@ -146,8 +146,8 @@ class TestPlacesBeyondTheLastDigit:
                 for k in range(1, n + 1)
             ])
 
-    def found(self, forcing):
-        sampled = modes.sample(forcing, self.zones(), ForcingJumps.none(), np.array([16]), 1e-13, 16)
+    def found(self, forcing, n=16):
+        sampled = modes.sample(forcing, self.zones(), ForcingJumps.none(), np.array([n]), 1e-13, n)
         return sampled.coefficients[0, 1:]
 
     def value(self, x):
@@ -155,8 +155,10 @@ class TestPlacesBeyondTheLastDigit:
         with mpmath.workdps(40):
             return np.array([float(mpmath.sin(self.WAVE * mpmath.mpf(place))) for place in np.ravel(x)])
 
-    def test_coefficients_are_exact_to_the_digits_of_the_function(self):
-        error = np.abs(self.found(sie.Forcing(self.value)) - self.exact(16)).max()
+    @pytest.mark.parametrize(("n", "wave"), [(16, 3e7), (128, 3e9)], ids=["a few", "many waves, whose nodes no matrix holds"])
+    def test_coefficients_are_exact_to_the_digits_of_the_function(self, monkeypatch, n, wave):
+        monkeypatch.setattr(self, "WAVE", wave)
+        error = np.abs(self.found(sie.Forcing(self.value), n) - self.exact(n)).max()
         assert error < 1e-14
 
     def test_without_it_the_rounding_of_places_is_seen(self, monkeypatch):

@@ -16,7 +16,7 @@ from contact.formulation.controls import Control
 from contact.formulation.equilibria import NoState
 from contact.formulation.fields import ZoneFields
 from contact.formulation.roots import reaches
-from contact.formulation.tables import runs_of
+from contact.formulation.tables import joined_where, runs_of
 from contact.formulation.tension.intervals import fitted, interval_of, places
 from contact.formulation.tension.pulled import Pulled
 from sie import Array, Mask
@@ -227,10 +227,7 @@ def _searched(
                 raise Lost
             zones = np.delete(ended, free.lost, axis=0)
         elif len(free.met):
-            inner = [i for i in free.met if i + 1 < len(ended)]
-            begins, ends = np.ones(len(ended), dtype=bool), np.ones(len(ended), dtype=bool)
-            begins[[i + 1 for i in inner]], ends[inner] = False, False
-            zones = np.column_stack((ended[begins, 0], ended[ends, 1]))
+            zones = joined_where(ended, np.isin(np.arange(len(ended) - 1), free.met))
         else:
             i = interval_of(ended, table) if len(table) else np.zeros(len(ended), dtype=np.intp)
             within = everywhere or len(table) == 0 or bool(np.all((ended[:, 0] > table[i, 0]) & (ended[:, 1] < table[i, 1])))
@@ -263,10 +260,7 @@ def _joined(zones: Array, first: Array, step: Array) -> tuple[Array, Array]:
     gap = zones[1:, 0] - zones[:-1, 1]
     width = np.diff(zones, axis=1)[:, 0]
     meets = (gap < _GONE * np.minimum(width[1:], width[:-1])) & (step[1, :-1] > 0.3 * gap) & (step[0, 1:] > 0.3 * gap)
-    if not meets.any():
-        return zones, first
-    begins, ends = np.append(True, ~meets), np.append(~meets, True)
-    return np.column_stack((zones[begins, 0], zones[ends, 1])), first[begins]
+    return joined_where(zones, meets), first[np.append(True, ~meets)]
 
 
 def look_at(fields: ZoneFields) -> tuple[Array, Array]:
@@ -384,6 +378,4 @@ def _corrected(fields: ZoneFields, look: tuple[Array, Array]) -> Array | None:
     if not changed:
         return None
     found = np.array(sorted(out)).reshape(-1, 2)
-    overlapping = found[1:, 0] <= found[:-1, 1]
-    begins, ends = np.append(True, ~overlapping), np.append(~overlapping, True)
-    return np.column_stack((found[begins, 0], found[ends, 1]))
+    return joined_where(found, found[1:, 0] <= found[:-1, 1])

@@ -37,7 +37,7 @@ class PulledFields(ZoneFields):
         return self.pulled.pulling
 
     @property
-    def cohesive(self) -> Array:
+    def cohesive(self) -> Array:  # type: ignore[override]
         """The intervals in which the gap is below the reach of the tension, contact within them included (m, 2) [m]."""
         units, tension = self.problem.units, self.tension
         if tension.everywhere:
@@ -118,7 +118,7 @@ class PulledFields(ZoneFields):
         return scaled_second_variation(here)
 
     @cached_property
-    def borne_beside(self) -> float:
+    def borne_beside(self) -> float:  # type: ignore[override]
         stress, zones = self.tension.stress, self.density.zones.table
         apart = beside(lambda x: self.standing_shape(x) - self.scaled_gap(x), self.pulled, zones, self.spacing)
         return -stress * (apart + on_zones(self.standing_shape, self.pulled, zones, self.spacing) - self._not_pulled(zones))
@@ -166,7 +166,7 @@ class PulledGapFields(GapFields):
         return self.mean_gap * self.period * self.problem.units.length
 
     @property
-    def borne_beside(self) -> float:
+    def borne_beside(self) -> float:  # type: ignore[override]
         # Of q the whole of it is borne by the zones; less the tension on all of the period.
         own = mean_shape(self.problem) - self.mean_gap / self.problem.units.height
         return -self.stress * self.period * own
@@ -179,7 +179,7 @@ class PulledGapFields(GapFields):
         return self.stress * self.problem.units.pressure
 
     @property
-    def cohesive(self) -> Array:
+    def cohesive(self) -> Array:  # type: ignore[override]
         units, first = self.problem.units, float(self.density.zones.middle[0])
         return np.asarray(units.x(np.array([[first, first + self.period]])))
 

@@ -4,7 +4,7 @@ import numpy as np
 
 from contact.errors import OutOfRange
 from contact.formulation.equilibria import Closed
-from contact.formulation.tables import begun_from, runs_of
+from contact.formulation.tables import begun_from, joined_where, runs_of
 from sie import Array, Index, Mask, wrapped
 
 # Points between two zones, or in a part of an interval, at the least, and at the most.
@@ -92,8 +92,7 @@ def joined(table: Array, joins: Mask, new: list[tuple[float, float]], period: fl
         assert period is not None
         table = np.concatenate((table[start:], table[:start] + period))
         joins = np.roll(joins, -start)
-    begins = np.concatenate(([True], ~joins[:-1]))
-    table = np.column_stack((table[begins, 0], table[~joins, 1]))
+    table = joined_where(table, joins[:-1])
     if new:
         table = np.concatenate((table, begun_from(np.array(new), float(table[0, 0]), period)))
         table = table[np.argsort(table[:, 0])]

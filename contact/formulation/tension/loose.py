@@ -6,8 +6,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-import sie
-from contact.formulation.fields import mean_shape
+from contact.formulation.fields import NoZones, mean_shape
 from contact.formulation.problem import Problem
 from contact.formulation.quadrature import panels
 from contact.formulation.tension.pulled import Pulled, Tension
@@ -59,14 +58,15 @@ def _integral(function: Callable[[Array], Array], pulled: Pulled, a: float, b: f
 
 
 @record
-class LooseFields(sie.Kept):
-    """pulled: with the tension that acts; problem: the same with the scene's law; level: minus the scaled approach."""
+class LooseFields(NoZones):
+    """pulled: with the tension that acts; problem: the same with the scene's law; level: minus the scaled approach. The stiffness is
+    not told: the tension's ends move with the approach."""
 
     problem: Problem
     pulled: Pulled
     level: float
-    pressure_bound = 0.0
-    cut_off = None
+    pressure_bound = max_pressure = contact_fraction = 0.0
+    stiffness = None
 
     @property
     def tension(self) -> Tension:
@@ -87,21 +87,10 @@ class LooseFields(sie.Kept):
     def _scaled(self, x: ArrayLike) -> Array:
         return np.asarray(self.problem.units.scaled(np.asarray(x, dtype=float)))
 
-    def pressure_at(self, zone: int, t: ArrayLike) -> Array:
-        raise IndexError("surfaces that pull without touching have no zones: use pressure(x)")
-
     @property
-    def cohesive(self) -> Array:
+    def cohesive(self) -> Array:  # type: ignore[override]
         """The intervals in which the surfaces pull (m, 2) [m]."""
         return np.asarray(self.problem.units.x(np.array(_intervals(self.tension, np.zeros((0, 2))))))
-
-    @property
-    def starts(self) -> Array:
-        return np.zeros(0)
-
-    @property
-    def loads(self) -> Array:
-        return np.zeros(0)
 
     @property
     def load(self) -> float:
@@ -110,23 +99,6 @@ class LooseFields(sie.Kept):
     @property
     def approach(self) -> float | None:
         return -self.level * self.problem.units.height if self.problem.operator.has_approach else None
-
-    @property
-    def max_pressure(self) -> float:
-        return 0.0
-
-    @property
-    def contact_fraction(self) -> float:
-        return 0.0
-
-    @property
-    def stiffness(self) -> None:
-        """Not told: the tension's ends move with the approach."""
-        return None
-
-    @property
-    def widening_rate(self) -> float:
-        return 0.0
 
     @property
     def mean_gap(self) -> float:

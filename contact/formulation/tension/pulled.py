@@ -30,9 +30,9 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.special import zeta
 
 import sie
+from contact.formulation.conjugate import clausen2
 from contact.formulation.problem import Problem
 from sie import Array, Index, Mask, nearest_image, record, wrapped
 
@@ -119,9 +119,6 @@ def _point(y: Array) -> Array:
 _NODES, _PER_LENGTH = 16, 4.0
 # Distances from ends that are looked at together.
 _BLOCK = 2**15
-# Of Clausen's integral up to pi: what follows is below rounding.
-_ORDERS = np.arange(1, 27)
-_CLAUSEN = zeta(2.0 * _ORDERS) / (_ORDERS * (2 * _ORDERS + 1))
 
 
 @record
@@ -258,7 +255,8 @@ class Tension(sie.Kept):
     def _primitive(self, lag: Array) -> Array:
         """Antiderivative of the poles' Lambda, or of Hilbert's."""
         if self.period is not None:
-            return -self.period / (2 * np.pi) * clausen(2 * np.pi * np.asarray(lag) / self.period)
+            turns = np.asarray(lag) / self.period
+            return -self.period / (2 * np.pi) * clausen2(turns - np.round(turns))
         out = np.zeros(np.shape(lag))
         for pole in self.kernel.poles:
             away = np.asarray(lag - pole, dtype=float)
@@ -292,17 +290,6 @@ class Tension(sie.Kept):
                 at.append(places)
                 weights.append(-lacking)
         return np.concatenate(at), np.concatenate(weights)
-
-
-def clausen(angle: Array) -> Array:
-    """Cl_2 = -int_0^angle ln|2 sin(t/2)| dt = t (1 - ln t + sum_k zeta(2k)/(k (2k + 1)) (t/2 pi)^2k), 0 < t <= pi, odd and of period
-    2 pi (L. Lewin, Polylogarithms and Associated Functions, 1981, section 4.3)."""
-    angle = np.asarray(angle, dtype=float)
-    turned = angle - np.round(angle / (2 * np.pi)) * 2 * np.pi
-    square, series = (turned / (2 * np.pi)) ** 2, np.zeros(np.shape(angle))
-    for coefficient in _CLAUSEN[::-1]:
-        series = (series + coefficient) * square
-    return np.asarray(turned * (1.0 + series - np.log(np.maximum(np.abs(turned), 1e-300))))
 
 
 @record

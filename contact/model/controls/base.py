@@ -43,6 +43,8 @@ class Control:
     ----------
     unit : str
         Of the value, as "N/m"; "1" where it has none.
+    quantity : Quantity or None
+        What the solver is to hold at the value itself, if it is that.
     falls : bool
         Of a control that is looked for by loads: its quantity falls as the load grows.
 
@@ -68,6 +70,7 @@ class Control:
     value: float
     name: ClassVar[str]
     unit: ClassVar[str] = "1"
+    quantity: ClassVar[Quantity | None] = None
     falls: ClassVar[bool] = False
 
     def signed(self, scene: Any) -> bool:
@@ -79,7 +82,7 @@ class Control:
 
     def held(self, scene: Any) -> Held | None:
         """What the solver is to hold; None: the load at which `of` gives the value is looked for."""
-        return None
+        return None if self.quantity is None else Held(self.quantity, self.value)
 
     def of(self, solution: Any) -> float:
         """The value that a solution (`contact.Solution`) has, right to about its stated error."""

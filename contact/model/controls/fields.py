@@ -14,12 +14,10 @@ class Load(Control):
     """Load [N/m], per period where there is one."""
 
     unit = "N/m"
+    quantity = Quantity.LOAD
 
     def signed(self, scene: Any) -> bool:
         return bool(scene.law.pulls)
-
-    def held(self, scene: Any) -> Held:
-        return Held(Quantity.LOAD, self.value)
 
 
 @register_control("mean_pressure")
@@ -46,6 +44,7 @@ class Approach(Control):
     """Approach [m]; needs a datum where nothing repeats."""
 
     unit = "m"
+    quantity = Quantity.APPROACH
 
     def signed(self, scene: Any) -> bool:
         # A turned body touches at some other place than its lowest: there the approach counts from there. Adhesion bears tension.
@@ -55,9 +54,6 @@ class Approach(Control):
         if not scene.operator.has_approach:
             allowed = f"left out, or {scene.interaction.name} given a datum: without one a {scene.substrate.name} has no approach"
             raise SceneError.of(self.name, self.value, allowed)
-
-    def held(self, scene: Any) -> Held:
-        return Held(Quantity.APPROACH, self.value)
 
 
 @register_control("contact_fraction")
@@ -82,6 +78,7 @@ class HalfWidth(Control):
     """Half width [m]."""
 
     unit = "m"
+    quantity = Quantity.HALF_WIDTH
 
     def check(self, scene: Any) -> None:
         profile = scene.profile
@@ -103,6 +100,3 @@ class HalfWidth(Control):
 
     def _refuse(self, allowed: str) -> None:
         raise SceneError.of(self.name, self.value, allowed)
-
-    def held(self, scene: Any) -> Held:
-        return Held(Quantity.HALF_WIDTH, self.value)

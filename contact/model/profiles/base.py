@@ -238,11 +238,6 @@ class Profile(sie.Kept):
         """Of a measured trace: what was read and done to it, and its roughness, lengths in m; None for other shapes."""
         return None
 
-    def __getstate__(self) -> dict[str, Any]:
-        """What copies and pickles hold: not what was worked out on the way, which is large and worked out again."""
-        cls = type(self)
-        return {name: value for name, value in vars(self).items() if not isinstance(getattr(cls, name, None), cached_property)}
-
     def _length(self) -> float | None:
         """A length typical of the shape, for the steps of numerical differences."""
         if self.resolution is not None:

@@ -77,21 +77,18 @@ class Polynomial(Profile):
 
     @property
     def kinks(self) -> Array:
-        if self.period is None:
-            return np.empty((0, 2))
-        d = polyder(self._c)
-        jump = float(polyval(self.x0, d) - polyval(-self.x0, d))
-        size = float(polyval(-self.x0, np.abs(d)))
-        return np.array([[self.x0, jump]]) if abs(jump) > _ROUNDING * size else np.empty((0, 2))
+        return self._jumps_at_the_border(1)[:, ::2]
 
     @property
     def jumps(self) -> Array:
         """Where the cells meet, the second and the third derivative jump too."""
-        if self.period is None:
-            return np.empty((0, 3))
-        found, d = [], polyder(self._c)
-        for order in (2, 3):
-            d = polyder(d)
+        return self._jumps_at_the_border(2, 3)
+
+    def _jumps_at_the_border(self, *orders: int) -> Array:
+        """Place, order and jump of these derivatives, where they jump by more than rounding."""
+        found = []
+        for order in orders if self.period is not None else ():
+            d = polyder(self._c, order)
             jump = float(polyval(self.x0, d) - polyval(-self.x0, d))
             if abs(jump) > _ROUNDING * float(polyval(-self.x0, np.abs(d))):
                 found.append((self.x0, order, jump))

@@ -57,7 +57,9 @@ def read_instrument(path: str | Path, channel: Any = None, line: Any = None, alo
         if surface.unit is None:
             raise SceneError(f"file {str(path)!r}: the file says no unit of its lengths: export it as text", "file", str(path))
         surface = surface.to_unit("m")
-        positions, heights = _arrays(surface)
+        # Of a line scan; nan where nothing was measured.
+        positions = np.empty(0) if surface.dim == 2 else np.asarray(surface.positions(), dtype=float)
+        heights: Array = np.ma.filled(np.ma.asarray(surface.heights(), dtype=float), np.nan)
     except SceneError:
         raise
     except Exception as error:
@@ -87,12 +89,6 @@ def _channel(path: str | Path, reader: Any, names: list[str], channel: Any) -> A
     if len(found) > 1:
         raise SceneError.of("channel", channel, f"a number, as {len(found)} channels are called that: {told}")
     return found[0]
-
-
-def _arrays(surface: Any) -> tuple[Array, Array]:
-    """Positions (of a line scan) and heights, nan where nothing was measured."""
-    positions = np.empty(0) if surface.dim == 2 else np.asarray(surface.positions(), dtype=float)
-    return positions, np.ma.filled(np.ma.asarray(surface.heights(), dtype=float), np.nan)
 
 
 def _of_map(heights: Array, sizes: tuple[float, float], line: Any, along: Any) -> tuple[Array, Array, str]:

@@ -183,17 +183,14 @@ def _instrument(path: str | Path, layout: dict[str, Any], place: dict[str, Any])
 
 def _refuse_repeated(path: str | Path, x: Array, lines: NDArray[np.int64]) -> None:
     again = np.flatnonzero(np.diff(x) <= 0)
-    if again.size:
-        raise at(path, lines[again[0] + 1], _of_repeated(x))
-
-
-def _of_repeated(x: Array) -> str:
-    """What is wrong with positions of which some are the same."""
-    again = np.flatnonzero(np.diff(x) <= 0)
-    if _pitch_behind_rounding(x) is not None:
-        return "a position is repeated, as positions are rounded: regrid = true takes them as even"
-    more = f", as {again.size - 1} more are" if again.size > 1 else ""
-    return f"the position {x[again[0]]:.9g} m is repeated{more}, and rounding does not explain it: of such lines all but one have to go"
+    if not again.size:
+        return
+    what = "a position is repeated, as positions are rounded: regrid = true takes them as even"
+    if _pitch_behind_rounding(x) is None:
+        more = f", as {again.size - 1} more are" if again.size > 1 else ""
+        why = "rounding does not explain it: of such lines all but one have to go"
+        what = f"the position {x[again[0]]:.9g} m is repeated{more}, and {why}"
+    raise at(path, lines[again[0] + 1], what)
 
 
 def _measured_length(x: Array, height: Array) -> float:

@@ -147,12 +147,9 @@ class AdhesiveDesign(GivenZones):
         modes = [f(k * x) for k in orders for f in (np.cos, np.sin)]
         return np.stack(modes if n % 2 else [*modes, np.ones_like(x)], axis=-1)
 
-    def _nodes(self, i: int) -> Any:
-        return self._long.nodes(i, midpoints=True)
-
     def _integrals(self, i: int) -> tuple[Any, Any]:
         """int |X| modes dx and int |X| sum q_e/(x - e) dx over an interval."""
-        dl, dr, weight = self._nodes(i)
+        dl, dr, weight = self._long.nodes(i)
         weight = weight * self._long.root(i, dl, dr)
         return weight @ self._modes(self._long, i, dl, dr), weight @ (self._long.poles(i, dl, dr) @ self._poles)
 
@@ -333,8 +330,7 @@ def second_variation(design: AdhesiveDesign) -> Array:
     >>> bool(np.allclose(matrix, matrix.T)), bool(abs(np.sum(matrix)) < 1e-9 * np.max(np.abs(matrix)))
     (True, True)
     """
-    product, n = design._product, len(design.zones)
-    m, q = 2 * n, design._poles.astype(float)
+    product, m, q = design._product, 2 * len(design.zones), design._poles.astype(float)
     right = np.arange(m) % 2 == 1
     outward = np.where(right, 1.0, -1.0)
     side = np.array([design._side(i) for i in range(-1, m)])  # of X on the interval i at [i + 1]
@@ -343,15 +339,17 @@ def second_variation(design: AdhesiveDesign) -> Array:
     others = product.end_factors()
     root = np.sqrt(others)
     k = outward * sigma * root * q  # X R ~ k/sqrt|factor| in the gap beside the end
-    poles = _between(design)
-    modes = np.array([_slow(design, *_at_end(product, e)) for e in range(m)]).reshape(m, n - 1)
+    places = [product.at_end(e) for e in range(m)]
+    poles = np.array([product.poles(*place)[0] for place in places])  # [i, j]: that of end j seen from end i
+    np.fill_diagonal(poles, 0.0)
+    modes = np.array([_modes(design, *place)[0] for place in places])
+    slow_modes = _slow(design, modes)
     strength = outward * others * q / (2.0 * unit)
     answers = _slow_parts(design, strength, unit)
-    regular = np.array([_full(design, *_at_end(product, e)) for e in range(m)]) @ design._smooth.astype(float)
-    regular = regular + poles @ q
+    regular = modes @ design._smooth.astype(float) + poles @ q
     change = np.empty((m, m))  # d k_i/d e_j
     for j in range(m):
-        slow = modes @ answers[j]
+        slow = slow_modes @ answers[j]
         change[:, j] = sigma / root * (strength[j] * poles[:, j] + slow)
         # The next power of X R at the end, half of which the moved root gives; the bend of the other factors cancels.
         change[j, j] = sigma[j] * (outward[j] * root[j] * regular[j] / (2.0 * unit) + slow[j] / root[j])
@@ -387,34 +385,12 @@ def is_stable(design: AdhesiveDesign) -> bool:
     return bool(np.min(np.linalg.eigvalsh(0.5 * (matrix + matrix.T))) > 0.0)
 
 
-def _at_end(product: Any, e: int) -> tuple[int, Array, Array]:
-    """Interval and distances of the place of an end."""
-    i = e if e + 1 < 2 * len(product.zones) or product.period is not None else e - 1
-    step = np.array([product.steps[i]])
-    return (i, np.zeros(1), step) if i == e else (i, step, np.zeros(1))
+def _modes(design: AdhesiveDesign, i: int, dl: Array, dr: Array) -> Array:
+    return np.asarray(design._modes(design._product, i, dl, dr), dtype=float)
 
 
-def _between(design: AdhesiveDesign) -> Array:
-    """[i, j]: the pole of end j seen from end i; 0 on the diagonal."""
-    ends = design.zones.ravel()
-    d = ends[:, None] - ends
-    np.fill_diagonal(d, 1.0)
-    if design.period is None:
-        poles = float(design._product._unit) / d
-    else:
-        turned = pi / design.period * d
-        poles = 0.5 / np.sin(turned) if len(design.zones) % 2 else 0.5 / np.tan(turned)
-    np.fill_diagonal(poles, 0.0)
-    return poles
-
-
-def _full(design: AdhesiveDesign, i: int, dl: Array, dr: Array) -> Array:
-    return np.asarray(design._modes(design._product, i, dl, dr), dtype=float)[0]
-
-
-def _slow(design: AdhesiveDesign, i: int, dl: Array, dr: Array) -> Array:
+def _slow(design: AdhesiveDesign, modes: Array) -> Array:
     """The functions of which T is made, (..., n - 1): those of M without the fastest."""
-    modes = np.asarray(design._modes(design._product, i, dl, dr), dtype=float)
     return modes[..., :-1] if design.period is None else modes[..., 2:]
 
 
@@ -425,9 +401,9 @@ def _slow_parts(design: AdhesiveDesign, strength: Array, unit: float) -> Array:
     m, gaps = 2 * n, list(design._product.gaps)[: n - 1]  # with a period the last gap closes by itself
     matrix, given = np.zeros((n - 1, n - 1)), np.zeros((n - 1, m))
     for row, g in enumerate(gaps):
-        dl, dr, weight = (np.asarray(v, dtype=float) for v in design._nodes(g))
+        dl, dr, weight = product.nodes(g)
         x_root = product.root(g, dl, dr)
-        matrix[row] = weight / x_root @ _slow(design, g, dl, dr)
+        matrix[row] = weight / x_root @ _slow(design, _modes(design, g, dl, dr))
         poles = product.poles(g, dl, dr)
         for j in range(m):
             field = strength[j] * poles[:, j] / x_root

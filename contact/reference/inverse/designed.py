@@ -174,10 +174,6 @@ class GivenZones(Zoned):
             gap[here] = np.sum(np.where(rightward, 2.0, -2.0) * way * FROM_LEFT * WEIGHT * values, axis=-1)
         return gap
 
-    def _nodes(self, i: int) -> Any:
-        """dl, dr and weights of integrals over an interval."""
-        raise NotImplementedError
-
     def height(self, x: ArrayLike) -> Array:
         """f(x) [m], up to a constant."""
         return self.profile.height(x)
@@ -243,7 +239,7 @@ class GivenZones(Zoned):
             return None
         total = 0.0
         for g in self._product.gaps:
-            dl, dr, weight = (np.asarray(v, dtype=float) for v in self._nodes(g))
+            dl, dr, weight = self._product.nodes(g)
             total -= float(np.sum(weight * dl * self._opening(g, dl, dr)))
         return total / self.period
 
@@ -373,9 +369,6 @@ class DesignedContact(GivenZones):
 
     def _opening(self, i: int, dl: Array, dr: Array) -> Array:
         return self._scale * self._product.side(i, dl, dr) * self._product.magnitude(i, dl, dr)
-
-    def _nodes(self, i: int) -> Any:
-        return self._product.nodes(i)
 
     def _from_left(self, i: int, dl: Array, dr: Array) -> Mask:
         """From the end on the same side of the gap's widest point."""

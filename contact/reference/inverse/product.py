@@ -132,7 +132,8 @@ class CutProduct:
         gaps = list(self.gaps)
         width = self.steps[gaps]
         offsets = np.repeat(0.5 * width[:, None], 2, axis=1)
-        samples = [self._gap_samples(g) for g in gaps]
+        nodes = [self.nodes(g) for g in gaps]
+        samples = [(dl, dr, weight * self.root(g, dl, dr)) for g, (dl, dr, weight) in zip(gaps, nodes, strict=True)]
         for _ in range(_NEWTON_STEPS):
             rows = [self._gap_row(row, g, *at, offsets) for row, (g, at) in enumerate(zip(gaps, samples, strict=True))]
             residual = np.array([r for r, _ in rows], dtype=float)
@@ -166,26 +167,20 @@ class CutProduct:
         derivative[row] = -np.sum(others * own_slope) / scale
         return np.sum(others * own) / scale, derivative
 
-    def nodes(self, i: int, midpoints: bool = False) -> tuple[Array, Array, Array]:
-        """Gauss-Chebyshev nodes of the second kind of interval i as angles' half sines: dl, dr, weights for
-        int F dx.
+    def nodes(self, i: int) -> tuple[Any, Any, Any]:
+        """Gauss-Chebyshev nodes of the first kind of interval i as angles' half sines: dl, dr, weights for
+        int F dx, F ~ 1/sqrt or milder at the ends.
 
         The integrand is analytic up to the neighbouring ends, at a relative distance that sets the number of
-        nodes; midpoints: those of the first kind, for F ~ 1/sqrt at the ends."""
+        nodes."""
         m, h = len(self.steps), self.steps[i]
         nearest = min(
             (float(self.steps[k % m]) for k in (i - 1, i + 1) if self.period is not None or 0 <= k < m),
             default=float(h),
         )
         count = 40 + ceil(20.0 / min(1.0, sqrt(nearest / float(h))))
-        first, parts = (0.5, count) if midpoints else (1.0, count + 1)
-        phi = self.pi * (np.arange(count) + first) / parts
-        return h * np.sin(0.5 * phi) ** 2, h * np.cos(0.5 * phi) ** 2, 0.5 * h * self.pi / parts * np.sin(phi)
-
-    def _gap_samples(self, g: int) -> tuple[Array, Array, Array]:
-        """Nodes of a gap, and the weights times |X|."""
-        dl, dr, weight = self.nodes(g)
-        return dl, dr, weight * np.sqrt(np.prod(self._end_factors(g, dl, dr), axis=-1))
+        phi = self.pi * (np.arange(count) + 0.5) / count
+        return h * np.sin(0.5 * phi) ** 2, h * np.cos(0.5 * phi) ** 2, 0.5 * h * self.pi / count * np.sin(phi)
 
     def root(self, i: int, dl: Array, dr: Array) -> Array:
         """|X| on interval i."""
@@ -200,19 +195,18 @@ class CutProduct:
                 return np.asarray(np.where(np.arange(2 * len(self.zones)) <= i, 1.0, -1.0) / factors)
             return np.asarray(np.cos(self._turn * (dl[..., None] + self._leftward[i])) / factors)
 
+    def at_end(self, e: int) -> tuple[int, Any, Any]:
+        """Interval and distances of the place of an end: in the interval to its right, or in that to its left where it is the last."""
+        zero = np.zeros(1, dtype=self.zones.dtype)
+        if e + 1 < 2 * len(self.zones) or self.period is not None:
+            return e, zero, self.steps[[e]]
+        return e - 1, self.steps[[e - 1]], zero
+
     def end_factors(self) -> Array:
         """|product of the factors of all other ends| at every end."""
-        m = 2 * len(self.zones)
-        zero = np.zeros(1, dtype=self.zones.dtype)
-        found = []
-        for e in range(m):
-            # Seen from the interval to its right, or from the one to its left where that is the last.
-            right = e + 1 < m or self.period is not None
-            i = e if right else e - 1
-            step = np.array([self.steps[i]])
-            factors = self._end_factors(i, *((zero, step) if right else (step, zero)))[0]
-            found.append(np.prod(np.delete(factors, e)))
-        return np.array(found)
+        factors = np.array([self._end_factors(*self.at_end(e))[0] for e in range(2 * len(self.zones))])
+        np.fill_diagonal(factors, 1.0)
+        return np.asarray(np.prod(factors, axis=1))
 
     def magnitude(self, i: int, dl: Array, dr: Array) -> Array:
         """|X M| on interval i before scaling."""

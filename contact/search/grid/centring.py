@@ -58,12 +58,12 @@ def settled(look: Callable[[float, Kind], Kind], here: Kind, reach: float) -> tu
     why. look: at a centre, from another strip."""
     passed, first = [here], here.centre
     for looks in range(_LOOKS):
-        if _rests(here, _CENTRED, _CELL * here.cell):
+        if rests(here):
             return here, Unrest.BORDER if here.touches else None
         jumps = [pair for pair in pairwise(passed) if pair[0].balance * pair[1].balance <= 0.0]
         held = [(left, right) for left, right in jumps if right.centre - left.centre > _NARROW * here.cell]
         # What jumps on a grid need not jump: that a strip beside it is nearly at rest the gaps may put right.
-        nearly = [strip for pair in jumps if pair not in held for strip in pair if _rests(strip, _NEARLY) and not strip.touches]
+        nearly = [strip for pair in jumps if pair not in held for strip in pair if _balanced(strip, _NEARLY) and not strip.touches]
         if nearly:
             return nearly[0], None
         if held:
@@ -81,7 +81,12 @@ def settled(look: Callable[[float, Kind], Kind], here: Kind, reach: float) -> tu
     return here, Unrest.JUMP if any(left.balance * right.balance <= 0.0 for left, right in pairwise(passed)) else Unrest.ASIDE
 
 
-def _rests(here: Strip, part: float, least: float = 0.0) -> bool:
+def rests(here: Strip) -> bool:
+    """Whether a strip is centred, as far as its grid tells."""
+    return _balanced(here, _CENTRED, _CELL * here.cell)
+
+
+def _balanced(here: Strip, part: float, least: float = 0.0) -> bool:
     return abs(here.miss) <= max(part * here.room, least)
 
 

@@ -13,28 +13,20 @@ balance (contact.search.grid.centring): a root at which they are closed, or none
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import replace
 from functools import cached_property, partial
 
 import numpy as np
 
 from contact.formulation.problem import Problem
-from contact.formulation.strip_turn import StripTurn
-from contact.search.grid.centring import Unrest, settled
 from contact.search.grid.coarse import grid_height, propose
-from contact.search.grid.conjugate_gradient import Response
-from contact.search.grid.proposals import cut_of, pressed, whole_response
+from contact.search.grid.proposals import cut_of, whole_response
 from contact.search.grid.scaling import ScaledScene
-from contact.search.grid.strip import StripContact, StripGrid
-from sie import Array, record
+from contact.search.grid.strip import StripContact
+from contact.search.grid.strip_at_rest import ROUGHLY, AtCentre, StripsOnGrids
+from sie import record
 
-# Cells to a shortest length of the profile, at first and in the end, bounds of how many that makes of a period at first, and the tolerance
-# of their contact.
-_CELLS, _CELLS_FINELY, _FEWEST, _MOST, _ROUGHLY = 1, 4, 2**9, 2**12, 1e-3
-# Cells that tell the room beside the border; of the finest grid. What the grid may have the miss off by, where that is little. How far the
-# centre may go from the first one, over the gap that is cut, or the room beside the borders, and over the period.
-_TELLING, _FINEST, _SHARP, _REACH, _FARTHEST = 8, 2**14, 0.05, 2.0, 0.125
+# What the grid may have the miss off by, where that is little.
+_SHARP = 0.05
 # Miss that is near enough, and, by the rounding of ends to parts of a cell, of each end; width of a bracket of the logarithm of the nominal
 # pressure; nominal pressures tried, and those to clear the border at first.
 _CLOSE, _END, _CLOSED, _STEPS, _CLEARINGS = 1e-3, 0.1, 1e-3, 40, 4
@@ -44,38 +36,13 @@ _POWER, _FLATTEST, _LEAST, _LARGEST, _CLEARED = 0.8, -0.1, 2e-4, 1.0, 0.25
 
 
 @record
-class AtPressure:
-    """Contacts of a strip and of its profile alone about a centre under a nominal pressure, all but the contacts scaled. beside: room
-    beside both borders; widths: of the zones of both; unrest: why it is not where its centre stays."""
+class AtPressure(AtCentre):
+    """Contacts of a strip and of its profile alone about a centre under a nominal pressure, all but the contacts scaled. widths: of the
+    zones of both."""
 
     amplitude: float
-    centre: float
-    strip: StripContact
     alone: StripContact
-    beside: tuple[float, float]
     widths: tuple[float, float]
-    period: float
-    cell: float
-    unrest: Unrest | None = None
-
-    @property
-    def touches(self) -> bool:
-        return self.strip.touches_border
-
-    @property
-    def room(self) -> float:
-        return max(self.beside[0], 0.0) + max(self.beside[1], 0.0)
-
-    @property
-    def miss(self) -> float:
-        """Of the middle of the outermost ends, less the centre."""
-        return 0.5 * (self.beside[0] - self.beside[1])
-
-    @property
-    def balance(self) -> float:
-        """The same by the angle of the strip up to which the gaps at its borders reach: these go straight with what is not known."""
-        left, right = (math.copysign(math.sqrt(abs(room) / self.period), room) for room in self.beside)
-        return left - right
 
     @property
     def wider(self) -> float:
@@ -95,26 +62,15 @@ class AtPressure:
     @property
     def told(self) -> bool:
         """Whether the grid tells the gaps."""
-        return self.room >= _TELLING * self.cell and self.blur <= _SHARP
+        return super().told and self.blur <= _SHARP
 
 
-class ClosureGrid:
+class ClosureGrid(StripsOnGrids[AtPressure]):
     """A scaled problem under a scaled load on grids of a period."""
 
     def __init__(self, scaled: ScaledScene, problem: Problem, load: float) -> None:
-        self.scaled, self.problem, self.load = scaled, problem, load
-        profile, units = problem.profile, problem.units
-        assert problem.period is not None and profile.period is not None
-        self.period = problem.period
-        response = Response(units.E_star, False, rest=problem.operator.strip_rest)
-        self.grid = StripGrid(response, profile.period, profile.feature, StripTurn.serves(problem))
-        features = 0.0 if profile.feature is None else profile.period / profile.feature
-        self.points, self.finest = (
-            2 ** int(np.clip(np.ceil(np.log2(max(cells * features, 1.0))), math.log2(_FEWEST), math.log2(most)))
-            for cells, most in ((_CELLS, _MOST), (_CELLS_FINELY, _FINEST))
-        )
-        # A body between corners is never cut.
-        self.farthest = self.period * (_FARTHEST if profile.support is None else 1.0)
+        super().__init__(problem, load)
+        self.scaled = scaled
         # How the miss goes with the logarithm of the nominal pressure.
         self.rate = -_POWER
 
@@ -131,16 +87,9 @@ class ClosureGrid:
     def root(self, here: AtPressure, finely: bool) -> AtPressure:
         """The contacts at the root, roughly, from some near by; or the last ones looked at, with the strip's unrest, where it has none.
         finely: on the finest grids, even where a coarse one tells all."""
-        first, reach = here.centre, max(self._cut[1], here.room)
-        while True:
-            here = self._closed(here.centre, here)
-            here, unrest = settled(self._closed, here, min(_REACH * max(reach, here.room), self.farthest))
-            if self.points >= self.finest or (unrest is None and here.told and not finely):
-                return replace(here, unrest=unrest)
-            self.points = min(4 * self.points, self.finest)
-            here = replace(here, centre=here.centre if unrest is None else first)
+        return self.at_rest(here, self._cut[1], finely)
 
-    def _closed(self, centre: float, near: AtPressure) -> AtPressure:
+    def look(self, centre: float, near: AtPressure) -> AtPressure:
         """The contacts about a centre under the nominal pressure under which both are as wide, whether the strip is clear of its border
         or not: there always is one."""
         low, high, here, last = 0.0, math.inf, self._held(near.amplitude, centre, near), None
@@ -176,43 +125,31 @@ class ClosureGrid:
             return 0.5 * (left + right), self.period - (right - left)
         whole = propose(
             partial(grid_height, profile), self.scaled.cell, whole_response(self.problem), points=self.points,
-            load=self.load * units.load, tol=_ROUGHLY,
+            load=self.load * units.load, tol=ROUGHLY,
         )
         middle, width = cut_of(whole, profile.x0, profile.period)
         return float(units.scaled(np.array(middle + 0.5 * profile.period))), width / units.length
 
     def _held(self, amplitude: float, centre: float, near: AtPressure | None) -> AtPressure:
         """Contacts under a nominal pressure about a centre."""
-        strip = self.strip(amplitude, centre, self.points, _ROUGHLY, None if near is None else near.strip)
-        alone = self.alone(amplitude, centre, self.points, _ROUGHLY, None if near is None else near.alone)
+        strip = self.strip(amplitude, centre, self.points, ROUGHLY, None if near is None else near.strip)
+        alone = self.alone(amplitude, centre, self.points, ROUGHLY, None if near is None else near.alone)
         return self._of(amplitude, centre, strip, alone)
 
     def _of(self, amplitude: float, centre: float, strip: StripContact, alone: StripContact) -> AtPressure:
         length = self.problem.units.length
         # Full contact on the grid is that to half a cell.
         widths = [self.period if each.width > self.period * length * (1 - 1e-9) else each.width / length for each in (strip, alone)]
-        beside = strip.beside[0] / length, strip.beside[1] / length
-        return AtPressure(amplitude, centre, strip, alone, beside, (widths[0], widths[1]), self.period, strip.cell / length)
-
-    def strip(self, amplitude: float, centre: float, points: int, tol: float, near: StripContact | None) -> StripContact:
-        """The contact of the strip."""
-        column = self.problem.about(centre).columns[0].primitive
-        assert column is not None
-        return self._proposed(partial(pressed, self.problem, amplitude, column), self.load, centre, points, tol, near)
+        return AtPressure(
+            centre, strip, self.beside(strip), self.period, strip.cell / length, None, amplitude, alone, (widths[0], widths[1])
+        )
 
     def alone(self, amplitude: float, centre: float, points: int, tol: float, near: StripContact | None) -> StripContact:
         """The contact of its profile alone, under the load of the nominal pressure."""
-        return self._proposed(partial(grid_height, self.problem.profile), amplitude * self.period, centre, points, tol, near)
+        return self.proposed(partial(grid_height, self.problem.profile), amplitude * self.period, centre, points, tol, near)
 
     def closer(self, rough: AtPressure, points: int, tol: float) -> AtPressure:
         """The same contacts on finer grids."""
         strip = self.strip(rough.amplitude, rough.centre, points, tol, rough.strip)
         alone = self.alone(rough.amplitude, rough.centre, points, tol, rough.alone)
         return self._of(rough.amplitude, rough.centre, strip, alone)
-
-    def _proposed(
-        self, height: Callable[[Array], Array], load: float, centre: float, points: int, tol: float, near: StripContact | None
-    ) -> StripContact:
-        units = self.problem.units
-        middle = float(units.x(np.array(centre)))
-        return self.grid.contact(height, middle, load * units.load, points, tol, near)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import field, replace
 from functools import partial
 
@@ -14,9 +13,11 @@ from contact.formulation.problem import Problem
 from contact.formulation.tables import centred_on, gaps_between
 from contact.model.interactions.periodic import Periodic
 from contact.model.profiles.derive import detail_of
+from contact.search.grid.centring import Unrest
 from contact.search.grid.coarse import Proposal, grid_height, propose
 from contact.search.grid.conjugate_gradient import GridState, Response
 from contact.search.grid.scaling import ScaledScene
+from contact.search.grid.strip_at_rest import ROUGHLY, PressedStrip
 from contact.search.grid.tilt import known_part
 from contact.search.grid.tilt_rate import AtTilt, balanced
 from sie import Array, record
@@ -27,8 +28,8 @@ _MOST_TILTS = 12
 _WIDENINGS = 4
 # Of the last grid: ends are off by parts of a cell, and what its signs do not tell the corrections of the zones do.
 _CLOSELY = 1e-5
-# How often a strip is moved to the middle of its zones.
-_CENTRINGS = 6
+# How often a strip at rest is looked at once more, on the last grid, about the middle of its zones.
+_CENTRINGS = 2
 # Of a width, or of what it leaves of the period: near enough for a load to begin with; cells in it at least; of a grid that tells as
 # much, cells to a shortest length of the shape, and its tolerance.
 _ABOUT, _SEEN, _PER_FEATURE, _ROUGHLY = 0.03, 64, 2, 1e-3
@@ -45,7 +46,8 @@ _CLOSE_BY = 1.1
 @record
 class Proposed:
     """Zones (n, 2) [m], the grid's points, whether it is in full contact or touches the border of what is known, the tilt
-    under which the moment is right, where that is unknown, the load [N/m], and the contact on the grid of a whole period."""
+    under which the moment is right, where that is unknown, the load [N/m], the contact on the grid of a whole period, and why a strip is
+    not where its centre stays."""
 
     zones: Array
     points: int
@@ -54,6 +56,7 @@ class Proposed:
     tilt: float | None = None
     load: float = math.nan
     state: GridState | None = field(default=None, repr=False)
+    unrest: Unrest | None = None
 
     @property
     def width(self) -> float:
@@ -95,7 +98,7 @@ def whole_response(problem: Problem) -> Response:
 def _in_strip(problem: Problem, control: Control, points: int | None, whole: Proposal, held: bool) -> Proposed:
     """From a grid of the strip, under the nominal pressure beyond it, from the contact of the whole period, where that leaves a gap: the
     strip is cut there, or where it would leave the last one, and then follows its zones."""
-    units, profile, interaction = problem.units, problem.profile, problem.interaction
+    units, profile = problem.units, problem.profile
     assert profile.period is not None and problem.period is not None
     load = whole.state.load if control.load is None else control.load * units.load
     nominal = load / units.load / problem.period if problem.amplitude is None else problem.amplitude
@@ -104,24 +107,17 @@ def _in_strip(problem: Problem, control: Control, points: int | None, whole: Pro
         middle = 0.5 * sum(profile.support)
     if held:
         middle = float(units.x(np.array(problem.centre)))
-    response = Response(units.E_star, False, interaction.neighbours, rest=problem.operator.strip_rest)
-    for _ in range(_CENTRINGS):
-        column = problem.about(float(units.scaled(np.array(middle)))).columns[0].primitive
-        assert column is not None
-        found = propose(
-            partial(pressed, problem, nominal, column), (middle - 0.5 * profile.period, middle + 0.5 * profile.period), response,
-            resolution=profile.feature, points=points, load=load, tol=_CLOSELY,
-        )
-        before, middle = middle, 0.5 * float(found.zones[0, 0] + found.zones[-1, 1])
-        if held or abs(middle - before) <= _CELLS * profile.period / found.points:
+    strips, wide = PressedStrip(problem, load / units.load, nominal), whole.points if points is None else points
+    here = strips.about(float(units.scaled(np.array(middle))), strips.points, ROUGHLY, None)
+    if not held:
+        here = strips.at_rest(here, strips.farthest)
+    unrest = here.unrest
+    for _ in range(0 if unrest is not None else 1 if held else _CENTRINGS):
+        here = strips.about(here.centre, wide, _CLOSELY, None)
+        if abs(here.miss) <= _CELLS * here.cell:
             break
-    return Proposed(found.zones, found.points, False, found.touches_border)
-
-
-def pressed(problem: Problem, nominal: float, column: Callable[[Array], Array], x: Array) -> Array:
-    """The shape [m] with what the nominal pressure beyond the strip adds to it."""
-    units = problem.units
-    return grid_height(problem.profile, x) + nominal * units.height * np.asarray(column(units.scaled(x)))
+        here = replace(here, centre=here.centre + here.miss)
+    return Proposed(here.strip.zones, wide, False, here.touches, unrest=unrest)
 
 
 def cut_of(whole: Proposal, x0: float, period: float) -> tuple[float, float]:

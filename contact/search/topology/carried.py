@@ -19,7 +19,7 @@ from contact.formulation.gaps import GapFields
 from contact.formulation.problem import Problem
 from contact.formulation.tables import gaps_between
 from contact.model.controls import Quantity
-from contact.search.topology.intervals import united
+from contact.search.topology.intervals import merged, united
 from contact.solution.solution import Solution
 from sie import Array, Index, Mask, record
 
@@ -214,26 +214,11 @@ def _left(square: Array, before: Array) -> tuple[Array, Mask]:
 
 
 def _kept(left: Array, right: Array, lost: Mask, closed: Mask, period: float | None) -> Array:
-    """Zones without those that are lost, and with those as one between which the gap is closed."""
-    count = len(left)
-    if period is None:
-        closed = closed & (np.arange(count) < count - 1)
-    elif closed.all() and not lost.any():
+    """The zones that are left, those over closed gaps joined; none where all gaps have closed: contact is full."""
+    if lost.all() or (period is not None and closed.all() and not lost.any()):
         return np.zeros((0, 2))
-    rows: list[list[float]] = []
-    joins = False
-    for i in range(count):
-        if lost[i]:
-            continue
-        if joins and rows:
-            rows[-1][1] = float(right[i])
-        else:
-            rows.append([float(left[i]), float(right[i])])
-        joins = bool(closed[i])
-    if joins and len(rows) > 1:
-        assert period is not None
-        rows[-1][1] = rows.pop(0)[1] + period
-    return united(np.array(rows).reshape(-1, 2), None, False, "zone")
+    zones = merged(np.column_stack((left, right))[~lost], np.flatnonzero(closed[~lost]), period)
+    return united(zones, None, False, "zone")
 
 
 def _with_new(zones: Array, last: Passed, away: float) -> Array:

@@ -26,13 +26,13 @@ def without(table: Array, parts: Array) -> Array:
 
 def merged(table: Array, met: Index, period: float | None) -> Array:
     """Each of the intervals `met` with the one after it; the last one with the first of the next period, if there is one."""
-    rows = [row.copy() for row in table]
-    for i in sorted(met, reverse=True):
-        if i + 1 < len(rows):
-            rows[i][1] = rows.pop(i + 1)[1]
-        elif len(rows) > 1 and period is not None:
-            rows[-1][1] = rows.pop(0)[1] + period
-    return np.array(rows)
+    closed = np.isin(np.arange(len(table)), met)
+    first = np.flatnonzero(np.append(True, ~closed[:-1]))
+    out = np.column_stack((table[first, 0], table[np.append(first[1:], len(table)) - 1, 1]))
+    if closed[-1] and period is not None and len(out) > 1:
+        out[-1, 1] = out[0, 1] + period
+        out = out[1:]
+    return out
 
 
 def united(table: Array, period: float | None, around: bool, what: str) -> Array:

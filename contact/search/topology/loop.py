@@ -38,8 +38,9 @@ CLOSER = 1e-3
 # widths, but for a few, until no more than another part of them is put right at once.
 MANY, LOOSELY, UNKNOWN, FEW = 1000, 1e-3, 0.005, 0.05
 # Then with all ends known to this part, for as long as less than this part of what was put right last is left to be put right: a zone that
-# is missing costs a solution to the wanted tolerance more than several of these.
-CLOSELY, FEWER = 1e-6, 0.5
+# is missing costs a solution to the wanted tolerance more than several of these. Where no more than so many are put right at first, hardly
+# ever one is left.
+CLOSELY, FEWER, SURE = 1e-6, 0.5, 64
 # Steps after which the few are no longer waited for; how often intervals that are lost on the way are left out.
 PATIENT, LEFT_OUT = 2, 24
 # Over the ends' stated errors.
@@ -199,7 +200,7 @@ def _loosely(
     zones = free.next_zones
     if newton.few and put_right > FEW * len(zones):
         return form.corrected(zones, certificate), replace(newton, patient=PATIENT), put_right
-    goes_on = 0 < put_right and (newton.few > 0.0 or put_right <= FEWER * failed)
+    goes_on = put_right > SURE if newton.few else 0 < put_right <= FEWER * failed
     known = 1.0 if newton.few or not free.converged else newton.tolerance
     newton = replace(newton, tolerance=max(CLOSELY, wanted) if goes_on else wanted, few=0.0, drops=True, off=known)
     return form.corrected(zones, certificate) if put_right else zones.table, newton, put_right

@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 
 import sie
-from contact.formulation.fields import moved_ends, moves_by
+from contact.formulation.fields import by_nominal_pressure, moved_ends, moves_by
 from contact.formulation.tables import room_beside
 from contact.verify.accuracy import Found
 from sie import Array, Mask, record
@@ -98,6 +98,10 @@ class StripRates(sie.Kept):
         return _shifted(self.strip)
 
     @cached_property
+    def _pressed(self) -> sie.AnyState:
+        return by_nominal_pressure(self.strip.fields.problem, self.strip.free.density.zones, _ROUGHLY)
+
+    @cached_property
     def by_centre(self) -> Array:
         """(2, Z)."""
         return moves_by(self._shifted.density, self.strip.fields.state.density)
@@ -105,7 +109,7 @@ class StripRates(sie.Kept):
     @cached_property
     def by_pressure(self) -> Array:
         """By the nominal pressure (2, Z)."""
-        return moved_ends(self.strip.fields.state, 2, tolerance=self.tolerance)
+        return moves_by(self._pressed.density, self.strip.fields.state.density)
 
     @cached_property
     def by_load(self) -> Array:
@@ -115,12 +119,9 @@ class StripRates(sie.Kept):
     @cached_property
     def approach(self) -> Array:
         """Of the approach, by all three (3,)."""
-        state, rates = self.strip.fields.state, [float(self._shifted.levels.mean())]
-        for condition in (2, 0):
-            values = np.zeros(len(state.condition_scale))
-            values[state.condition_index[condition]] = 1.0
-            rates.append(float(state.level_rates(values).mean()))
-        return -np.array(rates)
+        state = self.strip.fields.state
+        by_load = float(state.level_rates(state.values()).mean())
+        return -np.array([self._shifted.levels.mean(), self._pressed.levels.mean(), by_load])
 
     def of_strip(self, step: Array) -> Array:
         """Motions of the ends of the strip by a step of the unknowns."""

@@ -40,8 +40,9 @@ _PART, _THERE, _NEAR = 0.4, 1e-2, 0.05
 _STALLED, _SLOW = 6, 0.7
 _NEWTON = 25
 # Steps by the exact profile, how long one may be after which there is none, and before which coefficients are cut off sooner, by what;
-# what may be unsure over their tolerance, the part to which they are cut off later where it is more, and the last one.
-_FINE_STEPS, _SQUARE, _SHORT, _COARSER, _UNSURE, _SHORTER, _SHORTEST = 8, 3e-6, 1e-3, 1e3, 100.0, 1e-2, 1e-15
+# what may be unsure over their tolerance, what of that the last step may leave, the part to which they are cut off later where the rest is
+# more, and the last one.
+_FINE_STEPS, _SQUARE, _SHORT, _COARSER, _UNSURE, _SETTLED, _SHORTER, _SHORTEST = 8, 3e-6, 1e-3, 1e3, 100.0, 10.0, 1e-2, 1e-15
 # What is left after the last step, over what it is estimated as.
 _MARGIN = 2.0
 
@@ -232,16 +233,19 @@ class GapClosure:
         gaps = turn.gaps_of(start.strip), turn.gaps_of(start.alone)
         here = replace(self._settled(self._with(turn, pressure, *gaps, _How(_ROUGHLY, _DECAY, _ROUNDS))), kept=None)
         matrix, size, decay = here.matrix, np.array([here.room, here.pressure]), _COARSER * self.tolerance
-        step = np.zeros(2)
+        step, before = np.zeros(2), 0.0
         # Newton's steps by the exact profile and longer series, at the same rates, those of the misses put right by secants.
         for _ in range(_FINE_STEPS):
             (strip, of_strip), (alone, of_alone) = (each.finely(decay) for each in (here.strip, here.alone))
             missed = here.misses + (here.alone.widening(alone) - here.strip.widening(strip), here.aside(strip))
             matrix = matrix + (np.outer(missed, step / size**2) / ((step / size) ** 2).sum() if step.any() else 0.0)
             step = np.asarray(-np.linalg.solve(matrix, missed))
+            by_strip, by_alone, largest = here.moved(step)
+            # A step at rates that are kept leaves about as much of what is missed as the one before it has.
+            rest, before = max(_RATES, min(float(np.linalg.norm(missed)) / before, 1.0) if before else 1.0), float(np.linalg.norm(missed))
+            of_strip, of_alone = (of + rest * np.abs(by) for of, by in ((of_strip, by_strip), (of_alone, by_alone)))
             left = np.array([here.strip.widening(of_strip) + here.alone.widening(of_alone), here.aside(of_strip * [[-1.0], [1.0]])])
             inverse = np.asarray(np.linalg.inv(matrix))
-            by_strip, by_alone, largest = here.moved(step)
             tables = [each.table + _outward(moved) for each, moved in ((here.strip, strip + by_strip), (here.alone, alone + by_alone))]
             turn = StripTurn(self.problem, here.centre + float(step[0]), self._points)
             pressure = here.pressure + float(step[1])
@@ -251,9 +255,10 @@ class GapClosure:
             off = _MARGIN * np.tensordot(left, by_misses, 1)
             ends = _MARGIN * here.strip.turn.of_zones(here.strip.table, of_strip.T)
             if largest < _SQUARE and decay <= self.tolerance:
-                if float((off + ends).max()) < _UNSURE * self.tolerance or decay <= _SHORTEST:
+                settled = rest * largest < _SETTLED * self.tolerance
+                if float((off + ends).max()) < _UNSURE * self.tolerance or (settled and decay <= _SHORTEST):
                     break
-                decay *= _SHORTER
+                decay *= _SHORTER if settled and decay > _SHORTEST else 1.0
             elif largest < _SHORT:
                 decay = min(decay, self.tolerance)
             here = replace(self._on(turn, pressure, *tables), kept=here.rates)

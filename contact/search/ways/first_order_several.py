@@ -33,7 +33,7 @@ from contact.search.topology.loop import Newton, refine_topology
 from contact.search.topology.missed import Missed, WrongTopology
 from contact.search.ways.first_order_contacts import At, Place, Rates, StripRates, table_of, width_of
 from contact.search.ways.first_order_gaps import GapClosure, Lost, Root
-from contact.search.ways.guesses import EXACT
+from contact.search.ways.guesses import EXACT, no_rest
 from contact.verify.accuracy import Found
 from contact.verify.certificate import NOT_CHECKED
 from sie import Array, record
@@ -53,6 +53,8 @@ _LARGEST = 0.1
 _LOADS, _NEAR, _LEAST_PART = 12, 2e-2, 0.3
 # Tolerance of the grids that zones are taken from, and of how many more points: a zone or gap that is missed takes longer than these.
 _CLOSELY, _FINER_GRID = 1e-5, 4
+# Points of the finest grid, of a profile of few features.
+_FINEST = 2**13
 # Tolerance of the ends at first, and of later ones over the step of the unknowns, as long as that is not one of the last.
 _ROUGHLY, _FINER, _LAST = 1e-6, 1e-2, 1e-5
 # How often a contact is solved more tightly than its ends ask for, and how much more, since coefficients that are left out move the ends.
@@ -139,7 +141,7 @@ class FirstOrderOfSeveral:
         if nearly_full and len(rough.strip.zones) + len(rough.alone.zones) > _MANY:
             raise self._refused(Unrest.MANY)
         if not nearly_full:
-            return self._exact(self._started(grid, rough))
+            return self._by_zones(grid, rough)
         try:
             return self._by_gaps(self._place(grid, rough))
         except Lost as lost:
@@ -147,16 +149,30 @@ class FirstOrderOfSeveral:
                 raise self._refused(lost.why) from lost
             self.task.left("the closure by gaps", Missed(f"the closure by gaps did not lead on: {lost}"))
         try:
-            return self._exact(self._started(grid, rough))
+            return self._by_zones(grid, rough)
         except NotConverged as lost:
             raise self._refused(Unrest.LOST) from lost
+
+    def _by_zones(self, grid: ClosureGrid, rough: AtPressure) -> Found:
+        """From grids, ever finer ones where these do not lead on: the profile alone may seem to fill the strip on a coarse one, or have a
+        zone at its border that is not seen, and the steps of the nominal pressure have nothing to go by."""
+        while True:
+            try:
+                return self._exact(self._started(grid, rough))
+            except NotConverged:
+                if grid.finest >= _FINEST:
+                    raise
+            grid.finest *= _FINER_GRID
+            rough = self._rough(grid, rough, True)
+            if rough.unrest is not None:
+                raise self._refused(rough.unrest)
 
     def _rough(self, grid: ClosureGrid, first: AtPressure, finely: bool) -> AtPressure:
         with self.task.plan.timed("coarse search"):
             return grid.root(first, finely)
 
     def _refused(self, why: Unrest) -> OutOfRange:
-        return OutOfRange(f"{self.scaled.control.told(self.problem.units)}: under the first-order closure {why.value}; {EXACT}")
+        return no_rest(self.problem, self.scaled.control, why)
 
     def _started(self, grid: ClosureGrid, rough: AtPressure) -> At:
         """The contacts under the nominal pressure of the grids, from zones of finer ones."""

@@ -17,6 +17,7 @@ from contact.errors import ContactError, OutOfRange
 from contact.formulation.controls import Control
 from contact.formulation.problem import Problem
 from contact.formulation.single import guess_half_width, largest_single_load
+from contact.search.grid.centring import Unrest
 from contact.search.grid.coarse import MOST_POINTS
 from contact.search.grid.proposals import Proposed, about, placed, proposed
 from contact.search.grid.scaling import ScaledScene
@@ -148,6 +149,8 @@ def from_grid(task: Task, scaled: ScaledScene, held: bool = False, points: int |
         if proposal.tilt is not None:
             problem = problem.turned_to(proposal.tilt)
         part.detail = f"{points} points, {len(proposal.zones)} zones proposed"
+        if proposal.unrest is not None:
+            raise no_rest(problem, control, proposal.unrest)
         if proposal.touches_border and task.scene.profile.support is None:
             if touched or 4 * points > most:
                 wider = None if widened == _WIDENINGS else _wider(task, scaled)
@@ -169,6 +172,12 @@ def from_grid(task: Task, scaled: ScaledScene, held: bool = False, points: int |
             failure = found
         points *= 4
     raise _not_found(task, problem, failure, width, points, full)
+
+
+def no_rest(problem: Problem, control: Control, why: Unrest) -> OutOfRange:
+    """What to say where no centre of a strip stays."""
+    closure = "first-order" if problem.interaction.follows_isolated else "self-consistent"
+    return OutOfRange(f"{control.told(problem.units)}: under the {closure} closure {why.value}; {EXACT}")
 
 
 def _wider(task: Task, scaled: ScaledScene) -> ScaledScene | None:

@@ -11,6 +11,7 @@ from contact.formulation.controls import Control
 from contact.formulation.problem import Problem
 from contact.formulation.single import guess_half_width
 from contact.model.interactions.periodic import Periodic
+from contact.search.grid.centring import Unrest
 from contact.search.grid.closure import AtPressure, ClosureGrid
 from contact.search.grid.proposals import about, proposed
 from contact.search.grid.scaling import ScaledScene
@@ -20,15 +21,16 @@ from contact.search.topology.loop import Newton, refine_topology
 from contact.search.topology.missed import Missed, attempted
 from contact.search.ways.first_order import FirstOrder, Search
 from contact.search.ways.first_order_several import Closed, FirstOrderOfSeveral
-from contact.search.ways.guesses import EXACT, from_grid, search
+from contact.search.ways.guesses import EXACT, from_grid, no_rest, search
 from contact.search.ways.loads import NEAR_LOAD, at_approach
 from contact.verify.accuracy import Found
 from sie import Array, record
 
-# Steps of the centre of a strip, how much longer than its miss a secant's step may be, and how often one is shortened.
-_CENTRINGS, _LONGER, _SHORTENED = 30, 16.0, 3
-# In how many steps of it the miss must halve.
-_STALLED = 4
+# Steps of the centre of a strip, how much longer than its miss, or than the step before, a secant's step may be, and how often one is
+# shortened.
+_CENTRINGS, _LONGER, _LONGER_AGAIN, _SHORTENED = 30, 16.0, 4.0, 3
+# In how many steps of it the miss must halve, and how often zones may come or go meanwhile.
+_STALLED, _CHANGES = 4, 3
 
 
 @record
@@ -50,12 +52,13 @@ def centred(task: Task, scaled: ScaledScene, start: Array | None) -> Found:
     # How far ends move with what their middle is off the centre.
     follows = 1.0
     passed: list[float] = []
+    changed = 0
     for _ in range(_CENTRINGS):
         zones, problem = found.free.density.zones, found.fields.problem
         centre, width = problem.centre, float((zones.b - zones.a).min())
         miss = 0.0 if zones.symmetric else 0.5 * float(zones.a[0] + zones.b[-1]) - centre
         # Near the digits of the zones the centre no longer comes nearer.
-        if abs(miss) <= 0.1 * task.tolerance * width + np.spacing(abs(centre)) or moved / 4 < abs(miss) < 1e-7 * width:
+        if abs(miss) * max(follows, 1.0) <= 0.1 * task.tolerance * width + np.spacing(abs(centre)) or moved / 4 < abs(miss) < 1e-7 * width:
             if certified:
                 return replace(found, off=found.off + abs(miss) * follows / width)
             found, certified, before, moved = _in_strip(task, replace(scaled, problem=problem), zones.table), True, None, math.inf
@@ -63,13 +66,18 @@ def centred(task: Task, scaled: ScaledScene, start: Array | None) -> Found:
         passed.append(abs(miss))
         if len(passed) > _STALLED and min(passed[-_STALLED:]) > 0.5 * min(passed[:-_STALLED]):
             break
-        step, rate = miss, None
+        step, rate, moved = miss, None, math.inf
         if before is not None and before.table.shape == zones.table.shape and before.miss != miss:
-            step = float(np.clip(miss * (centre - before.centre) / (before.miss - miss), -_LONGER * abs(miss), _LONGER * abs(miss)))
+            longest = max(_LONGER * abs(miss), _LONGER_AGAIN * abs(centre - before.centre))
+            secant = float(miss * (centre - before.centre) / (before.miss - miss))
+            step, moved = min(max(secant, -longest), longest), abs(miss) if abs(secant) <= longest else math.inf
             rate = (zones.table - before.table) / (centre - before.centre)
             follows = float(np.abs(rate).max()) * abs((centre - before.centre) / (before.miss - miss))
-        before, moved = _Centring(centre, miss, zones.table), abs(miss)
+        before = _Centring(centre, miss, zones.table)
         found, certified = _moved(task, scaled, found, step, rate)
+        changed += certified
+        if changed > _CHANGES:
+            raise no_rest(problem, scaled.control, Unrest.LOST)
     raise task.error(Missed(f"the centre of the strip did not settle; {EXACT}", found.free), found.fields.problem)
 
 
