@@ -468,6 +468,9 @@ class ZoneFields(sie.Kept):
         shape = np.where(inside, self.standing_shape(np.where(inside, scaled, self.density.zones.middle[0])), 0.0)
         zero = self.level if self.approach is None else 0.0
         u = np.where(inside, -self.level - shape, self._sunk(scaled)) + zero
+        if self.problem.amplitude:
+            # A part of F, which is no longer the profile's alone.
+            u = u + self.problem.raised(scaled)
         return np.asarray(u * self.problem.units.height)
 
 

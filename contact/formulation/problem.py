@@ -134,11 +134,13 @@ class Problem(sie.Kept):
     def shape(self, x: Array) -> Array:
         """F = (f - min f) / (slope length), and the same."""
         shape = self._profile_shape(x)
-        if not self.amplitude:
-            return shape
+        return shape + self.raised(x) if self.amplitude else shape
+
+    def raised(self, x: Array) -> Array:
+        """What the given amplitude of the column, a nominal pressure beyond a strip, adds to the displacement."""
         primitive = self.columns[0].primitive
-        assert primitive is not None
-        return shape + self.amplitude * primitive(x)
+        assert primitive is not None and self.amplitude is not None
+        return np.asarray(self.amplitude * primitive(x))
 
     def _profile_shape(self, x: Array) -> Array:
         at, ends = self.units.x(x), self.profile.support
