@@ -21,6 +21,8 @@ from sie import Array, Mask, record
 # Tolerance of what a motion of the centre calls up, and of contacts of which a difference is taken; by what part of the gap beside the
 # border, or of a zone there, the centre is moved to see what that does.
 _ROUGHLY, _CLOSELY, _SHIFT = 1e-6, 1e-11, 1e-3
+# Part of the total width below which a zone, or a gap, is narrow.
+_NARROW = 1e-2
 
 
 @record
@@ -72,20 +74,24 @@ class At:
         wider = float(strip.sum()) - float(alone.sum())
         return np.array([width_of(self.strip) - width_of(self.alone) + wider, middle + _aside(strip) - self.unknowns[0]])
 
-    def after(self, step: Array, rates: Rates, part: float) -> tuple[Place, float]:
-        """(where all ends come to, the largest move over the width of a zone or of a gap beside it), by a step of the unknowns and
-        their own moves beside those it calls up. part: of a width or a gap that may go."""
+    def after(self, step: Array, rates: Rates, part: float) -> tuple[Place, float, float]:
+        """(where all ends come to, the largest move over the width of a zone or of a gap beside it, the same of those that are not
+        narrow), by a step of the unknowns and their own moves beside those it calls up. part: of a width or a gap that may go."""
         strip, alone = self.table, table_of(self.alone)
         moved, moved_alone = self._moved(step, rates)
         # What is cut off at the borders of the strip moves with these, narrow zones as they are.
         along = np.zeros(len(alone))
         along[[0, -1]] = np.where(self.cut_off, step[0], 0.0)
         moved_alone = moved_alone + along * [[1.0], [-1.0]]
-        largest = max(float((np.abs(move.T) / room_beside(table, None)).max()) for move, table in ((moved, strip), (moved_alone, alone)))
+        largest = bold = 0.0
+        for move, table in ((moved, strip), (moved_alone, alone)):
+            room = room_beside(table, None)
+            parts, wide = np.abs(move.T) / room, room > _NARROW * np.diff(table).sum()
+            largest, bold = max(largest, float(parts.max())), max(bold, float(parts[wide].max(initial=0.0)))
         there = Place(self.unknowns + step, spread(strip, moved, part), spread(alone, moved_alone, part) + along[:, None])
         border = self.alone.fields.problem.about(float(there.unknowns[0])).cut
         there.alone.flat[[0, -1]] = np.where(self.cut_off, np.array(border), there.alone.flat[[0, -1]])
-        return there, largest
+        return there, largest, bold
 
     def shrinking(self, step: Array, rates: Rates) -> float:
         """The largest part of a zone or of a gap that is foreseen to go in such a step. Near its end one goes with the root of what

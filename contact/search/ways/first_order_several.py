@@ -316,7 +316,7 @@ class FirstOrderOfSeveral:
             if settled or (abs(load) > _SLOW * before and before < self.task.tol * size):
                 break
             before, asked = abs(load), abs(load) / size
-            place, _ = at.after(min(1.0, _LARGEST / asked) * load * follows, rates, _PART)
+            place, *_ = at.after(min(1.0, _LARGEST / asked) * load * follows, rates, _PART)
             at = self._at(place, asked, min(_FINER * asked, _ROUGHLY) if asked > _LAST else 0.0)
         else:
             raise self._unsettled("the load", at)
@@ -367,10 +367,10 @@ class FirstOrderOfSeveral:
             bends = shrinking > _HALF
             if bends:
                 step *= _HALF / shrinking
-            place, largest = at.after(step, rates, _HALF)
-            if largest > _BOLDEST:
-                step *= _HALF / largest
-                place, _ = at.after(step, rates, _HALF)
+            place, largest, bold = at.after(step, rates, _HALF)
+            if bold > _BOLDEST:
+                step *= _HALF / bold
+                place, *_ = at.after(step, rates, _HALF)
             slow = slow + 1 if largest > _SLOW * before and not bends else 0
             last = largest <= _LAST_OF_ALL and (off <= self.wanted or slow > 0)
             if slow > _SLOW_STEPS or not math.isfinite(largest):
