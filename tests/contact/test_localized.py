@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import zlib
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -322,6 +323,18 @@ class TestFirstOrderSearch:
         alone = grid.alone(problem.amplitude, problem.centre, 2**14, 1e-6, None)
         assert abs(alone.width - solution.zone_widths.sum()) < 4 * alone.cell
         assert alone.width < solution.scene.profile.period - 2 * alone.cell
+
+    @pytest.mark.parametrize(("seed", "kind", "positions", "part"), [
+        (zlib.crc32(b"rougheven") + 1, "rough", "even", 0.6), (zlib.crc32(b"honeduneven") + 2, "honed", "uneven", 0.3),
+    ])
+    def test_no_gap_of_the_profile_alone_is_missed_near_full_contact(self, seed, kind, positions, part):
+        profile = drawn(np.random.default_rng(seed), kind, 200, positions)
+        full = contact.solve(contact.Scene(profile, 1e9, PERIODIC, contact_fraction=1.0)).mean_pressure
+        solution = contact.solve(contact.Scene(profile, 1e9, FIRST, mean_pressure=part * full))
+        problem = solution.fields.problem
+        grid = ClosureGrid(scaled_scene(solution.scene, False), problem, solution.load / problem.units.load)
+        alone = grid.alone(problem.amplitude, problem.centre, 2**16, 1e-8, None)
+        assert abs(alone.width - solution.zone_widths.sum()) < 4 * alone.cell
 
     def test_a_strip_is_solved_whose_profile_alone_touches_up_to_the_borders(self):
         solution = contact.solve(random_scenes.draw(11348).scene)

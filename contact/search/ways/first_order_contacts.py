@@ -14,7 +14,7 @@ import numpy as np
 
 import sie
 from contact.formulation.fields import by_nominal_pressure, moved_ends, moves_by
-from contact.formulation.tables import room_beside
+from contact.formulation.tables import gaps_between, room_beside
 from contact.verify.accuracy import Found
 from sie import Array, Mask, record
 
@@ -94,13 +94,9 @@ class At:
         return there, largest, bold
 
     def shrinking(self, step: Array, rates: Rates) -> float:
-        """The largest part of a zone or of a gap that is foreseen to go in such a step. Near its end one goes with the root of what
-        is left until then: of one that is to lose a half, all goes."""
-        parts = [0.0]
-        for table, moved in zip((self.table, table_of(self.alone)), self._moved(step, rates), strict=True):
-            parts += list(-moved.sum(axis=0) / np.diff(table)[:, 0])
-            parts += list((moved[1, :-1] + moved[0, 1:]) / (table[1:, 0] - table[:-1, 1]))
-        return max(parts)
+        """The largest part of a zone or of a gap that is foreseen to go in such a step."""
+        tables, moves = (self.table, table_of(self.alone)), self._moved(step, rates)
+        return max(shrinking(table, moved, None) for table, moved in zip(tables, moves, strict=True))
 
     def _moved(self, step: Array, rates: Rates) -> tuple[Array, Array]:
         """Outward moves of the ends of the strip and of its profile alone by a step, with their own."""
@@ -239,6 +235,14 @@ def _aside(moved: Array) -> float:
 def _own_moves(found: Found) -> Array:
     """Outward moves 2 K / A (2, Z) that the ends of a contact have left."""
     return moves_by(found.free.density, found.free.density)
+
+
+def shrinking(table: Array, moved: Array, period: float | None) -> float:
+    """The largest part of an interval, or of what is between two, that goes in outward moves (2, Z). Near its end one goes with the root
+    of what is left until then: of one that is to lose a half, all goes."""
+    between = np.diff(gaps_between(table, period))[:, 0]
+    parts = -moved.sum(axis=0) / np.diff(table)[:, 0], (moved[1] + np.roll(moved[0], -1)) / between
+    return float(max(part.max() for part in parts))
 
 
 def spread(table: Array, moved: Array, part: float) -> Array:

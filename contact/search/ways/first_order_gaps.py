@@ -14,17 +14,19 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from numpy.polynomial.legendre import leggauss, legint, legvander
 
 import sie
 from contact.formulation.fields import moves_by
 from contact.formulation.problem import Problem
 from contact.formulation.strip_turn import TURN, StripTurn
-from contact.formulation.tables import centred_on, room_beside
+from contact.formulation.tables import centred_on, gaps_between, room_beside
 from contact.search.grid.centring import Unrest
 from contact.search.topology.intervals import united, without
 from contact.search.topology.missed import WrongTopology
-from contact.search.ways.first_order_contacts import Place, spread
-from sie import Array, record
+from contact.search.ways.first_order_contacts import Place, shrinking, spread
+from contact.verify.minima import follow, lowest, may_be_negative
+from sie import Array, Index, record
 
 # Angles to a shortest length of the profile, and bounds of how many.
 _CLOSE, _FEWEST, _MOST = 32, 2**12, 2**17
@@ -45,6 +47,12 @@ _NEWTON = 25
 _FINE_STEPS, _SQUARE, _SHORT, _COARSER, _UNSURE, _SETTLED, _SHORTER, _SHORTEST = 8, 3e-6, 1e-3, 1e3, 100.0, 10.0, 1e-2, 1e-15
 # What is left after the last step, over what it is estimated as.
 _MARGIN = 2.0
+# How often signs are looked at by the exact profile; samples of a zone at the most, and what is low there, over its largest pressure; what
+# ends that are off make of signs.
+_LOOKS, _LOOKED_AT, _LOW, _TOLD = 4, 40000, 1e-3, 10.0
+# Nodes of a panel of a gap, and panels at the least.
+_IN_PANEL, _PANELS = 8, 16
+_EPS = float(np.finfo(np.float64).eps)
 
 
 @dataclass(frozen=True)
@@ -93,9 +101,9 @@ class GapContact:
         equation = self.turn.equation(given, beyond, mean)
         return moves_by(sie.solve_zones(equation, self.state.density.zones, _RATES).density, self.state.density)
 
-    def finely(self, decay: float) -> tuple[Array, Array]:
-        """(outward moves (2, n) that the exact profile and longer series ask for, what they leave): profile and nominal pressure call up a
-        slope of the gap each, with the jumps that are their own."""
+    def finely(self, decay: float) -> tuple[Array, Array, list[sie.Density]]:
+        """(outward moves (2, n) that the exact profile and longer series ask for, what they leave, slopes of the gap): profile and nominal
+        pressure call up one each, with the jumps that are their own."""
         turn, zones = self.turn, sie.Zones.of(self.table)
         parts = [turn.equation(turn.exact_at, 0.0, self.mean)]
         parts += [turn.equation(None, self.beyond * turn.half, 0.0)] if self.beyond else []
@@ -106,7 +114,58 @@ class GapContact:
         widths = np.diff(self.table, axis=1).T
         unsure = np.sum([np.abs(state.end_truncation.T * own) for state, own in zip(states, slopes, strict=True)], axis=0) * widths
         unsure += 2 * np.sum([state.whole.intensity_noise for state in states], axis=0)
-        return moved, np.asarray(unsure / np.abs(slope) + moved**2 / widths)
+        return moved, np.asarray(unsure / np.abs(slope) + moved**2 / widths), [state.whole.density for state in states]
+
+    def failing(self, slopes: list[sie.Density], off: float) -> tuple[Array, Array]:
+        """(where the pressure pulls, where the gap is negative), by the exact profile, as closely as ends that are off by such a part
+        of their gaps tell."""
+        turn, zones = self.turn, gaps_between(self.table, TURN)
+        zones = zones[(zones[:, 1] % TURN < np.pi) | (zones[:, 0] % TURN < np.pi)]
+        middle, half = zones.mean(axis=1), 0.5 * np.diff(zones)[:, 0]
+
+        def pressure(zone: Index, theta: Array, relief: Callable[[Array], Array]) -> Array:
+            angle = middle[zone] + half[zone] * np.cos(theta)
+            pulled = np.sum([slope.transform(angle) for slope in slopes], axis=0)
+            return np.asarray((self.mean - relief(angle) + self.beyond * turn.half * np.abs(np.sin(angle)) + pulled) / np.sin(theta))
+
+        found = []
+        # As close as the turn's own angles in the middle of a zone.
+        count = np.clip(turn.points * half, 96, _LOOKED_AT).astype(int)
+        for one, n in enumerate(count):
+            theta = np.pi * (np.arange(n) + 0.5) / n
+            value = pressure(np.full(n, one), theta, turn.relief_at)
+            low = (value[1:-1] <= value[:-2]) & (value[1:-1] <= value[2:]) & (value[1:-1] < _LOW * np.abs(value).max())
+            at = np.flatnonzero(low | may_be_negative(value[:-2], value[1:-1], value[2:])) + 1
+            found.append((np.full(len(at), one), theta[at - 1], theta[at + 1], np.full(len(at), np.abs(value).max())))
+        zone, lo, hi, scale = (np.concatenate(part) for part in zip(*found, strict=True))
+        dips = follow(lambda i, theta: pressure(i, theta, turn.exact_at), zone, lo, hi, scale, (64 * _EPS + off) * scale)
+        pulls = [(middle[i] + half[i] * math.cos(last), middle[i] + half[i] * math.cos(first)) for i, first, last in dips.negative]
+        return np.array(pulls).reshape(-1, 2), self._closed(slopes, off)
+
+    def _closed(self, slopes: list[sie.Density], off: float) -> Array:
+        """Where the gap is negative: its slope summed up by Gauss's rule between the places where that bends."""
+        knots, out = np.sort(self.turn.jumps[0]), []
+        t, weights = leggauss(_IN_PANEL)
+        # Of a panel from its left edge to its nodes, by the polynomial through these.
+        sums = legint(np.linalg.inv(legvander(t, _IN_PANEL - 1)), lbnd=-1)
+        within = legvander(t, _IN_PANEL) @ sums
+        for k, (left, right) in enumerate(self.table):
+            middle, half = 0.5 * (left + right), 0.5 * (right - left)
+            inside = left + (knots - left) % TURN
+            inside = np.arccos(np.clip((middle - inside[inside < right]) / half, -1.0, 1.0))
+            edges = np.unique(np.concatenate((np.linspace(0.0, np.pi, _PANELS + 1), inside)))
+            widths = 0.5 * np.diff(edges)
+            theta = (edges[:-1] + widths)[:, None] + widths[:, None] * t
+            sides = 2 * np.sin(0.5 * theta) ** 2, 2 * np.cos(0.5 * theta) ** 2
+            rise = np.sum([slope.at(k, *sides) for slope in slopes], axis=0) * np.sin(theta)
+            before = np.append(0.0, np.cumsum((rise @ weights) * widths)[:-1])
+            gap = (before[:, None] + (rise @ within.T) * widths[:, None]).ravel()
+            at = np.flatnonzero((gap[1:-1] < gap[:-2]) & (gap[1:-1] < gap[2:])) + 1
+            for place, value, bend in lowest(theta.ravel(), gap, at):
+                if value < -(64 * _EPS + off) * np.abs(gap).max():
+                    reach = math.sqrt(-value / bend)
+                    out.append(middle - half * np.cos([max(place - reach, 0.0), min(place + reach, np.pi)]))
+        return np.array(out).reshape(-1, 2)
 
     def widening(self, moved: Array) -> float:
         """What that adds to the width of the gaps."""
@@ -220,14 +279,25 @@ class Root:
 
 @record
 class GapClosure:
-    """The root under a scaled load, whose gaps are found to a tolerance."""
+    """The root under a scaled load, whose gaps are found to a tolerance. carefully: in steps that gaps and zones stay which are to become
+    narrower."""
 
     problem: Problem
     load: float
     tolerance: float
+    carefully: bool = False
 
     def root(self, start: Place) -> Root:
-        """From some zones near by; raises Lost."""
+        """From some zones near by, with the gaps that the exact profile asks for; raises Lost."""
+        root, failing = self._root(start)
+        for _ in range(_LOOKS):
+            if failing is None:
+                return root
+            root, failing = replace(self, carefully=True)._root(failing)
+        raise Lost("the number of gaps did not settle")
+
+    def _root(self, start: Place) -> tuple[Root, Place | None]:
+        """(from some zones near by, those with what is missing where signs fail)."""
         centre, pressure = (float(unknown) for unknown in start.unknowns[:2])
         turn = StripTurn(self.problem, centre, self._points)
         gaps = turn.gaps_of(start.strip), turn.gaps_of(start.alone)
@@ -236,7 +306,7 @@ class GapClosure:
         step, before = np.zeros(2), 0.0
         # Newton's steps by the exact profile and longer series, at the same rates, those of the misses put right by secants.
         for _ in range(_FINE_STEPS):
-            (strip, of_strip), (alone, of_alone) = (each.finely(decay) for each in (here.strip, here.alone))
+            (strip, of_strip, slopes), (alone, of_alone, slopes_alone) = (each.finely(decay) for each in (here.strip, here.alone))
             missed = here.misses + (here.alone.widening(alone) - here.strip.widening(strip), here.aside(strip))
             matrix = matrix + (np.outer(missed, step / size**2) / ((step / size) ** 2).sum() if step.any() else 0.0)
             step = np.asarray(-np.linalg.solve(matrix, missed))
@@ -267,7 +337,13 @@ class GapClosure:
             raise Lost("the steps by the exact profile come to no rest")
         following = self._with(turn, pressure, tables[0], tables[1], _How(_ENDS, _DECAY, 0)).following
         zones, alone = (turn.zones_of(table) for table in tables)
-        return Root(Place(np.array([turn.centre, pressure, self.load]), zones, alone), ends, left, inverse, following)
+        unknowns = np.array([turn.centre, pressure, self.load])
+        failing = here.strip.failing(slopes, _TOLD * largest), here.alone.failing(slopes_alone, _TOLD * largest)
+        corrected = None
+        if any(len(places) for signs in failing for places in signs):
+            parts = (_corrected(each.table, *signs) for each, signs in zip((here.strip, here.alone), failing, strict=True))
+            corrected = Place(unknowns, *(turn.zones_of(part) for part in parts))
+        return Root(Place(unknowns, zones, alone), ends, left, inverse, following), corrected
 
     def _on(self, turn: StripTurn, pressure: float, strip: Array, alone: Array) -> _Both:
         """On gaps as they are."""
@@ -307,7 +383,11 @@ class GapClosure:
         Nonlinear Problems, 2004, section 3.1): with the last part of it in any case, since widths bend where gaps come and go."""
         size = np.array([here.room, here.pressure])
         beside, centre, pressure = here.closing(here.step), *np.abs(here.step)
-        whole = 1 / max(1.0, np.abs(beside).max() / _TRUSTED, centre / self._feature, pressure / (_LARGEST * here.pressure))
+        bold = [np.abs(beside).max() / _TRUSTED, centre / self._feature, pressure / (_LARGEST * here.pressure)]
+        if self.carefully:
+            moves = here.moved(here.step)[:2]
+            bold += [shrinking(each.table, by, TURN) / _PART for each, by in zip((here.strip, here.alone), moves, strict=True)]
+        whole = 1 / max(1.0, *bold)
         step = whole * here.step
         there: _Both | None = None
         reason = Lost("")
@@ -381,13 +461,18 @@ def _contact(turn: StripTurn, beyond: float, mean: float, table: Array, how: _Ho
             if not free.converged:
                 raise Lost(free.reason)
             return found
-        try:
-            table = united(np.concatenate((without(found.table, overlaps), pulls)), TURN, True, "gap")
-        except WrongTopology as e:
-            raise Lost(str(e)) from e
-        table = centred_on(table, np.pi - 1e-3, TURN)
-        table = table[np.argsort(table[:, 0])]
+        table = _corrected(found.table, pulls, overlaps)
     raise AssertionError
+
+
+def _corrected(table: Array, pulls: Array, overlaps: Array) -> Array:
+    """Gaps with those that are missing, without what is in contact."""
+    try:
+        table = united(np.concatenate((without(table, overlaps), pulls)), TURN, True, "gap")
+    except WrongTopology as e:
+        raise Lost(str(e)) from e
+    table = centred_on(table, np.pi - 1e-3, TURN)
+    return table[np.argsort(table[:, 0])]
 
 
 def _signs(found: GapContact) -> tuple[Array, Array]:
