@@ -34,7 +34,7 @@ def smooth_root(function: Callable[[float], float], known: dict[float, float], r
     rises, steps = points[low] < points[high], [math.inf, math.inf]
     for _ in range(_MOST):
         here = min(points, key=lambda x: abs(points[x]))
-        if points[here] == 0.0:
+        if points[here] == 0.0 or high - low <= rtol * abs(here):
             return here
         guess = _inverse(points)
         step = abs(guess - here)

@@ -13,7 +13,7 @@ import numpy as np
 
 from contact.errors import NotConverged
 from contact.formulation.equilibria import Closed, NoState, Point
-from contact.formulation.roots import bracketed, maximum
+from contact.formulation.roots import maximum, smooth_root
 from contact.formulation.tables import runs_of
 from contact.formulation.tension.cohesive import Cohesive, CohesivePoint, Known
 from contact.formulation.tension.contact import Covered, Lost
@@ -91,9 +91,10 @@ class FollowingUnderTension(Following):
             seen = self._wrong(last, outside)
             if len(seen) == 0:
                 continue
-            here = first_of(
-                step, length, seen, lambda at, lo, hi, o=outside: self._least(at, lo, hi, o), lambda at, o=outside: self._wrong(at, o),  # type: ignore[misc]
-            )
+            def least(at: Point, lo: float, hi: float, outside: bool = outside) -> tuple[float, float]:
+                return self._least(at, lo, hi, outside)
+
+            here = first_of(step, length, last, seen, least, lambda at, o=outside: self._wrong(at, o))  # type: ignore[misc]
             if found is None or here[0] < found[0]:
                 found = (*here, outside)
         if found is None:
@@ -280,7 +281,7 @@ class FollowingUnderTension(Following):
         else:
             return None
         try:
-            root = bracketed(lambda u: condition(self.curve, formally(u), change)[1], {0.0: first, 1.0: last}, xtol=1e-14)
+            root = smooth_root(lambda u: condition(self.curve, formally(u), change)[1], {0.0: first, 1.0: last}, arc.NEAR)
             here = formally(root)
         except (NotConverged, NoState):
             return None
@@ -369,9 +370,7 @@ class FollowingUnderTension(Following):
         first = most(here.value)[2]
         value = here.value
         if first < 0.0:
-            value = bracketed(
-                lambda v: most(v)[2], {here.value: first, new.value: most(new.value)[2]}, xtol=1e-15 * max(abs(here.value), abs(new.value))
-            )
+            value = smooth_root(lambda v: most(v)[2], {here.value: first, new.value: most(new.value)[2]})
         at, place, _ = most(value)
         half = 0.5 * NEW * period
         while True:
