@@ -207,6 +207,8 @@ def steps(curve: Equilibria, here: Point, sense: float, tight: bool = True) -> I
         if vanishing:
             short = curve.vanishes(place.at, _motion(place))
             length, vanishing = min(length, _OF_VANISHING * short), short < _LONGEST
+            if length < _NO_STEP:
+                break
     if unstable is not None:
         raise SymmetryLost(curve, *unstable)
     raise NotConverged(why)
