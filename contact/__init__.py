@@ -43,7 +43,6 @@ with uncollected():
         substrates,
     )
     from contact.model.scene import E_star, Scene
-    from contact.model.scene_file import load_scene
     from contact.model.substrates import HalfPlane, Layer, Substrate
     from contact.solution.plan import Plan, plan
     from contact.solution.solution import Solution
@@ -52,6 +51,7 @@ with uncollected():
 
 if TYPE_CHECKING:
     from contact.explorer.explore import explore
+    from contact.model.scene_file import load_scene
     from contact.sweeps.adhesive import AdhesiveEvent, AdhesivePath
     from contact.sweeps.path import path
     from contact.sweeps.paths import Event, Path
@@ -60,6 +60,7 @@ if TYPE_CHECKING:
 # What a single solve does not need is loaded when it is asked for. The imports above, for readers and type checkers, say the same.
 _HOMES = {
     "contact.explorer.explore": "explore",
+    "contact.model.scene_file": "load_scene",
     "contact.sweeps.adhesive": "AdhesiveEvent AdhesivePath",
     "contact.sweeps.path": "path",
     "contact.sweeps.paths": "Event Path",

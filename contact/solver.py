@@ -94,7 +94,7 @@ def solve(
     if near is not None and _of(near.scene) != _of(scene):
         raise SceneError("near must be a solution of the same profile, interaction model, substrate and law", "near", near.scene)
     warn(validity.of_scene(scene))
-    solution = _solved(scene, tol, progress, near, branch)
+    solution = _solved(scene, tol, progress, near, Shared(scene), branch)
     warn(validity.of_answer(solution))
     return solution
 
@@ -117,17 +117,16 @@ def solved_along(
     """One scene on a curve of its control's values. shared: what it has in common with the others; along: the last of them."""
     near = along[-1].solution if along else None
     if scene.control_object.held(scene) is None:
-        return _solved(scene, tol, progress, near)
+        return _solved(scene, tol, progress, near, shared)
     direct = directly(scene, tol)
     if direct is not None:
         return direct
-    task = replace(Task.of(scene, tol, progress, near, under=_solved), shared=shared, along=along)
-    return _run(task)
+    return _run(replace(Task.of(scene, tol, progress, near, _solved, shared), along=along))
 
 
 def task_of(scene: Scene, tol: float) -> Task:
     """The task of a scene, for contacts that are followed (`solved_at`)."""
-    return Task.of(scene, tol, None, None, under=_solved)
+    return Task.of(scene, tol, None, None, _solved, Shared(scene))
 
 
 def solved_at(task: Task, found: Outcome, told: str) -> Solution:
@@ -140,12 +139,12 @@ def solved_at(task: Task, found: Outcome, told: str) -> Solution:
 
 
 def _solved(
-    scene: Scene, tol: float, progress: Progress | None, near: Solution | None, branch: str = "advancing"
+    scene: Scene, tol: float, progress: Progress | None, near: Solution | None, shared: Shared, branch: str = "advancing"
 ) -> Solution:
     if scene.control_object.held(scene) is None:
-        return by_quantity(scene, tol, near, lambda loaded, tighter, beside: _solved(loaded, tighter, progress, beside))
+        return by_quantity(scene, tol, near, lambda loaded, tighter, beside: _solved(loaded, tighter, progress, beside, shared))
     direct = directly(scene, tol)
-    return direct if direct is not None else _run(Task.of(scene, tol, progress, near, under=_solved, branch=branch))
+    return direct if direct is not None else _run(Task.of(scene, tol, progress, near, _solved, shared, branch))
 
 
 def _run(task: Task) -> Solution:

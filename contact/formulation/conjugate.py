@@ -27,6 +27,8 @@ from sie import Array, record
 
 _LARGEST = 2**18
 _LEAST = 256
+# Terms of a slope that noise may be, over the largest.
+_OF_NOISE = 1e-9
 # (point, jump) pairs handled at once.
 _BLOCK = 1 << 20
 # Terms of the series of Clausen's functions: within half a turn each is a quarter of the one before.
@@ -105,11 +107,12 @@ def _series(profile: Profile, length: float) -> tuple[Callable[[Array], Array], 
         coefficients = np.asarray(fft.rfft(slope - polynomials(x))) / n
         size = np.abs(coefficients)
         scale = max(float(size.max()), float(np.abs(slope).max()))
-        settled = bool(size[-n // 16 :].max() <= max(1e-15 * scale, rounding))
+        noise = max(rounding, _noise(size, scale))
+        settled = bool(size[-n // 16 :].max() <= max(1e-15 * scale, noise))
         if settled or n >= _LARGEST:
             break
         n *= 2
-    used = np.flatnonzero(size > max(1e-17 * scale, rounding))
+    used = np.flatnonzero(size > max(1e-17 * scale, noise))
     k = np.arange(int(used[-1]) + 1 if len(used) else 1)
     c = (2 * coefficients[: len(k)] * np.exp(-1j * pi * k / n))[1:]
     # Im of the sum, since H takes cos to sin and sin to -cos: Re of -i times it.
@@ -125,6 +128,14 @@ def _series(profile: Profile, length: float) -> tuple[Callable[[Array], Array], 
         return np.asarray(out)
 
     return smooth, settled
+
+
+def _noise(size: Array, scale: float) -> float:
+    """What no term of a series tells from the noise of slopes that are told by differences; 0 where there is none: small terms of the
+    last octave are as large as those of the one before, which those of no body are."""
+    n = len(size) - 1
+    last, before = (float(np.sqrt(np.mean(size[k : 2 * k] ** 2))) for k in (n // 2, n // 4))
+    return 6 * last if 0.6 * before < last < _OF_NOISE * scale else 0.0
 
 
 def _less_logarithms(profile: Profile, kinks: Array, length: float) -> Callable[[Array], Array]:

@@ -45,6 +45,12 @@ class Shared(sie.Kept):
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
 
+    def of(self, scene: Scene) -> Shared:
+        """The same for a scene that differs in its control alone."""
+        own = self.scene
+        same = scene.profile is own.profile and scene.interaction is own.interaction and scene.substrate is own.substrate
+        return self if same and scene.law is own.law and scene.E_star == own.E_star else Shared(scene)
+
     @cached_property
     def operator(self) -> Operator:
         return self.scene.operator
@@ -80,7 +86,8 @@ class Shared(sie.Kept):
         return {}
 
 
-Solver = Callable[[Scene, float, Progress | None, Solution | None], Solution]
+# Solves a scene: (scene, tol, progress, near, what it has in common with others).
+Solver = Callable[[Scene, float, Progress | None, Solution | None, Shared], Solution]
 
 # The smallest tolerance that is asked of the engine.
 LEAST = 2e-15
@@ -89,7 +96,7 @@ LEAST = 2e-15
 @record
 class Task:
     """One solve. branch: which of several equilibria; tolerance: of the ends and of the density; shared: what it has in common with others
-    of the scene; near: a solution of the same profile and model; under: the solver itself, for a control that is found by loads; along: the
+    of the scene; near: a solution of the same profile and model; solver: of other scenes on the way to this one; along: the
     last solutions of the scene on a curve of its control's values, the nearest last; give: of a spring, whose far end the scene's
     approach is then [m per N/m]."""
 
@@ -98,7 +105,7 @@ class Task:
     plan: Plan
     shared: Shared
     tolerance: float
-    under: Solver
+    solver: Solver
     progress: Progress | None = None
     near: Solution | None = None
     branch: str = "advancing"
@@ -107,9 +114,14 @@ class Task:
 
     @classmethod
     def of(
-        cls, scene: Scene, tol: float, progress: Progress | None, near: Solution | None, under: Solver, branch: str = "advancing"
+        cls, scene: Scene, tol: float, progress: Progress | None, near: Solution | None, solver: Solver, shared: Shared,
+        branch: str = "advancing",
     ) -> Task:
-        return cls(scene, tol, plan(scene), Shared(scene), max(0.1 * tol, LEAST), under, progress, near, branch)
+        return cls(scene, tol, plan(scene), shared, max(0.1 * tol, LEAST), solver, progress, near, branch)
+
+    def under(self, scene: Scene, tol: float, near: Solution | None = None, progress: Progress | None = None) -> Solution:
+        """The solution of another scene on the way to this one."""
+        return self.solver(scene, tol, progress, near, self.shared.of(scene))
 
     @property
     def operator(self) -> Operator:

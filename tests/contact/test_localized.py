@@ -343,6 +343,19 @@ def trace(points, positions):
     return profile, contact.solve(contact.Scene(profile, 1.0, contact.Periodic(), contact_fraction=1.0)).mean_pressure
 
 
+class Swinging(contact.Profile):
+    """A wave whose length swings, from some place on."""
+
+    period, x0 = 1.0, -0.5
+
+    def __init__(self, swing, ahead, shift):
+        self.swing, self.ahead, self.shift = swing, ahead, shift
+
+    def height(self, x):
+        turn = 2 * np.pi * (np.asarray(x) - self.shift)
+        return 1e-3 * np.cos(turn + self.swing * np.sin(turn + 2 * np.pi * self.ahead))
+
+
 class TestFirstOrderOfSeveralZones:
     def test_the_nominal_pressure_presses_the_profile_alone_to_the_same_total_width(self):
         solution = solve(ROUGH, FIRST, tol=1e-10, mean_pressure=0.006)
@@ -362,6 +375,19 @@ class TestFirstOrderOfSeveralZones:
         profile, full = trace(150, positions)
         solution = contact.solve(contact.Scene(profile, 1.0, FIRST, mean_pressure=0.1 * full))
         assert solution.certificate.holds and solution.error <= 1e-8 and len(solution.zones) > 3
+
+    @pytest.mark.parametrize("shift", [0.0, 0.25])
+    def test_a_gap_of_the_profile_alone_that_has_nearly_closed_stays(self, shift):
+        fields = solve(Swinging(1.7023660265563023, 0.012030454697263937, shift), FIRST, mean_pressure=6.7498e-4).fields
+        nominal, width = fields.problem.amplitude * fields.problem.units.pressure, float(fields.density.zones.half.sum()) * 2
+        about = float(fields.problem.units.x(np.array(fields.problem.centre)))
+        alone = solve(Swinging(1.7023660265563023, 0.012030454697263937, shift - about), contact.Isolated(), load=nominal)
+        assert alone.zone_widths.sum() == pytest.approx(width * fields.problem.units.length, rel=1e-7)
+        assert len(alone.zones) == 2 and 0 < alone.zones[1, 0] - alone.zones[0, 1] < 0.01
+
+    def test_a_narrow_zone_of_it_at_the_border_of_the_strip_moves_with_that(self):
+        wave = Swinging(1.15730771101453433, 0.010071341890631746, 0.0)
+        assert len(solve(wave, FIRST, mean_pressure=4.44679e-3).zones) == 1
 
     def test_an_approach_leads_to_the_same_contact(self):
         first = solve(ROUGH, FIRST, tol=1e-10, mean_pressure=0.006)

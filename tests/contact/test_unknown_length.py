@@ -68,3 +68,31 @@ def test_the_length_is_that_of_the_shortest_wave_that_counts():
 
 def test_ripples_of_less_than_a_hundred_thousandth_of_the_slope_are_left_out():
     assert detail_of(Rippled(1000, 1e-12).height, -0.5, 0.5) == 1 / 16
+
+
+class Tilting(contact.Profile):
+    """Two waves, of real places only: the slope is told by differences, and they are noisy."""
+
+    period, x0 = 1.0, -0.5
+
+    def __init__(self):
+        self.asked = 0
+
+    def height(self, x):
+        turn = 2 * np.pi * np.asarray(x, dtype=float)
+        self.asked += turn.size
+        return 1e-3 * np.sin(turn / 2) ** 2 * (1 + 0.65 * np.cos(3 * turn + 3.0))
+
+
+@pytest.mark.parametrize("fraction", [0.9, 0.99])
+def test_noise_of_differences_is_not_taken_for_waves(fraction):
+    own, turned = Tilting(), 0.65e-3 * np.exp(-3.0j)
+    waves = np.array([-0.5e-3, 0, 0, 0], dtype=complex)
+    waves[2] += turned / 2
+    waves[1] -= turned / 4
+    waves[3] -= turned / 4
+    told = contact.Fourier(1.0, waves.real, waves.imag)
+    found, known = (contact.solve(contact.Scene(p, 1.0, PERIODIC, contact_fraction=fraction), tol=1e-8) for p in (own, told))
+    assert found.load == pytest.approx(known.load, rel=1e-9) and found.zones == pytest.approx(known.zones, abs=1e-8)
+    # Some hundred heights a place of a thousand: as many again for each load on the way, or for waves of no body, are many millions.
+    assert own.asked < 1_000_000

@@ -8,6 +8,7 @@ from functools import partial
 
 import numpy as np
 
+from contact.extras import require
 from contact.formulation.controls import Control, Load
 from contact.formulation.problem import Problem
 from contact.formulation.tables import centred_on, gaps_between
@@ -17,7 +18,6 @@ from contact.search.grid.centring import Unrest
 from contact.search.grid.coarse import Proposal, grid_height, propose
 from contact.search.grid.conjugate_gradient import GridState, Response
 from contact.search.grid.scaling import ScaledScene
-from contact.search.grid.strip_at_rest import ROUGHLY, PressedStrip
 from contact.search.grid.tilt import known_part
 from contact.search.grid.tilt_rate import AtTilt, balanced
 from sie import Array, record
@@ -107,8 +107,9 @@ def _in_strip(problem: Problem, control: Control, points: int | None, whole: Pro
         middle = 0.5 * sum(profile.support)
     if held:
         middle = float(units.x(np.array(problem.centre)))
-    strips, wide = PressedStrip(problem, load / units.load, nominal), whole.points if points is None else points
-    here = strips.about(float(units.scaled(np.array(middle))), strips.points, ROUGHLY, None)
+    at_rest, wide = require("contact.search.grid.strip_at_rest"), whole.points if points is None else points
+    strips = at_rest.PressedStrip(problem, load / units.load, nominal)
+    here = strips.about(float(units.scaled(np.array(middle))), strips.points, at_rest.ROUGHLY, None)
     if not held:
         here = strips.at_rest(here, strips.farthest)
     unrest = here.unrest

@@ -162,7 +162,7 @@ def bare(task: Task, load: float | None = None) -> Solution:
     alone = replace(scene, law=law) if load is None else replace(scene, law=law, mean_pressure=None, approach=None, load=load)
     with unwarned():
         try:
-            return task.under(alone, _BARE, None, None)
+            return task.under(alone, _BARE)
         except NotConverged as failure:
             if failure.best is None or not failure.best.error < 1e-2:
                 raise

@@ -286,7 +286,7 @@ def under_all(task: Task, problem: Problem) -> Array | None:
     scene = _bare_scene(task, problem)
     if scene.approach is not None and scene.approach <= 0.0:
         raise Lost
-    found = task.under(scene, _BARE, None, None)
+    found = task.under(scene, _BARE)
     return placed(problem, found.zones) if len(found.zones) else None
 
 
@@ -366,7 +366,7 @@ def whole(pulled: Pulled, zones: Array) -> sie.Zones:
 def everywhere(task: Task, problem: Problem) -> Outcome:
     """Tension in all of a period: the contact under the bare law, less the tension."""
     scene = _bare_scene(task, problem)
-    found = task.under(scene, _BARE, None, None)
+    found = task.under(scene, _BARE)
     stress = task.scene.law.tension
     pulled = Pulled.of(problem, stress / problem.units.pressure, np.zeros((0, 2)), everywhere=True)
     if len(found.zones) == 0:

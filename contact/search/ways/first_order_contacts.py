@@ -76,13 +76,29 @@ class At:
         """(where all ends come to, the largest move over the width of a zone or of a gap beside it), by a step of the unknowns and
         their own moves beside those it calls up. part: of a width or a gap that may go."""
         strip, alone = self.table, table_of(self.alone)
-        moved, moved_alone = rates.of_strip(step) + self.own[0], rates.alone_by_centre * step[0] + rates.alone * step[1] + self.own[1]
+        moved, moved_alone = self._moved(step, rates)
+        # What is cut off at the borders of the strip moves with these, narrow zones as they are.
+        along = np.zeros(len(alone))
+        along[[0, -1]] = np.where(self.cut_off, step[0], 0.0)
+        moved_alone = moved_alone + along * [[1.0], [-1.0]]
         largest = max(float((np.abs(move.T) / room_beside(table, None)).max()) for move, table in ((moved, strip), (moved_alone, alone)))
-        there = Place(self.unknowns + step, spread(strip, moved, part), spread(alone, moved_alone, part))
-        # What is cut off at the borders of the strip moves with these.
+        there = Place(self.unknowns + step, spread(strip, moved, part), spread(alone, moved_alone, part) + along[:, None])
         border = self.alone.fields.problem.about(float(there.unknowns[0])).cut
         there.alone.flat[[0, -1]] = np.where(self.cut_off, np.array(border), there.alone.flat[[0, -1]])
         return there, largest
+
+    def shrinking(self, step: Array, rates: Rates) -> float:
+        """The largest part of a zone or of a gap that is foreseen to go in such a step. Near its end one goes with the root of what
+        is left until then: of one that is to lose a half, all goes."""
+        parts = [0.0]
+        for table, moved in zip((self.table, table_of(self.alone)), self._moved(step, rates), strict=True):
+            parts += list(-moved.sum(axis=0) / np.diff(table)[:, 0])
+            parts += list((moved[1, :-1] + moved[0, 1:]) / (table[1:, 0] - table[:-1, 1]))
+        return max(parts)
+
+    def _moved(self, step: Array, rates: Rates) -> tuple[Array, Array]:
+        """Outward moves of the ends of the strip and of its profile alone by a step, with their own."""
+        return rates.of_strip(step) + self.own[0], rates.alone_by_centre * step[0] + rates.alone * step[1] + self.own[1]
 
 
 @record

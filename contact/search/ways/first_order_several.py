@@ -328,8 +328,9 @@ class FirstOrderOfSeveral:
 
     def _signed(self, at: At) -> tuple[At, Rates, Array]:
         """`_together`, with the signs of what it has come to."""
-        for _ in range(_LOOKS):
-            found = self._together(at)
+        for look in range(_LOOKS):
+            # Once a zone or a gap was missing no step may take one away that is to stay.
+            found = self._together(at, carefully=look > 0)
             if found is None:
                 raise self._unsettled("the nominal pressure", at)
             at, rates, off = found
@@ -344,10 +345,10 @@ class FirstOrderOfSeveral:
         missed = Missed(f"{what} of the first-order closure did not settle; {EXACT}", at.strip.free)
         return self.task.error(missed, at.strip.fields.problem)
 
-    def _together(self, at: At) -> tuple[At, Rates, Array] | None:
+    def _together(self, at: At, carefully: bool) -> tuple[At, Rates, Array] | None:
         """(contacts at the root under their load, from some near by; rates near it; what centre and nominal pressure are off): Newton's
         steps of all ends, the centre and the nominal pressure at once, each with one solution of the strip and one of its profile alone.
-        None where they do not come ever closer."""
+        None where they do not come ever closer. carefully: in such steps that zones and gaps stay which are to become narrower."""
         before, slow, looked, last = math.inf, 0, False, False
         rates, size = Rates.of(at, _ROUGHLY), np.array([self.period, at.unknowns[1]])
         matrix = rates.matrix
@@ -362,16 +363,20 @@ class FirstOrderOfSeveral:
             if last:
                 self.rounded = self.again and off > self.wanted
                 return at, rates, _MARGIN * np.abs(step[:2]) + np.abs(np.linalg.inv(matrix)[:, 0]) * self._rounding(at)
+            shrinking = at.shrinking(step, rates) if carefully else 0.0
+            bends = shrinking > _HALF
+            if bends:
+                step *= _HALF / shrinking
             place, largest = at.after(step, rates, _HALF)
             if largest > _BOLDEST:
                 step *= _HALF / largest
                 place, _ = at.after(step, rates, _HALF)
-            slow = slow + 1 if largest > _SLOW * before else 0
+            slow = slow + 1 if largest > _SLOW * before and not bends else 0
             last = largest <= _LAST_OF_ALL and (off <= self.wanted or slow > 0)
             if slow > _SLOW_STEPS or not math.isfinite(largest):
                 return None
             try:
-                if last or largest > _BOLDEST:
+                if last or bends or largest > _BOLDEST:
                     # A zone or a gap that is asked to go may be lost.
                     there = self._at(place, min(largest, _HALF), 0.0 if last else _ROUGHLY)
                 else:
@@ -380,7 +385,7 @@ class FirstOrderOfSeveral:
                     there, looked = replace(there, strip=self._looked_at(there.strip), alone=self._looked_at(there.alone)), True
             except (NotConverged, WrongTopology, sie.SingularSystem):
                 return None
-            if last or not there.same_zones(at):
+            if last or bends or not there.same_zones(at):
                 rates = Rates.of(there, 0.0 if last else _ROUGHLY)
                 matrix = rates.matrix
             else:

@@ -176,7 +176,7 @@ def _on_the_way(task: Task, tol: float = _ON_THE_WAY) -> Callable[[float, Soluti
 
     def solved(load: float, near: Solution | None) -> Solution:
         try:
-            return task.under(task.scene.under("load", load), tol, task.progress, near or task.near)
+            return task.under(task.scene.under("load", load), tol, near or task.near, task.progress)
         except NotConverged as failure:
             if failure.best is None or not failure.best.error < max(1e3 * _ON_THE_WAY, 10 * tol):
                 raise
