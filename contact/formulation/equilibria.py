@@ -170,6 +170,19 @@ class Equilibria:
         """Of the value of the control: what changes that which drives some end by as much as is asked of it."""
         return 1.0 / float(np.abs(here.whole.by_value).max())
 
+    def vanishes(self, here: Point, motion: Array) -> float:
+        """How far along a motion of the ends and of the control (2n + 1,) contact within the zones of a state vanishes."""
+        return np.inf
+
+    @property
+    def formally(self) -> "Equilibria":
+        """The same of states of which it is not asked whether their zones of contact are the right ones."""
+        return self
+
+    def has_right_zones(self, here: Point) -> bool:
+        """Whether zones of contact that were not asked for are."""
+        return True
+
     def within(self, table: Array) -> Array:
         """The zones as far as sharp corners let them, and those so near to one up to it; of a body that repeats, in its own period."""
         lo, hi = self.problem.corners

@@ -11,7 +11,8 @@ from contact.extras import require
 from sie import Array
 
 # Values at the most, points of an inverse polynomial, and a step below which rounding may keep the next from falling, over the place.
-_MOST, _INVERSE, _ROUNDED = 100, 4, 1e-12
+# A bracket so narrow over the first one is closed, wherever the root.
+_MOST, _INVERSE, _ROUNDED, _OF_SPAN = 100, 4, 1e-12, 1e-16
 
 
 def bracketed(
@@ -31,10 +32,10 @@ def smooth_root(function: Callable[[float], float], known: dict[float, float], r
     be worth one more value, as it is not where rounding keeps the steps from falling."""
     points = dict(known)
     low, high = sorted(points)
-    rises, steps = points[low] < points[high], [math.inf, math.inf]
+    rises, steps, span = points[low] < points[high], [math.inf, math.inf], high - low
     for _ in range(_MOST):
         here = min(points, key=lambda x: abs(points[x]))
-        if points[here] == 0.0:
+        if points[here] == 0.0 or high - low <= max(rtol * abs(here), _OF_SPAN * span):
             return here
         guess = _inverse(points)
         step = abs(guess - here)

@@ -269,3 +269,17 @@ def test_of_two_equal_tips_under_a_held_approach_one_comes_off_where_stability_i
     above, below = (contact.solve(replace(twice, approach=event.value + more)) for more in (1e-7, -1e-9))
     assert len(above.zones) == 2 and 0.0 < above.certificate.stability < 1e-3
     assert len(below.zones) == 1 and below.certificate.holds and below.load == pytest.approx(event.load_after, rel=1e-5)
+
+
+@pytest.mark.slow
+def test_two_equal_tips_on_a_soft_spring_come_off_together_since_one_alone_would_have_before():
+    twice = contact.Scene(contact.Fourier(1.0, [0.0, -0.01], [0.0, 0.0]), 1.0, contact.Periodic(), law=contact.JKR(1e-4), approach=0.0)
+    kinds, far = [], {}
+    for stiffness in (1.0, 3.0):
+        found = contact.path(twice, [0.006 + 0.02 / stiffness, -0.0041 - 0.05 / stiffness], control="approach", stiffness=stiffness)
+        kinds.append([(event.kind, len(event.before), len(event.after)) for event in found.events])
+        far[stiffness] = found.events[0].value, found.events[-1]
+    assert kinds == [[("pull-off", 2, 0)], [("death", 2, 1), ("pull-off", 1, 0)]]
+    # One tip alone comes off near the approach and the load of the stiffer spring, too: on the softer one that is a higher far end.
+    one = far[3.0][1]
+    assert one.approach + one.load / 1.0 > far[1.0][0] and one.approach + one.load / 3.0 < far[3.0][0]

@@ -23,7 +23,16 @@ from contact.formulation.controls import Control
 from contact.formulation.equilibria import HELD, Equilibria, Point
 from contact.formulation.fields import ZoneFields
 from contact.formulation.problem import Problem
-from contact.formulation.tension.contact import TIGHT, Lost, contact_under, edge_slopes, look_around, looked
+from contact.formulation.tension.contact import (
+    TIGHT,
+    Lost,
+    contact_under,
+    edge_slopes,
+    look_around,
+    look_at,
+    looked,
+    signs_hold,
+)
 from contact.formulation.tension.intervals import fitted, interval_of
 from contact.formulation.tension.pulled import Pulled
 from sie import Array, Mask, record
@@ -42,15 +51,22 @@ _KNOWN = 256
 class CohesivePoint(Point):
     """table: the intervals I, none where everywhere is set; zones: the contact within them (n, 2); q: its fields, None where the surfaces
     only pull; by_ends, level_rates: motions of the zones' ends (2n,),
-    and of the level, by those of I and by the value of the control, the last column; look: sampled places without contact, ascending, and
-    the gap there."""
+    and of the level, by those of I and by the value of the control, the last column; seen: what was looked at, None where nothing was."""
 
     zones: Array
     q: ZoneFields | None
     by_ends: Array
     level_rates: Array
-    look: tuple[Array, Array]
+    seen: tuple[Array, Array] | None
     everywhere: bool = False
+
+    @cached_property
+    def look(self) -> tuple[Array, Array]:
+        """(sampled places without contact, ascending, the gap there)."""
+        if self.seen is not None:
+            return self.seen
+        assert self.q is not None
+        return look_at(self.q)
 
     @property
     def rate(self) -> float:
@@ -177,7 +193,7 @@ class Cohesive(Equilibria):
         point = self._without_contact(table, value, pulled) if self._may_be_loose and len(zones) == 0 else None
         if point is None or (not self.formal and point.look[1].min() < -_TOUCHING * self.reach):
             try:
-                fields, look = self.contact_under(pulled, value, zones, tolerance)
+                fields, look = self._contact_under(pulled, value, zones, tolerance)
                 point = self._point(table, value, fields, look, _OF_RATES if tolerance <= TIGHT else _OF_ROUGH_RATES)
             except Lost:
                 if not self._may_be_loose:
@@ -192,10 +208,14 @@ class Cohesive(Equilibria):
     def _may_be_loose(self) -> bool:
         return self.loose and self.held.load is None
 
-    def contact_under(
-        self, pulled: Pulled, value: float, zones: Array, tolerance: float = TIGHT
-    ) -> tuple[ZoneFields, tuple[Array, Array]]:
+    def contact_under(self, pulled: Pulled, value: float, zones: Array) -> tuple[ZoneFields, tuple[Array, Array]]:
         """(fields of q on the zones of contact under a tension and a value of the control, the gap beside them)."""
+        fields, look = self._contact_under(pulled, value, zones, TIGHT)
+        return fields, look_at(fields) if look is None else look
+
+    def _contact_under(
+        self, pulled: Pulled, value: float, zones: Array, tolerance: float
+    ) -> tuple[ZoneFields, tuple[Array, Array] | None]:
         return contact_under(pulled, lambda at: self.control(at, value), zones, self.formal, tolerance)
 
     def under_all(self, value: float, zones: Array) -> CohesivePoint:
@@ -254,6 +274,24 @@ class Cohesive(Equilibria):
         bears = self.stress * float(np.diff(here.table, axis=1).sum())
         return bears if self.held.load is not None else self.reach + self.yields * bears
 
+    @property
+    def formally(self) -> "Cohesive":
+        return self if self.formal else replace(self, formal=True)
+
+    def has_right_zones(self, here: Point) -> bool:
+        assert isinstance(here, CohesivePoint)
+        if here.q is None:
+            return bool(here.look[1].min() >= -_TOUCHING * self.reach)
+        return signs_hold(here.q, here.look)
+
+    def vanishes(self, here: Point, motion: Array) -> float:
+        """By the squares of the zones' widths, which fall evenly."""
+        assert isinstance(here, CohesivePoint)
+        widths = np.diff(here.zones, axis=1)[:, 0]
+        narrower = -(here.by_ends @ motion).reshape(2, -1).sum(axis=0)
+        with np.errstate(divide="ignore"):
+            return float(np.where(narrower > 0.0, 0.5 * widths / narrower, np.inf).min(initial=np.inf))
+
     # how it follows ---------------------------------------------------------------------------------------------------
     def settled(self, here: Point) -> CohesivePoint:
         """The equilibrium near by, tightly."""
@@ -271,7 +309,7 @@ class Cohesive(Equilibria):
         return self.at(here.table, here.value)
 
     def _point(
-        self, table: Array, value: float, fields: ZoneFields, look: tuple[Array, Array], of_rates: float
+        self, table: Array, value: float, fields: ZoneFields, look: tuple[Array, Array] | None, of_rates: float
     ) -> CohesivePoint:
         pulled, state = fields.problem, fields.state.whole
         assert isinstance(pulled, Pulled)

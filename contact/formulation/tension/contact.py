@@ -64,9 +64,9 @@ class Covered(NoState):
 
 def contact_under(
     pulled: Pulled, control: Callable[[Pulled], Control], zones: Array, formal: bool = False, tolerance: float = TIGHT
-) -> tuple[ZoneFields, tuple[Array, Array]]:
+) -> tuple[ZoneFields, tuple[Array, Array] | None]:
     """(fields of q on the zones of contact under a tension, the gap beside them). control: that of q; formal: as many zones as are given,
-    whatever the signs; tolerance: of the density."""
+    whatever the signs, which are not looked at; tolerance: of the density."""
     load = control(pulled).load
     if load is not None and not load > 0.0:
         raise Lost
@@ -76,8 +76,10 @@ def contact_under(
         # Where narrow gaps close or open within an interval, their ends act on each other: the engine's own steps know how.
         plain = done < _PLAIN or pulled.corners != (-np.inf, np.inf)
         fields = ZoneFields(*(_settled if plain else _searched)(pulled, control, zones, tolerance))
+        if formal:
+            return fields, None
         look = look_at(fields)
-        found = None if formal else _corrected(fields, look)
+        found = _corrected(fields, look)
         if found is None:
             return fields, look
         zones = fitted(found, pulled.pulling.table, pulled.round, pulled.pulling.everywhere, pulled.corners)
@@ -337,6 +339,11 @@ def _looked_closer(fields: ZoneFields, zone: int, place: Array, q: Array, least:
         order = np.argsort(np.concatenate((place, x)), kind="stable")
         place, q = np.concatenate((place, x))[order], np.concatenate((q, more))[order]
     return place, q
+
+
+def signs_hold(fields: ZoneFields, look: tuple[Array, Array]) -> bool:
+    """Whether q presses on all zones and the surfaces overlap nowhere within the tension."""
+    return _corrected(fields, look) is None
 
 
 def _corrected(fields: ZoneFields, look: tuple[Array, Array]) -> Array | None:

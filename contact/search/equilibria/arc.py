@@ -15,7 +15,7 @@ import numpy as np
 
 from contact.errors import NotConverged
 from contact.formulation.equilibria import NEUTRAL, Equilibria, NoState, Point
-from contact.formulation.roots import bracketed
+from contact.formulation.roots import smooth_root
 from contact.search.equilibria.flow import receded
 from sie import Array, record
 
@@ -27,6 +27,8 @@ _FIRST, _LONGEST, _CORRECTIONS, _TIGHT, _MOST_STEPS, _NO_STEP = 0.02, 0.3, 8, 1e
 _LONGER, _SHORTER = 1.6, 0.3
 # The unit of the control over that of the step before, at the least.
 _SLOWER = 0.5
+# Of a step, how far from its tangent it begins at the most.
+_BENT = 0.3
 # Cosine of the angle by which a step may turn the tangent.
 _STRAIGHT = 0.85
 # Of equations that are met, what may be left of them, over what the control does to an end at the most.
@@ -40,23 +42,33 @@ _PUSH = 0.03
 _HALVINGS, _MOST_TRIES = 5, 160
 # Zones that come apart one after the other from there on, at the most.
 _MOST_TURNS = 200
-# Of a step, halvings by which the loss of stability in it is located.
-_LOCATED = 40
+# A step that would go beyond where a zone vanishes goes so far towards it.
+_OF_VANISHING = 0.9
+# Of an extreme, how much of the growth at the ends of a step.
+_NO_GROWTH = 0.1
+# Of a step, halvings by which the loss of stability in it is located, and of the way to one within it.
+_LOCATED, _HALVED = 40, 4
 # So many steps without a length come after one another at sharp corners.
 _MOST_STANDS = 3
+# What rounding may leave of Newton's steps.
+_ROUNDED = 1e-6
+# So near a place in a step is told, over how far it is.
+NEAR = 1e-12
 # Where a curve is only to be followed: how tightly its states are solved, and how small Newton's last step is; over the step, from how near
 # a turning point ends that are pushed on go the way they go from there; and what such a state may be off by.
-_ROUGH, _ROUGHLY, _ABOUT, _OFF = 1e-9, 1e-6, 1e-3, 1e-5
+_ROUGH, _ROUGHLY, _ABOUT, _OFF = 1e-9, 1e-9, 1e-3, 1e-5
 
 
 @record
 class Place:
-    """An equilibrium on the curve: widths that motions are counted in (2n,), the unit of the control, and the unit tangent (2n + 1,)."""
+    """An equilibrium on the curve: widths that motions are counted in (2n,), the unit of the control, the unit tangent (2n + 1,), and about
+    how the curve bends from it, over the square of the length."""
 
     at: Point
     widths: Array
     unit: float
     tangent: Array
+    bend: Array
 
     @property
     def rises(self) -> float:
@@ -77,13 +89,16 @@ class Step:
     after: Point | None = None
     known: dict[float, Array] = field(default_factory=dict)
 
-    def at(self, length: float, tight: bool = True) -> Point:
-        """The equilibrium at a part of the step."""
+    def at(self, length: float, tight: bool = True, halvings: int = _HALVED) -> Point:
+        """The equilibrium at a part of the step, where need be by way of one nearer to one that is known."""
         if not self.known:
             self.known[0.0] = self.known[self.length] = self._bend(self.end.at)
         found = _corrected(self.curve, self.start, length * self.start.tangent + length**2 * self._bent(length), self.start.tangent, tight)
         if found is None:
-            raise NotConverged("an equilibrium on the way along a curve was lost")
+            if halvings == 0:
+                raise NotConverged("an equilibrium on the way along a curve was lost")
+            self.at(0.5 * (length + min(self.known, key=lambda k: abs(k - length))), tight, halvings - 1)
+            return self.at(length, tight, halvings - 1)
         if length > 0.0:
             self.known[length] = self._bend(found)
         return found
@@ -110,21 +125,45 @@ class Step:
         """Whether the control has its extreme in this step."""
         return self.start.rises * self.end.rises <= 0.0
 
+    @property
+    def turns_once(self) -> bool:
+        """Whether stability is lost where the control has its extreme: where there are several the step is too long."""
+        try:
+            growth = self.at(self.turning(False), False).growth
+        except NotConverged:
+            return False
+        return abs(growth) < _NO_GROWTH * max(abs(self.start.at.growth), abs(self.end.at.growth))
+
     def turning(self, tight: bool = True) -> float:
         """How far it is to there."""
-        near = 1e-14 if tight else _ABOUT
+        near = NEAR if tight else _ABOUT
         return self.where(lambda at: onward(self.curve, self.start, at).rises, self.start.rises, self.end.rises, None, near, tight)
 
     def where(
-        self, function: Callable[[Point], float], first: float, last: float, length: float | None = None, near: float = 1e-14,
+        self, function: Callable[[Point], float], first: float, last: float, length: float | None = None, near: float = NEAR,
         tight: bool = True,
     ) -> float:
         """How far it is to the zero of a function with these values of opposite signs at the start and at the end (or at a length); near:
-        so near, over the step."""
+        so near, over itself."""
         end = self.length if length is None else length
-        if first == 0.0 or last == 0.0:
-            return 0.0 if first == 0.0 else end
-        return float(bracketed(lambda part: function(self.at(part, tight)), {0.0: first, end: last}, xtol=near * end))
+        return float(smooth_root(lambda part: function(self.at(part, tight)), {0.0: first, end: last}, near))
+
+    def arriving(self, value: float) -> Point | None:
+        """The equilibrium in this step under a value of the control; None if Newton does not come to it at once."""
+        start, tangent, bend = self.start, self.start.tangent, self._bend(self.end.at)
+        wanted = (value - start.at.value) / start.unit
+        inner = tangent[-1] ** 2 + 4 * bend[-1] * wanted
+        if inner < 0.0 or start.at.corners is not None:
+            return None
+        length = 2 * wanted / (tangent[-1] + np.copysign(np.sqrt(inner), tangent[-1]))
+        guess, normal = length * tangent + length**2 * bend, np.zeros(len(tangent))
+        guess[-1], normal[-1] = wanted, 1.0
+        found = _corrected(self.curve, start, guess, normal, True)
+        return None if found is None or not 0.0 <= self.how_far(found) <= self.length else replace(found, value=value)
+
+    def how_far(self, at: Point) -> float:
+        """Along the tangent at its start."""
+        return _length(self.start, at)
 
 
 def steps(curve: Equilibria, here: Point, sense: float, tight: bool = True) -> Iterator[Step]:
@@ -133,18 +172,23 @@ def steps(curve: Equilibria, here: Point, sense: float, tight: bool = True) -> I
     here.refuse_neutral()
     place, length, why, stands = _begun(curve, here, sense), _FIRST, "the curve of equilibria was not followed on", 0
     unstable: tuple[Place, float] | None = None
+    vanishing = False
     for _ in range(_MOST_STEPS):
         reached = _corner_within(curve, place, length)
-        ahead = along(curve, place, length, tight) if reached is None else _to_corner(curve, place, reached, tight)
+        ahead = along(curve, place, length, tight) if reached is None else _to_corner(curve, place, reached)
         end = None if ahead is None else onward(curve, place, ahead)
         if end is None or not _keeps(place, end):
             if end is not None and place.at.growth < 0.0 <= end.at.growth:
                 unstable = place, length
-            length *= _SHORTER
+            short = curve.vanishes(place.at, _motion(place))
+            length, vanishing = (_OF_VANISHING * short, True) if short < length else (_SHORTER * length, vanishing)
             if length < _NO_STEP:
                 break
             continue
         step = _to_change(Step(curve, place, _length(place, end.at) if reached is not None else length, end))
+        if step.turns and not step.turns_once:
+            length *= _SHORTER
+            continue
         yield step
         if step.lets_go:
             why = "an end that was held at a sharp corner has let go"
@@ -160,35 +204,45 @@ def steps(curve: Equilibria, here: Point, sense: float, tight: bool = True) -> I
             step.after.refuse_neutral()
             place = _begun(curve, step.after, step.end.rises)
         length = min(_LONGER * length, _LONGEST)
+        if vanishing:
+            short = curve.vanishes(place.at, _motion(place))
+            length, vanishing = min(length, _OF_VANISHING * short), short < _LONGEST
+            if length < _NO_STEP:
+                break
     if unstable is not None:
-        raise _breaks_a_symmetry(curve, *unstable)
+        raise SymmetryLost(curve, *unstable)
     raise NotConverged(why)
 
 
 class SymmetryLost(NotConverged):
-    """A curve goes on unstably, without a turn. at: the last stable equilibrium."""
+    """A curve goes on unstably, without a turn, within a step of a length. at: the last stable equilibrium, told only where it was
+    located."""
 
     at: Point
 
+    def __init__(self, curve: Equilibria, place: Place, length: float, where: str = "") -> None:
+        super().__init__(
+            f"a contact loses its stability without a turn of its curve, to a motion that breaks a symmetry{where}: it is not followed on, "
+            "since the scene does not say which way it goes"
+        )
+        self.within = curve, place, length
 
-def _breaks_a_symmetry(curve: Equilibria, place: Place, length: float) -> SymmetryLost:
-    """Where stability is lost within a step without a turn."""
-    low, high, at = 0.0, length, place.at
-    for _ in range(_LOCATED):
-        middle = 0.5 * (low + high)
-        found = along(curve, place, middle)
-        if found is None:
-            break
-        low, high, at = (middle, high, found) if found.growth < 0.0 else (low, middle, at)
-    units, told = curve.problem.units, ""
-    if curve.problem.operator.has_approach:
-        told = f", approach {-at.level * units.height:.10g} m"
-    lost = SymmetryLost(
-        "a contact loses its stability without a turn of its curve, to a motion that breaks a symmetry, at load "
-        f"{at.load * units.load:.10g} N/m{told}: it is not followed on, since the scene does not say which way it goes"
-    )
-    lost.at = at
-    return lost
+    def located(self) -> "SymmetryLost":
+        """The same, of which it is told where."""
+        curve, place, length = self.within
+        low, high, at = 0.0, length, place.at
+        for _ in range(_LOCATED):
+            middle = 0.5 * (low + high)
+            found = along(curve, place, middle)
+            if found is None:
+                break
+            low, high, at = (middle, high, found) if found.growth < 0.0 else (low, middle, at)
+        units, told = curve.problem.units, f", at load {at.load * curve.problem.units.load:.10g} N/m"
+        if curve.problem.operator.has_approach:
+            told += f", approach {-at.level * units.height:.10g} m"
+        lost = SymmetryLost(*self.within, told)
+        lost.at = at
+        return lost
 
 
 def beside(here: Point) -> Array:
@@ -212,13 +266,18 @@ def _corner_within(curve: Equilibria, here: Place, length: float) -> int | None:
     return end if away[end] <= length else None
 
 
-def _to_corner(curve: Equilibria, here: Place, end: int, tight: bool) -> Point | None:
+def _to_corner(curve: Equilibria, here: Place, end: int) -> Point | None:
     """The equilibrium at which an end is at its corner."""
     corner = curve.problem.corners[0 if end == 0 else 1]
     distance = abs(corner - float(here.at.table[0, 0] if end == 0 else here.at.table[-1, 1])) / here.widths[end]
     normal = np.zeros(len(here.tangent))
     normal[end] = 1.0
-    return _corrected(curve, here, distance / here.tangent[end] * here.tangent, normal, tight)
+    return _corrected(curve, here, distance / here.tangent[end] * here.tangent, normal, True)
+
+
+def _motion(here: Place) -> Array:
+    """Of the ends and of the control along the arc (2n + 1,)."""
+    return np.asarray(here.tangent * np.append(here.widths, here.unit))
 
 
 def _length(start: Place, end: Point) -> float:
@@ -340,16 +399,19 @@ def _apart(curve: Equilibria, here: Point, recede: Recede) -> tuple[Point, float
 def _begun(curve: Equilibria, here: Point, sense: float) -> Place:
     unit = _unit(curve, here)
     tangent = _tangent(here, here.widths, unit)
-    return Place(here, here.widths, unit, tangent if tangent[-1] * sense >= 0.0 else -tangent)
+    return Place(here, here.widths, unit, tangent if tangent[-1] * sense >= 0.0 else -tangent, np.zeros(len(tangent)))
 
 
 def onward(curve: Equilibria, before: Place, ahead: Point) -> Place:
     """The same sense of the curve at another equilibrium of it."""
     # At a turning point motions are without bound: the unit follows by and by, or the turn would be all too sharp in it.
     unit = max(_unit(curve, ahead), _SLOWER * before.unit)
-    tangent = _tangent(ahead, ahead.widths, unit)
-    same = before.tangent @ np.append(tangent[:-1] * ahead.widths / before.widths, tangent[-1] * unit / before.unit) >= 0.0
-    return Place(ahead, ahead.widths, unit, tangent if same else -tangent)
+    tangent, scales = _tangent(ahead, ahead.widths, unit), np.append(ahead.widths / before.widths, unit / before.unit)
+    tangent = tangent if before.tangent @ (tangent * scales) >= 0.0 else -tangent
+    # On as it has turned from the one before.
+    first, moved = before.tangent / scales, _moved(before, ahead) / scales
+    bend = 0.5 * (tangent - first / np.linalg.norm(first)) / np.linalg.norm(moved) if moved.any() else np.zeros(len(tangent))
+    return Place(ahead, ahead.widths, unit, tangent, bend - (bend @ tangent) * tangent)
 
 
 def _keeps(before: Place, ahead: Place) -> bool:
@@ -380,44 +442,64 @@ def _tangent(at: Point, widths: Array, unit: float) -> Array:
 
 def along(curve: Equilibria, here: Place, length: float, tight: bool = True) -> Point | None:
     """The equilibrium at a distance along the tangent, perpendicular to it; None if Newton does not come to it at once."""
-    return _corrected(curve, here, length * here.tangent, here.tangent, tight)
+    bend = length**2 * here.bend
+    if np.abs(bend).max() > _BENT * length:
+        bend = np.zeros(len(bend))
+    return _corrected(curve, here, length * here.tangent + bend, here.tangent, tight)
 
 
 def _corrected(curve: Equilibria, here: Place, start: Array, normal: Array, tight: bool) -> Point | None:
     """The equilibrium from a start (2n + 1,) on, perpendicular to the normal; None if Newton does not come to it at once."""
-    widths, unit, length = here.widths, here.unit, float(np.linalg.norm(start))
-    moved, value = start[:-1] * widths, here.at.value + start[-1] * unit
+    if curve.formally is curve:
+        return _newton(curve, here, start, normal, tight)[0]
+    # As a rule the zones of contact stay what they are, and it is asked once whether they do.
+    found, reached = _newton(curve.formally, here, start, normal, tight, True)
+    if found is not None and curve.has_right_zones(found):
+        return found
+    return None if reached is None else _newton(curve, here, reached, normal, tight)[0]
+
+
+def _newton(
+    curve: Equilibria, here: Place, start: Array, normal: Array, tight: bool, formal: bool = False
+) -> tuple[Point | None, Array | None]:
+    """(the same, how far Newton's steps have come (2n + 1,), None where it is no use to go on from there). formal: of as many zones of
+    contact as there are at the start, or of none."""
+    scales, at_start, length = np.append(here.widths, here.unit), here.at, float(np.linalg.norm(start))
     how: dict[str, Any] = {} if tight else {"tolerance": _ROUGH}
-    if here.at.corners is not None:
-        how["held"] = here.at.held
+    if at_start.corners is not None:
+        how["held"] = at_start.held
     before = np.inf
     for k in range(_CORRECTIONS):
-        table = here.at.moved(moved)
-        if here.at.corners is not None:
-            table = curve.within(table)
-            moved = np.concatenate((here.at.table[:, 0] - table[:, 0], table[:, 1] - here.at.table[:, 1]))
+        table = at_start.moved(start[:-1] * here.widths)
+        if at_start.corners is not None:
+            table, start = curve.within(table), start.copy()
+            start[:-1] = np.concatenate((at_start.table[:, 0] - table[:, 0], table[:, 1] - at_start.table[:, 1])) / here.widths
         if np.any(np.diff(table.ravel()) <= 0) or curve.gaps(table)[-1] <= 0.0:
-            return None
+            return None, None
         try:
-            at = curve.at(table, value, **how)
+            at = curve.at(table, at_start.value + start[-1] * here.unit, **how)
         except (NoState, NotConverged):
-            return None
-        matrix = np.block([[at.rates * widths, at.by_value[:, None] * unit], [normal[None]]])
+            return None, start
+        if formal and len(at.contact) != len(at_start.contact):
+            return None, start
         try:
+            matrix = np.vstack((np.column_stack((at.rates, at.by_value)) * scales, normal))
             step = np.linalg.solve(matrix, np.append(-at.residual, 0.0))
         except np.linalg.LinAlgError:
             # Of zones on a level stretch.
-            return None
+            return None, None
         size = float(np.abs(step).max())
         # The start, too, may have been solved roughly.
         if size > (0.3 if k == 0 else 1.0) * max(abs(length), _OFF):
-            return None
-        if not tight and size < _ROUGHLY:
-            return at
-        moved, value = moved + step[:-1] * widths, float(value + step[-1] * unit)
-        # Of zones far narrower than others rounding leaves more: then steps do not fall any more.
-        if size < _TIGHT or 0.5 * before < size < _ROUGHLY:
+            return None, None
+        rounded = 0.5 * before < size < _ROUNDED
+        if not tight and (size < _ROUGHLY or rounded):
+            return at, start
+        start = start + step
+        # What is left falls as the steps do, or faster. Of zones far narrower than others rounding leaves more: then they do not fall any
+        # more.
+        if size * min(size / before if k else 1.0, 1.0) < _TIGHT or rounded:
             how.pop("tolerance", None)
-            return curve.at(here.at.moved(moved), value, **how)
+            return curve.at(at_start.moved(start[:-1] * here.widths), at_start.value + start[-1] * here.unit, **how), start
         before = size
-    return None
+    return None, start

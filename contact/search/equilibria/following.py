@@ -152,7 +152,7 @@ class Following:
             x, depth = maximum(lambda x: -fields.formal_gap(x), np.linspace(lo, hi, 17))
             return x, -depth
 
-        length, place, width = first_of(step, length, overlaps, least, lambda at: openings(curve.fields(at)).overlaps)
+        length, place, width = first_of(step, length, last, overlaps, least, lambda at: openings(curve.fields(at)).overlaps)
         here = step.at(length)
         half = 0.5 * NEW * width
         while True:
@@ -166,21 +166,23 @@ class Following:
 
 
 def first_of(
-    step: Step, length: float, seen: Array, least: Callable[[Point, float, float], tuple[float, float]], others: Callable[[Point], Array]
+    step: Step, length: float, end: Point, seen: Array, least: Callable[[Point, float, float], tuple[float, float]],
+    others: Callable[[Point], Array],
 ) -> tuple[float, float, float]:
-    """(how far within a step it is to where something is zero first, its place, the width in which it was seen). seen: intervals (n, 2)
-    in which it is negative at the step's end; least: its (place, value) in an interval; others: intervals in which it is negative."""
+    """(how far within a step it is to where something is zero first, its place, the width in which it was seen). end: the
+    state at the length; seen: intervals (n, 2) in which it is negative there; least: its (place, value) in an interval; others: intervals
+    in which it is negative."""
     place, width = 0.0, 0.0
     while len(seen):
         lo, hi = (float(end) for end in seen[0])
         place, width = 0.5 * (lo + hi), hi - lo
-        first, last = least(step.start.at, lo, hi)[1], least(step.at(length), lo, hi)[1]
+        first, last = least(step.start.at, lo, hi)[1], least(end, lo, hi)[1]
         if not first > 0.0 > last:
             break
         length = step.where(lambda at, lo=lo, hi=hi: least(at, lo, hi)[1], first, last, length)  # type: ignore[misc]
-        here = step.at(length)
-        place = least(here, lo, hi)[0]
+        end = step.at(length)
+        place = least(end, lo, hi)[0]
         # Elsewhere it may have been before.
-        seen = others(here)
+        seen = others(end)
         seen = seen[(seen[:, 0] > place) | (seen[:, 1] < place)]
     return length, place, width

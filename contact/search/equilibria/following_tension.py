@@ -13,7 +13,7 @@ import numpy as np
 
 from contact.errors import NotConverged
 from contact.formulation.equilibria import Closed, NoState, Point
-from contact.formulation.roots import bracketed, maximum
+from contact.formulation.roots import maximum, smooth_root
 from contact.formulation.tables import runs_of
 from contact.formulation.tension.cohesive import Cohesive, CohesivePoint, Known
 from contact.formulation.tension.contact import Covered, Lost
@@ -32,6 +32,8 @@ _STEPS, _HALVINGS, _PARTS = 8, 40, 12
 _FARTHER = (1.0, 1.1, 1.5)
 # Newton's steps to an equilibrium, the last one over the widths, and a gap over the reach that is none.
 _NEWTON, _STILL, _TOUCHES = 20, 1e-12, 1e-9
+# Of a value, a step to where contact vanishes that is none.
+_STEADY = 1e-14
 # Over its width, how far an interval of tension is pushed inward that has let go.
 _PUSH = 0.03
 # Of the value, short of full contact: there the last gap closes.
@@ -91,9 +93,10 @@ class FollowingUnderTension(Following):
             seen = self._wrong(last, outside)
             if len(seen) == 0:
                 continue
-            here = first_of(
-                step, length, seen, lambda at, lo, hi, o=outside: self._least(at, lo, hi, o), lambda at, o=outside: self._wrong(at, o),  # type: ignore[misc]
-            )
+            def least(at: Point, lo: float, hi: float, outside: bool = outside) -> tuple[float, float]:
+                return self._least(at, lo, hi, outside)
+
+            here = first_of(step, length, last, seen, least, lambda at, o=outside: self._wrong(at, o))  # type: ignore[misc]
             if found is None or here[0] < found[0]:
                 found = (*here, outside)
         if found is None:
@@ -190,28 +193,30 @@ class FollowingUnderTension(Following):
         formal = replace(self.curve, formal=True, known=[known])
 
         def state(value: float, table: Array) -> CohesivePoint:
-            at = formal.at(table, value)
+            at, before = formal.at(table, value), np.inf
             for _ in range(_NEWTON):
                 step = np.linalg.solve(-at.rates, at.residual)
                 at = formal.at(at.moved(np.asarray(step, dtype=np.float64)), value)
-                if float(np.abs(step / at.widths).max()) < _STILL:
+                size = float(np.abs(step / at.widths).max())
+                # What is left falls as the steps do, until it is rounding.
+                if size < _STILL or size * size < _STILL * before or 0.5 * before < size < _TOUCHES:
                     break
+                before = size
             return at
 
+        touches = _TOUCHES * self.curve.reach
         value, step = here.value, 1e-4 / float(np.abs(here.by_value).max())
         try:
             at = state(value, here.table)
             least = condition(formal, at, each[0])[1]
             for _ in range(_NEWTON):
                 at = state(value + step, at.table)
-                ahead = condition(formal, at, each[0])[1]
-                value += step
-                if ahead == least or abs(step) < 1e-15 * abs(value):
+                value, before, least = value + step, least, condition(formal, at, each[0])[1]
+                if least == before or 0.5 * abs(before) < abs(least) < touches or abs(step) < _STEADY * abs(value):
                     break
-                step, least = -step * ahead / (ahead - least), ahead
+                step *= -least / (least - before)
         except (NotConverged, NoState, np.linalg.LinAlgError):
             return None
-        touches = _TOUCHES * self.curve.reach
         if abs(least) > touches or at.look[1].min() < -touches:
             return None
         return np.sort([condition(formal, at, one)[0] for one in each]), at
@@ -280,7 +285,7 @@ class FollowingUnderTension(Following):
         else:
             return None
         try:
-            root = bracketed(lambda u: condition(self.curve, formally(u), change)[1], {0.0: first, 1.0: last}, xtol=1e-14)
+            root = smooth_root(lambda u: condition(self.curve, formally(u), change)[1], {0.0: first, 1.0: last}, arc.NEAR)
             here = formally(root)
         except (NotConverged, NoState):
             return None
@@ -369,9 +374,7 @@ class FollowingUnderTension(Following):
         first = most(here.value)[2]
         value = here.value
         if first < 0.0:
-            value = bracketed(
-                lambda v: most(v)[2], {here.value: first, new.value: most(new.value)[2]}, xtol=1e-15 * max(abs(here.value), abs(new.value))
-            )
+            value = smooth_root(lambda v: most(v)[2], {here.value: first, new.value: most(new.value)[2]})
         at, place, _ = most(value)
         half = 0.5 * NEW * period
         while True:

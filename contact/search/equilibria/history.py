@@ -73,14 +73,13 @@ class History:
         """Along the curve from an equilibrium to the value, or to the first jump."""
         law = self.law
         try:
-            for step in steps(law.curve, here, sense):
+            for step in steps(law.curve, here, sense, False):
                 length, last = step.length, step.end.at
                 if step.turns:
                     length = step.turning()
                     last = step.at(length)
                 if arrives := sense * (last.value - value) >= 0.0:
-                    length = step.where(lambda at: at.value - value, step.start.at.value - value, last.value - value, length, _ROUGHLY)
-                    last = law.curve.settled(replace(step.at(length), value=value))
+                    length, last = self._arriving(step, length, last, value)
                 if (jump := law.interrupted(step, length, last, sense)) is not None:
                     assert jump.before.point is not None
                     yield from law.passed(step, length, jump.before.point)
@@ -100,10 +99,21 @@ class History:
             return self._ended(failure, here, value, sense)
         raise NotConverged("the curve of equilibria ended")
 
+    def _arriving(self, step: Step, length: float, last: Point, value: float) -> tuple[float, Point]:
+        """(how far within a step it is to a value of the control, the equilibrium there)."""
+        found = step.arriving(value)
+        if found is None:
+            length = step.where(lambda at: at.value - value, step.start.at.value - value, last.value - value, length, _ROUGHLY, False)
+            found = self.law.curve.settled(replace(step.at(length), value=value))
+        else:
+            length = step.how_far(found)
+        return length, found
+
     def _ended(self, failure: NotConverged, here: Point, value: float, sense: float) -> Jump:
         """What happens where the curve breaks off, if that lies before the value."""
         end = self.law.gone(here, sense)
         if end is None and isinstance(failure, SymmetryLost):
+            failure = failure.located()
             end = self._aside(failure)
         if end is None or sense * (end.before.value - value) > 0.0:
             raise failure

@@ -12,7 +12,7 @@ from contact.formulation.fields import ZoneFields
 from contact.formulation.tension.cohesive import Cohesive
 from contact.formulation.tension.fields import PulledFields
 from contact.search.equilibria import tension as under_tension
-from contact.search.equilibria.arc import pull_off
+from contact.search.equilibria.arc import SymmetryLost, pull_off
 from contact.search.equilibria.flow import receded
 from contact.search.equilibria.relaxation import relaxed
 from contact.solution.answer import PullOff
@@ -29,7 +29,10 @@ class Parting:
         curve = Equilibria(problem, self.held)
         # Under a held approach ends that recede may drive others on.
         recede = receded if self.held.load is not None else relaxed
-        last = pull_off(curve, curve.at(fields.density.zones.table, self.held.value), recede)
+        try:
+            last = pull_off(curve, curve.at(fields.density.zones.table, self.held.value), recede)
+        except SymmetryLost as lost:
+            raise lost.located() from None
         approach = float(-last.level * units.height) if problem.operator.has_approach else None
         return PullOff(float(last.load * units.load), approach, np.asarray(units.x(last.table)))
 
@@ -44,9 +47,12 @@ class PartingUnderTension:
         assert isinstance(fields, PulledFields) and fields.law_problem is not None
         problem, units, zones = fields.law_problem, fields.problem.units, fields.density.zones.table
         curve, tension = Cohesive(problem, self.held), fields.tension
-        if tension.everywhere:
-            last = under_tension.pull_off_from_all(curve, zones, self.held.value)
-        else:
-            last = under_tension.pull_off(curve, curve.from_zones(tension.table, self.held.value, zones))
+        try:
+            if tension.everywhere:
+                last = under_tension.pull_off_from_all(curve, zones, self.held.value)
+            else:
+                last = under_tension.pull_off(curve, curve.from_zones(tension.table, self.held.value, zones))
+        except SymmetryLost as lost:
+            raise lost.located() from None
         approach = float(-last.level * units.height) if problem.operator.has_approach else None
         return PullOff(float(last.load * units.load), approach, np.asarray(units.x(last.contact)))

@@ -27,6 +27,8 @@ _NEW = 0.5
 _TRIES = 6
 # How often, and by how much, intervals are widened that contact covers.
 _WIDENINGS, _WIDEN = 120, 1.25
+# After so many times the same again.
+_HASTE = 3
 # So often ends are let go one way only; of the widths, how far else.
 _ONE_WAY, _SLOWLY = 4, 0.5
 # Newton's steps of a state without contact.
@@ -147,6 +149,8 @@ def _flowed(curve: Cohesive, table: Array, value: float, sign: float) -> Cohesiv
         here = ahead
         if flow.at_rest(here, move):
             return here
+        if move == 0.0:
+            break
     raise NotConverged("the ends of the tension did not come to rest under a held control")
 
 
@@ -177,22 +181,32 @@ def settled(curve: Cohesive, here: Point, sign: float) -> CohesivePoint | None:
 
 
 def uncovered(curve: Cohesive, table: Array, value: float, zones: Array) -> Array:
-    """The intervals, or wider ones where contact covers these: what it covers is driven on."""
+    """The intervals, or wider ones where contact covers these: what it covers is driven on, by more each time, and by little from the last
+    of them that were covered where that went too far."""
+    before, power, faster = table, 0, 1
     for _ in range(_WIDENINGS):
         try:
-            curve.from_zones(table, value, curve.fitted(zones, table), flow.ROUGH)
-            return table
+            here = curve.from_zones(table, value, curve.fitted(zones, table), flow.ROUGH)
         except Covered as covered:
-            width, gaps = np.diff(table, axis=1)[:, 0], curve.gaps(table)
-            left, right = covered.ends.reshape(2, -1)
-            out = 0.5 * (_WIDEN - 1) * width
-            table = table + np.column_stack((-1.0 * left * np.minimum(out, 0.4 * np.roll(gaps, 1)), right * np.minimum(out, 0.4 * gaps)))
-            # What contact goes on to close is closed.
-            joins = (curve.gaps(table) < flow.CLOSED * np.minimum(width, np.roll(width, -1))) & (right | np.roll(left, -1))
-            if joins.all():
-                raise Closed from covered
-            table = curve.within(joined(table, joins, [], curve.problem.round))
+            before, power = table, power + faster
+            table = _widened(curve, table, covered, _WIDEN ** (1 + power // _HASTE))
+            continue
+        if power < _HASTE or here.residual.min() > -flow.SLIGHT:
+            return table
+        table, power, faster = before, 0, 0
     raise NotConverged(TOO_NARROW)
+
+
+def _widened(curve: Cohesive, table: Array, covered: Covered, by: float) -> Array:
+    width, gaps = np.diff(table, axis=1)[:, 0], curve.gaps(table)
+    left, right = covered.ends.reshape(2, -1)
+    out = 0.5 * (by - 1) * width
+    table = table + np.column_stack((-1.0 * left * np.minimum(out, 0.4 * np.roll(gaps, 1)), right * np.minimum(out, 0.4 * gaps)))
+    # What contact goes on to close is closed.
+    joins = (curve.gaps(table) < flow.CLOSED * np.minimum(width, np.roll(width, -1))) & (right | np.roll(left, -1))
+    if joins.all():
+        raise Closed from covered
+    return curve.within(joined(table, joins, [], curve.problem.round))
 
 
 def _step(curve: Cohesive, here: Point, sign: float) -> tuple[Point, float]:
