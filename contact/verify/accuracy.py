@@ -185,7 +185,9 @@ class FoundByGaps(Solved):
         fields, state, gaps = self.fields, self.fields.state.whole, self.fields.density.zones
         units, profile = fields.problem.units, fields.problem.profile
         width = (gaps.b - gaps.a)[:, None]
-        moved = self.free.end_error + state.end_truncation + self.off * self.widening / width
+        moved = self.free.end_error + state.end_truncation
+        if self.off:
+            moved = moved + self.off * self.widening / width
         shift = np.maximum(moved * width, self._adrift[:, None])
         # The zone before the first gap is the last.
         zones = fields.zones[:, 1] - fields.zones[:, 0]

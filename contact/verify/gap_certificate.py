@@ -7,7 +7,7 @@ from contact.formulation.gaps import GapFields
 from contact.formulation.tables import runs_of
 from contact.verify.certificate import Certificate, told_of_left_out
 from contact.verify.minima import DIP_ROUNDING, Signs, follow, lowest, may_be_negative, signs_on
-from sie import Array, Index
+from sie import Array, Index, record
 
 _EPS = 2.2e-16
 # Shortest lengths of the profile: half widths from which zones are wide, and distances from their ends at which they are inner.
@@ -54,7 +54,8 @@ def _pressures(fields: GapFields) -> tuple[float, list[tuple[float, float]], flo
     """(least pressure over the sine of the angle, intervals where it is negative, least dip over its zone's scale, points)."""
     zones = fields.zones
     middle, half = zones.mean(axis=1), 0.5 * (zones[:, 1] - zones[:, 0])
-    run, zone, angle, value, rough = _sampled(fields)
+    sampled = _sampled(fields)
+    run, zone, value, rough = sampled.run, sampled.zone, sampled.value, sampled.rough
     least = float(np.where(np.abs(value) <= rough, np.abs(value), value).min())
     negative: list[tuple[float, float]] = []
 
@@ -65,7 +66,8 @@ def _pressures(fields: GapFields) -> tuple[float, list[tuple[float, float]], flo
     for k in np.unique(run[fails]):
         here = np.flatnonzero(run == k)
         for s, e in runs_of(fails[here]):
-            pulls(int(zone[here[0]]), angle[here[max(s - 1, 0)]], angle[here[min(e + 1, len(here) - 1)]])
+            first, last = sampled.angle(here[[max(s - 1, 0), min(e + 1, len(here) - 1)]])
+            pulls(int(zone[here[0]]), float(first), float(last))
     inner = may_be_negative(value[:-2], value[1:-1], value[2:]) & (run[:-2] == run[2:]) & ~fails[1:-1]
     places = np.flatnonzero(inner) + 1
     scale = np.zeros(len(zones))
@@ -75,25 +77,40 @@ def _pressures(fields: GapFields) -> tuple[float, list[tuple[float, float]], flo
         zone, angle = np.repeat(i.ravel(), angles.shape[1]), angles.ravel()
         return np.asarray(_pressure_at(fields, zone, angle) / np.sin(angle)).reshape(angles.shape)
 
-    dips = follow(over_root, zone[places], angle[places - 1], angle[places + 1], scale[zone[places]], rough[places])
+    before, after = sampled.angle(places - 1), sampled.angle(places + 1)
+    dips = follow(over_root, zone[places], before, after, scale[zone[places]], rough[places])
     for i, lo, hi in dips.negative:
         pulls(i, lo, hi)
     return min(least, dips.least, dips.lowest), negative, dips.relative, len(zone)
 
 
-def _sampled(fields: GapFields) -> tuple[Index, Index, Array, Array, Array]:
-    """Samples in all contact: the run of even ones that each is of, its zone, its angle, the pressure over the sine of that, its rounding.
+@record
+class _Samples:
+    """Samples in all contact: the run of even ones that each is of, its zone, the distances from the ends of that over its half width, the
+    pressure over the sine of the angle, its rounding."""
 
-    They are even in the angle, closer beside the ends, but inside wide zones those that the fields have anyway, whatever their ends are.
-    """
+    run: Index
+    zone: Index
+    left: Array
+    right: Array
+    value: Array
+    rough: Array
+
+    def angle(self, some: Index) -> Array:
+        return np.asarray(2 * np.arctan2(np.sqrt(self.right[some]), np.sqrt(self.left[some])))
+
+
+def _sampled(fields: GapFields) -> _Samples:
+    """Even in the angle, closer beside the ends, but inside wide zones those that the fields have anyway, whatever their ends are."""
     zones, spacing = fields.zones, fields.relief.spacing
     half = 0.5 * (zones[:, 1] - zones[:, 0])
     counts = np.clip(64 * half / spacing, 96, 40000).astype(int)
-    wide = np.flatnonzero(half > _WIDE * spacing)
+    is_wide = half > _WIDE * spacing
+    wide = np.flatnonzero(is_wide)
     x, known = fields.samples
     inside = np.maximum(np.searchsorted(zones[:, 0], x, side="right") - 1, 0)
-    left, right = (x - zones[inside, 0]) / half[inside], (zones[inside, 1] - x) / half[inside]
-    inner = np.isin(inside, wide) & (np.minimum(left, right) * half[inside] > _BESIDE_ENDS * spacing)
+    from_left, from_right = x - zones[inside, 0], zones[inside, 1] - x
+    inner = np.flatnonzero(is_wide[inside] & (np.minimum(from_left, from_right) > _BESIDE_ENDS * spacing))
     # Beside the ends of wide zones, some steps into their inner samples.
     beside = 2 * np.arcsin(np.sqrt(0.5 * (_BESIDE_ENDS * spacing + 3 * (x[1] - x[0])) / half[wide]))
     few = np.minimum(np.ceil(beside * counts[wide] / np.pi).astype(int) + 1, counts[wide])
@@ -104,19 +121,26 @@ def _sampled(fields: GapFields) -> tuple[Index, Index, Array, Array, Array]:
     run = np.repeat(np.arange(len(of_run)), lengths)
     place = np.arange(len(run)) - np.repeat(np.cumsum(lengths) - lengths - first, lengths)
     zone = of_run[run]
-    angle = (place + 0.5) * np.pi / counts[zone]
+    left, right = _sides((place + 0.5) * np.pi / counts[zone])
     # From right to left, as angles grow.
-    inner_angle = 2 * np.arctan2(np.sqrt(right[inner]), np.sqrt(left[inner]))[::-1]
-    pressure = np.concatenate((_pressure_at(fields, zone, angle), known[inner][::-1]))
-    zone, angle = np.concatenate((zone, inside[inner][::-1])), np.concatenate((angle, inner_angle))
-    run = np.concatenate((run, len(of_run) + inside[inner][::-1]))
+    inner = inner[::-1]
+    pressure, zone = np.concatenate((fields.pressure_in(zone, left, right), known[inner])), np.concatenate((zone, inside[inner]))
+    left = np.concatenate((left, from_left[inner] / half[inside[inner]]))
+    right = np.concatenate((right, from_right[inner] / half[inside[inner]]))
+    run = np.concatenate((run, len(of_run) + inside[inner]))
     # The pressure is a difference of numbers of the size of R: next to an end only their rounding is left.
     size = abs(fields.mean) + float(np.abs(pressure[np.isfinite(pressure)]).max(initial=0.0))
-    return run, zone, angle, pressure / np.sin(angle), 64 * _EPS * size / np.sin(angle)
+    over_sine = 1 / np.sqrt(left * right)
+    return _Samples(run, zone, left, right, pressure * over_sine, 64 * _EPS * size * over_sine)
+
+
+def _sides(angle: Array) -> tuple[Array, Array]:
+    """Distances from both ends of a zone over its half width."""
+    return 2 * np.cos(angle / 2) ** 2, 2 * np.sin(angle / 2) ** 2
 
 
 def _pressure_at(fields: GapFields, zone: Index, angle: Array) -> Array:
-    return fields.pressure_in(zone, 2 * np.cos(angle / 2) ** 2, 2 * np.sin(angle / 2) ** 2)
+    return fields.pressure_in(zone, *_sides(angle))
 
 
 def _valleys(fields: GapFields) -> tuple[list[tuple[float, float]], int]:

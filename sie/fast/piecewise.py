@@ -26,8 +26,8 @@ _MARGIN = 0.5 * SEPARATION
 _MOST, _LEAST = 12, 0.2
 # Seen from farther than this, in half widths, the closed form of a piece cancels, and its moments are enough.
 _CLOSE = 1 + SEPARATION
-# Points, and pairs of cells, handled at once: they stay in the cache.
-_BLOCK, _PAIRS = 1 << 14, 1 << 12
+# Points, pairs of cells, and points of a series handled at once: they stay in the cache.
+_BLOCK, _PAIRS, _CACHED = 1 << 14, 1 << 12, 1 << 13
 
 
 class PiecewiseTransform:
@@ -160,12 +160,19 @@ class PiecewiseTransform:
 
 
 def clenshaw(table: Array, cell: Index, t: Array) -> Array:
-    """sum_k table[k, cell] T_k(t) by Clenshaw's recurrence."""
-    one, two = np.zeros(len(t)), np.zeros(len(t))
-    twice = 2 * t
-    for row in table[:0:-1]:
-        one, two = row[cell] + twice * one - two, one
-    return np.asarray(table[0][cell] + t * one - two)
+    """sum_k table[k, cell] T_k(t) by Clenshaw's recurrence, of so many points at once that it stays in the cache."""
+    out = np.empty(len(t))
+    for start in range(0, len(t), _CACHED):
+        here = slice(start, start + _CACHED)
+        of, x = cell[here], t[here]
+        twice, one, two, new = 2 * x, np.zeros(len(x)), np.zeros(len(x)), np.empty(len(x))
+        for row in table[:0:-1]:
+            np.multiply(twice, one, out=new)
+            new += row[of]
+            new -= two
+            one, two, new = new, one, two
+        out[here] = table[0][of] + x * one - two
+    return out
 
 
 def _cells(ends: Array, at: Array) -> Array:
