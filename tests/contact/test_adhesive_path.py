@@ -12,6 +12,7 @@ from scipy.optimize import brentq
 
 import contact
 from contact import exact
+from contact.studies.trace_kinds import drawn
 
 E, DELTA, WORK = 1.0, 0.01, 1e-5
 WAVE = exact.JKRWave(DELTA, 1.0, E, WORK)
@@ -283,3 +284,16 @@ def test_two_equal_tips_on_a_soft_spring_come_off_together_since_one_alone_would
     # One tip alone comes off near the approach and the load of the stiffer spring, too: on the softer one that is a higher far end.
     one = far[3.0][1]
     assert one.approach + one.load / 1.0 > far[1.0][0] and one.approach + one.load / 3.0 < far[3.0][0]
+
+
+def test_a_tip_that_others_relieve_as_they_touch_begins_later():
+    # Four tips of nearly one height: the first hold the surfaces so near that all touch, and two of them press hardest.
+    body = drawn(np.random.default_rng(4), "turned", 300)
+    scene = contact.Scene(body, 2.3e11, contact.Periodic(), law=contact.JKR(0.08145729947206055), mean_pressure=1.0)
+    loads = 1001345.1073676093 * np.array([-0.02, 0.5, -0.3])
+    loop = contact.path(scene, loads, control="mean_pressure")
+    assert [(event.kind, len(event.before), len(event.after)) for event in loop.events] == [
+        ("jump-in", 0, 3), ("birth", 3, 4), ("pull-off", 4, 0),
+    ]
+    advancing = contact.solve(replace(scene, mean_pressure=float(loads[1])))
+    assert loop.solutions[1].zones == pytest.approx(advancing.zones, abs=1e-9 * body.period)

@@ -30,8 +30,20 @@ def grown(curve: Equilibria, table: Array, value: float) -> Point:
         new = curve.within(openings(curve.fields(here, ROUGH)).overlaps)
         if len(new) == 0:
             return here
-        table = with_new(here.table, new)
+        table = _driven_outward(curve, here, new)
     raise NotConverged("ever more zones begin under adhesion")
+
+
+def _driven_outward(curve: Equilibria, here: Point, overlaps: Array) -> Array:
+    """The zones of a state with narrow ones in its overlaps, without those that the others relieve so much that they would come apart."""
+    while True:
+        table = with_new(here.table, overlaps)
+        left, right = np.split(curve.at(table, here.value, ROUGH).whole.residual, 2)
+        away = table[(left < 0.0) & (right < 0.0)].mean(axis=1)
+        stays = ~np.array([np.any((away > lo) & (away < hi)) for lo, hi in overlaps])
+        if stays.all() or not stays.any():
+            return table
+        overlaps = overlaps[stays]
 
 
 def with_new(table: Array, overlaps: Array) -> Array:
