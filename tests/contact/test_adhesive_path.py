@@ -297,3 +297,13 @@ def test_a_tip_that_others_relieve_as_they_touch_begins_later():
     ]
     advancing = contact.solve(replace(scene, mean_pressure=float(loads[1])))
     assert loop.solutions[1].zones == pytest.approx(advancing.zones, abs=1e-9 * body.period)
+
+
+@pytest.mark.slow
+def test_an_end_that_has_passed_its_rest_is_not_put_back_for_ever():
+    # Steps with noise: an end between them stepped over its place of rest to where it would run on, and back, three thousand times.
+    rng = np.random.default_rng(21)
+    body = drawn(rng, "steps", 200)
+    scene = contact.Scene(body, 2.3e11, contact.Periodic(), law=contact.JKR(19.087977588936866), mean_pressure=1.0)
+    loop = contact.path(scene, 4.375646328234528e8 * np.array([-0.02, 1.0]), control="mean_pressure")
+    assert loop.solutions[1].zones == pytest.approx(contact.solve(scene.under("mean_pressure", 4.375646328234528e8)).zones, rel=1e-8)

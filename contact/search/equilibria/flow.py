@@ -23,8 +23,9 @@ from sie import Array, Mask
 _INWARD, _OUTWARD, _INTO_GAP, _OF_RESOLUTION = 0.3, 0.5, 0.4, 1.0
 # On the way the states are solved to this; ends at rest: the last step over the widths.
 ROUGH, REST, _SETTLED = 1e-9, 1e-6, 1e-5
-# By how much of r, and of K*, a step may pass a place of rest; from how near an equilibrium Newton's step is taken as it is.
-_OVERSHOT, SLIGHT, _NEAR, _FAR = 0.1, 1e-4, 0.02, 0.05
+# By how much of r, and of K*, a step may pass a place of rest, the second where an end would run on from there; from how near an
+# equilibrium Newton's step is taken as it is.
+_OVERSHOT, _RUN_ON, SLIGHT, _NEAR, _FAR = 0.1, 1e-3, 1e-4, 0.02, 0.05
 # Of the way to a place of rest, by the chord.
 _SHORT_OF = 0.8
 # Of the largest in a growing motion, ends that run away.
@@ -214,6 +215,9 @@ def passed(here: Point, ahead: Point, step: Array, sign: float) -> Mask:
     allowed = np.minimum(-_OVERSHOT * np.minimum(np.abs(before), 1.0) - SLIGHT, 1.1 * before - SLIGHT)
     # Beside a stable equilibrium an end that has gone a little too far comes back.
     far = (np.abs(step) > _NEAR * here.widths) | (here.growth < 0.0 <= ahead.growth) | (after < -_FAR)
+    # Where motions grow for most of the way it would run on, or be put back for ever.
+    if 0.0 < -here.growth <= ahead.growth:
+        allowed = np.where(before > 0.0, -_RUN_ON, allowed)
     # One that was held was at rest.
     far &= ~first.held
     over = (after < allowed) & far
