@@ -248,6 +248,26 @@ def height_where_cut(solution):
     return float((profile.height(border) - heights.min()) / np.ptp(heights))
 
 
+class TestSelfConsistentStrip:
+    def test_it_is_cut_where_its_centre_stays_even_if_a_gap_in_it_is_wider(self):
+        wave = Swinging(1.3357133912296777, 0.6150541064175756, 0.0)
+        solution = solve(wave, SELF, mean_pressure=0.00363165122206578)
+        zones, problem = solution.fields.density.zones, solution.fields.problem
+        middle, beside = 0.5 * float(zones.a[0] + zones.b[-1]), problem.period - float(zones.b[-1] - zones.a[0])
+        assert middle == pytest.approx(problem.centre, abs=1e-8) and len(zones) == 2
+        assert beside < float(zones.a[1] - zones.b[0])
+
+    def test_its_nominal_pressure_is_resolved_up_to_the_border(self):
+        # Under a load it is known: series of a column would be cut short so near to the border.
+        body = drawn(np.random.default_rng(4), "texture", 60)
+        full = contact.solve(contact.Scene(body, 1e9, PERIODIC, contact_fraction=1.0)).mean_pressure
+        scene = contact.Scene(body, 1e9, SELF, mean_pressure=1.3 * full)
+        solution = contact.solve(scene)
+        assert solution.certificate.holds and solution.error <= 1e-8
+        more, less = (contact.solve(replace(scene, mean_pressure=part * 1.3 * full)) for part in (1 + 1e-4, 1 - 1e-4))
+        assert (more.load - less.load) / (more.approach - less.approach) == pytest.approx(solution.stiffness, rel=1e-4)
+
+
 class TestNearFullContact:
     def test_the_period_is_cut_in_a_valley_where_no_centre_follows_its_zones(self):
         full = solve(TWO, PERIODIC, contact_fraction=1.0).mean_pressure

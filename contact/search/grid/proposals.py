@@ -46,8 +46,8 @@ _CLOSE_BY = 1.1
 @record
 class Proposed:
     """Zones (n, 2) [m], the grid's points, whether it is in full contact or touches the border of what is known, the tilt
-    under which the moment is right, where that is unknown, the load [N/m], the contact on the grid of a whole period, and why a strip is
-    not where its centre stays."""
+    under which the moment is right, where that is unknown, the load [N/m], the contact on the grid of a whole period, why a strip is
+    not where its centre stays, and whether they are those of a strip from border to border, wherever their widest gap is."""
 
     zones: Array
     points: int
@@ -57,6 +57,7 @@ class Proposed:
     load: float = math.nan
     state: GridState | None = field(default=None, repr=False)
     unrest: Unrest | None = None
+    in_strip: bool = False
 
     @property
     def width(self) -> float:
@@ -118,7 +119,7 @@ def _in_strip(problem: Problem, control: Control, points: int | None, whole: Pro
         if abs(here.miss) <= _CELLS * here.cell:
             break
         here = replace(here, centre=here.centre + here.miss)
-    return Proposed(here.strip.zones, wide, False, here.touches, unrest=unrest)
+    return Proposed(here.strip.zones, wide, False, here.touches, unrest=unrest, in_strip=True)
 
 
 def cut_of(whole: Proposal, x0: float, period: float) -> tuple[float, float]:

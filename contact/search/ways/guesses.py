@@ -211,7 +211,7 @@ def _from_proposal(
     width = proposal.width / problem.units.length
     if problem.period is not None and width > 0.4 * problem.period and (known := full_under(task, control)):
         return known
-    table = placed(problem, proposal.zones)
+    table = problem.units.scaled(proposal.zones) if proposal.in_strip else placed(problem, proposal.zones)
     found_by_gaps = by_gaps(task, problem, control, width, table, drops=drops)
     if isinstance(found_by_gaps, FoundByGaps):
         return found_by_gaps

@@ -60,7 +60,8 @@ def centred(task: Task, scaled: ScaledScene, start: Array | None) -> Found:
         # Near the digits of the zones the centre no longer comes nearer.
         if abs(miss) * max(follows, 1.0) <= 0.1 * task.tolerance * width + np.spacing(abs(centre)) or moved / 4 < abs(miss) < 1e-7 * width:
             if certified:
-                return replace(found, off=found.off + abs(miss) * follows / width)
+                found = replace(found, off=found.off + abs(miss) * follows / width)
+                return _with_longer_series(task, scaled, found)
             found, certified, before, moved = _in_strip(task, replace(scaled, problem=problem), zones.table), True, None, math.inf
             continue
         passed.append(abs(miss))
@@ -79,6 +80,21 @@ def centred(task: Task, scaled: ScaledScene, start: Array | None) -> Found:
         if changed > _CHANGES:
             raise no_rest(problem, scaled.control, Unrest.LOST)
     raise task.error(Missed(f"the centre of the strip did not settle; {EXACT}", found.free), found.fields.problem)
+
+
+def _with_longer_series(task: Task, scaled: ScaledScene, found: Found) -> Found:
+    """Where the series of the column is cut short, as it is so near to the border of a strip: under a load the nominal pressure is known,
+    and with that a part of the right side, which has as many modes as it takes."""
+    problem, control = found.fields.problem, found.control
+    if problem.amplitude is not None or control.load is None or found.error <= task.tol:
+        return found
+    assert problem.period is not None
+    given = replace(scaled, problem=problem.with_amplitude(control.load / problem.period))
+    longer = attempted(lambda: centred(task, given, found.free.density.zones.table))
+    if isinstance(longer, Missed):
+        task.left("the nominal pressure as given", longer)
+        return found
+    return replace(longer, fields=replace(longer.fields, amplitude_rate=1 / problem.period))
 
 
 def _moved(task: Task, scaled: ScaledScene, found: Found, step: float, rate: Array | None) -> tuple[Found, bool]:
