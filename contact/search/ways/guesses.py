@@ -211,7 +211,9 @@ def _from_proposal(
     width = proposal.width / problem.units.length
     if problem.period is not None and width > 0.4 * problem.period and (known := full_under(task, control)):
         return known
-    table = problem.units.scaled(proposal.zones) if proposal.in_strip else placed(problem, proposal.zones)
+    # A symmetric strip stays about the origin, or half a period from it.
+    stays = proposal.in_strip and not problem.profile.symmetric
+    table = problem.units.scaled(proposal.zones) if stays else placed(problem, proposal.zones)
     found_by_gaps = by_gaps(task, problem, control, width, table, drops=drops)
     if isinstance(found_by_gaps, FoundByGaps):
         return found_by_gaps
