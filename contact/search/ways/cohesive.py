@@ -366,7 +366,8 @@ def whole(pulled: Pulled, zones: Array) -> sie.Zones:
 def everywhere(task: Task, problem: Problem) -> Outcome:
     """Tension in all of a period: the contact under the bare law, less the tension."""
     scene = _bare_scene(task, problem)
-    found = task.under(scene, _BARE)
+    alone = replace(task, scene=scene, shared=Shared(scene))
+    found = alone.under(scene, _BARE)
     stress = task.scene.law.tension
     pulled = Pulled.of(problem, stress / problem.units.pressure, np.zeros((0, 2)), everywhere=True)
     if len(found.zones) == 0:
@@ -378,7 +379,6 @@ def everywhere(task: Task, problem: Problem) -> Outcome:
     load = found.load / problem.units.load
     plain = replace(problem, law=scene.law)
     if isinstance(found.fields, GapFields):
-        alone = replace(task, scene=scene, shared=Shared(scene))
         gapped = by_gaps(alone, plain, Load(load), float(np.diff(zones, axis=1).sum()), zones)
         if isinstance(gapped, Missed):
             raise task.error(gapped, plain)

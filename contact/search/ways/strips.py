@@ -85,16 +85,20 @@ def centred(task: Task, scaled: ScaledScene, start: Array | None) -> Found:
 def _with_longer_series(task: Task, scaled: ScaledScene, found: Found) -> Found:
     """Where the series of the column is cut short, as it is so near to the border of a strip: under a load the nominal pressure is known,
     and with that a part of the right side, which has as many modes as it takes."""
-    problem, control = found.fields.problem, found.control
-    if problem.amplitude is not None or control.load is None or float(found.fields.state.end_truncation.max()) <= task.tol:
+    problem, load = found.fields.problem, found.control.load
+    if problem.interaction.follows_isolated:
         return found
     assert problem.period is not None
-    given = replace(scaled, problem=problem.with_amplitude(control.load / problem.period))
+    if problem.amplitude is not None:
+        return replace(found, fields=replace(found.fields, amplitude_rate=1 / problem.period))
+    if load is None or float(found.fields.state.end_truncation.max()) <= task.tol:
+        return found
+    given = replace(scaled, problem=problem.with_amplitude(load / problem.period))
     longer = attempted(lambda: centred(task, given, found.free.density.zones.table))
     if isinstance(longer, Missed):
         task.left("the nominal pressure as given", longer)
         return found
-    return replace(longer, fields=replace(longer.fields, amplitude_rate=1 / problem.period))
+    return longer
 
 
 def _moved(task: Task, scaled: ScaledScene, found: Found, step: float, rate: Array | None) -> tuple[Found, bool]:
