@@ -47,12 +47,12 @@ with uncollected():
     from contact.solution.plan import Plan, plan
     from contact.solution.solution import Solution
     from contact.solver import solve
-    from contact.sweeps.curve import solve_many
 
 if TYPE_CHECKING:
     from contact.explorer.explore import explore
     from contact.model.scene_file import load_scene
     from contact.sweeps.adhesive import AdhesiveEvent, AdhesivePath
+    from contact.sweeps.many import solve_many
     from contact.sweeps.path import path
     from contact.sweeps.paths import Event, Path
     from contact.sweeps.sweep.run import sweep
@@ -62,6 +62,7 @@ _HOMES = {
     "contact.explorer.explore": "explore",
     "contact.model.scene_file": "load_scene",
     "contact.sweeps.adhesive": "AdhesiveEvent AdhesivePath",
+    "contact.sweeps.many": "solve_many",
     "contact.sweeps.path": "path",
     "contact.sweeps.paths": "Event Path",
     "contact.sweeps.sweep.run": "sweep",

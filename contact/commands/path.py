@@ -14,7 +14,7 @@ from contact.model.scene import Scene
 from contact.model.units import column, quantity
 from contact.solution.terminal import Progress, show_table
 from contact.sweeps.adhesive import AdhesivePath
-from contact.sweeps.curve import solve_many
+from contact.sweeps.many import solve_many
 from contact.sweeps.path import path
 from contact.sweeps.path_table import columns
 from contact.sweeps.paths import Path as LoadPath
@@ -37,6 +37,7 @@ _HEADS = {"zone_count": "zones", "stiffness": "stiff-\nness"}
 @click.option("--stiffness", type=float, metavar="K", help="Of a spring whose far end the approaches are [N/m^2].")
 @click.option("--back", is_flag=True, help="The same values back again.")
 @click.option("--no-events", is_flag=True, help="Do not look for where zones come, go and merge: much quicker where there are many.")
+@click.option("--workers", type=int, default=1, metavar="N", help="With --no-events: processes that solve.", show_default=True)
 @click.option("--csv", "table", type=click.Path(path_type=Path), metavar="OUT.csv", help="Write a row for each load.")
 @click.option("--plot", "figure", type=click.Path(path_type=Path), metavar="OUT.png", help="Draw contact and approach over the load.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of tables.")
@@ -45,7 +46,7 @@ _HEADS = {"zone_count": "zones", "stiffness": "stiff-\nness"}
 @TOL
 def path_command(
     scene: Path, loads: str | None, pressures: str | None, approaches: str | None, stiffness: float | None, back: bool, no_events: bool,
-    table: Path | None, figure: Path | None, as_json: bool, overwrite: bool, quiet: bool, tol: float,
+    workers: int, table: Path | None, figure: Path | None, as_json: bool, overwrite: bool, quiet: bool, tol: float,
 ) -> None:
     """Solve a SCENE along loads, up and down, with what happens between them: zones are born, merge, fill the period, snap apart.
 
@@ -55,12 +56,14 @@ def path_command(
     control, values = _values(problem, {"loads": loads, "pressures": pressures, "approaches": approaches}, back)
     if no_events and problem.law.pulls:
         raise SceneError.of("--no-events", True, f"left out: under {problem.law.name} it matters which way the values go")
+    if workers != 1 and not no_events:
+        raise SceneError.of("--workers", workers, "given with --no-events: events are followed from one to the next")
     outputs = Outputs(overwrite)
     outputs.add("--csv", table, {".csv": lambda found, name, overwrite: found.save(name, overwrite)})
     outputs.add_figure(figure, lambda found: found.plot())
     with Progress(wanted=not quiet) as progress:
         if no_events:
-            alone = tuple(solve_many(problem, values, control, tol=tol, progress=progress))
+            alone = tuple(solve_many(problem, values, control, tol=tol, progress=progress, workers=workers))
             found = LoadPath(alone, ((),) * len(alone))
         else:
             found = path(problem, values, tol=tol, progress=progress, control=control, stiffness=stiffness)

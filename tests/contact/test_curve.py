@@ -71,6 +71,42 @@ def test_each_solution_of_a_curve_is_that_of_a_solve_of_its_own(here, values):
         assert np.all(np.abs(one.zones - other.zones) <= (one.error + other.error) * width + 1e-15)
 
 
+class TestProcesses:
+    def test_solutions_of_several_processes_are_those_of_one(self):
+        loads = full_load(ROUGH) * np.array([0.4, 0.05, 1.2, 0.3, 0.31, 0.4])
+        steps = []
+        found = contact.solve_many(scene(ROUGH), loads, workers=2, progress=lambda stage, done, total: steps.append((done, total)))
+        assert steps[-1] == (6, 6)
+        for load, one, other in zip(loads, found, contact.solve_many(scene(ROUGH), loads), strict=True):
+            assert one.load == pytest.approx(load, rel=1e-12) and one.scene.load == load and one.certificate.holds and one.error <= 1e-8
+            np.testing.assert_allclose(one.zones, other.zones, rtol=0, atol=2e-8)
+
+    def test_what_no_contact_has_is_refused_as_by_one(self):
+        lone = scene(contact.Sinusoid(1e-2, 1.0), contact.Isolated())
+        for workers in (1, 2):
+            with pytest.raises(contact.OutOfRange, match="border"):
+                contact.solve_many(lone, [1e-3, 1.1e-3, 1.0, 1.1], workers=workers)
+
+    def test_none_is_started_for_what_is_known_at_once(self, monkeypatch):
+        monkeypatch.setattr("contact.sweeps.many.solved_in_processes", None)
+        found = contact.solve_many(scene(contact.Sinusoid(1e-2, 1.0)), [1e-3, 2e-3, 3e-3, 4e-3], workers=2)
+        assert [solution.scene.load for solution in found] == [1e-3, 2e-3, 3e-3, 4e-3]
+
+    def test_a_scene_that_cannot_be_sent_is_solved_here(self):
+        class Own(contact.Fourier):
+            """Other processes cannot import it."""
+
+        loads = full_load(ROUGH) * np.array([0.2, 0.3, 0.4, 0.5])
+        own = scene(Own(1.0, ROUGH.cosine, ROUGH.sine))
+        with pytest.warns(RuntimeWarning, match="cannot be sent the scene"):
+            found = contact.solve_many(own, loads, workers=2)
+        assert [solution.scene.load for solution in found] == list(loads)
+
+    def test_so_many_are_refused(self):
+        with pytest.raises(contact.SceneError, match="workers"):
+            contact.solve_many(scene(ROUGH), [1e-3], workers=0)
+
+
 def test_a_curve_searches_one_grid_and_looks_for_full_contact_once(counted):
     loads = np.linspace(0.02, 0.6, 25) * 0.03
     contact.solve_many(scene(ROUGH), loads, "load")

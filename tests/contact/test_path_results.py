@@ -120,6 +120,8 @@ def test_without_events_the_solutions_are_those_of_solve_many(monkeypatch):
     read = json.loads(run(PAIR_TEXT, "--loads", "5e-4,2e-3", "--no-events", "--json").stdout)
     assert read["events"] == [] and read["points"]["zone_count"] == [2, 1]
     assert read["points"]["load"] == [s.load for s in contact.solve_many(PAIR, [5e-4, 2e-3])]
+    by_two = json.loads(run(PAIR_TEXT, "--loads", "5e-4:2e-3:4", "--no-events", "--json", "--workers", "2").stdout)
+    assert by_two["points"]["load"] == pytest.approx([5e-4, 1e-3, 1.5e-3, 2e-3])
 
 
 @pytest.mark.parametrize("loads", NO_LOADS)
@@ -164,6 +166,7 @@ def test_mean_pressures_and_approaches_stand_in_place_of_loads_and_exactly_one_o
         (WAVE_TEXT, [], "--loads"), (WAVE_TEXT, ["--loads", "1,2", "--pressures", "1,2"], "--loads and --pressures"),
         (WAVE_TEXT, ["--approaches", "1e-3,2e-3"], "approach"), (STICKY_TEXT, ["--loads", "1e-3,2e-3", "--no-events"], "--no-events"),
         (STICKY_TEXT, ["--loads", "1e-3,2e-3", "--stiffness", "1"], "stiffness"),
+        (WAVE_TEXT, ["--loads", "1e-3,2e-3", "--workers", "2"], "--no-events"),
     ):  # fmt: skip
         refused = run(text, *arguments)
         assert refused.exit_code == 2 and told in refused.stderr and refused.stderr.count("\n") == 1

@@ -14,7 +14,7 @@ from contact.model.units import quantity
 from contact.studies.bench import clock
 from contact.studies.bench.cases import PERIOD, rough_profile
 from contact.studies.bench.report import Table
-from contact.sweeps.curve import solve_many
+from contact.sweeps.many import solve_many
 
 Array = NDArray[np.float64]
 

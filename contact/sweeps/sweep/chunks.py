@@ -23,9 +23,9 @@ from contact.solver import solve
 from contact.sweeps.curve import Curve
 from contact.sweeps.points import NUMBERS, numbers
 from contact.sweeps.sweep.keys import BRANCH, BRANCHES, Axis, Value, varied
-from sie import Mask
+from sie import Array, Mask
 
-# Numbers by name, `failed`, `reason` and `warning`.
+# Numbers by name, `failed`, `reason` and `warning`; of chunks as a whole, `solution`, or `raised`.
 Row = dict[str, Any]
 Rows = list[tuple[int, Row]]
 
@@ -35,17 +35,26 @@ _EACH = 4
 _SHORTEST = 6
 # So much is lost where a process ends, or the sweep is broken off [s].
 _SECONDS = 20.0
+# Where solutions themselves are handed in: what follows has a search to make again.
+_SECONDS_WHOLE = 60.0
 
 
 @dataclass(frozen=True)
 class Chunk:
     """Places in the grid, in the order in which they are solved, and what is set at each; `control`: what goes along them, if any does;
-    `seconds`: after which what is solved is handed in."""
+    `seconds`: after which what is solved is handed in; `whole`: whether that is the solutions themselves."""
 
     places: tuple[int, ...]
     settings: tuple[dict[str, Value], ...]
     control: str
     seconds: float
+    whole: bool = False
+
+    @classmethod
+    def of_curve(cls, control: str, places: Sequence[int], values: Array) -> "Chunk":
+        """Solutions themselves, at some of the values of a control."""
+        settings: list[dict[str, Value]] = [{BRANCH: BRANCHES[0], f"control.{control}": float(values[place])} for place in places]
+        return cls(tuple(places), tuple(settings), control, _SECONDS_WHOLE, whole=True)
 
     def singly(self) -> "Iterator[Chunk]":
         """Its points, each a chunk."""
@@ -98,10 +107,11 @@ def solved(scene: Scene, chunk: Chunk, tol: float) -> Iterator[tuple[int, Row]]:
         try:
             with unwarned():
                 here = varied(scene, setting)
-                row = _row(solve(here, tol, branch=str(setting[BRANCH])) if curve is None else curve.at(here.control[1]))
+                solution = solve(here, tol, branch=str(setting[BRANCH])) if curve is None else curve.at(here.control[1])
+                row = {"solution": solution} if chunk.whole else _row(solution)
         except Exception as error:
             # Errors of the package, and those of a user's own profile: the other points are none the worse for it.
-            row = failure(f"{type(error).__name__}: {' '.join(str(error).split())}")
+            row = {"raised": error} if chunk.whole else failure(f"{type(error).__name__}: {' '.join(str(error).split())}")
         yield place, row
 
 

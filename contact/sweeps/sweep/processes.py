@@ -91,7 +91,7 @@ def _sent(pool: ProcessPoolExecutor, scene: Scene) -> tuple[bytes, str]:
         return given, str(_submitted(pool, cannot_receive, given, version()).result())
     except BrokenProcessPool:
         return given, (
-            "cannot be started: they import the script first, in which what calls contact.sweep belongs under "
+            "cannot be started: they import the script first, in which what calls contact belongs under "
             "`if __name__ == '__main__':`"
         )
 
