@@ -348,3 +348,16 @@ def test_the_error_of_a_wave_under_tension_everywhere_knows_that_load_and_tensio
     scene = contact.Scene(contact.Sinusoid(0.01, 1.0), 1.0, contact.Periodic(), law=contact.Dugdale(1e-5, curve.stress), load=load)
     found, wanted = contact.solve(scene), curve.at_load(load)
     assert abs(np.diff(found.zones)[0, 0] / (2 * wanted.half_width) - 1) < found.error < 1e-8
+
+
+@pytest.mark.parametrize(("work", "pressure"), [(7e-8, 5.2e-3), (7e-8, 8e-3), (2.7e-8, 8e-3)])
+def test_strips_that_contact_covers_are_widened_by_what_they_are_and_not_by_their_zones(work, pressure):
+    # Widened by a part of the zones, ends of narrow strips began far beyond their rest: "no step of the ends keeps to the branch".
+    a, c, s = 0.384, *np.array([np.cos(4.12), np.sin(4.12)])
+    cosine, sine = np.array([[-2, -a * c, 2 * a * c, -a * c], [0, a * s, -2 * a * s, a * s]])
+    profile = contact.Fourier(1.0, 2e-3 * cosine, 2e-3 * sine)
+    scene = contact.Scene(profile, 1.0, contact.Periodic(), law=contact.Dugdale(work, 0.23), mean_pressure=pressure)
+    solution = contact.solve(scene)
+    assert solution.certificate.holds and solution.error <= 1e-8
+    without_range = contact.solve(replace(scene, law=contact.JKR(work)))
+    assert abs(solution.contact_fraction / without_range.contact_fraction - 1) < 1e-5

@@ -27,6 +27,8 @@ _NEW = 0.5
 _TRIES = 6
 # How often, and by how much, intervals are widened that contact covers.
 _WIDENINGS, _WIDEN = 120, 1.25
+# Over an interval, what a strip beside its contact is taken to be at the least.
+_LEAST = 1e-6
 # After so many times the same again.
 _HASTE = 3
 # So often ends are let go one way only; of the widths, how far else.
@@ -189,7 +191,7 @@ def uncovered(curve: Cohesive, table: Array, value: float, zones: Array) -> Arra
             here = curve.from_zones(table, value, curve.fitted(zones, table), flow.ROUGH)
         except Covered as covered:
             before, power = table, power + faster
-            table = _widened(curve, table, covered, _WIDEN ** (1 + power // _HASTE))
+            table = _widened(curve, table, zones, covered, _WIDEN ** (1 + power // _HASTE))
             continue
         if power < _HASTE or here.residual.min() > -flow.SLIGHT:
             return table
@@ -197,11 +199,16 @@ def uncovered(curve: Cohesive, table: Array, value: float, zones: Array) -> Arra
     raise NotConverged(TOO_NARROW)
 
 
-def _widened(curve: Cohesive, table: Array, covered: Covered, by: float) -> Array:
-    width, gaps = np.diff(table, axis=1)[:, 0], curve.gaps(table)
+def _widened(curve: Cohesive, table: Array, zones: Array, covered: Covered, by: float) -> Array:
+    """zones: beside which the tension acts on strips, that are made so many times as wide where contact covers them."""
+    width, gaps, zones = np.diff(table, axis=1)[:, 0], curve.gaps(table), curve.fitted(zones, table)
+    strips = np.column_stack((width, width))
+    i = interval_of(zones, table)
+    np.minimum.at(strips, i, np.column_stack((zones[:, 0] - table[i, 0], table[i, 1] - zones[:, 1])))
     left, right = covered.ends.reshape(2, -1)
-    out = 0.5 * (by - 1) * width
-    table = table + np.column_stack((-1.0 * left * np.minimum(out, 0.4 * np.roll(gaps, 1)), right * np.minimum(out, 0.4 * gaps)))
+    out = (by - 1) * np.clip(strips, _LEAST * width[:, None], 0.5 * width[:, None])
+    out = np.minimum(out, 0.4 * np.column_stack((np.roll(gaps, 1), gaps)))
+    table = table + np.column_stack((-1.0 * left, right)) * out
     # What contact goes on to close is closed.
     joins = (curve.gaps(table) < flow.CLOSED * np.minimum(width, np.roll(width, -1))) & (right | np.roll(left, -1))
     if joins.all():
