@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -361,3 +361,38 @@ def test_strips_that_contact_covers_are_widened_by_what_they_are_and_not_by_thei
     assert solution.certificate.holds and solution.error <= 1e-8
     without_range = contact.solve(replace(scene, law=contact.JKR(work)))
     assert abs(solution.contact_fraction / without_range.contact_fraction - 1) < 1e-5
+
+
+@dataclass(frozen=True)
+class FlatTopped(contact.Profile):
+    """A wave whose tops and valleys are level: a zone within a top may be anywhere on it."""
+
+    period: float = 1.0
+
+    def height(self, x):
+        return 9.15e-3 * np.tanh(6.8 * np.sin(2 * np.pi * np.asarray(x)))
+
+    def slope(self, x):
+        x = np.asarray(x)
+        return 9.15e-3 * 13.6 * np.pi * np.cos(2 * np.pi * x) / np.cosh(6.8 * np.sin(2 * np.pi * x)) ** 2
+
+
+def test_a_zone_on_a_level_top_beside_narrow_strips_is_followed_to_pull_off():
+    # Its position is all but neutral: states on the way were solved to the strips, which are 3e-5 of it, and their rates were off by 3 %.
+    scene = contact.Scene(FlatTopped(), 1.0, contact.Periodic(), law=contact.Dugdale(2.22e-7, 0.18), approach=0.0)
+    found, without_range = (contact.solve(replace(scene, law=law)).pull_off for law in (scene.law, contact.JKR(2.22e-7)))
+    assert found.approach == pytest.approx(without_range.approach, rel=1e-8)
+    assert found.load == pytest.approx(without_range.load, rel=1e-6)
+
+
+def test_pull_off_of_one_zone_takes_the_states_of_its_curve(monkeypatch):
+    # 230 states, most of them to learn again and again where there is no contact left.
+    states = []
+    real = Cohesive.from_zones
+    monkeypatch.setattr(Cohesive, "from_zones", lambda self, *given, **named: states.append(1) or real(self, *given, **named))
+    cosine, sine = np.array([-1.0, 0.2, 0.1]), np.array([0.3, 0.0, -0.1])
+    profile = contact.Fourier(1.0, 5e-3 * cosine, 5e-3 * sine)
+    solution = contact.solve(contact.Scene(profile, 1.0, contact.Periodic(), law=contact.Dugdale(1e-6, 0.02), load=0.0))
+    states.clear()
+    pull_off = solution.pull_off
+    assert pull_off.load < 0.0 and len(states) < 120

@@ -12,6 +12,7 @@ move apart. In J the zones follow: what an end of I adds is a unit source at c, 
 are held with singular ends, whose intensities move these by 2 K/A.
 """
 
+import math
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -43,6 +44,9 @@ _TOUCHING = 1e-12
 _OF_RATES, _OF_ROUGH_RATES = 1e-10, 1e-4
 # Newton's steps to an equilibrium near by; over the widths, a step that is rounding, and one that is of another equilibrium.
 _SETTLING, _SETTLED, _ANOTHER = 8, 1e-15, 1e-2
+# Over the widest zone, strips below which a state on the way is solved as tightly as any: rates go by how far the ends of zones are off
+# over their strips, times zones over strips.
+_NARROW = 1e-3
 # States that are remembered.
 _KNOWN = 256
 
@@ -127,6 +131,12 @@ class Cohesive(Equilibria):
     def reach(self) -> float:
         return self.problem.law.reach / self.problem.units.height
 
+    @cached_property
+    def strip(self) -> float:
+        """About how wide tension acts beside a zone that is far wider."""
+        law, units = self.problem.law, self.problem.units
+        return 0.25 * math.pi * units.E_star * law.reach / law.tension / units.length
+
     @property
     def everywhere(self) -> Pulled:
         """The problem under tension in all of a period."""
@@ -183,6 +193,8 @@ class Cohesive(Equilibria):
     def from_zones(self, table: Array, value: float, zones: Array, tolerance: float = TIGHT) -> CohesivePoint:
         """The same from a first guess of the zones."""
         table = self.within(table)
+        if self.strip < _NARROW * float(np.diff(zones, axis=1).max(initial=0.0)):
+            tolerance = TIGHT
         for curve, last, tightly in self.recent:
             if tightly <= tolerance and curve == self and last.value == value and np.array_equal(last.table, table):
                 return last

@@ -8,6 +8,7 @@ one begins with that end held, or free. If it is free but unstable it lets go, a
 """
 
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from dataclasses import field, replace
 from typing import Any
 
@@ -40,8 +41,8 @@ _TOGETHER = 1e-7
 _PUSH = 0.03
 # Of the control, before the last turning point is looked for; and of steps of the control.
 _HALVINGS, _MOST_TRIES = 5, 160
-# Zones that come apart one after the other from there on, at the most.
-_MOST_TURNS = 200
+# Ends that one zone is followed to before that, at the most; zones that come apart one after the other from there on.
+_MOST_DIRECT, _MOST_TURNS = 3, 200
 # A step that would go beyond where a zone vanishes goes so far towards it.
 _OF_VANISHING = 0.9
 # Of an extreme, how much of the growth at the ends of a step.
@@ -350,38 +351,58 @@ def beyond(curve: Equilibria, turned: Point, sense: float) -> Array:
 def pull_off(curve: Equilibria, here: Point, recede: Recede = receded, torn: Callable[[Point], float] = lambda at: -1.0) -> Point:
     """Where the last zones come apart as the control falls from an equilibrium; those before do so one after the other. recede: how ends
     that are driven inward come to rest; torn: above zero for a state of the curve that is none, its intervals having been cut before."""
+    with suppress(NotConverged):
+        for _ in range(_MOST_DIRECT):
+            if len(here.contact) > 1:
+                break
+            # One zone is followed to its end at once, as a rule the last one: that takes fewer states than to learn where there is none.
+            end = _end(curve, here, torn)
+            rest = recede(curve, end.table, end.about.value)
+            if rest is None:
+                return end.exactly()
+            here = rest
+    here = _near_the_last(curve, here, recede)
+    for _ in range(_MOST_TURNS):
+        end = _end(curve, here, torn)
+        rest = recede(curve, end.table, end.about.value)
+        if rest is None:
+            return end.exactly()
+        here = rest
+    raise NotConverged("ever more zones come apart as the control falls")
+
+
+@record
+class _End:
+    """Where an equilibrium ceases to be: about, and exactly; table: from where ends move on."""
+
+    about: Point
+    table: Array
+    exactly: Callable[[], Point]
+
+
+def _end(curve: Equilibria, here: Point, torn: Callable[[Point], float]) -> _End:
+    step, turns = _ending(curve, curve.settled(here), torn)
+    # Of those before the last it is enough to know where they are about.
+    length = step.turning(False) if step.turns else step.length
+    if step.lets_go and not step.turns:
+        return _End(step.end.at, let_go(step), lambda: step.end.at)
+    if turns:
+        last = step.at(length, False)
+        return _End(last, beyond(curve, last, -1.0), lambda: step.at(step.turning()))
+    until = step.where(torn, torn(step.start.at), torn(step.at(length, False)), length, _ABOUT, False)
+    length = min(until + 2 * _ABOUT * length, length)
+    last = step.at(length, False)
+    return _End(last, last.table, lambda: step.at(step.where(torn, torn(step.start.at), torn(last), length)))
+
+
+def _near_the_last(curve: Equilibria, here: Point, recede: Recede) -> Point:
+    """The equilibrium under a value not far above one under which there is none: near enough for the arc to have one turning point."""
     here, high = _apart(curve, here, recede)
-    # Between a value that holds and one that does not: near enough for the arc to have one turning point.
     for _ in range(_HALVINGS):
         middle = 0.5 * (here.value + high)
         rest = recede(curve, here.table, middle)
         here, high = (rest, high) if rest is not None else (here, middle)
-    for _ in range(_MOST_TURNS):
-        step, turns = _ending(curve, curve.settled(here), torn)
-        # Of those before the last it is enough to know where they are about.
-        length = step.turning(False) if step.turns else step.length
-        lets_go = step.lets_go and not step.turns
-        if lets_go:
-            last = step.end.at
-            table = let_go(step)
-        elif turns:
-            last = step.at(length, False)
-            table = beyond(curve, last, -1.0)
-        else:
-            until = step.where(torn, torn(step.start.at), torn(step.at(length, False)), length, _ABOUT, False)
-            length = min(until + 2 * _ABOUT * length, length)
-            last = step.at(length, False)
-            table = last.table
-        rest = recede(curve, table, last.value)
-        if rest is not None:
-            here = rest
-        elif lets_go:
-            return last
-        elif turns:
-            return step.at(step.turning())
-        else:
-            return step.at(step.where(torn, torn(step.start.at), torn(last), length))
-    raise NotConverged("ever more zones come apart as the control falls")
+    return here
 
 
 def _apart(curve: Equilibria, here: Point, recede: Recede) -> tuple[Point, float]:

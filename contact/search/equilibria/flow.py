@@ -55,7 +55,7 @@ def _flowed(curve: Equilibria, table: Array, value: float, sign: float) -> Point
         if sign > 0 and (merged := closing(curve, here)) is not None:
             here = curve.at(merged, value, ROUGH)
             continue
-        if sign < 0 and (apart := _come_apart(here, widths, residual)).any():
+        if sign < 0 and (apart := come_apart(here, widths, residual)).any():
             if apart.all():
                 return None
             stays = np.tile(~apart, 2)
@@ -150,7 +150,7 @@ def closing(curve: Equilibria, here: Point) -> Array | None:
     return np.column_stack((table[begins, 0], table[~closes, 1]))
 
 
-def _come_apart(here: Point, widths: Array, residual: Array) -> Mask:
+def come_apart(here: Point, widths: Array, residual: Array) -> Mask:
     """Which zones have come apart that were so wide when they were driven least: the narrower they are the more they are driven."""
     driven = here.residual < np.minimum(-DRIVEN, 1.5 * residual)
     return np.logical_and(*np.split(driven & (here.widths < _OPENED * widths), 2))

@@ -137,13 +137,16 @@ def _held(curve: Cohesive, table: Array, value: float) -> Array:
 
 def _flowed(curve: Cohesive, table: Array, value: float, sign: float) -> CohesivePoint | None:
     here = curve.at(table, value, flow.ROUGH)
+    first = here
     for _ in range(flow.MOST_STEPS):
         new = _parted(curve, here) if sign < 0 else _grown(curve, here)
         if new is not None:
             if len(new) == 0:
                 return None
-            here = _with_other_intervals(curve, here, new, sign)
+            first = here = _with_other_intervals(curve, here, new, sign)
             continue
+        if sign < 0 and flow.come_apart(here, first.widths, first.residual).all():
+            return None
         if _about_to_rest(curve, here):
             return here
         ahead, move = _step(curve, here, sign)
