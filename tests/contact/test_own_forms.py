@@ -153,6 +153,31 @@ def test_a_derived_slope_is_that_of_its_place_whatever_stands_beside_it():
     assert np.allclose(profile.slope(x), 0.2 * x / 1e-5 * np.exp(-((x / 1e-5) ** 2)), rtol=1e-8, atol=0)
 
 
+def test_a_derived_slope_of_a_shape_that_repeats_is_checked_once():
+    counted = []
+
+    def height(x):
+        counted.append(np.size(x))
+        return np.exp(np.sin(2 * np.pi * np.asarray(x)))
+
+    wave, x = own(height=height, period=1.0), np.linspace(-0.5, 0.5, 1000)
+    for _ in range(20):
+        slope = wave.slope(x)
+    assert np.allclose(slope, 2 * np.pi * np.cos(2 * np.pi * x) * np.exp(np.sin(2 * np.pi * x)), rtol=1e-13, atol=1e-13)
+    assert sum(counted) < 100_000
+
+
+@pytest.mark.parametrize("width", [0.3, 0.03])
+def test_where_a_height_drops_the_imaginary_part_differences_tell_its_slope(width):
+    def height(x):
+        x = np.asarray(x)
+        return np.cos(2 * np.pi * x) + 0.1 * np.where(np.abs(x.real) < width, (1 - (x.real / width) ** 2) ** 4, 0.0)
+
+    x = width * np.linspace(-0.9, 0.9, 50)
+    slope = -2 * np.pi * np.sin(2 * np.pi * x) - 0.8 * x / width**2 * (1 - (x / width) ** 2) ** 3
+    assert np.allclose(own(height=height, period=1.0).slope(x), slope, rtol=0, atol=1e-7 / width)
+
+
 def test_heights_that_overflow_far_away_hide_no_tip():
     catenary = own(height=lambda x: 2e-3 * np.sinh(np.asarray(x) / 2e-3) ** 2)
     with np.errstate(over="ignore"):

@@ -6,9 +6,9 @@ irrelevant to zones and pressures. A periodic profile repeats the cell [x0, x0 +
 
 import dataclasses
 import inspect
+import math
 from collections.abc import Mapping
 from functools import cached_property
-from math import inf
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -16,12 +16,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import sie
-from contact.model.profiles.derive import detail_of, slope_of
+from contact.model.profiles.derive import detail_of, right_by_step, slope_of
 from contact.model.registry import construct
 from sie import Array
 
 # Places a period at which slopes are read.
 _PLACES = 1024
+# Places at which complex steps are checked, over the length in which heights vary; of shapes that ask for more all are, each time.
+_CHECKS, _MOST_CHECKS = 8, 2**14
 
 # The one tip of many shapes.
 AT_ORIGIN = np.zeros(1)
@@ -73,7 +75,16 @@ class Profile(sie.Kept):
 
     def slope(self, x: ArrayLike) -> Array:
         """f'(x), derived numerically from the height: give it in closed form where you can."""
-        return slope_of(self.height, np.asarray(x, dtype=np.float64), self._length())
+        return slope_of(self.height, np.asarray(x, dtype=np.float64), self._length(), self._takes_complex_steps)
+
+    @cached_property
+    def _takes_complex_steps(self) -> bool:
+        """Whether complex steps of the height are right at places as close as it varies: they need not be checked anew at every place."""
+        if self.period is None or self._detail is None:
+            return False
+        lo, hi = self.support or (self.x0, self.x0 + self.period)
+        count = math.ceil(_CHECKS * (hi - lo) / self._detail)
+        return count <= _MOST_CHECKS and right_by_step(self.height, lo + (hi - lo) * (np.arange(count) + 0.5) / count, self._length())
 
     @property
     def slope_is_derived(self) -> bool:
@@ -116,7 +127,7 @@ class Profile(sie.Kept):
     @property
     def x0(self) -> float:
         """Left end of the periodic cell; -inf without a period."""
-        return -inf if self.period is None else -0.5 * self.period
+        return -math.inf if self.period is None else -0.5 * self.period
 
     @property
     def summits(self) -> Array | None:

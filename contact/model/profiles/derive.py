@@ -21,22 +21,29 @@ _SIXTH = ((1, 3 / 4), (2, -3 / 20), (3, 1 / 60))  # f' = sum c_k (f(x + kh) - f(
 # Heights that tell how finely a shape varies, at first and at the most; terms of its slope that count, over the largest, and of one whose
 # series has not come to its end, as of sharp corners; parts of a length that are looked at of any shape.
 _FIRST, _LAST, _COUNTS, _OF_SHARP, _COARSEST = 256, 2**14, 1e-5, 0.1, 16
+# By how much, over the largest slope, wide steps may differ from complex ones.
+_WIDE = 1e-3
 # The doubt of a step that does not resolve f.
 _LEAST_BELIEVED = 1e300
 
 
-def slope_of(height: Callable[[Any], Any], x: Array, length: float | None = None) -> Array:
-    """f'(x) from f alone; `length` is one over which f varies, if known."""
+def slope_of(height: Callable[[Any], Any], x: Array, length: float | None = None, believed: bool = False) -> Array:
+    """f'(x) from f alone; `length` is one over which f varies, if known; believed: complex steps have been checked."""
     if x.size == 0:
         return np.zeros(x.shape)
+    if believed and (by_step := _complex_step(height, x)) is not None:
+        return by_step
     by_differences, doubt = by_ladder(height, x, length)
     by_step = _complex_step(height, x)
     if by_step is None:
         return by_differences
-    if agree(by_step, by_differences, doubt):
-        return by_step
-    # Points may be too close together for differences to tell f' from rounding, which a height like cosh(x) - 1 hides:
-    # farther apart they can, of the same function.
+    agrees = agree(by_step, by_differences, doubt)
+    if agrees is False:
+        # Differences may be sure of what rounding makes of f, where a height like cosh(x) - 1 hides that: wider steps are not.
+        agrees = agree(by_step, *by_ladder(height, x, length, wide=True), _WIDE)
+    if agrees is not None:
+        return by_step if agrees else by_differences
+    # Points may be too close together for differences to tell f' from rounding: farther apart they can, of the same function.
     few = x.ravel()[:: max(1, x.size // 16)]
     middle, reach = few.mean(), np.ptp(few) or float(np.max(np.abs(few))) or 1.0
     for factor in _APART:
@@ -49,14 +56,20 @@ def slope_of(height: Callable[[Any], Any], x: Array, length: float | None = None
     return by_differences
 
 
-def agree(by_step: Array, by_differences: Array, doubt: Array) -> bool | None:
-    """Whether complex steps are right where differences are sure; None where they are so at half of the points or fewer.
+def right_by_step(height: Callable[[Any], Any], x: Array, length: float | None) -> bool:
+    """Whether complex steps are right at all of these places at which differences are sure."""
+    by_step = _complex_step(height, x)
+    return by_step is not None and bool(agree(by_step, *by_ladder(height, x, length)))
+
+
+def agree(by_step: Array, by_differences: Array, doubt: Array, off: float = 1e-6) -> bool | None:
+    """Whether complex steps are right (off: about) where differences are sure; None where they are so at half of the points or fewer.
 
     A height that takes |x| or drops the imaginary part gives a wrong answer of the size of f' itself.
     """
     scale = np.max(np.abs(by_differences), initial=0.0)
-    sure = doubt <= 1e-7 * scale
-    return bool(np.all(np.abs(by_step - by_differences)[sure] <= 1e-6 * scale)) if 2 * np.sum(sure) > sure.size else None
+    sure = doubt <= 0.1 * off * scale
+    return bool(np.all(np.abs(by_step - by_differences)[sure] <= off * scale)) if 2 * np.sum(sure) > sure.size else None
 
 
 def imaginary(function: Callable[[Any], Any], z: NDArray[Any]) -> Array | None:
@@ -77,12 +90,12 @@ def _complex_step(height: Callable[[Any], Any], x: Array) -> Array | None:
     return None if value is None else value / _TINY
 
 
-def by_ladder(height: Callable[[Any], Any], x: Array, length: float | None) -> tuple[Array, Array]:
+def by_ladder(height: Callable[[Any], Any], x: Array, length: float | None, wide: bool = False) -> tuple[Array, Array]:
     """Central differences at the best step of each point, and how far they may be off.
 
     The doubt is the change from the step before plus what rounding of f makes of it: at tiny steps two
     quotients can agree exactly and be wrong together. At wide ones too, where f is level beside a narrow dip: steps that do not
-    resolve f are believed least.
+    resolve f are believed least. wide: by the widest steps that come to something, whatever the rounding.
     """
     if length is not None:
         steps = length * 0.1 * 2.0 ** -np.arange(14)
@@ -90,6 +103,7 @@ def by_ladder(height: Callable[[Any], Any], x: Array, length: float | None) -> t
         # No length is known: from the widest argument down by powers of four, to below any plausible feature.
         widest = max(float(np.max(np.abs(x))), 1.0)
         steps = widest * 4.0 ** -np.arange(24 + np.ceil(0.5 * np.log2(widest)))
+    enough = 0.1 * _WIDE if wide else 0.0
     best = np.full(x.shape, np.nan)
     doubt = np.full(x.shape, np.inf)
     with np.errstate(all="ignore"):
@@ -98,7 +112,8 @@ def by_ladder(height: Callable[[Any], Any], x: Array, length: float | None) -> t
         for h in steps[1:]:
             new, size, resolved = _difference(height, x, h, here)
             off = np.where(resolved, np.abs(new - last) + np.finfo(np.float64).eps * size / h, _LEAST_BELIEVED)
-            better = off < doubt
+            ended = doubt <= enough * np.max(np.abs(best), initial=0.0, where=np.isfinite(best))
+            better = (off < doubt) & ~ended
             best = np.where(better, new, best)
             doubt = np.where(better, off, doubt)
             last = new
