@@ -153,6 +153,18 @@ def t_means(values: Array, count: int | None = None) -> Array:
     return np.asarray(fft.dct(values, type=2, axis=-1)[..., :count] / (2 * n))
 
 
+def edge_part(c: Array) -> tuple[Array, Array]:
+    """(alpha, beta) of `bounded_part`."""
+    return c[:, ::2].sum(axis=1), c[:, 1::2].sum(axis=1)
+
+
+def slopes_at_ends(c: Array) -> tuple[Array, Array]:
+    """sum u_k U_k at t = -1 and at t = 1 of `bounded_part`: c_j is, times -2, in u_(j-2), u_(j-4), ..., and U_k = k + 1 at 1."""
+    j = np.arange(c.shape[1])
+    weights = -2.0 * (j * j // 4)
+    return c @ (weights * (1.0 - 2.0 * (j % 2))), c @ weights
+
+
 def bounded_part(c: Array) -> tuple[Array, Array, Array]:
     """Split sum c_j T_j / sqrt(1-t^2) into (alpha + beta t) / sqrt(1-t^2) + sqrt(1-t^2) sum u_k U_k.
 

@@ -2,6 +2,7 @@
 that repeats, and among things that are counted one after the other.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, TypeVar, dataclass_transform
@@ -14,6 +15,9 @@ Complex = NDArray[np.complex128]
 Index = NDArray[np.intp]
 Mask = NDArray[np.bool_]
 T = TypeVar("T")
+
+# Rows of a table that stay in the cache.
+_ROWS = 2048
 
 
 @dataclass_transform(frozen_default=True, eq_default=False, field_specifiers=(field,))
@@ -123,6 +127,19 @@ def nearest_image(x: Array, centre: float | Array, period: float | None) -> Arra
 def numbered(counts: Index) -> Index:
     """0, 1, ... counts[0] - 1, 0, 1, ... counts[1] - 1, and so on."""
     return np.arange(int(counts.sum())) - np.repeat(np.cumsum(counts) - counts, counts)
+
+
+def by_rows(of: Callable[..., Array], *tables: Array) -> Array:
+    """What `of` makes of the rows of tables, some thousands of rows at a time: what it makes on the way of very many would not fit into
+    the cache, and be asked of the system each time."""
+    if len(tables[0]) <= _ROWS:
+        return of(*tables)
+    return np.concatenate([of(*(table[s : s + _ROWS] for table in tables)) for s in range(0, len(tables[0]), _ROWS)])
+
+
+def row_sizes(table: Array) -> Array:
+    """The largest size in each row, zero where there are no columns."""
+    return by_rows(lambda rows: np.abs(rows).max(axis=1, initial=0.0), table)
 
 
 def divided(ends: Array, parts: Index) -> tuple[Array, Array]:

@@ -334,11 +334,9 @@ def slope_scale(w: Any) -> Any:
     return np.sqrt(2 / w)
 
 
-def edge_slopes(alpha: Array, beta: Array, u: Array, w: Array) -> tuple[Array, Array]:
-    """A at the left and at the right end of the same."""
-    k = np.arange(1, u.shape[1] + 1)
-    sign = 1.0 - 2.0 * ((k - 1) % 2)
+def edge_slopes(alpha: Array, beta: Array, at_left: Array, at_right: Array, w: Array) -> tuple[Array, Array]:
+    """A at the left and at the right end of the same, of which sum u_k U_k is so much there."""
     # From (alpha + beta t) / X at t = 1 - d/w, to second order.
     left, right = (((alpha + s * beta) / 4 - s * beta) / np.sqrt(2 * w) for s in (-1.0, 1.0))
     scale = slope_scale(w)
-    return scale * (u @ (k * sign)) + left, scale * (u @ k) + right
+    return scale * at_left + left, scale * at_right + right

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from scipy.linalg import lapack, lu_factor, lu_solve
 
-from sie.basis.data import Array, Index, Mask
+from sie.basis.data import Array, Index, Mask, row_sizes
 from sie.basis.interval import edge_scale
 from sie.basis.zones import Zones
 from sie.collocation import modes
@@ -146,8 +146,7 @@ class State(Solved):
     @cached_property
     def zone_sizes(self) -> Array:
         """The largest coefficient of each zone, what is subtracted for jumps included (Z,)."""
-        known = np.abs(self.system.known).max(axis=1, initial=0.0)
-        return np.asarray(np.abs(self.density.coefficients).max(axis=1) + known)
+        return row_sizes(self.density.coefficients) + row_sizes(self.system.known)
 
     @cached_property
     def jumps_rounding(self) -> Array:
@@ -395,7 +394,7 @@ def _state(
     y = MirrorSymmetry.of(system.zones, system.layout).unfold(folded)
     density = density_of(system, y)
     sizes.solves += 1
-    top = np.abs(density.coefficients[:, 1:]).max(axis=1, initial=0.0) + np.abs(system.known).max(axis=1, initial=0.0)
+    top = row_sizes(density.coefficients[:, 1:]) + row_sizes(system.known)
     truncation = samples.tail / np.where(top > 0, top, 1.0)
     tail = np.maximum(field_tails(system, y, density), system.source_tails)
     if system.zones.symmetric:
@@ -428,10 +427,10 @@ def field_tails(system: System, y: Array, density: Density) -> Array:
     if layout.m.max() < 8:
         return np.zeros(len(layout.m))
     last = _last_of_fields(system, y)
-    top = np.maximum(np.abs(density.coefficients).max(axis=1), np.abs(system.known).max(axis=1, initial=0.0))
+    top = np.maximum(row_sizes(density.coefficients), row_sizes(system.known))
     # What is left is a difference of numbers of the size of the right side and of the fields that were summed: below their rounding
     # there is no tail, as where a zone has little of a load that its neighbours share.
-    rounding = 8 * 2.2e-16 * np.abs(g).max(axis=1)
+    rounding = 8 * 2.2e-16 * row_sizes(g)
     if system.field_sizes is not None:
         rounding[system.zones.solved] += 8 * 2.2e-16 * (system.field_sizes @ np.abs(y))
     tail = np.maximum(last - rounding, 0.0)
@@ -442,13 +441,9 @@ def _last_of_fields(system: System, y: Array, fall: Array | None = None) -> Arra
     """Largest of the last three coupled coefficients of what the other zones and the columns do (Z,); of few modes zero. fall: from each to
     the next, if they are to be continued to the last."""
     layout, g = system.layout, system.lowest
-    field = layout.padded(y)
-    count = min(g.shape[1], field.shape[1])
-    field[:, 1:count] += g[:, 1:count]
-    k = np.arange(field.shape[1])
-    away = layout.m[:, None] - k
-    last = (away >= 0) & (away < 3) & (layout.m[:, None] >= 8)
-    size = np.abs(np.where(last, field, 0.0))
-    if fall is not None:
-        size = size * np.where(last, fall[:, None] ** np.clip(away, 0, 2), 1.0)
-    return np.asarray(size.max(axis=1))
+    some, away = np.flatnonzero(layout.m >= 8)[:, None], np.arange(3)
+    last, out = layout.m[some] - away, np.zeros(len(layout.m))
+    of_g = np.where(last < g.shape[1], g[some, np.minimum(last, g.shape[1] - 1)], 0.0)
+    size = np.abs(y[layout.offset[some] + last] + of_g)
+    out[some[:, 0]] = (size if fall is None else size * fall[some] ** away).max(axis=1, initial=0.0)
+    return out

@@ -187,9 +187,9 @@ class IterativeSystem(System):
         if not self.integrated:
             return np.diff(self._forcing_means())
         across = self._across_roughly if self.rough else self._across_gaps[0]
-        g, w = self.g[solved], self.zones.half[solved]
-        odd, even = np.arange(1, g.shape[1], 2), np.arange(2, g.shape[1], 2)
-        half_rise, offset = w * (g[:, odd] @ (1 / odd)), w * (g[:, even] @ (1 / even))
+        g, w = self.g[solved[0] :], self.zones.half[solved]
+        weights = 1 / np.arange(1.0, g.shape[1])
+        half_rise, offset = w * (g[:, 1::2] @ weights[::2]), w * (g[:, 2::2] @ weights[1::2])
         return across + half_rise[1:] + half_rise[:-1] - np.diff(offset)
 
     @property

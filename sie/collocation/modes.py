@@ -105,10 +105,9 @@ def sample(forcing: Forcing, zones: Zones, jumps: ForcingJumps, own: Index, tole
     bent = knots > 0
     bent[jumps.kinked] = False
     noise = jumps.rounding(len(zones))
-    found: dict[int, Array] = {}
-    # Sizes and tails of each zone so far.
-    seen: dict[int, list[tuple[int, float]]] = {}
-    tail = np.zeros(len(zones))
+    found: list[tuple[Index, Array]] = []
+    # The last two sizes and tails of each zone so far.
+    sizes, tails = np.ones((len(zones), 2)), np.full((len(zones), 2), -np.inf)
     calm = np.zeros(len(zones), dtype=np.intp)
     pending = zones.solved
     evaluations = 0
@@ -126,23 +125,23 @@ def sample(forcing: Forcing, zones: Zones, jumps: ForcingJumps, own: Index, tole
             # Places are rounded to half a unit in their last digit: what that makes of the slope of g is seen in all coefficients.
             rounded = _places(zones, group) * np.linalg.norm(g * np.arange(1, int(n) + 1), axis=1) * (2 / np.sqrt(n))
             grow = (last > np.maximum(tolerance * scale, np.maximum(rounded, noise[group] / np.sqrt(n)))) & (n < largest)
-            for place, i in enumerate(group):
-                # A jump of g itself leaves coefficients ~ 1/n, rounding ~ 1/sqrt(n): what falls no faster is rounding.
-                # Sizes two steps apart are in the ratio of two: beside knots what one size tells may beat with the next.
-                told = seen.setdefault(int(i), [])
-                slow = bool(told) and all(last[place] > fell * (size / n) ** 0.75 for size, fell in told[-2:])
-                told.append((int(n), float(last[place])))
-                # Nor do fewer nodes than tell the pieces between jumps show how what these leave falls.
-                calm[i] += slow and last[place] < _NOISE * scale[place] and n >= _TO_A_PIECE * knots[i]
-                found[i], tail[i] = g[place], last[place]
+            # A jump of g itself leaves coefficients ~ 1/n, rounding ~ 1/sqrt(n): what falls no faster is rounding.
+            # Sizes two steps apart are in the ratio of two: beside knots what one size tells may beat with the next.
+            slow = (tails[group, 1] >= 0) & (last[:, None] > tails[group] * (sizes[group] / n) ** 0.75).all(axis=1)
+            sizes[group], tails[group] = sizes[group][:, [1, 1]], tails[group][:, [1, 1]]
+            sizes[group, 1], tails[group, 1] = n, last
+            # Nor do fewer nodes than tell the pieces between jumps show how what these leave falls.
+            calm[group] += slow & (last < _NOISE * scale) & (n >= _TO_A_PIECE * knots[group])
+            found.append((group, g))
             grow &= calm[group] < 3
             bad = group[grow]
             own[bad] = OWN_SIZES[np.searchsorted(OWN_SIZES, n, side="right")] if len(bad) else n
             retry.append(bad)
         pending = np.concatenate(retry)
     table = np.zeros((len(zones), int(own[zones.solved].max()) + 1))
-    for i, g in found.items():
-        table[i, 1 : len(g) + 1] = g
+    for group, g in found:
+        table[group, 1 : g.shape[1] + 1] = g
+    tail = np.maximum(tails[:, 1], 0.0)
     if zones.symmetric:
         mirror(zones, table)
         left = np.arange(len(zones) // 2)

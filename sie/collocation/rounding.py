@@ -9,7 +9,7 @@ zone between heavy ones feels what the heights of all are known to.
 import numpy as np
 
 from sie.basis.chebyshev import bounded_part
-from sie.basis.data import Array
+from sie.basis.data import Array, by_rows
 from sie.basis.interval import edge_scale
 from sie.basis.zones import Zones
 from sie.collocation.modes import conformal_radius, gaps
@@ -34,7 +34,7 @@ def intensity_rounding(state: Solved) -> Array:
     density, system = state.density, state.system
     zones = density.zones
     # Rounding acts on what is subtracted, the right side and the other zones' fields, however small the rest.
-    subtracted = np.abs(density.coefficients).sum(axis=1) + np.abs(system.g).sum(axis=1) + state.natural
+    subtracted = sum(by_rows(lambda rows: np.abs(rows).sum(axis=1), table) for table in (density.coefficients, system.g)) + state.natural
     own = 4e-16 * edge_scale(zones.half) * subtracted
     if state.direct is None:
         own = own + _of_levels(state) + np.sqrt(2 * zones.half) * state.linear_error + _of_others(state)

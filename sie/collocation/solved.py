@@ -10,10 +10,10 @@ import numpy as np
 from scipy.linalg import lu_solve
 
 from sie.basis import chebyshev
-from sie.basis.data import Array, Index, Kept, Mask, record, wrapped
+from sie.basis.data import Array, Index, Kept, Mask, record, row_sizes, wrapped
 from sie.collocation import modes
 from sie.collocation.iterative import CoarseOperator, Iterative, IterativeSystem
-from sie.collocation.system import MirrorSymmetry, System
+from sie.collocation.system import Layout, MirrorSymmetry, System
 from sie.density.density import Density
 from sie.equation.conditions import of_levels, speaks_of_levels
 from sie.equation.equation import Equation
@@ -65,8 +65,7 @@ class Carried:
     do to it, while what the right side makes of its coefficients is known on any zones.
 
     coarse: inverse; middle, half: of the zones (n,); totals: of each, over pi (n,); field: what the others do to each, coefficients of
-    U_{k-1} at [:, k] (n, max m + 1) for k up to m (n,), and its own slits, which bend it beyond the coupled modes too; amplitudes: of the
-    columns.
+    U_{k-1} at offset + k, k = 1 ... m (n,), and its own slits, which bend it beyond the coupled modes too; amplitudes: of the columns.
     """
 
     coarse: CoarseOperator | None
@@ -74,38 +73,43 @@ class Carried:
     half: Array
     totals: Array
     field: Array
-    m: Index
+    layout: Layout
     amplitudes: Array
 
     @classmethod
     def of(cls, coarse: CoarseOperator | None, system: System, y: Array, slits: tuple[tuple[int, Array], ...] = ()) -> Carried:
         """slits: zones that have some, and what these add to their coefficients."""
-        layout, zones, m = system.layout, system.zones, system.layout.m.copy()
-        table = layout.padded(y)
-        totals, count = zones.half * (table[:, 0] + system.known[:, 0]), min(table.shape[1], system.lowest.shape[1])
-        table[:, :count] += system.lowest[:, :count]
-        longest = max((len(s) for _, s in slits), default=0)
-        table = np.pad(table, ((0, 0), (0, max(longest - table.shape[1], 0))))
+        coupled, zones = system.layout, system.zones
+        m = coupled.m.copy()
         for zone, s in slits:
-            if len(s) > m[zone] + 1:
-                table[zone, m[zone] + 1 : len(s)], m[zone] = s[m[zone] + 1 :], len(s) - 1
-        return cls(coarse, zones.middle, zones.half, totals, table, m, y[layout.coefficients :])
+            m[zone] = max(m[zone], len(s) - 1)
+        layout, field = Layout(m, 0), coupled.flat(system.lowest) + y
+        totals = zones.half * (y[coupled.offset] + system.known[:, 0])
+        if len(slits):
+            at = np.repeat(layout.offset - coupled.offset, coupled.m + 1) + np.arange(coupled.coefficients)
+            both = np.zeros(layout.size)
+            both[at] = field[: coupled.coefficients]
+            for zone, s in slits:
+                first = int(layout.offset[zone])
+                both[first + coupled.m[zone] + 1 : first + len(s)] = s[coupled.m[zone] + 1 :]
+            field = both
+        return cls(coarse, zones.middle, zones.half, totals, field, layout, y[coupled.coefficients :])
 
     def near(self, system: IterativeSystem) -> Array:
         """Unknowns of another system to start from."""
         zones, layout, period = system.zones, system.layout, system.equation.kernel.period
         at = wrapped(zones.middle, float(self.middle[0] - self.half[0]), period)
         place = self._place(at, zones.half)
-        count = max(self.field.shape[1], system.lowest.shape[1], int(layout.m.max()) + 1)
-        table = -np.pad(system.lowest, ((0, 0), (0, count - system.lowest.shape[1])))
-        modes_of = np.where(place >= 0, self.m[place], 0)
+        y = -layout.flat(system.lowest)
+        modes_of = np.where(place >= 0, self.layout.m[place], 0)
         for n in np.unique(modes_of):
             group = np.flatnonzero(modes_of == n)
-            old = place[group]
+            old, k = place[group], np.arange(1, n + 1)
             shift, stretch = (at[group] - self.middle[old]) / self.half[old], zones.half[group] / self.half[old]
-            table[group, 1 : n + 1] += chebyshev.u_moved(self.field[old, 1 : n + 1], shift, stretch)
-        table[:, 0] = self._totals(at, zones.half, place) / zones.half - system.known[:, 0]
-        y = layout.flat(table)
+            moved = chebyshev.u_moved(self.field[self.layout.offset[old, None] + k], shift, stretch)
+            coupled = k <= layout.m[group, None]
+            y[(layout.offset[group, None] + k)[coupled]] += moved[coupled]
+        y[layout.offset] = self._totals(at, zones.half, place) / zones.half - system.known[:, 0]
         y[layout.coefficients :] = self.amplitudes
         return y if system.symmetry.keep is None else y[system.symmetry.keep]
 
@@ -260,7 +264,7 @@ class Solved(Answered):
     @cached_property
     def natural(self) -> Array:
         """Size of each zone's density, but for its total."""
-        return np.abs(self.density.coefficients[:, 1:]).max(axis=1, initial=0.0) + np.abs(self.system.known).max(axis=1)
+        return row_sizes(self.density.coefficients[:, 1:]) + row_sizes(self.system.known)
 
     @property
     def direct(self) -> Factored | None:
@@ -297,10 +301,8 @@ class Solved(Answered):
 def density_of(system: System, y: Array) -> Density:
     """The density with unknowns y: coefficients up to m from y, those beyond minus the right side's."""
     layout, g = system.layout, system.g
-    solved = layout.padded(y)
-    out = np.zeros((len(layout.m), max(solved.shape[1], g.shape[1])))
-    out[:, : g.shape[1]] = -g
-    out[:, 0] = 0.0
-    given = np.arange(solved.shape[1]) <= layout.m[:, None]
-    out[:, : solved.shape[1]] = np.where(given, solved - system.taken, out[:, : solved.shape[1]])
+    out = np.zeros((len(layout.m), max(layout.given.shape[1], g.shape[1])))
+    np.negative(g, out=out[:, : g.shape[1]])
+    coupled = out[:, : layout.given.shape[1]]
+    coupled[layout.given] = y[: layout.coefficients] - system.taken[layout.given]
     return Density(system.zones, system.equation.kernel, out, system.jumps, y[layout.coefficients :])

@@ -17,7 +17,7 @@ from functools import cached_property
 import numpy as np
 
 from sie.basis import chebyshev
-from sie.basis.data import Array, Index, numbered, record
+from sie.basis.data import Array, Index, Mask, numbered, record
 from sie.basis.interval import Outside, edge_scale, mean_potential
 from sie.basis.kernels import Kernel, regular_size
 from sie.basis.zones import Zones
@@ -58,17 +58,23 @@ class Layout:
             raise ValueError(f"a condition asks for the amplitude of column {k}, but the equation has {self.columns} columns, from 0 on")
         return self.coefficients + k
 
+    @cached_property
+    def given(self) -> Mask:
+        """Which places of a (zones, max m + 1) table are unknowns."""
+        return np.asarray(np.arange(int(self.m.max()) + 1) <= self.m[:, None])
+
     def padded(self, y: Array) -> Array:
         """Coefficients as a (zones, max m + 1) table, zero where a zone has fewer."""
-        out = np.zeros((len(self.m), int(self.m.max()) + 1))
-        out[np.arange(out.shape[1]) <= self.m[:, None]] = y[: self.coefficients]
+        out = np.zeros(self.given.shape)
+        out[self.given] = y[: self.coefficients]
         return out
 
     def flat(self, table: Array) -> Array:
         """The inverse of `padded`, amplitudes zero; a table with fewer columns is continued by zeros."""
-        out, k = np.zeros(self.size), np.arange(table.shape[1])
-        given = k <= self.m[:, None]
-        out[(self.offset[:, None] + k)[given]] = table[given]
+        out, count = np.zeros(self.size), self.given.shape[1]
+        if table.shape[1] < count:
+            table = np.pad(table, ((0, 0), (0, count - table.shape[1])))
+        out[: self.coefficients] = table[:, :count][self.given]
         return out
 
 
@@ -473,8 +479,8 @@ class System:
         mean = 0.5 * heights.sum(axis=0)
         if len(self.jumps):
             mean = mean + w * self.jumps.mean_offsets(zones)[solved]
-        k = np.arange(2, self.g.shape[1], 2)
-        mean = np.asarray(mean - w * (self.g[solved][:, k] @ (1 / k)))
+        even = self.g[solved[0] :, 2::2]
+        mean = np.asarray(mean - w * (even @ (0.5 / np.arange(1.0, even.shape[1] + 1))))
         if len(self.by_moments):
             mean[np.searchsorted(solved, self.by_moments)] = self.moment_means
         return mean

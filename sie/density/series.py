@@ -34,19 +34,25 @@ class Series(Located):
     jumps: ForcingJumps
     amplitudes: Array
     bounded_ends: bool = False
-    parts: tuple[Array, Array, Array] | None = None
+    edges: tuple[Array, Array] | None = None
 
     # per zone -------------------------------------------------------------------------------------------------------
     @cached_property
-    def bounded(self) -> tuple[Array, Array, Array]:
-        alpha, beta, u = self.parts or chebyshev.bounded_part(self.coefficients)
+    def singular(self) -> tuple[Array, Array]:
+        """(alpha, beta): (alpha + beta t) / sqrt(1 - t^2) is what is unbounded."""
+        alpha, beta = self.edges or chebyshev.edge_part(self.coefficients)
         if not self.bounded_ends:
-            return alpha, beta, u
+            return alpha, beta
         zones = self.zones
         left = np.array([end.moves and end.intensity == 0.0 for end in zones.left])
         right = np.array([end.moves and end.intensity == 0.0 for end in zones.right])
         k_left, k_right = np.where(left, 0.0, alpha - beta), np.where(right, 0.0, alpha + beta)
-        return 0.5 * (k_left + k_right), 0.5 * (k_right - k_left), u
+        return 0.5 * (k_left + k_right), 0.5 * (k_right - k_left)
+
+    @cached_property
+    def bounded(self) -> tuple[Array, Array, Array]:
+        """(alpha, beta, u) of `chebyshev.bounded_part`."""
+        return *self.singular, chebyshev.bounded_part(self.coefficients)[2]
 
     @cached_property
     def _bounded_ends(self) -> tuple[Mask, Mask]:
@@ -87,13 +93,12 @@ class Series(Located):
     @cached_property
     def intensities(self) -> tuple[Array, Array]:
         """K at the left and the right end of each zone: density ~ K / sqrt(d) at distance d from the end."""
-        alpha, beta, _ = self.bounded
-        return interval.intensities(alpha, beta, self.zones.half)
+        return interval.intensities(*self.singular, self.zones.half)
 
     @cached_property
     def edge_slopes(self) -> tuple[Array, Array]:
         """A at the left and the right end of each zone: density ~ K / sqrt(d) + A sqrt(d)."""
-        left, right = interval.edge_slopes(*self.bounded, self.zones.half)
+        left, right = interval.edge_slopes(*self.singular, *chebyshev.slopes_at_ends(self.coefficients), self.zones.half)
         jump_left, jump_right = self.jumps.edge_slopes(self.zones)
         scale = interval.slope_scale(self.zones.half)
         return left + scale * jump_left, right + scale * jump_right

@@ -139,8 +139,7 @@ class SlitDensity(Located):
     @cached_property
     def _edged(self) -> Density:
         """The smooth part with what P[s] adds to (alpha + beta t) / sqrt(1 - t^2)."""
-        alpha, beta, u = self.smooth.bounded
-        alpha, beta = alpha.copy(), beta.copy()
+        alpha, beta = (part.copy() for part in self.smooth.singular)
         for here, row in zip(self.slits, self.series, strict=True):
             for slit, d in zip(here.slits, row, strict=True):
                 values = slit.at_gauss(d) / slit.x_root**2
@@ -149,7 +148,7 @@ class SlitDensity(Located):
             for _, kink in self.kinks_of(here):
                 alpha[here.zone] += kink.edge[0]
                 beta[here.zone] += kink.edge[1]
-        return replace(self.smooth, parts=(alpha, beta, u), bounded_ends=self.bounded_ends)
+        return replace(self.smooth, edges=(alpha, beta), bounded_ends=self.bounded_ends)
 
     @cached_property
     def _beside_slits(self) -> Mask:

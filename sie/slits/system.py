@@ -11,7 +11,7 @@ from functools import cached_property
 
 import numpy as np
 
-from sie.basis.data import Array, Index, Kept, record
+from sie.basis.data import Array, Index, Kept, record, row_sizes
 from sie.basis.interval import edge_scale
 from sie.basis.zones import Zones
 from sie.collocation import fixed
@@ -157,11 +157,35 @@ class SlitSystem(Kept):
 
     def s_table(self, d: tuple[Array, ...], homogeneous: bool) -> Array:
         """s_k of every wide zone."""
-        count = max(int(self.system.layout.m.max()), max(here.modes for here in self.slits), TOLD) + 1
-        out = np.zeros((len(self.merged.wide), count))
-        for here, told in zip(self.slits, self.told(d, homogeneous), strict=True):
-            out[here.zone, : len(told)] = told
+        out = np.zeros((len(self.merged.wide), self._count))
+        out[self._zones] = self._rows(d, homogeneous)
         return out
+
+    @property
+    def _zones(self) -> Index:
+        """The wide zones that have slits."""
+        return np.array([here.zone for here in self.slits])
+
+    @property
+    def _count(self) -> int:
+        """Coefficients of s that are told, of all zones."""
+        return max(int(self.system.layout.m.max()), max(here.modes for here in self.slits), TOLD) + 1
+
+    def _rows(self, d: tuple[Array, ...], homogeneous: bool) -> Array:
+        """s_k of the zones that have slits: of many zones these are few."""
+        out = np.zeros((len(self.slits), self._count))
+        for row, told in zip(out, self.told(d, homogeneous), strict=True):
+            row[: len(told)] = told
+        return out
+
+    def _among_unknowns(self, d: tuple[Array, ...], homogeneous: bool) -> Array:
+        """s_k where the coefficients that they are added to stand among the unknowns."""
+        layout = self.system.layout
+        s = np.zeros(layout.size)
+        for here, told in zip(self.slits, self.told(d, homogeneous), strict=True):
+            count, first = min(int(layout.m[here.zone]) + 1, len(told)), int(layout.offset[here.zone])
+            s[first : first + count] = told[:count]
+        return s
 
     def told(self, d: tuple[Array, ...], homogeneous: bool) -> list[Array]:
         """s_k of every wide zone with slits."""
@@ -176,12 +200,7 @@ class SlitSystem(Kept):
     def _right(self, d: tuple[Array, ...], homogeneous: bool) -> Array:
         """What s adds to the right side of the wide zones' rows."""
         system, base = self.system, self.base
-        s, layout = np.zeros(system.layout.size), system.layout
-        # Few zones have slits.
-        for here, told in zip(self.slits, self.told(d, homogeneous), strict=True):
-            count, first = min(int(layout.m[here.zone]) + 1, len(told)), int(layout.offset[here.zone])
-            s[first : first + count] = told[:count]
-        rows = -s[system.diagonal]
+        rows = -self._among_unknowns(d, homogeneous)[system.diagonal]
         view = Opened.of(lambda: self.s_table(d, homogeneous), self.mean_openings(d, homogeneous), system)
         constants = [asked(condition, view, 0)[1] for condition in system.equation.conditions]
         conditions = -np.concatenate(constants) / base.condition_scale if constants else np.zeros(0)
@@ -192,20 +211,23 @@ class SlitSystem(Kept):
         base, system = self.base, self.system
         y = self.base.symmetry.unfold(folded)
         whole = base.homogeneous(y) if homogeneous else density_of(system, y)
-        s = self.s_table(d, homogeneous)
-        count = max(s.shape[1], whole.coefficients.shape[1])
-        table = np.pad(whole.coefficients, ((0, 0), (0, count - whole.coefficients.shape[1])))
+        table, some, s = whole.coefficients, self._zones, self._rows(d, homogeneous)
+        count = max(s.shape[1], table.shape[1])
+        if count > table.shape[1]:
+            table = np.pad(table, ((0, 0), (0, count - table.shape[1])))
         s = np.pad(s, ((0, 0), (0, count - s.shape[1])))
-        within = np.arange(count) <= system.layout.m[:, None]
-        smooth = replace(whole, coefficients=np.where(within, table - s, table))
-        whole = replace(whole, coefficients=np.where(within, table, table + s))
+        within = np.arange(count) <= system.layout.m[some, None]
+        with_slits, without = table.copy(), table
+        without[some] -= np.where(within, s, 0.0)
+        with_slits[some] += np.where(within, 0.0, s)
+        whole, smooth = replace(whole, coefficients=with_slits), replace(whole, coefficients=without)
         left_over = base.linear_error if base.iteration is None else base.iteration.error
         state = replace(base, folded_unknowns=folded, unknowns=y, density=whole, linear_error=left_over)
         return state, SlitDensity(self.merged, smooth, whole, self.slits, d, forced=not homogeneous)
 
     def tails(self, wide: State, d: tuple[Array, ...]) -> Array:
         """See `State.tails`, of what stands in the rows beside s."""
-        return fixed.field_tails(self.system, wide.unknowns - self.system.layout.flat(self.s_table(d, False)), wide.density)
+        return fixed.field_tails(self.system, wide.unknowns - self._among_unknowns(d, False), wide.density)
 
 
 @record
@@ -298,7 +320,7 @@ class SlitState(Answered):
     @cached_property
     def intensity_noise(self) -> Array:
         """See `State.intensity_noise`."""
-        rest = self.rest * np.abs(self.wide.density.coefficients).max()
+        rest = self.rest * row_sizes(self.wide.density.coefficients).max()
         return self._intensities_of(self.wide.coefficient_noise + rest, _SAFETY)
 
     @cached_property

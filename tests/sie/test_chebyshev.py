@@ -79,6 +79,16 @@ def test_the_bounded_part_and_the_rest_are_the_whole(n):
         assert (alpha[i] + beta[i] * t) / root + root * bounded == pytest.approx(whole, rel=1e-12, abs=1e-12)
 
 
+@pytest.mark.parametrize("n", [1, 2, 3, 10, 41])
+def test_what_is_seen_at_the_ends_is_that_of_the_two_parts(n):
+    c = np.random.default_rng(n).normal(size=(3, n))
+    alpha, beta, uk = chebyshev.bounded_part(c)
+    k = np.arange(uk.shape[1])
+    expected = uk @ ((k + 1) * (-1.0) ** k), uk @ (k + 1)
+    assert np.array(chebyshev.slopes_at_ends(c)) == pytest.approx(np.array(expected), rel=1e-13, abs=1e-13 * n**2)
+    assert np.array(chebyshev.edge_part(c)) == pytest.approx(np.array([alpha, beta]), abs=1e-14 * n)
+
+
 def test_a_density_without_square_root_singularity_has_no_singular_part():
     # sqrt(1 - t^2) U_2 = (T_1 - T_3) / (2 sqrt(1 - t^2)) ... twice.
     alpha, beta, uk = chebyshev.bounded_part(np.array([[0.0, 0.5, 0.0, -0.5]]))
