@@ -13,6 +13,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from numbers import Real
 
+from contact import memory
 from contact.errors import NotConverged, SceneError, warn
 from contact.extras import require
 from contact.formulation.fields import ZoneFields
@@ -31,6 +32,9 @@ from contact.solution import made, validity
 from contact.solution.answer import PullOff
 from contact.solution.solution import Solution
 from contact.verify.accuracy import Found, FoundByGaps
+
+# Smallest lengths of a shape in its period.
+_LARGE = 2**17
 
 
 def solve(
@@ -150,9 +154,16 @@ def _solved(
 def _run(task: Task) -> Solution:
     start = time.perf_counter()
     try:
-        return _solution(task, refined(task, found(task), found))
+        with memory.kept(_is_large(task.scene)):
+            return _solution(task, refined(task, found(task), found))
     finally:
         task.plan.seconds = time.perf_counter() - start
+
+
+def _is_large(scene: Scene) -> bool:
+    """Whether its grids have millions of points."""
+    profile = scene.profile
+    return profile.period is not None and profile.feature is not None and profile.period > _LARGE * profile.feature
 
 
 def _parting(task: Task, found: Found) -> Callable[[ZoneFields], PullOff]:

@@ -1,0 +1,43 @@
+"""What large arrays leave is kept while it is asked for, and given back after that."""
+
+import ctypes
+
+import pytest
+
+from contact import memory
+
+
+class Told:
+    """Stands in for the C library."""
+
+    def __init__(self):
+        self.calls = []
+
+    def mallopt(self, name, value):
+        self.calls.append((name, value))
+
+    def malloc_trim(self, pad):
+        self.calls.append("given back")
+
+
+def test_memory_is_kept_from_the_first_to_the_last_who_asks_for_it(monkeypatch):
+    libc = Told()
+    monkeypatch.setattr(memory, "_libc", lambda: libc)
+    with memory.kept():
+        assert libc.calls == [(-1, -1), (-4, 0)]
+        with memory.kept(), pytest.raises(KeyError), memory.kept():
+            raise KeyError
+        with memory.kept(False):
+            pass
+        assert len(libc.calls) == 2
+    assert libc.calls[2:] == [(-1, 1 << 26), (-4, 1 << 16), "given back"]
+
+
+def test_without_glibc_nothing_is_changed(monkeypatch):
+    def missing(_):
+        raise OSError
+
+    monkeypatch.setattr(ctypes, "CDLL", missing)
+    with memory.kept():
+        pass
+    assert memory._users == 0
