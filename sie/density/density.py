@@ -40,8 +40,8 @@ class Density(Series):
         Those of the equation's columns (k,).
     bounded_ends : bool
         See `with_bounded_ends`.
-    parts : tuple or None
-        What `bounded` is, where it is known to more digits than the coefficients tell.
+    edges : tuple or None
+        (alpha, beta) of `singular`, where they are not what the coefficients tell.
 
     Examples
     --------
