@@ -14,11 +14,11 @@ import numpy as np
 
 from sie.basis import chebyshev
 from sie.basis.data import Array, Index, numbered, record
-from sie.basis.interval import Outside, edge_scale, mean_potential
+from sie.basis.interval import edge_scale, mean_potential
 from sie.basis.zones import Zones
 from sie.collocation import modes
 from sie.collocation.modes import felt
-from sie.collocation.system import MirrorSymmetry, System, condition_rows, outside
+from sie.collocation.system import MirrorSymmetry, System, condition_rows
 from sie.collocation.zone_sums import ZoneSums
 from sie.equation.conditions import ByZone, Linear, by_zone, speaks_of_levels
 from sie.equation.equation import Equation
@@ -342,15 +342,15 @@ class CoarseOperator:
 
     def _of(self, i: Index, j: Index) -> Array:
         zones, kernel = self.zones, self.kernel
-        w = zones.half[j]
-        out = np.zeros(np.broadcast(i, j).shape)
+        x, xi, w = zones.middle[i], zones.middle[j], zones.half[j]
+        # A punch raises log((d + sqrt(d^2 - w^2)) / 2) at the distance d, and log(w / 2) on itself: of all poles together one logarithm.
+        product, away = np.ones(np.broadcast(i, j).shape), x - xi
         for shift in kernel.poles:
-            e = outside(zones.a[j] + shift, zones.b[j] + shift, zones.middle[i]).excess
-            if shift == 0.0:
-                e = np.where(i == j, 0.0, e)
-            out += Outside(1.0, e).first(w / kernel.datum)
+            d = np.maximum(np.abs(away - shift), w)
+            product *= (0.5 / kernel.datum) * (d + np.sqrt((d - w) * (d + w)))
+        out = np.log(product)
         if kernel.regular_potential is not None:
-            out += kernel.regular_potential(zones.middle[i], zones.middle[j])
+            out += kernel.regular_potential(x, xi)
         return np.asarray(w * (out - self.lowered))
 
     def near(self, system: IterativeSystem) -> bool:

@@ -14,7 +14,7 @@ from sie.basis.data import Array, Index
 Entries = Callable[[Index, Index], Array]
 """entries(rows, columns): the block, broadcast."""
 
-_LEAF = 256
+_LEAF = 128
 _MOST_RANK = 40
 
 
