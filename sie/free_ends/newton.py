@@ -33,6 +33,8 @@ INWARD, OUTWARD, INTO_GAP = 0.3, 0.5, 0.4
 _FELT = 8
 # Over what the mean slope of the right side's smooth part makes of A.
 _SMOOTH = 4.0
+# A slight zone, over the wider one beside it.
+_SLIGHT = 0.01
 # How often it is looked which ends move as far as they may.
 _BORDERINGS = 12
 # While all ends together have moved by no more than this part of all widths, the response to the open condition's value is about as it
@@ -41,8 +43,8 @@ _SAME_RESPONSE = 0.01
 
 # Of a solution by iteration that is wanted no better than this, sums are rough; the last one, if no better than that.
 _ROUGHLY, _ROUGH_ENOUGH = 1e-7, 5e-7
-# From this number of zones on: what series fall to before the last step, over the cube of the move before, and at least.
-_MANY, _OF_CUBE, _LONGEST_FALL = 60, 1e-3, 1e-4
+# From this number of zones on: what series fall to at least before the last step.
+_MANY, _LONGEST_FALL = 60, 1e-4
 # What zones said to be near are expected to move by, over their widths: what a rougher solution would add does not fall as steps do.
 _STEP_NEAR = 1e-4
 
@@ -193,9 +195,9 @@ def find_ends(
     while True:
         # Where that saves a solution of its own, the value at hand is in the right side.
         sizes.linear, sizes.value = progress.linear, value
-        sizes.rough = progress.linear > max(_ROUGHLY, min(progress.tightest, _ROUGH_ENOUGH))
+        sizes.rough = sizes.linear > max(_ROUGHLY, min(progress.tightest, _ROUGH_ENOUGH))
         # Series of many zones are no longer than the next move asks for.
-        fall = max(decay, min(_LONGEST_FALL, _OF_CUBE * progress.last**3)) if len(zones) >= _MANY else decay
+        fall = max(decay, min(_LONGEST_FALL, progress.left_to_solve)) if len(zones) >= _MANY else decay
         state = _state(equation, zones, fall, sizes, value)
         loose = fall > decay or (state.iterated and sizes.linear > progress.tightest)
         zones, let_go = _let_go(zones, limits, state.density, limited)
@@ -226,7 +228,7 @@ def find_ends(
             reason = _why_not(state, progress, motion)
             return Free(state, False, rest.error, rest.rounding, tuple(progress.trace), found, abs(motion.change), reason=reason)
         value += motion.change
-        closes, vanishes = _closes(zones, equation, motion.delta), motion.delta.sum(axis=0) <= zones.a - zones.b
+        closes, vanishes = _closes(zones, equation, motion.delta), _vanishes(zones, motion, drops)
         outward, gone = _limited(state, zones, motion, signs, unit)
         zones = _held_at(zones.moved(outward, keeps), limits)
         lost, met = progress.vanished(zones, modes.gaps(zones, equation.kernel)[1], vanishes, closes)
@@ -316,6 +318,14 @@ def _closes(zones: Zones, equation: Equation, delta: Array) -> Mask:
     """Whether the steps of both ends at the gap right of each zone would leave nothing of it."""
     gap = modes.gaps(zones, equation.kernel)[1]
     return np.asarray(delta[1] + np.roll(delta[0], -1) >= (1 - 1e-9) * gap)
+
+
+def _vanishes(zones: Zones, motion: Motion, drops: bool) -> Mask:
+    """Whether the steps of both ends of a zone would leave nothing of it; or, where it may be dropped, whether it is so much narrower than
+    one beside it that others hardly feel it, and does not push outward: all would wait for it to go, and signs tell if it is there."""
+    width = np.pad(zones.b - zones.a, 1)
+    slight = drops & (width[1:-1] < _SLIGHT * np.maximum(width[:-2], width[2:]))
+    return np.asarray((motion.delta.sum(axis=0) <= zones.a - zones.b) | (motion.weak & slight))
 
 
 def _alone(density: AnyDensity, natural: Array, signs: tuple[float, float]) -> Array:
@@ -421,7 +431,7 @@ def _newton(state: AnyState, zones: Zones, signs: tuple[float, float], unit: "Un
     if prescribed:
         whole = state.whole  # no slits where intensities are prescribed
         delta, noise, change, growth = _full_newton(equation, whole, residual, noise_k, unit, side)
-        return Motion(moves, delta, noise, change, True, Turn(float(np.abs(residual).max()), growth))
+        return Motion(moves, delta, noise, change, np.zeros(len(zones), dtype=bool), Turn(float(np.abs(residual).max()), growth))
     safe, weak = _safe_slopes(density, natural, signs)
     delta = np.where(moves, 2 * residual / safe, 0.0)
     noise = np.where(moves, 2 * noise_k / np.abs(safe), 0.0)
@@ -445,7 +455,7 @@ def _newton(state: AnyState, zones: Zones, signs: tuple[float, float], unit: "Un
         # A corner that shortens the step shortens what rounding of K does.
         noise = noise * np.minimum(np.abs(bent) / np.maximum(np.abs(delta), 1e-300), 1.0)
         delta = bent
-    return Motion(moves, delta, noise, change, not np.any(weak & moves))
+    return Motion(moves, delta, noise, change, np.asarray((weak & moves).any(axis=0)))
 
 
 @record

@@ -31,6 +31,9 @@ _VERY_MANY = 6000
 _HUNDREDS, _LARGEST, _ROUNDED = 600, 4.0, 1e-8
 # The first of these where it is open which zones there are, and where a few of the ends need not come to rest.
 _LOOSER, _LOOSEST = 1e-5, 1e-4
+# What a solution leaves, over the cube of the move before; moves over the widths down to which loose ones tell the next, while they fall to
+# less than this part of themselves; what the next solution leaves at the least, over what the last one did.
+_OF_CUBE, _TOLD_LOOSELY, _FALLS, _CLOSER = 1e-3, 2e-3, 0.5, 2e-5
 # The remaining motion of an end is the next step but for its square.
 MARGIN = 1.5
 
@@ -55,14 +58,20 @@ class Turn:
 @record
 class Motion:
     """What a Newton step asks for. delta: outward moves (2, Z), of the ends that move; noise: their roundoff; change: of the open
-    condition's value; certain: whether it can be trusted; turn: what is seen of other roots where intensities are prescribed."""
+    condition's value; weak: zones with an end beside which the density does not push outward; turn: what is seen of other roots where
+    intensities are prescribed."""
 
     moves: Mask
     delta: Array
     noise: Array
     change: float
-    certain: bool
+    weak: Mask
     turn: Turn | None = None
+
+    @property
+    def certain(self) -> bool:
+        """Whether it can be trusted."""
+        return not self.weak.any()
 
 
 @record
@@ -79,7 +88,8 @@ class Rest:
 class Progress:
     """The steps so far of a search for ends from zones of these widths and gaps. off: what they are off by at first over these widths, but
     for some; few: part of all ends that need not come to rest, after so many `patient` steps; drops: see `find_ends`; most: the largest
-    move of the last step but for the few, over the width; doubted: whether some zones did not push outward, and may be dropped."""
+    move of the last step but for the few, over the width; doubted: whether some zones did not push outward, and may be dropped; solved:
+    tolerance of the last solution by iteration."""
 
     tolerance: float
     first_width: Array
@@ -92,6 +102,7 @@ class Progress:
     turns: list[Turn] = field(default_factory=list)
     most: float = 1.0
     doubted: bool = False
+    solved: float = 0.0
     best: float = np.inf
     stalled: int = 0
     closing: Index = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
@@ -114,8 +125,18 @@ class Progress:
     def linear(self) -> float:
         """Tolerance of a solution by iteration: the next move is about the square of the last one and the one after it about the fourth
         power, which what this solution leaves must not outweigh: another solution takes longer than a few digits more of this one."""
-        last, first = (self.most, _LOOSEST) if self.few else (self.last, _LOOSER if self.drops else _LOOSE)
-        return min(first, max(1e-3 * last**3, self.tightest))
+        cube, first = (_OF_CUBE * self.most**3, _LOOSEST) if self.few else (self.left_to_solve, _LOOSER if self.drops else _LOOSE)
+        return min(first, max(cube, self.tightest))
+
+    @property
+    def left_to_solve(self) -> float:
+        """What the next solution may leave, for all but the square of the next move; where zones may be dropped, of very many, solutions
+        stay loose for as long as they tell the moves, and then are tighter by no more than what the next ones tell of them."""
+        cube = _OF_CUBE * self.last**3
+        if not self.drops or len(self.trace) < 2:
+            return cube
+        falls = self.last > _TOLD_LOOSELY and self.trace[-1].move < _FALLS * self.trace[-2].move
+        return 1.0 if falls else max(cube, _CLOSER * self.solved)
 
     @property
     def tightest(self) -> float:
@@ -125,7 +146,7 @@ class Progress:
     def after(self, zones: Zones, motion: Motion, corners: Array, value: float, opened: bool) -> Rest:
         """Enters a step. corners: distance of a corner from each end (2, Z), over which the density changes; value: of the open condition,
         if one is opened."""
-        width, delta = zones.b - zones.a, np.abs(motion.delta)
+        width, delta, self.solved = zones.b - zones.a, np.abs(motion.delta), self.linear
         move = float((delta / width).max(initial=0.0))
         self.trace.append(Step(zones.table, move, value if opened else None))
         self.doubted = self.drops and not motion.certain

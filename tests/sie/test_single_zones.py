@@ -1,5 +1,7 @@
 """Zones moved on their own, what neighbours do to a small zone, and places known beyond their last digit."""
 
+from dataclasses import replace
+
 import mpmath
 import numpy as np
 import pytest
@@ -198,6 +200,23 @@ def test_zones_in_doubt_are_dropped_or_joined_on_the_way_and_the_rest_is_as_with
     assert not sie.find_ends(equation, sie.Zones.of(doubtful), 1e-11).converged
     found = sie.find_ends(equation, sie.Zones.of(doubtful), 1e-11, drops=True)
     assert found.converged and found.density.zones.table == pytest.approx(right.density.zones.table, abs=1e-10)
+
+
+def test_a_slight_zone_that_does_not_push_outward_is_not_waited_for(monkeypatch):
+    """Beside a wide zone one a thousandth as wide, whose density looks as if it pulled, step by step: the others are found without it."""
+    wave = sie.Forcing(lambda x: np.sin(2 * np.pi * x), lambda x: -np.cos(2 * np.pi * x) / (2 * np.pi))
+    row = sie.Equation(sie.hilbert(8.0), wave, (sie.Total(2.0), sie.EqualPotential()))
+    right = sie.find_ends(row, sie.Zones.of(np.arange(-3.0, 4.0)[:, None] + [-0.2, 0.2]), 1e-11).density.zones.table
+    original = free_boundary._newton
+
+    def in_doubt(state, zones, *given):
+        motion = original(state, zones, *given)
+        return replace(motion, delta=np.zeros_like(motion.delta), weak=np.arange(8) == 4) if len(zones) == 8 else motion
+
+    monkeypatch.setattr(free_boundary, "_newton", in_doubt)
+    doubtful = sie.Zones.of(np.insert(right, 4, right[3, 1] + np.array([1e-3, 1.4e-3]), axis=0))
+    found = sie.find_ends(row, doubtful, 1e-11, drops=True)
+    assert found.converged and found.density.zones.table == pytest.approx(right, abs=1e-10)
 
 
 def test_zones_joined_across_the_border_of_the_period_go_on_beyond_it():
