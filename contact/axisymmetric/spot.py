@@ -257,8 +257,12 @@ def _stated(spot: Spot, trace: list[float], tol: float) -> Spot:
     spot.check()
     # A spot just born feels the rounding of approach and depth, which are much larger than its own penetration.
     own = float(spot.profile.line(spot.radius))
-    error = max(trace[-1], abs(spot.balance()), _ROUNDING, 4.0 * _EPS * (abs(spot.approach) + spot.depth) / own)
+    derived = spot.profile.derived_error(spot.radius) * spot.E_star / spot.mean_pressure
+    error = max(trace[-1], abs(spot.balance()), _ROUNDING, derived, 4.0 * _EPS * (abs(spot.approach) + spot.depth) / own)
     spot = replace(spot, error=error)
+    if error > tol and error == derived:
+        give = "give slope_of, a height that takes complex numbers or is exact near the tip (2 sinh(r/2)^2, not cosh(r) - 1), or a larger tol"
+        raise NotConverged(f"rounding of the heights leaves the pressure an error of {error:.2e}, above tol = {tol:.2e}: {give}", trace, spot)
     if error > tol:
         why = "the profile's derivatives are not that good" if trace[-1] < error else "too few nodes"
         raise NotConverged(f"load and pressure balance to {error:.2e} only, tol = {tol:.2e}: {why}", trace, spot)
@@ -271,7 +275,8 @@ def first_radius(growing: Callable[[float], Any], target: float, scale: float) -
     A fall on the way ends the branch from zero load: OutOfRange.
     """
     a = 1e-3 * scale
-    while growing(a) >= target:
+    # Of a steep flank far out rounding may leave less than nothing.
+    while not 0.0 <= growing(a) < target:
         a *= 0.5
         if a < 1e-60 * scale:
             break

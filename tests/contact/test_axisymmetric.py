@@ -146,6 +146,32 @@ def test_a_height_whose_tip_is_all_rounding_is_differentiated_exactly():
     assert spot.error < 1e-12
 
 
+@pytest.mark.parametrize("radius", [1e-6, 1e-3, 0.1])
+@pytest.mark.parametrize("height", [lambda r: np.cosh(r) - 1, lambda r: np.sqrt(1 + r * r) - 1, lambda r: np.log(1 + r * r)])
+def test_by_its_load_a_spot_whose_tip_is_all_rounding_is_the_same(height, radius):
+    # Looked for from small radii on, where heights tell nothing.
+    spot = solve_spot(height, E, spot_radius=radius)
+    found = solve_spot(height, E, load=spot.load)
+    assert found.radius == pytest.approx(radius, rel=1e-12)
+    r = radius * np.linspace(0.01, 0.99, 9)
+    assert found.pressure(r) == pytest.approx(spot.pressure(r), abs=1e-11 * spot.mean_pressure)
+
+
+@pytest.mark.parametrize("radius", [1e-4, 0.01, 0.5])
+@pytest.mark.parametrize("shape", ["catenary", "hyperboloid", "raised"])
+def test_what_rounding_of_heights_leaves_of_the_pressure_is_stated(shape, radius):
+    heights = {"catenary": lambda r: np.cosh(r) - 1, "hyperboloid": lambda r: np.sqrt(1 + r * r) - 1, "raised": lambda r: 3.0 + r * r / (1 + r)}
+    height = heights[shape]
+    exact = solve_spot(height, E, spot_radius=radius)
+    rounded = solve_spot(lambda r: height(np.asarray(r, dtype=float)), E, spot_radius=radius, tol=0.1)
+    r = radius * np.append(1e-6, np.geomspace(1e-3, 0.99, 30))
+    off = np.max(np.abs(rounded.pressure(r) - exact.pressure(r))) / exact.mean_pressure
+    assert off <= rounded.error < 1e6 * max(off, 1e-12)
+    assert rounded.error < 2e-8 / radius
+    with pytest.raises(NotConverged, match="rounding of the heights"):
+        solve_spot(lambda r: height(np.asarray(r, dtype=float)), E, spot_radius=radius, tol=1e-3 * rounded.error)
+
+
 def test_a_height_that_takes_no_complex_numbers_and_has_a_kink_at_the_tip_will_do():
     lattice = Square(1.0)
     mine, cone = (solve_spot(s, E, lattice, load=0.03) for s in (lambda r: 0.1 * np.abs(r), Cone(0.1)))

@@ -23,6 +23,10 @@ _SIXTH = ((1, 3 / 4), (2, -3 / 20), (3, 1 / 60))  # f' = sum c_k (f(x + kh) - f(
 _FIRST, _LAST, _COUNTS, _OF_SHARP, _COARSEST = 256, 2**14, 1e-5, 0.1, 16
 # By how much, over the largest slope, wide steps may differ from complex ones.
 _WIDE = 1e-3
+# Values that are the same but for their own rounding, over that.
+_SAME = 16
+# Rounding over the largest sixth difference that is nothing else.
+_OF_SIXTH = 0.1
 # The doubt of a step that does not resolve f.
 _LEAST_BELIEVED = 1e300
 
@@ -37,10 +41,7 @@ def slope_of(height: Callable[[Any], Any], x: Array, length: float | None = None
     by_step = _complex_step(height, x)
     if by_step is None:
         return by_differences
-    agrees = agree(by_step, by_differences, doubt)
-    if agrees is False:
-        # Differences may be sure of what rounding makes of f, where a height like cosh(x) - 1 hides that: wider steps are not.
-        agrees = agree(by_step, *by_ladder(height, x, length, wide=True), _WIDE)
+    agrees = borne_out(height, x, length, by_step, by_differences, doubt)
     if agrees is not None:
         return by_step if agrees else by_differences
     # Points may be too close together for differences to tell f' from rounding: farther apart they can, of the same function.
@@ -62,6 +63,14 @@ def right_by_step(height: Callable[[Any], Any], x: Array, length: float | None) 
     return by_step is not None and bool(agree(by_step, *by_ladder(height, x, length)))
 
 
+def borne_out(
+    height: Callable[[Any], Any], x: Array, length: float | None, by_step: Array, by_differences: Array, doubt: Array
+) -> bool | None:
+    """Whether differences bear complex steps out; None where they do not tell. They may be sure of what rounding makes of f, where a height
+    like cosh(x) - 1 hides that: wider steps are not."""
+    return agree(by_step, by_differences, doubt) or agree(by_step, *by_ladder(height, x, length, wide=True), _WIDE)
+
+
 def agree(by_step: Array, by_differences: Array, doubt: Array, off: float = 1e-6) -> bool | None:
     """Whether complex steps are right (off: about) where differences are sure; None where they are so at half of the points or fewer.
 
@@ -69,7 +78,8 @@ def agree(by_step: Array, by_differences: Array, doubt: Array, off: float = 1e-6
     """
     scale = np.max(np.abs(by_differences), initial=0.0)
     sure = doubt <= 0.1 * off * scale
-    return bool(np.all(np.abs(by_step - by_differences)[sure] <= off * scale)) if 2 * np.sum(sure) > sure.size else None
+    tells = scale > 0.0 and 2 * np.sum(sure) > sure.size
+    return bool(np.all(np.abs(by_step - by_differences)[sure] <= off * scale)) if tells else None
 
 
 def imaginary(function: Callable[[Any], Any], z: NDArray[Any]) -> Array | None:
@@ -90,12 +100,15 @@ def _complex_step(height: Callable[[Any], Any], x: Array) -> Array | None:
     return None if value is None else value / _TINY
 
 
-def by_ladder(height: Callable[[Any], Any], x: Array, length: float | None, wide: bool = False) -> tuple[Array, Array]:
+def by_ladder(
+    height: Callable[[Any], Any], x: Array, length: float | None, wide: bool = False, doubted: bool = False
+) -> tuple[Array, Array]:
     """Central differences at the best step of each point, and how far they may be off.
 
     The doubt is the change from the step before plus what rounding of f makes of it: at tiny steps two
     quotients can agree exactly and be wrong together. At wide ones too, where f is level beside a narrow dip: steps that do not
-    resolve f are believed least. wide: by the widest steps that come to something, whatever the rounding.
+    resolve f are believed least. wide: by the widest steps that come to something. wide or doubted: heights may be rounded by more than their
+    size tells, as those of cosh(x) - 1 are.
     """
     if length is not None:
         steps = length * 0.1 * 2.0 ** -np.arange(14)
@@ -104,14 +117,16 @@ def by_ladder(height: Callable[[Any], Any], x: Array, length: float | None, wide
         widest = max(float(np.max(np.abs(x))), 1.0)
         steps = widest * 4.0 ** -np.arange(24 + np.ceil(0.5 * np.log2(widest)))
     enough = 0.1 * _WIDE if wide else 0.0
-    best = np.full(x.shape, np.nan)
+    hidden, best = 0.0, np.full(x.shape, np.nan)
     doubt = np.full(x.shape, np.inf)
     with np.errstate(all="ignore"):
         here = np.asarray(height(x), dtype=np.float64)
         last = _difference(height, x, steps[0], here)[0]
         for h in steps[1:]:
-            new, size, resolved = _difference(height, x, h, here)
-            off = np.where(resolved, np.abs(new - last) + np.finfo(np.float64).eps * size / h, _LEAST_BELIEVED)
+            new, size, resolved, seen = _difference(height, x, h, here)
+            hidden = seen or hidden
+            noise = np.maximum(np.finfo(np.float64).eps * size, hidden if wide or doubted else 0.0)
+            off = np.where(resolved, np.abs(new - last) + noise / h, _LEAST_BELIEVED)
             ended = doubt <= enough * np.max(np.abs(best), initial=0.0, where=np.isfinite(best))
             better = (off < doubt) & ~ended
             best = np.where(better, new, best)
@@ -120,19 +135,26 @@ def by_ladder(height: Callable[[Any], Any], x: Array, length: float | None, wide
     return best, doubt
 
 
-def _difference(height: Callable[[Any], Any], x: Array, h: float, here: Array) -> tuple[Array, Array, Mask]:
-    """(the quotient, the size of f, whether its sixth difference is small beside its changes); here: f(x)."""
+def _difference(height: Callable[[Any], Any], x: Array, h: float, here: Array) -> tuple[Array, Array, Mask, float]:
+    """(the quotient, the size of f, whether its sixth difference is small beside its changes, what values may be rounded to); here: f(x)."""
     total, size, sixth = np.zeros(x.shape), np.abs(here), -20.0 * here
     low = high = here
+    values = [here]
     for (k, weight), binomial in zip(_SIXTH, (15.0, -6.0, 1.0), strict=True):
         # The step actually taken in floating point, not the one asked for.
         ahead, behind = x + k * h, x - k * h
         right, left = np.asarray(height(ahead)), np.asarray(height(behind))
         total = total + 2 * k * weight * (right - left) / (ahead - behind)
+        values += [left, right]
         low, high = np.minimum(low, np.minimum(left, right)), np.maximum(high, np.maximum(left, right))
         size = np.maximum(size, np.maximum(np.abs(right), np.abs(left)))
         sixth = sixth + binomial * (right + left)
-    return total, size, np.abs(sixth) <= high - low + 64 * np.finfo(np.float64).eps * size
+    # Values are no closer than they are rounded to, and a sixth difference is at least that, but where steps change nothing.
+    apart, least = np.diff(np.unique(values)), _SAME * np.finfo(np.float64).eps * np.max(np.abs(here), initial=0.0)
+    quantum = float(np.min(apart[apart > least])) if np.any(apart > least) else 0.0
+    largest = float(np.max(np.abs(sixth), initial=0.0))
+    hidden = min(quantum, _OF_SIXTH * largest) if largest > least else quantum
+    return total, size, np.abs(sixth) <= high - low + 64 * np.finfo(np.float64).eps * size, hidden
 
 
 def detail_of(height: Callable[[Array], Any], lo: float, hi: float) -> float:
