@@ -35,8 +35,9 @@ from sie import Array, record
 
 _DEGREES = (24, 96, 384)
 _RESOLVED = 1e-12  # of the largest coefficient, where the series may end
-# Last coefficients that tell what is left; what falls by less than this with four times as many is rounding; the largest of that over theirs;
-# the least, over the largest coefficient; a derivative that nothing is wrong with, over itself; and values that are the same, over noise.
+# Last coefficients that tell what is left; what falls by less than this with four times as many is rounding; the largest of that over
+# theirs; the least, over the largest coefficient; a derivative that nothing is wrong with, over itself; and values that are the same, over
+# noise.
 _LAST, _FALLS, _ABOVE, _LEAST, _EXACT, _SAME = 6, 0.2, 4.0, 2e-17, 1e-13, 30.0
 # Radii whose squares are 0.
 _UNDERFLOW = 2.0**-500

@@ -261,8 +261,9 @@ def _stated(spot: Spot, trace: list[float], tol: float) -> Spot:
     error = max(trace[-1], abs(spot.balance()), _ROUNDING, derived, 4.0 * _EPS * (abs(spot.approach) + spot.depth) / own)
     spot = replace(spot, error=error)
     if error > tol and error == derived:
-        give = "give slope_of, a height that takes complex numbers or is exact near the tip (2 sinh(r/2)^2, not cosh(r) - 1), or a larger tol"
-        raise NotConverged(f"rounding of the heights leaves the pressure an error of {error:.2e}, above tol = {tol:.2e}: {give}", trace, spot)
+        give = "slope_of, a height that takes complex numbers or is exact near the tip (2 sinh(r/2)^2, not cosh(r) - 1), or a larger tol"
+        left = f"rounding of the heights leaves the pressure an error of {error:.2e}, above tol = {tol:.2e}"
+        raise NotConverged(f"{left}: give {give}", trace, spot)
     if error > tol:
         why = "the profile's derivatives are not that good" if trace[-1] < error else "too few nodes"
         raise NotConverged(f"load and pressure balance to {error:.2e} only, tol = {tol:.2e}: {why}", trace, spot)

@@ -160,8 +160,8 @@ def test_by_its_load_a_spot_whose_tip_is_all_rounding_is_the_same(height, radius
 @pytest.mark.parametrize("radius", [1e-4, 0.01, 0.5])
 @pytest.mark.parametrize("shape", ["catenary", "hyperboloid", "raised"])
 def test_what_rounding_of_heights_leaves_of_the_pressure_is_stated(shape, radius):
-    heights = {"catenary": lambda r: np.cosh(r) - 1, "hyperboloid": lambda r: np.sqrt(1 + r * r) - 1, "raised": lambda r: 3.0 + r * r / (1 + r)}
-    height = heights[shape]
+    hyperboloid, raised = (lambda r: np.sqrt(1 + r * r) - 1), (lambda r: 3.0 + r * r / (1 + r))
+    height = {"catenary": lambda r: np.cosh(r) - 1, "hyperboloid": hyperboloid, "raised": raised}[shape]
     exact = solve_spot(height, E, spot_radius=radius)
     rounded = solve_spot(lambda r: height(np.asarray(r, dtype=float)), E, spot_radius=radius, tol=0.1)
     r = radius * np.append(1e-6, np.geomspace(1e-3, 0.99, 30))

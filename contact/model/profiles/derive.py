@@ -107,8 +107,8 @@ def by_ladder(
 
     The doubt is the change from the step before plus what rounding of f makes of it: at tiny steps two
     quotients can agree exactly and be wrong together. At wide ones too, where f is level beside a narrow dip: steps that do not
-    resolve f are believed least. wide: by the widest steps that come to something. wide or doubted: heights may be rounded by more than their
-    size tells, as those of cosh(x) - 1 are.
+    resolve f are believed least. wide: by the widest steps that come to something. wide or doubted: heights may be rounded by more
+    than their size tells, as those of cosh(x) - 1 are.
     """
     if length is not None:
         steps = length * 0.1 * 2.0 ** -np.arange(14)
@@ -136,7 +136,7 @@ def by_ladder(
 
 
 def _difference(height: Callable[[Any], Any], x: Array, h: float, here: Array) -> tuple[Array, Array, Mask, float]:
-    """(the quotient, the size of f, whether its sixth difference is small beside its changes, what values may be rounded to); here: f(x)."""
+    """(the quotient, the size of f, whether its sixth difference is small beside its changes, what f may be rounded to); here: f(x)."""
     total, size, sixth = np.zeros(x.shape), np.abs(here), -20.0 * here
     low = high = here
     values = [here]
