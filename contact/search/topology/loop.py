@@ -37,9 +37,10 @@ CLOSER = 1e-3
 # Of so many intervals hardly any first guess has the right ones: these are looked at first with ends that are known to a part of their
 # widths, but for a few, until no more than another part of them is put right at once.
 MANY, LOOSELY, UNKNOWN, FEW = 1000, 1e-3, 0.005, 0.05
-# Where more than so many are put right at first, looks go on for as long as each puts right no more than this part of the last: one that
-# is missing costs several tight solutions. Of fewer hardly ever one is left.
-SURE, FEWER = 64, 0.5
+# Where more than so many are put right, that is done again, for as long as it is no more than this part of the last; of fewer at first
+# hardly ever one is left. Where some are put right after that, the next look is one with all ends known to this part: one that is missing
+# costs several tight solutions.
+SURE, FEWER, CLOSELY = 64, 0.5, 1e-6
 # Steps after which the few are no longer waited for; how often intervals that are lost on the way are left out.
 PATIENT, LEFT_OUT = 2, 24
 # Over the ends' stated errors.
@@ -167,7 +168,8 @@ def _rounds(
             yield form.solved(free, fields, NOT_CHECKED, done, control, newton.tolerance)
             return
         with timed("certificate"):
-            certificate = form.certificate(fields, control, newton.few)
+            loosely = newton.tolerance > wanted and not (free.converged and newton.few == 0.0)
+            certificate = form.certificate(fields, control, UNKNOWN if loosely else 0.0)
         if newton.tolerance > wanted:
             table, newton, failed = _loosely(form, free, fields.state, certificate, newton, wanted, failed)
         elif not free.converged:
@@ -190,14 +192,18 @@ def _loosely(
     form: Formulation[Kind], free: sie.Free, state: sie.AnyState, certificate: Certificate, newton: Newton, wanted: float, failed: float
 ) -> tuple[Array, Newton, float]:
     """Where to go on from ends that are known to a part of their widths, and how many signs have failed: loosely where many intervals are
-    put right, else to the wanted tolerance. What may be their error is left as it is. failed: signs that did so before."""
+    put right, or else to the wanted tolerance, once more closely where others were before. What may be their error is left as it is.
+    failed: signs that did so before."""
     near = [_beside_ends(free, state, bad) for bad in (certificate.negative, certificate.overlaps)]
     certificate = replace(certificate, negative=certificate.negative[~near[0]], overlaps=certificate.overlaps[~near[1]])
     put_right = len(certificate.negative) + len(certificate.overlaps)
     zones = free.next_zones
-    some = put_right > SURE if np.isinf(failed) else 0 < put_right <= FEWER * failed
-    goes_on = some or put_right > FEW * len(zones)
-    newton = replace(newton, patient=PATIENT) if goes_on else replace(newton, tolerance=wanted, few=0.0)
+    if newton.few and (SURE < put_right <= FEWER * failed or put_right > FEW * len(zones)):
+        newton = replace(newton, patient=PATIENT)
+    else:
+        closely = newton.few and put_right > 0 and np.isfinite(failed)
+        known = 1.0 if newton.few or not free.converged else newton.tolerance
+        newton = replace(newton, tolerance=max(CLOSELY, wanted) if closely else wanted, few=0.0, off=known)
     return form.corrected(zones, certificate) if put_right else zones.table, newton, put_right
 
 
