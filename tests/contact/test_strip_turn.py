@@ -142,3 +142,14 @@ class TestClosure:
         solution, tight = contact.solve(scene, tol=1e-6), contact.solve(scene, tol=1e-11)
         off = np.abs(solution.zones - tight.zones) / np.diff(tight.zones)
         assert off.max() <= solution.error + tight.error
+
+    @pytest.mark.parametrize("seed, kind, points, part", [(0, "white_noise", 100, 0.9), (2, "ground", 200, 0.99)])
+    def test_gaps_are_as_close_as_the_pressure_beside_them_asks_for(self, seed, kind, points, part):
+        # Narrow gaps at the border: the pressure follows its ends several hundred times.
+        profile = drawn(np.random.default_rng(seed), kind, points, "uneven")
+        scene = contact.Scene(profile, 1.0, FIRST, load=part * full_load(profile))
+        solution, tight = contact.solve(scene), contact.solve(scene, tol=1e-9)
+        assert solution.error <= 1e-8
+        along = (1 - np.cos(np.linspace(0.01, np.pi - 0.01, 400))) / 2
+        pressures = [each.pressure(each.zones[0, 0] + along * np.diff(each.zones[0])) for each in (solution, tight)]
+        assert np.abs(pressures[0] - pressures[1]).max() <= (solution.error + tight.error) * tight.max_pressure

@@ -45,6 +45,8 @@ _NEWTON = 25
 # what may be unsure over their tolerance, what of that the last step may leave, the part to which they are cut off later where the rest is
 # more, and the last one.
 _FINE_STEPS, _SQUARE, _SHORT, _COARSER, _UNSURE, _SETTLED, _SHORTER, _SHORTEST = 8, 3e-6, 1e-3, 1e3, 100.0, 10.0, 1e-2, 1e-15
+# Zones over the gaps beside them, from which on ends are found the more closely.
+_STEEP = 30.0
 # What is left after the last step, over what it is estimated as.
 _MARGIN = 2.0
 # How often signs are looked at by the exact profile; samples of a zone at the most, and what is low there, over its largest pressure; what
@@ -88,6 +90,14 @@ class GapContact:
         """Total width of the gaps of the strip."""
         ends = _turned(self.table)
         return 0.5 * self.turn.half * float((ends[:, 1] - ends[:, 0]).sum())
+
+    @property
+    def steepest(self) -> float:
+        """The widest zone over a gap beside it: about how many times the pressure follows ends over their zones' widths."""
+        table = self.turn.zones_of(self.table)
+        border = self.turn.centre + self.turn.half * np.array([-1.0, 1.0])
+        gaps = np.diff(np.concatenate((border[:1], table.ravel(), border[1:])).reshape(-1, 2), axis=1)[:, 0]
+        return float((np.diff(table, axis=1)[:, 0] / np.minimum(gaps[:-1], gaps[1:])).max())
 
     @property
     def borders(self) -> tuple[int, int] | None:
@@ -239,6 +249,10 @@ class _Both:
         (left, right), sides = self.strip.borders, np.sin(self._ends)
         return 0.5 * self.strip.turn.half * float(sides[0] * moved[1, left] - sides[1] * moved[0, right])
 
+    def missed_by(self, strip: Array, alone: Array) -> Array:
+        """What width and centre are missed by at the most where the ends of gaps (2, n) are off."""
+        return np.array([self.strip.widening(strip) + self.alone.widening(alone), self.aside(strip * [[-1.0], [1.0]])])
+
     @property
     def far(self) -> float:
         """Newton's step over the room beside the border and the nominal pressure."""
@@ -279,8 +293,8 @@ class Root:
 
 @record
 class GapClosure:
-    """The root under a scaled load, whose gaps are found to a tolerance. carefully: in steps that gaps and zones stay which are to become
-    narrower."""
+    """The root under a scaled load, whose gaps are found to a tolerance, that of the pressure beside them. carefully: in steps that gaps
+    and zones stay which are to become narrower."""
 
     problem: Problem
     load: float
@@ -302,19 +316,24 @@ class GapClosure:
         turn = StripTurn(self.problem, centre, self._points)
         gaps = turn.gaps_of(start.strip), turn.gaps_of(start.alone)
         here = replace(self._settled(self._with(turn, pressure, *gaps, _How(_ROUGHLY, _DECAY, _ROUNDS))), kept=None)
-        matrix, size, decay = here.matrix, np.array([here.room, here.pressure]), _COARSER * self.tolerance
+        # Beside gaps that are narrow for their zones the pressure is steep, and follows ends the more closely.
+        tolerance = self.tolerance * min(1.0, _STEEP / here.strip.steepest)
+        matrix, size, decay = here.matrix, np.array([here.room, here.pressure]), _COARSER * tolerance
         step, before = np.zeros(2), 0.0
         # Newton's steps by the exact profile and longer series, at the same rates, those of the misses put right by secants.
         for _ in range(_FINE_STEPS):
             (strip, of_strip, slopes), (alone, of_alone, slopes_alone) = (each.finely(decay) for each in (here.strip, here.alone))
             missed = here.misses + (here.alone.widening(alone) - here.strip.widening(strip), here.aside(strip))
-            matrix = matrix + (np.outer(missed, step / size**2) / ((step / size) ** 2).sum() if step.any() else 0.0)
+            # What is missed by less than it is unsure tells nothing more.
+            told = all(np.abs(own).max() <= of.max() for own, of in ((strip, of_strip), (alone, of_alone)))
+            told &= bool((np.abs(missed) <= here.missed_by(of_strip, of_alone)).all())
+            matrix = matrix + (np.outer(missed, step / size**2) / ((step / size) ** 2).sum() if step.any() and not told else 0.0)
             step = np.asarray(-np.linalg.solve(matrix, missed))
             by_strip, by_alone, largest = here.moved(step)
             # A step at rates that are kept leaves about as much of what is missed as the one before it has.
             rest, before = max(_RATES, min(float(np.linalg.norm(missed)) / before, 1.0) if before else 1.0), float(np.linalg.norm(missed))
             of_strip, of_alone = (of + rest * np.abs(by) for of, by in ((of_strip, by_strip), (of_alone, by_alone)))
-            left = np.array([here.strip.widening(of_strip) + here.alone.widening(of_alone), here.aside(of_strip * [[-1.0], [1.0]])])
+            left = here.missed_by(of_strip, of_alone)
             inverse = np.asarray(np.linalg.inv(matrix))
             tables = [each.table + _outward(moved) for each, moved in ((here.strip, strip + by_strip), (here.alone, alone + by_alone))]
             turn = StripTurn(self.problem, here.centre + float(step[0]), self._points)
@@ -324,13 +343,13 @@ class GapClosure:
             by_misses = [here.strip.turn.of_zones(here.strip.table, _outward(here.moved(by)[0]), float(by[0])) for by in inverse.T]
             off = _MARGIN * np.tensordot(left, by_misses, 1)
             ends = _MARGIN * here.strip.turn.of_zones(here.strip.table, of_strip.T)
-            if largest < _SQUARE and decay <= self.tolerance:
-                settled = rest * largest < _SETTLED * self.tolerance
-                if float((off + ends).max()) < _UNSURE * self.tolerance or (settled and decay <= _SHORTEST):
+            if largest < _SQUARE and decay <= tolerance:
+                settled = told or rest * largest < _SETTLED * tolerance
+                if float((off + ends).max()) < _UNSURE * tolerance or (settled and decay <= _SHORTEST):
                     break
                 decay *= _SHORTER if settled and decay > _SHORTEST else 1.0
             elif largest < _SHORT:
-                decay = min(decay, self.tolerance)
+                decay = min(decay, tolerance)
             here = replace(self._on(turn, pressure, *tables), kept=here.rates)
         if largest > _SHORT:
             # Width and centre ask for the same there.
