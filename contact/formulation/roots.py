@@ -7,23 +7,11 @@ from collections.abc import Callable
 
 import numpy as np
 
-from contact.extras import require
 from sie import Array
 
 # Values at the most, points of an inverse polynomial, and a step below which rounding may keep the next from falling, over the place.
 # A bracket so narrow over the first one is closed, wherever the root.
 _MOST, _INVERSE, _ROUNDED, _OF_SPAN = 100, 4, 1e-12, 1e-16
-
-
-def bracketed(
-    function: Callable[[float], float], known: dict[float, float], xtol: float, rtol: float = 4e-15, most: int = 100
-) -> float:
-    """The root by Brent's method (R. P. Brent, Algorithms for Minimization without Derivatives, 1973). known: the two ends and the values
-    there, of opposite signs. Where the bracket does not close in `most` steps, its last point."""
-    root: float = require("scipy.optimize").brentq(
-        lambda x: known[x] if x in known else function(x), *known, xtol=xtol, rtol=rtol, maxiter=most, disp=False
-    )
-    return float(root)
 
 
 def smooth_root(function: Callable[[float], float], known: dict[float, float], rtol: float = 1e-14) -> float:

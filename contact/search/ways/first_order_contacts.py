@@ -117,7 +117,7 @@ class StripRates(sie.Kept):
 
     @cached_property
     def _pressed(self) -> sie.AnyState:
-        return by_nominal_pressure(self.strip.fields.problem, self.strip.free.density.zones, _ROUGHLY)
+        return by_nominal_pressure(self.strip.fields.problem, self.strip.fields.state.density.zones, _ROUGHLY)
 
     @cached_property
     def by_centre(self) -> Array:
@@ -201,7 +201,7 @@ class Rates(StripRates):
 def _shifted(strip: Found) -> sie.AnyState:
     """What a unit of motion of the strip's centre adds to its density on the same zones, by a difference."""
     # Where the strip is its own mirror image, this is not.
-    problem, zones = strip.fields.problem, replace(strip.free.density.zones, symmetric=False)
+    problem, zones = strip.fields.problem, replace(strip.fields.state.density.zones, symmetric=False)
     assert problem.period is not None and problem.amplitude is not None
     pressure, ends = problem.amplitude, zones.table[[0, -1], [0, 1]] - problem.centre
     away = _SHIFT * (0.5 * problem.period - float(np.abs(ends).max()))
