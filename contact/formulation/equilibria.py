@@ -59,7 +59,8 @@ class Corners:
 class Point:
     """Zones (n, 2) under a value of the control. residual: r over |K*| of the left and then the right ends (2n,); rates: dr/ds (2n, 2n);
     by_value: dr/d(value); load and level: scaled. At ends that are held nothing drives them: the residual is 0, and stays so but for
-    motions of their own, against which they are stable. corners: None where the profile has none."""
+    motions of their own, against which they are stable. corners: None where the profile has none. solved: the density on these zones, and
+    to what it is; None where it is not kept."""
 
     table: Array
     value: float
@@ -69,6 +70,7 @@ class Point:
     load: float
     level: float
     corners: Corners | None = field(default=None, kw_only=True)
+    solved: tuple[sie.AnyState, float] | None = field(default=None, kw_only=True)
 
     @property
     def whole(self) -> Corners:
@@ -142,7 +144,8 @@ class Equilibria:
             raise OutOfRange("a contact zone reaches the border of the part of the profile that is known")
         zones = sie.Zones.of(table, problem.end, problem.end)
         equation = problem.equation(control)
-        state = sie.solve_zones(equation, zones, tolerance).whole
+        solved = sie.solve_zones(equation, zones, tolerance)
+        state = solved.whole
         follows, wanted = state, problem.end.intensity
         if state.iteration is not None:
             # There are as many right sides as ends: a matrix once, as small as rates are told by, not an iteration for each.
@@ -158,7 +161,7 @@ class Equilibria:
         unit = np.concatenate(follows.response(values).intensities)
         residual = (np.concatenate(state.density.intensities) - wanted) / size
         level = -value if control.approach is not None else float(state.levels.mean())
-        here = Point(table, value, residual, rates.intensities / size, unit / size, state.density.total, level)
+        here = Point(table, value, residual, rates.intensities / size, unit / size, state.density.total, level, solved=(solved, tolerance))
         corners = problem.corners
         if not np.isfinite(corners).all():
             return here
@@ -197,7 +200,9 @@ class Equilibria:
 
     def settled(self, here: Point) -> Point:
         """The equilibrium near by, tightly."""
-        here = self.at(here.table, here.value)
+        rough = here.solved is not None and here.solved[1] > _EXACT and here.growth < -_ANOTHER
+        near = rough and float(np.abs(here.newton / here.widths).max()) < _ANOTHER
+        here = self.at(here.moved(here.newton) if near else here.table, here.value)
         here.refuse_neutral()
         for _ in range(_STEPS):
             size = float(np.abs(here.newton / here.widths).max())
@@ -211,6 +216,8 @@ class Equilibria:
 
     def fields(self, here: Point, tolerance: float = _EXACT) -> ZoneFields:
         """Pressure and gap on these zones, under the load that they have."""
+        if here.solved is not None and here.solved[1] <= tolerance:
+            return ZoneFields(self.problem, here.solved[0])
         zones = sie.Zones.of(here.table, self.problem.end, self.problem.end)
         return ZoneFields(self.problem, sie.solve_zones(self.problem.equation(Load(here.load)), zones, tolerance))
 

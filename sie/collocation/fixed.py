@@ -22,6 +22,8 @@ from sie.equation.equation import Equation
 from sie.fast.panels import panels_over
 from sie.jumps.forcing import ForcingJumps
 
+# How far an iteration goes below what the coefficients have to fall to.
+_OF_ITERATION = 0.01
 # A reciprocal condition below this is rounding: the rows are of size one.
 _DEPENDENT = 1e-15
 # Points of every zone at which the residual is looked at: none of them a node.
@@ -247,6 +249,11 @@ def first_sizes(equation: Equation, zones: Zones) -> Sizes:
     return Sizes(np.full(len(zones), 16), least)
 
 
+def sizes_for(equation: Equation, zones: Zones, tolerance: float) -> Sizes:
+    """The same where nothing but a tolerance is asked for, which an iteration need not go far below."""
+    return replace(first_sizes(equation, zones), linear=_OF_ITERATION * tolerance)
+
+
 def sizes_of(sizes: Sizes, equation: Equation, zones: Zones) -> Sizes:
     """Modes to begin with, from those of a solution on about the same zones; of no more than the first ones, if these are others."""
     if len(sizes.own) != len(zones):
@@ -300,7 +307,7 @@ def solve_fixed(
     """
     equation.check_count(zones)
     if sizes is None:
-        sizes = first_sizes(equation, zones)
+        sizes = sizes_for(equation, zones, tolerance)
     if sizes.solves == 0:
         look_at(equation, zones)
     kernel = equation.kernel

@@ -10,6 +10,7 @@ one begins with that end held, or free. If it is free but unstable it lets go, a
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import field, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -23,13 +24,17 @@ from sie import Array, record
 Recede = Callable[[Equilibria, Array, float], Point | None]
 
 # First and longest step, Newton's steps in one, how small its last one is, and how many steps; a step so small is none.
-_FIRST, _LONGEST, _CORRECTIONS, _TIGHT, _MOST_STEPS, _NO_STEP = 0.02, 0.3, 8, 1e-11, 3000, 1e-9
-# Of a step: how much longer the next one is, and how much shorter after one that failed.
-_LONGER, _SHORTER = 1.6, 0.3
+_FIRST, _LONGEST, _CORRECTIONS, _TIGHT, _MOST_STEPS, _NO_STEP = 0.1, 0.5, 8, 1e-11, 3000, 1e-9
+# Of a step: the angle that it is to turn the tangent by, how much longer it is at the most than the one before, and how much shorter
+# after one that failed.
+_TURN, _LONGER, _SHORTER = 0.2, 4.0, 0.3
 # The unit of the control over that of the step before, at the least.
 _SLOWER = 0.5
-# Of a step, how far from its tangent it begins at the most.
-_BENT = 0.3
+# Of a step, how far from its tangent it begins at the most; places within it that others are told from, and how far these are from one
+# another at the least, over how far they are from it.
+_BENT, _NODES, _SEPARATE = 0.3, 3, 0.1
+# Of a step in which stability is lost, how short it is where there is no turn before or behind.
+_NO_TURN = 1e-6
 # Cosine of the angle by which a step may turn the tangent.
 _STRAIGHT = 0.85
 # Of equations that are met, what may be left of them, over what the control does to an end at the most.
@@ -51,8 +56,8 @@ _NO_GROWTH = 0.1
 _LOCATED, _HALVED = 40, 4
 # So many steps without a length come after one another at sharp corners.
 _MOST_STANDS = 3
-# What rounding may leave of Newton's steps.
-_ROUNDED = 1e-6
+# What rounding may leave of Newton's steps; and one that is none.
+_ROUNDED, _STILL = 1e-6, 1e-12
 # So near a place in a step is told, over how far it is.
 NEAR = 1e-12
 # Where a curve is only to be followed: how tightly its states are solved, and how small Newton's last step is; over the step, from how near
@@ -63,13 +68,18 @@ _ROUGH, _ROUGHLY, _ABOUT, _OFF = 1e-9, 1e-9, 1e-3, 1e-5
 @record
 class Place:
     """An equilibrium on the curve: widths that motions are counted in (2n,), the unit of the control, the unit tangent (2n + 1,), and about
-    how the curve bends from it, over the square of the length."""
+    how the curve leaves it, over the square and the cube of the length (2, 2n + 1)."""
 
     at: Point
     widths: Array
     unit: float
     tangent: Array
-    bend: Array
+    leaves: Array
+
+    def ahead(self, length: float) -> Array:
+        """About where the curve is, in what the tangent is told in."""
+        off = length**2 * self.leaves[0] + length**3 * self.leaves[1]
+        return np.asarray(length * self.tangent + (off if np.abs(off).max() <= _BENT * abs(length) else 0.0))
 
     @property
     def rises(self) -> float:
@@ -80,46 +90,60 @@ class Place:
 @record
 class Step:
     """A step along the arc, of a length, from one equilibrium to another. after: the equilibrium at its end with other ends held at sharp
-    corners, from which the next one begins; None where these are the same. known: how the curve bends there, by lengths that were asked
-    for."""
+    corners, from which the next one begins; None where these are the same. known: the equilibria in it by how far they are, and whether
+    they were solved tightly."""
 
     curve: Equilibria
     start: Place
     length: float
     end: Place
     after: Point | None = None
-    known: dict[float, Array] = field(default_factory=dict)
+    known: dict[float, tuple[Point, bool]] = field(default_factory=dict)
 
     def at(self, length: float, tight: bool = True, halvings: int = _HALVED) -> Point:
         """The equilibrium at a part of the step, where need be by way of one nearer to one that is known."""
-        if not self.known:
-            self.known[0.0] = self.known[self.length] = self._bend(self.end.at)
-        found = _corrected(self.curve, self.start, length * self.start.tangent + length**2 * self._bent(length), self.start.tangent, tight)
+        for place, (point, tightly) in self.known.items():
+            if abs(place - length) <= NEAR * length and tightly >= tight:
+                return point
+        found = _corrected(self.curve, self.start, self._about(length), self.start.tangent, tight)
         if found is None:
             if halvings == 0:
                 raise NotConverged("an equilibrium on the way along a curve was lost")
-            self.at(0.5 * (length + min(self.known, key=lambda k: abs(k - length))), tight, halvings - 1)
+            self.at(0.5 * (length + min((0.0, self.length, *self.known), key=lambda k: abs(k - length))), tight, halvings - 1)
             return self.at(length, tight, halvings - 1)
-        if length > 0.0:
-            self.known[length] = self._bend(found)
+        self.known[length] = found, tight
         return found
 
-    def _bend(self, at: Point) -> Array:
-        """By how much an equilibrium is beside the tangent, over the square of how far it is (2n + 1,)."""
-        moved, tangent = _moved(self.start, at), self.start.tangent
-        length = float(tangent @ moved)
-        return np.asarray((moved - length * tangent) / length**2) if abs(length) > _NO_STEP else np.zeros(len(tangent))
+    def _about(self, length: float) -> Array:
+        """About where the curve is at a length: the cubic that has both ends and their tangents, and through what is known between them."""
+        nodes: list[float] = []
+        for node in sorted(self.known, key=lambda k: abs(k - length)):
+            if len(nodes) < _NODES and min(abs(node - one) for one in (0.0, self.length, *nodes)) > _SEPARATE * abs(node - length):
+                nodes.append(node)
+        off = [(_moved(self.start, self.known[node][0]) - self._cubic(node)) / (node * (self.length - node)) ** 2 for node in nodes]
+        for level in range(1, len(nodes)):
+            for i in range(len(nodes) - level):
+                here, there = nodes[i], nodes[i + level]
+                off[i] = ((length - there) * off[i] + (here - length) * off[i + 1]) / (here - there)
+        return self._cubic(length) + (off[0] * (length * (self.length - length)) ** 2 if nodes else 0.0)
 
-    def _bent(self, length: float) -> Array:
-        """The same at a length, between those that are known beside it."""
-        before, behind = max(k for k in self.known if k <= length), min((k for k in self.known if k >= length), default=self.length)
-        part = 0.0 if behind == before else (length - before) / (behind - before)
-        return (1.0 - part) * self.known[before] + part * self.known[behind]
+    def _cubic(self, length: float) -> Array:
+        square, cube = self._leaves
+        return np.asarray(length * self.start.tangent + length**2 * square + length**3 * cube)
+
+    @cached_property
+    def _leaves(self) -> Array:
+        return _leaving(self.start.tangent, _moved(self.start, self.end.at), self.end.tangent * _scales(self.end, self.start))
 
     @property
     def lets_go(self) -> bool:
         """Whether ends let go of sharp corners at its end, where the curve breaks off."""
         return self.after is not None and self.after.growth > NEUTRAL
+
+    @property
+    def turned(self) -> float:
+        """By which angle the tangent has turned."""
+        return float(np.arccos(np.clip(_alike(self.start, self.end), -1.0, 1.0)))
 
     @property
     def turns(self) -> bool:
@@ -138,7 +162,12 @@ class Step:
     def turning(self, tight: bool = True) -> float:
         """How far it is to there."""
         near = NEAR if tight else _ABOUT
-        return self.where(lambda at: onward(self.curve, self.start, at).rises, self.start.rises, self.end.rises, None, near, tight)
+        return self.where(self._rising, self.start.rises, self._rising(self.end.at), None, near, tight)
+
+    def _rising(self, at: Point) -> float:
+        """Of the control, by the length."""
+        tangent = _tangent(at, self.start.widths, self.start.unit)
+        return float(tangent[-1] / (tangent @ self.start.tangent))
 
     def where(
         self, function: Callable[[Point], float], first: float, last: float, length: float | None = None, near: float = NEAR,
@@ -147,17 +176,21 @@ class Step:
         """How far it is to the zero of a function with these values of opposite signs at the start and at the end (or at a length); near:
         so near, over itself."""
         end = self.length if length is None else length
-        return float(smooth_root(lambda part: function(self.at(part, tight)), {0.0: first, end: last}, near))
+        known = {part: function(at) for part, (at, tightly) in self.known.items() if 0.0 < part < end and tightly >= tight}
+        values = {0.0: first, end: last} | known
+        return float(smooth_root(lambda part: function(self.at(part, tight)), values, near))
 
     def arriving(self, value: float) -> Point | None:
         """The equilibrium in this step under a value of the control; None if Newton does not come to it at once."""
-        start, tangent, bend = self.start, self.start.tangent, self._bend(self.end.at)
+        start, rises, (bend, twist) = self.start, self.start.rises, self._leaves[:, -1]
         wanted = (value - start.at.value) / start.unit
-        inner = tangent[-1] ** 2 + 4 * bend[-1] * wanted
-        if inner < 0.0 or start.at.corners is not None:
+        if start.at.corners is not None:
             return None
-        length = 2 * wanted / (tangent[-1] + np.copysign(np.sqrt(inner), tangent[-1]))
-        guess, normal = length * tangent + length**2 * bend, np.zeros(len(tangent))
+        roots = np.roots((twist, bend, rises, -wanted))
+        roots = roots.real[(roots.imag == 0.0) & (roots.real >= 0.0) & (roots.real <= (1.0 + _OFF) * self.length)]
+        if len(roots) == 0:
+            return None
+        guess, normal = self._about(float(roots.min())), np.zeros(len(start.tangent))
         guess[-1], normal[-1] = wanted, 1.0
         found = _corrected(self.curve, start, guess, normal, True)
         return None if found is None or not 0.0 <= self.how_far(found) <= self.length else replace(found, value=value)
@@ -170,8 +203,7 @@ class Step:
 def steps(curve: Equilibria, here: Point, sense: float, tight: bool = True) -> Iterator[Step]:
     """From an equilibrium, steps along the curve, the control first rising (sense 1) or falling (-1). tight: whether their ends are
     states that are solved as tightly as there is."""
-    here.refuse_neutral()
-    place, length, why, stands = _begun(curve, here, sense), _FIRST, "the curve of equilibria was not followed on", 0
+    place, length, why, stands = _stood_by(curve, here, sense), _FIRST, "the curve of equilibria was not followed on", 0
     unstable: tuple[Place, float] | None = None
     vanishing = False
     for _ in range(_MOST_STEPS):
@@ -181,6 +213,8 @@ def steps(curve: Equilibria, here: Point, sense: float, tight: bool = True) -> I
         if end is None or not _keeps(place, end):
             if end is not None and place.at.growth < 0.0 <= end.at.growth:
                 unstable = place, length
+                if length < _NO_TURN:
+                    break
             short = curve.vanishes(place.at, _motion(place))
             length, vanishing = (_OF_VANISHING * short, True) if short < length else (_SHORTER * length, vanishing)
             if length < _NO_STEP:
@@ -199,12 +233,8 @@ def steps(curve: Equilibria, here: Point, sense: float, tight: bool = True) -> I
         if stands > _MOST_STANDS:
             why = "ends at sharp corners are neither held nor free"
             break
-        if step.after is None:
-            place = step.end
-        else:
-            step.after.refuse_neutral()
-            place = _begun(curve, step.after, step.end.rises)
-        length = min(_LONGER * length, _LONGEST)
+        place = step.end if step.after is None else _stood_by(curve, step.after, step.end.rises)
+        length = min(min(_LONGER, _TURN / max(step.turned, _TURN / _LONGER)) * length, _LONGEST)
         if vanishing:
             short = curve.vanishes(place.at, _motion(place))
             length, vanishing = min(length, _OF_VANISHING * short), short < _LONGEST
@@ -417,10 +447,16 @@ def _apart(curve: Equilibria, here: Point, recede: Recede) -> tuple[Point, float
     raise NotConverged("the surfaces do not come apart as the control falls")
 
 
+def _stood_by(curve: Equilibria, here: Point, sense: float) -> Place:
+    """A place to begin at, which a slight change of the control does not leave far behind."""
+    here.refuse_neutral()
+    return _begun(curve, here, sense)
+
+
 def _begun(curve: Equilibria, here: Point, sense: float) -> Place:
     unit = _unit(curve, here)
     tangent = _tangent(here, here.widths, unit)
-    return Place(here, here.widths, unit, tangent if tangent[-1] * sense >= 0.0 else -tangent, np.zeros(len(tangent)))
+    return Place(here, here.widths, unit, tangent if tangent[-1] * sense >= 0.0 else -tangent, np.zeros((2, len(tangent))))
 
 
 def onward(curve: Equilibria, before: Place, ahead: Point) -> Place:
@@ -429,17 +465,37 @@ def onward(curve: Equilibria, before: Place, ahead: Point) -> Place:
     unit = max(_unit(curve, ahead), _SLOWER * before.unit)
     tangent, scales = _tangent(ahead, ahead.widths, unit), np.append(ahead.widths / before.widths, unit / before.unit)
     tangent = tangent if before.tangent @ (tangent * scales) >= 0.0 else -tangent
-    # On as it has turned from the one before.
-    first, moved = before.tangent / scales, _moved(before, ahead) / scales
-    bend = 0.5 * (tangent - first / np.linalg.norm(first)) / np.linalg.norm(moved) if moved.any() else np.zeros(len(tangent))
-    return Place(ahead, ahead.widths, unit, tangent, bend - (bend @ tangent) * tangent)
+    here = Place(ahead, ahead.widths, unit, tangent, np.zeros((2, len(tangent))))
+    moved = _moved(here, before.at)
+    # On as it has come from the one before.
+    return replace(here, leaves=_leaving(tangent, moved, before.tangent / scales)) if moved.any() else here
+
+
+def _leaving(tangent: Array, moved: Array, there: Array) -> Array:
+    """How a curve leaves a place, over the square and the cube of the length (2, 2n + 1), as the cubic does that is at another one, moved
+    from it, and has a tangent along `there`."""
+    length = float(tangent @ moved)
+    if abs(length) < _NO_STEP:
+        return np.zeros((2, len(tangent)))
+    off, turned = (moved - length * tangent) / length**2, (there / float(tangent @ there) - tangent) / length
+    return np.array((3 * off - turned, (turned - 2 * off) / length))
+
+
+def _scales(place: Place, other: Place) -> Array:
+    """What the motions and the control of one place are counted in, over those of another (2n + 1,)."""
+    return np.append(place.widths / other.widths, place.unit / other.unit)
+
+
+def _alike(before: Place, ahead: Place) -> float:
+    """Cosine of the angle between the tangents of two places."""
+    carried = ahead.tangent * _scales(ahead, before)
+    return float(before.tangent @ carried) / float(np.linalg.norm(carried))
 
 
 def _keeps(before: Place, ahead: Place) -> bool:
     """Whether a step is short enough not to have left the curve: its tangents are alike, and stability was not lost without a turn."""
-    carried = np.append(ahead.tangent[:-1] * ahead.widths / before.widths, ahead.tangent[-1] * ahead.unit / before.unit)
-    alike = float(before.tangent @ carried) >= _STRAIGHT * float(np.linalg.norm(carried))
-    return alike and (before.at.growth >= 0.0 or ahead.at.growth < 0.0 or before.rises * ahead.rises <= 0.0)
+    kept = before.at.growth >= 0.0 or ahead.at.growth < 0.0 or before.rises * ahead.rises <= 0.0
+    return _alike(before, ahead) >= _STRAIGHT and kept
 
 
 def _unit(curve: Equilibria, at: Point) -> float:
@@ -463,10 +519,7 @@ def _tangent(at: Point, widths: Array, unit: float) -> Array:
 
 def along(curve: Equilibria, here: Place, length: float, tight: bool = True) -> Point | None:
     """The equilibrium at a distance along the tangent, perpendicular to it; None if Newton does not come to it at once."""
-    bend = length**2 * here.bend
-    if np.abs(bend).max() > _BENT * length:
-        bend = np.zeros(len(bend))
-    return _corrected(curve, here, length * here.tangent + bend, here.tangent, tight)
+    return _corrected(curve, here, here.ahead(length), here.tangent, tight)
 
 
 def _corrected(curve: Equilibria, here: Place, start: Array, normal: Array, tight: bool) -> Point | None:
@@ -514,7 +567,7 @@ def _newton(
         if size > (0.3 if k == 0 else 1.0) * max(abs(length), _OFF):
             return None, None
         rounded = 0.5 * before < size < _ROUNDED
-        if not tight and (size < _ROUGHLY or rounded):
+        if size < _STILL and "tolerance" not in how or not tight and (size < _ROUGHLY or rounded):
             return at, start
         start = start + step
         # What is left falls as the steps do, or faster. Of zones far narrower than others rounding leaves more: then they do not fall any

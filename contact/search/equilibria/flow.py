@@ -76,10 +76,11 @@ def _flowed(curve: Equilibria, table: Array, value: float, sign: float) -> Point
 def at_rest(here: Point, move: float) -> bool:
     """Whether ends are at rest after a step of this largest move over the widths: Newton's next one is none either, as one may be short
     since another end has come to its corner."""
-    if move > REST:
-        return False
     driven = float(np.abs(here.residual).max())
-    return driven <= SLIGHT or (driven <= DRIVEN and here.growth < 0.0 and float(np.abs(here.newton / here.widths).max()) <= _SETTLED)
+    if here.growth < 0.0 and driven <= DRIVEN:
+        newton = float(np.abs(here.newton / here.widths).max())
+        return newton <= REST or (move <= REST and newton <= _SETTLED)
+    return move <= REST and driven <= SLIGHT
 
 
 def _step(curve: Equilibria, here: Point, sign: float) -> tuple[Point, float]:

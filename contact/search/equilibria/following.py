@@ -12,12 +12,14 @@ from contact.errors import NotConverged
 from contact.formulation.equilibria import Closed, Equilibria, Point
 from contact.formulation.roots import maximum
 from contact.search.equilibria.arc import Step
-from contact.search.equilibria.flow import receded
+from contact.search.equilibria.flow import ROUGH, receded
 from contact.search.equilibria.growth import grown, touched
 from contact.search.equilibria.relaxation import relaxed
 from contact.verify.certificate import openings
 from sie import Array, record
 
+# Of the width that a new zone comes to, how much it begins with.
+_OF_REST = 0.5
 # A new zone over the overlap that was seen beyond its first touch; how narrow at the least; and what drives its ends that is nothing.
 NEW, LEAST, SLIGHT = 1e-2, 1e-12, 1e-6
 
@@ -142,27 +144,42 @@ class Following:
     def interrupted(self, step: Step, length: float, last: Point, sense: float) -> Jump | None:
         """The first jump within a step that is no turn: of all touches, where surfaces came to overlap."""
         looks = sense > 0.0 or not self.by_load
-        overlaps = openings(self.curve.fields(last)).overlaps if looks else np.zeros((0, 2))
+        overlaps = openings(self.curve.fields(last, ROUGH)).overlaps if looks else np.zeros((0, 2))
         if len(overlaps) == 0:
             return None
         curve = self.curve
 
         def least(at: Point, lo: float, hi: float) -> tuple[float, float]:
-            fields = curve.fields(at)
+            fields = curve.fields(at, ROUGH)
             x, depth = maximum(lambda x: -fields.formal_gap(x), np.linspace(lo, hi, 17))
             return x, -depth
 
-        length, place, width = first_of(step, length, last, overlaps, least, lambda at: openings(curve.fields(at)).overlaps)
+        length, place, width = first_of(step, length, last, overlaps, least, lambda at: openings(curve.fields(at, ROUGH)).overlaps)
         here = step.at(length)
-        half = 0.5 * NEW * width
-        while True:
-            new = np.concatenate((here.table, [[place - half, place + half]]))
-            new = new[np.argsort(new[:, 0])]
-            if half < LEAST or np.all(curve.at(new, here.value).residual > -SLIGHT):
-                break
-            half *= 0.1
-        after = self.grown(new, here.value)
+        after = self.grown(self._with_new(here, place, 0.5 * NEW * width), here.value)
         return Jump("full" if after.closed else "birth", place, Standing(here.value, here), after)
+
+    def _with_new(self, here: Point, place: float, half: float) -> Array:
+        """The zones with one that begins at a place, all of whose ends are driven outward: a narrow one, or one about as wide as it is to
+        be where they are driven so there, too."""
+        table = here.table
+
+        def driven(half: float) -> tuple[Array, float]:
+            new = np.concatenate((table, [[place - half, place + half]]))
+            order = np.argsort(new[:, 0])
+            at = self.curve.at(new[order], here.value, ROUGH).residual
+            own = int(np.argmax(order))
+            return new[order], float(at[[own, own + len(new)]].min()) if at.min() > -SLIGHT else -1.0
+
+        new, most = driven(half)
+        while most < 0.0 and half >= LEAST:
+            half *= 0.1
+            new, most = driven(half)
+        if 0.0 < most < 1.0:
+            # Of surfaces that only touch what drives the ends falls by the power 3/2 of the width.
+            wider, left = driven(_OF_REST * (1.0 - most) ** (-2.0 / 3.0) * half)
+            new = wider if left > 0.0 else new
+        return new
 
 
 def first_of(
