@@ -19,7 +19,7 @@ from contact.formulation.controls import Control, Load
 from contact.formulation.fields import ZoneFields
 from contact.formulation.problem import Problem
 from contact.formulation.tables import centred_on, gaps_between, room_beside
-from sie import Array, Mask, record
+from sie import Array, Index, Mask, record
 
 # Newton's steps to an equilibrium near by, and the last one's size over the widths; one so large is of another.
 _STEPS, _TIGHT, _ANOTHER = 8, 1e-11, 1e-2
@@ -35,6 +35,10 @@ _SNAP, HELD = 1e-14, 1e-10
 
 # Growth within rounding of none.
 NEUTRAL = 1e-12
+
+
+# Rates over the slope of the energy are told by K over K* down to this part; second derivatives that differ by more are of no energy.
+_TELLING, _ALIKE = 1e-3, 1e-8
 
 
 class Closed(Exception):
@@ -106,10 +110,45 @@ class Point:
         """What drives ends over their motion: in these, growing motions of wide and of narrow zones are compared."""
         return np.maximum(np.abs(np.diag(self.rates)), 1.0 / self.widths)
 
+    @property
+    def gains(self) -> Array:
+        """K over K* (2n,): the slope of the energy goes with its square, so that dr/ds times it is the energy's second derivative."""
+        return 1.0 - self.residual
+
     @cached_property
     def growth(self) -> float:
         """Largest eigenvalue of J over D: negative where an equilibrium is stable."""
-        return float(np.linalg.eigvals(self.rates / self.weight[:, None]).real.max())
+        return self.growth_of(np.arange(len(self.residual)))
+
+    def growth_of(self, ends: Index) -> float:
+        """The same where only these ends move."""
+        second = self._second(ends)
+        values = np.linalg.eigvals(self._driven(ends)).real if second is None else np.linalg.eigvalsh(second[0])
+        return float(values.max(initial=-1.0))
+
+    def motions(self, ends: Index) -> tuple[Array, Array]:
+        """(eigenvalues of J over D where only these ends move, real parts; their motions, a column each)."""
+        second = self._second(ends)
+        if second is None:
+            growth, motions = np.linalg.eig(self._driven(ends))
+            return growth.real, motions
+        growth, motions = np.linalg.eigh(second[0])
+        return growth, second[1][:, None] * motions
+
+    def _driven(self, ends: Index) -> Array:
+        return np.asarray(self.rates[np.ix_(ends, ends)] / self.weight[ends, None])
+
+    def _second(self, ends: Index) -> tuple[Array, Array] | None:
+        """(a symmetric matrix that has the eigenvalues of J over D, motions over its eigenvectors), by the energy; None where an end is
+        driven so hard that it does not tell, or where an interaction has none."""
+        gains = self.gains[ends]
+        if gains.min(initial=1.0) < _TELLING:
+            return None
+        scale = 1.0 / np.sqrt(gains * self.weight[ends])
+        matrix = (gains * scale)[:, None] * self.rates[np.ix_(ends, ends)] * scale
+        if np.abs(matrix - matrix.T).max(initial=0.0) > _ALIKE:
+            return None
+        return 0.5 * (matrix + matrix.T), scale
 
     def refuse_neutral(self) -> None:
         """NotConverged where a motion of the ends drives none of them: there is not one contact, but a row of them."""
@@ -168,6 +207,14 @@ class Equilibria:
         if held is None:
             held = (table == np.array(corners)).T.ravel() & (residual >= -HELD)
         return here.holding(held)
+
+    def under(self, control: Control) -> "Equilibria":
+        """Those under another control."""
+        return Equilibria(self.problem, control)
+
+    def again(self, here: Point, value: float) -> Point:
+        """A state that was found under another control, under a value of this one."""
+        return self.at(here.table, value)
 
     def unit(self, here: Point) -> float:
         """Of the value of the control: what changes that which drives some end by as much as is asked of it."""

@@ -23,6 +23,7 @@ from contact.search.ways.along import from_last
 from contact.search.ways.full_contact import smallest_full
 from contact.search.ways.guesses import Outcome, search
 from contact.search.ways.loads import NEAR_LOAD, at_approach, at_level
+from contact.threads import one_of_blas
 
 # Loaded by the scenes that they are for.
 _TENSION, _BRANCHES, _STRIPS = "contact.search.ways.cohesive", "contact.search.ways.branches", "contact.search.ways.strips"
@@ -60,10 +61,11 @@ def _branch(task: Task, refused: Missed | None) -> Outcome | Missed:
     """One of several equilibria."""
     if not task.follows_branch:
         return NOT_MINE
-    if task.scene.law.tension:
-        outcome: Outcome | Missed = require(_TENSION).followed_under_tension(task)
-    else:
-        outcome = require(_BRANCHES).followed(task)
+    with one_of_blas():
+        if task.scene.law.tension:
+            outcome: Outcome | Missed = require(_TENSION).followed_under_tension(task)
+        else:
+            outcome = require(_BRANCHES).followed(task)
     return outcome
 
 

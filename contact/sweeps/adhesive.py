@@ -37,6 +37,7 @@ from contact.solution.validity import of_solution
 from contact.solver import solved_at, task_of
 from contact.sweeps.path_plot import Drawn, draw
 from contact.sweeps.paths import Event, Path
+from contact.threads import one_of_blas
 from sie import Array
 
 # Of a figure: points, and how much is shown beside the zones, over what they span.
@@ -225,7 +226,7 @@ def adhesive_path(
     run.refuse(given)
     solutions: list[Solution] = []
     passed: list[tuple[Event, ...]] = []
-    with unwarned():
+    with unwarned(), one_of_blas():
         here = run.first(float(given[0]))
         for k, value in enumerate(given):
             if progress is not None:

@@ -246,7 +246,7 @@ def first_sizes(equation: Equation, zones: Zones) -> Sizes:
         least = modes.least(zones, equation.kernel)
     else:
         least = max((column.modes or 0 for column in equation.columns), default=0)
-    return Sizes(np.full(len(zones), 16), least)
+    return Sizes(modes.own_at_first(zones, equation.forcing.singular_at, equation.kernel.period), least)
 
 
 def sizes_for(equation: Equation, zones: Zones, tolerance: float) -> Sizes:

@@ -13,7 +13,7 @@ lifted by is felt with the harmonic measure 1/2 - asin(s) / pi, s = (g - g') / (
 import numpy as np
 
 from sie.basis import chebyshev
-from sie.basis.data import Array, Index, record
+from sie.basis.data import Array, Index, record, wrapped
 from sie.basis.interval import fall
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
@@ -23,6 +23,8 @@ from sie.jumps.forcing import ForcingJumps
 OWN_SIZES = np.array(
     [8, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512, 768, 1024, 1536, 2048, 3072, 4096, 6144, 8192]
 )
+# Nodes to begin with of a smooth right side; of one that is singular beside the zones, so many that its coefficients fall to this part.
+_FEW, _FALLEN = 16, 1e-12
 # Only below this part of the largest coefficient can a plateau be rounding.
 _NOISE, _TO_A_PIECE = 1e-5, 4
 # Places rounded to less than this part of a zone are exact to all purposes.
@@ -57,6 +59,18 @@ def enough(kernel: Kernel, tolerance: float) -> float:
 def least(zones: Zones, kernel: Kernel) -> Index:
     """Coupled modes of each zone to begin with, where the kernel's regular part is a user's own."""
     return np.maximum(16, np.ceil(_PER_LENGTH * zones.half / kernel.length)).astype(np.intp)
+
+
+def own_at_first(zones: Zones, singular_at: Array, period: float | None) -> Index:
+    """Nodes of each zone to begin with."""
+    if len(singular_at) == 0:
+        return np.full(len(zones), _FEW)
+    at = np.sort(wrapped(singular_at, float(zones.a[0]), period))
+    at = np.concatenate(([-np.inf], at if period is None else np.concatenate((at - period, at, at + period)), [np.inf]))
+    # Strictly beyond either end: nothing within a zone is singular, nor at an end of it.
+    left, right = at[np.searchsorted(at, zones.a) - 1], at[np.searchsorted(at, zones.b, side="right")]
+    by = fall(np.minimum(np.minimum(zones.a - left, right - zones.b) / zones.half, 1e300))
+    return OWN_SIZES[np.clip(np.searchsorted(OWN_SIZES, -np.log(_FALLEN) / by), OWN_SIZES.searchsorted(_FEW), len(OWN_SIZES) - 1)]
 
 
 def coupled(zones: Zones, kernel: Kernel, tolerance: float, least: int | Index) -> Index:

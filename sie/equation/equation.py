@@ -61,8 +61,9 @@ class Forcing(Kept):
         Of a column, how many modes it has where that is known (1: a constant); else the engine finds out.
     between : bool
         Of a column, whether it is as smooth between the intervals as on them: then narrow gaps are taken as slits beside it too.
-    singular_between : bool
-        Whether g is singular between the intervals: then narrow gaps are not taken as slits.
+    singular_at : array_like
+        Places between the intervals at which g is singular, (k,): narrow gaps are not taken as slits then, and as many nodes are begun with
+        as the distances from there ask for. For a kernel with a period they repeat.
     resolution : float or None
         Smallest length over which a smooth g varies. Then differences of the primitive are taken from g, where zones are many: they keep
         digits that the primitive has lost.
@@ -99,7 +100,7 @@ class Forcing(Kept):
     spline: Function | None = None
     modes: int | None = None
     between: bool = False
-    singular_between: bool = False
+    singular_at: Array = field(default_factory=lambda: np.zeros(0))
     resolution: float | None = None
     placed: Function | None = None
     exact: bool = False

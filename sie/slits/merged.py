@@ -75,7 +75,7 @@ def merge(equation: Equation, pieces: Zones, before: Mask | None = None) -> Merg
     were slits on about the same zones; it stays so as long as gaps are about as narrow."""
     kernel = equation.kernel
     # A column that may be singular between zones is none of a wide one.
-    general = equation.forcing.singular_between or any(column.modes is None and not column.between for column in equation.columns)
+    general = len(equation.forcing.singular_at) > 0 or any(column.modes is None and not column.between for column in equation.columns)
     if len(pieces) < 2 or general or not _one_level(equation.conditions) or not _plain(pieces):
         return None
     after = gaps(pieces, kernel)[1]

@@ -14,7 +14,7 @@ import contact
 from contact import exact, inverse
 from contact.formulation.equilibria import Equilibria, Point
 from contact.reference.inverse.adhesive import second_variation
-from contact.search.equilibria import arc, flow
+from contact.search.equilibria import arc, flow, parting
 from tests.contact.strategies import adhesive_designs
 from tests.tiers import quick
 
@@ -199,11 +199,7 @@ def test_the_work_of_the_load_is_elastic_and_surface_energy(load):
 
 
 def test_a_rough_profile_is_solved_on_its_branch_and_pulled_off():
-    rng = np.random.default_rng(1)
-    k, phase = np.arange(1, 31), rng.uniform(0, 2 * np.pi, 30)
-    size = 1e-7 * k**-1.3
-    profile = contact.Fourier(1e-4, size * np.cos(phase), size * np.sin(phase))
-    scene = contact.Scene(profile, 1e9, contact.Periodic(), law=contact.JKR(1e-4), mean_pressure=2e6)
+    scene = contact.Scene(rough(), 1e9, contact.Periodic(), law=contact.JKR(1e-4), mean_pressure=2e6)
     solution = contact.solve(scene)
     assert solution.certificate.holds and solution.certificate.stability > 0 and len(solution.zones) > 3
     last = solution.pull_off
@@ -318,3 +314,47 @@ def test_past_a_turning_point_ends_are_pushed_no_farther_than_the_narrow_gap_bet
     assert np.all(np.diff(wider.ravel()) > 0.0)
     assert np.all(wider[:, 0] < table[:, 0]) and np.all(wider[:, 1] > table[:, 1])
     assert np.all(narrower[:, 0] > table[:, 0]) and np.all(narrower[:, 1] < table[:, 1])
+
+
+def rough():
+    rng = np.random.default_rng(1)
+    k, phase = np.arange(1, 31), rng.uniform(0, 2 * np.pi, 30)
+    size = 1e-7 * k**-1.3
+    return contact.Fourier(1e-4, size * np.cos(phase), size * np.sin(phase))
+
+
+@pytest.mark.parametrize(
+    "law", [pytest.param(contact.JKR(1e-4), id="jkr"), pytest.param(contact.Dugdale(1e-4, 2e6), id="dugdale", marks=pytest.mark.slow)]
+)
+def test_pull_off_under_a_held_approach_is_where_the_path_ends(monkeypatch, law):
+    frictionless = contact.solve(contact.Scene(rough(), 1e9, contact.Periodic(), mean_pressure=2e6))
+    scene = contact.Scene(rough(), 1e9, contact.Periodic(), law=law, approach=frictionless.approach)
+    solution = contact.solve(scene)
+    # The way down goes by loads.
+    lowered = []
+    real = arc.lowered_by_load
+    for room in (arc, parting):
+        monkeypatch.setattr(room, "lowered_by_load", lambda *given: lowered.append(real(*given)) or lowered[-1])
+    found = solution.pull_off
+    assert len(lowered) == 1 and 0 < len(lowered[0].contact) < len(solution.zones) and lowered[0].growth < 0.0
+    path = contact.path(scene, [scene.approach, found.approach - 0.1 * (scene.approach - found.approach)], control="approach")
+    assert path.events[-1].kind == "pull-off"
+    assert found.approach == pytest.approx(path.events[-1].value, rel=1e-9)
+
+
+@pytest.mark.parametrize("layer", [{}, {"substrate": contact.Layer(3e-5, 0.2)}], ids=["half-plane", "layer"])
+@pytest.mark.parametrize("part", [-0.5, 0.5, 0.9, 1.0, 1.1, 2.0])
+def test_growth_and_motions_are_those_of_the_rates_whichever_way_they_are_told(layer, part):
+    # K dK/ds is symmetric, as the energy has second derivatives: told where all K have one sign, as under less load.
+    scene = contact.Scene(rough(), 1e9, contact.Periodic(), law=contact.JKR(1e-4), mean_pressure=2e6, **layer)
+    solution = contact.solve(scene)
+    curve, zones = Equilibria(solution.fields.problem, solution.parting.held), solution.fields.density.zones.table
+    here = curve.at(zones, part * curve.held.value)
+    assert len(zones) > 2 and (here.gains.min() > 0.0) == (part <= 1.0)
+    growth, motions = here.motions(np.arange(2 * len(zones)))
+    wanted = np.linalg.eigvals(here.rates / here.weight[:, None]).real
+    assert np.sort(growth) == pytest.approx(np.sort(wanted), rel=1e-9, abs=1e-9)
+    assert here.growth == pytest.approx(wanted.max(), rel=1e-9)
+    if part <= 1.0:
+        driven = here.rates @ motions
+        assert np.abs(driven - here.weight[:, None] * motions * growth).max() < 1e-9 * np.abs(driven).max()

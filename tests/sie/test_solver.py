@@ -131,3 +131,24 @@ def test_conditions_that_depend_on_each_other_are_wrong_input():
     zones = sie.Zones.of([[-2.0, -1.0], [1.0, 2.0]], sie.SINGULAR, sie.SINGULAR)
     with pytest.raises(ValueError, match="depend on each other"):
         sie.solve(twice, zones)
+
+
+@pytest.mark.parametrize("beside", [0.3, 1e-2, 1e-4])
+@pytest.mark.parametrize("kernel", [sie.cauchy(), sie.hilbert(5.0)], ids=["cauchy", "hilbert"])
+def test_a_right_side_that_is_singular_beside_a_zone_is_sampled_once(kernel, beside):
+    # As often as its nodes double it was sampled, which an expensive one is most of the time.
+    at = np.array([-1.5 - beside, 1.0 + beside])
+    shifts = [0.0] if kernel.period is None else [-5.0, 0.0, 5.0]
+
+    def value(x):
+        return x + sum(np.log(np.abs(x - s - shift)) for s in at for shift in shifts)
+
+    zones = sie.Zones.of([[-1.5, 1.0]], sie.SINGULAR, sie.SINGULAR)
+    solved = [
+        sie.solve_fixed(sie.Equation(kernel, sie.Forcing(value, **told), (sie.Total(1.0),)), zones, 1e-12)
+        for told in ({}, {"singular_at": at if kernel.period is None else at + 10.0})
+    ]
+    x = np.linspace(-1.4, 0.9, 7)
+    assert solved[1].density(x) == pytest.approx(solved[0].density(x), rel=1e-11)
+    sampled = [state.sizes.profile_evaluations for state in solved]
+    assert sampled[1] == solved[1].sizes.own[0] < 0.7 * sampled[0]

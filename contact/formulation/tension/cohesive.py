@@ -82,6 +82,11 @@ class CohesivePoint(Point):
     def contact(self) -> Array:
         return self.zones
 
+    @property
+    def gains(self) -> Array:
+        """1: the slope of the energy goes with the gap itself."""
+        return np.ones(len(self.residual))
+
 
 @record
 class Known:
@@ -149,6 +154,12 @@ class Cohesive(Equilibria):
         table = self.within(table)
         zones = self._followed(self._nearest(table), table, value) if self.known else np.zeros((0, 2))
         return self._holding(self.from_zones(table, value, zones, tolerance), held)
+
+    def under(self, control: Control) -> "Cohesive":
+        return Cohesive(self.problem, control, loose=self.loose, formal=self.formal)
+
+    def again(self, here: Point, value: float) -> CohesivePoint:
+        return self.from_zones(here.table, value, here.contact)
 
     def _holding(self, here: CohesivePoint, held: Mask | None) -> CohesivePoint:
         if held is None or here.corners is None or np.array_equal(held, here.held):

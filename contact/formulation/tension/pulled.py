@@ -336,7 +336,7 @@ class Pulled(Problem):
     def forcing(self) -> sie.Forcing:
         ends = self.pulling.table
         # Between zones the ends of the intervals lie. The profile was looked at under the bare law, and what the tension adds is known.
-        return replace(super().forcing, resolution=None, spline=self.own_slope, singular_between=len(ends) > 0, looked_at=True)
+        return replace(super().forcing, resolution=None, spline=self.own_slope, singular_at=ends.ravel(), looked_at=True)
 
     def slope(self, x: Array) -> Array:
         return super().slope(x) + self.pulling.slope(x)

@@ -16,7 +16,8 @@ from typing import Any
 import numpy as np
 
 from contact.errors import NotConverged
-from contact.formulation.equilibria import NEUTRAL, Equilibria, NoState, Point
+from contact.formulation.controls import Load
+from contact.formulation.equilibria import NEUTRAL, Closed, Equilibria, NoState, Point
 from contact.formulation.roots import smooth_root
 from contact.search.equilibria.flow import receded
 from sie import Array, record
@@ -278,8 +279,8 @@ class SymmetryLost(NotConverged):
 
 def beside(here: Point) -> Array:
     """Zones from which ends move on where a motion of theirs without a change of the control drives them."""
-    growth, motions = np.linalg.eig(here.rates / here.weight[:, None])
-    motion = motions[:, int(np.argmax(growth.real))].real
+    growth, motions = here.motions(np.arange(len(here.residual)))
+    motion = motions[:, int(np.argmax(growth))].real
     return here.moved(np.asarray(_PUSH * motion / np.abs(motion / here.widths).max()))
 
 
@@ -391,7 +392,7 @@ def pull_off(curve: Equilibria, here: Point, recede: Recede = receded, torn: Cal
             if rest is None:
                 return end.exactly()
             here = rest
-    here = _near_the_last(curve, here, recede)
+    here = near_the_last(curve, here, recede)
     for _ in range(_MOST_TURNS):
         end = _end(curve, here, torn)
         rest = recede(curve, end.table, end.about.value)
@@ -399,6 +400,19 @@ def pull_off(curve: Equilibria, here: Point, recede: Recede = receded, torn: Cal
             return end.exactly()
         here = rest
     raise NotConverged("ever more zones come apart as the control falls")
+
+
+def lowered_by_load(curve: Equilibria, here: Point, near: Callable[[Equilibria, Point], Point]) -> Point:
+    """The equilibrium under a held approach that a contact comes to as its load falls to a little above the least, where few of its zones
+    are left; itself where that does not lead down. near: to that load. Under a load what is left does not depend on the way there, and
+    ends go one way; under an approach each zone that comes apart drives others on."""
+    loaded = curve.under(Load(here.load))
+    try:
+        rest = near(loaded, loaded.again(here, here.load))
+        found = curve.again(rest, -rest.level)
+    except (Closed, NoState, NotConverged):
+        return here
+    return found if found.value < here.value and found.growth < 0.0 else here
 
 
 @record
@@ -425,7 +439,7 @@ def _end(curve: Equilibria, here: Point, torn: Callable[[Point], float]) -> _End
     return _End(last, last.table, lambda: step.at(step.where(torn, torn(step.start.at), torn(last), length)))
 
 
-def _near_the_last(curve: Equilibria, here: Point, recede: Recede) -> Point:
+def near_the_last(curve: Equilibria, here: Point, recede: Recede = receded) -> Point:
     """The equilibrium under a value not far above one under which there is none: near enough for the arc to have one turning point."""
     here, high = _apart(curve, here, recede)
     for _ in range(_HALVINGS):

@@ -162,11 +162,10 @@ def running_away(here: Point) -> Mask:
     away = np.zeros(len(here.residual), dtype=bool)
     if here.growth < -NEUTRAL:
         return away
-    matrix = here.rates / here.weight[:, None]
     while not away.all():
         stays = np.flatnonzero(~away)
-        growth, motions = np.linalg.eig(matrix[np.ix_(stays, stays)])
-        grows = growth.real >= -NEUTRAL
+        growth, motions = here.motions(stays)
+        grows = growth >= -NEUTRAL
         if not grows.any():
             break
         size = np.abs(motions[:, grows])
@@ -199,7 +198,7 @@ def _damped_step(here: Point, sign: float, limit: Array) -> Array:
     # An end that has gone too far waits for what the others do.
     free = sign * here.residual > -SLIGHT
     weight, rates, above = here.weight[free], here.rates[np.ix_(free, free)], 1e-6
-    growth = max(float(np.linalg.eigvals(rates / weight[:, None]).real.max(initial=-1.0)), -above)
+    growth = max(here.growth_of(np.flatnonzero(free)), -above)
     step = np.zeros_like(here.residual)
     while True:
         moved = np.linalg.solve(np.diag((growth + above) * weight) - rates, here.residual[free])

@@ -12,10 +12,11 @@ from contact.formulation.fields import ZoneFields
 from contact.formulation.tension.cohesive import Cohesive
 from contact.formulation.tension.fields import PulledFields
 from contact.search.equilibria import tension as under_tension
-from contact.search.equilibria.arc import SymmetryLost, pull_off
+from contact.search.equilibria.arc import SymmetryLost, lowered_by_load, near_the_last, pull_off
 from contact.search.equilibria.flow import receded
 from contact.search.equilibria.relaxation import relaxed
 from contact.solution.answer import PullOff
+from contact.threads import one_of_blas
 
 
 @dataclass(frozen=True)
@@ -24,13 +25,17 @@ class Parting:
 
     held: Control
 
+    @one_of_blas()
     def __call__(self, fields: ZoneFields) -> PullOff:
         problem, units = fields.problem, fields.problem.units
         curve = Equilibria(problem, self.held)
         # Under a held approach ends that recede may drive others on.
         recede = receded if self.held.load is not None else relaxed
         try:
-            last = pull_off(curve, curve.at(fields.density.zones.table, self.held.value), recede)
+            here = curve.at(fields.density.zones.table, self.held.value)
+            if self.held.load is None and len(here.contact) > 1:
+                here = lowered_by_load(curve, here, near_the_last)
+            last = pull_off(curve, here, recede)
         except SymmetryLost as lost:
             raise lost.located() from None
         approach = float(-last.level * units.height) if problem.operator.has_approach else None
@@ -43,6 +48,7 @@ class PartingUnderTension:
 
     held: Control
 
+    @one_of_blas()
     def __call__(self, fields: ZoneFields) -> PullOff:
         assert isinstance(fields, PulledFields) and fields.law_problem is not None
         problem, units, zones = fields.law_problem, fields.problem.units, fields.density.zones.table

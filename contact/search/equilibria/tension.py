@@ -339,11 +339,20 @@ def _outside(curve: Cohesive, table: Array) -> list[tuple[float, float]]:
 
 def pull_off(curve: Cohesive, here: Point) -> Point:
     """Where the last zones come apart as the control falls: at a turning point, or where the last of them has shrunk to a point."""
-    def recede(_: Equilibria, table: Array, value: float) -> Point | None:
-        return receded(curve, table, value, guide_down(curve, len(curve.known[-1].zones), table))
+    def recede(under: Equilibria, table: Array, value: float) -> Point | None:
+        assert isinstance(under, Cohesive)
+        return receded(under, table, value, guide_down(under, len(under.known[-1].zones), table))
+
+    def near(under: Equilibria, at: Point) -> Point:
+        assert isinstance(under, Cohesive)
+        return arc.near_the_last(under, _about_to_part(under, at), recede)
 
     try:
-        return arc.pull_off(curve, _about_to_part(curve, here), recede, lambda at: _highest_within(curve, at) / curve.reach - 1.0)
+        if curve.held.load is not None:
+            here = _about_to_part(curve, here)
+        elif len(here.contact) > 1:
+            here = arc.lowered_by_load(curve, here, near)
+        return arc.pull_off(curve, here, recede, lambda at: _highest_within(curve, at) / curve.reach - 1.0)
     except Covered as covered:
         raise NotConverged(TOO_NARROW) from covered
     except (Lost, NotConverged):

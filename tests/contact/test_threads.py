@@ -1,0 +1,45 @@
+"""BLAS has one thread while it is asked for, and as many as before thereafter."""
+
+import pytest
+from threadpoolctl import ThreadpoolController, threadpool_limits
+
+import contact
+from contact.threads import one_of_blas
+
+
+def threads():
+    return {library["num_threads"] for library in ThreadpoolController().select(user_api="blas").info()}
+
+
+@pytest.fixture
+def three():
+    with threadpool_limits(3, "blas"):
+        if threads() != {3}:
+            pytest.skip("this BLAS has not as many threads as are asked for")
+        yield
+
+
+def test_from_the_first_to_the_last_who_asks_for_it(three):
+    with one_of_blas():
+        assert threads() == {1}
+        with one_of_blas(), pytest.raises(KeyError), one_of_blas():
+            raise KeyError
+        assert threads() == {1}
+    assert threads() == {3}
+
+
+def test_adhesive_equilibria_are_followed_with_one(three):
+    seen = []
+
+    class Wave(contact.Sinusoid):
+        def height(self, x):
+            seen.append(threads())
+            return super().height(x)
+
+    scene = contact.Scene(Wave(1e-6, 1e-4), 1e9, contact.Periodic(), law=contact.JKR(0.05), mean_pressure=1e6)
+    solution = contact.solve(scene)
+    assert {1} in seen
+    del seen[:]
+    assert solution.pull_off.load < 0.0
+    assert seen and all(one == {1} for one in seen)
+    assert threads() == {3}
