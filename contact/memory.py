@@ -7,7 +7,9 @@ written to, which takes longer than most of what is done with such an array. Whi
 import ctypes
 from collections.abc import Iterator
 from contextlib import contextmanager
-from threading import Lock
+from typing import Any
+
+from contact.users import WhileUsed
 
 # Of <malloc.h>: what is given back at the end of the heap, at the least, and how many arrays are asked for on their own, at the most.
 _TRIM_THRESHOLD, _MMAP_MAX = -1, -4
@@ -15,33 +17,34 @@ _TRIM_THRESHOLD, _MMAP_MAX = -1, -4
 _USUAL = {_TRIM_THRESHOLD: 1 << 26, _MMAP_MAX: 1 << 16}
 _KEPT = {_TRIM_THRESHOLD: -1, _MMAP_MAX: 0}
 
-_lock, _users = Lock(), 0
-
 
 @contextmanager
 def kept(wanted: bool = True) -> Iterator[None]:
     """While it lasts, and if it is wanted, what arrays leave is kept. With another library than glibc nothing changes."""
-    libc = _libc() if wanted else None
-    if libc is None:
+    if not wanted or _libc() is None:
         yield
         return
-    _count(libc, 1)
-    try:
+    with _keeping():
         yield
-    finally:
-        _count(libc, -1)
 
 
-def _count(libc: ctypes.CDLL, more: int) -> None:
-    """Enters or leaves; the first and the last one in any thread change what is done."""
-    global _users
-    with _lock:
-        _users += more
-        if _users == max(more, 0):
-            for name, value in (_KEPT if more > 0 else _USUAL).items():
-                libc.mallopt(name, value)
-            if more < 0:
-                libc.malloc_trim(0)
+def _keep() -> Any:
+    libc = _libc()
+    _set(libc, _KEPT)
+    return libc
+
+
+def _give_back(libc: Any) -> None:
+    _set(libc, _USUAL)
+    libc.malloc_trim(0)
+
+
+def _set(libc: Any, options: dict[int, int]) -> None:
+    for name, value in options.items():
+        libc.mallopt(name, value)
+
+
+_keeping = WhileUsed(_keep, _give_back)
 
 
 def _libc() -> ctypes.CDLL | None:

@@ -16,8 +16,8 @@ _MOST, _INVERSE, _ROUNDED, _OF_SPAN = 100, 4, 1e-12, 1e-16
 
 def smooth_root(function: Callable[[float], float], known: dict[float, float], rtol: float = 1e-14) -> float:
     """The root of a smooth function by the inverse polynomial through its last values: where each asks for a solution these are fewer than
-    Brent's, and none is spent on closing the bracket. known: as for `bracketed`, with any number of places between; rtol: of the last step,
-    from which on it is not taken to be worth one more value, as it is not where rounding keeps the steps from falling."""
+    Brent's, and none is spent on closing the bracket. known: places and the values there, somewhere of opposite signs; rtol: of the last
+    step, from which on it is not taken to be worth one more value, as it is not where rounding keeps the steps from falling."""
     points, places = dict(known), sorted(known)
     low, high = next((a, b) for a, b in zip(places[:-1], places[1:], strict=True) if points[a] == 0.0 or points[a] * points[b] <= 0.0)
     rises, steps, span = points[low] < points[high], [math.inf, math.inf], high - low

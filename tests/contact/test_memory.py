@@ -40,4 +40,4 @@ def test_without_glibc_nothing_is_changed(monkeypatch):
     monkeypatch.setattr(ctypes, "CDLL", missing)
     with memory.kept():
         pass
-    assert memory._users == 0
+    assert memory._keeping.users == 0

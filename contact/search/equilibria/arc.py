@@ -404,8 +404,10 @@ def pull_off(curve: Equilibria, here: Point, recede: Recede = receded, torn: Cal
 
 def lowered_by_load(curve: Equilibria, here: Point, near: Callable[[Equilibria, Point], Point]) -> Point:
     """The equilibrium under a held approach that a contact comes to as its load falls to a little above the least, where few of its zones
-    are left; itself where that does not lead down. near: to that load. Under a load what is left does not depend on the way there, and
-    ends go one way; under an approach each zone that comes apart drives others on."""
+    are left; itself where that does not lead down, or of one zone, or under a held load. near: to that load. Under a load what is left does
+    not depend on the way there, and ends go one way; under an approach each zone that comes apart drives others on."""
+    if curve.held.load is not None or len(here.contact) < 2:
+        return here
     loaded = curve.under(Load(here.load))
     try:
         rest = near(loaded, loaded.again(here, here.load))

@@ -33,9 +33,7 @@ class Parting:
         recede = receded if self.held.load is not None else relaxed
         try:
             here = curve.at(fields.density.zones.table, self.held.value)
-            if self.held.load is None and len(here.contact) > 1:
-                here = lowered_by_load(curve, here, near_the_last)
-            last = pull_off(curve, here, recede)
+            last = pull_off(curve, lowered_by_load(curve, here, near_the_last), recede)
         except SymmetryLost as lost:
             raise lost.located() from None
         approach = float(-last.level * units.height) if problem.operator.has_approach else None

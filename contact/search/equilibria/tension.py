@@ -350,8 +350,7 @@ def pull_off(curve: Cohesive, here: Point) -> Point:
     try:
         if curve.held.load is not None:
             here = _about_to_part(curve, here)
-        elif len(here.contact) > 1:
-            here = arc.lowered_by_load(curve, here, near)
+        here = arc.lowered_by_load(curve, here, near)
         return arc.pull_off(curve, here, recede, lambda at: _highest_within(curve, at) / curve.reach - 1.0)
     except Covered as covered:
         raise NotConverged(TOO_NARROW) from covered
