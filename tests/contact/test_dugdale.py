@@ -16,6 +16,7 @@ from contact.formulation.tension.cohesive import Cohesive
 from contact.formulation.tension.pulled import Tension
 from contact.search.grid.scaling import scaled_scene_about
 from contact.search.grid.tension import GridTension
+from contact.studies.trace_kinds import drawn
 from tests.tiers import quick
 
 E, DELTA, WORK = 1.0, 0.01, 1e-5
@@ -315,6 +316,37 @@ def test_ends_guided_by_a_grid_take_a_few_states(monkeypatch):
     monkeypatch.setattr(Cohesive, "_point", lambda *given: taken.append(0) or at(*given))
     assert len(contact.solve(many_zones(mean_pressure=2e7)).zones) >= 8
     assert len(taken) <= 10
+
+
+@pytest.mark.parametrize("control", [{"mean_pressure": 2e7}, pytest.param({"approach": 1.2e-7}, marks=pytest.mark.slow)])
+def test_a_law_without_range_leads_narrow_strips_to_where_they_come_by_themselves(control, monkeypatch):
+    scene = many_zones(stress=5e7, **control)
+    led = contact.solve(scene)
+    last = led.pull_off.load
+    monkeypatch.setattr(contact.Dugdale, "without_range", lambda *given: None)
+    monkeypatch.setattr(GridTension, "of", classmethod(lambda *given: None))
+    alone = contact.solve(scene)
+    assert len(led.zones) == len(alone.zones) >= 8
+    assert led.cohesive == pytest.approx(alone.cohesive, abs=1e-9 * float(np.diff(alone.cohesive).min()))
+    assert last == pytest.approx(alone.pull_off.load, rel=1e-9)
+
+
+@pytest.mark.slow
+def test_what_snaps_shut_beside_narrow_strips_does_not_drive_others_past_their_rest():
+    rng = np.random.default_rng(125)
+    rng.integers(4, 40)
+    trace, law = drawn(rng, "spikes", 400), contact.Dugdale(5.743098063906238, 2.4841445193278564e10)
+    scene = contact.Scene(trace, 2.3e11, contact.Periodic(), law=law, mean_pressure=4.86253689983e8)
+    here, more = contact.solve(scene), contact.solve(replace(scene, law=contact.JKR(1.02 * law.work)))
+    # Strips are a hundredth of the zones: a fiftieth more adhesion without range makes up for them.
+    assert all(np.any((more.zones[:, 0] < a) & (b < more.zones[:, 1])) for a, b in here.zones)
+
+
+def test_narrow_strips_take_a_few_states(monkeypatch):
+    taken, at = [], Cohesive._point
+    monkeypatch.setattr(Cohesive, "_point", lambda *given: taken.append(0) or at(*given))
+    assert len(contact.solve(many_zones(stress=5e7, mean_pressure=2e7)).zones) >= 8
+    assert len(taken) <= 12
 
 
 @pytest.mark.slow

@@ -26,6 +26,7 @@ from contact.formulation.fields import ZoneFields
 from contact.formulation.problem import Problem
 from contact.formulation.tension.contact import (
     TIGHT,
+    Covered,
     Lost,
     contact_under,
     edge_slopes,
@@ -152,8 +153,17 @@ class Cohesive(Equilibria):
         """The contact under the tension on given intervals, no farther than to sharp corners; zones are looked for from those of the last
         state. held: at corners; None: those that are there and are not driven inward."""
         table = self.within(table)
-        zones = self._followed(self._nearest(table), table, value) if self.known else np.zeros((0, 2))
-        return self._holding(self.from_zones(table, value, zones, tolerance), held)
+        near = self.nearest(table, value) if self.known else None
+        zones = np.zeros((0, 2)) if near is None else self._followed(near, table, value)
+        try:
+            here = self.from_zones(table, value, zones, tolerance)
+        except Covered:
+            # Zones that a state has lost are not found again where others are driven on for them.
+            more = max((one for one in self.known if one.table.shape == table.shape), key=lambda one: len(one.zones), default=None)
+            if near is None or more is None or len(more.zones) <= len(near.zones):
+                raise
+            here = self.from_zones(table, value, self._followed(more, table, value), tolerance)
+        return self._holding(here, held)
 
     def under(self, control: Control) -> "Cohesive":
         return Cohesive(self.problem, control, loose=self.loose, formal=self.formal)
@@ -195,11 +205,14 @@ class Cohesive(Equilibria):
             return self.fitted(zones, table)
         return np.asarray(new)
 
-    def _nearest(self, table: Array) -> Known:
-        """Of the states known, the one of the nearest intervals as many as these; else the last."""
+    def nearest(self, table: Array, value: float) -> Known:
+        """Of the states known, the one of the nearest intervals as many as these, and under the nearest value; else the last."""
+        def away(one: Known) -> tuple[float, float]:
+            return float(np.abs(one.table - table).max()), abs(one.value - value)
+
         known = self.known
         alike = [one for one in known if one.table.shape == table.shape]
-        return min(reversed(alike), key=lambda one: float(np.abs(one.table - table).max())) if alike else known[-1]
+        return min(reversed(alike), key=away) if alike else known[-1]
 
     def from_zones(self, table: Array, value: float, zones: Array, tolerance: float = TIGHT) -> CohesivePoint:
         """The same from a first guess of the zones."""

@@ -73,9 +73,7 @@ def contact_under(
     if len(zones) == 0:
         zones = _lowest(pulled)
     for done in range(_ROUNDS):
-        # Where narrow gaps close or open within an interval, their ends act on each other: the engine's own steps know how.
-        plain = done < _PLAIN or pulled.corners != (-np.inf, np.inf)
-        fields = ZoneFields(*(_settled if plain else _searched)(pulled, control, zones, tolerance))
+        fields = ZoneFields(*_with_ends(pulled, control, zones, tolerance, done < _PLAIN))
         if formal:
             return fields, None
         look = look_at(fields)
@@ -86,6 +84,21 @@ def contact_under(
         if len(zones) == 0:
             raise Lost
     raise NotConverged("the zones under a given tension did not settle")
+
+
+def _with_ends(
+    pulled: Pulled, control: Callable[[Pulled], Control], zones: Array, tolerance: float, plain: bool
+) -> tuple[Pulled, sie.AnyState]:
+    """The ends of zones about these. Where narrow gaps close or open within an interval, their ends act on each other: the engine's own
+    steps know how, where plain ones are not asked for or fail."""
+    cornered = pulled.corners != (-np.inf, np.inf)
+    if plain or cornered:
+        try:
+            return _settled(pulled, control, zones, tolerance)
+        except NotConverged:
+            if cornered:
+                raise
+    return _searched(pulled, control, zones, tolerance)
 
 
 def _lowest(pulled: Pulled) -> Array:

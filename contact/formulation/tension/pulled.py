@@ -34,6 +34,7 @@ import numpy as np
 import sie
 from contact.formulation.conjugate import clausen2
 from contact.formulation.problem import Problem
+from contact.formulation.tension.end_sums import Cells, EndSum
 from sie import Array, Index, Mask, nearest_image, record, wrapped
 
 # Nodes of smooth sums, and of Gauss's rule on a panel of angles.
@@ -117,8 +118,6 @@ def _point(y: Array) -> Array:
 
 # Nodes on a panel of the quadrature of a kernel's regular potential, and panels to the length over which it varies.
 _NODES, _PER_LENGTH = 16, 4.0
-# Distances from ends that are looked at together.
-_BLOCK = 2**15
 
 
 @record
@@ -184,13 +183,13 @@ class Tension(sie.Kept):
         """s T."""
         if self.everywhere:
             return np.zeros(np.shape(x))
-        return self.stress / np.pi * self._between(self.log, self._spread_log, x)
+        return self.stress / np.pi * self._between(self._log_sum, self._spread_log, x)
 
     def height(self, x: Array) -> Array:
         """s V."""
         if self.everywhere:
             return np.full(np.shape(x), -self.stress * self.compression)
-        out = self._between(self._primitive, self._spread_primitive, x)
+        out = self._between(self._primitive_sum, self._spread_primitive, x)
         if not self.plain and len(self.table):
             out += self._regular(np.asarray(x, dtype=float))
         return self.stress / np.pi * out
@@ -207,15 +206,35 @@ class Tension(sie.Kept):
                 values[:, column] = spread(x, zone)
         return values
 
-    def _between(self, function: Callable[[Array], Array], spread: Callable[[Array, Spread], Array], x: Array) -> Array:
-        """Sum of the differences of a function of the distance from both ends of the intervals, many places and ends at once."""
+    @cached_property
+    def _log_sum(self) -> EndSum:
+        return EndSum(self._cells, self._signs, self.log)
+
+    @cached_property
+    def _primitive_sum(self) -> EndSum:
+        return EndSum(self._cells, self._signs, self._primitive)
+
+    @cached_property
+    def _cells(self) -> Cells:
+        return Cells(self.table.ravel(), self.period, np.inf if self.plain else self.kernel.length / _PER_LENGTH)
+
+    @cached_property
+    def _signs(self) -> Array:
+        """Of the ends; none of those that are spread."""
+        signs = np.tile((1.0, -1.0), len(self.table))
+        for column, zone in zip((0, -1), self.spread, strict=True):
+            if zone is not None:
+                signs[column] = 0.0
+        return signs
+
+    def _between(self, of_ends: EndSum, spread: Callable[[Array, Spread], Array], x: Array) -> Array:
+        """Sum of the differences of a function of the distance from both ends of the intervals."""
         x = np.asarray(x, dtype=float)
-        out, flat = np.zeros(x.size), x.ravel()
-        block = max(1, _BLOCK // max(1, 2 * len(self.table)))
-        for start in range(0, len(flat), block):
-            values = self._of_ends(function, spread, flat[start : start + block])
-            out[start : start + block] = (values[:, ::2] - values[:, 1::2]).sum(axis=1)
-        return out.reshape(x.shape)
+        out = of_ends(x) if len(self.table) else np.zeros(x.shape)
+        for sign, zone in zip((1.0, -1.0), self.spread, strict=True):
+            if zone is not None:
+                out = out + sign * spread(x.ravel(), zone).reshape(x.shape)
+        return out
 
     def _spread_log(self, x: Array, zone: Spread) -> Array:
         if self.period is not None:

@@ -79,6 +79,11 @@ class Law(sie.Kept):
         """Gap [m] from which on nothing acts; 0 where nothing acts beside the contact."""
         return 0.0
 
+    def without_range(self, share: float) -> "Law | None":
+        """A law of this share of the work of adhesion whose attraction has no range, which contacts under this one come near to where what
+        acts beside them is narrow; None if there is none."""
+        return None
+
     def surface_energy(self, fields: Any, width: float) -> float:
         """Energy of the interface [J/m] of fields (`contact.formulation.energy.Fields`) that touch over a width [m]: less what closing
         it has released, (pi/E*) K^2 for each width."""

@@ -11,6 +11,7 @@ from typing import Any
 from contact.model.checks import keep, positive
 from contact.model.laws.base import Law
 from contact.model.laws.frictionless import Frictionless
+from contact.model.laws.jkr import JKR
 from contact.model.registry import register_law
 
 
@@ -63,6 +64,9 @@ class Dugdale(Law):
     @property
     def reach(self) -> float:
         return self.work / self.stress
+
+    def without_range(self, share: float) -> Law:
+        return JKR(share * self.work)
 
     def surface_energy(self, fields: Any, width: float) -> float:
         """-w for each width in which the gap is below the reach, and what it takes there to open it."""

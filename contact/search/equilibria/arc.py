@@ -49,8 +49,8 @@ _PUSH = 0.03
 _HALVINGS, _MOST_TRIES = 5, 160
 # Ends that one zone is followed to before that, at the most; zones that come apart one after the other from there on.
 _MOST_DIRECT, _MOST_TURNS = 3, 200
-# A step that would go beyond where a zone vanishes goes so far towards it.
-_OF_VANISHING = 0.9
+# A step that fails beyond where a zone vanishes goes so far towards it; the next one so far, past it.
+_OF_VANISHING, _PAST_VANISHING = 0.9, 2.0
 # Of an extreme, how much of the growth at the ends of a step.
 _NO_GROWTH = 0.1
 # Of a step, halvings by which the loss of stability in it is located, and of the way to one within it.
@@ -214,7 +214,7 @@ def steps(curve: Equilibria, here: Point, sense: float, tight: bool = True) -> I
         if end is None or not _keeps(place, end):
             if end is not None and place.at.growth < 0.0 <= end.at.growth:
                 unstable = place, length
-                if length < _NO_TURN:
+                if length < _NO_TURN and not vanishing:
                     break
             short = curve.vanishes(place.at, _motion(place))
             length, vanishing = (_OF_VANISHING * short, True) if short < length else (_SHORTER * length, vanishing)
@@ -238,7 +238,8 @@ def steps(curve: Equilibria, here: Point, sense: float, tight: bool = True) -> I
         length = min(min(_LONGER, _TURN / max(step.turned, _TURN / _LONGER)) * length, _LONGEST)
         if vanishing:
             short = curve.vanishes(place.at, _motion(place))
-            length, vanishing = min(length, _OF_VANISHING * short), short < _LONGEST
+            part = _PAST_VANISHING if len(place.at.contact) > 1 else _OF_VANISHING
+            length, vanishing = min(length, part * short), short < _LONGEST
             if length < _NO_STEP:
                 break
     if unstable is not None:

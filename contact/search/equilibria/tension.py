@@ -5,7 +5,10 @@ below the reach, and they become one where it is below it all between; they are 
 of q does not press any more.
 """
 
+import math
 from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import replace
 
 import numpy as np
 
@@ -18,6 +21,8 @@ from contact.formulation.tension.contact import Covered, Lost
 from contact.formulation.tension.intervals import below, interval_of, joined, within
 from contact.formulation.tension.pulled import Pulled
 from contact.search.equilibria import arc, flow
+from contact.search.equilibria.growth import grown
+from contact.search.equilibria.relaxation import relaxed
 from contact.search.grid.tension import GridTension
 from sie import Array, wrapped
 
@@ -39,6 +44,8 @@ _STEPS = 80
 _HALVINGS = 60
 # Over the width of an interval, how far an end goes that contact covers as others advance.
 _FARTHER = 0.01
+# Intervals over a strip beside contact, that do not stay open.
+_WIDE = 10.0
 # Newton's step of ends that are about to rest, over their intervals and the gaps beside them.
 _ABOUT_TO_REST = 1e-3
 # Zones that recede without a grid.
@@ -47,6 +54,9 @@ _FEW = 6
 _MARGINS = (0.02, 0.06, 0.2)
 # Of a control, above the least at which a grid holds a contact, from where that is followed to where it comes apart.
 _ABOVE = (0.005, 0.02, 0.08, 0.3)
+# Parts of the work of adhesion that it is made smaller or larger by where it is to have no range; Newton's steps for the width of a strip,
+# and to where ends are driven by as much; by what they are driven that are not far from rest.
+_MORE, _STEPS_OF_STRIP, _STEPS_TO_MARGIN, _NOT_FAR = (0.02, 0.2), 30, 5, 0.25
 # Zones over their intervals: of contact that is all but lost.
 SHRUNK = 0.1
 
@@ -60,7 +70,9 @@ def advanced(
 ) -> CohesivePoint:
     """The least equilibrium that holds these intervals, of which all ends are driven outward; `Closed` if there is none. zones: that they
     begin with, where contact may cover some intervals."""
-    start = None if guide is None else _guided(curve, guide, table, value, 1.0)
+    start = None if zones is None else _near_without_range(curve, zones, value)
+    if start is None and guide is not None:
+        start = _guided(curve, guide, table, value, 1.0)
     if start is not None:
         table = start.table
     elif zones is not None:
@@ -121,9 +133,62 @@ def _guided(curve: Cohesive, guide: GridTension, table: Array | None, value: flo
     return None
 
 
+def _near_without_range(curve: Cohesive, zones: Array, value: float) -> CohesivePoint | None:
+    """A state not far within the least equilibrium that holds these zones, of which all ends are driven outward, where tension acts on
+    strips narrower than zones: from those that a little less adhesion without range makes of them; None where that does not tell."""
+    for margin in _MORE:
+        short = _without_range(curve, zones, 1.0 - margin)
+        if short is None:
+            return None
+        with suppress(Closed, NoState, Lost, NotConverged):
+            found = _with_range(curve, short, grown(short, zones, value), margin)
+            if found is not None:
+                return found
+    return None
+
+
+def _without_range(curve: Cohesive, zones: Array, share: float) -> Equilibria | None:
+    """The equilibria under so much of the adhesion without range; None where strips are no narrower than zones, or there is no such law."""
+    if curve.problem.profile.support is not None or curve.strip > float(np.median(np.diff(zones, axis=1))):
+        return None
+    law = curve.problem.law.without_range(share)
+    return None if law is None else Equilibria(replace(curve.problem, law=law), curve.held)
+
+
+def _with_range(curve: Cohesive, short: Equilibria, tips: Point, margin: float) -> CohesivePoint | None:
+    """The state with range about an equilibrium under so much less adhesion without, of which all ends are driven outward by about the
+    margin (inward, where it is negative); None where they are not.
+
+    Beside a tip, p = A sqrt(v) - K/sqrt(v) at a depth v, contact ends farther in, where K is what a strip of width d takes,
+    2 s sqrt(d)/pi, and at the strip's end the gap is the reach h, 4 s d/pi + 4 A d^(3/2)/3 = E* h.
+    """
+    wide = (1.0 - margin) * curve.strip
+    by_slope = np.pi / (3 * curve.stress) * np.maximum(np.concatenate(short.fields(tips, flow.ROUGH).density.edge_slopes), 0.0)
+    d = np.full(len(by_slope), wide)
+    for _ in range(_STEPS_OF_STRIP):
+        d -= (d * (1 + by_slope * np.sqrt(d)) - wide) / (1 + 1.5 * by_slope * np.sqrt(d))
+    # K over that of the tip is one less what drives an end.
+    inward: Array = np.asarray(np.linalg.solve(-tips.rates, 1 - np.sqrt(d / wide) - tips.residual), dtype=np.float64)
+    zones, table = tips.moved(-inward), tips.moved(d - inward)
+    joins = curve.gaps(table) <= 0.0
+    if joins.all() or np.any(zones[:, 1] <= zones[:, 0]):
+        return None
+    here = curve.from_zones(joined(table, joins, [], curve.problem.round), tips.value, zones, flow.ROUGH)
+    for _ in range(_STEPS_TO_MARGIN):
+        driven = here.residual * math.copysign(1.0, margin)
+        if driven.min() > 0.0 and driven.max() < _NOT_FAR:
+            return here
+        if here.growth >= 0.0:
+            break
+        inward, outward = flow.inward_and_outward(curve, here)
+        step = np.linalg.solve(-here.rates, here.residual - margin)
+        here = curve.at(here.moved(np.clip(step, -inward, outward)), tips.value, flow.ROUGH)
+    return None
+
+
 def _held(curve: Cohesive, table: Array, value: float) -> Array:
     """The intervals, with ends that contact covers taken back to where they come from."""
-    before = curve._nearest(table).table if curve.known else table
+    before = curve.nearest(table, value).table if curve.known else table
     for _ in range(_TRIES):
         try:
             curve.at(table, value, flow.ROUGH)
@@ -161,7 +226,19 @@ def _flowed(curve: Cohesive, table: Array, value: float, sign: float) -> Cohesiv
 
 def _with_other_intervals(curve: Cohesive, here: CohesivePoint, table: Array, sign: float) -> CohesivePoint:
     zones = curve.fitted(here.zones, table)
+    if sign > 0:
+        zones = _filled(curve, zones, table)
     return curve.from_zones(uncovered(curve, table, here.value, zones) if sign > 0 else table, here.value, zones, flow.ROUGH)
+
+
+def _filled(curve: Cohesive, zones: Array, table: Array) -> Array:
+    """The zones with one in each interval without any that is far wider than a strip: what tension acts on there snaps shut, and while it
+    is taken to be open it would pull on all others."""
+    empty = np.ones(len(table), dtype=bool)
+    empty[interval_of(zones, table)] = False
+    new = table[empty & (np.diff(table, axis=1)[:, 0] > _WIDE * curve.strip)] + curve.strip * np.array((1.0, -1.0))
+    found = np.concatenate((zones, new))
+    return np.asarray(found[np.argsort(found[:, 0])])
 
 
 def _about_to_rest(curve: Cohesive, here: CohesivePoint) -> bool:
@@ -221,6 +298,9 @@ def _widened(curve: Cohesive, table: Array, zones: Array, covered: Covered, by: 
 
 def _step(curve: Cohesive, here: Point, sign: float) -> tuple[Point, float]:
     limit, back = flow.limits(curve, here, sign)
+    onward = sign * here.residual
+    if here.growth >= 0.0 and onward.max() <= flow.SLIGHT < -onward.min():
+        return _let_go(curve, here, sign)
     lost, beyond = 0, np.zeros(len(limit))
     size = curve.room(here.table)
     back_again = 0
@@ -383,6 +463,9 @@ def _highest_within(curve: Cohesive, here: Point) -> float:
 
 def _about_to_part(curve: Cohesive, here: Point) -> Point:
     """The equilibrium that this one has come to under a control a little above the least at which a grid holds any; itself without one."""
+    rest = _about_to_part_without_range(curve, here)
+    if rest is not None:
+        return rest
     guide = guide_down(curve, len(here.contact), here.table)
     if guide is None:
         return here
@@ -396,6 +479,25 @@ def _about_to_part(curve: Cohesive, here: Point) -> Point:
         if rest is not None:
             return rest
     return here
+
+
+def _about_to_part_without_range(curve: Cohesive, here: Point) -> Point | None:
+    """The same by a little more adhesion without range, where tension acts on strips narrower than zones; None where that does not tell."""
+    short = _without_range(curve, here.contact, 1.0 + _MORE[0]) if len(here.contact) > _FEW else None
+    if short is None:
+        return None
+    with suppress(Closed, NoState, NotConverged):
+        # A little more of it widens the contact.
+        first = relaxed(short, here.table, here.value)
+        least = here.value if first is None else arc.near_the_last(short, first).value
+        for above in _ABOVE:
+            value = least + above * (here.value - least)
+            tips = None if first is None else flow.receded(short, first.table, value)
+            start = None if tips is None else _with_range(curve, short, tips, -_MORE[0])
+            rest = None if start is None else receded(curve, start.table, value)
+            if rest is not None:
+                return rest
+    return None
 
 
 def pull_off_from_all(curve: Cohesive, zones: Array, value: float) -> Point:
@@ -470,6 +572,8 @@ def touching(curve: Cohesive, table: Array, at: float) -> Loose:
         step = np.zeros(len(ends))
         step[free] = np.linalg.solve(rates[np.ix_(free, free)], curve.reach - gap[free])
         table = curve.within(table + np.column_stack((-step[: len(table)], step[len(table) :])))
+        if np.any(np.diff(table, axis=1) <= 0.0):
+            raise NotConverged("the place where the surfaces touch last was not found")
         if float(np.abs(step).max()) < 1e-14 * float(np.diff(table, axis=1).min()):
             break
     load = -Pulled.of(curve.problem, curve.stress, table).pulling.total
