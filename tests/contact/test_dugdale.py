@@ -342,6 +342,23 @@ def test_what_snaps_shut_beside_narrow_strips_does_not_drive_others_past_their_r
     assert all(np.any((more.zones[:, 0] < a) & (b < more.zones[:, 1])) for a, b in here.zones)
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("seed, kind, pressure, work, stress", [
+    # An interval whose zone has all but vanished as the curve turns; a gap that all but closes within one.
+    (339, "turned", 208626890.0, 43.9684771, 6.26417572e9),
+    (305, "honed", 51471104.6, 0.471628390, 6.20859683e8),
+])
+def test_traces_come_to_pull_off_past_zones_that_vanish_and_gaps_that_close(seed, kind, pressure, work, stress):
+    rng = np.random.default_rng(seed)
+    rng.integers(8, 40)
+    scene = contact.Scene(drawn(rng, kind, 400), 2.3e11, contact.Periodic(), law=contact.Dugdale(work, stress), mean_pressure=pressure)
+    here = contact.solve(scene)
+    last = here.pull_off.load
+    down = contact.path(scene, np.array([here.load, 1.05 * last]), control="load")
+    assert down.events[-1].kind == "pull-off"
+    assert down.events[-1].value == pytest.approx(last, rel=1e-9)
+
+
 def test_narrow_strips_take_a_few_states(monkeypatch):
     taken, at = [], Cohesive._point
     monkeypatch.setattr(Cohesive, "_point", lambda *given: taken.append(0) or at(*given))

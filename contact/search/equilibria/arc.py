@@ -51,6 +51,8 @@ _HALVINGS, _MOST_TRIES = 5, 160
 _MOST_DIRECT, _MOST_TURNS = 3, 200
 # A step that fails beyond where a zone vanishes goes so far towards it; the next one so far, past it.
 _OF_VANISHING, _PAST_VANISHING = 0.9, 2.0
+# A step past there that is slight.
+_SLIGHT = 1e-4
 # Of an extreme, how much of the growth at the ends of a step.
 _NO_GROWTH = 0.1
 # Of a step, halvings by which the loss of stability in it is located, and of the way to one within it.
@@ -211,7 +213,7 @@ def steps(curve: Equilibria, here: Point, sense: float, tight: bool = True) -> I
         reached = _corner_within(curve, place, length)
         ahead = along(curve, place, length, tight) if reached is None else _to_corner(curve, place, reached)
         end = None if ahead is None else onward(curve, place, ahead)
-        if end is None or not _keeps(place, end):
+        if end is None or not (_keeps(place, end) or (vanishing and length < _SLIGHT and _has_lost(place, end))):
             if end is not None and place.at.growth < 0.0 <= end.at.growth:
                 unstable = place, length
                 if length < _NO_TURN and not vanishing:
@@ -513,6 +515,12 @@ def _keeps(before: Place, ahead: Place) -> bool:
     """Whether a step is short enough not to have left the curve: its tangents are alike, and stability was not lost without a turn."""
     kept = before.at.growth >= 0.0 or ahead.at.growth < 0.0 or before.rises * ahead.rises <= 0.0
     return _alike(before, ahead) >= _STRAIGHT and kept
+
+
+def _has_lost(before: Place, ahead: Place) -> bool:
+    """Whether contact is lost somewhere and nothing else has changed: its width vanishes as a root does, and the curve bends at once."""
+    alike = before.rises * ahead.rises > 0.0 and before.at.growth * ahead.at.growth > 0.0
+    return alike and len(ahead.at.contact) < len(before.at.contact)
 
 
 def _unit(curve: Equilibria, at: Point) -> float:
