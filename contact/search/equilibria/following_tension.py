@@ -18,7 +18,7 @@ from contact.formulation.tables import runs_of
 from contact.formulation.tension.cohesive import Cohesive, CohesivePoint, Known
 from contact.formulation.tension.contact import Covered, Lost
 from contact.formulation.tension.intervals import interval_of, joined
-from contact.search.equilibria import arc, tension
+from contact.search.equilibria import arc, tension, tension_parting
 from contact.search.equilibria.arc import Step
 from contact.search.equilibria.following import LEAST, NEW, SLIGHT, Following, Jump, Standing, first_of
 from contact.search.equilibria.growth import Change, about, changes, condition, touched, with_change
@@ -158,16 +158,16 @@ class FollowingUnderTension(Following):
         i = interval_of(here.zones, here.table)
         share = np.diff(here.zones, axis=1)[:, 0] / np.diff(here.table, axis=1)[i, 0]
         k = int(np.argmin(share))
-        if share[k] > tension.SHRUNK:
+        if share[k] > tension_parting.SHRUNK:
             return None
-        if curve.held.load is not None and share.max() <= tension.SHRUNK:
-            last = tension.touching(curve, here.table, float(here.zones[k].mean()))
+        if curve.held.load is not None and share.max() <= tension_parting.SHRUNK:
+            last = tension_parting.touching(curve, here.table, float(here.zones[k].mean()))
             others = np.delete(here.zones.mean(axis=1), k)
             points = np.sort(np.append(others, last.zones[0, 0]))
             last = replace(last, zones=np.column_stack((points, points)))
             return Jump("pull-off", float(last.zones[0, 0]), Standing(last.value, last), Standing(last.value))
         # As a rule one alone, but two of the same kind together.
-        for gone in (np.array([k]), np.flatnonzero(share <= tension.SHRUNK)):
+        for gone in (np.array([k]), np.flatnonzero(share <= tension_parting.SHRUNK)):
             touch = self._without(here, gone)
             if touch is not None:
                 break

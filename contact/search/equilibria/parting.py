@@ -11,7 +11,7 @@ from contact.formulation.equilibria import Equilibria
 from contact.formulation.fields import ZoneFields
 from contact.formulation.tension.cohesive import Cohesive
 from contact.formulation.tension.fields import PulledFields
-from contact.search.equilibria import tension as under_tension
+from contact.search.equilibria import tension_parting
 from contact.search.equilibria.arc import SymmetryLost, lowered_by_load, near_the_last, pull_off
 from contact.search.equilibria.flow import receded
 from contact.search.equilibria.relaxation import relaxed
@@ -53,9 +53,9 @@ class PartingUnderTension:
         curve, tension = Cohesive(problem, self.held), fields.tension
         try:
             if tension.everywhere:
-                last = under_tension.pull_off_from_all(curve, zones, self.held.value)
+                last = tension_parting.pull_off_from_all(curve, zones, self.held.value)
             else:
-                last = under_tension.pull_off(curve, curve.from_zones(tension.table, self.held.value, zones))
+                last = tension_parting.pull_off(curve, curve.from_zones(tension.table, self.held.value, zones))
         except SymmetryLost as lost:
             raise lost.located() from None
         approach = float(-last.level * units.height) if problem.operator.has_approach else None

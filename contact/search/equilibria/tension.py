@@ -5,24 +5,15 @@ below the reach, and they become one where it is below it all between; they are 
 of q does not press any more.
 """
 
-import math
-from collections.abc import Callable
-from contextlib import suppress
-from dataclasses import replace
-
 import numpy as np
 
 from contact.errors import NotConverged
-from contact.formulation.equilibria import Closed, Equilibria, NoState, Point
-from contact.formulation.roots import maximum
+from contact.formulation.equilibria import Closed, NoState, Point
 from contact.formulation.tables import gaps_between, runs_of
-from contact.formulation.tension.cohesive import Cohesive, CohesivePoint, Loose
+from contact.formulation.tension.cohesive import Cohesive, CohesivePoint
 from contact.formulation.tension.contact import Covered, Lost
-from contact.formulation.tension.intervals import below, interval_of, joined, within
-from contact.formulation.tension.pulled import Pulled
-from contact.search.equilibria import arc, flow
-from contact.search.equilibria.growth import grown
-from contact.search.equilibria.relaxation import relaxed
+from contact.formulation.tension.intervals import interval_of, joined, within
+from contact.search.equilibria import flow, without_range
 from contact.search.grid.tension import GridTension
 from sie import Array, wrapped
 
@@ -38,10 +29,6 @@ _LEAST = 1e-6
 _HASTE = 3
 # So often ends are let go one way only; of the widths, how far else.
 _ONE_WAY, _SLOWLY = 4, 0.5
-# Newton's steps of a state without contact.
-_STEPS = 80
-# Of the control, until the gap somewhere comes to the reach.
-_HALVINGS = 60
 # Over the width of an interval, how far an end goes that contact covers as others advance.
 _FARTHER = 0.01
 # Intervals over a strip beside contact, that do not stay open.
@@ -49,16 +36,9 @@ _WIDE = 10.0
 # Newton's step of ends that are about to rest, over their intervals and the gaps beside them.
 _ABOUT_TO_REST = 1e-3
 # Zones that recede without a grid.
-_FEW = 6
+FEW = 6
 # Parts of the reach that it is made smaller or larger by on a grid.
 _MARGINS = (0.02, 0.06, 0.2)
-# Of a control, above the least at which a grid holds a contact, from where that is followed to where it comes apart.
-_ABOVE = (0.005, 0.02, 0.08, 0.3)
-# Parts of the work of adhesion that it is made smaller or larger by where it is to have no range; Newton's steps for the width of a strip,
-# and to where ends are driven by as much; by what they are driven that are not far from rest.
-_MORE, _STEPS_OF_STRIP, _STEPS_TO_MARGIN, _NOT_FAR = (0.02, 0.2), 30, 5, 0.25
-# Zones over their intervals: of contact that is all but lost.
-SHRUNK = 0.1
 
 TOO_NARROW = (
     "the tension would act on strips narrower than a millionth of the zones beside them: under so large a stress adhesion is without range"
@@ -70,9 +50,9 @@ def advanced(
 ) -> CohesivePoint:
     """The least equilibrium that holds these intervals, of which all ends are driven outward; `Closed` if there is none. zones: that they
     begin with, where contact may cover some intervals."""
-    start = None if zones is None else _near_without_range(curve, zones, value)
+    start = None if zones is None else without_range.near_advanced(curve, zones, value)
     if start is None and guide is not None:
-        start = _guided(curve, guide, table, value, 1.0)
+        start = guided(curve, guide, table, value, 1.0)
     if start is not None:
         table = start.table
     elif zones is not None:
@@ -88,7 +68,7 @@ def advanced(
 def receded(curve: Cohesive, table: Array, value: float, guide: GridTension | None = None) -> CohesivePoint | None:
     """The greatest equilibrium within these intervals, of which all ends are driven inward; None where contact is lost."""
     try:
-        start = None if guide is None else _guided(curve, guide, table, value, -1.0)
+        start = None if guide is None else guided(curve, guide, table, value, -1.0)
         return _flowed(curve, _held(curve, table, value) if start is None else start.table, value, -1.0)
     except Lost:
         return None
@@ -105,10 +85,10 @@ def guide_of(curve: Cohesive, zones: int, table: Array | None) -> GridTension | 
 
 def guide_down(curve: Cohesive, zones: int, table: Array) -> GridTension | None:
     """The same where zones recede from an equilibrium: of few of them the way itself is shorter."""
-    return guide_of(curve, zones, table) if zones > _FEW else None
+    return guide_of(curve, zones, table) if zones > FEW else None
 
 
-def _guided(curve: Cohesive, guide: GridTension, table: Array | None, value: float, sign: float) -> CohesivePoint | None:
+def guided(curve: Cohesive, guide: GridTension, table: Array | None, value: float, sign: float) -> CohesivePoint | None:
     """A state from which ends are all driven onward to the same equilibrium as from these intervals (None: tension in all of a period), and
     not far, by a grid; None where that does not tell. What the grid is wrong by is seen in what drives the ends: of what it makes rest that
     is the margin."""
@@ -130,59 +110,6 @@ def _guided(curve: Cohesive, guide: GridTension, table: Array | None, value: flo
         driven = sign * here.residual
         if driven.min() > 0.0 and driven.max() < 2 * margin and (_parted if sign > 0 else _grown)(curve, here) is None:
             return here
-    return None
-
-
-def _near_without_range(curve: Cohesive, zones: Array, value: float) -> CohesivePoint | None:
-    """A state not far within the least equilibrium that holds these zones, of which all ends are driven outward, where tension acts on
-    strips narrower than zones: from those that a little less adhesion without range makes of them; None where that does not tell."""
-    for margin in _MORE:
-        short = _without_range(curve, zones, 1.0 - margin)
-        if short is None:
-            return None
-        with suppress(Closed, NoState, Lost, NotConverged):
-            found = _with_range(curve, short, grown(short, zones, value), margin)
-            if found is not None:
-                return found
-    return None
-
-
-def _without_range(curve: Cohesive, zones: Array, share: float) -> Equilibria | None:
-    """The equilibria under so much of the adhesion without range; None where strips are no narrower than zones, or there is no such law."""
-    if curve.problem.profile.support is not None or curve.strip > float(np.median(np.diff(zones, axis=1))):
-        return None
-    law = curve.problem.law.without_range(share)
-    return None if law is None else Equilibria(replace(curve.problem, law=law), curve.held)
-
-
-def _with_range(curve: Cohesive, short: Equilibria, tips: Point, margin: float) -> CohesivePoint | None:
-    """The state with range about an equilibrium under so much less adhesion without, of which all ends are driven outward by about the
-    margin (inward, where it is negative); None where they are not.
-
-    Beside a tip, p = A sqrt(v) - K/sqrt(v) at a depth v, contact ends farther in, where K is what a strip of width d takes,
-    2 s sqrt(d)/pi, and at the strip's end the gap is the reach h, 4 s d/pi + 4 A d^(3/2)/3 = E* h.
-    """
-    wide = (1.0 - margin) * curve.strip
-    by_slope = np.pi / (3 * curve.stress) * np.maximum(np.concatenate(short.fields(tips, flow.ROUGH).density.edge_slopes), 0.0)
-    d = np.full(len(by_slope), wide)
-    for _ in range(_STEPS_OF_STRIP):
-        d -= (d * (1 + by_slope * np.sqrt(d)) - wide) / (1 + 1.5 * by_slope * np.sqrt(d))
-    # K over that of the tip is one less what drives an end.
-    inward: Array = np.asarray(np.linalg.solve(-tips.rates, 1 - np.sqrt(d / wide) - tips.residual), dtype=np.float64)
-    zones, table = tips.moved(-inward), tips.moved(d - inward)
-    joins = curve.gaps(table) <= 0.0
-    if joins.all() or np.any(zones[:, 1] <= zones[:, 0]):
-        return None
-    here = curve.from_zones(joined(table, joins, [], curve.problem.round), tips.value, zones, flow.ROUGH)
-    for _ in range(_STEPS_TO_MARGIN):
-        driven = here.residual * math.copysign(1.0, margin)
-        if driven.min() > 0.0 and driven.max() < _NOT_FAR:
-            return here
-        if here.growth >= 0.0:
-            break
-        inward, outward = flow.inward_and_outward(curve, here)
-        step = np.linalg.solve(-here.rates, here.residual - margin)
-        here = curve.at(here.moved(np.clip(step, -inward, outward)), tips.value, flow.ROUGH)
     return None
 
 
@@ -415,171 +342,3 @@ def _outside(curve: Cohesive, table: Array) -> list[tuple[float, float]]:
     if curve.problem.round is not None:
         return [(a, b) for a, b in gaps_between(table, curve.problem.round)]
     return list(zip(np.append(-np.inf, table[:, 1]), np.append(table[:, 0], np.inf), strict=True))
-
-
-def pull_off(curve: Cohesive, here: Point) -> Point:
-    """Where the last zones come apart as the control falls: at a turning point, or where the last of them has shrunk to a point."""
-    def recede(under: Equilibria, table: Array, value: float) -> Point | None:
-        assert isinstance(under, Cohesive)
-        return receded(under, table, value, guide_down(under, len(under.known[-1].zones), table))
-
-    def near(under: Equilibria, at: Point) -> Point:
-        assert isinstance(under, Cohesive)
-        return arc.near_the_last(under, _about_to_part(under, at), recede)
-
-    try:
-        if curve.held.load is not None:
-            here = _about_to_part(curve, here)
-        here = arc.lowered_by_load(curve, here, near)
-        return arc.pull_off(curve, here, recede, lambda at: _highest_within(curve, at) / curve.reach - 1.0)
-    except Covered as covered:
-        raise NotConverged(TOO_NARROW) from covered
-    except (Lost, NotConverged):
-        last = curve.known[-1]
-        if not np.diff(last.zones, axis=1).sum() < SHRUNK * np.diff(last.table, axis=1).sum():
-            raise
-    return touching(curve, last.table, float(last.zones.mean()))
-
-
-def _highest_within(curve: Cohesive, here: Point) -> float:
-    """The largest gap within the intervals, but for what begins at their ends."""
-    assert isinstance(here, CohesivePoint)
-    (x, gap), period, highest = here.look, curve.problem.round, 0.0
-    for a, b in here.table:
-        inner = within(x, a, b, period)
-        place, value = wrapped(x[inner], a, period), gap[inner]
-        nearer = np.flatnonzero(value < curve.reach)
-        if len(nearer) < 2:
-            continue
-        value = value[nearer[0] : nearer[-1] + 1]
-        top = int(np.argmax(value))
-        if 0 < top < len(value) - 1 and value[top] > highest:
-            at = nearer[0] + top
-            highest = maximum(
-                lambda y: curve.gap(here, np.asarray(y)), place[at - 1 : at + 2], value=value[top - 1 : top + 2]
-            )[1]
-    return highest
-
-
-def _about_to_part(curve: Cohesive, here: Point) -> Point:
-    """The equilibrium that this one has come to under a control a little above the least at which a grid holds any; itself without one."""
-    rest = _about_to_part_without_range(curve, here)
-    if rest is not None:
-        return rest
-    guide = guide_down(curve, len(here.contact), here.table)
-    if guide is None:
-        return here
-    try:
-        least = guide.least_value(here.table, here.value)
-    except NotConverged:
-        # Under a held approach others are driven on by what recedes: it does not tell.
-        return here
-    for above in _ABOVE:
-        rest = receded(curve, here.table, least + above * (here.value - least), guide)
-        if rest is not None:
-            return rest
-    return here
-
-
-def _about_to_part_without_range(curve: Cohesive, here: Point) -> Point | None:
-    """The same by a little more adhesion without range, where tension acts on strips narrower than zones; None where that does not tell."""
-    short = _without_range(curve, here.contact, 1.0 + _MORE[0]) if len(here.contact) > _FEW else None
-    if short is None:
-        return None
-    with suppress(Closed, NoState, NotConverged):
-        # A little more of it widens the contact.
-        first = relaxed(short, here.table, here.value)
-        least = here.value if first is None else arc.near_the_last(short, first).value
-        for above in _ABOVE:
-            value = least + above * (here.value - least)
-            tips = None if first is None else flow.receded(short, first.table, value)
-            start = None if tips is None else _with_range(curve, short, tips, -_MORE[0])
-            rest = None if start is None else receded(curve, start.table, value)
-            if rest is not None:
-                return rest
-    return None
-
-
-def pull_off_from_all(curve: Cohesive, zones: Array, value: float) -> Point:
-    """The same of a contact under tension everywhere: from where the gap somewhere comes to its reach, or to the last touch."""
-    rest = _open_and_about_to_part(curve, zones, value)
-    if rest is not None:
-        return pull_off(curve, rest)
-    problem, pulled = curve.problem, curve.everywhere
-    assert problem.period is not None
-    # Without contact the load is the tension's, and the base gives way to it.
-    load = -pulled.pulling.total
-    lost = load if curve.held.load is not None else (curve.yields * load - curve.stress * problem.compression)
-    low, high, found, opened = lost, value, curve.contact_under(pulled, value, zones), False
-    for _ in range(_HALVINGS):
-        middle = 0.5 * (low + high)
-        if middle in (low, high) or high - low < 1e-14 * (value - lost):
-            break
-        try:
-            here = curve.contact_under(pulled, middle, found[0].density.zones.table)
-        except NoState:
-            low = middle
-            continue
-        if here[1][1].max() > curve.reach:
-            low, opened = middle, True
-        else:
-            high, found = middle, here
-    fields, (x, gap) = found
-    inside = fields.density.zones.table
-    state = Loose.of(np.zeros((0, 2)), high, fields.density.total + load, fields.level, inside)
-    if not opened:
-        return state
-    # At the place that comes to the reach first the tension lets go.
-    table = below(inside, (x, np.where(gap == gap.max(), 2 * curve.reach, gap)), curve.reach, problem.period, wide=True)
-    try:
-        curve.from_zones(table, high, curve.fitted(inside, table))
-    except Lost:
-        return state
-    rest = receded(curve, table, high - 1e-9 * (value - lost))
-    return state if rest is None else pull_off(curve, rest)
-
-
-def _open_and_about_to_part(curve: Cohesive, zones: Array, value: float) -> Point | None:
-    """The equilibrium that a contact under tension everywhere has come to under a control a little above the least at which a grid holds
-    any; None where that does not tell, or where the tension has not let go before."""
-    guide = guide_of(curve, len(zones), None)
-    if guide is None:
-        return None
-    least = guide.least_value(None, value)
-    for above in _ABOVE:
-        control = least + above * (value - least)
-        try:
-            start = _guided(curve, guide, None, control, -1.0)
-        except Lost:
-            continue
-        rest = None if start is None else receded(curve, start.table, control)
-        if rest is not None:
-            return rest
-    return None
-
-
-def touching(curve: Cohesive, table: Array, at: float) -> Loose:
-    """The equilibrium in which the surfaces touch in one point, without pressure, beside one of hardly any contact there."""
-    half = 0.02 * float(np.diff(table, axis=1).max())
-    height = 0.0
-    for _ in range(_STEPS):
-        pulled = Pulled.of(curve.problem, curve.stress, table)
-        at, height = maximum(_risen(pulled), np.linspace(at - half, at + half, 65))
-        ends, tension = np.concatenate((table[:, 0], table[:, 1])), pulled.pulling
-        gap = pulled.shape(ends) + height
-        rates = curve.explicit(pulled, ends, np.zeros(len(ends))) - curve.stress / np.pi * tension.log(at - ends)
-        free = (table != np.array(curve.problem.corners)).T.ravel() | (gap > curve.reach)
-        step = np.zeros(len(ends))
-        step[free] = np.linalg.solve(rates[np.ix_(free, free)], curve.reach - gap[free])
-        table = curve.within(table + np.column_stack((-step[: len(table)], step[len(table) :])))
-        if np.any(np.diff(table, axis=1) <= 0.0):
-            raise NotConverged("the place where the surfaces touch last was not found")
-        if float(np.abs(step).max()) < 1e-14 * float(np.diff(table, axis=1).min()):
-            break
-    load = -Pulled.of(curve.problem, curve.stress, table).pulling.total
-    value = load if curve.held.load is not None else curve.yields * load - height
-    return Loose.of(table, value, load, height, np.array([[at, at]]))
-
-
-def _risen(pulled: Pulled) -> Callable[[Array], Array]:
-    return lambda x: -pulled.shape(np.asarray(x))

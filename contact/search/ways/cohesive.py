@@ -35,11 +35,10 @@ from contact.search.equilibria.tension import (
     advanced,
     guide_down,
     guide_of,
-    pull_off,
-    pull_off_from_all,
     receded,
     settled,
 )
+from contact.search.equilibria.tension_parting import pull_off, pull_off_from_all
 from contact.search.grid.proposals import placed
 from contact.search.grid.scaling import ScaledScene
 from contact.search.task import Shared, Task
