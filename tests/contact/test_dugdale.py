@@ -95,6 +95,14 @@ def test_the_cylinder_is_that_of_the_closed_form_from_rigid_bodies_to_narrow_str
     assert solution.certificate.stability > 0.0
 
 
+@pytest.mark.parametrize("load", [1e-14, 1e-10])
+@pytest.mark.parametrize("tabor", [0.01, 0.3])
+def test_loads_far_below_what_the_tension_bears_change_nothing(tabor, load):
+    here, none = cylinder(tabor, load=load)[0], cylinder(tabor, load=0.0)[0]
+    assert here.cohesive == pytest.approx(none.cohesive, rel=1e-6)
+    assert here.certificate.holds and here.zones[0, 1] > none.zones[0, 1] * (1 - 1e-12)
+
+
 @pytest.mark.parametrize("tabor", quick([0.1, 1.0, 10.0], always=[0.1]))
 def test_pull_off_is_a_turning_point_or_where_contact_has_shrunk_to_a_point(tabor):
     solution, curve = cylinder(tabor, load=0.0)

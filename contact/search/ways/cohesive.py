@@ -26,7 +26,7 @@ from contact.formulation.tables import room_beside
 from contact.formulation.tension.cohesive import Cohesive, CohesivePoint
 from contact.formulation.tension.contact import TIGHT, Lost, edge_slopes
 from contact.formulation.tension.fields import PulledFields, PulledGapFields
-from contact.formulation.tension.intervals import below, united_about
+from contact.formulation.tension.intervals import below, places, united_about
 from contact.formulation.tension.pulled import Pulled
 from contact.model.scene import Scene
 from contact.search.equilibria.flow import ROUGH
@@ -159,6 +159,7 @@ def advancing(task: Task, scaled: ScaledScene, curve: Cohesive, value: float) ->
         zones = curve.within(placed(problem, found.zones))
         fields, look = curve.contact_under(Pulled.of(problem, 0.0, np.zeros((0, 2))), value, zones)
         zones, round_ = fields.density.zones.table, problem.round
+        look = _looked_on(curve, fields, look)
         near = below(zones, look, curve.reach, round_, corners=problem.corners)
         table = curve.within(united_about(near, curve.within(_begun(curve, fields)), round_))
         zones = curve.fitted(zones, table)
@@ -194,6 +195,23 @@ def _begun(curve: Cohesive, fields: ZoneFields) -> Array:
     slope = np.maximum(np.array(fields.density.edge_slopes).T, 1e-300)
     out = np.where(strip < _THIN * width, np.minimum(2 * _PART * wanted / slope, _FIRST * room_beside(zones, problem.round)), 0.0)
     return zones + np.column_stack((-out[:, 0], out[:, 1]))
+
+
+def _looked_on(curve: Cohesive, fields: ZoneFields, look: tuple[Array, Array]) -> tuple[Array, Array]:
+    """The gap beside the zones of a lone body, as far as it comes to the reach: under a light load that is far from contact."""
+    problem, (x, gap), resolution = curve.problem, look, curve.problem.profile.resolution
+    if problem.round is not None or np.isfinite(problem.corners[0]):
+        return look
+    spacing = math.inf if resolution is None else 0.25 * resolution / problem.units.length
+    for _ in range(_WINDOWS):
+        lo, hi = max(problem.borders[0], 2 * x[0] - x[-1]), min(problem.borders[1], 2 * x[-1] - x[0])
+        new = [places(a, b, spacing) for a, b, at in ((lo, x[0], gap[0]), (x[-1], hi, gap[-1])) if at < curve.reach and a < b]
+        if not new:
+            break
+        x = np.concatenate((x, *new))
+        order = np.argsort(x)
+        x, gap = x[order], np.concatenate((gap, fields.formal_gap(np.concatenate(new))))[order]
+    return x, gap
 
 
 def _touched(scaled: ScaledScene, curve: Cohesive) -> tuple[Array, Array]:
