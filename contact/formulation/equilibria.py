@@ -150,6 +150,11 @@ class Point:
             return None
         return 0.5 * (matrix + matrix.T), scale
 
+    def damped_step(self, by: Array | float) -> Array:
+        """All ends down the slope of the energy: a step of the implicit Euler method, damped by what is above the largest growth."""
+        damped = np.diag((max(self.growth, 0.0) + by) * self.weight)
+        return np.asarray(np.linalg.solve(damped - self.rates, self.residual), dtype=np.float64)
+
     def refuse_neutral(self) -> None:
         """NotConverged where a motion of the ends drives none of them: there is not one contact, but a row of them."""
         if abs(self.growth) <= NEUTRAL:

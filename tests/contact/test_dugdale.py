@@ -13,7 +13,7 @@ from contact import exact
 from contact.formulation.conjugate import clausen2
 from contact.formulation.controls import Approach, Load, scaled_control
 from contact.formulation.tension.cohesive import Cohesive
-from contact.formulation.tension.pulled import Tension
+from contact.formulation.tension.tension import Tension
 from contact.search.grid.scaling import scaled_scene_about
 from contact.search.grid.tension import GridTension
 from contact.studies.trace_kinds import drawn

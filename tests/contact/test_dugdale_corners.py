@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 
 import contact
 from contact.formulation.conjugate import clausen2
-from contact.formulation.tension.pulled import Spread
+from contact.formulation.tension.spread import Spread
 from tests.tiers import quick
 
 E, WORK, STRESS = 1.0, 1e-7, 1e-3

@@ -5,7 +5,7 @@ cell than its width is a short Chebyshev series on it, made when a place in it i
 """
 
 from collections.abc import Callable
-from functools import cached_property
+from functools import cache, cached_property
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -107,8 +107,7 @@ class EndSum:
         if self._series is None:
             self._series, self._made = np.zeros((_TERMS, len(edges) - 1)), np.zeros(len(edges) - 1, dtype=bool)
         new = cells[~self._made[cells]]
-        t = chebyshev.chebpts1(_TERMS)
-        to_series = np.linalg.inv(chebyshev.chebvander(t, _TERMS - 1))
+        t, to_series = _nodes()
         block = max(1, _BLOCK // (_TERMS * len(self._cells.ends)))
         for start in range(0, len(new), block):
             some = new[start : start + block]
@@ -127,6 +126,13 @@ class EndSum:
         for start in range(0, len(x), block):
             out[start : start + block] = _paired(self._function(x[start : start + block, None] - self._cells.ends) * self._weights)
         return out
+
+
+@cache
+def _nodes() -> tuple[Array, Array]:
+    """(places on (-1, 1), the matrix that makes a series of values there)."""
+    t = chebyshev.chebpts1(_TERMS)
+    return np.asarray(t), np.asarray(np.linalg.inv(chebyshev.chebvander(t, _TERMS - 1)), dtype=np.float64)
 
 
 def _paired(values: Array) -> Array:

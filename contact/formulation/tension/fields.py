@@ -13,7 +13,8 @@ from contact.formulation.gaps import GapFields
 from contact.formulation.problem import Problem
 from contact.formulation.tension.cohesive import Cohesive, CohesivePoint
 from contact.formulation.tension.loose import LooseFields, beside, on_zones
-from contact.formulation.tension.pulled import Pulled, Tension
+from contact.formulation.tension.pulled import Pulled
+from contact.formulation.tension.tension import Tension
 from sie import Array, record
 
 

@@ -9,7 +9,8 @@ from numpy.typing import ArrayLike
 from contact.formulation.fields import NoZones, mean_shape
 from contact.formulation.problem import Problem
 from contact.formulation.quadrature import panels
-from contact.formulation.tension.pulled import Pulled, Tension
+from contact.formulation.tension.pulled import Pulled
+from contact.formulation.tension.tension import Tension
 from sie import Array, record
 
 

@@ -47,6 +47,8 @@ _TOGETHER = 1e-7
 _PUSH = 0.03
 # Of the control, before the last turning point is looked for; and of steps of the control.
 _HALVINGS, _MOST_TRIES = 5, 160
+# Of the control, above the least at which there may be an equilibrium, from where one is followed to where it comes apart.
+_ABOVE = (0.005, 0.02, 0.08, 0.3)
 # Ends that one zone is followed to before that, at the most; zones that come apart one after the other from there on.
 _MOST_DIRECT, _MOST_TURNS = 3, 200
 # A step that fails beyond where a zone vanishes goes so far towards it; the next one so far, past it.
@@ -442,6 +444,11 @@ def _end(curve: Equilibria, here: Point, torn: Callable[[Point], float]) -> _End
     length = min(until + 2 * _ABOUT * length, length)
     last = step.at(length, False)
     return _End(last, last.table, lambda: step.at(step.where(torn, torn(step.start.at), torn(last), length)))
+
+
+def above(least: float, value: float) -> tuple[float, ...]:
+    """Controls a little above the least at which something else tells that there is an equilibrium, and ever nearer to one where it is."""
+    return tuple(least + part * (value - least) for part in _ABOVE)
 
 
 def near_the_last(curve: Equilibria, here: Point, recede: Recede = receded) -> Point:

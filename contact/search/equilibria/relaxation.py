@@ -73,14 +73,14 @@ def _step(curve: Equilibria, here: Point) -> tuple[Point, Array]:
     inward, outward = flow.inward_and_outward(curve, here)
     damped = np.full(len(here.residual), _DAMPED)
     for _ in range(flow.MOST_TRIES):
-        step = np.linalg.solve(np.diag((max(here.growth, 0.0) + damped) * here.weight) - here.rates, here.residual)
+        step = here.damped_step(damped)
         # Those that would go too far alone: a zone that comes apart need not keep back all others.
         far = np.abs(step) > np.where(step > 0.0, outward, inward)
         if far.any():
             damped[far] *= 2.0
             continue
-        ahead = curve.at(here.moved(np.asarray(step)), here.value, flow.ROUGH)
+        ahead = curve.at(here.moved(step), here.value, flow.ROUGH)
         if ahead.residual @ step >= -_PAST * (here.residual @ step):
-            return ahead, np.asarray(step)
+            return ahead, step
         damped *= 4.0
     raise NotConverged("no step of the ends goes down the slope of the energy")

@@ -272,10 +272,10 @@ def _let_go(curve: Cohesive, here: Point, sign: float) -> tuple[Point, float]:
     size = curve.room(here.table)
     onward, above = np.minimum(onward, _SLOWLY * np.maximum(size, 1e-3 * here.widths)), 1e-3
     for _ in range(flow.MOST_TRIES):
-        step: Array = np.linalg.solve(np.diag((max(here.growth, 0.0) + above) * here.weight) - here.rates, here.residual).astype(np.float64)
+        step = here.damped_step(above)
         if np.all(np.abs(step) <= np.where(sign * step > 0.0, onward, back)):
             try:
-                return curve.at(here.moved(np.asarray(step, dtype=np.float64)), here.value, flow.ROUGH), np.inf
+                return curve.at(here.moved(step), here.value, flow.ROUGH), np.inf
             except Covered:
                 pass
         above *= 2.0

@@ -19,8 +19,6 @@ from sie import Array, wrapped
 _STEPS = 80
 # Of the control, until the gap somewhere comes to the reach.
 _HALVINGS = 60
-# Of a control, above the least at which a grid holds a contact, from where that is followed to where it comes apart.
-_ABOVE = (0.005, 0.02, 0.08, 0.3)
 # Zones over their intervals: of contact that is all but lost.
 SHRUNK = 0.1
 
@@ -81,8 +79,8 @@ def _about_to_part(curve: Cohesive, here: Point) -> Point:
     except NotConverged:
         # Under a held approach others are driven on by what recedes: it does not tell.
         return here
-    for above in _ABOVE:
-        rest = receded(curve, here.table, least + above * (here.value - least), guide)
+    for control in arc.above(least, here.value):
+        rest = receded(curve, here.table, control, guide)
         if rest is not None:
             return rest
     return here
@@ -134,8 +132,7 @@ def _open_and_about_to_part(curve: Cohesive, zones: Array, value: float) -> Poin
     if guide is None:
         return None
     least = guide.least_value(None, value)
-    for above in _ABOVE:
-        control = least + above * (value - least)
+    for control in arc.above(least, value):
         try:
             start = guided(curve, guide, None, control, -1.0)
         except Lost:

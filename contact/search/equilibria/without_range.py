@@ -24,8 +24,6 @@ from sie import Array
 # Parts of the work of adhesion that it is made smaller or larger by; Newton's steps for the width of a strip, and to where ends are driven
 # by as much; by what they are driven that are not far from rest.
 _MORE, _STEPS_OF_STRIP, _STEPS_TO_MARGIN, _NOT_FAR = (0.02, 0.2), 30, 5, 0.25
-# Of a control, above the least at which there is a contact with more adhesion, from where that is followed to where it comes apart.
-_ABOVE = (0.005, 0.02, 0.08, 0.3)
 
 
 def near_advanced(curve: Cohesive, zones: Array, value: float) -> CohesivePoint | None:
@@ -91,8 +89,7 @@ def about_to_part(curve: Cohesive, here: Point, recede: Callable[[Cohesive, Arra
         # A little more of it widens the contact.
         first = relaxed(short, here.table, here.value)
         least = here.value if first is None else arc.near_the_last(short, first).value
-        for above in _ABOVE:
-            value = least + above * (here.value - least)
+        for value in arc.above(least, here.value):
             tips = None if first is None else flow.receded(short, first.table, value)
             start = None if tips is None else _with_range(curve, short, tips, -_MORE[0])
             rest = None if start is None else recede(curve, start.table, value)

@@ -1,0 +1,95 @@
+"""An end of a tension that is spread over a zone (a, b) as its equilibrium measure mu = d xi/(pi sqrt((xi - a)(b - xi))).
+
+With z = (x - middle)/half, outside the zone, and arcosh and root zero on it,
+
+    int ln|x - xi| d mu = ln(half/2) + arcosh|z|,
+    int (x - xi)(ln|x - xi| - 1) d mu = half [z ln(half/2) + sgn(z) (|z| arcosh|z| - sqrt(z^2 - 1))].
+
+What is smooth is summed by Gauss's rule for mu: equal weights at the cosines of even angles. With a period so is what is left of
+ln|2 sin(pi y/L)| after the poles at 0, L and -L.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from sie import Array, nearest_image
+
+# Nodes of smooth sums, and of Gauss's rule on a panel of angles.
+_NODES, _PANEL = 64, 16
+
+
+@dataclass(frozen=True)
+class Spread:
+    """The zone."""
+
+    a: float
+    b: float
+
+    @property
+    def middle(self) -> float:
+        return 0.5 * (self.a + self.b)
+
+    @property
+    def half(self) -> float:
+        return 0.5 * (self.b - self.a)
+
+    def log(self, x: Array) -> Array:
+        """int ln|x - xi| d mu."""
+        return np.asarray(np.log(0.5 * self.half) + np.arccosh(self._beyond(x)[1]))
+
+    def primitive(self, x: Array) -> Array:
+        """Its antiderivative, odd about the middle."""
+        z, size = self._beyond(x)
+        outside = size * np.arccosh(size) - np.sqrt((size - 1) * (size + 1))
+        return np.asarray(self.half * (z * np.log(0.5 * self.half) + np.sign(z) * outside))
+
+    def _beyond(self, x: Array) -> tuple[Array, Array]:
+        z = (x - self.middle) / self.half
+        return z, np.maximum(np.abs(z), 1.0)
+
+    def mean(self, function: Callable[[Array], Array], x: Array) -> Array:
+        """int function(x - xi) d mu of a smooth function."""
+        xi = self.middle + self.half * np.cos(np.pi * (np.arange(_NODES) + 0.5) / _NODES)
+        return np.asarray(function(x[:, None] - xi).mean(axis=1))
+
+    def periodic_log(self, x: Array, period: float) -> Array:
+        """int ln|2 sin(pi (x - xi)/L)| d mu."""
+        x = nearest_image(x, self.middle, period)
+
+        def left(lag: Array) -> Array:
+            u = np.abs(lag) / period
+            far = np.sinc(1 - u) / np.where(u > 0.5, u * (1 + u), 1.0)
+            return np.asarray(np.log(np.where(u > 0.5, far, np.sinc(u) / np.where(u > 0.5, 1.0, 1 - u * u))))
+
+        return self.log(x) + self.log(x - period) + self.log(x + period) + np.log(2 * np.pi / period**3) + self.mean(left, x)
+
+    def periodic_primitive(self, x: Array, period: float, primitive: Callable[[Array], Array]) -> Array:
+        """Its antiderivative; primitive: of ln|2 sin(pi y/L)|."""
+        # Less what a period adds: that of the mean of the logarithm, which is zero.
+        x = nearest_image(x, self.middle, period)
+        rate = np.log(2 * np.pi / period**3)
+
+        def of_poles(y: Array, of_one: Callable[[Array], Array]) -> Array:
+            return np.asarray(of_one(y) + of_one(y - period) + of_one(y + period))
+
+        def left(lag: Array) -> Array:
+            return np.asarray(primitive(lag) - of_poles(lag, _point) - rate * lag)
+
+        return of_poles(x, self.primitive) + rate * (x - self.middle) + self.mean(left, x)
+
+    def lacking(self, side: int, panels: int, breaks: Array) -> tuple[Array, Array]:
+        """(places, weights) of a rule for int (1 - eta) on the zone, the left (0) or the right one, by parts between breaks."""
+        t, weight = np.polynomial.legendre.leggauss(_PANEL)
+        inner = breaks[(breaks > self.a) & (breaks < self.b)]
+        cuts = np.unique(np.append(np.linspace(0.0, np.pi, max(panels, 2) + 1), np.arccos((inner - self.middle) / self.half)))
+        half = 0.5 * np.diff(cuts)[:, None]
+        angle = (0.5 * (cuts[1:] + cuts[:-1])[:, None] + half * t).ravel()
+        part = angle / np.pi if side == 0 else 1 - angle / np.pi
+        return self.middle + self.half * np.cos(angle), self.half * (half * weight).ravel() * np.sin(angle) * part
+
+
+def _point(y: Array) -> Array:
+    """y (ln|y| - 1)."""
+    return np.asarray(y * (np.log(np.maximum(np.abs(y), 1e-300)) - 1.0))

@@ -1,0 +1,210 @@
+r"""A constant tension on given intervals, and by how much it deforms a profile.
+
+Its slope is s T and its height s V, V' = T,
+
+    T = (1/pi) sum [Lambda(x - l) - Lambda(x - r)] over the intervals (l, r).
+
+V comes from the double antiderivative of K, y (ln|y| - 1) for a pole, Clausen's integral for all periods: -(L/2 pi) Cl_2(2 pi y/L)
+(DLMF 25.12.9).
+"""
+
+from collections.abc import Callable
+from functools import cached_property
+
+import numpy as np
+
+import sie
+from contact.formulation.conjugate import clausen2
+from contact.formulation.tension.end_sums import Cells, EndSum
+from contact.formulation.tension.spread import Spread
+from sie import Array, Index, Mask, nearest_image, record, wrapped
+
+# Nodes on a panel of the quadrature of a kernel's regular potential, and panels to the length over which it varies.
+_NODES, _PER_LENGTH = 16, 4.0
+
+
+@record
+class Tension(sie.Kept):
+    """stress: scaled; table: the intervals (m, 2), scaled, ascending; everywhere: it acts on a whole period. spread: the zones held at the
+    left and at the right corner, over which the first and the last end are spread."""
+
+    stress: float
+    table: Array
+    kernel: sie.Kernel
+    plain: bool
+    everywhere: bool = False
+    compression: float = 0.0
+    spread: tuple[Spread | None, Spread | None] = (None, None)
+
+    @property
+    def period(self) -> float | None:
+        return self.kernel.period
+
+    @property
+    def width(self) -> float:
+        """Of all intervals together."""
+        if self.everywhere:
+            assert self.period is not None
+            return self.period
+        return float(np.diff(self.table, axis=1).sum())
+
+    @property
+    def total(self) -> float:
+        """Of the tension in q - p."""
+        return self.stress * (self.width - sum(zone.half for zone in self.spread if zone is not None))
+
+    def lacks(self, zone: Index | int, last: int, left: Array, right: Array) -> Array:
+        """1 - eta on zones, at distances from their ends over the half width; last: index of the last zone."""
+        out = np.zeros(np.broadcast_shapes(np.shape(zone), np.shape(left)))
+        for side, at, far, near in ((0, 0, left, right), (1, last, right, left)):
+            if self.spread[side] is not None:
+                angle = 2 / np.pi * np.arctan2(np.sqrt(np.maximum(near, 0.0)), np.sqrt(np.maximum(far, 0.0)))
+                out = out + np.where(np.asarray(zone) == at, angle, 0.0)
+        return out
+
+    def share(self, x: Array) -> Array:
+        """eta on the intervals, else 0."""
+        out = self.holds(x).astype(float)
+        for side, zone in enumerate(self.spread):
+            if zone is not None:
+                t = nearest_image(x - zone.middle, 0.0, self.period) / zone.half
+                angle = np.arccos(np.clip(t if side == 0 else -t, -1.0, 1.0)) / np.pi
+                out -= np.where(np.abs(t) <= 1.0, angle, 0.0)
+        return out
+
+    def holds(self, x: Array) -> Mask:
+        """Whether points lie in an interval."""
+        if self.everywhere:
+            return np.ones(np.shape(x), dtype=bool)
+        if len(self.table) == 0:
+            return np.zeros(np.shape(x), dtype=bool)
+        x = wrapped(np.asarray(x, dtype=float), float(self.table[0, 0]), self.period)
+        i = np.maximum(np.searchsorted(self.table[:, 0], x, side="right") - 1, 0)
+        return np.asarray((x >= self.table[i, 0]) & (x <= self.table[i, 1]))
+
+    def slope(self, x: Array) -> Array:
+        """s T."""
+        if self.everywhere:
+            return np.zeros(np.shape(x))
+        return self.stress / np.pi * self._between(self._log_sum, self._spread_log, x)
+
+    def height(self, x: Array) -> Array:
+        """s V."""
+        if self.everywhere:
+            return np.full(np.shape(x), -self.stress * self.compression)
+        out = self._between(self._primitive_sum, self._spread_primitive, x)
+        if not self.plain and len(self.table):
+            out += self._regular(np.asarray(x, dtype=float))
+        return self.stress / np.pi * out
+
+    def logs(self, x: Array) -> Array:
+        """Lambda at places (P,) of unit loads at all left and then all right ends (P, 2 m)."""
+        values = self.log(x[:, None] - self.table.ravel())
+        for column, zone in zip((0, -1), self.spread, strict=True):
+            if zone is not None:
+                values[:, column] = self._spread_log(x, zone)
+        return np.hstack((values[:, ::2], values[:, 1::2]))
+
+    @cached_property
+    def _log_sum(self) -> EndSum:
+        return EndSum(self._cells, self._signs, self.log)
+
+    @cached_property
+    def _primitive_sum(self) -> EndSum:
+        return EndSum(self._cells, self._signs, self._primitive)
+
+    @cached_property
+    def _cells(self) -> Cells:
+        return Cells(self.table.ravel(), self.period, np.inf if self.plain else self.kernel.length / _PER_LENGTH)
+
+    @cached_property
+    def _signs(self) -> Array:
+        """Of the ends; none of those that are spread."""
+        signs = np.tile((1.0, -1.0), len(self.table))
+        for column, zone in zip((0, -1), self.spread, strict=True):
+            if zone is not None:
+                signs[column] = 0.0
+        return signs
+
+    def _between(self, of_ends: EndSum, spread: Callable[[Array, Spread], Array], x: Array) -> Array:
+        """Sum of the differences of a function of the distance from both ends of the intervals."""
+        x = np.asarray(x, dtype=float)
+        out = of_ends(x) if len(self.table) else np.zeros(x.shape)
+        for sign, zone in zip((1.0, -1.0), self.spread, strict=True):
+            if zone is not None:
+                out = out + sign * spread(x.ravel(), zone).reshape(x.shape)
+        return out
+
+    def _spread_log(self, x: Array, zone: Spread) -> Array:
+        if self.period is not None:
+            out = zone.periodic_log(x, self.period)
+        else:
+            out = sum((zone.log(x - pole) - np.log(self.kernel.datum) for pole in self.kernel.poles), np.zeros(x.shape))
+        return out if self.plain else out + zone.mean(self._rest, nearest_image(x, zone.middle, self.period))
+
+    def _spread_primitive(self, x: Array, zone: Spread) -> Array:
+        if self.period is not None:
+            return zone.periodic_primitive(x, self.period, self._primitive)
+        scale = np.log(self.kernel.datum)
+        return sum((zone.primitive(x - pole) - scale * (x - pole - zone.middle) for pole in self.kernel.poles), np.zeros(x.shape))
+
+    def log(self, lag: Array) -> Array:
+        """Lambda, of the distance from a line load."""
+        kernel, period = self.kernel, self.period
+        lag = nearest_image(np.asarray(lag, dtype=float), 0.0, period)
+        if period is not None:
+            with np.errstate(divide="ignore"):
+                out = np.log(np.abs(2 * np.sin(np.pi * lag / period)))
+            return np.asarray(out if self.plain else out + self._rest(lag))
+        with np.errstate(divide="ignore"):
+            out = sum((np.log(np.abs(lag - pole) / kernel.datum) for pole in kernel.poles), np.zeros(np.shape(lag)))
+        return np.asarray(out if self.plain else out + self._rest(lag))
+
+    def _rest(self, lag: Array) -> Array:
+        """Lambda less its poles, or less all of Hilbert's."""
+        assert self.kernel.regular_potential is not None
+        rest = self.kernel.regular_potential(lag, np.zeros(1))
+        if self.period is not None:
+            hilbert = sie.hilbert(self.period)
+            assert hilbert.regular_potential is not None
+            rest = rest - hilbert.regular_potential(lag, np.zeros(1))
+        return np.asarray(rest)
+
+    def _primitive(self, lag: Array) -> Array:
+        """Antiderivative of the poles' Lambda, or of Hilbert's."""
+        if self.period is not None:
+            turns = np.asarray(lag) / self.period
+            return -self.period / (2 * np.pi) * clausen2(turns - np.round(turns))
+        out = np.zeros(np.shape(lag))
+        for pole in self.kernel.poles:
+            away = np.asarray(lag - pole, dtype=float)
+            out += away * (np.log(np.maximum(np.abs(away), 1e-300) / self.kernel.datum) - 1.0)
+        return out
+
+    def _regular(self, x: Array) -> Array:
+        """int over the intervals of Lambda's rest, by Gauss's rule on panels."""
+        at, weights = self._panels
+        flat, out = x.ravel(), np.zeros(x.size)
+        block = max(1, 2**20 // len(at))
+        for start in range(0, len(flat), block):
+            lag = nearest_image(flat[start : start + block, None] - at, 0.0, self.period)
+            out[start : start + block] = self._rest(lag) @ weights
+        return out.reshape(x.shape)
+
+    @cached_property
+    def _panels(self) -> tuple[Array, Array]:
+        t, w = np.polynomial.legendre.leggauss(_NODES)
+        length = min(self.kernel.length, 1.0 if self.period is None else 0.25 * self.period)
+        at, weights = [], []
+        for left, right in self.table:
+            count = int(np.ceil(_PER_LENGTH * (right - left) / length))
+            cuts = np.linspace(left, right, count + 1)
+            half = 0.5 * np.diff(cuts)[:, None]
+            at.append((0.5 * (cuts[1:] + cuts[:-1])[:, None] + half * t).ravel())
+            weights.append((half * w).ravel())
+        for side, zone in enumerate(self.spread):
+            if zone is not None:
+                places, lacking = zone.lacking(side, int(np.ceil(_PER_LENGTH * 2 * zone.half / length)), np.zeros(0))
+                at.append(places)
+                weights.append(-lacking)
+        return np.concatenate(at), np.concatenate(weights)
