@@ -263,8 +263,10 @@ def sizes_of(sizes: Sizes, equation: Equation, zones: Zones) -> Sizes:
 
 def sizes_after(sizes: Sizes, equation: Equation, zones: Zones) -> Sizes:
     """Modes to begin with, and what the last solve has left, on zones most of which are about the same."""
-    kept = {name: getattr(sizes, name) for name in ("carried", "solves", "primitive_rounding", "joined")}
-    return replace(first_sizes(equation, zones), **kept)
+    kept = {name: getattr(sizes, name) for name in ("carried", "solves", "primitive_rounding")}
+    # Which gaps were slits is counted by zones.
+    joined = sizes.joined if len(sizes.own) == len(zones) else None
+    return replace(first_sizes(equation, zones), joined=joined, **kept)
 
 
 def solve_fixed(

@@ -22,6 +22,8 @@ _BESIDE = 0.01
 _MOST_PLACES = 2**14
 # Most angles of a zone at which it is looked how the density follows the ends.
 LOOKS = 128
+# Of all that the coefficients of a zone's density bend it by, what the last ones may be left out with.
+_TOLD = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,8 +123,9 @@ class Series(Located):
         for n in np.unique(counts):
             group = np.flatnonzero(counts == n)
             theta = (np.arange(n) + 0.5) * np.pi / n
-            used = np.flatnonzero(np.any(u[group] != 0, axis=0))
-            k = np.arange(1, used[-1] + 2 if len(used) else 1)
+            bends = np.abs(u[group]).max(axis=0) * np.arange(1, u.shape[1] + 1)
+            left = np.cumsum(bends[::-1])[::-1]
+            k = np.arange(1, 1 + np.count_nonzero(left > _TOLD * left[:1]))
             angle, sums = theta[:, None] * k, u[group][:, : len(k)].T
             value, slope = np.sin(angle) @ sums, np.cos(angle) @ (k[:, None] * sums)
             at_left = -(k * (1.0 - 2.0 * (k % 2))) @ sums + edge_left[group]

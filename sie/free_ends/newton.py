@@ -204,7 +204,7 @@ def find_ends(
         if let_go and zones.follow_ends:
             # The rates are those of the ends that move now.
             state = _state(equation, zones, fall, sizes, value)
-        if opened is not None and (unit is None or unit.moved(zones) > _SAME_RESPONSE):
+        if opened is not None and (unit is None or unit.moved(state) > _SAME_RESPONSE):
             unit = Unit.of(state, sizes)
         motion = _newton(state, zones, signs, unit)
         progress.turns += [motion.turn] if motion.turn is not None else []
@@ -467,10 +467,12 @@ class Unit:
     table: Array
     response: Density
 
-    def moved(self, zones: Zones) -> float:
-        """By what part of all widths the ends have moved from there."""
-        width = self.table[:, 1] - self.table[:, 0]
-        return float(np.abs(zones.table - self.table).sum() / width.sum())
+    def moved(self, state: AnyState) -> float:
+        """By what part of all widths the ends have moved from there, or those of wide zones; infinite where other gaps are slits."""
+        tables = [(state.density.zones.table, self.table), (state.whole.density.zones.table, self.response.zones.table)]
+        if any(len(now) != len(then) for now, then in tables):
+            return np.inf
+        return max(float(np.abs(now - then).sum() / np.diff(then).sum()) for now, then in tables)
 
     @classmethod
     def of(cls, state: AnyState, sizes: Sizes) -> "Unit":

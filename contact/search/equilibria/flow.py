@@ -17,6 +17,7 @@ import numpy as np
 
 from contact.errors import NotConverged
 from contact.formulation.equilibria import NEUTRAL, Closed, Equilibria, Point
+from contact.search.equilibria.foretold import Foretold
 from sie import Array, Mask
 
 # A step moves an end by at most these parts of its zone's width and of the gap beside it, and by this part of the profile's resolution.
@@ -32,6 +33,8 @@ _SHORT_OF = 0.8
 _SHARE = 0.3
 # A gap below this part of the zones beside it whose ends are driven by this part of K* has closed; likewise a zone has opened.
 CLOSED, DRIVEN, _OPENED = 1e-2, 0.5, 0.02
+# Zones from which on it is foretold what ends are driven by that are driven by so much, and how often a step by that is shortened.
+_MANY, _HARD, _FORETOLD_TRIES = 12, 0.1, 4
 MOST_STEPS, MOST_TRIES = 3000, 40
 _PLACES = np.linspace(0.05, 0.95, 10)
 
@@ -52,7 +55,8 @@ def _flowed(curve: Equilibria, table: Array, value: float, sign: float) -> Point
     here = curve.at(table, value, ROUGH)
     widths, residual = here.widths, here.residual
     for _ in range(MOST_STEPS):
-        if sign > 0 and (merged := closing(curve, here)) is not None:
+        told = _foretold(curve, here, sign)
+        if sign > 0 and (merged := closing(curve, here, told)) is not None:
             here = curve.at(merged, value, ROUGH)
             continue
         if sign < 0 and (apart := come_apart(here, widths, residual)).any():
@@ -61,7 +65,8 @@ def _flowed(curve: Equilibria, table: Array, value: float, sign: float) -> Point
             stays = np.tile(~apart, 2)
             here, widths, residual = curve.at(here.table[~apart], value, ROUGH), widths[stays], residual[stays]
             continue
-        here, move = _step(curve, here, sign)
+        ahead = None if told is None else _step_as_told(curve, here, sign, told)
+        here, move = (ahead, np.inf) if ahead is not None else _step(curve, here, sign)
         if at_rest(here, move):
             return here
         if move == 0.0:
@@ -81,6 +86,27 @@ def at_rest(here: Point, move: float) -> bool:
         newton = float(np.abs(here.newton / here.widths).max())
         return newton <= REST or (move <= REST and newton <= _SETTLED)
     return move <= REST and driven <= SLIGHT
+
+
+def _foretold(curve: Equilibria, here: Point, sign: float) -> Foretold | None:
+    """What ends are driven by as they move on; None where Newton's step is the better one, or zones are few."""
+    if len(here.table) < _MANY or here.corners is not None or float(np.abs(here.residual).max()) < _HARD:
+        return None
+    return Foretold.of(curve, here, curve.fields(here, ROUGH), sign)
+
+
+def _step_as_told(curve: Equilibria, here: Point, sign: float, told: Foretold) -> Point | None:
+    """Next state where it was told well enough."""
+    inward, outward = inward_and_outward(curve, here, detailed=False)
+    limit = outward if sign > 0 else inward
+    for _ in range(_FORETOLD_TRIES):
+        step = told.step(limit)
+        ahead = curve.at(here.moved(sign * step), here.value, ROUGH)
+        astray = told.astray(step, sign * ahead.residual)
+        if not astray.any():
+            return ahead
+        limit = np.where(astray, 0.5 * step, limit)
+    return None
 
 
 def _step(curve: Equilibria, here: Point, sign: float) -> tuple[Point, float]:
@@ -117,10 +143,11 @@ def limits(curve: Equilibria, here: Point, sign: float) -> tuple[Array, Array]:
     return onward, np.minimum(back, _NEAR * here.widths)
 
 
-def inward_and_outward(curve: Equilibria, here: Point) -> tuple[Array, Array]:
-    """How far ends may move in a step whatever they are driven by, sharp corners left aside (2n,)."""
+def inward_and_outward(curve: Equilibria, here: Point, detailed: bool = True) -> tuple[Array, Array]:
+    """How far ends may move in a step whatever they are driven by, sharp corners left aside (2n,). detailed: no farther than the detail of
+    the profile is."""
     resolution = curve.problem.profile.resolution
-    known = np.inf if resolution is None else _OF_RESOLUTION * resolution / curve.problem.units.length
+    known = np.inf if resolution is None or not detailed else _OF_RESOLUTION * resolution / curve.problem.units.length
     gaps = curve.gaps(here.table)
     room = _INTO_GAP * np.concatenate((np.roll(gaps, 1), gaps))
     # An end may reach the border, and is told of it then.
@@ -129,14 +156,16 @@ def inward_and_outward(curve: Equilibria, here: Point) -> tuple[Array, Array]:
     return np.minimum(_INWARD * here.widths, known), np.minimum(np.minimum(_OUTWARD * here.widths, room), known)
 
 
-def closing(curve: Equilibria, here: Point) -> Array | None:
-    """The zones without gaps that have closed; None if there is none."""
+def closing(curve: Equilibria, here: Point, told: Foretold | None = None) -> Array | None:
+    """The zones without gaps that have closed, or of which it is foretold; None if there is none."""
     table, period = here.table, curve.problem.period
     left, right = np.split(here.residual, 2)
     widths = np.diff(table, axis=1)[:, 0]
     gap = curve.gaps(table)
     beside = np.minimum(widths, np.roll(widths, -1))
     closes = (gap < CLOSED * beside) & (right > DRIVEN) & (np.roll(left, -1) > DRIVEN)
+    if told is not None:
+        closes |= told.closes(gap, beside)
     if not closes.any():
         return None
     if closes.all():
@@ -179,18 +208,23 @@ def kept_step(here: Point, sign: float, limit: Array, most_back: Array, runaway:
     rates, residual = here.rates, here.residual
     if here.growth >= -NEUTRAL and runaway is None:
         return _damped_step(here, sign, limit)
-    free = np.ones(len(residual), dtype=bool) if runaway is None else ~runaway
+    away = np.zeros(len(residual), dtype=bool) if runaway is None else runaway
+    free, released = ~away, np.zeros(len(residual), dtype=bool)
     # One that has gone a little beyond its rest, to where it would run on, goes back.
     step = sign * np.where(sign * residual > -SLIGHT, limit, -most_back)
     step[free] = np.linalg.solve(-rates[np.ix_(free, free)], residual[free] + rates[np.ix_(free, ~free)] @ step[~free])
-    while free.any():
+    while True:
         far, back = free & (sign * step > limit * (1 + 1e-12)), free & (sign * step < -most_back * (1 + 1e-12))
-        if not (far | back).any():
-            return np.asarray(step)
         step[far], step[back] = sign * limit[far], -sign * most_back[back]
         free &= ~(far | back)
+        if not (far | back).any():
+            # One that others were to drive so far, before they were kept from it, need not go there.
+            driven = np.sign(step) * (residual + rates @ step)
+            late = ~(free | away | released) & (driven < 0.0)
+            if not late.any():
+                return np.asarray(step)
+            free, released = free | late, released | late
         step[free] = np.linalg.solve(-rates[np.ix_(free, free)], residual[free] + rates[np.ix_(free, ~free)] @ step[~free])
-    return np.asarray(step)
 
 
 def _damped_step(here: Point, sign: float, limit: Array) -> Array:

@@ -19,7 +19,7 @@ from sie import Array, wrapped
 
 # Of the part of a gap below the reach, as wide a new interval begins.
 _NEW = 0.5
-# How often a step is shortened that would lose contact.
+# How often a step is shortened that would lose contact, or whose contact is not found.
 _TRIES = 6
 # How often, and by how much, intervals are widened that contact covers.
 _WIDENINGS, _WIDEN = 120, 1.25
@@ -237,7 +237,7 @@ def _step(curve: Cohesive, here: Point, sign: float) -> tuple[Point, float]:
         step = flow.kept_step(here, sign, limit, back) + beyond
         try:
             ahead = curve.at(here.moved(step), here.value, flow.ROUGH)
-        except Lost:
+        except (Lost, NotConverged):
             lost += 1
             if lost > _TRIES:
                 raise

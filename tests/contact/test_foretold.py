@@ -1,0 +1,99 @@
+"""What ends of many zones are driven by as they move on, as it is foretold: against states in which they have, and the equilibria that
+are come to with it and without."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import contact
+from contact.formulation.equilibria import Equilibria
+from contact.search.equilibria import flow
+from contact.search.equilibria.foretold import Foretold
+from contact.studies.trace_kinds import self_affine_heights
+from tests.tiers import quick
+
+E = 2.3e11
+STYLUS = Path(__file__).parents[2] / "examples" / "stylus.toml"
+
+
+def rough(seed, hurst=0.7, **more):
+    """(a scene of a random trace under adhesion, in contact in a dozen zones or more, the same without adhesion)."""
+    heights = 1e-7 * self_affine_heights(np.random.default_rng(seed), 400, hurst, longest=20)
+    profile = contact.Sampled(np.linspace(0.0, 1e-4, 400, endpoint=False), heights, period=1e-4)
+    bare = contact.solve(contact.Scene(profile, E, contact.Periodic(), contact_fraction=0.15, **more))
+    work = 0.03 * bare.energy.elastic / np.diff(bare.zones).sum()
+    return replace(bare.scene, law=contact.JKR(work), contact_fraction=None, mean_pressure=bare.mean_pressure), bare
+
+
+def state(scene):
+    solution = contact.solve(scene)
+    return Equilibria(solution.fields.problem, solution.parting.held), solution.fields.density.zones.table
+
+
+@pytest.mark.parametrize("layer", [False, True], ids=["half-plane", "layer"])
+@pytest.mark.parametrize("sign", [1.0, -1.0], ids=["outward", "inward"])
+def test_what_an_end_is_driven_by_farther_on_is_told_the_better_the_nearer_that_is(sign, layer):
+    scene, _ = rough(1, **({"substrate": contact.Layer(1e-5, 0.3)} if layer else {}))
+    curve, table = state(scene)
+    here = curve.at(table, curve.held.value)
+    told = Foretold.of(curve, here, curve.fields(here), sign)
+    ends = np.argsort(-np.tile(np.diff(table, axis=1)[:, 0], 2))[:6]
+    missed = []
+    for place in (32, 16, 8):
+        # A quarter as far each time.
+        distance = told.farthest * (place / 64) ** 2
+        off = []
+        for end in ends:
+            ahead = curve.at(here.moved(sign * np.where(np.arange(len(distance)) == end, distance, 0.0)), here.value)
+            alone = told.driven[end, place] - told.driven[end, 0]
+            off.append(abs(sign * (ahead.residual - here.residual)[end] - alone))
+        missed.append(max(off))
+    assert missed[0] < 0.1 and missed[2] < 0.5 * missed[0], missed
+
+
+@pytest.mark.parametrize("control", ["mean_pressure", "approach"])
+@pytest.mark.parametrize(("seed", "hurst"), quick([(seed, hurst) for seed in range(4) for hurst in (0.3, 0.9)], [(0, 0.3), (1, 0.9)]))
+def test_ends_come_to_the_same_equilibrium_whether_it_is_foretold_or_not(seed, hurst, control, monkeypatch):
+    scene, bare = rough(seed, hurst)
+    scene = scene.under(control, getattr(bare, control))
+    counted = []
+    real = flow._step_as_told
+    monkeypatch.setattr(flow, "_step_as_told", lambda *given: counted.append(1) or real(*given))
+    with_it = contact.solve(scene)
+    assert counted
+    last = with_it.pull_off
+    monkeypatch.setattr(flow, "_MANY", 10**9)
+    counted.clear()
+    without = contact.solve(scene)
+    assert not counted
+    assert with_it.zones == pytest.approx(without.zones, rel=1e-9, abs=1e-9 * scene.profile.period)
+    assert last.load == pytest.approx(without.pull_off.load, rel=1e-9)
+
+
+@pytest.mark.slow
+def test_an_end_that_runs_over_forty_samples_is_not_stopped_at_each(monkeypatch):
+    base = contact.load_scene(STYLUS)
+    scene = replace(base, mean_pressure=7 * base.mean_pressure, law=contact.JKR(1e-3))
+    states = []
+    real = flow._flowed
+    at = Equilibria.at
+    monkeypatch.setattr(Equilibria, "at", lambda *given, **more: states.append(given[1]) or at(*given, **more))
+    flows = []
+
+    def flowed(curve, table, value, sign):
+        before = len(states)
+        found = real(curve, table, value, sign)
+        ends = found.table.ravel()
+        # The nearest end that it may have come from.
+        ran = max(np.abs(ends - one).min() for one in table.ravel()) * curve.problem.units.length / scene.profile.resolution
+        flows.append((ran, len(states) - before))
+        return found
+
+    monkeypatch.setattr(flow, "_flowed", flowed)
+    assert contact.solve(scene).certificate.holds
+    ran, count = max(flows)
+    assert ran > 20 and count < 30
