@@ -233,3 +233,11 @@ def test_a_few_loads_far_apart_take_no_more_than_twice_the_solutions_of_searches
     for load in loads:
         contact.solve(scene(profile, load=load))
     assert together < 2 * count[0]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("points", "fractions"), [(600, np.linspace(0.02, 0.6, 20)[5:8]), (300, np.linspace(0.1, 0.6, 8)[3:6])])
+def test_narrow_gaps_that_become_slits_of_wide_zones_or_cease_to_be_do_not_stop_a_curve(points, fractions):
+    profile = drawn(np.random.default_rng(5), "steps", points)
+    for one in contact.solve_many(contact.Scene(profile, 2.3e11, contact.Periodic(), contact_fraction=0.1), fractions):
+        assert one.certificate.holds and one.error <= 1e-8

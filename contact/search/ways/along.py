@@ -51,8 +51,9 @@ def from_last(task: Task) -> Outcome | Missed:
     control = task.control(problem)
     if full := full_under(task, control):
         return full
-    by_grid = task.scene.profile.period is not None and control.load is not None
-    points = _points(task) if by_grid else _DEAR
+    periodic = task.scene.profile.period is not None
+    by_grid = periodic and control.load is not None
+    points = _points(task) if periodic else _DEAR
     cheap = points < _DEAR and apart > math.log(_NEAR)
     if by_grid and _changes_often(task.along):
         # Not even asked how the ends move.
@@ -60,8 +61,8 @@ def from_last(task: Task) -> Outcome | Missed:
     zones, changes = carried(task.along, math.log(value))
     if len(zones) == 0:
         return NOT_MINE
-    if by_grid and changes > _FEW[cheap]:
-        return _by_grid_or_missed(task, problem, control, points)
+    if changes > _FEW[cheap] and (by_grid or cheap):
+        return _by_grid_or_missed(task, problem, control, points) if by_grid else NOT_MINE
     if worth_gaps(task, problem, float(np.sum(zones[:, 1] - zones[:, 0]))):
         outcome: Outcome | Missed = attempted(lambda: _by_gaps(task, problem, control, zones, cheap))
     else:

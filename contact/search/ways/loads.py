@@ -33,6 +33,8 @@ _NEAR_WIDTH, _MUCH_NEARER = 5e-3, 0.1
 _JUMP = 1e-9
 # Of what is in contact, or of what is not: a change by more is searched for by a grid.
 _BESIDE = 0.3
+# Likewise: a solution farther off is no better a start than a grid.
+_FAR = 0.1
 # What is left open, of the period, where the gaps are looked for at once.
 _LAST_OPEN = 1e-3
 # Newton steps and rounds from zones so near; and where a bracket on the load is closed.
@@ -81,7 +83,7 @@ def by_fraction(task: Task, scaled: ScaledScene) -> Found | FoundByGaps:
     """A width from a solution under about the load that has it, ever nearer ones until its zones lead on."""
     problem, control, goal = scaled.problem, scaled.control, task.scene.given_fraction
     assert goal is not None
-    if task.near is None:
+    if task.near is None or abs((task.near.contact_fraction or 0.0) - goal) > _FAR * min(goal, 1 - goal):
         # What is open of a contact as full as this are tops of R, of which no grid tells the load.
         if 1 - goal < _LAST_OPEN:
             found_by_gaps = by_gaps(task, problem, control, control.value)
