@@ -27,8 +27,8 @@ _WIDENINGS, _WIDEN = 120, 1.25
 _LEAST = 1e-6
 # After so many times the same again.
 _HASTE = 3
-# So often ends are let go one way only; of the widths, how far else.
-_ONE_WAY, _SLOWLY = 4, 0.5
+# So often ends are let go one way only; of the widths, how far else; what drives ends the other way that need not run away to be let go.
+_ONE_WAY, _SLOWLY, _DRIVEN_BACK = 4, 0.5, 0.05
 # Over the width of an interval, how far an end goes that contact covers as others advance.
 _FARTHER = 0.01
 # Intervals over a strip beside contact, that do not stay open.
@@ -132,6 +132,9 @@ def _flowed(curve: Cohesive, table: Array, value: float, sign: float) -> Cohesiv
     first = here
     for _ in range(flow.MOST_STEPS):
         new = _parted(curve, here) if sign < 0 else _grown(curve, here)
+        if new is None and sign < 0:
+            # Ends that are let go may close a gap.
+            new = flow.closing(curve, here)
         if new is not None:
             if len(new) == 0:
                 return None
@@ -226,7 +229,7 @@ def _widened(curve: Cohesive, table: Array, zones: Array, covered: Covered, by: 
 def _step(curve: Cohesive, here: Point, sign: float) -> tuple[Point, float]:
     limit, back = flow.limits(curve, here, sign)
     onward = sign * here.residual
-    if here.growth >= 0.0 and onward.max() <= flow.SLIGHT < -onward.min():
+    if onward.min() < -_DRIVEN_BACK or (here.growth >= 0.0 and onward.max() <= flow.SLIGHT < -onward.min()):
         return _let_go(curve, here, sign)
     lost, beyond = 0, np.zeros(len(limit))
     size = curve.room(here.table)
@@ -268,7 +271,8 @@ def _shorter(here: Point, limit: Array, step: Array, by: Array | float) -> Array
 def _let_go(curve: Cohesive, here: Point, sign: float) -> tuple[Point, float]:
     """Where ends that run away drive others the other way, as under a held approach: all ends down the slope of the energy, a step of
     the implicit Euler method, as long as lets them go no farther than they may."""
-    onward, back = flow.limits(curve, here, sign)
+    inward, outward = flow.inward_and_outward(curve, here)
+    onward, back = (outward, inward) if sign > 0 else (inward, outward)
     size = curve.room(here.table)
     onward, above = np.minimum(onward, _SLOWLY * np.maximum(size, 1e-3 * here.widths)), 1e-3
     for _ in range(flow.MOST_TRIES):

@@ -12,7 +12,7 @@ from contact.formulation.tension.contact import Covered, Lost
 from contact.formulation.tension.intervals import below, within
 from contact.formulation.tension.pulled import Pulled
 from contact.search.equilibria import arc, without_range
-from contact.search.equilibria.tension import FEW, TOO_NARROW, guide_down, guide_of, guided, receded
+from contact.search.equilibria.tension import FEW, TOO_NARROW, guide_down, guide_of, guided, receded, uncovered
 from sie import Array, wrapped
 
 # Newton's steps of a state without contact.
@@ -118,7 +118,7 @@ def pull_off_from_all(curve: Cohesive, zones: Array, value: float) -> Point:
     # At the place that comes to the reach first the tension lets go.
     table = below(inside, (x, np.where(gap == gap.max(), 2 * curve.reach, gap)), curve.reach, problem.period, wide=True)
     try:
-        curve.from_zones(table, high, curve.fitted(inside, table))
+        table = uncovered(curve, table, high, inside)
     except Lost:
         return state
     rest = receded(curve, table, high - 1e-9 * (value - lost))

@@ -37,6 +37,7 @@ from contact.search.equilibria.tension import (
     guide_of,
     receded,
     settled,
+    uncovered,
 )
 from contact.search.equilibria.tension_parting import pull_off, pull_off_from_all
 from contact.search.grid.proposals import placed
@@ -286,9 +287,9 @@ def _receded_from_all(task: Task, curve: Cohesive, value: float) -> Point | None
     except Lost:
         return None
     zones = fields.density.zones.table
-    table = below(zones, look, curve.reach, problem.period, wide=True)
     try:
-        curve.from_zones(table, value, curve.fitted(zones, table))
+        # Where the tension lets go contact may come to reach farther than to the ends of what is left of it.
+        table = uncovered(curve, below(zones, look, curve.reach, problem.period, wide=True), value, zones)
     except Lost:
         return None
     return receded(curve, table, value, guide_of(curve, len(zones), table))
