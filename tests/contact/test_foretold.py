@@ -22,7 +22,7 @@ STYLUS = Path(__file__).parents[2] / "examples" / "stylus.toml"
 
 def rough(seed, hurst=0.7, **more):
     """(a scene of a random trace under adhesion, in contact in a dozen zones or more, the same without adhesion)."""
-    heights = 1e-7 * self_affine_heights(np.random.default_rng(seed), 400, hurst, longest=20)
+    heights = 2e-8 * self_affine_heights(np.random.default_rng(seed), 400, hurst, longest=20)
     profile = contact.Sampled(np.linspace(0.0, 1e-4, 400, endpoint=False), heights, period=1e-4)
     bare = contact.solve(contact.Scene(profile, E, contact.Periodic(), contact_fraction=0.15, **more))
     work = 0.03 * bare.energy.elastic / np.diff(bare.zones).sum()
@@ -72,6 +72,15 @@ def test_ends_come_to_the_same_equilibrium_whether_it_is_foretold_or_not(seed, h
     assert not counted
     assert with_it.zones == pytest.approx(without.zones, rel=1e-9, abs=1e-9 * scene.profile.period)
     assert last.load == pytest.approx(without.pull_off.load, rel=1e-9)
+
+
+def test_ends_that_are_driven_the_other_way_alone_are_not_told_to_stand_still():
+    scene, _ = rough(0, 0.3)
+    curve, table = state(scene)
+    value = 1.3 * curve.held.value
+    assert curve.at(table, value).residual.min() > 0.1
+    rest = flow.receded(curve, table, value)
+    assert np.abs(rest.residual).max() < 1e-4 and rest.growth < 0.0
 
 
 @pytest.mark.slow

@@ -90,7 +90,7 @@ def at_rest(here: Point, move: float) -> bool:
 
 def _foretold(curve: Equilibria, here: Point, sign: float) -> Foretold | None:
     """What ends are driven by as they move on; None where Newton's step is the better one, or zones are few."""
-    if len(here.table) < _MANY or here.corners is not None or float(np.abs(here.residual).max()) < _HARD:
+    if len(here.table) < _MANY or here.corners is not None or float((sign * here.residual).max()) < _HARD:
         return None
     return Foretold.of(curve, here, curve.fields(here, ROUGH), sign)
 
