@@ -107,6 +107,12 @@ class Problem(sie.Kept):
         lo, hi = (float(self.units.scaled(np.array(s))) for s in known)
         return lo, hi
 
+    @property
+    def detail(self) -> float:
+        """Scaled length over which the profile may vary; infinite where it tells of none."""
+        resolution = self.profile.resolution
+        return np.inf if resolution is None else resolution / self.units.length
+
     @cached_property
     def forcing(self) -> sie.Forcing:
         units, profile = self.units, self.profile
@@ -116,7 +122,7 @@ class Problem(sie.Kept):
         orders = np.concatenate((np.zeros(len(kinks), dtype=np.intp), jumps[:, 1].astype(np.intp) - 1))
         heights = np.concatenate((kinks[:, 1], jumps[:, 2])) * units.length**orders / units.slope
         at = nearest_image(at, self.centre, self.cell if self.reference else self.period)
-        resolution = None if profile.resolution is None else profile.resolution / units.length
+        resolution = None if profile.resolution is None else self.detail
         exact = profile.exact_places
         whole = sie.Forcing(self.slope, self.shape, at, heights, orders, resolution=resolution, placed=units.placed, exact=exact)
         # Beside the border of a strip what presses beyond it varies over any length.

@@ -349,22 +349,16 @@ class _Run:
     def _without_zones(self, task: Task, here: Standing) -> Solution:
         held, units = self.curve.held, self.problem.units
         if here.closed:
-            load = self._closed_load(here.value)
-            scene = task.scene if held.load is not None else under(self.scene, "load", load)
-            return made.of_full(scene, task.full, closed(replace(task, scene=scene)).mean_pressure, task.plan, task.tol, task.branch)
+            mean_pressure = closed(task).mean_pressure
+            scene = task.scene if task.give is None else under(self.scene, "load", self._closed_load(here.value))
+            return made.of_full(scene, task.full, mean_pressure, task.plan, task.tol, task.branch)
         return made.of_apart(task.scene, self.problem, None if held.yields is None else here.value * units.height, task.plan)
 
     def _closed_load(self, value: float) -> float:
         """Of surfaces closed altogether [N/m]."""
-        held, units, period = self.curve.held, self.problem.units, self.scene.period
-        assert period is not None
-        if held.load is not None:
-            return value * units.load
-        if not held.yields:
-            raise OutOfRange("the surfaces close altogether, and in full contact the approach does not tell the load: give a load")
-        # What the base gives way to a mean pressure, and the spring to the load.
-        base = 2 * (self.task.operator.compression or 0.0) / self.scene.E_star / period
-        return (value * units.height - made.mean_height(self.scene)) / (base + held.yields * units.height / units.load)
+        assert self.scene.period is not None
+        scene = under(self.scene, self.control, value * self.unit)
+        return closed(replace(self.task, scene=scene)).mean_pressure * self.scene.period
 
     def event(self, jump: Jump) -> AdhesiveEvent:
         units = self.problem.units
@@ -376,14 +370,14 @@ class _Run:
         lost = None
         if energy is not None and energy_after is not None and approach is not None and approach_after is not None:
             done = (load if by_load else 0.5 * (load + load_after)) * (approach_after - approach)
-            lost = 0.0 if jump.smooth else energy - energy_after + done
+            lost = 0.0 if jump.smooth else float(energy - energy_after + done)
         drawn = None
         if jump.kind == "pull-off" and jump.before.point is not None:
             fields = self.by.fields(jump.before.point)
             x = _places(self.scene, zones if len(zones) else fields.cohesive)
             surface = self.scene.profile.counter_height(x) - fields.displacement(x)
             drawn = np.array([x, surface, surface + fields.gap(x)])
-        value = jump.before.value * self.unit
+        value = float(jump.before.value * self.unit)
         place = float(units.x(np.array(jump.place)))
         return AdhesiveEvent(jump.kind, load, place, zones, zones_after, value, load_after, approach, approach_after, lost, drawn)
 

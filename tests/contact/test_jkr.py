@@ -14,7 +14,7 @@ import contact
 from contact import exact, inverse
 from contact.formulation.equilibria import Equilibria, Point
 from contact.reference.inverse.adhesive import second_variation
-from contact.search.equilibria import arc, flow, parting
+from contact.search.equilibria import arc, coming_apart, flow, parting
 from tests.contact.strategies import adhesive_designs
 from tests.tiers import quick
 
@@ -254,7 +254,7 @@ class Stiff:
     others are at rest, one a little beyond."""
 
     problem = SimpleNamespace(
-        profile=SimpleNamespace(resolution=None), units=SimpleNamespace(length=1.0), borders=(-np.inf, np.inf), period=None
+        detail=np.inf, borders=(-np.inf, np.inf), period=None
     )
     start = np.array([[-2.0, -1.0], [1.0, 2.0]])
     unit, gaps, room = Equilibria.unit, Equilibria.gaps, Equilibria.room
@@ -332,8 +332,8 @@ def test_pull_off_under_a_held_approach_is_where_the_path_ends(monkeypatch, law)
     solution = contact.solve(scene)
     # The way down goes by loads.
     lowered = []
-    real = arc.lowered_by_load
-    for room in (arc, parting):
+    real = coming_apart.lowered_by_load
+    for room in (coming_apart, parting):
         monkeypatch.setattr(room, "lowered_by_load", lambda *given: lowered.append(real(*given)) or lowered[-1])
     found = solution.pull_off
     assert len(lowered) == 1 and 0 < len(lowered[0].contact) < len(solution.zones) and lowered[0].growth < 0.0

@@ -321,13 +321,11 @@ def look_around(pulled: Pulled, zones: Array) -> Array:
         marks = np.concatenate((table.ravel(), both.min() - span * _CUTS, both.max() + span * _CUTS))
         left, right = max(lo, both.min() - _FAR * span), min(hi, both.max() + _FAR * span)
         edges = [(float(b), float(a)) for b, a in zip([left, *zones[:, 1]], [*zones[:, 0], right], strict=True) if b < a]
-    resolution = pulled.profile.resolution
-    spacing = np.inf if resolution is None else resolution / pulled.units.length
     found = []
     for begin, end in edges:
         cuts = np.concatenate(([begin], np.sort(marks[(marks > begin) & (marks < end)]), [end]))
         for a, b in zip(cuts[:-1], cuts[1:], strict=True):
-            found.append(places(float(a), float(b), 0.25 * spacing))
+            found.append(places(float(a), float(b), 0.25 * pulled.detail))
     kinks = pulled.forcing.kinks[0]
     if period is not None and len(kinks):
         kinks = np.concatenate((kinks - period, kinks, kinks + period))

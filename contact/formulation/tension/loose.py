@@ -110,10 +110,8 @@ class LooseFields(NoZones):
 
     @cached_property
     def _spacing(self) -> float:
-        resolution = self.problem.profile.resolution
-        if resolution is not None:
-            return resolution / self.problem.units.length
-        return self.tension.width / 16
+        detail = self.problem.detail
+        return detail if np.isfinite(detail) else self.tension.width / 16
 
     @cached_property
     def borne_beside(self) -> float:

@@ -8,7 +8,6 @@ one begins with that end held, or free. If it is free but unstable it lets go, a
 """
 
 from collections.abc import Callable, Iterator
-from contextlib import suppress
 from dataclasses import field, replace
 from functools import cached_property
 from typing import Any
@@ -16,13 +15,9 @@ from typing import Any
 import numpy as np
 
 from contact.errors import NotConverged
-from contact.formulation.controls import Load
-from contact.formulation.equilibria import NEUTRAL, Closed, Equilibria, NoState, Point
+from contact.formulation.equilibria import NEUTRAL, Equilibria, NoState, Point
 from contact.formulation.roots import smooth_root
-from contact.search.equilibria.flow import receded
 from sie import Array, record
-
-Recede = Callable[[Equilibria, Array, float], Point | None]
 
 # First and longest step, Newton's steps in one, how small its last one is, and how many steps; a step so small is none.
 _FIRST, _LONGEST, _CORRECTIONS, _TIGHT, _MOST_STEPS, _NO_STEP = 0.1, 0.5, 8, 1e-11, 3000, 1e-9
@@ -45,12 +40,6 @@ _NOT_MET = 1e-8
 _TOGETHER = 1e-7
 # Past a turning point ends are pushed on by this part of their zones, or of the gaps beside them.
 _PUSH = 0.03
-# Of the control, before the last turning point is looked for; and of steps of the control.
-_HALVINGS, _MOST_TRIES = 5, 160
-# Of the control, above the least at which there may be an equilibrium, from where one is followed to where it comes apart.
-_ABOVE = (0.005, 0.02, 0.08, 0.3)
-# Ends that one zone is followed to before that, at the most; zones that come apart one after the other from there on.
-_MOST_DIRECT, _MOST_TURNS = 3, 200
 # A step that fails beyond where a zone vanishes goes so far towards it; the next one so far, past it.
 _OF_VANISHING, _PAST_VANISHING = 0.9, 2.0
 # A step past there that is slight.
@@ -67,7 +56,7 @@ _ROUNDED, _STILL = 1e-6, 1e-12
 NEAR = 1e-12
 # Where a curve is only to be followed: how tightly its states are solved, and how small Newton's last step is; over the step, from how near
 # a turning point ends that are pushed on go the way they go from there; and what such a state may be off by.
-_ROUGH, _ROUGHLY, _ABOUT, _OFF = 1e-9, 1e-9, 1e-3, 1e-5
+_ROUGH, _ROUGHLY, ABOUT, _OFF = 1e-9, 1e-9, 1e-3, 1e-5
 
 
 @record
@@ -166,7 +155,7 @@ class Step:
 
     def turning(self, tight: bool = True) -> float:
         """How far it is to there."""
-        near = NEAR if tight else _ABOUT
+        near = NEAR if tight else ABOUT
         return self.where(self._rising, self.start.rises, self._rising(self.end.at), None, near, tight)
 
     def _rising(self, at: Point) -> float:
@@ -360,18 +349,6 @@ def _least_held(at: Point) -> float:
     return float(whole.residual[whole.held].min(initial=np.inf))
 
 
-def _ending(curve: Equilibria, here: Point, torn: Callable[[Point], float]) -> tuple[Step, bool]:
-    """(the step in which an equilibrium ceases to be as the control falls, whether by a turn of the curve or as ends let go, else where it
-    is torn)."""
-    for step in steps(curve, here, -1.0, False):
-        last = step.at(step.turning(False), False) if step.turns else step.end.at
-        if torn(step.start.at) < 0.0 < torn(last):
-            return step, False
-        if step.turns or step.lets_go:
-            return step, True
-    raise NotConverged("the curve of equilibria ended")
-
-
 def let_go(step: Step) -> Array:
     """Zones from which ends move on that let go of sharp corners at the end of a step."""
     assert step.after is not None
@@ -382,95 +359,6 @@ def beyond(curve: Equilibria, turned: Point, sense: float) -> Array:
     """Zones from which ends move on to another equilibrium at a turning point: inward where the control falls."""
     move = _begun(curve, turned, sense).tangent[:-1] * turned.widths
     return turned.moved(np.asarray(move * (sense * np.sign(move.sum()) * _PUSH / np.abs(move / curve.room(turned.table)).max())))
-
-
-def pull_off(curve: Equilibria, here: Point, recede: Recede = receded, torn: Callable[[Point], float] = lambda at: -1.0) -> Point:
-    """Where the last zones come apart as the control falls from an equilibrium; those before do so one after the other. recede: how ends
-    that are driven inward come to rest; torn: above zero for a state of the curve that is none, its intervals having been cut before."""
-    with suppress(NotConverged):
-        for _ in range(_MOST_DIRECT):
-            if len(here.contact) > 1:
-                break
-            # One zone is followed to its end at once, as a rule the last one: that takes fewer states than to learn where there is none.
-            end = _end(curve, here, torn)
-            rest = recede(curve, end.table, end.about.value)
-            if rest is None:
-                return end.exactly()
-            here = rest
-    here = near_the_last(curve, here, recede)
-    for _ in range(_MOST_TURNS):
-        end = _end(curve, here, torn)
-        rest = recede(curve, end.table, end.about.value)
-        if rest is None:
-            return end.exactly()
-        here = rest
-    raise NotConverged("ever more zones come apart as the control falls")
-
-
-def lowered_by_load(curve: Equilibria, here: Point, near: Callable[[Equilibria, Point], Point]) -> Point:
-    """The equilibrium under a held approach that a contact comes to as its load falls to a little above the least, where few of its zones
-    are left; itself where that does not lead down, or of one zone, or under a held load. near: to that load. Under a load what is left does
-    not depend on the way there, and ends go one way; under an approach each zone that comes apart drives others on."""
-    if curve.held.load is not None or len(here.contact) < 2:
-        return here
-    loaded = curve.under(Load(here.load))
-    try:
-        rest = near(loaded, loaded.again(here, here.load))
-        found = curve.again(rest, -rest.level)
-    except (Closed, NoState, NotConverged):
-        return here
-    return found if found.value < here.value and found.growth < 0.0 else here
-
-
-@record
-class _End:
-    """Where an equilibrium ceases to be: about, and exactly; table: from where ends move on."""
-
-    about: Point
-    table: Array
-    exactly: Callable[[], Point]
-
-
-def _end(curve: Equilibria, here: Point, torn: Callable[[Point], float]) -> _End:
-    step, turns = _ending(curve, curve.settled(here), torn)
-    # Of those before the last it is enough to know where they are about.
-    length = step.turning(False) if step.turns else step.length
-    if step.lets_go and not step.turns:
-        return _End(step.end.at, let_go(step), lambda: step.end.at)
-    if turns:
-        last = step.at(length, False)
-        return _End(last, beyond(curve, last, -1.0), lambda: step.at(step.turning()))
-    until = step.where(torn, torn(step.start.at), torn(step.at(length, False)), length, _ABOUT, False)
-    length = min(until + 2 * _ABOUT * length, length)
-    last = step.at(length, False)
-    return _End(last, last.table, lambda: step.at(step.where(torn, torn(step.start.at), torn(last), length)))
-
-
-def above(least: float, value: float) -> tuple[float, ...]:
-    """Controls a little above the least at which something else tells that there is an equilibrium, and ever nearer to one where it is."""
-    return tuple(least + part * (value - least) for part in _ABOVE)
-
-
-def near_the_last(curve: Equilibria, here: Point, recede: Recede = receded) -> Point:
-    """The equilibrium under a value not far above one under which there is none: near enough for the arc to have one turning point."""
-    here, high = _apart(curve, here, recede)
-    for _ in range(_HALVINGS):
-        middle = 0.5 * (here.value + high)
-        rest = recede(curve, here.table, middle)
-        here, high = (rest, high) if rest is not None else (here, middle)
-    return here
-
-
-def _apart(curve: Equilibria, here: Point, recede: Recede) -> tuple[Point, float]:
-    """(an equilibrium, a lower value of the control under which there is none) as the control falls."""
-    # Under a load what is left does not depend on the way there.
-    step = curve.unit(here) if curve.held.load is None else max(curve.unit(here), 0.5 * abs(here.value))
-    for _ in range(_MOST_TRIES):
-        rest = recede(curve, here.table, here.value - step)
-        if rest is None:
-            return here, here.value - step
-        here, step = rest, 2.0 * step
-    raise NotConverged("the surfaces do not come apart as the control falls")
 
 
 def _stood_by(curve: Equilibria, here: Point, sense: float) -> Place:

@@ -20,8 +20,8 @@ from contact.formulation.equilibria import NEUTRAL, Closed, Equilibria, Point
 from contact.search.equilibria.foretold import Foretold
 from sie import Array, Mask
 
-# A step moves an end by at most these parts of its zone's width and of the gap beside it, and by this part of the profile's resolution.
-_INWARD, _OUTWARD, _INTO_GAP, _OF_RESOLUTION = 0.3, 0.5, 0.4, 1.0
+# A step moves an end by at most these parts of its zone's width and of the gap beside it, and by this part of the profile's detail.
+_INWARD, _OUTWARD, _INTO_GAP, _OF_DETAIL = 0.3, 0.5, 0.4, 1.0
 # On the way the states are solved to this; ends at rest: the last step over the widths.
 ROUGH, REST, _SETTLED = 1e-9, 1e-6, 1e-5
 # By how much of r, and of K*, a step may pass a place of rest, the second where an end would run on from there; from how near an
@@ -146,8 +146,7 @@ def limits(curve: Equilibria, here: Point, sign: float) -> tuple[Array, Array]:
 def inward_and_outward(curve: Equilibria, here: Point, detailed: bool = True) -> tuple[Array, Array]:
     """How far ends may move in a step whatever they are driven by, sharp corners left aside (2n,). detailed: no farther than the detail of
     the profile is."""
-    resolution = curve.problem.profile.resolution
-    known = np.inf if resolution is None or not detailed else _OF_RESOLUTION * resolution / curve.problem.units.length
+    known = _OF_DETAIL * curve.problem.detail if detailed else np.inf
     gaps = curve.gaps(here.table)
     room = _INTO_GAP * np.concatenate((np.roll(gaps, 1), gaps))
     # An end may reach the border, and is told of it then.
@@ -212,8 +211,8 @@ def kept_step(here: Point, sign: float, limit: Array, most_back: Array, runaway:
     free, released = ~away, np.zeros(len(residual), dtype=bool)
     # One that has gone a little beyond its rest, to where it would run on, goes back.
     step = sign * np.where(sign * residual > -SLIGHT, limit, -most_back)
-    step[free] = np.linalg.solve(-rates[np.ix_(free, free)], residual[free] + rates[np.ix_(free, ~free)] @ step[~free])
     while True:
+        step[free] = np.linalg.solve(-rates[np.ix_(free, free)], residual[free] + rates[np.ix_(free, ~free)] @ step[~free])
         far, back = free & (sign * step > limit * (1 + 1e-12)), free & (sign * step < -most_back * (1 + 1e-12))
         step[far], step[back] = sign * limit[far], -sign * most_back[back]
         free &= ~(far | back)
@@ -224,7 +223,6 @@ def kept_step(here: Point, sign: float, limit: Array, most_back: Array, runaway:
             if not late.any():
                 return np.asarray(step)
             free, released = free | late, released | late
-        step[free] = np.linalg.solve(-rates[np.ix_(free, free)], residual[free] + rates[np.ix_(free, ~free)] @ step[~free])
 
 
 def _damped_step(here: Point, sign: float, limit: Array) -> Array:

@@ -39,12 +39,11 @@ _PARTS: Array = (np.arange(_PLACES + 1) / _PLACES) ** 2
 
 @record
 class Foretold(Kept):
-    """farthest: how far it is told of ends (2n,); first: what these are driven by onward where they start; driven: there, and at even parts
-    of the root of the distance, by themselves (2n, 1 + places); by_others: more by a motion of others (2n, 2n);
-    creep: how far those go that are hardly driven (2n,)."""
+    """farthest: how far it is told of ends (2n,); driven: what these are driven by onward where they start, and at even parts of the root
+    of the distance, by themselves (2n, 1 + places); by_others: more by a motion of others (2n, 2n); creep: how far those go that are
+    hardly driven (2n,)."""
 
     farthest: Array
-    first: Array
     driven: Array
     by_others: Array
     creep: Array
@@ -52,7 +51,7 @@ class Foretold(Kept):
     @classmethod
     def of(cls, curve: Equilibria, here: Point, fields: ZoneFields, sign: float) -> Foretold:
         """As ends move outward, or inward where the sign is negative; no farther than the places tell all the detail of the profile."""
-        wanted, resolution = curve.problem.end.intensity, curve.problem.profile.resolution
+        wanted = curve.problem.end.intensity
         assert wanted is not None
         gaps = curve.gaps(here.table)
         farthest = _OF_ZONE * here.widths
@@ -61,14 +60,18 @@ class Foretold(Kept):
             room = _OF_GAP * np.concatenate((np.roll(gaps, 1), gaps))
             room[0], room[-1] = min(room[0], here.table[0, 0] - lo), min(room[-1], hi - here.table[-1, 1])
             farthest = np.minimum(farthest, room)
-        if resolution is not None:
-            farthest = np.minimum(farthest, _PLACES / (2 * _TO_A_DETAIL) * resolution / curve.problem.units.length)
+        farthest = np.minimum(farthest, _PLACES / (2 * _TO_A_DETAIL) * curve.problem.detail)
         first = sign * here.residual
         driven = sign * (1.0 - _intensity(fields, here, sign, farthest) / abs(wanted))
         linear = first[:, None] + (np.diag(here.rates) * farthest)[:, None] * _PARTS[1:]
         off = driven[:, :1] - linear[:, :1]
         driven = np.where(np.abs(off) < _OFF, driven - off, linear)
-        return cls(farthest, first, np.column_stack((first, driven)), here.rates - np.diag(np.diag(here.rates)), _CREEP * here.widths)
+        return cls(farthest, np.column_stack((first, driven)), here.rates - np.diag(np.diag(here.rates)), _CREEP * here.widths)
+
+    @property
+    def first(self) -> Array:
+        """What ends are driven by where they start (2n,)."""
+        return self.driven[:, 0]
 
     @cached_property
     def held_back(self) -> Array:

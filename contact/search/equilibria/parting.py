@@ -12,7 +12,8 @@ from contact.formulation.fields import ZoneFields
 from contact.formulation.tension.cohesive import Cohesive
 from contact.formulation.tension.fields import PulledFields
 from contact.search.equilibria import tension_parting
-from contact.search.equilibria.arc import SymmetryLost, lowered_by_load, near_the_last, pull_off
+from contact.search.equilibria.arc import SymmetryLost
+from contact.search.equilibria.coming_apart import lowered_by_load, near_the_last, pull_off
 from contact.search.equilibria.flow import receded
 from contact.search.equilibria.relaxation import relaxed
 from contact.solution.answer import PullOff

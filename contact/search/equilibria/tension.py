@@ -12,7 +12,7 @@ from contact.formulation.equilibria import Closed, NoState, Point
 from contact.formulation.tables import gaps_between, runs_of
 from contact.formulation.tension.cohesive import Cohesive, CohesivePoint
 from contact.formulation.tension.contact import Covered, Lost
-from contact.formulation.tension.intervals import interval_of, joined, within
+from contact.formulation.tension.intervals import below, interval_of, joined, within
 from contact.search.equilibria import flow, without_range
 from contact.search.grid.tension import GridTension
 from sie import Array, wrapped
@@ -131,10 +131,7 @@ def _flowed(curve: Cohesive, table: Array, value: float, sign: float) -> Cohesiv
     here = curve.at(table, value, flow.ROUGH)
     first = here
     for _ in range(flow.MOST_STEPS):
-        new = _parted(curve, here) if sign < 0 else _grown(curve, here)
-        if new is None and sign < 0:
-            # Ends that are let go may close a gap.
-            new = flow.closing(curve, here)
+        new = _other_intervals(curve, here, sign)
         if new is not None:
             if len(new) == 0:
                 return None
@@ -152,6 +149,15 @@ def _flowed(curve: Cohesive, table: Array, value: float, sign: float) -> Cohesiv
         if move == 0.0:
             break
     raise NotConverged("the ends of the tension did not come to rest under a held control")
+
+
+def _other_intervals(curve: Cohesive, here: CohesivePoint, sign: float) -> Array | None:
+    """The intervals there are where ends have come to, as they go on; None if they are the same."""
+    if sign > 0:
+        return _grown(curve, here)
+    # Ends that are let go may close a gap.
+    parted = _parted(curve, here)
+    return flow.closing(curve, here) if parted is None else parted
 
 
 def _with_other_intervals(curve: Cohesive, here: CohesivePoint, table: Array, sign: float) -> CohesivePoint:
@@ -182,7 +188,7 @@ def settled(curve: Cohesive, here: Point, sign: float) -> CohesivePoint | None:
     """The equilibrium that ends about to rest have come to, tightly; where it has more intervals, or fewer, on from there."""
     for _ in range(_TRIES):
         tight = curve.settled(here)
-        new = _parted(curve, tight) if sign < 0 else _grown(curve, tight)
+        new = _other_intervals(curve, tight, sign)
         if new is None:
             return tight
         ahead = (advanced if sign > 0 else receded)(curve, new, here.value) if len(new) else None
@@ -209,6 +215,12 @@ def uncovered(curve: Cohesive, table: Array, value: float, zones: Array) -> Arra
     raise NotConverged(TOO_NARROW)
 
 
+def left_of_all(curve: Cohesive, value: float, zones: Array, look: tuple[Array, Array]) -> Array:
+    """What is left of a tension on all of a period as it lets go where the gap beside zones of contact is above the reach: where contact
+    comes to reach farther than that, more. Lost where no contact is left."""
+    return uncovered(curve, below(zones, look, curve.reach, curve.problem.period, wide=True), value, zones)
+
+
 def _widened(curve: Cohesive, table: Array, zones: Array, covered: Covered, by: float) -> Array:
     """zones: beside which the tension acts on strips, that are made so many times as wide where contact covers them."""
     width, gaps, zones = np.diff(table, axis=1)[:, 0], curve.gaps(table), curve.fitted(zones, table)
@@ -227,10 +239,10 @@ def _widened(curve: Cohesive, table: Array, zones: Array, covered: Covered, by: 
 
 
 def _step(curve: Cohesive, here: Point, sign: float) -> tuple[Point, float]:
-    limit, back = flow.limits(curve, here, sign)
     onward = sign * here.residual
     if onward.min() < -_DRIVEN_BACK or (here.growth >= 0.0 and onward.max() <= flow.SLIGHT < -onward.min()):
         return _let_go(curve, here, sign)
+    limit, back = flow.limits(curve, here, sign)
     lost, beyond = 0, np.zeros(len(limit))
     size = curve.room(here.table)
     back_again = 0
@@ -295,11 +307,11 @@ def _grown(curve: Cohesive, here: CohesivePoint) -> Array | None:
     new, joins = [], np.zeros(len(table), dtype=bool)
     for i, (a, b) in enumerate(_outside(curve, table)):
         inner = within(x, a, b, period)
-        below = gap[inner] < curve.reach
-        if len(inner) and below.all() and np.isfinite(a) and np.isfinite(b):
+        reached = gap[inner] < curve.reach
+        if len(inner) and reached.all() and np.isfinite(a) and np.isfinite(b):
             joins[i - (period is None)] = True
             continue
-        for s, e in runs_of(below):
+        for s, e in runs_of(reached):
             place = wrapped(x[inner], a, period)
             if place[s] == curve.problem.corners[0] and e < len(inner) - 1:
                 new.append((place[s], place[s] + 0.5 * _NEW * (place[e + 1] - place[s])))

@@ -9,10 +9,10 @@ from contact.formulation.equilibria import Equilibria, NoState, Point
 from contact.formulation.roots import maximum
 from contact.formulation.tension.cohesive import Cohesive, CohesivePoint, Loose
 from contact.formulation.tension.contact import Covered, Lost
-from contact.formulation.tension.intervals import below, within
+from contact.formulation.tension.intervals import within
 from contact.formulation.tension.pulled import Pulled
-from contact.search.equilibria import arc, without_range
-from contact.search.equilibria.tension import FEW, TOO_NARROW, guide_down, guide_of, guided, receded, uncovered
+from contact.search.equilibria import coming_apart, without_range
+from contact.search.equilibria.tension import FEW, TOO_NARROW, guide_down, guide_of, guided, left_of_all, receded
 from sie import Array, wrapped
 
 # Newton's steps of a state without contact.
@@ -31,13 +31,13 @@ def pull_off(curve: Cohesive, here: Point) -> Point:
 
     def near(under: Equilibria, at: Point) -> Point:
         assert isinstance(under, Cohesive)
-        return arc.near_the_last(under, _about_to_part(under, at), recede)
+        return coming_apart.near_the_last(under, _about_to_part(under, at), recede)
 
     try:
         if curve.held.load is not None:
             here = _about_to_part(curve, here)
-        here = arc.lowered_by_load(curve, here, near)
-        return arc.pull_off(curve, here, recede, lambda at: _highest_within(curve, at) / curve.reach - 1.0)
+        here = coming_apart.lowered_by_load(curve, here, near)
+        return coming_apart.pull_off(curve, here, recede, lambda at: _highest_within(curve, at) / curve.reach - 1.0)
     except Covered as covered:
         raise NotConverged(TOO_NARROW) from covered
     except (Lost, NotConverged):
@@ -79,7 +79,7 @@ def _about_to_part(curve: Cohesive, here: Point) -> Point:
     except NotConverged:
         # Under a held approach others are driven on by what recedes: it does not tell.
         return here
-    for control in arc.above(least, here.value):
+    for control in coming_apart.above(least, here.value):
         rest = receded(curve, here.table, control, guide)
         if rest is not None:
             return rest
@@ -116,9 +116,8 @@ def pull_off_from_all(curve: Cohesive, zones: Array, value: float) -> Point:
     if not opened:
         return state
     # At the place that comes to the reach first the tension lets go.
-    table = below(inside, (x, np.where(gap == gap.max(), 2 * curve.reach, gap)), curve.reach, problem.period, wide=True)
     try:
-        table = uncovered(curve, table, high, inside)
+        table = left_of_all(curve, high, inside, (x, np.where(gap == gap.max(), 2 * curve.reach, gap)))
     except Lost:
         return state
     rest = receded(curve, table, high - 1e-9 * (value - lost))
@@ -132,7 +131,7 @@ def _open_and_about_to_part(curve: Cohesive, zones: Array, value: float) -> Poin
     if guide is None:
         return None
     least = guide.least_value(None, value)
-    for control in arc.above(least, value):
+    for control in coming_apart.above(least, value):
         try:
             start = guided(curve, guide, None, control, -1.0)
         except Lost:

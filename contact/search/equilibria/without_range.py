@@ -16,7 +16,7 @@ from contact.formulation.equilibria import Closed, Equilibria, NoState, Point
 from contact.formulation.tension.cohesive import Cohesive, CohesivePoint
 from contact.formulation.tension.contact import Lost
 from contact.formulation.tension.intervals import joined
-from contact.search.equilibria import arc, flow
+from contact.search.equilibria import coming_apart, flow
 from contact.search.equilibria.growth import grown
 from contact.search.equilibria.relaxation import relaxed
 from sie import Array
@@ -88,9 +88,10 @@ def about_to_part(curve: Cohesive, here: Point, recede: Callable[[Cohesive, Arra
     with suppress(Closed, NoState, NotConverged):
         # A little more of it widens the contact.
         first = relaxed(short, here.table, here.value)
-        least = here.value if first is None else arc.near_the_last(short, first).value
-        for value in arc.above(least, here.value):
-            tips = None if first is None else flow.receded(short, first.table, value)
+        if first is None:
+            return None
+        for value in coming_apart.above(coming_apart.near_the_last(short, first).value, here.value):
+            tips = flow.receded(short, first.table, value)
             start = None if tips is None else _with_range(curve, short, tips, -_MORE[0])
             rest = None if start is None else recede(curve, start.table, value)
             if rest is not None:

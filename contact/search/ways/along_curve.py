@@ -18,7 +18,7 @@ from contact.formulation.tension.fields import fields_of
 from contact.formulation.tension.loose import LooseFields
 from contact.model.controls import fields_under
 from contact.model.scene import Scene
-from contact.search.equilibria.arc import pull_off
+from contact.search.equilibria.coming_apart import pull_off
 from contact.search.equilibria.following import Following, Jump, Standing
 from contact.search.equilibria.following_tension import FollowingUnderTension
 from contact.search.equilibria.history import History

@@ -16,7 +16,7 @@ import numpy as np
 from contact.errors import NotConverged, OutOfRange, unwarned
 from contact.formulation.equilibria import Equilibria, Point
 from contact.model.scene import Scene
-from contact.search.equilibria.arc import pull_off
+from contact.search.equilibria.coming_apart import pull_off
 from contact.search.equilibria.flow import Closed, receded
 from contact.search.equilibria.following import Following, Jump, Standing, followed_by_approach
 from contact.search.equilibria.growth import grown, touched
@@ -25,7 +25,7 @@ from contact.search.grid.proposals import placed
 from contact.search.grid.scaling import ScaledScene, scaled_scene, scaled_scene_about
 from contact.search.task import Task
 from contact.search.topology.missed import Missed
-from contact.search.ways.full_contact import Full, no_inverse
+from contact.search.ways import full_contact
 from contact.search.ways.guesses import Outcome
 from contact.solution.solution import Solution
 from sie import Array
@@ -96,16 +96,15 @@ def past(curve: Equilibria, last: Point, task: Task) -> str:
     return f"{name} = {value:.6g} is past pull-off, which is at {told}: the surfaces come apart"
 
 
-def closed(task: Task) -> Full:
-    """Full contact under the scene's load."""
+def closed(task: Task) -> full_contact.Full:
+    """Full contact that adhesion without range has brought about."""
     scene = task.scene
-    if scene.given_load is None or scene.period is None:
-        raise OutOfRange("the surfaces close altogether, and in full contact the approach does not tell the load: give a load")
+    found = full_contact.closed(task)
     if not task.operator.has_inverse:
-        raise OutOfRange(no_inverse(task, "the surfaces close altogether"))
+        raise OutOfRange(full_contact.no_inverse(task, "the surfaces close altogether"))
     if len(scene.profile.kinks) and np.any(scene.profile.kinks[:, 1] < 0):
         raise OutOfRange("the surfaces close altogether over valleys with kinks, where the pressure of full contact is infinite")
-    return Full(scene.given_load / scene.period)
+    return found
 
 
 def to_follow(task: Task) -> tuple[ScaledScene, Equilibria]:

@@ -35,9 +35,9 @@ from contact.search.equilibria.tension import (
     advanced,
     guide_down,
     guide_of,
+    left_of_all,
     receded,
     settled,
-    uncovered,
 )
 from contact.search.equilibria.tension_parting import pull_off, pull_off_from_all
 from contact.search.grid.proposals import placed
@@ -45,7 +45,7 @@ from contact.search.grid.scaling import ScaledScene
 from contact.search.task import Shared, Task
 from contact.search.topology.missed import Missed
 from contact.search.ways.branches import bare, frame, past, way
-from contact.search.ways.full_contact import Full
+from contact.search.ways.full_contact import closed
 from contact.search.ways.gaps import by_gaps
 from contact.search.ways.guesses import Outcome
 from contact.solution.made import mean_height
@@ -200,13 +200,12 @@ def _begun(curve: Cohesive, fields: ZoneFields) -> Array:
 
 def _looked_on(curve: Cohesive, fields: ZoneFields, look: tuple[Array, Array]) -> tuple[Array, Array]:
     """The gap beside the zones of a lone body, as far as it comes to the reach: under a light load that is far from contact."""
-    problem, (x, gap), resolution = curve.problem, look, curve.problem.profile.resolution
+    problem, (x, gap) = curve.problem, look
     if problem.round is not None or np.isfinite(problem.corners[0]):
         return look
-    spacing = math.inf if resolution is None else 0.25 * resolution / problem.units.length
     for _ in range(_WINDOWS):
         lo, hi = max(problem.borders[0], 2 * x[0] - x[-1]), min(problem.borders[1], 2 * x[-1] - x[0])
-        new = [places(a, b, spacing) for a, b, at in ((lo, x[0], gap[0]), (x[-1], hi, gap[-1])) if at < curve.reach and a < b]
+        new = [places(a, b, 0.25 * problem.detail) for a, b, at in ((lo, x[0], gap[0]), (x[-1], hi, gap[-1])) if at < curve.reach and a < b]
         if not new:
             break
         x = np.concatenate((x, *new))
@@ -288,8 +287,7 @@ def _receded_from_all(task: Task, curve: Cohesive, value: float) -> Point | None
         return None
     zones = fields.density.zones.table
     try:
-        # Where the tension lets go contact may come to reach farther than to the ends of what is left of it.
-        table = uncovered(curve, below(zones, look, curve.reach, problem.period, wide=True), value, zones)
+        table = left_of_all(curve, value, zones, look)
     except Lost:
         return None
     return receded(curve, table, value, guide_of(curve, len(zones), table))
@@ -389,10 +387,7 @@ def everywhere(task: Task, problem: Problem) -> Outcome:
     stress = task.scene.law.tension
     pulled = Pulled.of(problem, stress / problem.units.pressure, np.zeros((0, 2)), everywhere=True)
     if len(found.zones) == 0:
-        assert task.scene.period is not None
-        if task.scene.given_load is None:
-            raise OutOfRange("the surfaces close altogether, and in full contact the approach does not tell the load: give a load")
-        return Full(task.scene.given_load / task.scene.period)
+        return closed(task)
     zones = placed(problem, found.zones)
     load = found.load / problem.units.load
     plain = replace(problem, law=scene.law)

@@ -42,18 +42,33 @@ def no_inverse(task: Task, what: str) -> str:
 def full_under(task: Task, control: Control, but_for_kinks: bool = False) -> Full | None:
     """Full contact, if the load, or the approach of a body with a base, is that of it or above. but_for_kinks: or where nothing is left of
     it but gaps over kinks of valleys, narrower than digits tell."""
-    scene, compression = task.scene, task.operator.compression
-    period = scene.profile.period
-    if not (task.full.told if but_for_kinks else task.full.possible) or period is None:
+    scene = task.scene
+    if not (task.full.told if but_for_kinks else task.full.possible):
         return None
-    if control.load is not None and scene.given_load is not None:
-        mean_pressure = scene.given_load / period if scene.mean_pressure is None else scene.mean_pressure
-    elif control.approach is not None and (approach := scene.held(Quantity.APPROACH)) is not None and compression:
-        # Beyond the mean of the profile, the base of the substrate gives way to a uniform pressure.
-        mean_pressure = 0.5 * scene.E_star * (approach - mean_height(scene)) / compression
-    else:
+    held = control.approach if scene.given_load is None else control.load
+    mean_pressure = None if held is None else closed_pressure(task)
+    return None if mean_pressure is None or mean_pressure < task.full.relieved else Full(mean_pressure)
+
+
+def closed_pressure(task: Task) -> float | None:
+    """Mean pressure [Pa] of surfaces that are closed over the whole period, under the scene's control; None where that does not tell it:
+    an approach does where the substrate has a base, or a spring is between."""
+    scene, period, approach = task.scene, task.scene.profile.period, task.scene.held(Quantity.APPROACH)
+    if period is None:
         return None
-    return Full(mean_pressure) if mean_pressure >= task.full.relieved else None
+    if scene.given_load is not None:
+        return scene.given_load / period if scene.mean_pressure is None else scene.mean_pressure
+    # Beyond the mean of the profile the base gives way to a uniform pressure, and the spring to the load.
+    give = 2 * (task.operator.compression or 0.0) / scene.E_star + (task.give or 0.0) * period
+    return None if approach is None or give == 0.0 else (approach - mean_height(scene)) / give
+
+
+def closed(task: Task) -> Full:
+    """Surfaces that adhesion has closed over the whole period; OutOfRange where the control does not tell their pressure."""
+    mean_pressure = closed_pressure(task)
+    if mean_pressure is None:
+        raise OutOfRange("the surfaces close altogether, and in full contact the approach does not tell the load: give a load")
+    return Full(mean_pressure)
 
 
 def refuse_full_approach(task: Task, problem: Problem, control: Control) -> None:
