@@ -38,10 +38,18 @@ def intensity_rounding(state: Solved) -> Array:
     own = 4e-16 * edge_scale(zones.half) * subtracted
     if state.direct is None:
         own = own + _of_levels(state) + np.sqrt(2 * zones.half) * state.linear_error + _of_others(state)
-    # One zone alone is given by its own rows and its total, unless there are more unknowns to share them with.
-    if state.direct is None or (len(zones) == 1 and not system.equation.columns):
+    if state.direct is None or _stands_alone(state):
         return np.array([own, own])
     return np.asarray(own + SAFETY * _through_rows(state))
+
+
+def _stands_alone(state: Solved) -> bool:
+    """Whether one zone is given by its own rows and its total: nothing else is unknown, and nothing acts on it from beside, as its own
+    images do where they come near."""
+    equation = state.system.equation
+    kernel = equation.kernel
+    plain = kernel.poles == (0.0,) and kernel.period is None and kernel.regular is None
+    return len(state.density.zones) == 1 and plain and not equation.columns
 
 
 def _of_others(state: Solved) -> Array | float:
@@ -105,7 +113,7 @@ def density_rounding(state: Solved) -> float:
     chance but always alike, and what that does to the density is looked at.
     """
     system, zones, solver = state.system, state.density.zones, state.direct
-    if len(zones) == 1 and not system.equation.columns:
+    if _stands_alone(state):
         return 0.0
     if solver is None:
         return float(np.max(_of_levels(state) / edge_scale(zones.half)))
