@@ -6,12 +6,13 @@ Bernoulli polynomials, whose conjugates are, with u = (x - s)/L and J the jump,
     q = 0   (J / pi) ln|2 sin(pi u)|,    q = 1   -(J L / 2 pi^2) Cl_2(2 pi u),    q = 2   (J L^2 / 4 pi^3) Cl_3(2 pi u),
     Cl_2(y) = sum_k sin(ky)/k^2,         Cl_3(y) = sum_k cos(ky)/k^3,
 
-and what is left is smooth, a Fourier series. The logarithms are kept apart: beside a kink they must be taken at a distance
-that is known better than x (sie.jumps.density), and everything else is `smooth`.
+and what is left is smooth, a Fourier series. The polynomials of many jumps are one piecewise quadratic, whose conjugate takes a time
+that does not grow with their number (pieces.py). The logarithms are kept apart: beside a kink they must be taken at a distance that is
+known better than x (sie.jumps.density), and everything else is `smooth`.
 """
 
 from collections.abc import Callable
-from functools import cached_property, partial
+from functools import cached_property
 from math import pi
 
 import numpy as np
@@ -21,6 +22,7 @@ from scipy import fft
 from scipy.special import zeta
 
 import sie
+from contact.formulation.pieces import Pieces
 from contact.model.profiles.base import Profile
 from contact.model.profiles.trigonometric import Sum
 from sie import Array, record
@@ -29,6 +31,8 @@ _LARGEST = 2**18
 _LEAST = 256
 # Terms of a slope that noise may be, over the largest.
 _OF_NOISE = 1e-9
+# Jumps up to which each is a closed form of its own at every point.
+_MANY = 24
 # (point, jump) pairs handled at once.
 _BLOCK = 1 << 20
 # Terms of the series of Clausen's functions: within half a turn each is a quarter of the one before.
@@ -89,13 +93,14 @@ def _series(profile: Profile, length: float) -> tuple[Callable[[Array], Array], 
     """(H f' less its logarithms, whether the Fourier series of what is left of f' has come to its end)."""
     kinks, jumps = np.asarray(profile.kinks, dtype=float), np.asarray(profile.jumps, dtype=float)
     orders = jumps[:, 1] - 1
+    # Jumps of the third derivative of f that do not add up to nothing ask for a cubic: that of what is over, at one place.
+    first, over = jumps[:1, 0], np.full(len(jumps[:1]), jumps[orders == 2, 2].sum())
+    at, heights = np.append(jumps[:, 0], first), jumps[:, 2, None] * (orders[:, None] == [0, 1, 2])
+    of_jumps = Pieces.of(profile.x0, length, at, np.concatenate((heights, -over[:, None] * [0.0, 0.0, 1.0])))
+    of_kinks = Pieces.of(profile.x0, length, kinks[:, 0], kinks[:, 1, None] * [1.0, 0.0, 0.0])
 
     def polynomials(x: Array) -> Array:
-        out = over_jumps(x, kinks[:, 0], -kinks[:, 1], length, partial(_bernoulli, 0))
-        for q in (1, 2):
-            here = jumps[orders == q]
-            out = out + over_jumps(x, here[:, 0], -here[:, 2] * length**q, length, partial(_bernoulli, q))
-        return np.asarray(out)
+        return np.asarray(of_kinks(x) + of_jumps(x) + over_jumps(x, first, -over * length**2, length, _bernoulli3))
 
     # The parts that are taken out may be much larger than their sum.
     rounding = 2.2e-16 * float(np.abs(kinks[:, 1]).sum() + (np.abs(jumps[:, 2]) * length**orders).sum()) / 12
@@ -122,6 +127,8 @@ def _series(profile: Profile, length: float) -> tuple[Callable[[Array], Array], 
         x = np.asarray(x, dtype=float)
         turns = (np.asarray(profile.wrap(x)) - profile.x0) / length
         out = np.zeros(x.shape) if left is None else left(turns.ravel()).reshape(x.shape)
+        if len(of_jumps.places) > _MANY:
+            return np.asarray(out + of_jumps.conjugate(x) + over_jumps(x, first, over * length**2 / (4 * pi**3), length, clausen3))
         for q, factor, function in ((1, -length / (2 * pi**2), clausen2), (2, length**2 / (4 * pi**3), clausen3)):
             here = jumps[orders == q]
             out = out + over_jumps(x, here[:, 0], factor * here[:, 2], length, function)
@@ -179,13 +186,9 @@ def over_jumps(x: Array, at: Array, weights: Array, length: float, function: Cal
     return out.reshape(x.shape)
 
 
-def _bernoulli(q: int, u: Array) -> Array:
-    """B_(q+1)(u) / (q+1)!, u in turns: minus its q-th derivative jumps by one at 0."""
+def _bernoulli3(u: Array) -> Array:
+    """B_3(u) / 6, u in turns: minus its second derivative jumps by one at 0."""
     u = u % 1.0
-    if q == 0:
-        return np.asarray(u - 0.5)
-    if q == 1:
-        return np.asarray(((u - 1) * u + 1 / 6) / 2)
     return np.asarray(((u - 1.5) * u + 0.5) * u / 6)
 
 

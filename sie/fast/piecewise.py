@@ -1,8 +1,9 @@
 r"""The transform of a piecewise quadratic function, (1/pi) PV int f(xi) K(x - xi) dxi, at many points in time linear in their number.
 
-Where f'' jumps by J at s, the transform has (J/2 pi) (x - s)^2 ln|x - s|. The line is cut into cells: the pieces of f, halved where
-more than a few jumps lie near one. On a cell the jumps that lie near it are closed forms, and the rest is analytic, a Chebyshev series.
-It is made once, from a fast sum over the pieces themselves (`fast`) and closed forms of those near the cell,
+Where f'' jumps by J at s, the transform has (J/2 pi) (x - s)^2 ln|x - s|, and (J/pi) (x - s) ln|x - s| where f' does. The line is cut
+into cells: the pieces of f, halved where more than a few jumps lie near one. On a cell the jumps that lie near it are closed forms, and
+the rest is analytic, a Chebyshev series. It is made once, from a fast sum over the pieces themselves (`fast`) and closed forms of those
+near the cell,
 
     int_-1^1 (p_0 + p_1 u + p_2 u^2) / (z - u) du = (p_0 + p_1 z + p_2 z^2) ln|(z + 1)/(z - 1)| - 2 p_1 - 2 p_2 z.
 
@@ -31,7 +32,7 @@ _BLOCK, _PAIRS, _CACHED = 1 << 14, 1 << 12, 1 << 13
 
 
 class PiecewiseTransform:
-    """The transform of f = p_0 + p_1 (xi - s) + p_2 (xi - s)^2 on [s_i, s_i+1], zero beyond, continuous with its derivative.
+    """The transform of f = p_0 + p_1 (xi - s) + p_2 (xi - s)^2 on [s_i, s_i+1], zero beyond and continuous.
 
     Parameters
     ----------
@@ -42,7 +43,9 @@ class PiecewiseTransform:
     pieces : array_like
         The coefficients p (n, 3).
     at, jumps : array_like
-        Places and heights (k,) of the jumps of f'', with a period those of one.
+        Places, of which no two are one, and heights (k,) of the jumps of f'', with a period those of one.
+    kinks : array_like or None
+        Heights (k,) of the jumps of f' there; None: it has none.
 
     Examples
     --------
@@ -55,14 +58,18 @@ class PiecewiseTransform:
     0.0
     """
 
-    def __init__(self, kernel: Kernel, ends: ArrayLike, pieces: ArrayLike, at: ArrayLike, jumps: ArrayLike) -> None:
+    def __init__(
+        self, kernel: Kernel, ends: ArrayLike, pieces: ArrayLike, at: ArrayLike, jumps: ArrayLike, kinks: ArrayLike | None = None
+    ) -> None:
         ends, pieces, at, jumps = (np.asarray(values, dtype=float) for values in (ends, pieces, at, jumps))
+        kinks = np.zeros(0) if kinks is None else np.asarray(kinks, dtype=float)
         self.kernel = kernel
         if kernel.period is not None:
             at = np.concatenate([at + shift for shift in (-kernel.period, 0.0, kernel.period)])
-            jumps = np.tile(jumps, 3)
+            jumps, kinks = np.tile(jumps, 3), np.tile(kinks, 3)
         order = np.argsort(at, kind="stable")
         self._at, self._jumps = at[order], jumps[order] / (2 * np.pi)
+        self._kinks = kinks[order] / np.pi if len(kinks) else None
         self.ends = _cells(ends, self._at)
         self.half = 0.5 * np.diff(self.ends)
         reach = 2 * _MARGIN * self.half
@@ -141,7 +148,10 @@ class PiecewiseTransform:
             s = self._at[jump]
             away = np.where(s <= self.ends[of], x[here] + (self.ends[of] - s), (self.ends[of + 1] - s) - from_right[here])
             size = np.abs(away) / self.half[of]
-            total[here] += self._jumps[jump] * away * away * np.log(np.where(size == 0, 1.0, size))
+            weight = self._jumps[jump] * away
+            if self._kinks is not None:
+                weight += self._kinks[jump]
+            total[here] += weight * away * np.log(np.where(size == 0, 1.0, size))
         return total.reshape(shape)
 
     def __call__(self, x: ArrayLike) -> Array:

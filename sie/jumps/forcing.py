@@ -35,7 +35,7 @@ from sie.basis.sums import of_zones, pair_blocks
 from sie.basis.zones import Zones
 from sie.jumps.exterior import NOWHERE, ExteriorLogarithms
 from sie.jumps.formulas import HIGHEST, FewJumps, Jumps, far_potential, far_transform
-from sie.jumps.local_spline import MANY, LocalSpline
+from sie.jumps.local_spline import MANY, LocalSpline, with_jumps
 from sie.jumps.zone_spline import ZoneSpline
 
 # What takes the place of very many jumps of order 2 in one zone, of the right side's or of the density's own: with the same methods, of
@@ -89,16 +89,17 @@ class ForcingJumps(Jumps):
         return at, np.maximum(i, 0), (i >= 0) & (zones.beyond_a(at, i) > 0) & (zones.before_b(at, i) > 0)
 
     def _with_splines(self, zones: Zones, f: Callable[[Array], Array], made: MadeSpline, least: int = MANY) -> Self:
-        """The same with splines of f, made of knots, their jumps and f, in every zone of many jumps of order 2, at the least so many, and
-        no others."""
+        """The same with splines, made of knots, their jumps and f, in every zone of many jumps of order 2, at the least so many. Where f
+        is more than a spline with these jumps, or jumps otherwise, they alone tell it."""
         height, more = self.height.copy(), []
         splines: dict[int, Spline] = {}
-        for zone in np.flatnonzero(np.bincount(self.zone, minlength=1) >= least).tolist():
-            k = self.by_zone[zone]
-            if np.any(self.order[k] != HIGHEST):
-                continue
+        for zone in np.flatnonzero(np.bincount(self.zone[self.order == HIGHEST], minlength=1) >= least).tolist():
+            all_of_it = self.by_zone[zone]
+            k = all_of_it[self.order[all_of_it] == HIGHEST]
             k = k[np.argsort(self.left[k])]
-            found = made(self.left[k], height[k], partial(_from_left, f, zones, zone))
+            left, jumps = self.left[k], height[k]
+            found = made(left, jumps, partial(_from_left, f, zones, zone)) if len(k) == len(all_of_it) else None
+            found = made(left, jumps, with_jumps(left, jumps)) if found is None else found
             if found is not None:
                 splines[zone], height[k], others = found
                 more.append(np.column_stack((np.full(others.shape[1], zone), others.T)))
@@ -116,8 +117,8 @@ class ForcingJumps(Jumps):
     def count(self) -> Index:
         """Jumps in each zone, those of its spline included, as far as there are zones with any."""
         out = np.bincount(self.zone, minlength=max(self.splines, default=-1) + 1)
-        for zone, spline in self.splines.items():
-            out[zone] = len(spline.knots)
+        for zone in self.splines:
+            out[zone] = len(self.places(zone)[0])
         return out
 
     def places(self, zone: int) -> tuple[Array, Index]:
@@ -126,7 +127,9 @@ class ForcingJumps(Jumps):
         if zone not in self.splines:
             return self.left[k], self.order[k]
         left = np.union1d(self.left[k], self.splines[zone].knots)
-        return left, np.full(len(left), HIGHEST)
+        order = np.full(len(left), HIGHEST)
+        np.minimum.at(order, np.searchsorted(left, self.left[k]), self.order[k])
+        return left, order
 
     def angles(self, zone: int) -> Array:
         """Angles of the same jumps, in no order."""

@@ -48,6 +48,28 @@ def cosine_sums(weight: Array, angle: Array, count: int) -> Array:
     return out
 
 
+def with_jumps(knots: Array, jumps: Array) -> Callable[[Array], Array]:
+    """Of all quadratic splines on a zone with these jumps at its knots, half of those of the second derivative, the one whose squares add
+    up to least: where f is more than such a spline, this is the part of it that jumps."""
+    ends = np.concatenate(([0.0], knots, [2.0]))
+    length, bend, before = np.diff(ends), np.concatenate(([0.0], np.cumsum(jumps))), np.zeros(3)
+    for _ in range(2):
+        # Once more from what is left: the first time a trend may hide what it goes beside.
+        slope = before[1] + np.concatenate(([0.0], np.cumsum(2 * bend * length)[:-1]))
+        value = before[0] + np.concatenate(([0.0], np.cumsum(length * (slope + bend * length))))
+        trend = np.polynomial.polynomial.polyfit(ends, value, 2)
+        bend, before = bend - trend[2], before - trend
+    first = ends[:-1]
+    pieces = np.column_stack((value[:-1] - trend[0] - first * (trend[1] + first * trend[2]), slope - trend[1] - 2 * first * trend[2], bend))
+
+    def of(x: Array) -> Array:
+        i = np.clip(np.searchsorted(ends, x, side="right") - 1, 0, len(pieces) - 1)
+        y, part = x - ends[i], pieces[i]
+        return np.asarray(part[..., 0] + y * (part[..., 1] + y * part[..., 2]))
+
+    return of
+
+
 @record
 class LocalSpline(Kept):
     """knots: (n,) ascending; pieces: (n - 1, 3) coefficients of powers of the distance from each piece's left knot."""

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import contact
-from contact.formulation.conjugate import Conjugate, clausen2
+from contact.formulation import conjugate
+from contact.formulation.conjugate import Conjugate, clausen2, clausen3
 from contact.reference import exact
 from tests.contact.judge import relative, solve
 
@@ -178,6 +179,50 @@ def test_a_conjugate_in_closed_form_is_taken_where_the_series_does_not_end():
     # Beside the kink it is straight: Clausen's function turns there as u ln u does.
     beside = np.array([-1e-6, 0.0, 1e-9, 1e-6])
     assert np.max(np.abs(conjugate.smooth(beside) - Rough.c * clausen2(beside))) < 1e-4 * Rough.c
+
+
+class Arcs(contact.Profile):
+    """Arcs of cubics on a wave, of which no conjugate is given: the slope's first and second derivatives jump at places of their own."""
+
+    period = 2.0
+
+    def __init__(self, places):
+        rng = np.random.default_rng(7)
+        self.at = np.sort(rng.uniform(0, 2, places))
+        self.order, self.height_of = rng.integers(2, 4, places), rng.standard_normal(places)
+
+    def _sum(self, x, derivative):
+        """Of Bernoulli polynomials, which repeat: their derivatives of these orders jump."""
+        u = ((np.asarray(x, dtype=float)[..., None] - self.at) / 2.0) % 1.0
+        second = (((u - 1) * u + 1 / 6) / 2) * 2.0, (((u - 1.5) * u + 0.5) * u / 6) * 4.0
+        third = second[1] * 1.0, ((((u - 2) * u + 1) * u * u - 1 / 30) / 24) * 8.0
+        return -np.where(self.order == 2, (second if derivative else third)[0], (second if derivative else third)[1]) @ self.height_of
+
+    def height(self, x):
+        return self._sum(x, 0) - np.cos(np.pi * np.asarray(x, dtype=float))
+
+    def slope(self, x):
+        return self._sum(x, 1) + np.pi * np.sin(np.pi * np.asarray(x, dtype=float))
+
+    @property
+    def jumps(self):
+        return np.column_stack((self.at, self.order, self.height_of))
+
+
+@pytest.mark.parametrize("places", [3, 300])
+def test_jumps_are_summed_one_by_one_or_as_one_piecewise_quadratic_of_which_points_see_few(places, monkeypatch):
+    profile = Arcs(places)
+    seen = []
+    for name in ("clausen2", "clausen3"):
+        inner = getattr(conjugate, name)
+        monkeypatch.setattr(conjugate, name, lambda u, inner=inner: (seen.append(u.shape[-1]), inner(u))[1])
+    x = np.concatenate((np.random.default_rng(1).uniform(0, 2, 200), profile.at[:3], profile.at[:3] + 1e-9))
+    found = Conjugate(profile).smooth(x)
+    assert max(seen) <= places and (places < 100 or max(seen) == 1)
+    u = ((x[:, None] - profile.at) / 2.0 + 0.5) % 1.0 - 0.5
+    parts = np.where(profile.order == 2, -2.0 / (2 * np.pi**2) * clausen2(u), 4.0 / (4 * np.pi**3) * clausen3(u))
+    wanted = parts @ profile.height_of - np.pi * np.cos(np.pi * x)
+    assert found == pytest.approx(wanted, abs=1e-12 * np.abs(wanted).max())
 
 
 class Rippled(contact.Profile):

@@ -4,29 +4,40 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 from scipy.interpolate import BSpline
 
 import sie
 from sie.jumps.density import DensityJumps
 from sie.jumps.local_spline import MANY
 
+Array = NDArray[np.float64]
 KERNEL = sie.cauchy()
 
 
-def both(seed: int = 5) -> tuple[DensityJumps, DensityJumps, sie.Zones]:
-    """(all jumps of a quadratic spline one by one, the same with a spline in their place, the zone)."""
+def both(seed: int = 5, more: float = 0.0, bent: int = 0) -> tuple[DensityJumps, DensityJumps, sie.Zones]:
+    """(all jumps of a quadratic spline one by one, the same with a spline in their place, the zone). more: of a wave beside the spline;
+    bent: jumps of other orders beside them."""
     rng, n = np.random.default_rng(seed), MANY + 40
     at = np.arange(n) + rng.uniform(-0.4, 0.4, n)
     spline = BSpline(at, rng.normal(size=n - 3), 2)
     bends = spline.derivative(2)(0.5 * (at[1:] + at[:-1]))
     at, jumps, orders = at[3:-3], np.diff(bends)[2:-2], np.full(n - 6, 2)
     zones = sie.Zones.of([[at[10] - 0.3, at[-10] + 0.2]])
-    return DensityJumps.inside(zones, at, jumps, orders, KERNEL), DensityJumps.inside(zones, at, jumps, orders, KERNEL, spline), zones
+    at, jumps = np.append(at, zones.middle + rng.uniform(-9, 9, bent)), np.append(jumps, np.ones(bent))
+    orders = np.append(orders, np.arange(bent))
+
+    def slope(x: Array) -> Array:
+        return np.asarray(spline(x) + more * np.sin(0.05 * x))
+
+    return DensityJumps.inside(zones, at, jumps, orders, KERNEL), DensityJumps.inside(zones, at, jumps, orders, KERNEL, slope), zones
 
 
-def test_a_spline_in_place_of_many_jumps_leaves_six_and_is_the_same_density() -> None:
-    one, other, zones = both()
-    assert len(one.zone) > MANY and len(other.zone) <= 6
+@pytest.mark.parametrize(("more", "bent"), [(0.0, 0), (3.0, 0), (0.0, 2), (3.0, 1)])
+def test_a_spline_in_place_of_many_jumps_leaves_six_and_is_the_same_density(more: float, bent: int) -> None:
+    one, other, zones = both(more=more, bent=bent)
+    assert len(one.zone) > MANY and len(other.zone) <= 6 + bent
+    assert sorted(other.places(0)[1].tolist()) == sorted(one.order.tolist())
     assert one.count.tolist() == other.count.tolist()
     left = np.sort(np.random.default_rng(1).uniform(0, 2, 60))
     right, outside = 2 - left, np.array([1.0001, 1.02, 1.5, 4.0, 40.0, -1.003, -2.0, -9.0])

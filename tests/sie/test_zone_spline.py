@@ -22,6 +22,22 @@ def both(after: int = 10, seed: int = 5) -> tuple[ForcingJumps, ForcingJumps, si
     return ForcingJumps.within(zones, at, jumps, orders, None), ForcingJumps.within(zones, at, jumps, orders, None, spline), zones
 
 
+def test_a_spline_beside_other_jumps_or_a_wave_is_known_by_its_own_jumps() -> None:
+    rng = np.random.default_rng(2)
+    at, zones = np.sort(rng.uniform(-1, 1, MANY + 9)), sie.Zones.of([[-1.0, 1.0]])
+    jumps, orders = rng.standard_normal(len(at)) * len(at) ** 2, np.full(len(at), 2)
+    orders[::200] = 0
+    jumps[::200] = 1.0
+    one, other = (ForcingJumps.within(zones, at, jumps, orders, None, g) for g in (None, np.sin))
+    assert not one.splines and len(other.zone) == np.count_nonzero(orders == 0) + 1
+    theta = rng.uniform(0, np.pi, 60)
+    left, right = 2 * np.cos(theta / 2) ** 2, 2 * np.sin(theta / 2) ** 2
+    differ = one.density(0, left, right) - other.density(0, left, right)
+    waves = np.column_stack((np.sin(theta), np.sin(2 * theta)))
+    rest = differ - waves @ np.linalg.lstsq(waves, differ, rcond=None)[0]
+    assert np.abs(rest).max() < 1e-11 * np.abs(one.height).sum()
+
+
 @pytest.mark.parametrize("after", [2, 300])
 def test_a_spline_leaves_one_jump_and_a_parabola(after: int) -> None:
     """Both make g smooth and differ by a quadratic, whose density is a sin(theta) + b sin(2 theta): so do all that follow from it."""
