@@ -37,6 +37,9 @@ Array = NDArray[np.float64]
 COLUMNS = ("seed", "family", "model", "control", "value", "outcome", "reason", "zones", "error", "seconds", "detail")
 # A grid tells contacts and gaps of so many cells.
 _CELLS = 8
+# Points of the grid that every scene is held against, and of the one that has to agree before a fault is told: the first may be coarser
+# than a trace's own points.
+_POINTS, _MORE_POINTS = 2**13, 2**17
 
 
 @dataclass(frozen=True)
@@ -206,17 +209,20 @@ def _against_tighter(scene: contact.Scene, solution: contact.Solution, tol: floa
 
 
 def _against_grid(scene: contact.Scene, solution: contact.Solution) -> str:
-    """Whether a grid of other origin and method has the same contacts and gaps, as far as its cells tell."""
-    period = scene.period
+    """Whether grids of other origin and method have the same contacts and gaps, as far as their cells tell."""
     if isinstance(scene.interaction, own_models.OWN):
         return own_models.fault(scene, solution)
     exact_model = isinstance(scene.interaction, contact.Periodic)
-    if not exact_model or period is None or len(solution.zones) == 0 or not np.isfinite(solution.max_pressure):
+    if not exact_model or scene.period is None or len(solution.zones) == 0 or not np.isfinite(solution.max_pressure):
         return ""
+    return _against_cells(scene, solution, scene.period, _POINTS) and _against_cells(scene, solution, scene.period, _MORE_POINTS)
+
+
+def _against_cells(scene: contact.Scene, solution: contact.Solution, period: float, points: int) -> str:
     cell = (scene.profile.x0, scene.profile.x0 + period)
     found = propose(
         lambda x: grid_height(scene.profile, x), cell, Response(scene.E_star),
-        resolution=scene.profile.resolution, points=8192, load=solution.load,
+        resolution=scene.profile.resolution, points=points, load=solution.load,
     )
     h = period / found.points
     x = scene.profile.x0 + h * (np.arange(found.points) + 0.5)

@@ -52,6 +52,7 @@ _STEP_NEAR = 1e-4
 _AMPLIFIED = 1e10
 _FOUND = "the ends are at rest"
 _UNSTABLE = "the ends are at rest, but unstably: pushed off they go on, and another root may be near"
+_UNRESOLVED = "a column or the kernel's regular part varies more than the modes of a zone show"
 _NEUTRAL = "some motion of the ends, as of all of them together, leaves the intensities as they are, so that these do not tell the ends"
 
 
@@ -122,6 +123,11 @@ class Free:
     @property
     def density(self) -> AnyDensity:
         return self.state.density
+
+    @property
+    def unresolved(self) -> bool:
+        """Whether the search was given up since a zone's modes do not show the equation: other zones near these fare no better."""
+        return not self.converged and self.reason == _UNRESOLVED
 
 
 def find_ends(
@@ -292,7 +298,7 @@ def _found(state: AnyState, progress: Progress, rest: Rest, motion: Motion, valu
 def _why_not(state: AnyState, progress: Progress, motion: Motion) -> str:
     """Why the search is given up."""
     if state.equation.grows and state.unresolved:
-        return "a column or the kernel's regular part varies more than the modes of a zone show"
+        return _UNRESOLVED
     if not motion.certain:
         return "the density does not drive its ends apart as it should: it takes other zones"
     return progress.past_fold or f"the ends did not come to rest in {len(progress.trace)} steps"

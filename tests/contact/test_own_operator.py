@@ -14,6 +14,7 @@ import pytest
 import contact
 import sie
 from contact.studies.own_models import Bed, Buried, Coated, Waves, fault, judge
+from contact.studies.scene_families import PiecewiseLinear
 from tests.contact.judge import solve, true_error
 
 WAVE = contact.Sinusoid(0.01, 1.0)
@@ -104,6 +105,14 @@ class TestByItsZones:
         # So soft that contact is wider than the window in which a half-plane's is looked for.
         wide = solve(contact.Polynomial((0.0, 0.0, 1.0, 0.3, 0.5)), Buried(300.0, 0.1), tol=1e-8, load=1e-3)
         assert fault(wide.scene, wide) == "" and len(wide.zones) == 1
+
+
+    def test_a_kernel_finer_than_the_modes_of_a_zone_is_named_at_the_first_grid_that_would_show_its_zones(self):
+        # A grid of four times as many points leads to the same zones, after minutes.
+        at, heights = np.array([-1.0, -0.9996, -0.6, 0.4, 0.4004, 1.0]), np.array([0.3, 0.03, -0.1, -0.1, 0.0, 0.3])
+        with pytest.raises(contact.NotConverged, match="regular part varies more than the modes of a zone show") as refused:
+            solve(PiecewiseLinear(at, heights, None), Buried(1.2, 1e-3), E_star=1.0, tol=1e-8, load=0.05)
+        assert sum("a grid of" in left for left in refused.value.best.plan.tried) == 1
 
 
 class TestFullContact:

@@ -162,7 +162,8 @@ def _rounds(
                 done, left_out, newton = done - 1, left_out + 1, replace(newton, patient=max(newton.patient - len(free.trace), 0))
             continue
         if not free.converged and not newton.drops:
-            raise WrongTopology(f"the {form.what} ends did not settle", free)
+            told = f"the {form.what} ends did not settle"
+            raise WrongTopology(f"{told}: {free.reason}" if free.unresolved else told, free)
         fields = form.fields(control, free, newton.tolerance)
         if formal:
             yield form.solved(free, fields, NOT_CHECKED, done, control, newton.tolerance)

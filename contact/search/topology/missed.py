@@ -36,6 +36,11 @@ class Missed:
             return False
         return same(self.free.density.zones.table, other.free.density.zones.table)
 
+    @property
+    def unresolved(self) -> bool:
+        """Whether the modes of its zones do not show the equation."""
+        return self.free is not None and self.free.unresolved
+
 
 NOT_MINE = Missed("not a scene for this way")
 

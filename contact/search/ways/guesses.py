@@ -167,9 +167,11 @@ def from_grid(task: Task, scaled: ScaledScene, held: bool = False, points: int |
             return found
         if found is not NOT_MINE:
             task.left(f"zones of a grid of {points} points", found)
-            if failure is not None and found.same(failure):
-                break
+            again = failure is not None and found.same(failure)
             failure = found
+            # Where modes do not show what a grid as fine as this one leads to, they do not show what one beside it does.
+            if again or found.unresolved and points >= _MOST_POINTS:
+                break
         points *= 4
     raise _not_found(task, problem, failure, width, points, full)
 
