@@ -7,6 +7,7 @@ from contact.search.topology.loop import Progress
 from contact.search.ways.direct import all_directly
 from contact.solution.solution import Solution
 from contact.solver import solved_along
+from contact.threads import one_of_blas
 from sie import Array
 
 # Zones are carried on from so many solutions.
@@ -39,7 +40,8 @@ class Curve:
 
     def beside(self, value: float, known: tuple[Passed, ...], least: float = 0.0) -> Solution:
         """The solution at a value from known ones, the nearest last; to a tolerance of no less than that."""
-        return solved_along(self._scene(value), max(self.tol, least), self.progress, self.shared, known)
+        with one_of_blas():
+            return solved_along(self._scene(value), max(self.tol, least), self.progress, self.shared, known)
 
     def _scene(self, value: float) -> Scene:
         return self.scene.under(self.control, value)

@@ -43,3 +43,22 @@ def test_adhesive_equilibria_are_followed_with_one(three):
     assert solution.pull_off.load < 0.0
     assert seen and all(one == {1} for one in seen)
     assert threads() == {3}
+
+
+def test_curves_are_followed_with_one_and_single_scenes_with_all(three):
+    seen = []
+
+    class Wave(contact.Sinusoid):
+        symmetric = False
+
+        def height(self, x):
+            seen.append(threads())
+            return super().height(x)
+
+    scene = contact.Scene(Wave(1e-6, 1e-4), 1e9, contact.Periodic(), mean_pressure=1e6)
+    contact.solve(scene)
+    assert seen and all(one == {3} for one in seen)
+    del seen[:]
+    contact.solve_many(scene, [1e6, 2e6, 3e6])
+    assert {1} in seen
+    assert threads() == {3}
