@@ -11,14 +11,11 @@ Every example knows the exact solution of the same half-width, which the errors 
 """
 
 from dataclasses import dataclass
-from math import pi, sqrt
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from contact.model.checks import positive
-from contact.reference.exact.base import Array
 from contact.reference.exact.localized import FIRST_ORDER, Localized, localized_at_load
 from contact.reference.exact.parabola import HertzLine, PeriodicParabola
 from contact.reference.exact.sinusoid import IsolatedSinusoid, Westergaard
@@ -103,40 +100,6 @@ class LocalizedWave(OneZone):
 
 
 @dataclass(frozen=True)
-class PrintedWestergaard(Westergaard):
-    """(18) as printed: the factor sqrt(2 pi E* Delta)/L for sqrt(2) pi E* Delta/L, the root drawn too far. It has the
-    dimension of sqrt(Pa/m), and in the units at hand is 1/sqrt(pi E* Delta) of the pressure whose mean is (19)."""
-
-    def pressure(self, x: ArrayLike) -> Array:
-        """(18) as printed, 0 outside the zone."""
-        u = 2.0 * pi / self.period * self._reduced(x)
-        below = np.cos(u) - np.cos(2.0 * pi / self.period * self.half_width)
-        factor = sqrt(2.0 * pi * self.E_star * self.amplitude) / self.period
-        return np.asarray(factor * np.cos(0.5 * u) * np.sqrt(np.maximum(below, 0.0)))
-
-
-@dataclass(frozen=True)
-class AlmostFullWave:
-    """K. L. Johnson (1985), sec. 13.2, almost complete contact: the gap of half-width b = L/2 - a is a crack alone in the
-    pressure of full contact, whose stress intensity vanishes,
-
-    mean pressure = p* (1 - (pi b/L)^2),   p* = pi E* Delta/L.
-
-    The exact (19) has sin^2 for the square. The results section names it for 2a/L beyond 0.7.
-    """
-
-    amplitude: float
-    period: float
-    E_star: float
-    half_width: float
-
-    @property
-    def mean_pressure(self) -> float:
-        gap = pi * (0.5 - self.half_width / self.period)
-        return pi * self.E_star * self.amplitude / self.period * (1.0 - gap * gap)
-
-
-@dataclass(frozen=True)
 class LocalizedWedge(OneZone):
     """(26)-(27), Goryacheva & Tsukanov (2020), wedge_slope = tan(beta), s = sqrt(L^2 - 4a^2)/L:
 
@@ -154,20 +117,6 @@ class LocalizedWedge(OneZone):
     _family = IsolatedWedge
     _periodic = PeriodicWedge
     _shape = "wedge_slope"
-
-
-@dataclass(frozen=True)
-class PrintedLocalizedWedge(LocalizedWedge):
-    """(26) as printed, arcosh(a/x): the same for x > 0, and not a number for x < 0."""
-
-    def pressure(self, x: ArrayLike) -> Array:
-        """(26) as printed; nan on the left half of the zone."""
-        x = np.asarray(x, dtype=float)
-        inside = np.abs(x) < self.half_width
-        with np.errstate(divide="ignore", invalid="ignore"):
-            own = np.arccosh(np.where(inside, self.half_width / x, 1.0))
-        alone = self.E_star * self.wedge_slope / pi
-        return np.where(inside, alone * own + (super().pressure(x) - self.isolated.pressure(x)), 0.0)
 
 
 @dataclass(frozen=True)

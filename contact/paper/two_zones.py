@@ -67,22 +67,6 @@ class TwoZones:
         a, b = self.ends
         return np.array([[-b, -a], [a, b]])
 
-    @property
-    def width(self) -> float:
-        """b - a."""
-        a, b = self.ends
-        return b - a
-
-    @property
-    def end_ratio(self) -> float:
-        """(a^2 + b^2)/2c^2: 1 for the pair alone."""
-        a, b = self.ends
-        return 2.0 * (a * a + b * b) / self.spacing**2
-
-    def _shape_slope(self, x: Array) -> Array:
-        """f'(x)."""
-        return tips_slope(x, self.radius, self.spacing)
-
 
 @dataclass(frozen=True)
 class LocalizedPair(TwoZones):
@@ -112,7 +96,7 @@ class LocalizedPair(TwoZones):
             x = s if self.centre == "pair" else s - 0.5 * self.period
             width = 2.0 * half / (sqrt(middle + half) + sqrt(max(middle - half, 0.0)))
             bend = 4.0 * self._nominal(width) / (pi * self.E_star) * np.arctanh(2.0 * s / self.period)
-            return np.asarray((self._shape_slope(x) + bend) / s)
+            return np.asarray((tips_slope(x, self.radius, self.spacing) + bend) / s)
 
         return pair_at_load(ratio, self.load, self.E_star, 0.25 * self.period**2)
 
@@ -139,33 +123,6 @@ class LocalizedPair(TwoZones):
         """p(x) [Pa] in the cell |x| < L/2; 0 outside the zones."""
         r = np.abs(np.asarray(x, dtype=float))
         return self.pair.pressure(r if self.centre == "pair" else 0.5 * self.period - r)
-
-    def contact_slope(self, x: ArrayLike) -> Array:
-        """h'(x) of (35), about the strip's centre."""
-        x = np.asarray(x, dtype=float)
-        s = x if self.centre == "pair" else x - 0.5 * self.period
-        a, b = self.ends
-        return self._shape_slope(x) + 4.0 * self._nominal(b - a) / (pi * self.E_star) * np.arctanh(2.0 * s / self.period)
-
-
-@dataclass(frozen=True)
-class PrintedArtanhPair(LocalizedPair):
-    """(36) as printed, on the ends of `LocalizedPair`: one integral over [a, b] with 1/(xi - x) and E*/2pi, which is the
-    corrected one without the other zone, -(E* sqrt(Z)/2pi) int_a^b h' dxi/((xi + x) sqrt(Z))."""
-
-    def pressure(self, x: ArrayLike) -> Array:
-        """(36) as printed for a <= |x| <= b; 0 outside."""
-        r = np.abs(np.asarray(x, dtype=float))
-        pair = self.pair
-        n = len(pair.ratio)
-        theta = (np.arange(n) + 0.5) * pi / n
-        xi = np.sqrt((pair.middle - pair.half) + 2.0 * pair.half * np.cos(0.5 * theta) ** 2)
-        # dxi/sqrt(Z) = dtheta/2 xi
-        own = self.contact_slope(xi) / (2.0 * xi) * pi / n
-        a, b = self.ends
-        root = np.sqrt(np.maximum((b - r) * (b + r) * (r - a) * (r + a), 0.0))
-        other = np.sum(own / (xi + r[..., None]), axis=-1)
-        return pair.pressure(r) + self.E_star * root / (2.0 * pi) * other
 
 
 @dataclass(frozen=True)

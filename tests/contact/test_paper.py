@@ -14,7 +14,7 @@ from scipy.special import j0, j1
 import contact
 from contact import paper
 from contact.reference import exact
-from tests.contact import reference
+from tests.contact import paper_forms, reference
 
 L = 1e-4
 E_STAR = 1.1e11
@@ -61,7 +61,7 @@ class TestOneZone:
     def test_the_closed_form_is_the_quadrature_of_14_15_and_17(self, family, closure, share):
         ours = example(family, share, closure)
         slope = FAMILIES[family][2].slope
-        shape = paper.LocalizedShape(lambda x: np.asarray(slope(x)), E_STAR, L, share * L, closure)
+        shape = paper_forms.LocalizedShape(lambda x: np.asarray(slope(x)), E_STAR, L, share * L, closure)
         x = share * L * np.linspace(0.01, 0.999, 40)
         assert shape.load == pytest.approx(ours.load, rel=1e-13)
         assert shape.mean_pressure == pytest.approx(ours.mean_pressure, rel=1e-13)
@@ -119,21 +119,21 @@ class TestErrata:
     def test_equation_6_holds_with_one_over_pi_and_gives_half_the_slope_as_printed(self):
         hertz = exact.HertzLine(2e-3, E_STAR, 0.3 * L)
         t = np.linspace(-0.95, 0.95, 21)
-        right = paper.cauchy_slope(hertz.pressure_at, hertz.half_width, E_STAR, t)
+        right = paper_forms.cauchy_slope(hertz.pressure_at, hertz.half_width, E_STAR, t)
         np.testing.assert_allclose(right, 0.3 * L * t / 2e-3, atol=1e-12 * 0.3 * L / 2e-3)
-        wrong = paper.printed_cauchy_slope(hertz.pressure_at, hertz.half_width, E_STAR, t)
+        wrong = paper_forms.printed_cauchy_slope(hertz.pressure_at, hertz.half_width, E_STAR, t)
         np.testing.assert_allclose(wrong, 0.15 * L * t / 2e-3, atol=1e-12 * 0.3 * L / 2e-3)
 
     def test_equation_8_has_the_sign_with_which_7_would_pull(self):
-        shape = paper.LocalizedShape(lambda x: x / 2e-3, E_STAR, L, 0.3 * L)
+        shape = paper_forms.LocalizedShape(lambda x: x / 2e-3, E_STAR, L, 0.3 * L)
         x = 0.3 * L * np.linspace(0.1, 0.9, 9)
         np.testing.assert_array_equal(shape.printed_contact_slope(x), -shape.contact_slope(x))
         assert np.all(shape.contact_slope(x) > x / 2e-3) and np.all(shape.pressure(x) > 0)
 
     def test_equation_12_as_printed_is_minus_e_star_times_the_slope_that_the_strips_make(self):
         x = np.array([0.05, 0.12, 0.3, 0.42]) * L
-        right = paper.strip_slope(x, 0.4 * L, L, 2e7, E_STAR)
-        wrong = paper.printed_strip_slope(x, 0.4 * L, L, 2e7, terms=200_000)
+        right = paper_forms.strip_slope(x, 0.4 * L, L, 2e7, E_STAR)
+        wrong = paper_forms.printed_strip_slope(x, 0.4 * L, L, 2e7, terms=200_000)
         np.testing.assert_allclose(wrong, -E_STAR * right, rtol=1e-3)  # the tail of the sum is of order 1/terms
         # Against the definition: u' = -(2/pi E*) int p (pi/L) cot(pi (x - xi)/L), over strips that do not hold x.
         outside = 0.3 * L
@@ -142,14 +142,14 @@ class TestErrata:
 
     def test_a_uniform_pressure_on_everything_bends_nothing(self):
         x = np.linspace(-0.45, 0.45, 7) * L
-        assert np.max(np.abs(paper.strip_slope(x, L, L, 2e7, E_STAR))) < 1e-15 * 2e7 / E_STAR * 100
+        assert np.max(np.abs(paper_forms.strip_slope(x, L, L, 2e7, E_STAR))) < 1e-15 * 2e7 / E_STAR * 100
 
     def test_equation_17_as_its_brackets_stand_gives_the_same_semi_ellipse_for_every_shape(self):
         x = 0.3 * L * np.linspace(0.05, 0.9, 8)
         a = 0.3 * L
         for slope in (lambda s: s / 2e-3, lambda s: 0.02 * np.sign(s)):
-            printed = paper.PrintedLocalizedShape(slope, E_STAR, L, a)
-            right = paper.LocalizedShape(slope, E_STAR, L, a)
+            printed = paper_forms.PrintedLocalizedShape(slope, E_STAR, L, a)
+            right = paper_forms.LocalizedShape(slope, E_STAR, L, a)
             np.testing.assert_allclose(
                 printed.isolated_pressure(x), np.sqrt(a * a - x * x) * right.isolated_load / np.pi, rtol=1e-13
             )
@@ -158,7 +158,7 @@ class TestErrata:
 
     def test_equation_18_as_printed_does_not_add_up_to_19(self):
         args = (1e-6, L, E_STAR, 0.3 * L)
-        right, printed = exact.Westergaard(*args), paper.PrintedWestergaard(*args)
+        right, printed = exact.Westergaard(*args), paper_forms.PrintedWestergaard(*args)
         x = np.linspace(-0.29, 0.29, 11) * L
         np.testing.assert_allclose(
             printed.pressure(x), right.pressure(x) / np.sqrt(np.pi * E_STAR * 1e-6), rtol=1e-10
@@ -167,7 +167,7 @@ class TestErrata:
         assert quad(printed.pressure, -0.3 * L, 0.3 * L)[0] / right.load == pytest.approx(1 / np.sqrt(np.pi * E_STAR * 1e-6))
 
     def test_equation_26_as_printed_is_no_number_on_the_left_half(self):
-        printed = paper.PrintedLocalizedWedge(wedge_slope=0.02, period=L, E_star=E_STAR, half_width=0.3 * L)
+        printed = paper_forms.PrintedLocalizedWedge(wedge_slope=0.02, period=L, E_star=E_STAR, half_width=0.3 * L)
         x = 0.3 * L * np.linspace(0.05, 0.95, 7)
         np.testing.assert_allclose(printed.pressure(x), example("wedge", 0.3).pressure(x), rtol=1e-12)
         assert np.all(np.isnan(printed.pressure(-x)))
@@ -235,7 +235,8 @@ class TestTwoZones:
             xi = 0.5 * (lo + hi) + 0.5 * (hi - lo) * np.cos(phi)
             weight = pair.pressure(xi) * 0.5 * (hi - lo) * np.sin(phi) * np.pi / n
             total = total + np.sum(weight / (x[:, None] - xi), axis=1) / np.pi
-        np.testing.assert_allclose(total, 0.5 * pair.contact_slope(x), atol=1e-6 * 0.5 * np.max(np.abs(pair.contact_slope(x))))
+        slope = paper_forms.contact_slope(pair, x)
+        np.testing.assert_allclose(total, 0.5 * slope, atol=1e-6 * 0.5 * np.max(np.abs(slope)))
 
     def test_the_cubic_is_the_same_pair_with_the_cubic_for_the_artanh(self):
         cubic = paper.CubicPair(**PAIR)
@@ -266,10 +267,11 @@ class TestTwoZones:
 
     def test_figure_13_has_the_ratios_that_the_errata_state(self):
         ratio = {
-            "exact": 0.5 * np.sum(np.square(exact.PeriodicBiquadratic(**PAIR).zones[1])) / C**2,
-            "cubic": paper.CubicPair(**PAIR).end_ratio,
-            "printed": paper.PrintedCubicPair(**PAIR).end_ratio,
-            "artanh": paper.LocalizedPair(**PAIR).end_ratio,
+            name: 0.5 * np.sum(np.square(made(**PAIR).zones[1])) / C**2
+            for name, made in (
+                ("exact", exact.PeriodicBiquadratic), ("cubic", paper.CubicPair), ("printed", paper.PrintedCubicPair),
+                ("artanh", paper.LocalizedPair),
+            )
         }
         assert ratio["exact"] == pytest.approx(0.914, abs=5e-4)
         assert ratio["cubic"] == pytest.approx(0.944, abs=5e-4)
@@ -277,7 +279,7 @@ class TestTwoZones:
         assert ratio["printed"] == pytest.approx(1.0, rel=1e-15)
 
     def test_36_as_printed_leaves_out_the_other_zone(self):
-        right, printed = paper.LocalizedPair(**PAIR), paper.PrintedArtanhPair(**PAIR)
+        right, printed = paper.LocalizedPair(**PAIR), paper_forms.PrintedArtanhPair(**PAIR)
         x = np.linspace(*right.ends, 401)
         difference = np.abs(printed.pressure(x) - right.pressure(x))
         assert np.max(difference) / right.max_pressure == pytest.approx(0.00476, abs=2e-5)
@@ -290,7 +292,7 @@ class TestTwoZones:
             m, w = 0.5 * (a + b), 0.5 * (b - a)
             xi = m + w * np.cos((np.arange(n) + 0.5) * np.pi / n)
             at = m + w * np.cos(np.round(np.arccos((at - m) / w) * n / np.pi) * np.pi / n)
-            smooth = right.contact_slope(xi) / np.sqrt((b + xi) * (xi + a))
+            smooth = paper_forms.contact_slope(right, xi) / np.sqrt((b + xi) * (xi + a))
             root = np.sqrt((b * b - at * at) * (at * at - a * a))
             return at, root / (2 * np.pi) * np.sum(smooth / (xi - at)) * np.pi / n
 
@@ -402,7 +404,7 @@ class TestResults:
         """The paper: density raises the peak and narrows the zone. So does its relation; the exact solution does neither."""
         true, printed, alone = exact.PeriodicBiquadratic(**PAIR), paper.PrintedCubicPair(**PAIR), paper.CubicPair(**PAIR).isolated
         assert printed.max_pressure / alone.max_pressure - 1 == pytest.approx(0.0052, abs=2e-4)
-        assert printed.width / alone.zone_widths[0] - 1 == pytest.approx(-0.0055, abs=2e-4)
+        assert np.diff(printed.zones[1])[0] / alone.zone_widths[0] - 1 == pytest.approx(-0.0055, abs=2e-4)
         assert true.max_pressure / alone.max_pressure - 1 == pytest.approx(-0.0107, abs=2e-4)
         assert true.zone_widths[0] / alone.zone_widths[0] - 1 == pytest.approx(0.0170, abs=2e-4)
         for period in (3 * C, 4 * C, 6 * C, 10 * C):
@@ -443,7 +445,7 @@ class TestResults:
 
     @staticmethod
     def _crack_error(fraction):
-        crack = paper.AlmostFullWave(1e-6, L, E_STAR, 0.5 * fraction * L)
+        crack = paper_forms.AlmostFullWave(1e-6, L, E_STAR, 0.5 * fraction * L)
         return crack.mean_pressure / exact.Westergaard(1e-6, L, E_STAR, 0.5 * fraction * L).mean_pressure - 1
 
 
