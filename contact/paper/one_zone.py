@@ -11,54 +11,36 @@ Every example knows the exact solution of the same half-width, which the errors 
 """
 
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 
-from contact.model.checks import positive
-from contact.reference.exact.localized import FIRST_ORDER, Localized, localized_at_load
+from contact.reference.exact.localized import FIRST_ORDER, LocalizedZone
 from contact.reference.exact.parabola import HertzLine, PeriodicParabola
 from contact.reference.exact.sinusoid import IsolatedSinusoid, Westergaard
 from contact.reference.exact.wedge import IsolatedWedge, PeriodicWedge
 
-Isolated = HertzLine | IsolatedWedge | IsolatedSinusoid
 Periodic = PeriodicParabola | PeriodicWedge | Westergaard
 
+# What is exact of each isolated solution's shape in a row, and the parameter of that shape.
+_EXACT: dict[type, tuple[type[Periodic], str]] = {
+    HertzLine: (PeriodicParabola, "radius"),
+    IsolatedWedge: (PeriodicWedge, "wedge_slope"),
+    IsolatedSinusoid: (Westergaard, "amplitude"),
+}
 
-class OneZone(Localized):
-    """Base of the frozen dataclasses of the examples; a family gives `isolated` and `exact`."""
 
-    _family: Any
-    _periodic: Any
-    _shape: str
-
-    @property
-    def isolated(self) -> Isolated:
-        """The isolated solution of the same half-width: Hertz, a wedge, or (20)-(22)."""
-        wave = {"wavelength": self.period} if self._family is IsolatedSinusoid else {}
-        return self._family(**self._sizes, **wave)  # type: ignore[no-any-return]
+@dataclass(frozen=True)
+class OneZone(LocalizedZone):
+    """A localized zone beside the exact one of the same half-width."""
 
     @property
     def exact(self) -> Periodic:
         """The exact periodic solution of the same half-width: (18)-(19), Westergaard (1939); (25), Block & Keer (2008); (28),
         Kuznetsov (1976), with its pressure."""
-        return self._periodic(**self._sizes, period=self.period)  # type: ignore[no-any-return]
-
-    @property
-    def _sizes(self) -> dict[str, float]:
-        return {name: getattr(self, name) for name in (self._shape, "E_star", "half_width")}
-
-    @classmethod
-    def from_load(cls, load: float, *, period: float, E_star: float, closure: str = FIRST_ORDER, **shape: float) -> Self:
-        """The solution at a load per period, on the branch from zero load; OutOfRange past its end."""
-        zone = localized_at_load(cls._family, load, period, closure, E_star=E_star, **shape)
-        fields: dict[str, Any] = {cls._shape: shape[cls._shape], "closure": closure}
-        return cls(period=period, E_star=E_star, half_width=zone.half_width, **fields)  # type: ignore[call-arg]
-
-    @classmethod
-    def from_mean_pressure(cls, mean_pressure: float, *, period: float, **shape: Any) -> Self:
-        """The solution at a mean pressure."""
-        return cls.from_load(positive("mean_pressure", mean_pressure) * period, period=period, **shape)
+        made, size = _EXACT[type(self.isolated)]
+        given: dict[str, Any] = {size: getattr(self.isolated, size)}
+        return made(period=self.period, E_star=self.E_star, half_width=self.half_width, **given)
 
     @property
     def load_error(self) -> float:
@@ -78,8 +60,7 @@ class OneZone(Localized):
         return self.max_pressure / self.exact.max_pressure - 1.0
 
 
-@dataclass(frozen=True)
-class LocalizedWave(OneZone):
+def localized_wave(amplitude: float, period: float, E_star: float, half_width: float, closure: str = FIRST_ORDER) -> OneZone:
     """(20)-(24), Goryacheva & Tsukanov (2020), with k = 2 pi/L and s = sqrt(L^2 - 4a^2)/L:
 
     (20) p0 = (2 pi Delta E*/L) sqrt(1 - t^2) sum (-1)^j J_(2j+1)(ka) U_2j(t),  t = x/a,
@@ -88,19 +69,10 @@ class LocalizedWave(OneZone):
 
     both first-order. OutOfRange where the pressure would be negative at the ends.
     """
-
-    amplitude: float
-    period: float
-    E_star: float
-    half_width: float
-    closure: str = FIRST_ORDER
-    _family = IsolatedSinusoid
-    _periodic = Westergaard
-    _shape = "amplitude"
+    return OneZone(IsolatedSinusoid(amplitude, period, E_star, half_width), period, closure)
 
 
-@dataclass(frozen=True)
-class LocalizedWedge(OneZone):
+def localized_wedge(wedge_slope: float, period: float, E_star: float, half_width: float, closure: str = FIRST_ORDER) -> OneZone:
     """(26)-(27), Goryacheva & Tsukanov (2020), wedge_slope = tan(beta), s = sqrt(L^2 - 4a^2)/L:
 
     (26) p = (E* tan(beta)/pi) arcosh(a/|x|) + (2 E* a tan(beta)/pi L) arctan(2 sqrt(a^2 - x^2)/(L s)),
@@ -108,19 +80,10 @@ class LocalizedWedge(OneZone):
 
     both first-order.
     """
-
-    wedge_slope: float
-    period: float
-    E_star: float
-    half_width: float
-    closure: str = FIRST_ORDER
-    _family = IsolatedWedge
-    _periodic = PeriodicWedge
-    _shape = "wedge_slope"
+    return OneZone(IsolatedWedge(wedge_slope, E_star, half_width), period, closure)
 
 
-@dataclass(frozen=True)
-class LocalizedParabola(OneZone):
+def localized_parabola(radius: float, period: float, E_star: float, half_width: float, closure: str = FIRST_ORDER) -> OneZone:
     """(29)-(30), Goryacheva & Tsukanov (2020), s = sqrt(L^2 - 4a^2)/L:
 
     (29) p = (E*/2R) sqrt(a^2 - x^2) + (E* a^2/2RL) arctan(2 sqrt(a^2 - x^2)/(L s)),
@@ -128,12 +91,4 @@ class LocalizedParabola(OneZone):
 
     both first-order. The exact pressure, which the paper says is not known in closed form, is that of `PeriodicParabola`.
     """
-
-    radius: float
-    period: float
-    E_star: float
-    half_width: float
-    closure: str = FIRST_ORDER
-    _family = HertzLine
-    _periodic = PeriodicParabola
-    _shape = "radius"
+    return OneZone(HertzLine(radius, E_star, half_width), period, closure)

@@ -17,7 +17,7 @@ from math import pi, sqrt
 
 import numpy as np
 
-from contact.paper import FIRST_ORDER, LocalizedPair, LocalizedWedge
+from contact.paper import FIRST_ORDER, LocalizedPair, OneZone
 from contact.reference.exact import Westergaard, correction_load, correction_pressure
 from contact.reference.exact.base import FROM_LEFT, FROM_RIGHT, WEIGHT
 from contact.reference.exact.pair import tips_slope
@@ -201,7 +201,7 @@ class AlmostFullWave:
 
 
 @dataclass(frozen=True)
-class PrintedLocalizedWedge(LocalizedWedge):
+class PrintedLocalizedWedge(OneZone):
     """(26) as printed, arcosh(a/x): the same for x > 0, and not a number for x < 0."""
 
     def pressure(self, x):
@@ -210,7 +210,7 @@ class PrintedLocalizedWedge(LocalizedWedge):
         inside = np.abs(x) < self.half_width
         with np.errstate(divide="ignore", invalid="ignore"):
             own = np.arccosh(np.where(inside, self.half_width / x, 1.0))
-        alone = self.E_star * self.wedge_slope / pi
+        alone = self.E_star * self.isolated.wedge_slope / pi
         return np.where(inside, alone * own + (super().pressure(x) - self.isolated.pressure(x)), 0.0)
 
 

@@ -68,8 +68,8 @@ def test_every_curve_has_numbers_and_no_pressure_is_negative(number, made):
 
 def test_figures_7_and_9_are_the_closed_forms(made):
     for number, form, shape, unit in (
-        ("7", paper.LocalizedWave, {"amplitude": 0.01}, np.pi * 0.01),
-        ("9", paper.LocalizedWedge, {"wedge_slope": 0.01}, 0.01),
+        ("7", paper.localized_wave, {"amplitude": 0.01}, np.pi * 0.01),
+        ("9", paper.localized_wedge, {"wedge_slope": 0.01}, 0.01),
     ):
         x = column(made(number), "x/L")
         away = np.abs(x) > 1e-3

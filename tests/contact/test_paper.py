@@ -22,10 +22,11 @@ SHARES = (0.05, 0.2, 0.35, 0.45)  # a/L
 CLOSURES = (paper.FIRST_ORDER, paper.SELF_CONSISTENT)
 
 FAMILIES = {
-    "wave": (paper.LocalizedWave, {"amplitude": 1e-6}, contact.Sinusoid(1e-6, L), exact.Westergaard),
-    "wedge": (paper.LocalizedWedge, {"wedge_slope": 0.02}, contact.Wedge(0.02, L), exact.PeriodicWedge),
-    "parabola": (paper.LocalizedParabola, {"radius": 2e-3}, contact.Parabola(2e-3, L), exact.PeriodicParabola),
+    "wave": (paper.localized_wave, {"amplitude": 1e-6}, contact.Sinusoid(1e-6, L), exact.Westergaard),
+    "wedge": (paper.localized_wedge, {"wedge_slope": 0.02}, contact.Wedge(0.02, L), exact.PeriodicWedge),
+    "parabola": (paper.localized_parabola, {"radius": 2e-3}, contact.Parabola(2e-3, L), exact.PeriodicParabola),
 }
+ALONE = {"wave": exact.IsolatedSinusoid, "wedge": exact.IsolatedWedge, "parabola": exact.HertzLine}
 families = pytest.mark.parametrize("family", FAMILIES)
 closures = pytest.mark.parametrize("closure", CLOSURES)
 
@@ -71,9 +72,8 @@ class TestOneZone:
     @families
     @closures
     def test_the_load_controls_the_half_width(self, family, closure):
-        made, shape, _, _ = FAMILIES[family]
         ours = example(family, 0.3, closure)
-        again = made.from_mean_pressure(ours.mean_pressure, period=L, E_star=E_STAR, closure=closure, **shape)
+        again = exact.localized_at_load(ALONE[family], ours.load, L, closure, E_star=E_STAR, **FAMILIES[family][1])
         assert again.half_width == pytest.approx(0.3 * L, rel=1e-13)
         assert solved(family, closure, mean_pressure=ours.mean_pressure).zones[0, 1] == pytest.approx(0.3 * L, rel=1e-9)
 
@@ -167,7 +167,7 @@ class TestErrata:
         assert quad(printed.pressure, -0.3 * L, 0.3 * L)[0] / right.load == pytest.approx(1 / np.sqrt(np.pi * E_STAR * 1e-6))
 
     def test_equation_26_as_printed_is_no_number_on_the_left_half(self):
-        printed = paper_forms.PrintedLocalizedWedge(wedge_slope=0.02, period=L, E_star=E_STAR, half_width=0.3 * L)
+        printed = paper_forms.PrintedLocalizedWedge(exact.IsolatedWedge(0.02, E_STAR, 0.3 * L), L)
         x = 0.3 * L * np.linspace(0.05, 0.95, 7)
         np.testing.assert_allclose(printed.pressure(x), example("wedge", 0.3).pressure(x), rtol=1e-12)
         assert np.all(np.isnan(printed.pressure(-x)))
@@ -384,7 +384,7 @@ class TestResults:
     @families
     def test_at_a_given_load_neighbours_raise_the_peak_and_narrow_the_zone(self, family):
         made, shape, _, row = FAMILIES[family]
-        alone = {"wave": exact.IsolatedSinusoid, "wedge": exact.IsolatedWedge, "parabola": exact.HertzLine}[family]
+        alone = ALONE[family]
         given = shape | ({"wavelength": L} if family == "wave" else {})
         for share in (0.1, 0.25):
             load = example(family, share).exact.load
@@ -438,9 +438,8 @@ class TestResults:
 
     @staticmethod
     def _width_error(family, fraction, closure=paper.FIRST_ORDER):
-        made, shape, _, _ = FAMILIES[family]
         load = example(family, fraction / 2).exact.load
-        ours = made.from_load(load, period=L, E_star=E_STAR, closure=closure, **shape)
+        ours = exact.localized_at_load(ALONE[family], load, L, closure, E_star=E_STAR, **FAMILIES[family][1])
         return ours.half_width / (0.5 * fraction * L) - 1
 
     @staticmethod

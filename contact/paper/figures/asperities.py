@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from contact.model.profiles import Parabola, Profile, Sinusoid, Wedge
-from contact.paper import LocalizedParabola, LocalizedWave, LocalizedWedge
+from contact.paper import localized_parabola, localized_wave, localized_wedge
 from contact.paper.figures import base
 from contact.paper.figures.base import ALONE, EXACT, FIRST, MODELS, ONE, SELF, Figure, curve, label_panel, solved, worst
-from contact.reference.exact import PeriodicParabola
+from contact.reference.exact import HertzLine, PeriodicParabola, localized_at_load
 from contact.solution.solution import Solution
 from sie import Array
 
@@ -90,7 +90,7 @@ def figure_7() -> Figure:
     """Pressure under the wave at two widths of contact."""
     every = {(f, m): solved(_WAVE, m, half_width=0.5 * f) for f in FRACTIONS for m in (EXACT, FIRST, SELF, ONE)}
     seen = _Pressures("p/p*", "2a/L", _P_STAR, every)
-    closed = {f: LocalizedWave(_SCALE, 1.0, 1.0, 0.5 * f) for f in FRACTIONS}
+    closed = {f: localized_wave(_SCALE, 1.0, 1.0, 0.5 * f) for f in FRACTIONS}
     apart = [
         seen.apart(f, model, form.pressure(seen.x)) for f, both in closed.items() for model, form in ((FIRST, both), (EXACT, both.exact))
     ]
@@ -109,9 +109,9 @@ def figure_8() -> Figure:
     numbers = {"mean/p*": lambda s: s.load / _P_STAR, "max/p*": lambda s: s.max_pressure / _P_STAR}
     columns = {"2a/L": _FRACTIONS, **_at_widths(_WAVE, 0.5 * _FRACTIONS, numbers)}
     first = columns[f"mean/p* {FIRST}"]
-    written = np.array([LocalizedWave(_SCALE, 1.0, 1.0, 0.5 * f).mean_pressure for f in _FRACTIONS[np.isfinite(first)]]) / _P_STAR
+    written = np.array([localized_wave(_SCALE, 1.0, 1.0, 0.5 * f).mean_pressure for f in _FRACTIONS[np.isfinite(first)]]) / _P_STAR
     apart = worst(first[: len(written)], written)
-    at = LocalizedWave(_SCALE, 1.0, 1.0, 0.35)
+    at = localized_wave(_SCALE, 1.0, 1.0, 0.35)
 
     def draw(figure: Any) -> None:
         left, right = figure.subplots(1, 2)
@@ -141,7 +141,7 @@ def figure_9() -> Figure:
     seen = _Pressures("p/(E* tan b)", "2a/L", _SCALE, every)
     apart, beside = [], []
     for fraction in FRACTIONS:
-        closed = LocalizedWedge(_SCALE, 1.0, 1.0, 0.5 * fraction)
+        closed = localized_wedge(_SCALE, 1.0, 1.0, 0.5 * fraction)
         for model, form in ((FIRST, closed), (EXACT, closed.exact)):
             apart.append(seen.apart(fraction, model, form.pressure(seen.x), np.abs(seen.x) > 1e-3))
         t = np.linspace(0.01, 0.99, 99)
@@ -160,9 +160,9 @@ def figure_10() -> Figure:
     """Width of contact against the mean pressure."""
     mean = "mean/(E* tan b)"
     columns = {"2a/L": _FRACTIONS, **_at_widths(_WEDGE, 0.5 * _FRACTIONS, {mean: lambda s: s.load / _SCALE})}
-    written = np.array([LocalizedWedge(_SCALE, 1.0, 1.0, 0.5 * f).mean_pressure for f in _FRACTIONS]) / _SCALE
+    written = np.array([localized_wedge(_SCALE, 1.0, 1.0, 0.5 * f).mean_pressure for f in _FRACTIONS]) / _SCALE
     apart = worst(columns[f"{mean} {FIRST}"], written)
-    at = LocalizedWedge(_SCALE, 1.0, 1.0, 0.35)
+    at = localized_wedge(_SCALE, 1.0, 1.0, 0.35)
 
     def draw(figure: Any) -> None:
         left, right = figure.subplots(1, 2)
@@ -186,8 +186,9 @@ def figure_11() -> Figure:
     every = {(p, m): solved(_PARABOLA, m, mean_pressure=p) for p in PRESSURES for m in (EXACT, FIRST, SELF, ALONE)}
     apart, t = [], np.linspace(-1.0, 1.0, 201)
     for mean in PRESSURES:
-        for model, family in ((EXACT, PeriodicParabola), (FIRST, LocalizedParabola)):
-            form = family.from_mean_pressure(mean, period=1.0, radius=1.0, E_star=1.0)
+        exact = PeriodicParabola.from_mean_pressure(mean, period=1.0, radius=1.0, E_star=1.0)
+        first = localized_at_load(HertzLine, mean, period=1.0, radius=1.0, E_star=1.0)
+        for model, form in ((EXACT, exact), (FIRST, first)):
             solution = every[mean, model]
             assert solution is not None
             apart.append(worst(solution.pressure_at(t), form.pressure_at(t)))
@@ -207,10 +208,10 @@ def figure_12() -> Figure:
     """Half-width of contact against the load."""
     load = "P R/(L^2 E*)"
     columns = {"a/L": _SHARES, **_at_widths(_PARABOLA, _SHARES, {load: lambda s: s.load})}
-    closed = [LocalizedParabola(1.0, 1.0, 1.0, a) for a in _SHARES]
+    closed = [localized_parabola(1.0, 1.0, 1.0, a) for a in _SHARES]
     apart = worst(columns[f"{load} {FIRST}"], np.array([c.load for c in closed]))
     kuznetsov = worst(columns[f"{load} {EXACT}"], np.array([c.exact.load for c in closed]))
-    end, low = LocalizedParabola(1.0, 1.0, 1.0, 0.35), LocalizedParabola(1.0, 1.0, 1.0, 0.125)
+    end, low = localized_parabola(1.0, 1.0, 1.0, 0.35), localized_parabola(1.0, 1.0, 1.0, 0.125)
     hertz_width = float(np.sqrt(4.0 * low.exact.load / np.pi)) / 0.125 - 1.0
 
     def draw(figure: Any) -> None:

@@ -8,7 +8,7 @@ I. G. Goryacheva & I. Tsukanov, Front. Mech. Eng. 6 (2020) 45, doi 10.3389/fmech
 
 from dataclasses import dataclass
 from math import atan2, pi, sqrt
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -85,98 +85,21 @@ def correction_load(half_width: float, period: float, nominal_load: float) -> fl
     >>> bool(np.isclose(correction_load(half_width=0.3, period=1.0, nominal_load=1.0), 0.2))  # 1 - sqrt(1 - 0.6^2)
     True
     """
-    root = sqrt((period - 2.0 * half_width) * (period + 2.0 * half_width))
-    return nominal_load * 4.0 * half_width**2 / (period * (period + root))
+    return nominal_load * 4.0 * half_width**2 / (period * (period + _root(half_width, period)))
+
+
+def _root(a: float, period: float) -> float:
+    """sqrt(L^2 - 4a^2)."""
+    return sqrt((period - 2.0 * a) * (period + 2.0 * a))
 
 
 def _correction(r: Array, d: Array, a: float, period: float, nominal_load: float) -> Array:
     reach = 2.0 * np.sqrt(d * (a + r))
-    rest = sqrt((period - 2.0 * a) * (period + 2.0 * a))
-    return 2.0 * nominal_load / (pi * period) * np.arctan2(reach, rest)
-
-
-class Localized(SymmetricZone):
-    """The base of the zones made of an `isolated` solution in a period, by one of the closures."""
-
-    # Annotations only: a value here would become the default of a subclass's dataclass field of that name.
-    period: float
-    closure: str
-    datum = None
-
-    if TYPE_CHECKING:
-
-        @property
-        def isolated(self) -> HertzLine | IsolatedWedge | IsolatedSinusoid: ...
-
-    def __post_init__(self) -> None:
-        positive("period", self.period)
-        one_of("closure", self.closure, (FIRST_ORDER, SELF_CONSISTENT))
-        if not isinstance(self.isolated, (HertzLine, IsolatedWedge, IsolatedSinusoid)):
-            raise SceneError.of("isolated", self.isolated, "a HertzLine, an IsolatedWedge or an IsolatedSinusoid")
-        between("half_width", self.half_width, 0.0, 0.5 * self.period)
-        if isinstance(self.isolated, IsolatedSinusoid) and self.isolated.wavelength != self.period:
-            raise SceneError.of("wavelength", self.isolated.wavelength, f"the period {self.period:.17g}")
-        if float(self.load_rate(np.array(self.half_width))) < 0.0:
-            raise OutOfRange(f"half_width = {self.half_width:.6g} m is out of range: p < 0 at the ends")
-
-    @property
-    def _rest(self) -> float:
-        """sqrt(L^2 - 4a^2)/L."""
-        a = self.half_width
-        return sqrt((self.period - 2.0 * a) * (self.period + 2.0 * a)) / self.period
-
-    @property
-    def nominal_load(self) -> float:
-        """P_s, the load per period that acts outside the strip."""
-        return self.isolated.load if self.closure == FIRST_ORDER else self.load
-
-    @property
-    def load(self) -> float:
-        if self.closure == FIRST_ORDER:
-            return self.isolated.load + correction_load(self.half_width, self.period, self.isolated.load)
-        return self.isolated.load / self._rest
-
-    @property
-    def max_pressure(self) -> float:
-        angle = atan2(2.0 * self.half_width, self._rest * self.period)
-        return self.isolated.max_pressure + 2.0 * self.nominal_load / (pi * self.period) * angle
-
-    def load_rate(self, s: Array) -> Array:
-        """d(load)/da at a = s with the nominal load held: the superposition's P'(s)."""
-        s = np.asarray(s)
-        z = 2.0 * s / self.period
-        # s may round to L/2, where the rate is infinite but its integral is not.
-        root = np.sqrt(np.maximum(1.0 - z, 1e-16) * (1.0 + z))
-        return self.isolated.load_rate(s) + 2.0 * self.nominal_load / self.period * z / root
-
-    def _height(self, r: Array) -> Array:
-        return self.isolated.height(r)
-
-    def _slope(self, r: Array) -> Array:
-        return self.isolated.slope(r)
-
-    def _pressure(self, r: Array, d: Array) -> Array:
-        extra = _correction(r, d, self.half_width, self.period, self.nominal_load)
-        return self.isolated._pressure(r, d) + extra
-
-    def _gap(self, e: Array) -> Array:
-        return abel_gap(
-            self.load_rate, self.half_width, np.minimum(e, 0.5 * self.period - self.half_width), self.E_star
-        )
-
-    @property
-    def approach(self) -> float | None:
-        """None: the closures do not fix a common level of u."""
-        return None
-
-    @property
-    def stiffness(self) -> float | None:
-        """None, as the approach."""
-        return None
+    return 2.0 * nominal_load / (pi * period) * np.arctan2(reach, _root(a, period))
 
 
 @dataclass(frozen=True)
-class LocalizedZone(Localized):
+class LocalizedZone(SymmetricZone):
     """An isolated solution in a period L, with the neighbours' nominal load P_s taken over by the correction of (17).
 
     `first-order` (the paper's examples (23), (27), (30)): P_s is the isolated load P0, P = P0 (2 - sqrt(L^2 -
@@ -223,6 +146,18 @@ class LocalizedZone(Localized):
     isolated: HertzLine | IsolatedWedge | IsolatedSinusoid
     period: float
     closure: str = FIRST_ORDER
+    datum = None
+
+    def __post_init__(self) -> None:
+        positive("period", self.period)
+        one_of("closure", self.closure, (FIRST_ORDER, SELF_CONSISTENT))
+        if not isinstance(self.isolated, (HertzLine, IsolatedWedge, IsolatedSinusoid)):
+            raise SceneError.of("isolated", self.isolated, "a HertzLine, an IsolatedWedge or an IsolatedSinusoid")
+        between("half_width", self.half_width, 0.0, 0.5 * self.period)
+        if isinstance(self.isolated, IsolatedSinusoid) and self.isolated.wavelength != self.period:
+            raise SceneError.of("wavelength", self.isolated.wavelength, f"the period {self.period:.17g}")
+        if float(self.load_rate(np.array(self.half_width))) < 0.0:
+            raise OutOfRange(f"half_width = {self.half_width:.6g} m is out of range: p < 0 at the ends")
 
     @property
     def half_width(self) -> float:  # type: ignore[override]
@@ -231,6 +166,53 @@ class LocalizedZone(Localized):
     @property
     def E_star(self) -> float:  # type: ignore[override]
         return self.isolated.E_star
+
+    @property
+    def nominal_load(self) -> float:
+        """P_s, the load per period that acts outside the strip."""
+        return self.isolated.load if self.closure == FIRST_ORDER else self.load
+
+    @property
+    def load(self) -> float:
+        if self.closure == FIRST_ORDER:
+            return self.isolated.load + correction_load(self.half_width, self.period, self.isolated.load)
+        return self.isolated.load * self.period / _root(self.half_width, self.period)
+
+    @property
+    def max_pressure(self) -> float:
+        angle = atan2(2.0 * self.half_width, _root(self.half_width, self.period))
+        return self.isolated.max_pressure + 2.0 * self.nominal_load / (pi * self.period) * angle
+
+    def load_rate(self, s: Array) -> Array:
+        """d(load)/da at a = s with the nominal load held: the superposition's P'(s)."""
+        s = np.asarray(s)
+        z = 2.0 * s / self.period
+        # s may round to L/2, where the rate is infinite but its integral is not.
+        root = np.sqrt(np.maximum(1.0 - z, 1e-16) * (1.0 + z))
+        return self.isolated.load_rate(s) + 2.0 * self.nominal_load / self.period * z / root
+
+    def _height(self, r: Array) -> Array:
+        return self.isolated.height(r)
+
+    def _slope(self, r: Array) -> Array:
+        return self.isolated.slope(r)
+
+    def _pressure(self, r: Array, d: Array) -> Array:
+        extra = _correction(r, d, self.half_width, self.period, self.nominal_load)
+        return self.isolated._pressure(r, d) + extra
+
+    def _gap(self, e: Array) -> Array:
+        return abel_gap(self.load_rate, self.half_width, np.minimum(e, 0.5 * self.period - self.half_width), self.E_star)
+
+    @property
+    def approach(self) -> float | None:
+        """None: the closures do not fix a common level of u."""
+        return None
+
+    @property
+    def stiffness(self) -> float | None:
+        """None, as the approach."""
+        return None
 
 
 def localized_at_load(
@@ -282,7 +264,7 @@ def localized_at_load(
 
     def at(a: float) -> float:
         zone = family(half_width=a, **shape)
-        rest = sqrt((period - 2.0 * a) * (period + 2.0 * a)) / period
+        rest = _root(a, period) / period
         return zone.load * (2.0 - rest) if closure == FIRST_ORDER else zone.load / rest
 
     # The samples run into the maximum from below; the bracket about the first fall is refined.
