@@ -23,24 +23,13 @@ from contact.model.checks import one_of
 from contact.reference.exact import IsolatedBiquadratic, PeriodicBiquadratic
 from contact.reference.exact.base import Array
 from contact.reference.exact.localized import FIRST_ORDER, SELF_CONSISTENT
-from contact.reference.exact.pair import EvenPair, check_row, pair_at_load, tips_slope
+from contact.reference.exact.pair import EvenPair, PairRow, pair_at_load, tips_slope
 
 CENTRES = ("pair", "valley")
 
 
-@dataclass(frozen=True)
-class TwoZones:
-    """Base of the solutions: shape, load, and what is read of the ends. `spacing` is 2c, the mean pressure the load of both
-    zones over L, as in (39)."""
-
-    radius: float
-    spacing: float
-    period: float
-    E_star: float
-    mean_pressure: float
-
-    def __post_init__(self) -> None:
-        check_row(self)
+class TwoZones(PairRow):
+    """Base of the solutions, beside the pair alone and the exact row under the same load: (39)."""
 
     @property
     def isolated(self) -> IsolatedBiquadratic:
@@ -51,21 +40,6 @@ class TwoZones:
     def exact(self) -> PeriodicBiquadratic:
         """The exact periodic solution at the same mean pressure."""
         return PeriodicBiquadratic(self.radius, self.spacing, self.period, self.E_star, self.mean_pressure)
-
-    @property
-    def load(self) -> float:
-        """Of both zones [N/m]."""
-        return self.mean_pressure * self.period
-
-    @property
-    def ends(self) -> tuple[float, float]:
-        """a, b."""
-        raise NotImplementedError
-
-    @property
-    def zones(self) -> Array:
-        a, b = self.ends
-        return np.array([[-b, -a], [a, b]])
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from math import atan, ceil, exp, inf, log, pi, sqrt
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -108,8 +107,7 @@ class EvenPair:
     @property
     def zones(self) -> Array:
         """Ends of both zones [m], (2, 2)."""
-        a, b = self.ends
-        return np.array([[-b, -a], [a, b]])
+        return _both(self.ends)
 
     @cached_property
     def load(self) -> float:
@@ -159,6 +157,11 @@ class EvenPair:
         if self.period is None:
             return np.asarray(r)
         return np.asarray(np.abs(np.tan(pi / self.period * (r - self.period * np.round(r / self.period)))))
+
+
+def _both(ends: tuple[float, float]) -> Array:
+    a, b = ends
+    return np.array([[-b, -a], [a, b]])
 
 
 def _nodes(middle: float, half: float, limit: float) -> int:
@@ -235,15 +238,40 @@ def tips_slope(x: Array, radius: float, spacing: float) -> Array:
     return np.asarray(x * (x - c) * (x + c) / (2.0 * radius * c * c))
 
 
-def check_row(row: Any) -> None:
-    """The numbers of two tips in a row: positive, and the tips within a period."""
-    keep(row, positive, "radius", "spacing", "period", "E_star", "mean_pressure")
-    if not row.spacing < row.period:
-        raise SceneError.of("spacing", row.spacing, f"below the period {row.period:.17g}")
+@dataclass(frozen=True)
+class PairRow:
+    """Two tips a distance 2c = `spacing` apart, once in every period, each with its own zone; the mean pressure is the load of both
+    over the period. A solution says where the zones end."""
+
+    radius: float
+    spacing: float
+    period: float
+    E_star: float
+    mean_pressure: float
+
+    def __post_init__(self) -> None:
+        keep(self, positive, "radius", "spacing", "period", "E_star", "mean_pressure")
+        if not self.spacing < self.period:
+            raise SceneError.of("spacing", self.spacing, f"below the period {self.period:.17g}")
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """a and b [m]."""
+        raise NotImplementedError
+
+    @property
+    def zones(self) -> Array:
+        """Ends of both zones [m], (2, 2)."""
+        return _both(self.ends)
+
+    @property
+    def load(self) -> float:
+        """Of both zones [N/m]."""
+        return self.mean_pressure * self.period
 
 
 @dataclass(frozen=True)
-class PeriodicBiquadratic:
+class PeriodicBiquadratic(PairRow):
     """f = (x^2 - c^2)^2/8Rc^2 repeated with the period L, while each tip has its own zone: exact, by (34) in v = tan(pi x/L).
 
     The series of G = f'(x(v))/v is the only thing that is not elementary. Derived here, after (34) of Goryacheva & Tsukanov (2020),
@@ -296,15 +324,6 @@ class PeriodicBiquadratic:
     True
     """
 
-    radius: float
-    spacing: float
-    period: float
-    E_star: float
-    mean_pressure: float
-
-    def __post_init__(self) -> None:
-        check_row(self)
-
     @cached_property
     def pair(self) -> EvenPair:
         """The solution in v = tan(pi x/L)."""
@@ -314,22 +333,14 @@ class PeriodicBiquadratic:
 
         return pair_at_load(ratio, self.load, self.E_star, inf, self.period)
 
-    load = property(lambda self: self.mean_pressure * self.period)
-    zones = property(lambda self: self.pair.zones)
-    zone_widths = property(lambda self: np.diff(self.pair.zones, axis=1)[:, 0])
+    zone_widths = property(lambda self: np.diff(self.zones, axis=1)[:, 0])
     zone_loads = property(lambda self: np.full(2, 0.5 * self.load))
     max_pressure = property(lambda self: self.pair.max_pressure)
     contact_fraction = property(lambda self: float(np.sum(self.zone_widths)) / self.period)
 
-    @property
-    def inner_end(self) -> float:
-        """a [m]."""
-        return self.pair.ends[0]
-
-    @property
-    def outer_end(self) -> float:
-        """b [m]."""
-        return self.pair.ends[1]
+    ends = property(lambda self: self.pair.ends)  # type: ignore[assignment]
+    inner_end = property(lambda self: self.ends[0])
+    outer_end = property(lambda self: self.ends[1])
 
     def slope(self, x: ArrayLike) -> Array:
         """f'(x)."""
