@@ -5,7 +5,6 @@ the lists that make all heights larger when they grow are the amplitude, those t
 tried out.
 """
 
-import dataclasses
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
@@ -17,7 +16,7 @@ import numpy as np
 from contact.errors import ContactError
 from contact.model.controls import TURNING, Quantity, fields_under
 from contact.model.profiles.base import Profile
-from contact.model.registry import CONTROLS, PROFILES
+from contact.model.registry import CONTROLS, PROFILES, parameters
 from contact.model.scene import Scene
 from contact.solution.solution import Solution
 
@@ -123,19 +122,15 @@ def _control(scene: Scene, solution: Solution | None) -> Handle:
 
 def _numbers(scene: Scene, place: str) -> list[Handle]:
     """Positive numbers that a part was made of."""
-    part = getattr(scene, place)
-    if not dataclasses.is_dataclass(part):
-        return []
     found = []
-    for field in dataclasses.fields(part):
-        value = getattr(part, field.name)
-        if field.init and isinstance(value, float) and value > 0:
+    for name, value in parameters(getattr(scene, place)).items():
+        if isinstance(value, float) and value > 0:
 
-            def at(now: Scene, to: float, name: str = field.name) -> Scene:
+            def at(now: Scene, to: float, name: str = name) -> Scene:
                 changed: dict[str, Any] = {place: replace(getattr(now, place), **{name: to})}
                 return replace(now, **changed)
 
-            found.append(_allowed(scene, _positive(field.name, value, at)))
+            found.append(_allowed(scene, _positive(name, value, at)))
     return found
 
 

@@ -5,6 +5,7 @@ Classes of other installed packages come through the entry-point groups `contact
 all names are listed; one that fails is warned about and skipped.
 """
 
+import dataclasses
 import inspect
 import warnings
 from collections.abc import Callable, Mapping
@@ -100,6 +101,11 @@ def construct(cls: Callable[..., Any], what: str, params: Mapping[str, Any]) -> 
                 f"{what} needs the parameter {p.name!r}; its parameters are {', '.join(known)}", p.name, None, "given",
             )
     return cls(**params)
+
+
+def parameters(part: Any) -> dict[str, Any]:
+    """What to give the class of a part, by name, to make it again."""
+    return {f.name: getattr(part, f.name) for f in dataclasses.fields(part) if f.init} if dataclasses.is_dataclass(part) else {}
 
 
 PROFILES = Registry("profile", "contact.profiles", ("height", "from_table"))

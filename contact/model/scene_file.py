@@ -5,7 +5,6 @@ The keys of a table are the arguments of the Python object it stands for, in the
 an interaction, a substrate or a law is readable from a file as soon as it is registered. File names are relative to the scene file.
 """
 
-import dataclasses
 import json
 from collections.abc import Callable, Collection, Mapping
 from functools import partial
@@ -23,7 +22,7 @@ from contact.model.controls import CONTROLS, TURNING, fields_under
 from contact.model.profiles.base import Profile
 from contact.model.profiles.combined import STANDS, Combined
 from contact.model.registry import CONTROLS as REGISTERED
-from contact.model.registry import INTERACTIONS, LAWS, PROFILES, SUBSTRATES, Registry, from_table
+from contact.model.registry import INTERACTIONS, LAWS, PROFILES, SUBSTRATES, Registry, from_table, parameters
 from contact.model.scene import E_star, Scene
 
 Table = Mapping[str, Any]
@@ -229,11 +228,6 @@ def tables(scene: Scene) -> dict[str, dict[str, Any]]:
         **{place: {"model": part.name, **parameters(part)} for place, part in given.items()},
         "control": {name: value, **{turn: getattr(scene, turn) for turn in TURNING if getattr(scene, turn) is not None}},
     }
-
-
-def parameters(part: Any) -> dict[str, Any]:
-    """What to give the class of an interaction, a substrate or a law, by name, to make it again."""
-    return {f.name: getattr(part, f.name) for f in dataclasses.fields(part) if f.init} if dataclasses.is_dataclass(part) else {}
 
 
 def _lines(table: Mapping[str, Any]) -> str:

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 
 import sie
 from contact.model.profiles.derive import detail_of, right_by_step, slope_of
-from contact.model.registry import construct
+from contact.model.registry import construct, parameters
 from sie import Array
 
 # Places a period at which slopes are read.
@@ -201,9 +201,7 @@ class Profile(sie.Kept):
 
     def parameters(self) -> dict[str, Any]:
         """What to give the class, by name, to make this profile again."""
-        if not dataclasses.is_dataclass(self):
-            return {}
-        return {f.name: getattr(self, f.name) for f in dataclasses.fields(self) if f.init}
+        return parameters(self)
 
     @property
     def bodies(self) -> "dict[str, Profile]":

@@ -126,11 +126,9 @@ def prepared(reading: Reading, by: Preparation) -> Trace:
     x, height, lines, note = filled(path, x, height, lines, by.fill)
     holes = _doubtful_heights(Path(path).name, height, note if many else "")
     done(note)
-    if count is None:
+    if count is None or _pitch_behind_rounding(x) is None:
         _refuse_repeated(path, x, lines)
-    else:
-        if _pitch_behind_rounding(x) is None:
-            _refuse_repeated(path, x, lines)
+    if count is not None:
         x, height, note = to_uniform(x, height, x.size if count is True else _bounded(count, x.size))
         done(note)
     if by.lambda_s is not None:
@@ -242,11 +240,6 @@ def to_uniform(x: Array, height: Array, count: int) -> tuple[Array, Array, str]:
         far = float(np.max(np.abs(moved - x)))
         note = f"positions taken as even, pitch {pitch:.9g} m: rounding explains their shifts (<= {far:.2g} m)"
         x = moved
-    elif np.any(np.diff(x) <= 0):
-        i = int(np.flatnonzero(np.diff(x) <= 0)[0])
-        raise SceneError.of(
-            "x", x, f"increasing (element {i + 1} repeats {x[i]:.9g}, and rounding does not explain it)"
-        )
     even = np.linspace(x[0], x[-1], count)
     if count == x.size and float(np.max(np.abs(even - x))) <= 1e-9 * (x[-1] - x[0]) / (count - 1):
         return x if pitch is not None else even, height, note
@@ -254,12 +247,8 @@ def to_uniform(x: Array, height: Array, count: int) -> tuple[Array, Array, str]:
 
 
 def subtract_trend(x: Array, height: Array, kind: str | int) -> Array:
-    """Heights less their least-squares line, parabola or polynomial of a degree ("none": as they are)."""
-    degree = _degree(kind)
-    t = (2 * x - x[0] - x[-1]) / (x[-1] - x[0])
-    basis = t[:, None] ** np.arange(degree + 1)
-    coefficients = np.linalg.lstsq(basis, height, rcond=None)[0]
-    return np.asarray(height - basis @ coefficients)
+    """Heights less their least-squares line, parabola or polynomial of a degree."""
+    return np.asarray(height - np.polynomial.Polynomial.fit(x, height, _degree(kind))(x))
 
 
 def taper_ends(x: Array, height: Array, fraction: float) -> Array:

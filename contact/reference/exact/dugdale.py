@@ -351,14 +351,12 @@ class _DugdaleEquilibria(Equilibria[_DugdaleState]):
         """w/s, up to which the surfaces pull."""
         return self.work / self.stress
 
-    def _miss(self, c: float, a: float) -> float:
-        return DugdaleZone(self._frictionless(a), self.stress, c).end_gap - self.end_gap
-
     def _half_width(self, c: float) -> float:
         """a at which the gap at c is w/s: it falls from its value without contact to zero at a = c."""
 
         def miss(log_ratio: float) -> float:
-            return self._miss(c, c - c / (1.0 + exp(log_ratio)))
+            a = c - c / (1.0 + exp(log_ratio))
+            return DugdaleZone(self._frictionless(a), self.stress, c).end_gap - self.end_gap
 
         # From a = 1e-15 c to c - a = 1e-14 c.
         return float(c - c / (1.0 + exp(brentq(miss, -34.0, 32.0, xtol=1e-14, rtol=1e-15))))

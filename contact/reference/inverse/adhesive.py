@@ -342,7 +342,7 @@ def second_variation(design: AdhesiveDesign) -> Array:
     places = [product.at_end(e) for e in range(m)]
     poles = np.array([product.poles(*place)[0] for place in places])  # [i, j]: that of end j seen from end i
     np.fill_diagonal(poles, 0.0)
-    modes = np.array([_modes(design, *place)[0] for place in places])
+    modes = np.array([design._modes(product, *place)[0] for place in places])
     slow_modes = _slow(design, modes)
     strength = outward * others * q / (2.0 * unit)
     answers = _slow_parts(design, strength, unit)
@@ -385,10 +385,6 @@ def is_stable(design: AdhesiveDesign) -> bool:
     return bool(np.min(np.linalg.eigvalsh(0.5 * (matrix + matrix.T))) > 0.0)
 
 
-def _modes(design: AdhesiveDesign, i: int, dl: Array, dr: Array) -> Array:
-    return np.asarray(design._modes(design._product, i, dl, dr), dtype=float)
-
-
 def _slow(design: AdhesiveDesign, modes: Array) -> Array:
     """The functions of which T is made, (..., n - 1): those of M without the fastest."""
     return modes[..., :-1] if design.period is None else modes[..., 2:]
@@ -403,7 +399,7 @@ def _slow_parts(design: AdhesiveDesign, strength: Array, unit: float) -> Array:
     for row, g in enumerate(gaps):
         dl, dr, weight = product.nodes(g)
         x_root = product.root(g, dl, dr)
-        matrix[row] = weight / x_root @ _slow(design, _modes(design, g, dl, dr))
+        matrix[row] = weight / x_root @ _slow(design, design._modes(product, g, dl, dr))
         poles = product.poles(g, dl, dr)
         for j in range(m):
             field = strength[j] * poles[:, j] / x_root

@@ -8,9 +8,8 @@ import numpy as np
 
 from contact.errors import SceneError
 from contact.model.controls import TURNING, fields_under
-from contact.model.registry import CONTROLS
+from contact.model.registry import CONTROLS, parameters
 from contact.model.scene import Scene
-from contact.model.scene_file import parameters
 
 Value = float | int | str
 
