@@ -19,8 +19,8 @@ from contact.axisymmetric.answer import Spot
 from contact.axisymmetric.lattices import Lattice, Site, as_lattice, own_radius
 from contact.axisymmetric.neighbours import Surroundings, surroundings
 from contact.axisymmetric.profiles import as_profile
-from contact.axisymmetric.spot import NODES, first_radius, one_control, refined, ring_count, settled, spot_of
-from contact.axisymmetric.system import Kind, closed_edge, refine_topology, room, total_load
+from contact.axisymmetric.spot import first_radius, one_control, refined, ring_count, settled, spot_of
+from contact.axisymmetric.system import Kind, closed_edge, room, total_load
 from contact.axisymmetric.system import approach as given_approach
 from contact.errors import OutOfRange, SceneError
 from contact.model.checks import finite, keep, non_negative, positive
@@ -271,50 +271,33 @@ def _contacts(kinds: Sequence[Kind], tol: float) -> Iterator[_Contact]:
 
 def _first_touch(j: int, kinds: Sequence[Kind], active: list[int], tol: float) -> _Contact:
     """The state of the levels in contact whose surface just meets the tip of level j."""
-    start = _start(kinds, active, None, kinds[j].depth)
     last = inf
     try:
-        for n in NODES:
-            state = refine_topology(kinds, start, closed_edge(j), n)
+        for state in settled(kinds, _start(kinds, active, None, kinds[j].depth), closed_edge(j)):
             pressure = sum(kind.density * float(force) for kind, force in zip(kinds, state.forces, strict=True))
             if not pressure > 0:
                 break
             if abs(pressure - last) <= 0.1 * tol * pressure or not any(s.sources for s in state.surfaces):
                 return _Contact([j], pressure, state.delta)
-            start, last = state.radii, pressure
+            last = pressure
     except OutOfRange:
         pass
     return _Contact([j], inf, inf)
 
 
 def _start(kinds: Sequence[Kind], active: list[int], pressure: float | None, delta: float) -> Array:
-    """Radii of spots that do not feel each other, at an approach or a nominal pressure over E*: a start for Newton."""
+    """Radii of spots that do not feel each other, at an approach or a nominal pressure over E*: a start for Newton's method."""
     scale = min(own_radius(kind.density) for kind in kinds)
-
-    def radii_at(delta: float) -> Array:
-        radii = np.zeros(len(kinds))
-        for j in active:
-            over = delta - kinds[j].depth
-            # A level that touches only with the others' help starts small.
-            radii[j] = first_radius(kinds[j].profile.line, over, scale) if over > 0 else 0.05 * scale
-        return radii
-
     if pressure is not None:
-
-        def carried(delta: float) -> float:
-            radii = radii_at(delta)
-            return sum(kinds[j].density * kinds[j].profile.load_integral(radii[j]) for j in active if delta > kinds[j].depth)
-
-        low = high = float(kinds[active[0]].profile.line(scale))
-        while carried(high) < pressure:
-            low, high = high, 2.0 * high
-        while low == high or carried(low) > pressure:
-            high, low = (high, 0.5 * low) if low == high else (low, 0.5 * low)
-        for _ in range(12):
-            middle = 0.5 * (low + high)
-            low, high = (middle, high) if carried(middle) < pressure else (low, middle)
-        delta = high
-    radii = radii_at(delta)
+        # Shared by all spots alike, of which the highest ones tell how far they come down.
+        load = pressure / sum(kinds[j].density for j in active)
+        highest = kinds[min(active, key=lambda j: kinds[j].depth)].profile
+        delta = float(highest.line(first_radius(highest.load_integral, load, scale)))
+    radii = np.zeros(len(kinds))
+    for j in active:
+        over = delta - kinds[j].depth
+        # A level that touches only with the others' help starts small.
+        radii[j] = first_radius(kinds[j].profile.line, over, scale) if over > 0 else 0.05 * scale
     while room(kinds, radii) < 0.1:
         radii *= 0.9
     return radii
