@@ -1,5 +1,5 @@
-"""Forms of the paper that only the proofs of its errata take: the principle for any shape by quadrature, (6)-(17), what the paper
-prints where that does not hold, and Johnson's almost full contact, which its results name.
+"""Forms of the paper that only proofs take: the pressure of a round spot, (1) and (3), and the principle for any shape, (6)-(17), by
+quadrature, what the paper prints where that does not hold, and Johnson's almost full contact, which its results name.
 
 I. G. Goryacheva & I. Tsukanov, Front. Mech. Eng. 6 (2020) 45, doi 10.3389/fmech.2020.00045. The rest of the surface is its
 nominal pressure P_s/L outside a strip of width L, which bends the half-plane under the zone by
@@ -17,6 +17,7 @@ from math import pi, sqrt
 
 import numpy as np
 
+from contact.axisymmetric.quadrature import panels
 from contact.paper import FIRST_ORDER, LocalizedPair, OneZone
 from contact.reference.exact import Westergaard, correction_load, correction_pressure
 from contact.reference.exact.base import FROM_LEFT, FROM_RIGHT, WEIGHT
@@ -239,3 +240,35 @@ class PrintedArtanhPair(LocalizedPair):
         root = np.sqrt(np.maximum((b - r) * (b + r) * (r - a) * (r + a), 0.0))
         other = np.sum(own / (xi + r[..., None]), axis=-1)
         return pair.pressure(r) + self.E_star * root / (2.0 * pi) * other
+
+
+def direct_kernel(r, s, a, apart=None):
+    """(3): H1(r, s) = int_0^2pi (2 s/(pi D)) arctan(sqrt(a^2 - r^2) sqrt(a^2 - s^2)/(a D)) dtheta, D^2 = r^2 - 2 r s cos theta + s^2.
+
+    It is infinite where r = s. apart: |r - s| where it is known better than the difference.
+    """
+    r, s = np.broadcast_arrays(np.asarray(r, dtype=float), np.asarray(s, dtype=float))
+    d = np.abs(r - s) if apart is None else apart
+    # D^2 = d^2 + 4 r s sin^2(theta/2) is nearly singular at theta = 0: the panel ends where D has grown to sqrt(d).
+    scale = np.sqrt(np.clip(d / np.maximum(r + s, 1e-300), 1e-30, 1.0))
+    theta, weight = panels([np.zeros_like(d), pi * scale**2, pi * scale, np.full_like(d, pi)])
+    D = np.sqrt(d[..., None] ** 2 + 4.0 * (r * s)[..., None] * np.sin(0.5 * theta) ** 2)
+    reach = (np.sqrt((a - r) * (a + r)) * np.sqrt((a - s) * (a + s)))[..., None]
+    inner = np.arctan2(reach, a * D) / np.maximum(D, 1e-300)
+    return 4.0 * s / pi * np.sum(weight * inner, axis=-1)
+
+
+def direct_pressure(profile, E_star, a, r):
+    """(1) of a spot alone, p_f(r) = (E*/4 pi) int_0^a Laplacian f(s) H1(r, s) ds, 0 < r < a, of a shape without edges.
+
+    Nothing of the Abel transforms is used. The paper prints E*/(4 pi^2); with H1 as printed f = r^2/(2R) gives Hertz only with
+    E*/(4 pi).
+    """
+    total = np.zeros(r.shape)
+    for width, border, sign in ((r, 0.0, -1.0), (a - r, a, 1.0)):
+        # On either side of r, by the distance from it.
+        apart = width[..., None] * FROM_LEFT
+        s = np.where(FROM_RIGHT < 0.5, border - sign * width[..., None] * FROM_RIGHT, r[..., None] + sign * apart)
+        kernel = direct_kernel(np.broadcast_to(r[..., None], s.shape), s, a, apart)
+        total = total + np.sum(width[..., None] * WEIGHT * profile.r_laplacian(s) / s * kernel, axis=-1)
+    return E_star / (4.0 * pi) * total

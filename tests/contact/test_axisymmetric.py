@@ -20,8 +20,6 @@ from contact.axisymmetric import (
     Spot,
     Square,
     correction_share,
-    direct_kernel,
-    direct_pressure,
     first_step_load,
     own_radius,
     solve_spot,
@@ -29,6 +27,7 @@ from contact.axisymmetric import (
 from contact.axisymmetric.profiles import abel_kernel
 from contact.axisymmetric.quadrature import panels
 from contact.errors import NotConverged, OutOfRange, SceneError
+from tests.contact.paper_forms import direct_kernel, direct_pressure
 
 R, E, A = 1.3, 2.0, 0.7
 RADII = np.array([0.01, 0.2, 0.45, 0.69])
