@@ -311,11 +311,15 @@ def _system(levels: Sequence[Level], lattice: Lattice | None, rings: float) -> t
     if min(level.depth for level in levels) != 0.0:
         raise SceneError.of("depth", min(level.depth for level in levels), "0 for the highest level")
     kept = ring_count(rings, as_lattice(lattice))
+    densities, sites = ([given for level in levels if (given := getattr(level, name)) is not None] for name in ("density", "sites"))
     if lattice is None:
-        return _kinds(levels, [_density(level) for level in levels]), kept
+        if sites:
+            raise SceneError("a level has sites but no lattice is given: give the lattice, or its density")
+        return _kinds(levels, densities), kept
     if not isinstance(lattice, Lattice):
         raise SceneError.of("lattice", lattice, "a lattice, or None where the levels have densities")
-    sites = [_placed(level) for level in levels]
+    if densities:
+        raise SceneError("a lattice is given but a level has only a density: give its sites")
     around = []
     for own in sites:
         views = [[[(x - site[0], y - site[1]) for x, y in other] for other in sites] for site in own]
@@ -341,18 +345,6 @@ def _same_views(lattice: Lattice, views: list[list[list[Site]]]) -> None:
         for mine, first in zip(row, rows[0], strict=True):
             if mine.size != first.size or not np.allclose(mine, first, rtol=0, atol=1e-8):
                 raise SceneError("the sites of a level see different surroundings: make them levels of their own")
-
-
-def _density(level: Level) -> float:
-    if level.density is None:
-        raise SceneError("a level has sites but no lattice is given: give the lattice, or its density")
-    return level.density
-
-
-def _placed(level: Level) -> Sequence[Site]:
-    if level.sites is None:
-        raise SceneError("a lattice is given but a level has only a density: give its sites")
-    return level.sites
 
 
 def _sites(value: Any) -> tuple[Site, ...]:

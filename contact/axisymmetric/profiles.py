@@ -414,15 +414,11 @@ class Revolved(AxisymmetricProfile):
         r = np.asarray(r, dtype=np.float64)
         if self.second is not None:
             return np.asarray(self.slope(r) + r * self._called("second", r))
-        return self._octaves.derivative(r)
+        return super().r_laplacian(r)
 
     @cached_property
     def _octaves(self) -> Octaves:
-        slope, height = self.slope_of, self.height_of
-        if slope is not None:
-            return Octaves(lambda r: r * self._called("slope_of", r))
-        assert height is not None
-        return Octaves(LogDerivative(height))
+        return Octaves(LogDerivative(self.height_of)) if self.slope_of is None and self.height_of else super()._octaves
 
 
 def as_profile(shape: Any) -> AxisymmetricProfile:

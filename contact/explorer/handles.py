@@ -6,6 +6,7 @@ tried out.
 """
 
 import math
+from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from itertools import combinations
@@ -67,14 +68,11 @@ def handles(scene: Scene, solution: Solution | None = None) -> tuple[Handle, ...
 
 def _named_apart(found: list[Handle]) -> tuple[Handle, ...]:
     """Numbers of two parts may have one name."""
-    seen: dict[str, int] = {}
-    for handle in found:
-        seen[handle.name] = seen.get(handle.name, 0) + 1
-    left = dict.fromkeys(seen, 0)
+    seen, before = Counter(handle.name for handle in found), Counter[str]()
     apart = []
     for handle in found:
-        left[handle.name] += 1
-        apart.append(replace(handle, name=f"{handle.name} {left[handle.name]}") if seen[handle.name] > 1 else handle)
+        before[handle.name] += 1
+        apart.append(replace(handle, name=f"{handle.name} {before[handle.name]}") if seen[handle.name] > 1 else handle)
     return tuple(apart)
 
 

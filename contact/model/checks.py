@@ -66,6 +66,11 @@ def between(field: str, value: Any, low: float, high: float) -> float:
     return such(field, value, f"a finite number above {low:.17g} and below {high:.17g}", lambda number: low < number < high)
 
 
+def poisson_ratio(field: str, value: Any) -> float:
+    """Of a body that is stable."""
+    return such(field, value, "a Poisson ratio, more than -1 and at most 0.5", lambda nu: -1.0 < nu <= 0.5)
+
+
 def positive_or_none(field: str, value: Any) -> float | None:
     """A finite number > 0, or None (left out)."""
     return None if value is None else positive(field, value)

@@ -14,15 +14,13 @@ those of an atom, above zero, 1 for short waves, and for long ones as the `compr
 from __future__ import annotations
 
 import warnings
-from math import isfinite
-from numbers import Real
 from typing import Any
 
 import numpy as np
 
 import sie
 from contact.errors import SceneError, shown
-from contact.model.checks import of_author, positive_or_none
+from contact.model.checks import of_author, positive_or_none, such
 from contact.model.operator import Operator, smooth_potential
 from contact.model.profiles.base import Profile
 from contact.model.substrates.base import Substrate
@@ -262,11 +260,8 @@ def _require_fast(values: np.ndarray[Any, np.dtype[np.float64]]) -> None:
 
 def _compression(substrate: Substrate) -> float | None:
     given: Any = substrate.compression
-    if given is None:
-        return None
-    if isinstance(given, bool) or not isinstance(given, Real) or not isfinite(given) or given < 0:
-        raise SceneError.of("substrate.compression", given, "None, or a length of at least 0 [m] (a property, not a method)")
-    return float(given)
+    allowed = "None, or a length of at least 0 [m] (a property, not a method)"
+    return None if given is None else such("substrate.compression", given, allowed, lambda length: length >= 0)
 
 
 def _height(values: np.ndarray[Any, np.dtype[np.float64]]) -> float:

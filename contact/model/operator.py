@@ -31,6 +31,7 @@ from functools import cache, cached_property, partial
 
 import numpy as np
 import scipy.fft
+import scipy.special
 
 import sie
 from contact.errors import SceneError
@@ -344,4 +345,4 @@ class BeyondStrip:
 def _entropy(x: Array) -> Array:
     """x ln x, zero at zero."""
     x = np.maximum(x, 0.0)
-    return np.asarray(x * np.log(np.where(x > 0, x, 1.0)))
+    return np.asarray(scipy.special.xlogy(x, x))

@@ -18,7 +18,7 @@ import numpy as np
 
 import sie
 from contact.errors import SceneError
-from contact.model.checks import finite, finite_or_none, keep, positive, such
+from contact.model.checks import finite, finite_or_none, keep, poisson_ratio, positive
 from contact.model.controls import CONTROLS, TURNING, Control, Quantity, fields_under
 from contact.model.declared import require_body, require_declared, require_elastic
 from contact.model.interactions.base import Interaction
@@ -68,8 +68,7 @@ def E_star(E1: float, nu1: float, E2: float | None = None, nu2: float | None = N
 def _plane_compliance(modulus_name: str, modulus: float, ratio_name: str, ratio: float) -> float:
     """(1 - nu^2)/E of one body."""
     modulus = positive(modulus_name, modulus)
-    ratio = such(ratio_name, ratio, "a Poisson ratio, more than -1 and at most 0.5", lambda nu: -1.0 < nu <= 0.5)
-    return (1.0 - ratio**2) / modulus
+    return (1.0 - poisson_ratio(ratio_name, ratio) ** 2) / modulus
 
 
 @dataclass(frozen=True)
@@ -145,9 +144,7 @@ class Scene(sie.Kept):
         _require_instance("substrate", self.substrate, Substrate, "HalfPlane()")
         _require_instance("law", self.law, Law, "Frictionless()")
         keep(self, positive, "E_star")
-
-        for turning in TURNING:
-            object.__setattr__(self, turning, finite_or_none(turning, getattr(self, turning)))
+        keep(self, finite_or_none, *TURNING)
         self._check_period()
         self._check_body()
         self._check_turning()

@@ -14,8 +14,7 @@ from math import factorial
 
 import numpy as np
 
-from contact.errors import SceneError
-from contact.model.checks import finite, keep, one_of, positive
+from contact.model.checks import keep, one_of, poisson_ratio, positive
 from contact.model.registry import register_substrate
 from contact.model.substrates.base import Substrate
 from sie import Array
@@ -65,9 +64,7 @@ class Layer(Substrate):
 
     def __post_init__(self) -> None:
         keep(self, positive, "thickness")
-        keep(self, finite, "nu")
-        if not -1.0 < self.nu <= 0.5:
-            raise SceneError.of("nu", self.nu, "a Poisson ratio, more than -1 and at most 0.5")
+        keep(self, poisson_ratio, "nu")
         one_of("base", self.base, BASES)
 
     @property
