@@ -9,9 +9,7 @@ exponent of each row's time over the number of intervals; FILE, for instance OUT
 from __future__ import annotations
 
 import json
-import os
 import resource
-import subprocess
 import sys
 import time
 from collections.abc import Callable
@@ -21,8 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 import sie
-from contact.solution.terminal import show_table
-from contact.studies.bench import machine
+from contact.studies.alone import measured, tell
+from contact.studies.bench.report import Table
 
 Array = NDArray[np.float64]
 
@@ -32,7 +30,6 @@ NAMES = (
     "stated error",
 )
 TOLERANCE = 1e-8
-_ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 WAVE = sie.Forcing(np.sin, lambda x: -np.cos(x))
 BUMPS = sie.Forcing(lambda x: np.sin(2 * np.pi * x) / (2 * np.pi), lambda x: -np.cos(2 * np.pi * x) / (2 * np.pi) ** 2)
 
@@ -114,19 +111,10 @@ def measure(name: str, count: int) -> dict[str, float | int | str]:
     }
 
 
-def _alone(name: str, count: int) -> dict[str, float]:
-    """What this file measures in a process of its own."""
-    run = subprocess.run(
-        [sys.executable, __file__, "--one", name, str(count)], check=True, capture_output=True, text=True,
-        env={**os.environ, **_ONE_THREAD},
-    )
-    return dict(json.loads(run.stdout))
-
-
 def main(sizes: tuple[int, ...], out: Path | None) -> None:
     rows, growths = [], []
     for name in CASES:
-        found = [_alone(name, count) for count in sizes]
+        found = [measured(__file__, "--one", name, str(count)) for count in sizes]
         rows += [
             (
                 name, f"{r['count']:,}", f"{r['unknowns']:,}", str(r["steps"]), f"{r['forms']:.1e}", f"{r['seconds']:.2f}",
@@ -136,13 +124,8 @@ def main(sizes: tuple[int, ...], out: Path | None) -> None:
         ]
         if len(sizes) > 1:
             growths.append(float(np.polyfit(np.log(sizes), np.log([r["seconds"] for r in found]), 1)[0]))
-    show_table("very many intervals", NAMES, rows, numeric=range(1, 8))
     remarks = [f"Processor time grows as a power of the number from {min(growths):.2f} to {max(growths):.2f}."] if growths else []
-    remarks.append(f"Measured with {', '.join(' '.join(row) for row in machine.table(()).rows)}.")
-    print("\n".join(remarks))
-    if out is not None:
-        lines = ["| " + " | ".join(cells) + " |" for cells in (NAMES, ("---",) * len(NAMES), *rows)]
-        out.write_text("\n".join((*lines, "", *remarks)) + "\n", encoding="utf-8")
+    tell(Table("many-intervals", "very many intervals", NAMES, rows), remarks, out)
 
 
 if __name__ == "__main__":

@@ -12,10 +12,10 @@ import sys
 from pathlib import Path
 
 from contact.solution.terminal import Progress, show_table
+from contact.studies.alone import ONE_THREAD
 from contact.studies.bench import run
 from contact.studies.pages import fill
 
-_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 _FLAGS = {"--quick", "--peers", "--docs"}
 
 
@@ -25,10 +25,10 @@ def main(arguments: list[str]) -> int:
     if len(names) != 1 or not flags <= _FLAGS:
         print(__doc__, file=sys.stderr)
         return 2
-    if any(os.environ.get(name) != "1" for name in _THREADS):
+    if any(os.environ.get(name) != "1" for name in ONE_THREAD):
         # numpy takes its number of threads when it is loaded: once more from the start.
         again = [sys.executable, "-m", "contact.studies.run", *sys.argv[1:]]
-        os.execve(sys.executable, again, {**os.environ, **dict.fromkeys(_THREADS, "1")})
+        os.execve(sys.executable, again, {**os.environ, **ONE_THREAD})
     folder, quick = Path(names[0]), "--quick" in flags
     folder.mkdir(parents=True, exist_ok=True)
     with Progress() as progress:

@@ -9,9 +9,7 @@ as Markdown, and `python -m contact.studies.pages OUT` sets it in docs/many-zone
 from __future__ import annotations
 
 import json
-import os
 import resource
-import subprocess
 import sys
 import time
 from pathlib import Path
@@ -19,8 +17,8 @@ from pathlib import Path
 import numpy as np
 
 import contact
-from contact.solution.terminal import show_table
-from contact.studies.bench import machine
+from contact.studies.alone import measured, tell
+from contact.studies.bench.report import Table
 from sie.collocation import fixed as engine
 
 SIZES = (1_000, 3_000, 10_000, 30_000, 100_000, 300_000)
@@ -32,7 +30,6 @@ NAMES = (
 # Times asked for: 100, 1,000 and 10,000 zones [s].
 WANTED = {1_000: 2, 10_000: 20, 100_000: 300}
 PARTS = ("coarse search", "zone ends", "certificate")
-_ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 
 
 def profile(kmax: int, seed: int = 0) -> contact.Fourier:
@@ -70,16 +67,8 @@ def against_a_matrix(kmax: int, tol: float = 1e-10) -> dict[str, float]:
     return {"ends": float(ends), "pressure": float(pressures) / direct.max_pressure, "stated": fast.error + direct.error}
 
 
-def _alone(*arguments: str) -> dict[str, float]:
-    """What this file prints in a process of its own."""
-    run = subprocess.run(
-        [sys.executable, __file__, *arguments], check=True, capture_output=True, text=True, env={**os.environ, **_ONE_THREAD}
-    )
-    return dict(json.loads(run.stdout))
-
-
 def main(sizes: tuple[int, ...], out: Path | None) -> None:
-    found = [_alone("--one", str(kmax)) for kmax in sizes]
+    found = [measured(__file__, "--one", str(kmax)) for kmax in sizes]
     rows = [
         (
             f"{r['kmax']:,}", f"{r['zones']:,}", f"{r['tol']:.0e}", f"{WANTED[int(r['kmax'])]} s" if r["kmax"] in WANTED else "",
@@ -88,21 +77,16 @@ def main(sizes: tuple[int, ...], out: Path | None) -> None:
         )
         for r in found
     ]
-    show_table("self-affine roughness", NAMES, rows, numeric=range(9))
     remarks = []
     if len(found) > 1:
         growth = np.polyfit(np.log([r["zones"] for r in found]), np.log([r["seconds"] for r in found]), 1)[0]
         remarks.append(f"Processor time grows as zones^{growth:.2f} (fitted).")
-    check = _alone("--check", str(SIZES[0]))
+    check = measured(__file__, "--check", str(SIZES[0]))
     remarks.append(
         f"kmax = {SIZES[0]:,} by a matrix to 1e-10: ends differ by {check['ends']:.1e} of their zone's width, pressures by "
         f"{check['pressure']:.1e} of the peak; stated together {check['stated']:.1e}."
     )
-    remarks.append(f"Measured with {', '.join(' '.join(row) for row in machine.table(()).rows)}.")
-    print("\n".join(remarks))
-    if out is not None:
-        lines = ["| " + " | ".join(cells) + " |" for cells in (NAMES, ("---",) * len(NAMES), *rows)]
-        out.write_text("\n".join((*lines, "", *remarks)) + "\n", encoding="utf-8")
+    tell(Table("self-affine", "self-affine roughness", NAMES, rows), remarks, out)
 
 
 if __name__ == "__main__":

@@ -36,7 +36,7 @@ class _Pressures:
 
     @cached_property
     def x(self) -> Array:
-        return base.on_cell(list(self.every.values()), 0.5)
+        return base.on_cell(self.every.values(), 0.5)
 
     @cached_property
     def columns(self) -> dict[str, Array]:

@@ -1,6 +1,6 @@
 """What a figure is here: numbers in columns, the words that say what they are, and a drawing of them."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,6 +12,7 @@ from contact.model.interactions import Interaction, Isolated, Localized, Periodi
 from contact.model.profiles import Profile
 from contact.model.scene import Scene
 from contact.solution.plotting import finish, new_figure
+from contact.solution.sampling import positions
 from contact.solution.solution import Solution
 from contact.solver import solve
 from sie import Array
@@ -71,15 +72,10 @@ def solved(profile: Profile, model: str, **control: Any) -> Solution | None:
         return None
 
 
-def on_cell(solutions: list[Solution | None], half: float, points: int = 401) -> Array:
-    """Positions in [-half, half] that show every solution: even ones, and closer at the ends of each one's zones."""
-    x = [np.linspace(-half, half, points)]
-    angles = np.linspace(0.0, np.pi, 121)
-    for solution in solutions:
-        for left, right in [] if solution is None else solution.zones:
-            x.append(0.5 * (left + right) - 0.5 * (right - left) * np.cos(angles))
-    joined = np.unique(np.round(np.concatenate(x), 14))
-    return np.asarray(joined[np.abs(joined) <= half])
+def on_cell(solutions: Iterable[Solution | None], half: float) -> Array:
+    """Positions in [-half, half] that show every solution."""
+    each = [positions(solution, -half, half) for solution in solutions if solution is not None]
+    return np.unique(np.round(np.concatenate(each), 14))
 
 
 def pressures(solution: Solution | None, x: Array) -> Array:

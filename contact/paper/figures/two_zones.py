@@ -31,7 +31,7 @@ def figure_13() -> Figure:
     printed, cubic, full = PrintedCubicPair(**shape), CubicPair(**shape), LocalizedPair(**shape)
     exact, cut, alone = (solved(_PROFILE, m, mean_pressure=MEAN) for m in ("exact", SELF, "isolated"))
     assert exact is not None and cut is not None and alone is not None
-    x = on_cell([exact, cut, alone], 0.5 * PERIOD, 801)
+    x = on_cell([exact, cut, alone], 0.5 * PERIOD)
     made: dict[str, Any] = {
         "exact": exact, "printed (38)": printed, "corrected cubic": cubic, "full artanh": full, "cut at the widest gap": cut,
         "pair alone (32)": alone,
