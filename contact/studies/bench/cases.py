@@ -26,7 +26,7 @@ from contact.reference.exact import (
 from contact.reference.inverse import random_problem
 from contact.solution.solution import Solution
 from contact.solver import solve
-from contact.studies.bench.formulations import ByGaps, ByZones
+from contact.studies.bench.formulations import solved_by_gaps, solved_by_zones
 from contact.studies.bench.truth import Exact
 
 Array = NDArray[np.float64]
@@ -107,7 +107,7 @@ def rough_profile(harmonics: int, seed: int = 3) -> Fourier:
 def rough(harmonics: int, mean_pressure: float, zones: int) -> Case:
     """`solve` takes the zones; it is judged by the gaps."""
     return Case(
-        f"rough, {zones} zones", rough_profile(harmonics), 1.0, mean_pressure, ByGaps.of, "the gaps' formulation", localized=False
+        f"rough, {zones} zones", rough_profile(harmonics), 1.0, mean_pressure, solved_by_gaps, "the gaps' formulation", localized=False
     )
 
 
@@ -125,7 +125,7 @@ def adhesive(law: JKR | Dugdale) -> Case:
 
 def rough_nearly_full() -> Case:
     """`solve` takes the gaps; it is judged by the zones."""
-    return Case("rough, nearly full", rough_profile(64), 1.0, 0.012, ByZones.of, "the zones' formulation", localized=False)
+    return Case("rough, nearly full", rough_profile(64), 1.0, 0.012, solved_by_zones, "the zones' formulation", localized=False)
 
 
 def best(scene: Scene, tol: float) -> Solution:

@@ -65,32 +65,13 @@ def _in_cell(table: Array, scene: Scene) -> tuple[Array, NDArray[np.intp]]:
 
 
 @dataclass(frozen=True, eq=False)
-class ByGaps:
-    """A periodic contact with the slope of the gap as the unknown, in SI units."""
+class Formulated:
+    """A periodic contact in SI units, its zones in the profile's cell; order: which of the fields' zones each is."""
 
-    fields: GapFields
+    fields: GapFields | ZoneFields
     zones: Array
     order: NDArray[np.intp]
     error: float
-
-    @classmethod
-    def of(cls, scene: Scene) -> ByGaps:
-        problem = scaled(scene)
-        units = problem.units
-        assert problem.period is not None
-        start = units.scaled(solve(scene, 1e-6).zones)
-        gaps = gaps_between(start, problem.period)
-        gaps += _MOVED * np.minimum(np.diff(gaps, axis=1), np.diff(start, axis=1).min()) * [[-1.0, 1.0]]
-
-        relief = ScaledRelief.of(Relief(scene.profile, scene.operator), problem)
-        mean = _mean_pressure(scene) / units.pressure
-        form = by_gaps.ByGaps(problem, relief)
-        found = refine_topology(form, Load(mean * problem.period), gaps, Newton(_TOLERANCE), formal=True)
-        if isinstance(found, Missed):
-            raise NotConverged("the gaps' formulation does not converge from these zones")
-        fields = found.fields
-        zones, order = _in_cell(np.asarray(units.x(fields.zones)), scene)
-        return cls(fields, zones, order, found.error)
 
     @property
     def load(self) -> float:
@@ -107,43 +88,40 @@ class ByGaps:
         return np.asarray(self.fields.pressure(x))
 
 
-@dataclass(frozen=True, eq=False)
-class ByZones:
-    """A periodic contact with the pressure as the unknown, in SI units."""
+def solved_by_gaps(scene: Scene) -> Formulated:
+    """With the slope of the gap as the unknown."""
+    problem = scaled(scene)
+    units = problem.units
+    assert problem.period is not None
+    start = units.scaled(solve(scene, 1e-6).zones)
+    gaps = gaps_between(start, problem.period)
+    gaps += _MOVED * np.minimum(np.diff(gaps, axis=1), np.diff(start, axis=1).min()) * [[-1.0, 1.0]]
 
-    fields: ZoneFields
-    zones: Array
-    order: NDArray[np.intp]
-    error: float
+    relief = ScaledRelief.of(Relief(scene.profile, scene.operator), problem)
+    mean = _mean_pressure(scene) / units.pressure
+    form = by_gaps.ByGaps(problem, relief)
+    found = refine_topology(form, Load(mean * problem.period), gaps, Newton(_TOLERANCE), formal=True)
+    if isinstance(found, Missed):
+        raise NotConverged("the gaps' formulation does not converge from these zones")
+    fields = found.fields
+    zones, order = _in_cell(np.asarray(units.x(fields.zones)), scene)
+    return Formulated(fields, zones, order, found.error)
 
-    @classmethod
-    def of(cls, scene: Scene) -> ByZones:
-        problem = scaled(scene)
-        units = problem.units
-        assert problem.period is not None
-        start = units.scaled(solve(scene, 1e-6).zones)
-        gaps = np.diff(gaps_between(start, problem.period))[:, 0]
-        start = start + _MOVED * np.column_stack((np.roll(gaps, 1), -gaps))
-        # The zones' formulation wants them within one cell, which may begin at any gap.
-        turn = int(np.argmax(np.diff(np.append(start[:, 0], start[0, 0] + problem.period)) - np.diff(start, axis=1)[:, 0])) + 1
-        start = np.roll(start, -turn, axis=0)
-        start = start + np.where(start[:, :1] < start[0, 0], problem.period, 0.0)
-        load = _mean_pressure(scene) * problem.period * units.length / units.load
-        found = refine_topology(by_pressure.ByPressure(problem), Load(load), start, Newton(_TOLERANCE))
-        assert isinstance(found, Found)
-        zones, order = _in_cell(np.asarray(units.x(found.free.density.zones.table)), scene)
-        return cls(found.fields, zones, order, found.error)
 
-    @property
-    def load(self) -> float:
-        return self.fields.load
-
-    @property
-    def max_pressure(self) -> float:
-        return self.fields.max_pressure
-
-    def pressure_at(self, t: ArrayLike, zone: int = 0) -> Array:
-        return np.asarray(self.fields.pressure_at(int(self.order[zone]), t))
-
-    def pressure(self, x: ArrayLike) -> Array:
-        return np.asarray(self.fields.pressure(x))
+def solved_by_zones(scene: Scene) -> Formulated:
+    """With the pressure as the unknown."""
+    problem = scaled(scene)
+    units = problem.units
+    assert problem.period is not None
+    start = units.scaled(solve(scene, 1e-6).zones)
+    gaps = np.diff(gaps_between(start, problem.period))[:, 0]
+    start = start + _MOVED * np.column_stack((np.roll(gaps, 1), -gaps))
+    # The zones' formulation wants them within one cell, which may begin at any gap.
+    turn = int(np.argmax(np.diff(np.append(start[:, 0], start[0, 0] + problem.period)) - np.diff(start, axis=1)[:, 0])) + 1
+    start = np.roll(start, -turn, axis=0)
+    start = start + np.where(start[:, :1] < start[0, 0], problem.period, 0.0)
+    load = _mean_pressure(scene) * problem.period * units.length / units.load
+    found = refine_topology(by_pressure.ByPressure(problem), Load(load), start, Newton(_TOLERANCE))
+    assert isinstance(found, Found)
+    zones, order = _in_cell(np.asarray(units.x(found.free.density.zones.table)), scene)
+    return Formulated(found.fields, zones, order, found.error)

@@ -13,7 +13,7 @@ from contact.model.profiles import Fourier, Sampled
 from contact.model.scene import Scene
 from contact.reference.exact import Westergaard
 from contact.studies.bench.extremes.base import Extreme
-from contact.studies.bench.formulations import ByGaps
+from contact.studies.bench.formulations import solved_by_gaps
 from contact.studies.bench.one_zone import SymmetricZone
 from contact.studies.bench.power import Repeated
 from contact.studies.bench.truth import Exact
@@ -73,4 +73,4 @@ def _rough(samples: int, noise: float) -> tuple[Scene, Exact]:
     smooth = np.cos(2 * pi * np.outer(x, k) + rng.uniform(0, 2 * pi, 64)) @ (1e-3 * np.maximum(k, 4) ** -1.3)
     profile = Sampled(x, smooth + noise * rng.normal(size=samples), period=1.0)
     scene = Scene(profile, 1.0, Periodic(), mean_pressure=1e-3)
-    return scene, ByGaps.of(scene)
+    return scene, solved_by_gaps(scene)
