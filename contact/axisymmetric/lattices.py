@@ -4,7 +4,7 @@ A ring is all the spots at one distance from the spot looked at.
 """
 
 from dataclasses import dataclass
-from math import inf, isinf, pi, sqrt
+from math import isinf, pi, sqrt
 from typing import Any
 
 import numpy as np
@@ -30,8 +30,8 @@ class Density:
 
     Attributes
     ----------
-    density, nearest : float
-        The value [1/m^2], and inf: no neighbour is known.
+    density : float
+        The value [1/m^2].
 
     Raises
     ------
@@ -59,11 +59,6 @@ class Density:
         """Spots per unit area [1/m^2]."""
         return self.value
 
-    @property
-    def nearest(self) -> float:
-        """Distance of the nearest spot; inf where none is known."""
-        return inf
-
 
 @dataclass(frozen=True)
 class Lattice:
@@ -82,8 +77,6 @@ class Lattice:
         Area of the cell over l^2.
     density : float
         Spots per unit area [1/m^2].
-    nearest : float
-        Distance of the nearest spot [m].
     neighbours, distances : callable
         Radii [m] and numbers of spots of the first rings; distances over l up to a reach.
 
@@ -122,11 +115,6 @@ class Lattice:
     def density(self) -> float:
         """Cells per unit area [1/m^2]: the spots', one a cell."""
         return 1.0 / (self.unit_area * self.spacing**2)
-
-    @property
-    def nearest(self) -> float:
-        """Distance of the nearest spot, l."""
-        return self.spacing
 
     def distances(self, shift: Site, reach: float) -> Array:
         """|R + shift|/l up to `reach`, ascending, over all cells R; the shift in fractions of the unit vectors.
@@ -181,8 +169,6 @@ class Hexagonal(Lattice):
     ----------
     density : float
         Spots per unit area [1/m^2].
-    nearest : float
-        Distance of the nearest spot [m].
     neighbours : callable
         Radii [m] and numbers of spots of the first rings.
 
@@ -218,8 +204,6 @@ class Square(Lattice):
     ----------
     density : float
         Spots per unit area [1/m^2].
-    nearest : float
-        Distance of the nearest spot [m].
     neighbours : callable
         Radii [m] and numbers of spots of the first rings.
 
