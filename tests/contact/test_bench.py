@@ -33,7 +33,7 @@ from contact.studies.bench import (
 from contact.studies.bench.harmonics import HarmonicZone
 from contact.studies.bench.hyperbola import BluntedWedge, IsolatedBluntedWedge
 from contact.studies.bench.one_gap import OneGap
-from contact.studies.bench.one_zone import SymmetricZone
+from contact.studies.bench.one_zone import ByPieces
 from contact.studies.bench.power import PowerPunch, Repeated
 from contact.studies.bench.precision import Row, hierarchy, ours
 from contact.studies.bench.truncated import IsolatedTruncatedWedge, TruncatedWedge
@@ -104,7 +104,7 @@ class TestTruths:
 
     def test_one_zone_by_quadrature_is_the_truncated_wedge_s(self):
         exact = IsolatedTruncatedWedge(0.1, 0.3, 1.0, 1.0)
-        zone = SymmetricZone(TruncatedWedge(0.1, 0.3), np.array([-0.3, 0.3]), 1.0, 1.0)
+        zone = ByPieces(TruncatedWedge(0.1, 0.3), np.array([-0.3, 0.3]), 1.0, 1.0)
         assert zone.load == pytest.approx(exact.load, rel=1e-14)
         assert zone.pressure_at(T) == pytest.approx(exact.pressure_at(T), rel=1e-12)
 

@@ -20,18 +20,21 @@ from math import cos, pi
 
 import numpy as np
 from numpy.polynomial import legendre
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
+
+from contact.reference.exact import SymmetricZone
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class HarmonicZone:
+class HarmonicZone(SymmetricZone):
     """The zone [-a, a] of period 1; amplitudes d_1, d_2, ... as long as the pressure is positive and the gap open."""
 
     amplitudes: tuple[float, ...]
     E_star: float
     half_width: float
+    period = 1.0
 
     @cached_property
     def _series(self) -> Array:
@@ -45,23 +48,13 @@ class HarmonicZone:
         return float(legendre.legval(cos(2 * pi * self.half_width), self._series))
 
     @property
-    def zones(self) -> Array:
-        return np.array([[-self.half_width, self.half_width]])
-
-    @property
     def max_pressure(self) -> float:
         return float(self.pressure_at(np.linspace(0.0, 1.0, 101)).max())
 
-    def pressure_at(self, t: ArrayLike, zone: int = 0) -> Array:
-        r: Array = np.abs(np.asarray(t, dtype=np.float64))
-        a = self.half_width
+    def _pressure(self, r: Array, d: Array) -> Array:
         # cos(phi) - cos(2 pi a) from the distances to both ends.
-        top = np.sqrt(2 * np.sin(pi * a * (1 - r)) * np.sin(pi * a * (1 + r)))
+        top = np.sqrt(2 * np.sin(pi * d) * np.sin(pi * (self.half_width + r)))
         nodes, weights = legendre.leggauss(len(self.amplitudes) + 1)
         v = 0.5 * (1 + nodes) * top[..., None]
-        values = legendre.legval(np.cos(2 * pi * a * r)[..., None] - v**2, legendre.legder(self._series))
-        return np.asarray(-np.sqrt(2.0) * np.cos(pi * a * r) * top * (values @ weights))
-
-    def pressure(self, x: ArrayLike) -> Array:
-        t = np.abs(np.asarray(x, dtype=float)) / self.half_width
-        return np.asarray(np.where(t < 1, self.pressure_at(np.minimum(t, 1.0)), 0.0))
+        values = legendre.legval(np.cos(2 * pi * r)[..., None] - v**2, legendre.legder(self._series))
+        return np.asarray(-np.sqrt(2.0) * np.cos(pi * r) * top * (values @ weights))

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.special import ellipe, ellipkm1
 
 from contact.model.profiles.base import Profile
+from contact.reference.exact import SymmetricZone
 
 Array = NDArray[np.float64]
 
@@ -48,13 +49,14 @@ class BluntedWedge(Profile):
 
 
 @dataclass(frozen=True)
-class IsolatedBluntedWedge:
+class IsolatedBluntedWedge(SymmetricZone):
     """The contact of half width a; pressures by one double-exponential quadrature, for |t| not much below d/a."""
 
     steepness: float
     rounding: float
     E_star: float
     half_width: float
+    period = None
 
     def _load(self, s: Array) -> Array:
         q = (s / self.rounding) ** 2
@@ -73,23 +75,13 @@ class IsolatedBluntedWedge:
         return float(self._load(np.array(self.half_width)))
 
     @property
-    def zones(self) -> Array:
-        return np.array([[-self.half_width, self.half_width]])
-
-    @property
     def max_pressure(self) -> float:
         """At the tip: (1/pi) int P'(s)/s ds; bounded above by the wedge's at x = d, which is what is used as its scale."""
-        return float(self.pressure_at(np.array([self.rounding / self.half_width]))[0])
+        return float(self.pressure_at(self.rounding / self.half_width))
 
-    def pressure(self, x: ArrayLike) -> Array:
-        t = np.asarray(x, dtype=float) / self.half_width
-        inside = np.abs(t) < 1
-        return np.asarray(np.where(inside, self.pressure_at(np.where(inside, t, 0.5)), 0.0))
-
-    def pressure_at(self, t: ArrayLike, zone: int = 0) -> Array:
+    def _pressure(self, r: Array, d: Array) -> Array:
         """(1/pi) int_x^a P'(s) / sqrt(s^2 - x^2) ds with s = x cosh(v), so that the layer near x is stretched."""
-        a = self.half_width
-        r = np.abs(np.asarray(t, dtype=float))[..., None]
-        top = np.arccosh(np.maximum(1 / r, 1.0))
-        s = np.minimum(a * r * np.cosh(top * _LEFT), a)
+        a, r = self.half_width, r[..., None]
+        top = np.arccosh(np.maximum(a / r, 1.0))
+        s = np.minimum(r * np.cosh(top * _LEFT), a)
         return np.asarray((self._load_rate(s) * _WEIGHT).sum(-1) * top[..., 0] / np.pi)

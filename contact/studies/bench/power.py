@@ -8,17 +8,19 @@ from math import pi
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from contact.reference.exact import Westergaard
+from contact.reference.exact import SymmetricZone, Westergaard
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class PowerPunch:
+class PowerPunch(SymmetricZone):
     """f = x^n / n, n even, on [-1, 1] with E* = 1: p = (1/2) sqrt(1 - x^2) sum_k b_k x^(n-2-2k), b_k = (2k choose k) / 4^k, the
     polynomial part of x^(n-1) / sqrt(x^2 - 1); P = (pi/2) n/... by its residue, b_(n/2) E* pi / 2 (Shtaerman 1949)."""
 
     order: int
+    half_width = 1.0
+    period = None
 
     @property
     def _series(self) -> Array:
@@ -29,17 +31,8 @@ class PowerPunch:
     def load(self) -> float:
         return float(self._series[-1] * pi / 2)
 
-    @property
-    def zones(self) -> Array:
-        return np.array([[-1.0, 1.0]])
-
-    def pressure_at(self, t: ArrayLike, zone: int = 0) -> Array:
-        t = np.asarray(t, dtype=float)
-        return np.asarray(0.5 * np.sqrt((1 - t) * (1 + t)) * np.polyval(self._series[:-1], t * t))
-
-    def pressure(self, x: ArrayLike) -> Array:
-        x = np.asarray(x, dtype=float)
-        return np.asarray(np.where(np.abs(x) < 1, self.pressure_at(np.clip(x, -1, 1)), 0.0))
+    def _pressure(self, r: Array, d: Array) -> Array:
+        return np.asarray(0.5 * np.sqrt(d * (1 + r)) * np.polyval(self._series[:-1], r * r))
 
     @property
     def max_pressure(self) -> float:

@@ -10,12 +10,13 @@ The superposition of flat punches (see contact.reference.exact.base) with P(a) =
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import inf, sqrt
+from math import sqrt
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from contact.model.profiles.base import Profile
+from contact.reference.exact import SymmetricZone
 
 Array = NDArray[np.float64]
 
@@ -42,34 +43,23 @@ class TruncatedWedge(Profile):
 
 
 @dataclass(frozen=True)
-class IsolatedTruncatedWedge:
+class IsolatedTruncatedWedge(SymmetricZone):
     """The contact of half width a > d."""
 
     steepness: float
     half_top: float
     E_star: float
     half_width: float
-
-    max_pressure = inf
+    period = None
 
     @property
     def load(self) -> float:
         a, d = self.half_width, self.half_top
         return self.E_star * self.steepness * sqrt((a - d) * (a + d))
 
-    @property
-    def zones(self) -> Array:
-        return np.array([[-self.half_width, self.half_width]])
-
-    def pressure_at(self, t: ArrayLike, zone: int = 0) -> Array:
-        a, d = self.half_width, self.half_top
-        r = np.abs(np.asarray(t, dtype=float))
-        x = a * r
-        top = sqrt((a - d) * (a + d)) + a * np.sqrt((1 - r) * (1 + r))
+    def _pressure(self, r: Array, d: Array) -> Array:
+        a, corner = self.half_width, self.half_top
+        top = sqrt((a - corner) * (a + corner)) + np.sqrt(d * (a + r))
         with np.errstate(divide="ignore"):
-            value = np.log(top / np.sqrt(np.abs((x - d) * (x + d))))
+            value = np.log(top / np.sqrt(np.abs((r - corner) * (r + corner))))
         return np.asarray(self.E_star * self.steepness / np.pi * value)
-
-    def pressure(self, x: ArrayLike) -> Array:
-        t = np.abs(np.asarray(x, dtype=float)) / self.half_width
-        return np.asarray(np.where(t < 1, self.pressure_at(np.minimum(t, 1.0)), 0.0))

@@ -14,7 +14,7 @@ from contact.model.scene import Scene
 from contact.reference.exact import Westergaard
 from contact.studies.bench.extremes.base import Extreme
 from contact.studies.bench.formulations import solved_by_gaps
-from contact.studies.bench.one_zone import SymmetricZone
+from contact.studies.bench.one_zone import ByPieces
 from contact.studies.bench.power import Repeated
 from contact.studies.bench.truth import Exact
 
@@ -61,7 +61,7 @@ def _parabola(samples: int, noise: float) -> tuple[Scene, Exact]:
     half = noise * rng.normal(size=samples // 2)
     height = np.concatenate((half, [0.0], half[::-1])) - 0.5 * x * x
     profile = Sampled(x, height)
-    exact = SymmetricZone(profile, x, 1.0, 0.4)
+    exact = ByPieces(profile, x, 1.0, 0.4)
     return Scene(profile, 1.0, Isolated(), load=exact.load), exact
 
 

@@ -23,6 +23,7 @@ from contact.model.interactions import Isolated
 from contact.model.profiles.base import Profile
 from contact.model.scene import Scene
 from contact.model.substrates import Layer, Substrate
+from contact.reference.exact import SymmetricZone
 from contact.studies.bench.extremes.base import Extreme
 from contact.studies.bench.truth import Exact
 
@@ -63,19 +64,16 @@ class Cosh(Profile):
 
 
 @dataclass(frozen=True)
-class CothZone:
+class CothZone(SymmetricZone):
     """One zone of half width a on the layer."""
 
     h: float
-    a: float
-
-    @property
-    def zones(self) -> Array:
-        return np.array([[-self.a, self.a]])
+    half_width: float
+    period = None
 
     @property
     def _end(self) -> float:
-        return 0.5 * np.pi * self.a / self.h
+        return 0.5 * np.pi * self.half_width / self.h
 
     @property
     def load(self) -> float:
@@ -85,14 +83,10 @@ class CothZone:
     def max_pressure(self) -> float:
         return float(self.pressure_at(np.linspace(0.0, 1.0, 4097)).max())
 
-    def pressure_at(self, t: ArrayLike, zone: int = 0) -> Array:
-        v = self._end * np.asarray(t)
+    def _pressure(self, r: Array, d: Array) -> Array:
+        unit = 0.5 * np.pi / self.h
         # sinh^2 V - sinh^2 v without its cancellation beside an end.
-        return np.asarray(np.cosh(v) * np.sqrt(np.sinh(self._end - v) * np.sinh(self._end + v)))
-
-    def pressure(self, x: ArrayLike) -> Array:
-        t = np.asarray(x) / self.a
-        return np.where(np.abs(t) < 1, self.pressure_at(np.clip(t, -1, 1)), 0.0)
+        return np.asarray(np.cosh(unit * r) * np.sqrt(np.sinh(unit * d) * np.sinh(unit * (self.half_width + r))))
 
 
 @dataclass(frozen=True)
@@ -130,22 +124,16 @@ class UnderEllipse(Profile):
 
 
 @dataclass(frozen=True)
-class Ellipse:
+class Ellipse(SymmetricZone):
     """Its pressure."""
 
-    load = 0.25 * np.pi
-    max_pressure = 0.5
+    load = 0.25 * np.pi  # type: ignore[assignment]
+    max_pressure = 0.5  # type: ignore[assignment]
+    half_width = 1.0
+    period = None
 
-    @property
-    def zones(self) -> Array:
-        return np.array([[-1.0, 1.0]])
-
-    def pressure_at(self, t: ArrayLike, zone: int = 0) -> Array:
-        t = np.asarray(t)
-        return np.asarray(0.5 * np.sqrt((1 - t) * (1 + t)))
-
-    def pressure(self, x: ArrayLike) -> Array:
-        return self.pressure_at(np.clip(x, -1, 1))
+    def _pressure(self, r: Array, d: Array) -> Array:
+        return np.asarray(0.5 * np.sqrt(d * (1 + r)))
 
 
 def layers() -> Iterator[Extreme]:
