@@ -124,6 +124,13 @@ def nearest_image(x: Array, centre: float | Array, period: float | None) -> Arra
     return x if period is None else np.asarray(x - np.round((x - centre) / period) * period)
 
 
+def lost(x: Array, by: Array) -> Array:
+    """What x + by loses to rounding, exactly (D. E. Knuth, The Art of Computer Programming 2, 4.2.2)."""
+    there = x + by
+    back = there - x
+    return np.asarray((x - (there - back)) + (by - back))
+
+
 def numbered(counts: Index) -> Index:
     """0, 1, ... counts[0] - 1, 0, 1, ... counts[1] - 1, and so on."""
     return np.arange(int(counts.sum())) - np.repeat(np.cumsum(counts) - counts, counts)

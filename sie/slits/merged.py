@@ -10,7 +10,7 @@ from functools import cached_property
 
 import numpy as np
 
-from sie.basis.data import Array, Index, Kept, Mask, record, wrapped
+from sie.basis.data import Array, Index, Kept, Mask, lost, record, wrapped
 from sie.basis.zones import Zones
 from sie.collocation.modes import gaps
 from sie.equation.conditions import BUILT_IN, Condition, ZoneTotals, for_every_zone
@@ -106,19 +106,12 @@ def merge(equation: Equation, pieces: Zones, before: Mask | None = None) -> Merg
     zone[order] = np.repeat(np.arange(len(starts)), stops - starts + 1)
     left = [pieces.left[order[s]] for s in starts]
     right = [pieces.right[order[s]] for s in stops]
-    cut_off = pieces.rest + np.array([_lost(ends, shift) for ends in (pieces.a, pieces.b)])
+    cut_off = pieces.rest + np.array([lost(ends, shift) for ends in (pieces.a, pieces.b)])
     rest = np.array([cut_off[0][order[starts]], cut_off[1][order[stops]]])
     wide = Zones(a[starts], b[stops], left, right, pieces.symmetric, rest)
     at = np.flatnonzero(joined)
     slits = replace(Zones.of(np.column_stack((b[at], a[at + 1]))), rest=np.array([cut_off[1][order[at]], cut_off[0][order[at + 1]]]))
     return Merged(pieces, wide, slits, zone[order[at]], zone, shift, cut_off)
-
-
-def _lost(x: Array, by: Array) -> Array:
-    """What x + by loses to rounding, exactly (D. E. Knuth, The Art of Computer Programming 2, 4.2.2)."""
-    there = x + by
-    back = there - x
-    return np.asarray((x - (there - back)) + (by - back))
 
 
 def _one_level(conditions: Sequence[Condition]) -> bool:
