@@ -1,17 +1,17 @@
 """Sums over the basis functions of many intervals at many points: powers of rho, sines and cosines of multiples of theta."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sie.basis.data import Array, Index, Mask
+from sie.basis.data import Array, Index, Mask, numbered, record
 
 # Below this number of multiplications all pairs are summed to the same order; of few pairs, all powers are formed at once.
 _SMALL, _FEW = 200_000, 256
-# (point, jump) pairs handled at once.
-PAIRS = 1 << 19
+# (point, jump) pairs handled at once; those that each have their own row stay in the cache.
+PAIRS, _PAIRS = 1 << 19, 1 << 15
 # From this number of sines of multiples on not all are taken; and sines and cosines held at once.
 _MANY_TERMS, _BLOCK = 256, 800_000
 
@@ -29,6 +29,52 @@ def pair_blocks(points: int, jumps: int) -> Iterator[slice]:
     block = max(1, PAIRS // max(1, jumps))
     for begin in range(0, points, block):
         yield slice(begin, begin + block)
+
+
+@record
+class Grouped:
+    """Things that lie in zones: their places, zone after zone; count and first of each zone's, and of one more, none."""
+
+    order: Index
+    count: Index
+    first: Index
+
+    @classmethod
+    def by(cls, zone: Index) -> "Grouped":
+        """By the zone of each."""
+        count = np.bincount(zone, minlength=int(zone.max(initial=-1)) + 2)
+        return cls(np.argsort(zone, kind="stable"), count, np.cumsum(count) - count)
+
+    def rows(self, zone: Index) -> Index:
+        """Which of these numbers are those of zones."""
+        return np.minimum(zone, len(self.count) - 1)
+
+    def places(self) -> dict[int, Index]:
+        """Of each zone that there is something in."""
+        return {i: self.order[self.first[i] : self.first[i] + self.count[i]] for i in np.flatnonzero(self.count).tolist()}
+
+    def summed(self, zone: Index, weight: Array, of: Callable[[Index, Index], Array]) -> Array:
+        """Sums over the things in the zones of points; of: what is summed, over their weight, by points and things, pair by pair, or,
+        where all points are in one zone, (points, 1) and things, as a matrix."""
+        zone, out, begin = self.rows(zone), np.zeros(len(zone)), 0
+        if len(self.order) == 0 or len(zone) == 0:
+            return out
+        count = self.count[zone]
+        if np.all(zone == zone[0]):
+            things = self.order[self.first[zone[0]] :][: count[0]]
+            for here in pair_blocks(len(zone), len(things)):
+                out[here] = of(np.arange(len(zone))[here, None], things) @ weight[things]
+            return out
+        total = np.cumsum(count)
+        while begin < len(zone):
+            done = int(total[begin - 1]) if begin else 0
+            end = max(begin + 1, int(np.searchsorted(total, done + _PAIRS)))
+            here = count[begin:end]
+            row = np.repeat(np.arange(end - begin), here)
+            thing = self.order[numbered(here) + np.repeat(self.first[zone[begin:end]], here)]
+            out[begin:end] = np.bincount(row, of(begin + row, thing) * weight[thing], end - begin)
+            begin = end
+        return out
 
 
 def sum_of_powers(u: Array, rho: NDArray[Any], zone: Index) -> NDArray[Any]:

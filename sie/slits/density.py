@@ -313,7 +313,7 @@ class SlitDensity(Located):
                 last, n = here, 2 * n
             if zone in kinks.by_zone:
                 ends = np.array([before, before + 2 * half]) / w, np.array([after + 2 * half, after]) / w
-                here += float(w * np.diff(kinks.integral(zone, *ends))[0])
+                here += float(w * np.diff(kinks.integral(np.full(2, zone), *ends))[0])
             out[piece] = here
         return out
 
