@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sie.basis.data import Array, Index, Mask, numbered, record
+from sie.basis.data import Array, Complex, Index, Mask, numbered, record
 
 # Below this number of multiplications all pairs are summed to the same order; of few pairs, all powers are formed at once.
 _SMALL, _FEW = 200_000, 256
@@ -29,6 +29,16 @@ def pair_blocks(points: int, jumps: int) -> Iterator[slice]:
     block = max(1, PAIRS // max(1, jumps))
     for begin in range(0, points, block):
         yield slice(begin, begin + block)
+
+
+def stretches(counts: Index, most: int) -> Iterator[slice]:
+    """Stretches of points with so many pairs each, at most so many together, or one point."""
+    total, begin = np.cumsum(counts), 0
+    while begin < len(counts):
+        done = int(total[begin - 1]) if begin else 0
+        end = max(begin + 1, int(np.searchsorted(total, done + most)))
+        yield slice(begin, end)
+        begin = end
 
 
 @record
@@ -56,7 +66,7 @@ class Grouped:
     def summed(self, zone: Index, weight: Array, of: Callable[[Index, Index], Array]) -> Array:
         """Sums over the things in the zones of points; of: what is summed, over their weight, by points and things, pair by pair, or,
         where all points are in one zone, (points, 1) and things, as a matrix."""
-        zone, out, begin = self.rows(zone), np.zeros(len(zone)), 0
+        zone, out = self.rows(zone), np.zeros(len(zone))
         if len(self.order) == 0 or len(zone) == 0:
             return out
         count = self.count[zone]
@@ -65,15 +75,11 @@ class Grouped:
             for here in pair_blocks(len(zone), len(things)):
                 out[here] = of(np.arange(len(zone))[here, None], things) @ weight[things]
             return out
-        total = np.cumsum(count)
-        while begin < len(zone):
-            done = int(total[begin - 1]) if begin else 0
-            end = max(begin + 1, int(np.searchsorted(total, done + _PAIRS)))
-            here = count[begin:end]
-            row = np.repeat(np.arange(end - begin), here)
-            thing = self.order[numbered(here) + np.repeat(self.first[zone[begin:end]], here)]
-            out[begin:end] = np.bincount(row, of(begin + row, thing) * weight[thing], end - begin)
-            begin = end
+        for here in stretches(count, _PAIRS):
+            many = count[here]
+            row = np.repeat(np.arange(len(many)), many)
+            thing = self.order[numbered(many) + np.repeat(self.first[zone[here]], many)]
+            out[here] = np.bincount(row, of(here.start + row, thing) * weight[thing], len(many))
         return out
 
 
@@ -120,6 +126,15 @@ def _same_order(c: Array, rho: NDArray[Any]) -> NDArray[Any]:
     powers[..., 0] = 1.0
     powers[..., 1:] = rho[..., None]
     return np.asarray(np.einsum("psk,sk->ps", np.cumprod(powers, axis=-1), c))
+
+
+def waves(weight: Array, angle: Array, count: int) -> Complex:
+    """sum weight exp(i k angle), k = 0 ... count - 1, of weights at angles."""
+    turn, wave, out = np.exp(1j * angle), weight.astype(complex), np.empty(count, dtype=complex)
+    for k in range(count):
+        out[k] = wave.sum()
+        wave *= turn
+    return out
 
 
 def sine_sum(u: Array, zone: Index, angle: Array, flip: Mask) -> Array:
