@@ -13,7 +13,7 @@ import numpy as np
 from sie.basis.data import Array, Index, Kept, Mask, lost, record, wrapped
 from sie.basis.zones import Zones
 from sie.collocation.modes import gaps
-from sie.equation.conditions import BUILT_IN, Condition, ZoneTotals, for_every_zone
+from sie.equation.conditions import BUILT_IN, Condition, ZoneTotals
 from sie.equation.equation import Equation
 
 # Gaps narrower than this part of the wider zone beside them may be slits.
@@ -119,7 +119,7 @@ def _one_level(conditions: Sequence[Condition]) -> bool:
     zones one by one, which become fewer: those of a user's own may."""
     rows = [type(condition).rows for condition in conditions]
     one_by_one = ZoneTotals.rows in rows or any(one not in BUILT_IN for one in rows)
-    return not one_by_one and any(for_every_zone(condition) == "levels" for condition in conditions)
+    return not one_by_one and any(condition.levels for condition in conditions)
 
 
 def _plain(pieces: Zones) -> bool:
