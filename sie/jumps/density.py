@@ -104,17 +104,12 @@ class DensityJumps(ForcingJumps):
     ) -> "DensityJumps":
         """The jumps at positions `at` (repeated with the kernel's period) that lie inside a zone. spline: a quadratic spline with those
         of order 2, if there is one."""
-        at, i, inside = cls.located(zones, at, kernel.period)
-        w = zones.half[i]
-        size = jumps * w**orders / np.array([1.0, 1.0, 2.0])[orders]
-        kinks = orders == 0
-        logarithms = None
+        found, kinks = cls.placed(zones, at, jumps, orders, kernel.period), orders == 0
         if np.any(kinks):
-            own, weight = np.where(inside, i, -1)[kinks], jumps[kinks] / np.pi
-            near = ExteriorLogarithms.near(zones, at[kinks], weight, kernel.period)
-            logarithms = Logarithms(kernel, zones, at[kinks], weight, own, near)
-        i, at, w = i[inside], at[inside], w[inside]
-        found = cls(i, zones.beyond_a(at, i) / w, zones.before_b(at, i) / w, size[inside], orders[inside], logarithms=logarithms)
+            weight = jumps[kinks] / np.pi
+            at, i, inside = cls.located(zones, at[kinks], kernel.period)
+            near = ExteriorLogarithms.near(zones, at, weight, kernel.period)
+            found = replace(found, logarithms=Logarithms(kernel, zones, at, weight, np.where(inside, i, -1), near))
         return found if spline is None else found._with_splines(zones, spline, LocalSpline.inside, _MANY)
 
     def __len__(self) -> int:

@@ -67,14 +67,17 @@ class ForcingJumps(Jumps):
         cls, zones: Zones, at: Array, jumps: Array, orders: Index, period: float | None, g: Callable[[Array], Array] | None = None
     ) -> "ForcingJumps":
         """The jumps at positions `at` (repeated with the period) that lie inside a zone. g: the right side, if it is known."""
-        if len(at) == 0:
-            return _NONE
+        found = cls.placed(zones, at, jumps, orders, period) if len(at) else _NONE
+        return found if g is None else found._with_splines(zones, g, ZoneSpline.inside)
+
+    @classmethod
+    def placed(cls, zones: Zones, at: Array, jumps: Array, orders: Index, period: float | None) -> Self:
+        """The same one by one."""
         at, i, inside = cls.located(zones, at, period)
         i, at, q = i[inside], at[inside], orders[inside]
         w = zones.half[i]
         factorial = np.array([1.0, 1.0, 2.0])[q]
-        found = cls(i, zones.beyond_a(at, i) / w, zones.before_b(at, i) / w, jumps[inside] * w**q / factorial, q)
-        return found if g is None else found._with_splines(zones, g, ZoneSpline.inside)
+        return cls(i, zones.beyond_a(at, i) / w, zones.before_b(at, i) / w, jumps[inside] * w**q / factorial, q)
 
     @staticmethod
     def located(zones: Zones, at: Array, period: float | None) -> tuple[Array, Index, Mask]:
