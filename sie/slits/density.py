@@ -163,14 +163,8 @@ class SlitDensity(Located):
         beside = self._beside_slits[zone]
         if not beside.any():  # a piece alone is its wide zone
             return self._edged.at(self.merged.piece_zone[zone], left, right)
-        if zone.ndim == 2 and zone.shape[1] == 1 and not beside.all():
-            sides = (np.asarray(left, dtype=float), np.asarray(right, dtype=float))
-            out = np.empty(np.broadcast_shapes(zone.shape, *(d.shape for d in sides)))
-            for rows in (beside[:, 0], ~beside[:, 0]):
-                out[rows] = self.at(zone[rows], *(d[rows] if d.ndim == 2 and len(d) == len(rows) else d for d in sides))
-            return out
         merged, wide = self.merged, self.merged.wide
-        piece, lf, rt = np.broadcast_arrays(np.asarray(zone, dtype=np.intp), np.asarray(left, float), np.asarray(right, float))
+        piece, lf, rt = np.broadcast_arrays(zone, np.asarray(left, float), np.asarray(right, float))
         shape = piece.shape
         piece, lf, rt = piece.ravel(), lf.ravel(), rt.ravel()
         half = self.zones.half[piece]
