@@ -95,7 +95,8 @@ def sum_of_powers(u: Array, rho: NDArray[Any], zone: Index) -> NDArray[Any]:
         return sum_of_powers(u, rho.ravel(), np.tile(zone, rho.shape[0])).reshape(rho.shape)
     with np.errstate(divide="ignore"):
         seen = np.ceil(-40.0 / np.log(np.minimum(np.abs(rho), 1 - 1e-12)))
-    return _by_horner(u, rho, zone, np.fmin(count, seen).astype(int))
+    # Of rho = 0 the first term.
+    return _by_horner(u, rho, zone, np.fmin(count, np.maximum(seen, 1)).astype(int))
 
 
 def _by_horner(u: Array, rho: NDArray[Any], zone: Index, terms: Index) -> NDArray[Any]:
