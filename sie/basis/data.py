@@ -4,7 +4,7 @@ that repeats, and among things that are counted one after the other.
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any, TypeVar, dataclass_transform
 
 import numpy as np
@@ -124,6 +124,13 @@ def nearest_image(x: Array, centre: float | Array, period: float | None) -> Arra
     return x if period is None else np.asarray(x - np.round((x - centre) / period) * period)
 
 
+def lost(x: Array, by: Array) -> Array:
+    """What x + by loses to rounding, exactly (D. E. Knuth, The Art of Computer Programming 2, 4.2.2)."""
+    there = x + by
+    back = there - x
+    return np.asarray((x - (there - back)) + (by - back))
+
+
 def numbered(counts: Index) -> Index:
     """0, 1, ... counts[0] - 1, 0, 1, ... counts[1] - 1, and so on."""
     return np.arange(int(counts.sum())) - np.repeat(np.cumsum(counts) - counts, counts)
@@ -142,7 +149,16 @@ def row_sizes(table: Array) -> Array:
     return by_rows(lambda rows: np.abs(rows).max(axis=1, initial=0.0), table)
 
 
-def divided(ends: Array, parts: Index) -> tuple[Array, Array]:
-    """(starts, lengths) of so many equal parts of every interval between neighbouring ends, one interval after the other."""
-    length = np.repeat(np.diff(ends) / parts, parts)
-    return np.repeat(ends[:-1], parts) + numbered(parts) * length, length
+@lru_cache(maxsize=16)
+def _legendre(nodes: int) -> tuple[Array, Array]:
+    t, weights = np.polynomial.legendre.leggauss(nodes)
+    return np.asarray(0.5 * (1 + t)), np.asarray(0.5 * weights)
+
+
+def legendre(ends: Array, nodes: int, parts: Index | int = 1) -> tuple[Array, Array]:
+    """(places, weights), (pieces, nodes) each, of Gauss's rule on so many equal parts of every interval between neighbouring ends."""
+    parts = np.broadcast_to(parts, len(ends) - 1)
+    length = np.repeat(np.diff(ends) / parts, parts)[:, None]
+    start = np.repeat(ends[:-1], parts)[:, None] + numbered(parts)[:, None] * length
+    place, weight = _legendre(nodes)
+    return start + length * place, length * weight

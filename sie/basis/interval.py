@@ -158,6 +158,10 @@ class OnLine(Seen):
     def _away(self) -> Array:
         return np.maximum(-self.left, -self.right)
 
+    @property
+    def zeta(self) -> Array:
+        return 0.5 * (self.left - self.right)
+
     def __getitem__(self, which: Any) -> "OnLine":
         return OnLine(self.left[which], self.right[which], self.root[which], self.rho[which], self.on[which], self.any_on)
 
@@ -229,7 +233,7 @@ class InPlane:
 
 
 # off the interval -------------------------------------------------------------------------------------------------------
-def of_t(c: Array, seen: InPlane | Outside, w: Array, datum: float, row: Index, what: What) -> Number:
+def of_t(c: Array, seen: InPlane | Outside | OnLine, w: Array, datum: float, row: Index, what: What) -> Number:
     """Of sum c[row, l] T_l / X on intervals of half widths w."""
     if what == "potential":
         divided = c / np.maximum(np.arange(c.shape[1]), 1)

@@ -6,18 +6,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sie.basis.data import Array, Index, Mask
+from sie.basis.data import Array, Complex, Index, Mask, numbered, record
 
 # Below this number of multiplications all pairs are summed to the same order; of few pairs, all powers are formed at once.
 _SMALL, _FEW = 200_000, 256
-# (point, jump) pairs handled at once.
-PAIRS = 1 << 19
-# Sines of multiples that are all taken.
-_FEW_SINES = 256
-# Sines and cosines held at once.
-_BLOCK = 800_000
-# Zones that are named less often are summed together, by numbers of terms that are rounded up to a multiple.
-_POOLED, _SIZES = 48, 8
+# (point, jump) pairs handled at once; those that each have their own row stay in the cache.
+PAIRS, _PAIRS = 1 << 19, 1 << 15
+# From this number of sines of multiples on not all are taken; and sines and cosines held at once.
+_MANY_TERMS, _BLOCK = 256, 800_000
 
 
 def of_zones(zone: Index) -> Iterator[tuple[int, Index]]:
@@ -35,6 +31,58 @@ def pair_blocks(points: int, jumps: int) -> Iterator[slice]:
         yield slice(begin, begin + block)
 
 
+def stretches(counts: Index, most: int) -> Iterator[slice]:
+    """Stretches of points with so many pairs each, at most so many together, or one point."""
+    total, begin = np.cumsum(counts), 0
+    while begin < len(counts):
+        done = int(total[begin - 1]) if begin else 0
+        end = max(begin + 1, int(np.searchsorted(total, done + most)))
+        yield slice(begin, end)
+        begin = end
+
+
+@record
+class Grouped:
+    """Things that lie in zones: their places, zone after zone; count and first of each zone's, and of one more, none."""
+
+    order: Index
+    count: Index
+    first: Index
+
+    @classmethod
+    def by(cls, zone: Index) -> "Grouped":
+        """By the zone of each."""
+        count = np.bincount(zone, minlength=int(zone.max(initial=-1)) + 2)
+        return cls(np.argsort(zone, kind="stable"), count, np.cumsum(count) - count)
+
+    def rows(self, zone: Index) -> Index:
+        """Which of these numbers are those of zones."""
+        return np.minimum(zone, len(self.count) - 1)
+
+    def places(self) -> dict[int, Index]:
+        """Of each zone that there is something in."""
+        return {i: self.order[self.first[i] : self.first[i] + self.count[i]] for i in np.flatnonzero(self.count).tolist()}
+
+    def summed(self, zone: Index, weight: Array, of: Callable[[Index, Index], Array]) -> Array:
+        """Sums over the things in the zones of points; of: what is summed, over their weight, by points and things, pair by pair, or,
+        where all points are in one zone, (points, 1) and things, as a matrix."""
+        zone, out = self.rows(zone), np.zeros(len(zone))
+        if len(self.order) == 0 or len(zone) == 0:
+            return out
+        count = self.count[zone]
+        if np.all(zone == zone[0]):
+            things = self.order[self.first[zone[0]] :][: count[0]]
+            for here in pair_blocks(len(zone), len(things)):
+                out[here] = of(np.arange(len(zone))[here, None], things) @ weight[things]
+            return out
+        for here in stretches(count, _PAIRS):
+            many = count[here]
+            row = np.repeat(np.arange(len(many)), many)
+            thing = self.order[numbered(many) + np.repeat(self.first[zone[here]], many)]
+            out[here] = np.bincount(row, of(here.start + row, thing) * weight[thing], len(many))
+        return out
+
+
 def sum_of_powers(u: Array, rho: NDArray[Any], zone: Index) -> NDArray[Any]:
     """sum_k u[zone, k] rho^k, rho real or complex, as far as rho^k is seen: pair by pair, rho and zone (n,), or for every point and
     source, rho (points, sources) and zone (sources,)."""
@@ -45,16 +93,20 @@ def sum_of_powers(u: Array, rho: NDArray[Any], zone: Index) -> NDArray[Any]:
         if rho.size * count <= _SMALL:
             return _same_order(u[zone], rho)
         return sum_of_powers(u, rho.ravel(), np.tile(zone, rho.shape[0])).reshape(rho.shape)
-    flat = np.abs(rho)
     with np.errstate(divide="ignore"):
-        need = np.fmin(count, np.ceil(-40.0 / np.log(np.minimum(flat, 1 - 1e-12)))).astype(int)
-    need = np.maximum(need, 1)
-    order = np.argsort(-need, kind="stable")
-    point_rho, row = rho[order], zone[order]
-    counts = need[order]
+        seen = np.ceil(-40.0 / np.log(np.minimum(np.abs(rho), 1 - 1e-12)))
+    # Of rho = 0 the first term.
+    return _by_horner(u, rho, zone, np.fmin(count, np.maximum(seen, 1)).astype(int))
+
+
+def _by_horner(u: Array, rho: NDArray[Any], zone: Index, terms: Index) -> NDArray[Any]:
+    """The same, pair by pair, of so many terms of each: those of the most terms come first, and the others join them on the way."""
+    order = np.argsort(-terms, kind="stable")
+    point_rho, row, counts = rho[order], zone[order], terms[order]
     out = np.zeros(len(order), dtype=rho.dtype)
-    active = np.searchsorted(-counts, -np.arange(1, counts[0] + 1), side="right")
-    for k in range(int(counts[0]) - 1, -1, -1):
+    last = int(counts[0]) if len(counts) else 0
+    active = np.searchsorted(-counts, -np.arange(1, last + 1), side="right")
+    for k in range(last - 1, -1, -1):
         n = active[k]
         out[:n] = out[:n] * point_rho[:n] + u[row[:n], k]
     result = np.empty(len(order), dtype=rho.dtype)
@@ -77,42 +129,57 @@ def _same_order(c: Array, rho: NDArray[Any]) -> NDArray[Any]:
     return np.asarray(np.einsum("psk,sk->ps", np.cumprod(powers, axis=-1), c))
 
 
+def waves(weight: Array, angle: Array, count: int) -> Complex:
+    """sum weight exp(i k angle), k = 0 ... count - 1, of weights at angles."""
+    turn, wave, out = np.exp(1j * angle), weight.astype(complex), np.empty(count, dtype=complex)
+    for k in range(count):
+        out[k] = wave.sum()
+        wave *= turn
+    return out
+
+
 def sine_sum(u: Array, zone: Index, angle: Array, flip: Mask) -> Array:
     """sum_k u[zone, k] sin((k+1) theta), by the angle from the nearer end, theta = pi - angle where `flip`: no digit is lost near either
     end. zone of any shape; one column of zones, (n, 1), with the same places in each is faster."""
     if zone.ndim == 2 and zone.strides[1] == 0 == angle.strides[0]:
         return _same_places(u, zone[:, 0], angle[0], flip[0])
-    out = np.zeros(angle.shape)
-    flat_zone, flat_angle, flat_flip, flat_out = zone.ravel(), angle.ravel(), flip.ravel(), out.reshape(-1)
-    for here, sines, rows in _pooled(u, flat_zone, flat_angle, np.sin):
-        k = np.arange(1, rows.shape[1] + 1)
-        turned = np.einsum("pk,pk,k->p", sines, rows, 2.0 * (k % 2) - 1.0)
-        flat_out[here] = np.where(flat_flip[here], turned, np.einsum("pk,pk->p", sines, rows))
-    for i, here in of_zones(flat_zone):
-        if len(here) < _POOLED:
-            continue
-        row = np.trim_zeros(u[i], "b")
-        if len(row) == 0:
-            continue
-        k = np.arange(1, len(row) + 1)
-        # In both directions: seen from the left end, t changes sign.
-        both = np.column_stack((row, row * (2.0 * (k % 2) - 1.0)))
-        for part in _blocks(here, len(row)):
-            sums = _sines(flat_angle[part], both)
-            flat_out[part] = np.where(flat_flip[part], sums[:, 1], sums[:, 0])
-    return out
+    shape, zone, angle, flip = angle.shape, zone.ravel(), angle.ravel(), flip.ravel()
+    terms = _terms(u, zone)
+    # The imaginary part of turn^(k+1), or where flipped of turn (-turn)^k.
+    turn = np.exp(1j * angle)
+    out = (turn * _by_horner(u, np.where(flip, -turn, turn), zone, np.where(terms > _MANY_TERMS, 0, terms))).imag
+    many = np.flatnonzero(terms > _MANY_TERMS)
+    for i, some in of_zones(zone[many]):
+        here = many[some]
+        out[here] = _same_places(u, np.array([i]), angle[here], flip[here])[0]
+    return out.reshape(shape)
+
+
+def cosine_sum(c: Array, zone: Index, theta: Array) -> Array:
+    """sum_k c[zone, k] cos((k+1) theta), pair by pair (n,)."""
+    turn = np.exp(1j * theta)
+    return np.asarray((turn * _by_horner(c, turn, zone, _terms(c, zone))).real)
+
+
+def _terms(table: Array, row: Index) -> Index:
+    """How many terms of the rows that are named are there, up to the last one that is not zero."""
+    named = np.flatnonzero(np.bincount(row, minlength=len(table)))
+    used = table[named] != 0.0
+    terms = np.zeros(len(table), dtype=np.intp)
+    terms[named] = used.any(axis=1) * (table.shape[1] - np.argmax(used[:, ::-1], axis=1)) if table.shape[1] else 0
+    return terms[row]
 
 
 def _same_places(u: Array, zones: Index, angle: Array, flip: Mask) -> Array:
     """`sine_sum` at the same places of several zones, as matrix products of bounded size."""
     rows = u[zones]
-    used = np.flatnonzero(np.any(rows != 0, axis=0))
-    k = np.arange(1, used[-1] + 2 if len(used) else 1)
+    k = np.arange(1, _terms(u, zones).max(initial=0) + 1)
     rows = rows[:, : len(k)]
     # Seen from the left end, t changes sign: even modes do too.
     turned = rows * (2.0 * (k % 2) - 1.0)
-    out = np.empty((len(zones), len(angle)))
-    for here in _blocks(np.arange(len(angle)), len(k)):
+    out, block = np.empty((len(zones), len(angle))), max(1, _BLOCK // max(1, len(k)))
+    for start in range(0, len(angle), block):
+        here = slice(start, start + block)
         some = flip[here].any()
         sums = _sines(angle[here], np.concatenate((rows, turned) if some else (rows,)).T).T
         out[:, here] = np.where(flip[here], sums[len(rows) :], sums[: len(rows)]) if some else sums
@@ -122,7 +189,7 @@ def _same_places(u: Array, zones: Index, angle: Array, flip: Mask) -> Array:
 def _sines(angle: Array, columns: Array) -> Array:
     """sum_k columns[k - 1] sin(k angle), (points, columns). Of many terms k = m a + b, by sin(m a angle + b angle): few sines are taken."""
     count = len(columns) + 1
-    if count <= _FEW_SINES:
+    if count <= _MANY_TERMS:
         return np.asarray(np.sin(angle[:, None] * np.arange(1, count)) @ columns)
     m = 2 ** round(0.5 * np.log2(count))
     terms = np.zeros((-(-count // m), m, columns.shape[1]))
@@ -132,44 +199,3 @@ def _sines(angle: Array, columns: Array) -> Array:
     shape = (len(angle), *terms.shape[::2])
     cosines, sines = (np.reshape(wave @ by_near, shape) for wave in (np.cos(near), np.sin(near)))
     return np.asarray(np.einsum("pa,pac->pc", np.sin(far), cosines) + np.einsum("pa,pac->pc", np.cos(far), sines))
-
-
-def cosine_sum(c: Array, zone: Index, theta: Array) -> Array:
-    """sum_k c[zone, k] cos((k+1) theta), pair by pair (n,)."""
-    out = np.zeros(theta.shape)
-    for here, cosines, rows in _pooled(c, zone, theta, np.cos):
-        out[here] = np.einsum("pk,pk->p", cosines, rows)
-    for i, here in of_zones(zone):
-        if len(here) < _POOLED:
-            continue
-        row = np.trim_zeros(c[i], "b")
-        k = np.arange(1, len(row) + 1)
-        for part in _blocks(here, len(row)):
-            out[part] = np.cos(theta[part][:, None] * k) @ row
-    return out
-
-
-def _pooled(
-    table: Array, zone: Index, angle: Array, wave: Callable[[Array], Array]
-) -> Iterator[tuple[Index, Array, Array]]:
-    """Points of zones that are named fewer than _POOLED times, those of about as many terms together: (places, waves of k times their
-    angles, their rows of the table)."""
-    some = np.flatnonzero(np.bincount(zone, minlength=1)[zone] < _POOLED) if len(zone) else zone
-    if len(some) == 0 or table.shape[1] == 0:
-        return
-    named = np.unique(zone[some])
-    used = table[named] != 0
-    terms = np.zeros(len(table), dtype=np.intp)
-    terms[named] = np.where(used.any(axis=1), table.shape[1] - np.argmax(used[:, ::-1], axis=1), 0)
-    # Rounded up, so that there are few sizes.
-    size = np.minimum(-(-terms[zone[some]] // _SIZES) * _SIZES, table.shape[1])
-    for count, here in of_zones(size):
-        for part in _blocks(some[here], max(count, 1)):
-            k = np.arange(1, count + 1)
-            yield part, wave(angle[part][:, None] * k), table[zone[part], :count]
-
-
-def _blocks(places: Index, count: int) -> Iterator[Index]:
-    block = max(1, _BLOCK // max(1, count))
-    for s in range(0, len(places), block):
-        yield places[s : s + block]

@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from sie.basis.data import Array, Index, Kept, Mask
+from sie.basis.data import Array, Index, Kept, Mask, lost
 
 
 @dataclass(frozen=True)
@@ -164,11 +164,8 @@ class Zones(Kept):
         if self.symmetric:
             outward = 0.5 * (outward + outward[::-1, ::-1])
         ends, by = np.array([self.a, self.b]), np.array([-outward[0], outward[1]]) + self.rest
-        there = ends + by
-        # What the sum has lost, exactly (D. E. Knuth, The Art of Computer Programming 2, 4.2.2).
-        back = there - ends
-        rest = (ends - (there - back)) + (by - back)
-        return replace(self, a=there[0], b=there[1], rest=rest if exactly else np.zeros_like(rest))
+        a, b = ends + by
+        return replace(self, a=a, b=b, rest=lost(ends, by) if exactly else np.zeros_like(by))
 
     def changed(self, lost: Index, met: Index, period: float | None) -> "tuple[Zones, Index]":
         """(these without those that are lost, and with those joined that have met the next one, the numbers of what is left among these);

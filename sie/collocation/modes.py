@@ -183,21 +183,17 @@ def _values(forcing: Forcing, zones: Zones, jumps: ForcingJumps, group: Index, n
     # From the ends as positions, of which rounding has cut off the rest.
     rest = zones.rest[:, group][:, :, None]
     away = w * np.where(left <= right, left, -right) + np.where(left <= right, rest[0], rest[1])
+    # Each zone's nodes, one zone after the other.
+    of_jumps = np.repeat(group, len(left)), np.tile(left, len(group))
     if float(_places(zones, group).max()) > _FINE:
         # What a jump adds to the slope is none of g's on either side.
-        levels = np.array([jumps.level_part(int(zone), left) for zone in group]) if len(jumps) else 0.0
+        levels = jumps.level_part(*of_jumps).reshape(len(group), -1)
         values = forcing.sampled(end, away, lambda g: chebyshev.slopes(g + levels) / w)
     else:
         x = end + away
         values = np.array(forcing.value(x.ravel()), dtype=float).reshape(x.shape)
     given = np.abs(values).max(axis=1)
-    few = jumps.few.holds(group)
-    if few.any():
-        values[few] += jumps.few.smooth_part(np.repeat(group[few], len(left)), np.tile(left, int(few.sum()))).reshape(-1, len(left))
-    for place in np.flatnonzero(~few):
-        if jumps.adds_to(int(group[place])):
-            values[place] += jumps.smooth_part(int(group[place]), left)
-    return values, given
+    return values + jumps.smooth_part(*of_jumps).reshape(values.shape), given
 
 
 def conformal_radius(left: Array, right: Array) -> Array:

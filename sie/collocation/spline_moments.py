@@ -10,11 +10,10 @@ by Gauss-Legendre rules on the stretches between jumps, where g is smooth. The u
 coefficients of the jumps' parts included.
 """
 
-from functools import lru_cache
-
 import numpy as np
 
-from sie.basis.data import Array, Index, divided
+from sie.basis.data import Array, Index, legendre
+from sie.basis.sums import waves
 from sie.basis.zones import Zones
 from sie.equation.equation import Forcing
 from sie.jumps.forcing import ForcingJumps
@@ -23,12 +22,6 @@ from sie.jumps.forcing import ForcingJumps
 MANY_JUMPS = 32
 # Nodes on a stretch, and the largest angle by which sin(k theta) turns on it: the rule is exact to rounding there.
 _NODES, _TURN = 16, 2 * np.pi
-
-
-@lru_cache(maxsize=1)
-def _rule() -> tuple[Array, Array]:
-    t, weights = np.polynomial.legendre.leggauss(_NODES)
-    return np.asarray(0.5 * (1 + t)), np.asarray(0.5 * weights)
 
 
 def many_jumps(forcing: Forcing, zones: Zones, jumps: ForcingJumps) -> Index:
@@ -40,57 +33,26 @@ def many_jumps(forcing: Forcing, zones: Zones, jumps: ForcingJumps) -> Index:
     return np.asarray(zones.solved[count[zones.solved] >= MANY_JUMPS])
 
 
-class Stretches:
-    """The rule on the stretches of chosen zones: angles, weights and distances from the left and right end over the half width, zone
-    after zone; first: where each begins. turns: highest k per zone."""
-
-    def __init__(self, jumps: ForcingJumps, chosen: Index, turns: Index) -> None:
-        nodes, weights = _rule()
-        starts, sizes, counts = [], [], []
-        for zone, k in zip(chosen, turns, strict=True):
-            cuts = np.concatenate(([0.0], np.sort(jumps.angles(int(zone))), [np.pi]))
-            start, size = divided(cuts, np.maximum(np.ceil(np.diff(cuts) * (k / _TURN)), 1.0).astype(np.intp))
-            starts.append(start)
-            sizes.append(size)
-            counts.append(len(size) * _NODES)
-        size = np.concatenate(sizes)[:, None]
-        self.theta = (np.concatenate(starts)[:, None] + size * nodes).ravel()
-        self.weights = (size * weights).ravel()
-        self.left, self.right = 2 * np.cos(0.5 * self.theta) ** 2, 2 * np.sin(0.5 * self.theta) ** 2
-        self.counts = np.array(counts)
-        self.first = np.cumsum(self.counts) - self.counts
-        self.turns = turns
-
-    def places(self, zones: Zones, chosen: Index) -> Array:
-        """The nodes themselves."""
-        w, a, b = (np.repeat(values[chosen], self.counts) for values in (zones.half, zones.a, zones.b))
-        return np.where(self.left <= self.right, a + w * self.left, b - w * self.right)
-
-    def sines(self, values: Array) -> Array:
-        """(2/pi) int values sin(theta) sin(k theta) dtheta at [:, k], up to each zone's highest k, others zero."""
-        out = np.zeros((len(self.turns), int(self.turns.max()) + 1))
-        turn = np.exp(1j * self.theta)
-        wave = (2 / np.pi) * values * np.sin(self.theta) * self.weights * turn
-        # Zones with the most coefficients first: the others drop out on the way.
-        order = np.argsort(-self.turns, kind="stable")
-        at = np.concatenate([np.arange(self.first[i], self.first[i] + self.counts[i]) for i in order])
-        wave, turn = wave[at], turn[at]
-        first = np.concatenate(([0], np.cumsum(self.counts[order])))
-        for k in range(1, out.shape[1]):
-            left = int(np.count_nonzero(self.turns >= k))
-            wave, turn = wave[: first[left]], turn[: first[left]]
-            out[order[:left], k] = np.add.reduceat(wave.imag, first[:left])
-            wave = wave * turn
-        return out
-
-    def means(self, values: Array) -> Array:
-        """(1/pi) int values dtheta of every zone."""
-        return np.asarray(np.add.reduceat(values * self.weights, self.first) / np.pi)
+def rule(jumps: ForcingJumps, zone: int, highest: int) -> tuple[Array, Array]:
+    """(angles, weights) on the stretches between the jumps of a zone, for what turns as often as sin(highest theta)."""
+    cuts = np.concatenate(([0.0], np.sort(jumps.angles(zone)), [np.pi]))
+    parts = np.maximum(np.ceil(np.diff(cuts) * (highest / _TURN)), 1.0).astype(np.intp)
+    theta, weights = legendre(cuts, _NODES, parts)
+    return theta.ravel(), weights.ravel()
 
 
 def coefficients(forcing: Forcing, zones: Zones, jumps: ForcingJumps, chosen: Index, m: Index) -> tuple[Array, Array]:
     """(g_k of the right side itself at [:, k], k = 1 ... m, others zero; mean of its primitive, 0 without one) on chosen zones."""
-    stretches = Stretches(jumps, chosen, m[chosen])
-    x = stretches.places(zones, chosen)
-    means = np.zeros(len(chosen)) if forcing.primitive is None else stretches.means(np.asarray(forcing.primitive(x), dtype=float))
-    return stretches.sines(np.asarray(forcing.value(x), dtype=float)), means
+    rules = [rule(jumps, int(zone), int(m[zone])) for zone in chosen]
+    first = np.cumsum([0, *(len(theta) for theta, _ in rules)])
+    theta, weights = (np.concatenate(parts) for parts in zip(*rules, strict=True))
+    left, right = 2 * np.cos(0.5 * theta) ** 2, 2 * np.sin(0.5 * theta) ** 2
+    zone = np.repeat(chosen, np.diff(first))
+    x = np.where(left <= right, zones.a[zone] + zones.half[zone] * left, zones.b[zone] - zones.half[zone] * right)
+    turned = (2 / np.pi) * np.asarray(forcing.value(x), dtype=float) * np.sin(theta) * weights
+    out = np.zeros((len(chosen), int(m[chosen].max()) + 1))
+    for row, k, start, end in zip(out, m[chosen], first[:-1], first[1:], strict=True):
+        row[: k + 1] = waves(turned[start:end], theta[start:end], int(k) + 1).imag
+    if forcing.primitive is None:
+        return out, np.zeros(len(chosen))
+    return out, np.add.reduceat(np.asarray(forcing.primitive(x), dtype=float) * weights, first[:-1]) / np.pi

@@ -38,10 +38,10 @@ def from_zones(density: Series, x: Array, zone: Index, shift: Array | float, pot
         pairs = np.nonzero(np.broadcast_to(carried[zone], value.shape))
         of, there = zone[pairs[-1]], seen[pairs]
         if potential:
-            sharp = jumps.sharp_potential_at(of, there.left, there.right, there.rho)
+            sharp = jumps.sharp_potential(of, there)
             value[pairs] += zones.half[of] * (sharp + density.sharp_totals[of] * np.log(zones.half[of] / density.kernel.datum))
         else:
-            value[pairs] += jumps.transform_at(of, there)
+            value[pairs] += jumps.transform(of, there)
     return np.asarray(value)
 
 

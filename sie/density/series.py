@@ -9,7 +9,6 @@ from numpy.typing import ArrayLike
 from sie.basis import chebyshev, interval
 from sie.basis.data import Array, Index, Mask
 from sie.basis.kernels import Kernel
-from sie.basis.sums import of_zones
 from sie.basis.zones import Zones
 from sie.density.located import Located, real_of
 from sie.density.moments import moments_of, quadrature
@@ -156,7 +155,7 @@ class Series(Located):
         # At an end where the density is bounded, the rounding of its intensity is not divided by zero.
         out = interval.values_on(*self.bounded, zone, left, right, self._bounded_ends)
         if len(self.jumps):
-            out = out + self.jumps.density_at(zone.ravel(), left.ravel(), right.ravel()).reshape(out.shape)
+            out = out + self.jumps.density(zone.ravel(), left.ravel(), right.ravel()).reshape(out.shape)
         return np.asarray(out)
 
     def integral_at(self, zone: ArrayLike, angle: ArrayLike) -> Array:
@@ -165,11 +164,8 @@ class Series(Located):
         zone, angle = np.broadcast_arrays(np.asarray(zone, dtype=np.intp), real_of(angle))
         w, out = self.zones.half[zone], interval.integral_on(self.coefficients, zone, angle)
         if len(self.jumps):
-            flat_out, flat = out.reshape(-1), angle.ravel()
-            for i, here in of_zones(zone.ravel()):
-                if i in self.jumps.by_zone:
-                    left, right = 2 * np.cos(flat[here] / 2) ** 2, 2 * np.sin(flat[here] / 2) ** 2
-                    flat_out[here] += self.jumps.integral(i, left, right)
+            left, right = 2 * np.cos(angle.ravel() / 2) ** 2, 2 * np.sin(angle.ravel() / 2) ** 2
+            out = out + self.jumps.integral(zone.ravel(), left, right).reshape(out.shape)
         return np.asarray(w * out)
 
     def integral(self, x: ArrayLike) -> Array:

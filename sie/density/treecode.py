@@ -5,14 +5,14 @@ them from one fast sum; a point adds what the few near zones do.
 """
 
 import weakref
-from collections.abc import Iterator
 from functools import cached_property
 
 import numpy as np
 from numpy.polynomial.chebyshev import chebint
 
-from sie.basis.data import Array, Index
+from sie.basis.data import Array, numbered
 from sie.basis.interval import Outside, of_t
+from sie.basis.sums import stretches
 from sie.basis.zones import Zones
 from sie.density.field import from_zones
 from sie.density.series import Series
@@ -75,7 +75,7 @@ class Treecode:
             out[beyond] = self._beyond(x[beyond], potential)
         order, cell = order[~outside], np.minimum(cell[~outside], len(self.middle) - 1)
         table = np.ascontiguousarray(series.T)
-        for here in self._blocks(cell):
+        for here in stretches(self.start[cell + 1] - self.start[cell] + 4, _BLOCK):
             places, cells = order[here], cell[here]
             part = x[places]
             with np.errstate(divide="ignore", invalid="ignore"):
@@ -83,20 +83,10 @@ class Treecode:
             value = clenshaw(table, cells, np.clip(t, -1.0, 1.0))
             count = self.start[cells + 1] - self.start[cells]
             row = np.repeat(np.arange(len(part)), count)
-            pair = np.arange(len(row)) + np.repeat(self.start[cells] - (np.cumsum(count) - count), count)
+            pair = numbered(count) + np.repeat(self.start[cells], count)
             near = from_zones(self.density, part[row], self.source[pair], self.shift[pair], potential)
             out[places] = value + np.bincount(row, near, minlength=len(part))
         return out
-
-    def _blocks(self, cell: Index) -> Iterator[slice]:
-        """Stretches of the sorted points with at most so many near pairs."""
-        total = np.cumsum(self.start[cell + 1] - self.start[cell] + 4)
-        begin = 0
-        while begin < len(cell):
-            done = total[begin - 1] if begin else 0
-            end = max(begin + 1, int(np.searchsorted(total, done + _BLOCK)))
-            yield slice(begin, end)
-            begin = end
 
     def _beyond(self, x: Array, potential: bool) -> Array:
         """Outside the cells of a kernel that has no period: from the moments of all zones, but near an image one by one."""

@@ -151,12 +151,6 @@ def speaks_of_levels(condition: Condition, zones: Zones) -> bool:
     return bool(asked(condition, tried, 1)[0].any())
 
 
-def for_every_zone(condition: Condition) -> str | None:
-    """What a condition of the engine's gives of every zone, "levels" or "totals"; None if it is of another kind."""
-    rows = type(condition).rows
-    return "levels" if rows in (EqualPotential.rows, Level.rows) else "totals" if rows is ZoneTotals.rows else None
-
-
 @record
 class ByZone:
     """A condition that asks one thing of every solved zone, or of every two neighbours, told by what it makes of the zones' levels and of
@@ -224,7 +218,9 @@ def by_zone(condition: Condition, zones: Zones) -> ByZone | None:
     """
     solved, count = zones.solved, condition.count(zones)
     n = len(solved)
-    if n < 2 or not (count == n or (count == n - 1 and for_every_zone(condition) == "levels") or (count == n - 1 > 1)):
+    # Of two zones one row of a user's own may be anything.
+    differences = count == n - 1 and (n > 2 or (condition.levels and type(condition).rows in BUILT_IN))
+    if n < 2 or not (count == n or differences):
         return None
     none, chance = np.zeros(n), np.random.default_rng(0).uniform(0.5, 1.5, (2, n))
 
@@ -232,7 +228,6 @@ def by_zone(condition: Condition, zones: Zones) -> ByZone | None:
         return asked(condition, Trial(zones, first[:, None], level[:, None]), 1)[0][:, 0]
 
     of_first, same, rising = made(np.ones(n), none), made(none, np.ones(n)), made(none, np.arange(n, dtype=float))
-    differences = count == n - 1
     found = ByZone(rising if differences else same, np.zeros(n) if differences else of_first, differences)
     of_level = found.levels * (np.diff(chance[1]) if differences else chance[1])
     expected = of_level if differences else of_level + found.first * chance[0]

@@ -5,16 +5,14 @@ Moments of what stands on an interval, the integrals of T_k over pi, go up the t
 """
 
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
 from sie.basis import chebyshev
-from sie.basis.data import Array, Index, numbered, record
+from sie.basis.data import Array, lost, record
 from sie.basis.interval import Outside
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
-from sie.fast import lazy
 from sie.fast.panels import panels_over
 from sie.fast.tree import TERMS, Tree, interactions
 
@@ -63,9 +61,9 @@ class Nested:
         """A of these nodes, (TERMS, TERMS, n): node after node along the last axis, over which the sums run."""
         return self._all[:, :, nodes] if self.kept else self._made(nodes)
 
-    def _made(self, nodes: slice, terms: int = TERMS) -> Array:
+    def _made(self, nodes: slice) -> Array:
         alpha, beta = self._place[0][nodes], self._place[1][nodes]
-        a = np.zeros((terms, terms, len(alpha)))
+        a = np.zeros((TERMS, TERMS, len(alpha)))
         for start in range(0, len(alpha), _BLOCK):
             here = slice(start, start + _BLOCK)
             self._fill(a[:, :, here], alpha[here], beta[here])
@@ -85,25 +83,6 @@ class Nested:
             new[:j] += moved[1:]
 
     @cached_property
-    def _rough(self) -> list[tuple[slice, Index, Any, Any]]:
-        """Level by level (nodes, their parents, A of ROUGH terms as a sparse matrix that takes moments of pairs of children to their
-        parent's, its transpose): rough sums are taken often."""
-        sparse, out = lazy.scipy_sparse(), []
-        row = np.repeat(np.arange(ROUGH), 2 * np.arange(1, ROUGH + 1))
-        place = numbered(2 * np.arange(1, ROUGH + 1))
-        child, k = place // (row + 1), place % (row + 1)
-        starts = np.concatenate(([0], np.cumsum(2 * np.arange(1, ROUGH + 1))))
-        for here in self._slices():
-            pairs = np.arange((here.stop - here.start) // 2)
-            a = self._made(here, ROUGH)[row, k].reshape(len(row), len(pairs), 2)
-            data = np.where(child[:, None], a[:, :, 1], a[:, :, 0]).T.ravel()
-            column = (2 * ROUGH * pairs[:, None] + (ROUGH * child + k)).astype(np.int32).ravel()
-            pointer = np.append((len(row) * pairs[:, None] + starts[:-1]).ravel(), len(data)).astype(np.int32)
-            matrix = sparse.csr_array((data, column, pointer), shape=(ROUGH * len(pairs), 2 * ROUGH * len(pairs)))
-            out.append((here, self.tree.parent[here][::2], matrix, matrix.T))
-        return out
-
-    @cached_property
     def rises(self) -> Array:
         """Potential at a node's middle less that at its parent's, from the parent's series: rises @ series."""
         tree = self.tree
@@ -119,12 +98,6 @@ class Nested:
     def upward(self, leaves: Array) -> Array:
         """Moments of all nodes from those of the intervals, of each as many as are given."""
         tree, terms = self.tree, leaves.shape[1]
-        if terms == ROUGH and self.kept:
-            moments = np.zeros((len(tree), terms))
-            moments[tree.leaves] = leaves
-            for here, up, matrix, _ in reversed(self._rough):
-                moments[up] = (matrix @ moments[here].ravel()).reshape(-1, terms)
-            return moments
         out = np.zeros((terms, len(tree)))
         out[:, tree.leaves] = leaves.T
         for here in reversed(self._slices()):
@@ -137,37 +110,15 @@ class Nested:
         nodes: (terms, nodes) to (intervals, terms)."""
         tree, terms, leaves = self.tree, len(series), self.tree.leaves
         rest = np.zeros_like(middle)
-        if terms == ROUGH and self.kept:
-            table = np.ascontiguousarray(series.T)
-            for here, parents, _, matrix in self._rough:
-                above = table[parents]
-                table[here] += (matrix @ above.ravel()).reshape(-1, terms)
-                rise = np.einsum("pcj,pj->pc", self.rises[here, :terms].reshape(-1, 2, terms), above).ravel()
-                self._add(middle, rest, here, rise)
-            return table[leaves], middle[leaves], rest[leaves]
         for here in self._slices():
             above = series[:, tree.parent[here]]
             series[:, here] += np.einsum("jn,jkn->kn", above, self.matrices(here)[:terms, :terms])
-            self._add(middle, rest, here, np.einsum("nj,jn->n", self.rises[here, :terms], above))
+            # With the potentials of parents, and what these have lost to rounding.
+            up = tree.parent[here]
+            before = middle[up]
+            added = middle[here] + np.einsum("nj,jn->n", self.rises[here, :terms], above) + rest[up]
+            middle[here], rest[here] = before + added, lost(before, added)
         return np.ascontiguousarray(series[:, leaves].T), middle[leaves], rest[leaves]
-
-    def _add(self, middle: Array, rest: Array, here: slice, rise: Array) -> None:
-        """Potentials of nodes and what these have lost to rounding, with those of their parents and the rises from there."""
-        up = self.tree.parent[here]
-        above = middle[up]
-        added = middle[here] + rise + rest[up]
-        middle[here] = above + added
-        # What the sum has lost (Knuth's two-sum).
-        back = middle[here] - above
-        rest[here] = (above - (middle[here] - back)) + (added - back)
-
-
-@record
-class _Nodes:
-    """Of far pairs, at so many nodes on the target: rho and what stands before the sum."""
-
-    rho: Array
-    front: Array
 
 
 class FarSum:
@@ -186,20 +137,14 @@ class FarSum:
         self._sign = np.where(self._right, 1.0, -1.0)
         at_middle = Outside(self._sign, (self._gap + self._width) / self._half)
         self.centre, self.log = at_middle.rho, at_middle.first(self._half / kernel.datum)
+        self._nodes: dict[int, tuple[Array, Array]] = {}
 
-    @cached_property
-    def _nodes(self) -> _Nodes:
-        return self._at(TERMS)
-
-    @cached_property
-    def _few_nodes(self) -> _Nodes:
-        return self._at(ROUGH)
-
-    def _at(self, terms: int, here: slice = slice(None)) -> _Nodes:
+    def _at(self, terms: int, here: slice = slice(None)) -> tuple[Array, Array]:
+        """Of far pairs, at so many nodes on the target: rho and what stands before the sum."""
         nodes, half = chebyshev.gauss(terms)[:, None], self._half[here]
         away = self._gap[here] + self._width[here] * (1 + np.where(self._right[here], nodes, -nodes))
         seen = Outside(self._sign[here], away / half)
-        return _Nodes(seen.rho, 1 / (seen.root * half))
+        return seen.rho, 1 / (seen.root * half)
 
     @cached_property
     def _regular(self) -> tuple[Array, Array] | None:
@@ -221,7 +166,9 @@ class FarSum:
         """By the moments of all intervals (n, TERMS). rough: to 1e-7 of the sum, at a quarter of the time."""
         terms = ROUGH if rough else TERMS
         # Of a sum that is taken once they are made as they are asked for.
-        at = None if not self.targets.kept else self._few_nodes if rough else self._nodes
+        if self.targets.kept and terms not in self._nodes:
+            self._nodes[terms] = self._at(terms)
+        nodes = self._nodes.get(terms)
         moments = self.sources.upward(leaves[:, :terms])
         count = len(self.targets.tree)
         values, middle = np.zeros((terms, count)), np.zeros(count)
@@ -232,8 +179,7 @@ class FarSum:
             target, source = self.far.target[here], self.far.source[here]
             c = moments_twice[:, source]
             centre = self.centre[here]
-            some = self._at(terms, here) if at is None else _Nodes(at.rho[:, here], at.front[:, here])
-            rho = some.rho
+            rho, front = self._at(terms, here) if nodes is None else (nodes[0][:, here], nodes[1][:, here])
             value = np.empty(rho.shape)
             value[:] = c[-1]
             potential = c[-1] / (terms - 1)
@@ -243,7 +189,7 @@ class FarSum:
                 potential = potential * centre
                 if k:
                     potential += c[k] / k
-            value *= some.front
+            value *= front
             first = np.flatnonzero(np.diff(target, prepend=-1))
             values[:, target[first]] += np.add.reduceat(value, first, axis=1)
             middle[target[first]] += np.add.reduceat(c[0] * self.log[here] - potential, first)

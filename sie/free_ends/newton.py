@@ -12,6 +12,7 @@ import math
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from sie.basis.data import Array, Index, Mask, record
 from sie.basis.zones import FREE, SINGULAR, End, Zones
@@ -30,7 +31,7 @@ from sie.slits.system import AnyDensity, AnyState, solve_zones
 # A step moves an end by at most these parts of its zone's width and of the gap beside it.
 INWARD, OUTWARD, INTO_GAP = 0.3, 0.5, 0.4
 # So many zones on either side are felt in a gap that is about to close.
-_FELT = 8
+_FELT = 15
 # Over what the mean slope of the right side's smooth part makes of A.
 _SMOOTH = 4.0
 # A slight zone, over the wider one beside it.
@@ -522,19 +523,10 @@ def _limit(zones: Zones, equation: Equation, delta: Array) -> Array:
     width = zones.b - zones.a
     room = INTO_GAP * np.array(modes.gaps(zones, equation.kernel))
     cut = delta > room
-    largest = _about(np.abs(np.where(cut, 0.0, delta)).max(axis=0), _FELT)
+    others = np.pad(np.abs(np.where(cut, 0.0, delta)).max(axis=0), _FELT, mode="edge")
+    largest = sliding_window_view(others, 2 * _FELT + 1).max(axis=1)
     limited = np.clip(delta, -INWARD * width, np.minimum(OUTWARD * width, room))
     return np.where(cut & (largest > room), 0.0, limited)
-
-
-def _about(values: Array, count: int) -> Array:
-    """The largest of each and of so many, and not twice as many, on either side of it."""
-    reach = 1
-    while reach <= count:
-        beside = np.pad(values, reach, mode="edge")
-        values = np.maximum(values, np.maximum(beside[: -2 * reach], beside[2 * reach :]))
-        reach *= 2
-    return np.asarray(values)
 
 
 def _full_newton(

@@ -20,6 +20,7 @@ it are carried too (`jumps.exterior`).
 """
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
@@ -28,12 +29,13 @@ from numpy.typing import NDArray
 
 from sie.basis.data import Array, Index, record
 from sie.basis.interval import LOG2 as _LOG2
-from sie.basis.interval import Complex, InPlane, theta
+from sie.basis.interval import Complex, InPlane, OnLine, theta
 from sie.basis.kernels import Kernel
+from sie.basis.sums import of_zones
 from sie.basis.zones import Zones
 from sie.jumps.exterior import ExteriorLogarithms, potential_series
 from sie.jumps.forcing import ForcingJumps
-from sie.jumps.formulas import HIGHEST, FewJumps, of_sines, raised
+from sie.jumps.formulas import HIGHEST, of_sines, raised
 from sie.jumps.local_spline import LocalSpline
 
 # From this number of jumps of order 2 on a spline takes their place. What the powers of n of them lose, n^2 units in the last digit, the
@@ -102,17 +104,12 @@ class DensityJumps(ForcingJumps):
     ) -> "DensityJumps":
         """The jumps at positions `at` (repeated with the kernel's period) that lie inside a zone. spline: a quadratic spline with those
         of order 2, if there is one."""
-        at, i, inside = cls.located(zones, at, kernel.period)
-        w = zones.half[i]
-        size = jumps * w**orders / np.array([1.0, 1.0, 2.0])[orders]
-        kinks = orders == 0
-        logarithms = None
+        found, kinks = cls.placed(zones, at, jumps, orders, kernel.period), orders == 0
         if np.any(kinks):
-            own, weight = np.where(inside, i, -1)[kinks], jumps[kinks] / np.pi
-            near = ExteriorLogarithms.near(zones, at[kinks], weight, kernel.period)
-            logarithms = Logarithms(kernel, zones, at[kinks], weight, own, near)
-        i, at, w = i[inside], at[inside], w[inside]
-        found = cls(i, zones.beyond_a(at, i) / w, zones.before_b(at, i) / w, size[inside], orders[inside], logarithms=logarithms)
+            weight = jumps[kinks] / np.pi
+            at, i, inside = cls.located(zones, at[kinks], kernel.period)
+            near = ExteriorLogarithms.near(zones, at, weight, kernel.period)
+            found = replace(found, logarithms=Logarithms(kernel, zones, at, weight, np.where(inside, i, -1), near))
         return found if spline is None else found._with_splines(zones, spline, LocalSpline.inside, _MANY)
 
     def __len__(self) -> int:
@@ -124,26 +121,31 @@ class DensityJumps(ForcingJumps):
 
     @cached_property
     def by_zone(self) -> dict[int, Index]:
-        return {i: np.zeros(0, np.intp) for i in self.near.by_zone} | self.grouped()
+        return {i: np.zeros(0, np.intp) for i in self.near.by_zone} | super().by_zone
+
+    @cached_property
+    def _higher(self) -> ForcingJumps:
+        """The jumps of the density's derivatives alone."""
+        return replace(self.chosen(self.order > 0), logarithms=None)
+
+    @cached_property
+    def _kinks(self) -> "DensityJumps":
+        """Those of the density itself alone."""
+        return self.chosen(self.order == 0)
 
     @cached_property
     def kinked(self) -> list[int]:
         return sorted({*self.zone[self.order == 0].tolist(), *self.near.by_zone})
 
     # the right side -------------------------------------------------------------------------------------------------
-    @cached_property
-    def few(self) -> FewJumps:
-        """None beside logarithms of the right side."""
-        return super().few if self.logarithms is None else FewJumps.of(self, self.zone)
+    def smooth_part(self, zone: Index, left: Array) -> Array:
+        out = -self._higher.carried(zone, left)
+        if self.logarithms is not None:
+            for i, here in of_zones(zone):
+                out[here] += self.logarithms.on_zone(i, left[here])
+        return out
 
-    def adds_to(self, zone: int) -> bool:
-        return self.logarithms is not None or zone in self.by_zone
-
-    def smooth_part(self, zone: int, left: Array) -> Array:
-        out = np.zeros(left.shape) if self.logarithms is None else self.logarithms.on_zone(zone, left)
-        return out - self._transformed(zone, left, 1)
-
-    def level_part(self, zone: int, left: Array) -> Array:
+    def level_part(self, zone: Index, left: Array) -> Array:
         return np.zeros(left.shape)
 
     def left_out(self, x: Array) -> Array:
@@ -153,37 +155,31 @@ class DensityJumps(ForcingJumps):
         raise ValueError("a condition on potentials is for right sides without logarithms")
 
     # the density ----------------------------------------------------------------------------------------------------
-    def density(self, zone: int, left: Array, right: Array) -> Array:
-        return super().density(zone, left, right) + self.near.density(self.near.of(zone), left, right)
+    def density(self, zone: Index | int, left: Array, right: Array) -> Array:
+        return super().density(zone, left, right) + self.near.density(np.broadcast_to(zone, left.shape), left, right)
 
-    def integral(self, zone: int, left: Array, right: Array) -> Array:
-        """Integral of a zone's parts from its left end, at distances from the ends over w; over w.
+    def integral(self, zone: Index, left: Array, right: Array) -> Array:
+        return super().integral(zone, left, right) + self.near.integral(zone, left, right)
 
-        From the ends inwards: int_t^1 (tau - s)^q eta = (1/pi) int_0^theta (cos a - s)^q a sin(a) da for t > s.
-        """
-        k = self.by_zone[zone]
-        s, q = self.s[k], self.order[k]
-        on_right = left[:, None] > self.left[k]
-        from_right, from_left = theta(left, right), theta(right, left)
-        inner = np.where(on_right, from_right[:, None], from_left[:, None])
-        # InPlane from the left end, t and s change sign, and so does (tau - s)^q for odd q.
+    def integral_of(self, k: Index, left: Array, right: Array) -> Array:
+        """From the ends inwards: int_t^1 (tau - s)^q eta = (1/pi) int_0^theta (cos a - s)^q a sin(a) da for t > s."""
+        s, q, on_right = self.s[k], self.order[k], left > self.left[k]
+        inner = np.where(on_right, theta(left, right), theta(right, left))
+        # Seen from the left end, t and s change sign, and so does (tau - s)^q for odd q.
         shift = np.where(on_right, s, -s)
         sine, cosine = np.sin(inner), np.cos(inner)
         first = sine - inner * cosine
         second = np.sin(2 * inner) / 8 - inner * np.cos(2 * inner) / 4
         third = (sine - sine**3 / 3 - inner * cosine**3) / 3
         square = third - 2 * shift * second + shift**2 * first
-        part = np.where(q == 0, first, np.where(q == 1, second - shift * first, square)) * self.height[k] / np.pi
-        out = np.asarray(np.where(on_right, self._totals[k] - part, np.where(q == 1, 1.0, -1.0) * part).sum(axis=1))
-        if zone in self.splines:
-            out += self.splines[zone].integral(left)
-        return out + self.near.integral(self.near.of(zone), left, right) if len(self.near) else out
+        part = np.where(q == 0, first, np.where(q == 1, second - shift * first, square))
+        return np.where(on_right, self._totals[k] - part, np.where(q == 1, 1.0, -1.0) * part)
 
     @cached_property
     def _totals(self) -> Array:
-        """Integral of each part over its zone; over w."""
-        count = len(self.zone)
-        return np.pi * self.coefficients(np.arange(count), np.arange(count), count, 1)[:, 0]
+        """Integral of each part over its zone; over w h / pi."""
+        count, alone = len(self.zone), replace(self, height=np.full(len(self.zone), np.pi))
+        return np.pi * alone.coefficients(np.arange(count), np.arange(count), count, 1)[:, 0]
 
     def edge_slopes(self, zones: Zones) -> tuple[Array, Array]:
         scale, n = self.height / np.pi, len(zones)
@@ -211,46 +207,28 @@ class DensityJumps(ForcingJumps):
         return out
 
     # what the kernel makes of it ------------------------------------------------------------------------------------
-    def own_transform(self, zone: int, left: Array) -> Array:
-        return self._transformed(zone, left, 0)
+    def own_transform(self, zone: Index, left: Array) -> Array:
+        return self.carried(zone, left) + self.near.own_transform(zone, left)
 
-    def _transformed(self, zone: int, left: Array, least: int) -> Array:
-        """Transform on the zone itself of its parts of order `least` and above."""
-        k = self.by_zone.get(zone)
-        if k is None:
-            return np.zeros(left.shape)
-        out = self._on_zone(k[self.order[k] >= least], left)
-        if zone in self.splines:
-            out += self.splines[zone].own_transform(left)
-        return out if least else out + self.near.own_transform(self.near.of(zone), left)
+    def _off(self, zone: Index, seen: OnLine) -> Array:
+        return super()._off(zone, seen) + self.near.transform(zone, seen.rho)
 
-    def transform(self, zone: int, z: Array, rho: Array) -> Array:
-        return super().transform(zone, z, rho) + self.near.transform(self.near.of(zone), rho)
-
-    def sharp_potential(self, zone: int, left: Array, right: Array, rho: Array) -> Array:
-        """Potential of a zone's closed parts over w, less c_0 log(w); on the zone rho = e^{i theta}.
+    def sharp_potential(self, zone: Index, seen: OnLine) -> Array:
+        """Potential of the closed parts of zones over w, less c_0 log(w); on the zone rho = e^{i theta}.
 
         Of q = 0 by partial fractions of -sum_j (cos(j phi)/j) (-rho^{j-1}/(j-1) + rho^{j+1}/(j+1)); of others see `_potential`.
         """
-        root = np.sqrt(np.maximum(left * right, 0.0))
-        turned = np.where((left >= 0) & (right >= 0), 0.5 * (left - right) + 1j * root, rho)
-        k = self.by_zone[zone]
-        out = np.zeros(turned.shape)
-        higher = k[self.order[k] > 0]
-        if len(higher):
-            out += self._by_reach(higher, left, right, rho)
-        log = np.log(2 * np.abs(turned))
-        own = self._of_kinks(k[self.order[k] == 0], log, turned) + self.near.potential(self.near.of(zone), log, turned)
-        return out + np.real(own)
+        root = np.sqrt(np.maximum(seen.left * seen.right, 0.0))
+        rho = np.where(seen.on, 0.5 * (seen.left - seen.right) + 1j * root, seen.rho)
+        log, kinks = np.log(2 * np.abs(rho)), self._kinks
+        out = kinks.summed(zone, lambda at, k: kinks.of_kinks(k, log[at], rho[at]).real)
+        return out + self._higher._closed_potential(zone, seen) + self.near.potential(zone, log, rho)
 
-    def _of_kinks(self, k: Index, log: Any, rho: Any) -> Any:
-        """Potential over w, less c_0 log(w), of jumps k of the density itself; log: of 2 rho."""
-        out = np.zeros(rho.shape, dtype=complex)
-        for place in k:
-            up = np.exp(1j * self.phi[place])
-            both = potential_series(up, rho) + potential_series(np.conj(up), rho)
-            out += self.height[place] / np.pi * (np.real(up) * (log - rho**2 / 2) - both / 2)
-        return out
+    def of_kinks(self, k: Index, log: Any, rho: Any) -> Any:
+        """Potential over w and h / pi, less c_0 log(w), of jumps k of the density itself; log: of 2 rho."""
+        up = np.exp(1j * self.phi[k])
+        both = potential_series(up, rho) + potential_series(np.conj(up), rho)
+        return np.real(up) * (log - rho**2 / 2) - both / 2
 
     # at complex points (see `plane`) ----------------------------------------------------------------------------------
     def logarithm(self, k: Index, seen: InPlane, away: Complex) -> Complex:
@@ -269,7 +247,8 @@ class DensityJumps(ForcingJumps):
         """Potential of jumps k over w, less c_0 log(w)."""
         higher = self.order[k] > 0
         out = super().plane_potential(k[higher], seen, away[:, higher], log[:, higher])
-        return np.asarray(out + self._of_kinks(k[~higher], _LOG2 - seen.log, seen.rho))
+        kinks = k[~higher]
+        return np.asarray(out + self.of_kinks(kinks, _LOG2 - seen.log[:, None], seen.rho[:, None]) @ (self.height[kinks] / np.pi))
 
     # the closed forms -------------------------------------------------------------------------------------------------
     def polynomial(self, k: Index, t: NDArray[Any]) -> NDArray[Any]:

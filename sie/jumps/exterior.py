@@ -14,6 +14,7 @@ import numpy as np
 
 from sie.basis.data import Array, Index, Kept, numbered, record, wrapped
 from sie.basis.interval import Complex, InPlane, Outside, theta
+from sie.basis.sums import Grouped
 from sie.basis.zones import Zones
 
 # Logarithms nearer than this part of a zone's half width are carried; farther ones are smooth enough.
@@ -59,8 +60,13 @@ class ExteriorLogarithms(Kept):
         return len(self.zone)
 
     @cached_property
+    def grouped(self) -> Grouped:
+        """By zone."""
+        return Grouped.by(self.zone)
+
+    @cached_property
     def by_zone(self) -> dict[int, Index]:
-        return {int(i): np.flatnonzero(self.zone == i) for i in np.unique(self.zone)}
+        return self.grouped.places()
 
     def of(self, zone: int) -> Index:
         """Those near a zone."""
@@ -76,29 +82,50 @@ class ExteriorLogarithms(Kept):
         with np.errstate(divide="ignore"):
             return -2 * self.weight * self.rho / (1 + self.rho), -2 * self.weight * self.rho / (1 - self.rho)
 
-    def density(self, k: Index, left: Array, right: Array) -> Array:
-        """Sum of parts k at points (n,) given by their distances from the zone's ends over w."""
-        phi, rho = theta(left, right)[:, None], self.rho[k]
-        return np.asarray(np.arctan2(rho * np.sin(phi), 1 - rho * np.cos(phi)) @ (-2 * self.weight[k]))
+    # at points (n,) of zones, by their distances from the zone's ends over w ----------------------------------------------
+    def density(self, zone: Index, left: Array, right: Array) -> Array:
+        """Sum of the parts of zones themselves."""
+        phi = theta(left, right)
 
-    def own_transform(self, k: Index, left: Array) -> Array:
+        def part(at: Index, k: Index) -> Array:
+            rho = self.rho[k]
+            return np.asarray(np.arctan2(rho * np.sin(phi[at]), 1 - rho * np.cos(phi[at])))
+
+        return self.grouped.summed(zone, -2 * self.weight, part)
+
+    def own_transform(self, zone: Index, left: Array) -> Array:
         """On the zone: ln(1 - 2 rho t + rho^2) = ln((1 - |rho|)^2 + 2 |rho| d), d the distance from the nearer end."""
-        rho, size = self.rho[k], np.abs(self.rho[k])
-        d = np.where(rho > 0, 2 - left[:, None], left[:, None])
-        with np.errstate(divide="ignore"):
-            return np.asarray(np.log((1 - size) ** 2 + 2 * size * d) @ self.weight[k])
 
-    def transform(self, k: Index, rho: Array) -> Array:
+        def part(at: Index, k: Index) -> Array:
+            rho, size = self.rho[k], np.abs(self.rho[k])
+            with np.errstate(divide="ignore"):
+                return np.asarray(np.log((1 - size) ** 2 + 2 * size * np.where(rho > 0, 2 - left[at], left[at])))
+
+        return self.grouped.summed(zone, self.weight, part)
+
+    def transform(self, zone: Index, rho: Array) -> Array:
         """Off the zone."""
-        return np.asarray(2 * np.log1p(-rho[:, None] * self.rho[k]) @ self.weight[k])
+        return self.grouped.summed(zone, 2 * self.weight, lambda at, k: np.log1p(-rho[at] * self.rho[k]))
 
-    def integral(self, k: Index, left: Array, right: Array) -> Array:
+    def integral(self, zone: Index, left: Array, right: Array) -> Array:
         """Integral from the zone's left end over w: minus the one to the right end at the angle theta, and the whole."""
-        phi, rho = theta(left, right)[:, None], self.rho[k]
-        angle = np.arctan2(rho * np.sin(phi), 1 - rho * np.cos(phi))
-        turn = np.arctan2((1 + rho) * np.sin(phi / 2), (1 - rho) * np.cos(phi / 2))
-        part = (1 + rho**2) / (2 * rho) * turn - (1 - rho**2) * phi / (4 * rho) - np.sin(phi) / 2 - np.cos(phi) * angle
-        return np.asarray((2 * part - np.pi * rho) @ self.weight[k])
+        angle = theta(left, right)
+
+        def part(at: Index, k: Index) -> Array:
+            phi, rho = angle[at], self.rho[k]
+            own = np.arctan2(rho * np.sin(phi), 1 - rho * np.cos(phi))
+            turn = np.arctan2((1 + rho) * np.sin(phi / 2), (1 - rho) * np.cos(phi / 2))
+            beyond = (1 + rho**2) / (2 * rho) * turn - (1 - rho**2) * phi / (4 * rho) - np.sin(phi) / 2 - np.cos(phi) * own
+            return np.asarray(2 * beyond - np.pi * rho)
+
+        return self.grouped.summed(zone, self.weight, part)
+
+    def potential(self, zone: Index, log: Array, rho: Complex) -> Array:
+        """Potential over w, less c_0 log(w); log: of 2 |rho|."""
+        return self.grouped.summed(zone, self.weight, lambda at, k: self._potential(k, log[at], rho[at]).real)
+
+    def _potential(self, k: Index, log: Complex | Array, rho: Complex) -> Complex:
+        return self.rho[k] * (log - rho**2 / 2) - potential_series(self.rho[k], rho)
 
     # at complex points (see `plane`) ----------------------------------------------------------------------------------
     def log(self, k: Index, seen: InPlane) -> Complex:
@@ -116,17 +143,10 @@ class ExteriorLogarithms(Kept):
         return np.asarray((2 * both * np.exp(-0.5 * self.log(k, seen))) @ self.weight[k] / seen.root)
 
     def plane_potential(self, k: Index, seen: InPlane) -> Complex:
-        return self.potential(k, np.log(2.0) - seen.log, seen.rho)
-
-    def potential(self, k: Index, log: Complex | Array, rho: Complex) -> Complex:
-        """Potential over w, less c_0 log(w); log: of 2 rho."""
-        out = np.zeros(rho.shape, dtype=complex)
-        for up, weight in zip(self.rho[k], self.weight[k], strict=True):
-            out += weight * (up * (log - rho**2 / 2) - potential_series(up, rho))
-        return out
+        return np.asarray(self._potential(k, np.log(2.0) - seen.log[:, None], seen.rho[:, None]) @ self.weight[k])
 
 
-def potential_series(up: complex, rho: Complex | Array) -> Complex:
+def potential_series(up: Complex | Array, rho: Complex | Array) -> Complex:
     """sum_{j >= 2} (up^j / j) (-rho^{j-1} / (j-1) + rho^{j+1} / (j+1)), and of j = 1 what has no logarithm of rho."""
     q = up * rho
     log = -np.log1p(-q)

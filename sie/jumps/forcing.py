@@ -22,7 +22,7 @@ with h = J w^q / q!, leaves a smooth right side once this is subtracted: q = 0 i
 its curvature, q = 2 a knot of a cubic spline.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import field, replace
 from functools import cached_property, partial
 from typing import Self
@@ -30,11 +30,11 @@ from typing import Self
 import numpy as np
 
 from sie.basis.data import Array, Index, Mask, record
-from sie.basis.interval import Complex, InPlane, OnLine, theta
-from sie.basis.sums import of_zones, pair_blocks
+from sie.basis.interval import Complex, InPlane, OnLine, of_t, theta
+from sie.basis.sums import of_zones
 from sie.basis.zones import Zones
 from sie.jumps.exterior import NOWHERE, ExteriorLogarithms
-from sie.jumps.formulas import HIGHEST, FewJumps, Jumps, far_potential, far_transform
+from sie.jumps.formulas import HIGHEST, Jumps
 from sie.jumps.local_spline import MANY, LocalSpline, with_jumps
 from sie.jumps.zone_spline import ZoneSpline
 
@@ -43,16 +43,13 @@ from sie.jumps.zone_spline import ZoneSpline
 Spline = LocalSpline | ZoneSpline
 MadeSpline = Callable[[Array, Array, Callable[[Array], Array]], tuple[Spline, Array, Array] | None]
 
-# InPlane from farther than this rho, the closed form cancels and the series is short.
-_FAR = 0.25
-# Up to which rho how many terms of the series are enough.
-_SERIES_TO = ((0.25, 32), (0.6, 80), (0.87, 288))
+# Seen from farther than this rho, closed forms cancel, and the series of all parts of a zone is short: up to which rho so many terms of it
+# are enough. Of so many jumps the next longer one is shorter than all closed forms.
+_REACH, _TERMS, _JUMPS = np.array([0.25, 0.6, 0.87]), np.array([32, 80, 288]), (10, 36)
 # Of the angle: by which slopes are found.
 _STEP = 1e-5
 # Kinks of a zone beside which it is looked how the density follows the ends.
 _KINKS = 32
-# Zones whose series are found together.
-_TOGETHER = 256
 
 
 @record
@@ -70,14 +67,17 @@ class ForcingJumps(Jumps):
         cls, zones: Zones, at: Array, jumps: Array, orders: Index, period: float | None, g: Callable[[Array], Array] | None = None
     ) -> "ForcingJumps":
         """The jumps at positions `at` (repeated with the period) that lie inside a zone. g: the right side, if it is known."""
-        if len(at) == 0:
-            return _NONE
+        found = cls.placed(zones, at, jumps, orders, period) if len(at) else _NONE
+        return found if g is None else found._with_splines(zones, g, ZoneSpline.inside)
+
+    @classmethod
+    def placed(cls, zones: Zones, at: Array, jumps: Array, orders: Index, period: float | None) -> Self:
+        """The same one by one."""
         at, i, inside = cls.located(zones, at, period)
         i, at, q = i[inside], at[inside], orders[inside]
         w = zones.half[i]
         factorial = np.array([1.0, 1.0, 2.0])[q]
-        found = cls(i, zones.beyond_a(at, i) / w, zones.before_b(at, i) / w, jumps[inside] * w**q / factorial, q)
-        return found if g is None else found._with_splines(zones, g, ZoneSpline.inside)
+        return cls(i, zones.beyond_a(at, i) / w, zones.before_b(at, i) / w, jumps[inside] * w**q / factorial, q)
 
     @staticmethod
     def located(zones: Zones, at: Array, period: float | None) -> tuple[Array, Index, Mask]:
@@ -148,87 +148,99 @@ class ForcingJumps(Jumps):
     @cached_property
     def by_zone(self) -> dict[int, Index]:
         """Places of the jumps of each zone that has any."""
-        return self.grouped()
+        return {zone: np.zeros(0, np.intp) for zone in self.splines} | self.grouped.places()
 
-    def grouped(self) -> dict[int, Index]:
-        """See `by_zone`."""
-        order = np.argsort(self.zone, kind="stable")
-        zones, first = np.unique(self.zone[order], return_index=True)
-        bounds = [*first.tolist(), len(order)]
-        found = {zone: order[start:end] for zone, start, end in zip(zones.tolist(), bounds[:-1], bounds[1:], strict=True)}
-        return {zone: np.zeros(0, np.intp) for zone in self.splines} | found
+    # at points (n,) of zones, by their distances from the zone's ends over w ------------------------------------------
+    def smooth_part(self, zone: Index, left: Array) -> Array:
+        """What to add to g to make it smooth."""
+        return -self.carried(zone, left)
 
-    def smooth_part(self, zone: int, left: Array) -> Array:
-        """What to add to g at points of a zone, given by their distance from its left end over w, to make it smooth."""
-        k = self.by_zone.get(zone)
-        if k is None:
-            return np.zeros(left.shape)
-        out = -self._on_zone(k, left)
-        if zone in self.splines:
-            out -= self.splines[zone].own_transform(left)
+    def level_part(self, zone: Index, left: Array) -> Array:
+        """The same of the jumps of g itself alone: they have no slope."""
+        return -replace(self.chosen(self.order == 0), splines={}).carried(zone, left)
+
+    def carried(self, zone: Index, left: Array) -> Array:
+        """What the kernel makes of the parts of zones on these."""
+        out = self.summed(zone, lambda at, k: self.on_zone(k, left[at]))
+        for spline, here in self._in_splines(zone):
+            out[here] += spline.own_transform(left[here])
         return out
+
+    def own_transform(self, zone: Index, left: Array) -> Array:
+        """Transform of a zone's parts on the zone itself."""
+        return self.carried(zone, left)
+
+    def density(self, zone: Index | int, left: Array, right: Array) -> Array:
+        """Sum of the parts of zones."""
+        zone = np.broadcast_to(zone, left.shape)
+        out = self.summed(zone, lambda at, k: self.of_density(k, left[at], right[at]))
+        for spline, here in self._in_splines(zone):
+            out[here] += spline.density(left[here], right[here])
+        return out
+
+    def integral(self, zone: Index, left: Array, right: Array) -> Array:
+        """Integral of the parts of zones from their left ends, over w."""
+        out = self.summed(zone, lambda at, k: self.integral_of(k, left[at], right[at]))
+        for spline, here in self._in_splines(zone):
+            out[here] += spline.integral(left[here])
+        return out
+
+    def transform(self, zone: Index, seen: OnLine) -> Array:
+        """Transform of the parts of zones: off these by their closed forms, or by the series of all of them together where that is
+        shorter or the closed forms cancel."""
+        out, off = np.empty(len(zone)), np.flatnonzero(~seen.on)
+        on = np.flatnonzero(seen.on)
+        out[on] = self.own_transform(zone[on], seen.left[on])
+        out[off] = self._off(zone[off], seen[off])
+        return out
+
+    def _off(self, zone: Index, seen: OnLine) -> Array:
+        z, rho, far = seen.zeta, seen.rho, self._far(zone, seen)
+        out, near = np.empty(len(zone)), np.flatnonzero(~far)
+        out[far] = of_t(self._series, seen[far], _ONE, 1.0, self.grouped.rows(zone[far]), "transform")
+        out[near] = self.summed(zone[near], lambda at, k: self.off_zone(k, z[near[at]], rho[near[at]]))
+        for spline, here in self._in_splines(zone):
+            out[here] += spline.transform_off(z[here], rho[here])
+        return out
+
+    def sharp_potential(self, zone: Index, seen: OnLine) -> Array:
+        """Potential of the closed parts of zones over w, less c_0 log(w) (see the head of this file)."""
+        out = self._closed_potential(zone, seen)
+        for spline, here in self._in_splines(zone):
+            out[here] += spline.potential(seen.left[here], seen.right[here], seen.rho[here])
+        return out
+
+    def _closed_potential(self, zone: Index, seen: OnLine) -> Array:
+        l, r, rho, far = seen.left, seen.right, seen.rho, self._far(zone, seen)
+        out, on, near = np.empty(len(zone)), np.flatnonzero(seen.on), np.flatnonzero(~seen.on & ~far)
+        out[far] = of_t(self._series, seen[far], _ONE, 1.0, self.grouped.rows(zone[far]), "potential")
+        out[on] = self.summed(zone[on], lambda at, k: self.potential_on(k, l[on[at]], r[on[at]]))
+        out[near] = self.summed(zone[near], lambda at, k: self.potential_off(k, l[near[at]], r[near[at]], rho[near[at]]))
+        return out
+
+    def summed(self, zone: Index, of: Callable[[Index, Index], Array]) -> Array:
+        """Sums over the jumps in the zones of points; of: what is summed, over h / pi, by points and jumps, pair by pair."""
+        return self.grouped.summed(zone, self.height / np.pi, of)
+
+    def _in_splines(self, zone: Index) -> Iterator[tuple[Spline, Index]]:
+        """The splines of points' zones, and which points these are."""
+        for i, here in of_zones(zone) if self.splines else ():
+            if i in self.splines:
+                yield self.splines[i], here
+
+    def _far(self, zone: Index, seen: OnLine) -> Mask:
+        """Whether zones are so far from points that the series of their parts takes the place of the closed forms."""
+        return np.asarray(~seen.on & (np.abs(seen.rho) < _REACH[self._length[self.grouped.rows(zone)]]))
 
     @cached_property
-    def few(self) -> FewJumps:
-        """The jumps of all zones with few of them, and no spline."""
-        return FewJumps.of(self, list(self.splines))
+    def _length(self) -> Index:
+        """Which of the lengths of series the jumps of each zone have."""
+        return np.searchsorted(_JUMPS, self.grouped.count, side="right")
 
-    # pair by pair, few jumps of many zones together -----------------------------------------------------------------
-    def density_at(self, zone: Index, left: Array, right: Array) -> Array:
-        """`density` of zones (n,) at points."""
-        return self._at(
-            zone, lambda some: self.few.density(zone[some], left[some], right[some]),
-            lambda i, some: self.density(i, left[some], right[some]),
-        )
-
-    def transform_at(self, zone: Index, seen: OnLine) -> Array:
-        """`own_transform` on the zones, `transform` off them."""
-        out, on, off = np.empty(len(zone)), np.flatnonzero(seen.on), np.flatnonzero(~seen.on)
-        z, rho = 0.5 * (seen.left - seen.right), seen.rho
-        out[on] = self._at(
-            zone[on], lambda some: -self.few.smooth_part(zone[on[some]], seen.left[on[some]]),
-            lambda i, some: self.own_transform(i, seen.left[on[some]]),
-        )
-        out[off] = self._at(
-            zone[off], lambda some: self.few.transform(zone[off[some]], z[off[some]], rho[off[some]]),
-            lambda i, some: self.transform(i, z[off[some]], rho[off[some]]),
-        )
-        return out
-
-    def sharp_potential_at(self, zone: Index, left: Array, right: Array, rho: Array) -> Array:
-        """`sharp_potential` of zones that have it."""
-        return self._at(
-            zone, lambda some: self.few.potential(zone[some], left[some], right[some], rho[some]),
-            lambda i, some: self.sharp_potential(i, left[some], right[some], rho[some]),
-        )
-
-    def _at(self, zone: Index, of_few: Callable[[Index], Array], of_zone: Callable[[int, Index], Array]) -> Array:
-        """What the jumps of zones do at points: of those with few by all these points, of each other zone by its own ones."""
-        out, few = np.zeros(len(zone)), self.few.holds(zone)
-        some, rest = np.flatnonzero(few), np.flatnonzero(~few)
-        out[some] = of_few(some)
-        for i, there in of_zones(zone[rest]):
-            if i in self.by_zone:
-                out[rest[there]] = of_zone(i, rest[there])
-        return out
-
-    def level_part(self, zone: int, left: Array) -> Array:
-        """The same of the jumps of g itself alone: they have no slope."""
-        if zone not in self.kinked:
-            return np.zeros(left.shape)
-        k = self.by_zone[zone]
-        return -self._on_zone(k[self.order[k] == 0], left)
-
-    def _summed(self, k: Index, points: int, of: Callable[[slice], Array]) -> Array:
-        """Sums over jumps k; of: what is summed, over h / pi, at a stretch of the points by the jumps."""
-        out, weight = np.empty(points), self.height[k] / np.pi
-        for here in pair_blocks(points, len(k)):
-            out[here] = of(here) @ weight
-        return out
-
-    def _on_zone(self, k: Index, left: Array) -> Array:
-        """What the kernel makes of jumps k of one zone on it."""
-        return self._summed(k, len(left), lambda here: self.on_zone(k, left[here, None]))
+    @cached_property
+    def _series(self) -> Array:
+        """Coefficients of T_l / sqrt(1 - t^2) of the closed parts of each zone together."""
+        return self._coefficients(_TERMS[self._length])
 
     def mean_offsets(self, zones: Zones) -> Array:
         """Mean over each zone of the primitive of g (zero where its values at the ends are), less what the smooth
@@ -261,15 +273,19 @@ class ForcingJumps(Jumps):
 
     def first_coefficients(self, zones: Zones, counts: Index) -> Array:
         """The same, of each zone so many (Z,), zeros after them."""
-        out = np.zeros((len(zones), int(counts.max(initial=0))))
-        row = np.zeros(len(zones), dtype=np.intp)
+        out = self._coefficients(counts)
+        for zone, spline in self.splines.items():
+            out[zone, : counts[zone]] += spline.t_coefficients(int(counts[zone]))
+        return out
+
+    def _coefficients(self, counts: Index) -> Array:
+        out = np.zeros((len(counts), int(counts.max(initial=0))))
+        row = np.zeros(len(counts), dtype=np.intp)
         for count in np.unique(counts):
             some = np.flatnonzero(counts == count)
             k = np.flatnonzero(counts[self.zone] == count)
             row[some] = np.arange(len(some))
             out[some, :count] = self.coefficients(k, row[self.zone[k]], len(some), int(count))
-        for zone, spline in self.splines.items():
-            out[zone, : counts[zone]] += spline.t_coefficients(int(counts[zone]))
         return out
 
     def high_coefficients(self, zones: Zones) -> Array:
@@ -286,14 +302,6 @@ class ForcingJumps(Jumps):
         for zone, spline in self.splines.items():
             out[:, zone] += spline.edge_slopes
         return out[0], out[1]
-
-    def density(self, zone: int, left: Array, right: Array) -> Array:
-        """Sum of the parts of a zone at points (n,) given by their distances from its ends over w."""
-        k = self.by_zone[zone]
-        out = self._summed(k, len(left), lambda here: self.of_density(k, left[here, None], right[here, None]))
-        if zone in self.splines:
-            out += self.splines[zone].density(left, right)
-        return out
 
     def angular_slope(self, zone: int, left: Array, right: Array) -> Array:
         """d/dtheta of `density` at points that are no jumps, by differences."""
@@ -320,90 +328,9 @@ class ForcingJumps(Jumps):
         distance = np.minimum(np.abs(t - s[np.maximum(place - 1, 0)]), np.abs(t - s[np.minimum(place, len(s) - 1)]))
         return np.asarray(np.arccos(t[(distance > 0.999 * away) & (np.abs(t) < 1)]))
 
-    def transform(self, zone: int, z: Array, rho: Array) -> Array:
-        """Transform of a zone's parts off the zone: by their closed forms, or by the series of all of them together where
-        that is shorter or the closed forms cancel."""
-        k = self.by_zone[zone]
-        terms = self._terms(k, rho)
-        out = np.empty(len(rho))
-        near = np.flatnonzero(terms == 0)
-        out[near] = self._summed(k, len(near), lambda here: self.off_zone(k, z[near[here], None], rho[near[here], None]))
-        for count in np.unique(terms[terms > 0]):
-            here = np.flatnonzero(terms == count)
-            out[here] = far_transform(self._series(zone)[:count], rho[here])
-        if zone in self.splines:
-            out += self.splines[zone].transform_off(z, rho)
-        return out
-
-    @staticmethod
-    def _terms(k: Index, rho: Array) -> Index:
-        """How many terms of the series of jumps k take the place of their closed forms at rho; 0: none."""
-        terms = np.zeros(len(rho), dtype=np.intp)
-        for reach, count in _SERIES_TO:
-            if reach <= _FAR or count <= 8 * len(k):
-                terms[(terms == 0) & (np.abs(rho) < reach)] = count
-        return terms
-
-    def _series(self, zone: int) -> Array:
-        """Coefficients of T_l / sqrt(1 - t^2) of all parts of a zone together."""
-        if zone not in self._sums:
-            # With the zones after it, which are asked for next: one by one takes several times as long.
-            zones = [other for other in self.by_zone if zone <= other < zone + _TOGETHER]
-            row = np.repeat(np.arange(len(zones)), [len(self.by_zone[other]) for other in zones])
-            k = np.concatenate([self.by_zone[other] for other in zones])
-            self._sums.update(zip(zones, self.coefficients(k, row, len(zones), _SERIES_TO[-1][1]), strict=True))
-        return self._sums[zone]
-
-    @cached_property
-    def _sums(self) -> dict[int, Array]:
-        return {}
-
-    def adds_to(self, zone: int) -> bool:
-        """Whether `smooth_part` has anything to add on a zone."""
-        return zone in self.by_zone
-
-    def own_transform(self, zone: int, left: Array) -> Array:
-        """Transform of a zone's parts on the zone itself: minus what they add to make g smooth."""
-        return -self.smooth_part(zone, left)
-
     def left_out(self, x: Array) -> Array:
         """What the right side has at points x beyond the values that the caller gives: nothing."""
         return np.zeros(x.shape)
-
-    def integral(self, zone: int, left: Array, right: Array) -> Array:
-        """Integral of a zone's parts from its left end, at distances from the ends over w, of kinks alone:
-        int kappa dt = (t - s) kappa - theta sin(phi)."""
-        k = self.by_zone[zone]
-        if np.any(self.order[k] > 0):
-            raise ValueError("the integral along a zone is for kinks alone, or for densities without jumps of the right side")
-        away, own = left[:, None] - self.left[k], self.shape(k, left[:, None], right[:, None])
-        behind = theta(right, left)
-        parts = np.where(away == 0, 0.0, away) * np.where(away == 0, 0.0, own) + self.sine[k] * behind[:, None]
-        return np.asarray(parts @ (self.height[k] / np.pi))
-
-    def sharp_potential(self, zone: int, left: Array, right: Array, rho: Array) -> Array:
-        """Potential of a zone's closed parts over w, less c_0 log(w), at points by their distances from its ends over w,
-        positive on the zone, and rho off it (see the head of this file)."""
-        out = self._by_reach(self.by_zone[zone], left, right, rho)
-        if zone in self.splines:
-            out += self.splines[zone].potential(left, right, rho)
-        return out
-
-    def _by_reach(self, k: Index, left: Array, right: Array, rho: Array) -> Array:
-        """Potential of jumps k of one zone: by their series far from it, where the closed forms cancel."""
-        out, on = np.empty(left.shape), (left >= 0) & (right >= 0)
-        terms = np.where(on, 0, self._terms(k, rho))
-        if terms.any():
-            zone = int(self.zone[k[0]]) if len(k) else -1
-            whole = zone in self.by_zone and len(k) == len(self.by_zone[zone])
-            c = self._series(zone) if whole else self.coefficients(k, np.zeros_like(k), 1, _SERIES_TO[-1][1])[0]
-            for count in np.unique(terms[terms > 0]):
-                out[terms == count] = far_potential(c[:count], rho[terms == count])
-        inside, near = np.flatnonzero(on), np.flatnonzero(~on & (terms == 0))
-        l, r = left[:, None], right[:, None]
-        out[inside] = self._summed(k, len(inside), lambda here: self.potential_on(k, l[inside[here]], r[inside[here]]))
-        out[near] = self._summed(k, len(near), lambda here: self.potential_off(k, l[near[here]], r[near[here]], rho[near[here], None]))
-        return out
 
     # at complex points (see `plane`) ----------------------------------------------------------------------------------
     def logarithm(self, k: Index, seen: InPlane, away: Complex) -> Complex:
@@ -441,4 +368,6 @@ def _from_left(f: Callable[[Array], Array], zones: Zones, zone: int, left: Array
     return f(zones.a[zone] + zones.half[zone] * left)
 
 
+# The half width of zones seen in units of their own.
+_ONE = np.ones(1)
 _NONE = ForcingJumps(np.zeros(0, np.intp), np.zeros(0), np.zeros(0), np.zeros(0), np.zeros(0, np.intp))

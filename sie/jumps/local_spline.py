@@ -11,10 +11,10 @@ from functools import cached_property
 
 import numpy as np
 
-from sie.basis.data import Array, Index, Kept, Mask, divided, record
+from sie.basis.data import Array, Index, Kept, Mask, legendre, record
 from sie.basis.interval import Complex, InPlane, Outside, What, of_t
 from sie.basis.kernels import cauchy
-from sie.basis.sums import pair_blocks
+from sie.basis.sums import pair_blocks, waves
 from sie.fast.piecewise import PiecewiseTransform
 from sie.fast.tree import TERMS
 
@@ -37,15 +37,6 @@ def same_jumps(found: Array, wanted: Array, length: Array, size: float) -> bool:
     """Whether the jumps found between pieces of such lengths are those wanted, as far as rounding of values of such a size allows."""
     rounding = _ROUNDED * size / np.minimum(length[1:], length[:-1]) ** 2
     return not np.any(np.abs(found - wanted) > np.maximum(_SAME * np.abs(wanted).max(initial=0.0), rounding))
-
-
-def cosine_sums(weight: Array, angle: Array, count: int) -> Array:
-    """sum weight cos(k angle), k = 0 ... count - 1."""
-    turn, wave, out = np.exp(1j * angle), weight.astype(complex), np.empty(count)
-    for k in range(count):
-        out[k] = wave.real.sum()
-        wave *= turn
-    return out
 
 
 def with_jumps(knots: Array, jumps: Array) -> Callable[[Array], Array]:
@@ -166,11 +157,9 @@ class LocalSpline(Kept):
         """First `count` coefficients of the spline as a sum of T_l / sqrt(1 - t^2): (2/pi) int f T_l dt, half of it for l = 0."""
         angle = np.arccos(np.clip(self.knots - 1, -1.0, 1.0))
         parts = np.maximum(np.ceil(-np.diff(angle) * (count / _TURN)), 1.0).astype(np.intp)
-        start, size = divided(angle, parts)
-        nodes, weights = np.polynomial.legendre.leggauss(_NODES)
-        theta = (start[:, None] + 0.5 * size[:, None] * (1 + nodes)).ravel()
-        weight = (-0.5 * size[:, None] * weights).ravel() * np.sin(theta) * self(2 * np.cos(0.5 * theta) ** 2) * (2 / np.pi)
-        out = cosine_sums(weight, theta, count)
+        # From the right end to the left: the angles fall.
+        theta, weights = (each.ravel() for each in legendre(angle, _NODES, parts))
+        out = waves((-2 / np.pi) * weights * np.sin(theta) * self(2 * np.cos(0.5 * theta) ** 2), theta, count).real
         out[:1] *= 0.5
         return out
 
@@ -197,12 +186,9 @@ class LocalSpline(Kept):
     @cached_property
     def _moments(self) -> Array:
         """int f T_k dt over pi, twice for k > 0, T_k of the spline's own width."""
-        nodes, weights = np.polynomial.legendre.leggauss(TERMS)
-        length, half = np.diff(self.knots), 0.5 * (self.knots[-1] - self.knots[0])
-        x = self.knots[:-1, None] + 0.5 * length[:, None] * (1 + nodes)
-        u = (x - 0.5 * (self.knots[0] + self.knots[-1])) / half
-        values = (self(x) * weights * 0.5 * length[:, None]).ravel()
-        angle = np.arccos(np.clip(u.ravel(), -1.0, 1.0))
+        x, weights = (each.ravel() for each in legendre(self.knots, TERMS))
+        u = (x - 0.5 * (self.knots[0] + self.knots[-1])) / (0.5 * (self.knots[-1] - self.knots[0]))
+        values, angle = self(x) * weights, np.arccos(np.clip(u, -1.0, 1.0))
         return np.array([float(values @ np.cos(k * angle)) for k in range(TERMS)]) * (np.where(np.arange(TERMS), 2.0, 1.0) / np.pi)
 
     def transform(self, x: Array) -> Array:
@@ -224,10 +210,8 @@ class LocalSpline(Kept):
         """
         knots, p = self.knots, self.pieces
         h = np.diff(knots)
-        nodes, weights = np.polynomial.legendre.leggauss(_GAUSS)
-        y = 0.5 * h[:, None] * (1 + nodes)
-        places = (knots[:-1, None] + y).ravel()
-        held = ((p[:, :1] + y * (p[:, 1:2] + y * p[:, 2:])) * 0.5 * h[:, None] * weights).ravel()
+        places, weights = (each.ravel() for each in legendre(knots, _GAUSS))
+        held = self(places) * weights
         power = 1 if what == "transform" else 2
         sign = 1.0 if what == "transform" else -1.0
         out = np.empty(seen.left.shape, dtype=complex)

@@ -19,11 +19,11 @@ from functools import cached_property
 import numpy as np
 
 from sie.basis import chebyshev
-from sie.basis.data import Array, Kept, record
+from sie.basis.data import Array, Kept, legendre, record
 from sie.basis.interval import Complex, InPlane, What, theta
-from sie.basis.sums import pair_blocks
+from sie.basis.sums import pair_blocks, waves
 from sie.fast.piecewise import clenshaw
-from sie.jumps.local_spline import NEAREST, LocalSpline, cosine_sums, same_jumps
+from sie.jumps.local_spline import NEAREST, LocalSpline, same_jumps
 
 # Moments of a panel: it is seen from no nearer than twice its half width beyond its middle.
 _TERMS = 24
@@ -94,11 +94,9 @@ class ZoneSpline(Kept):
     def _moments(self, cuts: Array) -> tuple[Array, Array]:
         """(nodes phi, weights that hold g): int_0^pi g F dphi = sum of weights F(phi), F smooth on each panel between cuts."""
         ends = np.unique(np.concatenate((self.spline.knots, 1 + np.cos(cuts[1:-1]))))
-        nodes, weights = np.polynomial.legendre.leggauss(_NODES)
-        angle = theta(ends, 2 - ends)
-        length = -np.diff(angle)
-        phi = (angle[:-1, None] - 0.5 * length[:, None] * (1 + nodes)).ravel()
-        values = (0.5 * length[:, None] * weights).ravel() * self.spline(2 * np.cos(0.5 * phi) ** 2)
+        phi, weights = (each.ravel() for each in legendre(theta(ends, 2 - ends), _NODES))
+        # From the left end to the right the angles fall.
+        values = -weights * self.spline(2 * np.cos(0.5 * phi) ** 2)
         panel = np.clip(np.searchsorted(cuts, phi, side="right") - 1, 0, len(cuts) - 2)
         half, middle = 0.5 * np.diff(cuts), 0.5 * (cuts[1:] + cuts[:-1])
         u = (phi - middle[panel]) / half[panel]
@@ -128,7 +126,7 @@ class ZoneSpline(Kept):
         if known is None or len(known) < count:
             panels = int(np.ceil(np.pi * (count + 1) / _TURN)) + 1
             phi, weight = self._moments(np.linspace(0.0, np.pi, panels + 1))
-            known = 0.5 * cosine_sums((2 / np.pi) * weight, phi, count + 2)[1:]
+            known = 0.5 * waves((2 / np.pi) * weight, phi, count + 2).real[1:]
             known[2:] -= known[:-2].copy()
             self._coefficients["c"] = known = known[:count]
         return known[:count]

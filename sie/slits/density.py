@@ -163,14 +163,8 @@ class SlitDensity(Located):
         beside = self._beside_slits[zone]
         if not beside.any():  # a piece alone is its wide zone
             return self._edged.at(self.merged.piece_zone[zone], left, right)
-        if zone.ndim == 2 and zone.shape[1] == 1 and not beside.all():
-            sides = (np.asarray(left, dtype=float), np.asarray(right, dtype=float))
-            out = np.empty(np.broadcast_shapes(zone.shape, *(d.shape for d in sides)))
-            for rows in (beside[:, 0], ~beside[:, 0]):
-                out[rows] = self.at(zone[rows], *(d[rows] if d.ndim == 2 and len(d) == len(rows) else d for d in sides))
-            return out
         merged, wide = self.merged, self.merged.wide
-        piece, lf, rt = np.broadcast_arrays(np.asarray(zone, dtype=np.intp), np.asarray(left, float), np.asarray(right, float))
+        piece, lf, rt = np.broadcast_arrays(zone, np.asarray(left, float), np.asarray(right, float))
         shape = piece.shape
         piece, lf, rt = piece.ravel(), lf.ravel(), rt.ravel()
         half = self.zones.half[piece]
@@ -313,7 +307,7 @@ class SlitDensity(Located):
                 last, n = here, 2 * n
             if zone in kinks.by_zone:
                 ends = np.array([before, before + 2 * half]) / w, np.array([after + 2 * half, after]) / w
-                here += float(w * np.diff(kinks.integral(zone, *ends))[0])
+                here += float(w * np.diff(kinks.integral(np.full(2, zone), *ends))[0])
             out[piece] = here
         return out
 

@@ -25,11 +25,10 @@ from functools import cached_property
 import numpy as np
 
 from sie.basis import chebyshev
-from sie.basis.data import Array, Kept, Mask, record
+from sie.basis.data import Array, Kept, Mask, legendre, record
 from sie.basis.interval import Outside, theta
+from sie.jumps.formulas import HIGHEST
 
-# Orders q that are carried.
-HIGHEST = 2
 # Of those of order 2: beyond so many half widths of the slit its psi is summed up; there the closed forms cancel.
 _BEYOND = 4.0
 _MEANS = 32
@@ -94,10 +93,9 @@ class SlitKink(Kept):
     @cached_property
     def seen(self) -> tuple[Array, Array, Array, Array]:
         """(distances from the wide zone's ends, angles there, weights that hold psi): int psi f dt = sum W f."""
-        border = theta(*self._beside[::-1])
-        x, w = np.polynomial.legendre.leggauss(_LEGENDRE)
-        beta = np.concatenate((0.5 * border * (1 + x), border + 0.5 * (np.pi - border) * (1 + x)))
-        weight = np.concatenate((0.5 * border * w, 0.5 * (np.pi - border) * w)) * np.sin(beta)
+        border = float(theta(*self._beside[::-1]))
+        beta, weights = (each.ravel() for each in legendre(np.array([0.0, border, np.pi]), _LEGENDRE))
+        weight = weights * np.sin(beta)
         left, right = 2 * np.sin(beta / 2) ** 2, 2 * np.cos(beta / 2) ** 2
         from_left, from_right = self.start + self.half * left, self.rest + self.half * right
         angle = theta(from_left, from_right)

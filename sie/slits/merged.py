@@ -10,10 +10,10 @@ from functools import cached_property
 
 import numpy as np
 
-from sie.basis.data import Array, Index, Kept, Mask, record, wrapped
+from sie.basis.data import Array, Index, Kept, Mask, lost, record, wrapped
 from sie.basis.zones import Zones
 from sie.collocation.modes import gaps
-from sie.equation.conditions import BUILT_IN, Condition, ZoneTotals, for_every_zone
+from sie.equation.conditions import BUILT_IN, Condition, ZoneTotals
 from sie.equation.equation import Equation
 
 # Gaps narrower than this part of the wider zone beside them may be slits.
@@ -106,7 +106,7 @@ def merge(equation: Equation, pieces: Zones, before: Mask | None = None) -> Merg
     zone[order] = np.repeat(np.arange(len(starts)), stops - starts + 1)
     left = [pieces.left[order[s]] for s in starts]
     right = [pieces.right[order[s]] for s in stops]
-    cut_off = pieces.rest + np.array([_lost(ends, shift) for ends in (pieces.a, pieces.b)])
+    cut_off = pieces.rest + np.array([lost(ends, shift) for ends in (pieces.a, pieces.b)])
     rest = np.array([cut_off[0][order[starts]], cut_off[1][order[stops]]])
     wide = Zones(a[starts], b[stops], left, right, pieces.symmetric, rest)
     at = np.flatnonzero(joined)
@@ -114,19 +114,12 @@ def merge(equation: Equation, pieces: Zones, before: Mask | None = None) -> Merg
     return Merged(pieces, wide, slits, zone[order[at]], zone, shift, cut_off)
 
 
-def _lost(x: Array, by: Array) -> Array:
-    """What x + by loses to rounding, exactly (D. E. Knuth, The Art of Computer Programming 2, 4.2.2)."""
-    there = x + by
-    back = there - x
-    return np.asarray((x - (there - back)) + (by - back))
-
-
 def _one_level(conditions: Sequence[Condition]) -> bool:
     """Whether all zones are held at one level, so that the gap between neighbours integrates to zero, and no condition speaks of
     zones one by one, which become fewer: those of a user's own may."""
     rows = [type(condition).rows for condition in conditions]
     one_by_one = ZoneTotals.rows in rows or any(one not in BUILT_IN for one in rows)
-    return not one_by_one and any(for_every_zone(condition) == "levels" for condition in conditions)
+    return not one_by_one and any(condition.levels for condition in conditions)
 
 
 def _plain(pieces: Zones) -> bool:

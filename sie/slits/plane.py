@@ -19,7 +19,7 @@ The potential is carried down from where the coefficients of the wide zones tell
 import numpy as np
 
 from sie.basis import chebyshev
-from sie.basis.data import Array, record
+from sie.basis.data import Array, legendre, record
 from sie.basis.interval import Complex, InPlane, What, complex_of, transform_of, transform_slope_of
 from sie.density.density import Density
 from sie.slits.kinks import SlitKink
@@ -80,10 +80,7 @@ class SlitPlane:
         """From a height above the wide zones' own, or from y itself where that is higher."""
         top = np.maximum(y, _HEIGHT * float(self.merged.wide.half.max()))
         out = self.whole.plane(complex_of(x, top), "potential")
-        t, weight = np.polynomial.legendre.leggauss(_NODES)
-        ends = np.append(0.0, 0.5 ** np.arange(_PANELS, -1, -1))
-        parts = (0.5 * (ends[1:] + ends[:-1])[:, None] + 0.5 * np.diff(ends)[:, None] * t).ravel()
-        weights = (0.5 * np.diff(ends)[:, None] * weight).ravel()
+        parts, weights = (each.ravel() for each in legendre(np.append(0.0, 0.5 ** np.arange(_PANELS, -1, -1)), _NODES))
         down = np.flatnonzero(top > y)
         for start in range(0, len(down), _POINTS):
             here = down[start : start + _POINTS]

@@ -175,7 +175,7 @@ def test_the_integral_of_kinks_along_a_zone_is_that_of_the_density(at):
         pieces = [a, *(s for s in breaks if s < x), x]
         expected = sum(quad(density, lo, hi, epsabs=1e-12)[0] for lo, hi in zip(pieces, pieces[1:], strict=False))
         half = 0.5 * (b - a)
-        found = half * density.jumps.integral(zone, np.array([(x - a) / half]), np.array([(b - x) / half]))
+        found = half * density.jumps.integral(np.array([zone]), np.array([(x - a) / half]), np.array([(b - x) / half]))
         assert found == pytest.approx(expected, abs=1e-10)
 
 

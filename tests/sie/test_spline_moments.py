@@ -8,7 +8,7 @@ from scipy.interpolate import CubicSpline
 import sie
 from sie.collocation import modes
 from sie.collocation import spline_moments as module
-from sie.collocation.spline_moments import Stretches, coefficients, many_jumps
+from sie.collocation.spline_moments import coefficients, many_jumps, rule
 from sie.collocation.system import System
 
 ZONES = sie.Zones.of(np.array([[-0.83, -0.1], [0.01, 0.7]]))
@@ -102,7 +102,9 @@ def test_levels_lose_their_digits_to_truncated_powers(monkeypatch):
 def test_stretches_end_at_the_jumps_and_turn_no_further_than_their_rule_allows():
     _, forcing = rough(60)
     jumps = forcing.jumps_within(ZONES, sie.cauchy())
-    stretches = Stretches(jumps, np.array([0, 1]), np.array([0, 700]))
-    assert np.add.reduceat(stretches.weights, stretches.first) == pytest.approx(np.pi, rel=1e-14)
-    sines = stretches.sines(np.ones(len(stretches.theta)))
-    assert sines[1, 1] == pytest.approx(1.0, rel=1e-13) and np.abs(sines[1, 2:]).max() < 1e-14 and not sines[0].any()
+    rules = [rule(jumps, zone, highest) for zone, highest in ((0, 0), (1, 700))]
+    for _, weights in rules:
+        assert weights.sum() == pytest.approx(np.pi, rel=1e-14)
+    flat = sie.Forcing(np.ones_like)
+    sines, means = coefficients(flat, ZONES, jumps, np.array([0, 1]), np.array([0, 700]))
+    assert sines[1, 1] == pytest.approx(1.0, rel=1e-13) and np.abs(sines[1, 2:]).max() < 1e-14 and not sines[0].any() and not means.any()

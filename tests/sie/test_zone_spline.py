@@ -7,6 +7,7 @@ import pytest
 from scipy.interpolate import BSpline
 
 import sie
+from sie.basis.interval import OnLine
 from sie.jumps.forcing import ForcingJumps
 from sie.jumps.local_spline import MANY
 
@@ -50,13 +51,14 @@ def test_a_spline_leaves_one_jump_and_a_parabola(after: int) -> None:
     a, b = np.linalg.lstsq(np.column_stack((np.sin(theta), np.sin(2 * theta))), differ, rcond=None)[0]
     z = np.array([1.00001, 1.02, 1.5, 4.0, 40.0, -1.00001, -1.003, -2.0, -9.0])
     rho = z - np.sign(z) * np.sqrt(z**2 - 1)
+    zone, seen, off = np.zeros(len(left), dtype=int), OnLine.of(1 + z, 1 - z), np.zeros(len(z), dtype=int)
     count = 600
     known = np.zeros(count)
     known[:4] = 0.5 * np.array([a, b, -a, -b])
     pairs = [
         (differ, a * np.sin(theta) + b * np.sin(2 * theta)),
-        (one.own_transform(0, left) - other.own_transform(0, left), a * np.cos(theta) + b * np.cos(2 * theta)),
-        (one.transform(0, z, rho) - other.transform(0, z, rho), a * rho + b * rho**2),
+        (one.own_transform(zone, left) - other.own_transform(zone, left), a * np.cos(theta) + b * np.cos(2 * theta)),
+        (one.transform(off, seen) - other.transform(off, seen), a * rho + b * rho**2),
         ((one.t_coefficients(zones, count) - other.t_coefficients(zones, count))[0], known),
         (np.ravel(one.edge_slopes(zones)) - np.ravel(other.edge_slopes(zones)), np.array([a - 2 * b, a + 2 * b])),
         (one.mean_offsets(zones) - other.mean_offsets(zones), np.array([-a / 4])),
