@@ -176,7 +176,7 @@ class TestClosure:
     @pytest.mark.slow
     def test_what_the_root_is_unsure_of_covers_what_a_closer_one_changes(self):
         scene = contact.Scene(TWO, 1.0, FIRST, load=0.97 * full_load(TWO))
-        solution, tight = contact.solve(scene, tol=1e-6), contact.solve(scene, tol=1e-11)
+        solution, tight = contact.solve(scene, tol=1e-6), contact.solve(scene, tol=1e-10)  # of 1e-11 rounding leaves more for some loads
         off = np.abs(solution.zones - tight.zones) / np.diff(tight.zones)
         assert off.max() <= solution.error + tight.error
 
