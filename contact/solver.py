@@ -10,6 +10,7 @@
 
 import time
 from collections.abc import Callable
+from contextlib import nullcontext
 from dataclasses import replace
 from numbers import Real
 
@@ -31,10 +32,11 @@ from contact.search.ways.guesses import Outcome
 from contact.solution import made, validity
 from contact.solution.answer import PullOff
 from contact.solution.solution import Solution
+from contact.threads import one_of_blas
 from contact.verify.accuracy import Found, FoundByGaps
 
-# Smallest lengths of a shape in its period.
-_LARGE = 2**17
+# Smallest lengths of a shape in its period, or where it is known: from where on BLAS takes one thread, and memory is kept.
+_ROUGH, _LARGE = 2**6, 2**17
 
 
 def solve(
@@ -152,18 +154,19 @@ def _solved(
 
 
 def _run(task: Task) -> Solution:
-    start = time.perf_counter()
+    start, features = time.perf_counter(), _features(task.scene)
     try:
-        with memory.kept(_is_large(task.scene)):
+        with memory.kept(features > _LARGE), one_of_blas() if features > _ROUGH else nullcontext():
             return _solution(task, refined(task, found(task), found))
     finally:
         task.plan.seconds = time.perf_counter() - start
 
 
-def _is_large(scene: Scene) -> bool:
-    """Whether its grids have millions of points."""
+def _features(scene: Scene) -> float:
+    """How many of its smallest lengths a shape has in its period, or where it is known."""
     profile = scene.profile
-    return profile.period is not None and profile.feature is not None and profile.period > _LARGE * profile.feature
+    known = profile.known
+    return 0.0 if profile.feature is None or known is None else (known[1] - known[0]) / profile.feature
 
 
 def _parting(task: Task, found: Found) -> Callable[[ZoneFields], PullOff]:

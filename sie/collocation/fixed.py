@@ -26,6 +26,8 @@ from sie.jumps.forcing import ForcingJumps
 _OF_ITERATION = 0.01
 # A reciprocal condition below this is rounding: the rows are of size one.
 _DEPENDENT = 1e-15
+# What T_k / sqrt(1 - t^2) without its singularity comes to beside an end, over k.
+_AT_ENDS = 0.73
 # Points of every zone at which the residual is looked at: none of them a node.
 LOOKS = 15
 THETA = (np.arange(LOOKS) + 0.4142) * np.pi / LOOKS
@@ -120,12 +122,12 @@ class State(Solved):
         between the nodes, and the rounding of the side conditions, which no residual shows.
 
         With its singularity taken out, T_k / sqrt(1 - t^2) reaches 0.73 k (near an end): so much does c_k's error
-        count.
+        count. What samples at the nodes leave out is folded back onto the coefficients that are kept, and counts twice.
         """
         if self.size == 0.0:
             return 0.0
-        neglected = float((self._missing * np.maximum(self.sizes.own[: len(self._missing)], 1)).max()) / self.size
-        neglected += float((self._missing_fields * 0.73 * self.system.layout.m).max()) / self.size
+        neglected = 2 * _AT_ENDS * float((self._missing * np.maximum(self.sizes.own[: len(self._missing)], 1)).max()) / self.size
+        neglected += _AT_ENDS * float((self._missing_fields * self.system.layout.m).max()) / self.size
         coupled = self.system.layout.m[self.density.zones.solved]
         seen = residual_error(self._residuals, self.size, coupled, self.jumps_rounding[self.density.zones.solved])
         return neglected + seen + (float(self.linear_error.max()) + self.density_rounding) / self.size
@@ -200,7 +202,7 @@ class State(Solved):
         with np.errstate(divide="ignore", invalid="ignore"):
             fall = np.where(head > 0, np.maximum(last / head, 1e-300), 1.0) ** (2.0 / n)
         # Coefficients that fall no further are rounding, whose sum grows as a random walk.
-        weight = np.where(last > 0.5 * head, 2 * np.sqrt(n), 0.73 * n * fall**window / np.maximum(1 - fall, 1.0 / n))
+        weight = np.where(last > 0.5 * head, 2 * np.sqrt(n), _AT_ENDS * n * fall**window / np.maximum(1 - fall, 1.0 / n))
         return np.asarray(self.truncation * np.maximum(weight, 1.0))
 
     @cached_property
@@ -230,7 +232,7 @@ def residual_error(residuals: Array, size: float, coupled: Index, rounding: Arra
     low = residuals @ _FIRST_OF.T
     rest = np.abs(residuals - low @ _FIRST.T).max(axis=1)
     high = np.where(separated, rest, np.abs(residuals).max(axis=1)) / size
-    low = np.where(separated, np.abs(low) @ np.maximum(0.73 * np.arange(1, low.shape[1] + 1), 1.0), 0.0) / size
+    low = np.where(separated, np.abs(low) @ np.maximum(_AT_ENDS * np.arange(1, low.shape[1] + 1), 1.0), 0.0) / size
     # A few points see the residual to a factor; its rounding adds up as the modes do, but not with their order.
     beyond = 3 * np.maximum(high - 4e-15 - rounding / size, 0.0) * coupled + 1.5 * low
     return float((beyond + high + 5e-16 * coupled).max())

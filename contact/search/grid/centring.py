@@ -16,8 +16,8 @@ from typing import Protocol, TypeVar
 
 # Miss over the room beside the borders, and over a cell, that does not matter; cells that a bracket without a rest is narrowed to.
 _CENTRED, _CELL, _NARROW = 3e-3, 0.1, 0.25
-# The same beside a jump that may be one of the grid alone.
-_NEARLY = 0.03
+# The same beside a jump that may be one of the grid alone, and where its sign is the same all the way.
+_NEARLY, _ALMOST = 0.03, 0.1
 # Looks at the most; how much farther than a secant, and than the last step, one goes; and cells of a step at the least.
 _LOOKS, _BEYOND, _LONGER, _SHORTEST = 24, 1.25, 4.0, 0.1
 
@@ -78,7 +78,10 @@ def settled(look: Callable[[float, Kind], Kind], here: Kind, reach: float) -> tu
         passed = sorted([*passed, here], key=lambda strip: strip.centre)
     if all(strip.touches for strip in passed):
         return here, Unrest.BORDER
-    return here, Unrest.JUMP if any(left.balance * right.balance <= 0.0 for left, right in pairwise(passed)) else Unrest.ASIDE
+    if any(left.balance * right.balance <= 0.0 for left, right in pairwise(passed)):
+        return here, Unrest.JUMP
+    nearest = min((strip for strip in passed if not strip.touches), key=lambda strip: abs(strip.miss) / strip.room)
+    return (nearest, None) if _balanced(nearest, _ALMOST) else (here, Unrest.ASIDE)
 
 
 def rests(here: Strip) -> bool:

@@ -18,6 +18,7 @@ from functools import cached_property, partial
 import numpy as np
 
 from contact.formulation.problem import Problem
+from contact.formulation.strip_turn import StripTurn
 from contact.search.grid.coarse import grid_height, propose
 from contact.search.grid.proposals import cut_of, whole_response
 from contact.search.grid.scaling import ScaledScene
@@ -30,6 +31,7 @@ _SHARP = 0.05
 # Miss that is near enough, and, by the rounding of ends to parts of a cell, of each end; width of a bracket of the logarithm of the nominal
 # pressure; nominal pressures tried, and those to clear the border at first.
 _CLOSE, _END, _CLOSED, _STEPS, _CLEARINGS = 1e-3, 0.1, 1e-3, 40, 4
+_NEAR_ENOUGH = 1.0
 # How the miss falls with the logarithm of the nominal pressure, as a first guess and at the least; least and largest steps of that, and
 # one away from where zones reach the border.
 _POWER, _FLATTEST, _LEAST, _LARGEST, _CLEARED = 0.8, -0.1, 2e-4, 1.0, 0.25
@@ -92,14 +94,30 @@ class ClosureGrid(StripsOnGrids[AtPressure]):
     def look(self, centre: float, near: AtPressure) -> AtPressure:
         """The contacts about a centre under the nominal pressure under which both are as wide, whether the strip is clear of its border
         or not: there always is one."""
-        low, high, here, last = 0.0, math.inf, self._held(near.amplitude, centre, near), None
+        low, high = self.filled(centre)
+        if low >= high:
+            # The strip leaves no gap where its profile alone comes to leave none: no nominal pressure is told from others but that one.
+            return self._held(high, centre, near)
+        here, last = self._held(near.amplitude if low < near.amplitude < high else _between(low, high), centre, near), None
         for _ in range(_STEPS):
-            if abs(here.wider) <= max(_CLOSE, here.blur) or math.log(high / max(low, 1e-300)) < _CLOSED:
+            if abs(here.wider) <= max(_CLOSE, _NEAR_ENOUGH * here.blur) or math.log(high / max(low, 1e-300)) < _CLOSED:
                 break
             low, high = (here.amplitude, high) if here.wider > 0.0 else (low, here.amplitude)
             step, last = self._step(here, last, low, high), here
             here = self._held(here.amplitude * math.exp(step), centre, here)
         return here
+
+    def filled(self, centre: float) -> tuple[float, float]:
+        """(the nominal pressure up to which the strip is in full contact, that from which on its profile alone is): the root lies between,
+        where the first is the less."""
+        if not self.grid.turns:
+            return 0.0, math.inf
+        turn = StripTurn(self.problem, centre, self.points)
+        pressure, falls = self.load / np.pi - turn.relief, turn.half * (2 / np.pi - np.sin(turn.angles))
+        beside = falls > 0.0
+        strip = float((pressure[beside] / falls[beside]).min())
+        filled = strip > 0.0 and bool((pressure[~beside] >= strip * falls[~beside]).all())
+        return strip if filled else 0.0, np.pi * float(turn.relief.max()) / self.period
 
     def _step(self, here: AtPressure, last: AtPressure | None, low: float, high: float) -> float:
         """Of the logarithm of the nominal pressure: a secant's within the bracket, or to its middle."""
@@ -153,3 +171,8 @@ class ClosureGrid(StripsOnGrids[AtPressure]):
         strip = self.strip(rough.amplitude, rough.centre, points, tol, rough.strip)
         alone = self.alone(rough.amplitude, rough.centre, points, tol, rough.alone)
         return self._of(rough.amplitude, rough.centre, strip, alone)
+
+
+def _between(low: float, high: float) -> float:
+    """A nominal pressure within a bracket: half as far from its upper end, where it has no lower one."""
+    return math.sqrt(low * high) if low > 0.0 else 0.5 * high

@@ -16,7 +16,7 @@ On other substrates, whose kernel has more than the logarithm, and of profiles w
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -27,10 +27,11 @@ from sie import Array, record
 
 @record
 class StripContact:
-    """Zones (n, 2) [m] of a strip; points: of its grid; cell: the width of one in the middle [m]; state: on the grid; reaches: whether
-    zones reach its left and its right border; beside: what room is left there [m], negative where a zone reaches a border: about as much as
-    a pressure lower by that at the border would leave."""
+    """Zones (n, 2) [m] of a strip about a middle [m]; points: of its grid; cell: the width of one in the middle [m]; state: on the grid;
+    reaches: whether zones reach its left and its right border; beside: what room is left there [m], negative where a zone reaches a
+    border: about as much as a pressure lower by that at the border would leave."""
 
+    middle: float
     zones: Array
     points: int
     cell: float
@@ -61,7 +62,7 @@ class StripGrid:
         self, height: Callable[[Array], Array], middle: float, load: float, points: int, tol: float, near: StripContact | None
     ) -> StripContact:
         """Of a shape [m] about a middle [m] under a load [N/m]; near: another strip to begin with."""
-        half, state = 0.5 * self.length, None if near is None else near.state
+        half, state = 0.5 * self.length, None if near is None else self._moved(near, middle)
         if not self.turns:
             cell = (middle - half, middle + half)
             found = propose(height, cell, self.response, resolution=self.resolution, points=points, load=load, tol=tol, near=state)
@@ -70,7 +71,7 @@ class StripGrid:
             room = (float(found.zones[0, 0]) - cell[0], cell[1] - float(found.zones[-1, 1])) if len(found.zones) else (0.0, 0.0)
             excess = h * self.length * pressures / load
             left, right = np.where(reaches, -excess, room)
-            return StripContact(found.zones, points, h, found.state, reaches, (float(left), float(right)))
+            return StripContact(middle, found.zones, points, h, found.state, reaches, (float(left), float(right)))
 
         def turned(theta: Array) -> Array:
             there = np.asarray(height(_placed(theta[: len(theta) // 2], middle, half)))
@@ -89,7 +90,21 @@ class StripGrid:
         excess = -np.pi * found.state.pressure[[0, points - 1]] / load
         left, right = np.where(reaches, excess, (zones[0, 0], np.pi - zones[-1, 1]))
         beside = float(np.copysign(half * (1 - np.cos(left)), left)), float(np.copysign(half * (1 - np.cos(right)), right))
-        return StripContact(_placed(zones, middle, half), points, half * np.pi / points, found.state, reaches, beside)
+        return StripContact(middle, _placed(zones, middle, half), points, half * np.pi / points, found.state, reaches, beside)
+
+    def _moved(self, near: StripContact, middle: float) -> GridState:
+        """The state of another strip, its pressure taken along to the same places of one about a middle: zones stay where they are, so
+        that a grid begun from it has few points to change."""
+        if middle == near.middle:
+            return near.state
+        n, half = near.points, 0.5 * self.length
+        if not self.turns:
+            x = self.length * (np.arange(n) + 0.5) / n
+            return replace(near.state, pressure=np.interp(x + middle - near.middle, x, near.state.pressure, left=0.0, right=0.0))
+        angle = np.pi * (np.arange(n) + 0.5) / n
+        there = np.arccos(np.clip((near.middle - _placed(angle, middle, half)) / half, -1.0, 1.0))
+        pressure = np.interp(there, angle, near.state.pressure[:n])
+        return replace(near.state, pressure=np.concatenate((pressure, pressure[::-1])))
 
 
 def _placed(theta: Array, middle: float, half: float) -> Array:

@@ -31,15 +31,18 @@ from sie import Array, Index, record
 # Angles to a shortest length of the profile, and bounds of how many.
 _CLOSE, _FEWEST, _MOST = 32, 2**12, 2**17
 # Tolerance of the ends, and of what a unit of the unknowns calls up.
-_ENDS, _RATES, _DECAY, _ROUGHLY, _FINER, _FAR = 1e-6, 1e-5, 1e-5, 1e-3, 1e-2, 0.1
+_ENDS, _RATES, _ROUGHLY, _FINER, _FAR = 1e-6, 1e-5, 1e-3, 1e-2, 0.1
+# Coefficients that are left out at the most, and over the tolerance of the ends.
+_DECAY, _CUT = 1e-5, 0.1
 # Steps at the most, how often one is halved, largest part of the room beside the border and of the nominal pressure in one.
 _STEPS, _HALVED, _TRUSTED, _LARGEST = 25, 1, 0.5, 0.2
 # How often signs are looked at, and on the way; of the largest pressure, and of the largest gap: what is none. Samples looked at.
 _ROUNDS, _ON_THE_WAY, _NONE, _OVERLAP, _SAMPLES = 6, 1, 1e-6, 1e-4, 2**14
 # Of a gap or a zone that may go in a step; and what it is no farther than at the root.
 _PART, _THERE, _NEAR = 0.4, 1e-2, 0.05
-# Steps in a row of which none halves what is left.
-_STALLED, _SLOW = 6, 0.7
+# Steps in a row of which none halves what is left; how many of several times the room beside the border or the nominal pressure there may
+# be, which lead nowhere.
+_STALLED, _SLOW, _STRAYED, _ASTRAY = 4, 0.7, 6, 2.0
 _NEWTON = 25
 # Steps by the exact profile, how long one may be after which there is none, and before which coefficients are cut off sooner, by what;
 # what may be unsure over their tolerance, what of that the last step may leave, the part to which they are cut off later where the rest is
@@ -59,11 +62,15 @@ _EPS = float(np.finfo(np.float64).eps)
 
 @dataclass(frozen=True)
 class _How:
-    """tolerance, decay: of the ends and of the coefficients; looks: how often signs are looked at."""
+    """tolerance: of the ends; looks: how often signs are looked at."""
 
     tolerance: float
-    decay: float
     looks: int
+
+    @property
+    def decay(self) -> float:
+        """Of the coefficients: ends come to rest where less than their tolerance is cut off."""
+        return min(_DECAY, _CUT * self.tolerance)
 
 
 class Lost(Exception):
@@ -76,14 +83,23 @@ class Lost(Exception):
 
 @record
 class GapContact:
-    """A contact by its gaps in the angle. beyond: the nominal pressure beyond the strip; table: the gaps (n, 2) of a turn; state: None of
+    """A contact by its gaps in the angle. beyond: the nominal pressure beyond the strip; table: the gaps (n, 2) of a turn; found: None of
     gaps that were moved on."""
 
     turn: StripTurn
     beyond: float
     mean: float
     table: Array
-    state: sie.AnyState | None
+    found: sie.AnyState | None = None
+
+    @property
+    def equation(self) -> sie.Equation:
+        return self.turn.equation(self.turn.relief_at, self.beyond * self.turn.half, self.mean)
+
+    @cached_property
+    def state(self) -> sie.AnyState:
+        """On the gaps as they are."""
+        return sie.solve_zones(self.equation, sie.Zones.of(self.table), _DECAY) if self.found is None else self.found
 
     @cached_property
     def opened(self) -> float:
@@ -107,7 +123,6 @@ class GapContact:
 
     def moves(self, given: Callable[[Array], Array] | None, beyond: float, mean: float) -> Array:
         """Outward moves (2, n) that a change of the right side calls up."""
-        assert self.state is not None
         equation = self.turn.equation(given, beyond, mean)
         return moves_by(sie.solve_zones(equation, self.state.density.zones, _RATES).density, self.state.density)
 
@@ -315,7 +330,7 @@ class GapClosure:
         centre, pressure = (float(unknown) for unknown in start.unknowns[:2])
         turn = StripTurn(self.problem, centre, self._points)
         gaps = turn.gaps_of(start.strip), turn.gaps_of(start.alone)
-        here = replace(self._settled(self._with(turn, pressure, *gaps, _How(_ROUGHLY, _DECAY, _ROUNDS))), kept=None)
+        here = replace(self._settled(self._with(turn, pressure, *gaps, _How(_ROUGHLY, _ROUNDS))), kept=None)
         # Beside gaps that are narrow for their zones the pressure is steep, and follows ends the more closely.
         tolerance = self.tolerance * min(1.0, _STEEP / here.strip.steepest)
         matrix, size, decay = here.matrix, np.array([here.room, here.pressure]), _COARSER * tolerance
@@ -354,7 +369,7 @@ class GapClosure:
         if largest > _SHORT:
             # Width and centre ask for the same there.
             raise Lost("the steps by the exact profile come to no rest")
-        following = self._with(turn, pressure, tables[0], tables[1], _How(_ENDS, _DECAY, 0)).following
+        following = self._on(turn, pressure, *tables).following
         zones, alone = (turn.zones_of(table) for table in tables)
         unknowns = np.array([turn.centre, pressure, self.load])
         failing = here.strip.failing(slopes, _TOLD * largest), here.alone.failing(slopes_alone, _TOLD * largest)
@@ -367,29 +382,30 @@ class GapClosure:
     def _on(self, turn: StripTurn, pressure: float, strip: Array, alone: Array) -> _Both:
         """On gaps as they are."""
         added = 2 * turn.half * pressure / np.pi
-        found = (GapContact(turn, pressure, self.load / np.pi - added, strip, None), GapContact(turn, 0.0, added, alone, None))
+        found = GapContact(turn, pressure, self.load / np.pi - added, strip), GapContact(turn, 0.0, added, alone)
         return _Both(turn.centre, pressure, *found)
 
     def _settled(self, here: _Both) -> _Both:
         """At the root, as nearly as samples tell it."""
-        looked, least, stalled = True, math.inf, 0
+        looked, least, stalled, astray = True, math.inf, 0, 0
         for _ in range(_STEPS):
             missed = here.far
             least, stalled = (missed, 0) if missed < _SLOW * least else (least, stalled + 1)
-            if stalled > _STALLED:
+            astray += missed > _ASTRAY
+            if stalled > _STALLED or astray > _STRAYED:
                 break
             largest = here.moved(here.step)[2]
             if largest < _THERE:
                 if looked:
                     return here
                 before, looked = here, True
-                here = self._with(here.strip.turn, here.pressure, here.strip.table, here.alone.table, _How(_ENDS, _DECAY, _ROUNDS))
+                here = self._with(here.strip.turn, here.pressure, here.strip.table, here.alone.table, _How(_ENDS, _ROUNDS))
                 if here.same_gaps(before):
                     return replace(here, kept=before.rates)
                 continue
             looked = largest > _FAR
             before = here
-            here = self._after(here, _How(min(max(_FINER * largest, _ENDS), _ROUGHLY), _DECAY, _ON_THE_WAY if looked else 0))
+            here = self._after(here, _How(min(max(_FINER * largest, _ENDS), _ROUGHLY), _ON_THE_WAY if looked else 0))
             if largest < _NEAR and here.same_gaps(before):
                 here = replace(here, kept=before.rates)
         # The gap at a border is as wide in the angle as its intensity is large, and so goes straight with the unknowns.
@@ -458,7 +474,7 @@ def _largest(gaps: GapContact, moved: Array) -> float:
 
 def _contact(turn: StripTurn, beyond: float, mean: float, table: Array, how: _How) -> GapContact:
     """From about its gaps, with those that its signs ask for."""
-    equation = turn.equation(turn.relief_at, beyond * turn.half, mean)
+    equation = GapContact(turn, beyond, mean, table).equation
     for look in range(how.looks + 1):
         if len(table) == 0:
             raise Lost("no gap", Unrest.BORDER)
@@ -496,7 +512,6 @@ def _corrected(table: Array, pulls: Array, overlaps: Array) -> Array:
 
 def _signs(found: GapContact) -> tuple[Array, Array]:
     """(where the pressure pulls, where the gap is negative) on even samples."""
-    assert found.state is not None
     turn, density = found.turn, found.state.density
     zones = density.zones
     every = max(1, turn.points // _SAMPLES)

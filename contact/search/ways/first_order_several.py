@@ -39,7 +39,7 @@ from contact.verify.certificate import NOT_CHECKED
 from sie import Array, record
 
 # How often the signs are looked at at the root; a fall of the steps that is slow, or is rounding.
-_LOOKS, _SLOW = 4, 0.5
+_LOOKS, _SLOW = 6, 0.5
 # Steps of all ends and unknowns at once, the largest move over the width of a zone or a gap from which they start, after which rates are
 # found anew, and which is as good as none.
 _TOGETHER, _BOLDEST, _NEARBY, _LAST_OF_ALL, _SLOW_STEPS, _HALF = 20, 1.0, 1e-2, 1e-4, 3, 0.4
@@ -135,16 +135,18 @@ class FirstOrderOfSeveral:
     def _under_load(self, grid: ClosureGrid, first: AtPressure) -> Found:
         """Nearly full contact by its gaps, where these serve, else by its zones."""
         nearly_full = StripTurn.serves(self.problem) and first.widths[0] > _NEARLY_FULL * self.period
-        rough = self._rough(grid, first, nearly_full)
-        if rough.unrest is not None:
-            raise self._refused(rough.unrest)
-        if nearly_full and len(rough.strip.zones) + len(rough.alone.zones) > _MANY:
-            raise self._refused(Unrest.MANY)
+        rough = self._at_rest(grid, first, nearly_full)
         if not nearly_full:
             return self._by_zones(grid, rough)
+        if len(rough.strip.zones) + len(rough.alone.zones) > _MANY:
+            raise self._refused(Unrest.MANY)
         try:
             return self._by_gaps(self._place(grid, rough))
         except Lost as lost:
+            if lost.why is Unrest.LOST and grid.finest < _FINEST:
+                # A coarse grid may have a strip at rest where there is none.
+                grid.finest *= _FINER_GRID
+                return self._under_load(grid, first)
             if lost.why is Unrest.BORDER or rough.widths[0] > _BY_GAPS_ALONE * self.period:
                 raise self._refused(lost.why) from lost
             self.task.left("the closure by gaps", Missed(f"the closure by gaps did not lead on: {lost}"))
@@ -163,9 +165,14 @@ class FirstOrderOfSeveral:
                 if grid.finest >= _FINEST:
                     raise
             grid.finest *= _FINER_GRID
-            rough = self._rough(grid, rough, True)
-            if rough.unrest is not None:
-                raise self._refused(rough.unrest)
+            rough = self._at_rest(grid, rough, True)
+
+    def _at_rest(self, grid: ClosureGrid, first: AtPressure, finely: bool) -> AtPressure:
+        """The grids' root, with a strip that stays."""
+        rough = self._rough(grid, first, finely)
+        if rough.unrest is not None:
+            raise self._refused(rough.unrest)
+        return rough
 
     def _rough(self, grid: ClosureGrid, first: AtPressure, finely: bool) -> AtPressure:
         with self.task.plan.timed("coarse search"):
@@ -327,17 +334,22 @@ class FirstOrderOfSeveral:
         return Closed(**{**vars(found), "rounded": self.rounded}, at=at)
 
     def _signed(self, at: At) -> tuple[At, Rates, Array]:
-        """`_together`, with the signs of what it has come to."""
+        """`_together`, with the signs of what it has come to: roughly until these are right, then closely."""
+        closely, rates = False, Rates.of(at, _ROUGHLY)
         for look in range(_LOOKS):
             # Once a zone or a gap was missing no step may take one away that is to stay.
-            found = self._together(at, carefully=look > 0)
+            found = self._together(at, rates, look > 0, closely)
             if found is None:
                 raise self._unsettled("the nominal pressure", at)
             at, rates, off = found
-            looked = replace(at, strip=self._looked_at(at.strip, closely=True), alone=self._looked_at(at.alone, closely=True))
+            looked = replace(at, strip=self._looked_at(at.strip, closely), alone=self._looked_at(at.alone, closely))
             if looked.same_zones(at):
-                # Zones of the profile alone that are too narrow to be put right make it wider or narrower.
-                return looked, rates, off + np.abs(np.linalg.inv(rates.matrix)[:, 0]) * _failing(looked.alone)
+                if closely:
+                    # Zones of the profile alone that are too narrow to be put right make it wider or narrower.
+                    return looked, rates, off + np.abs(np.linalg.inv(rates.matrix)[:, 0]) * _failing(looked.alone)
+                closely = True
+            else:
+                rates = Rates.of(looked, _ROUGHLY)
             at = looked
         raise self._unsettled("the zones", at)
 
@@ -345,13 +357,13 @@ class FirstOrderOfSeveral:
         missed = Missed(f"{what} of the first-order closure did not settle; {EXACT}", at.strip.free)
         return self.task.error(missed, at.strip.fields.problem)
 
-    def _together(self, at: At, carefully: bool) -> tuple[At, Rates, Array] | None:
+    def _together(self, at: At, rates: Rates, carefully: bool, closely: bool) -> tuple[At, Rates, Array] | None:
         """(contacts at the root under their load, from some near by; rates near it; what centre and nominal pressure are off): Newton's
         steps of all ends, the centre and the nominal pressure at once, each with one solution of the strip and one of its profile alone.
-        None where they do not come ever closer. carefully: in such steps that zones and gaps stay which are to become narrower."""
-        before, slow, looked, last = math.inf, 0, False, False
-        rates, size = Rates.of(at, _ROUGHLY), np.array([self.period, at.unknowns[1]])
-        matrix = rates.matrix
+        None where they do not come ever closer. rates: from near by; carefully: in such steps that zones and gaps stay which are to become
+        narrower; closely: to the tolerance, of zones whose signs were looked at, with rates from there, else only nearly."""
+        before, slow, looked, last = math.inf, 0, closely, False
+        matrix, size = rates.matrix, np.array([self.period, at.unknowns[1]])
         if not matrix[0].any():
             raise OutOfRange(
                 "under the first-order closure the zones reach from corner to corner, where every isolated load has their width: none is "
@@ -372,25 +384,26 @@ class FirstOrderOfSeveral:
                 step *= _HALF / bold
                 place, *_ = at.after(step, rates, _HALF)
             slow = slow + 1 if largest > _SLOW * before and not bends else 0
-            last = largest <= _LAST_OF_ALL and (off <= self.wanted or slow > 0)
+            settled = largest <= _LAST_OF_ALL and (not closely or off <= self.wanted or slow > 0)
+            last = settled and closely
             if slow > _SLOW_STEPS or not math.isfinite(largest):
                 return None
             try:
-                if last or bends or largest > _BOLDEST:
-                    # A zone or a gap that is asked to go may be lost.
-                    there = self._at(place, min(largest, _HALF), 0.0 if last else _ROUGHLY)
-                else:
-                    there = self._once(place, largest)
-                if largest <= _NEARBY and not looked:
+                lost = bends or largest > _BOLDEST
+                # A zone or a gap that is asked to go may be lost.
+                there = self._at(place, min(largest, _HALF), 0.0 if last else _ROUGHLY) if last or lost else self._once(place, largest)
+                if bold <= _NEARBY and (lost or not looked):
                     there, looked = replace(there, strip=self._looked_at(there.strip), alone=self._looked_at(there.alone)), True
             except (NotConverged, WrongTopology, sie.SingularSystem):
                 return None
             if last or bends or not there.same_zones(at):
                 rates = Rates.of(there, 0.0 if last else _ROUGHLY)
                 matrix = rates.matrix
-            else:
+            elif step.any():
                 matrix = matrix + _secant(matrix, step[:2], there.misses - at.misses, size)
             at, before = there, largest
+            if settled and not last:
+                return at, rates, np.zeros(2)
         return None
 
     def _once(self, place: Place, off: float) -> At:
