@@ -17,9 +17,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from contact.errors import OutOfRange
-from contact.formulation.tables import begun_from
+from contact.formulation.tables import in_cell, runs_of
 from contact.model.profiles.base import Profile
-from contact.search.grid.conjugate_gradient import GridState, Mask, Response, solve_grid
+from contact.search.grid.centring import Unrest
+from contact.search.grid.conjugate_gradient import GridState, Response, solve_grid
 from sie import Array, record
 
 Height = Callable[[Array], ArrayLike]
@@ -44,16 +45,34 @@ class NoWindow(OutOfRange):
 
 @record
 class Proposal:
-    """Zones to start Newton from. `points` is the size of the last grid, `iterations` the sum over all grids;
-    `resolved` says that no zone and no gap was left narrower than three cells."""
+    """Zones (n, 2) to start Newton from [m], the points of the last grid, whether it is in full contact or touches the border of what is
+    known, the contact on it, the tilt under which the moment is right, where that is unknown, why a strip is not where its centre stays,
+    and whether they are those of a strip from border to border, wherever their widest gap is."""
 
     zones: Array
     points: int
-    iterations: int
-    state: GridState = field(repr=False)
     full: bool
-    resolved: bool
     touches_border: bool
+    grid: GridState | None = field(default=None, repr=False)
+    tilt: float | None = None
+    unrest: Unrest | None = None
+    in_strip: bool = False
+
+    @property
+    def width(self) -> float:
+        """Total width [m], inf in full contact."""
+        return np.inf if self.full else float(np.sum(self.zones[:, 1] - self.zones[:, 0]))
+
+    @property
+    def load(self) -> float:
+        """[N/m], where it is that of the grid."""
+        return np.nan if self.grid is None else self.grid.load
+
+    @property
+    def state(self) -> GridState:
+        """The contact on the grid, where it is kept."""
+        assert self.grid is not None
+        return self.grid
 
 
 def grid_height(profile: Profile, x: Array) -> Array:
@@ -75,28 +94,12 @@ def _midpoints(cell: tuple[float, float], n: int) -> Array:
     return np.asarray(cell[0] + (cell[1] - cell[0]) / n * (np.arange(n) + 0.5), dtype=np.float64)
 
 
-def _runs(contact: Mask, wraps: bool) -> NDArray[np.int64]:
-    """(k, 2) first and last index of the runs of True; a run across the border has last >= n."""
-    n = len(contact)
-    if np.all(contact):
-        return np.array([[0, n - 1]])
-    before = np.roll(contact, 1)
-    after = np.roll(contact, -1)
-    if not wraps:
-        before[0] = after[-1] = False
-    first = np.flatnonzero(contact & ~before)
-    last = np.flatnonzero(contact & ~after)
-    if len(first) and last[0] < first[0]:  # the run that crosses the border is listed by its left end
-        last = np.concatenate((last[1:], last[:1] + n))
-    return np.stack((first, last), axis=1)
-
-
 def narrowest(state: GridState) -> int:
     """Width in cells of the narrowest zone or gap between zones (n for full contact, 0 for no contact or a
     gap that may lie between the points of a full contact)."""
     n = state.influence.n
     wraps = state.influence.is_periodic
-    runs = _runs(state.contact, wraps)
+    runs = np.array(runs_of(state.contact, wraps)).reshape(-1, 2)
     if state.full:
         # p is a parabola at its minimum: below one second difference it may hide a gap between two points.
         p, i = state.pressure, int(np.argmin(state.pressure))
@@ -116,7 +119,7 @@ def zones_of(state: GridState, x: ArrayLike, closeness: float = np.inf) -> Array
     h, n, E = state.influence.h, state.influence.n, state.influence.E
     if state.full:
         return np.empty((0, 2))
-    runs = _runs(state.contact, state.influence.is_periodic)
+    runs = runs_of(state.contact, state.influence.is_periodic)
     x0 = float(points[0])
     wraps = state.influence.is_periodic
     zones = np.empty((len(runs), 2))
@@ -141,9 +144,7 @@ def zones_of(state: GridState, x: ArrayLike, closeness: float = np.inf) -> Array
     zones = _parted(zones, x0 + h * open_[0], 2 * h * np.sqrt(open_[1]), n * h if wraps else None)
     new = x0 + h * closed[0]
     zones = np.concatenate((zones, np.column_stack((new, new)) + _NEW * h * np.sqrt(2 * closed[1])[:, None] * [-1.0, 1.0]))
-    if wraps:
-        zones = begun_from(zones, x0 - 0.5 * h, n * h)
-    return zones[np.argsort(zones[:, 0])]
+    return in_cell(zones, x0 - 0.5 * h, n * h if wraps else None)
 
 
 def _dips(values: Array, wraps: bool, least: float) -> tuple[Array, Array]:
@@ -222,19 +223,16 @@ def propose(
     while n % 2 == 0 and n // 2 >= COARSEST and start is None:
         start = near.pressure if near is not None and len(near.pressure) == n else None
         n = n if start is not None else n // 2
-    iterations = 0
     while True:
         x, h = _midpoints(cell, n), width / n
         f = np.asarray(height(x), dtype=np.float64)
         # What a grid before the last is wrong by, the next one puts right.
         state = solve_grid(f, response.on(n, h), load=load, level=level, start=start, tol=tol if n >= target else max(tol, _PASSING))
-        iterations += state.iterations
-        resolved = narrowest(state) >= NARROW
-        if n >= target and (resolved or 2 * n > limit):
+        if n >= target and (narrowest(state) >= NARROW or 2 * n > limit):
             break
         n, start = 2 * n, _refine(state.pressure, response.periodic)
     closeness = n / _features(width, resolution) if points is None else np.inf
-    return Proposal(zones_of(state, x, closeness), n, iterations, state, state.full, resolved, state.touches_border)
+    return Proposal(zones_of(state, x, closeness), n, state.full, state.touches_border, state)
 
 
 def _features(width: float, resolution: float | None) -> float:

@@ -18,8 +18,8 @@ from contact.formulation.controls import Control
 from contact.formulation.problem import Problem
 from contact.formulation.single import guess_half_width, largest_single_load
 from contact.search.grid.centring import Unrest
-from contact.search.grid.coarse import MOST_POINTS
-from contact.search.grid.proposals import Proposed, about, placed, proposed
+from contact.search.grid.coarse import MOST_POINTS, Proposal
+from contact.search.grid.proposals import about, placed, proposed
 from contact.search.grid.scaling import ScaledScene
 from contact.search.grid.tilt import known_part
 from contact.search.task import Task
@@ -142,7 +142,7 @@ def from_grid(task: Task, scaled: ScaledScene, held: bool = False, points: int |
             task.progress("coarse grid", 0, None)
         with plan.timed("coarse search"):
             # Its pressures and gaps, of very many points, have told what they tell.
-            proposal = replace(proposed(scaled, problem, control, points, held=held), state=None)
+            proposal = replace(proposed(scaled, problem, control, points, held=held), grid=None)
         if points is None:
             most = max(most, min(4 * proposal.points, MOST_POINTS))
         points, full = proposal.points, proposal.full
@@ -207,7 +207,7 @@ def _not_found(task: Task, problem: Problem, failure: Missed | None, width: floa
 
 
 def _from_proposal(
-    task: Task, problem: Problem, control: Control, proposal: Proposed, held: bool, drops: bool
+    task: Task, problem: Problem, control: Control, proposal: Proposal, held: bool, drops: bool
 ) -> Outcome | Missed:
     """The contact from the zones that a grid proposes: full, by its gaps, or by its zones."""
     width = proposal.width / problem.units.length
