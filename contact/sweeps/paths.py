@@ -38,6 +38,7 @@ from contact.sweeps import path_table
 from contact.sweeps.curve import Curve
 from contact.sweeps.hidden import ends_and_rates, may_hide
 from contact.sweeps.path_plot import plot_path
+from contact.sweeps.path_table import Event
 from sie import Array, nearest_image
 
 # Loads closer than this part of themselves are one: events within it are reported at their own loads but not separated.
@@ -65,41 +66,6 @@ _MARGIN = 0.1
 # Of the narrower of two zones, what they share where one becomes the other: ends beside narrow gaps may overlap by rounding.
 _SHARED = 1e-3
 _REVERSED = {"birth": "death", "merge": "split", "full": "full", "death": "birth", "split": "merge"}
-
-
-@dataclass(frozen=True, eq=False)
-class Event:
-    """A change of the number of zones between two loads of a path.
-
-    Parameters
-    ----------
-    kind : str
-        birth, death, merge, split or full.
-    load : float
-        Where it happens [N/m].
-    position : float
-        Where on the profile [m].
-    before, after : ndarray
-        The zones [m], (n, 2), just before and just after in the direction of the path; full contact has none.
-
-    Examples
-    --------
-    >>> import contact
-    >>> pair = contact.Scene(contact.Biquadratic(1.0, 0.2), 1e9, contact.Isolated(), load=1.0)
-    >>> (event,) = contact.path(pair, [1e5, 1e7]).events
-    >>> event.kind, len(event.before), len(event.after)
-    ('merge', 2, 1)
-    """
-
-    kind: str
-    load: float
-    position: float
-    before: Array
-    after: Array
-
-    def change(self) -> str:
-        """How many zones there are before and after it, in words."""
-        return f"{len(self.before) or 'full contact'} to {len(self.after) or 'full contact'}"
 
 
 @dataclass(frozen=True, eq=False)
