@@ -205,20 +205,6 @@ def test_a_biquadratic_touches_at_two_tips_and_a_heavier_one_in_one_zone() -> No
     assert propose(height, heavy, Response(E, False), load=2.0).zones.shape == (1, 2)
 
 
-@pytest.mark.parametrize("at", [0.0, 8e-4])
-def test_a_gap_narrower_than_a_cell_is_seen_between_its_points_and_none_where_there_is_none(at: float) -> None:
-    scene = contact.Scene(contact.Biquadratic(1.0, 0.2), 1.0, contact.Isolated(), load=1.0)
-    (merger,) = contact.path(scene, [3.9e-3, 3.95e-3]).events
-    cell, n = (at - 0.4, at + 0.4), 256
-    for part, zones in ((0.9999, 2), (0.9995, 2), (1.0005, 1)):
-        load = part * merger.load
-        exact = contact.solve(scene.under("load", load)).zones
-        found = propose(scene.profile.height, cell, Response(1.0, False), load=load, points=n).zones
-        assert len(exact) == len(found) == zones
-        gaps = [table[1:, 0] - table[:-1, 1] for table in (exact, found)]
-        assert np.all(gaps[0] < 1.1 * 0.8 / n) and np.all(np.abs(gaps[1] - gaps[0]) < 1.5 * 0.8 / n)
-
-
 @pytest.mark.parametrize("seed", [0, 1, 2])
 @pytest.mark.parametrize("load", [1e-3, 0.3, 3.0, 12.0])
 def test_a_rough_contact_is_complementary_and_carries_its_load(seed: int, load: float) -> None:

@@ -17,14 +17,10 @@ from contact.model.profiles.derive import detail_of
 from contact.search.grid.coarse import Proposal, grid_height, propose
 from contact.search.grid.conjugate_gradient import Response
 from contact.search.grid.scaling import ScaledScene
-from contact.search.grid.tilt import known_part
-from contact.search.grid.tilt_rate import AtTilt, balanced
 from sie import Array
 
-# Cells by which the centre of the load may miss its place, tilts tried on one grid, and how often a window is doubled.
+# Cells by which the centre of a strip's zones may miss its place.
 _CELLS = 0.1
-_MOST_TILTS = 12
-_WIDENINGS = 4
 # Of the last grid: ends are off by parts of a cell, and what its signs do not tell the corrections of the zones do.
 _CLOSELY = 1e-5
 # How often a strip at rest is looked at once more, on the last grid, about the middle of its zones.
@@ -42,8 +38,6 @@ def proposed(
 ) -> Proposal:
     """Zones from a grid of so many points, or of as many as the profile's resolution asks for, to a tolerance; held: of a strip that
     stays where it is; near: under another load, to begin with."""
-    if problem.moment is not None:
-        return _by_moment(scaled, problem, control, points)
     units, profile, interaction, by_load = problem.units, problem.profile, problem.interaction, control.load is not None
     detail = profile.feature or detail_of(profile.height, *scaled.cell) if points is None else None
     found = propose(
@@ -100,39 +94,6 @@ def cut_of(whole: Proposal, x0: float, period: float) -> tuple[float, float]:
     gaps = gaps_between(whole.zones, period)
     left, right = gaps[np.argmax(np.diff(gaps)[:, 0])]
     return 0.5 * float(left + right), float(right - left)
-
-
-class _TooNarrow(Exception):
-    """The contact reaches the border of the window."""
-
-
-def _by_moment(scaled: ScaledScene, problem: Problem, control: Control, points: int | None) -> Proposal:
-    """At the tilt under which the grid's load has the given centre, in a window that is widened where the contact reaches its
-    border."""
-    units, load = problem.units, control.value * problem.units.load
-    assert problem.moment is not None
-    centre, limits = problem.moment * units.moment / load, known_part(problem.profile) or (-math.inf, math.inf)
-    lo, hi = scaled.cell
-    response = Response(units.E_star, False, rest=problem.operator.rest)
-    for widened in range(_WIDENINGS + 1):
-        cell, last = (lo, hi), widened == _WIDENINGS or (lo, hi) == limits
-
-        def lean(tilt: float, cell: tuple[float, float] = cell, last: bool = last) -> AtTilt[Proposal]:
-            profile = problem.turned_to(tilt).profile
-            found = propose(
-                partial(grid_height, profile), cell, response, resolution=profile.feature, points=points, load=load,
-            )
-            if found.touches_border and not last:
-                raise _TooNarrow
-            return AtTilt.of(tilt, cell, found, _CELLS, found)
-
-        try:
-            best = balanced(lean, centre, (problem.tilt,), _MOST_TILTS)
-            break
-        except _TooNarrow:
-            half = 0.5 * (hi - lo)
-            lo, hi = max(limits[0], lo - half), min(limits[1], hi + half)
-    return replace(best.found, tilt=best.tilt)
 
 
 def of_width(scaled: ScaledScene, problem: Problem, width: float) -> Proposal:

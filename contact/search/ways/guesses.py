@@ -146,8 +146,6 @@ def from_grid(task: Task, scaled: ScaledScene, held: bool = False, points: int |
         if points is None:
             most = max(most, min(4 * proposal.points, MOST_POINTS))
         points, full = proposal.points, proposal.full
-        if proposal.tilt is not None:
-            problem = problem.turned_to(proposal.tilt)
         part.detail = f"{points} points, {len(proposal.zones)} zones proposed"
         if proposal.unrest is not None:
             raise no_rest(problem, control, proposal.unrest)
@@ -183,13 +181,11 @@ def no_rest(problem: Problem, control: Control, why: Unrest) -> OutOfRange:
 
 
 def _wider(task: Task, scaled: ScaledScene) -> ScaledScene | None:
-    """A wider window of a body known on the whole line: few points of the first one may have missed zones beside it. None where the window
-    is all that is known, or all that there is."""
-    scene = task.scene
-    if scene.profile.period is not None or scene.turned or known_part(scene.profile) is not None:
-        return None
-    lo, hi = scaled.cell
-    return replace(scaled, cell=(lo - 0.5 * (hi - lo), hi + 0.5 * (hi - lo)))
+    """A wider window: few points of the first one may have missed zones beside it. None where the window is all that is known, or all
+    that there is."""
+    (lo, hi), known = scaled.cell, known_part(task.scene.profile) or (-math.inf, math.inf)
+    cell = max(known[0], lo - 0.5 * (hi - lo)), min(known[1], hi + 0.5 * (hi - lo))
+    return None if cell == scaled.cell else replace(scaled, cell=cell)
 
 
 def _not_found(task: Task, problem: Problem, failure: Missed | None, width: float, points: int | None, full: bool) -> ContactError:
