@@ -54,7 +54,8 @@ if TYPE_CHECKING:
     from contact.sweeps.adhesive import AdhesiveEvent, AdhesivePath
     from contact.sweeps.many import solve_many
     from contact.sweeps.path import path
-    from contact.sweeps.paths import Event, Path
+    from contact.sweeps.path_table import Event
+    from contact.sweeps.paths import Path
     from contact.sweeps.sweep.run import sweep
 
 # What a single solve does not need is loaded when it is asked for. The imports above, for readers and type checkers, say the same.
@@ -64,7 +65,8 @@ _HOMES = {
     "contact.sweeps.adhesive": "AdhesiveEvent AdhesivePath",
     "contact.sweeps.many": "solve_many",
     "contact.sweeps.path": "path",
-    "contact.sweeps.paths": "Event Path",
+    "contact.sweeps.path_table": "Event",
+    "contact.sweeps.paths": "Path",
     "contact.sweeps.sweep.run": "sweep",
 }
 _HOME = {name: module for module, names in _HOMES.items() for name in names.split()}

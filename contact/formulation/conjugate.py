@@ -31,8 +31,6 @@ _LARGEST = 2**18
 _LEAST = 256
 # Terms of a slope that noise may be, over the largest.
 _OF_NOISE = 1e-9
-# Jumps up to which each is a closed form of its own at every point.
-_MANY = 24
 # (point, jump) pairs handled at once.
 _BLOCK = 1 << 20
 # Terms of the series of Clausen's functions: within half a turn each is a quarter of the one before.
@@ -127,12 +125,9 @@ def _series(profile: Profile, length: float) -> tuple[Callable[[Array], Array], 
         x = np.asarray(x, dtype=float)
         turns = (np.asarray(profile.wrap(x)) - profile.x0) / length
         out = np.zeros(x.shape) if left is None else left(turns.ravel()).reshape(x.shape)
-        if len(of_jumps.places) > _MANY:
-            return np.asarray(out + of_jumps.conjugate(x) + over_jumps(x, first, over * length**2 / (4 * pi**3), length, clausen3))
-        for q, factor, function in ((1, -length / (2 * pi**2), clausen2), (2, length**2 / (4 * pi**3), clausen3)):
-            here = jumps[orders == q]
-            out = out + over_jumps(x, here[:, 0], factor * here[:, 2], length, function)
-        return np.asarray(out)
+        if len(jumps) == 0:
+            return np.asarray(out)
+        return np.asarray(out + of_jumps.conjugate(x) + over_jumps(x, first, over * length**2 / (4 * pi**3), length, clausen3))
 
     return smooth, settled
 

@@ -225,8 +225,3 @@ class Problem(sie.Kept):
 
     def about(self, centre: float) -> Problem:
         return replace(self, centre=centre)
-
-    def turned_to(self, tilt: float) -> Problem:
-        """The problem from another first guess of the tilt."""
-        assert isinstance(self.profile, Tilted)
-        return replace(self, profile=replace(self.profile, tilt=tilt))

@@ -15,6 +15,12 @@ def begun_from(table: Array, start: float, period: float | None) -> Array:
     return table if period is None else np.asarray(table - np.floor((table[:, :1] - start) / period) * period)
 
 
+def in_cell(table: Array, start: float, period: float | None) -> Array:
+    """The same, ascending."""
+    table = begun_from(table, start, period)
+    return np.asarray(table[np.argsort(table[:, 0])])
+
+
 def centred_on(table: Array, centre: float, period: float | None) -> Array:
     """Rows moved to have their middles within half a period of a centre."""
     return table if period is None else np.asarray(table - np.round((table.mean(axis=1) - centre) / period)[:, None] * period)
@@ -50,7 +56,10 @@ def joined_where(table: Array, meets: Mask) -> Array:
     return np.column_stack((table[np.append(True, ~meets), 0], table[np.append(~meets, True), 1]))
 
 
-def runs_of(flags: Mask) -> list[tuple[int, int]]:
-    """First and last index of every run of True."""
+def runs_of(flags: Mask, wraps: bool = False) -> list[tuple[int, int]]:
+    """First and last index of every run of True; wraps: of a period, whose run across the border goes on beyond the last index."""
     change = np.flatnonzero(np.diff(np.concatenate(([False], flags, [False])).astype(np.int8)))
-    return [(int(s), int(e) - 1) for s, e in zip(change[::2], change[1::2], strict=True)]
+    runs = [(int(s), int(e) - 1) for s, e in zip(change[::2], change[1::2], strict=True)]
+    if wraps and len(runs) > 1 and flags[0] and flags[-1]:
+        runs = [*runs[1:-1], (runs[-1][0], runs[0][1] + len(flags))]
+    return runs

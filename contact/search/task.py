@@ -65,21 +65,14 @@ class Shared(sie.Kept):
 
     def relief(self, problem: Problem) -> ScaledRelief:
         """R in the units of a problem: the same samples for all problems in the same units."""
-        key = problem.units, problem.centre
-        if key not in self._reliefs:
-            self._reliefs[key] = ScaledRelief.of(self.full.relief, problem)
-        return self._reliefs[key]
+        return self.first_gaps(problem).relief
 
     def first_gaps(self, problem: Problem) -> FirstGaps:
         """First guesses of the gaps, likewise."""
         key = problem.units, problem.centre
         if key not in self._first_gaps:
-            self._first_gaps[key] = FirstGaps.of(problem, self.relief(problem))
+            self._first_gaps[key] = FirstGaps(ScaledRelief.of(self.full.relief, problem))
         return self._first_gaps[key]
-
-    @cached_property
-    def _reliefs(self) -> dict[tuple[Units, float], ScaledRelief]:
-        return {}
 
     @cached_property
     def _first_gaps(self) -> dict[tuple[Units, float], FirstGaps]:

@@ -15,7 +15,7 @@ from contact.errors import SceneError
 from contact.formulation.energy import Fields, elastic_energy
 from contact.formulation.fields import ZoneFields
 from contact.formulation.roots import maximum
-from contact.formulation.tables import begun_from
+from contact.formulation.tables import in_cell
 from contact.model.checks import real
 from contact.model.controls import Quantity
 from contact.model.scene import Scene
@@ -224,10 +224,7 @@ class Answer(sie.Kept):
         """Intervals [m], (m, 2), in which the gap is below the reach of the law's tension, contact within them included: all of it is
         pulled, and the pressure beside the contact is minus that tension. (0, 2) under laws that do nothing beside the contact."""
         table, period = self.fields.cohesive, self.scene.period
-        if period is None or len(table) == 0:
-            return table
-        table = begun_from(table, self.scene.profile.x0, period)
-        return np.asarray(table[np.argsort(table[:, 0])])
+        return table if period is None or len(table) == 0 else in_cell(table, self.scene.profile.x0, period)
 
     @property
     def tilt(self) -> float | None:

@@ -10,10 +10,10 @@ import numpy as np
 
 import sie
 from contact.errors import NotConverged
+from contact.formulation import tables
 from contact.formulation.fields import ZoneFields, mean_shape
 from contact.formulation.full import ApartFields, FullFields, FullLimit, lowest, period_samples
 from contact.formulation.problem import Problem
-from contact.formulation.tables import begun_from
 from contact.formulation.units import Units
 from contact.model.scene import Scene
 from contact.model.units import quantity
@@ -122,10 +122,7 @@ def mean_height(scene: Scene) -> float:
 
 def in_cell(scene: Scene, table: Array) -> Array:
     """Zones [m] with left ends in [x0, x0 + L), ascending."""
-    if scene.period is None:
-        return table
-    table = begun_from(table, scene.profile.x0, scene.period)
-    return np.asarray(table[np.argsort(table[:, 0])])
+    return tables.in_cell(table, scene.profile.x0, scene.period)
 
 
 def _tell_sizes(plan: Plan, zones: int, state: sie.AnyState) -> None:

@@ -36,7 +36,8 @@ from contact.solution.solution import Solution
 from contact.solution.validity import of_solution
 from contact.solver import solved_at, task_of
 from contact.sweeps.path_plot import Drawn, draw
-from contact.sweeps.paths import Event, Path
+from contact.sweeps.path_table import Event
+from contact.sweeps.paths import Path
 from contact.threads import one_of_blas
 from sie import Array
 

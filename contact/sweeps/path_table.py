@@ -4,34 +4,52 @@ import csv
 import dataclasses
 import io
 from collections.abc import Sequence
-from typing import Any, ClassVar, Protocol
-
-from numpy.typing import NDArray
+from dataclasses import dataclass
+from typing import Any
 
 from contact.extras import version
 from contact.solution.export import describe, plain
 from contact.solution.solution import Solution
 from contact.sweeps.points import NUMBERS, numbers
+from sie import Array
 
 
-class Change(Protocol):
-    """An event of a path, a dataclass."""
+@dataclass(frozen=True, eq=False)
+class Event:
+    """A change of the number of zones between two loads of a path.
 
-    __dataclass_fields__: ClassVar[dict[str, Any]]
+    Parameters
+    ----------
+    kind : str
+        birth, death, merge, split or full.
+    load : float
+        Where it happens [N/m].
+    position : float
+        Where on the profile [m].
+    before, after : ndarray
+        The zones [m], (n, 2), just before and just after in the direction of the path; full contact has none.
 
-    @property
-    def kind(self) -> str: ...
-    @property
-    def load(self) -> float: ...
-    @property
-    def position(self) -> float: ...
-    @property
-    def before(self) -> NDArray[Any]: ...
-    @property
-    def after(self) -> NDArray[Any]: ...
+    Examples
+    --------
+    >>> import contact
+    >>> pair = contact.Scene(contact.Biquadratic(1.0, 0.2), 1e9, contact.Isolated(), load=1.0)
+    >>> (event,) = contact.path(pair, [1e5, 1e7]).events
+    >>> event.kind, len(event.before), len(event.after)
+    ('merge', 2, 1)
+    """
+
+    kind: str
+    load: float
+    position: float
+    before: Array
+    after: Array
+
+    def change(self) -> str:
+        """How many zones there are before and after it, in words."""
+        return f"{len(self.before) or 'full contact'} to {len(self.after) or 'full contact'}"
 
 
-Passed = Sequence[Sequence[Change]]
+Passed = Sequence[Sequence[Event]]
 
 
 def columns(solutions: Sequence[Solution]) -> dict[str, list[float]]:
@@ -57,7 +75,7 @@ def to_dict(solutions: Sequence[Solution], passed: Passed) -> dict[str, Any]:
     return told
 
 
-def _event(event: Change) -> dict[str, Any]:
+def _event(event: Event) -> dict[str, Any]:
     """All that an event says, of its zones how many they are."""
     said = {field.name: getattr(event, field.name) for field in dataclasses.fields(event) if field.repr}
     zones = {f"zones_{when}": len(said.pop(when)) for when in ("before", "after")}

@@ -38,6 +38,7 @@ from contact.sweeps import path_table
 from contact.sweeps.curve import Curve
 from contact.sweeps.hidden import ends_and_rates, may_hide
 from contact.sweeps.path_plot import plot_path
+from contact.sweeps.path_table import Event
 from sie import Array, nearest_image
 
 # Loads closer than this part of themselves are one: events within it are reported at their own loads but not separated.
@@ -62,44 +63,9 @@ _ON_THE_WAY, _USEFUL = 1e-6, 1e-3
 _BEFORE_FULL = 1e-7
 # Of the way from an event to the solution that tells where it is: how much farther one looks to have it behind.
 _MARGIN = 0.1
-# Of a way between two loads that must be gone for a third one to part its events.
-_ENTERED = 0.02
+# Of the narrower of two zones, what they share where one becomes the other: ends beside narrow gaps may overlap by rounding.
+_SHARED = 1e-3
 _REVERSED = {"birth": "death", "merge": "split", "full": "full", "death": "birth", "split": "merge"}
-
-
-@dataclass(frozen=True, eq=False)
-class Event:
-    """A change of the number of zones between two loads of a path.
-
-    Parameters
-    ----------
-    kind : str
-        birth, death, merge, split or full.
-    load : float
-        Where it happens [N/m].
-    position : float
-        Where on the profile [m].
-    before, after : ndarray
-        The zones [m], (n, 2), just before and just after in the direction of the path; full contact has none.
-
-    Examples
-    --------
-    >>> import contact
-    >>> pair = contact.Scene(contact.Biquadratic(1.0, 0.2), 1e9, contact.Isolated(), load=1.0)
-    >>> (event,) = contact.path(pair, [1e5, 1e7]).events
-    >>> event.kind, len(event.before), len(event.after)
-    ('merge', 2, 1)
-    """
-
-    kind: str
-    load: float
-    position: float
-    before: Array
-    after: Array
-
-    def change(self) -> str:
-        """How many zones there are before and after it, in words."""
-        return f"{len(self.before) or 'full contact'} to {len(self.after) or 'full contact'}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -245,7 +211,7 @@ class _Path:
         if not changes and not hides:
             return []
         if apart and (hides or len(changes) > 1):
-            middle = self.on_the_way(float(np.exp(_between_events(changes, low, high))), low)
+            middle = self.on_the_way(float(np.sqrt(low.load * high.load)), low)
             return self._events(low, middle) + self._events(middle, high)
         events = []
         for change in changes:
@@ -271,52 +237,38 @@ class _Path:
         try:
             # Each state starts from the zones of the last: close to a zero its sign may depend on the way there.
             known = {side.fields.load / load: condition.of(side.fields)}
+            tried: list[tuple[float, ...]] = [(low.load * (1 - part), high.load * (1 + part)) for part in (0.0, *beyond)]
             if not beyond and (about := _just_beyond(change, side, other)):
-                known |= {about / load: condition(about / load)}
+                tried.insert(0, (about,))
+            for ends in tried:
+                known |= {end / load: condition(end / load) for end in ends if end / load not in known}
                 if not _one_sign(known):
-                    return self._at(change, condition, smooth_root(condition, _bracket(known)), low, high)
-            known |= {end: condition(end) for end in (low.load / load, high.load / load) if end not in known}
-            for part in beyond:
-                if not _one_sign(known):
-                    break
-                known |= {end: condition(end) for end in (low.load / load * (1 - part), high.load / load * (1 + part))}
-            if _one_sign(known):
-                return None
-            return self._at(change, condition, smooth_root(condition, _bracket(known)), low, high)
+                    kind = _REVERSED[change.kind] if change.back else change.kind
+                    root = smooth_root(condition, known)
+                    return Event(kind, root * load, condition.position, low.zones, high.zones)
         except WrongTopology:
-            return None
-
-    def _at(self, change: _Change, condition: "_Condition", root: float, low: Solution, high: Solution) -> Event:
-        kind = _REVERSED[change.kind] if change.back else change.kind
-        return Event(kind, root * condition.problem.units.load, condition.position, low.zones, high.zones)
+            pass
+        return None
 
 
 def _changes(low: Solution, high: Solution) -> list[_Change]:
     """Births and merges that lead from the zones of the lower load to those of the higher one."""
     if len(high.zones) == 0:
         return [] if len(low.zones) == 0 else [_Change("full", tuple(range(len(low.zones))), 0)]
-    period = low.scene.period
+    changes = _grown(low, high)
     if (low.scene.turned and low.scene.moment is not None) or not low.scene.operator.is_plain:
-        return [*_between(low, high, period), *(replace(change, back=True) for change in _between(high, low, period))]
-    middles = low.zones.mean(axis=1)
-    changes = []
-    for k, (a, b) in enumerate(high.zones):
-        x = middles if period is None else middles + np.ceil((a - middles) / period) * period
-        held = np.flatnonzero((x >= a) & (x <= b))
-        if len(held) == 0:
-            changes.append(_Change("birth", (), k))
-        held = held[np.argsort(x[held])]
-        changes += [_Change("merge", (int(i), int(j)), k) for i, j in zip(held[:-1], held[1:], strict=True)]
+        changes += [replace(change, back=True) for change in _grown(high, low)]
     return changes
 
 
-def _between(low: Solution, high: Solution, period: float | None) -> list[_Change]:
-    """Births and merges by the zones that overlap, where none need lie within another."""
-    changes = []
+def _grown(low: Solution, high: Solution) -> list[_Change]:
+    """Births and merges by the zones that overlap."""
+    changes, period = [], low.scene.period
     for k, (a, b) in enumerate(high.zones):
         # The copy of each zone whose middle is nearest.
         zones = centred_on(low.zones, 0.5 * (a + b), period)
-        held = np.flatnonzero((zones[:, 0] < b) & (zones[:, 1] > a))
+        shared = np.minimum(zones[:, 1], b) - np.maximum(zones[:, 0], a)
+        held = np.flatnonzero(shared > _SHARED * np.minimum(zones[:, 1] - zones[:, 0], b - a))
         held = held[np.argsort(zones[held, 0])]
         if len(held) == 0:
             changes.append(_Change("birth", (), k))
@@ -324,57 +276,31 @@ def _between(low: Solution, high: Solution, period: float | None) -> list[_Chang
     return changes
 
 
-def _between_events(changes: list[_Change], low: Solution, high: Solution) -> float:
-    """The logarithm of a load that parts the events between two loads, about the middle of them: as middles and squared half widths of the
-    zones that are born and of the gaps that close go on, at their rates."""
-    first, last = np.log([low.load, high.load])
-    even = 0.5 * float(first + last)
-    if len(changes) < 2:
-        return even
-    at = [_gone_at(high if (change.kind == "birth") != change.back else low, change) for change in changes]
-    inner = np.sort([load for load in at if first < load < last])
-    if len(inner) < 2:
-        return even
-    # The widest way between two of them, the nearer to the middle the better.
-    middle = 0.5 * (inner[1:] + inner[:-1])
-    room = np.diff(inner) * np.minimum(middle - first, last - middle)
-    best = int(np.argmax(room))
-    return float(middle[best]) if min(middle[best] - first, last - middle[best]) > _ENTERED * (last - first) else even
+def _just_beyond(change: _Change, side: Solution, other: Solution) -> float | None:
+    """A load a little beyond the event, seen from the solution that the condition begins with; None where the other one does not tell.
 
-
-def _gone_at(one: Solution, change: _Change) -> float:
-    """The logarithm of the load at which nothing is left of the zone that is born, or of the gap that closes, by one of the two solutions:
-    squared widths go evenly."""
+    It tells when nothing is left of its zone that is born, or of its gap that closes: squared widths go evenly with the logarithm of the
+    load.
+    """
     zone = change.higher if change.kind == "birth" else change.lower[0]
-    told, period = ends_and_rates(one), one.scene.period
+    told, period = ends_and_rates(other), other.scene.period
     if told is None:
-        return np.inf
+        return None
     table, outward = told
-    k = int(np.argmin(np.abs(nearest_image(table.mean(axis=1) - one.zones[zone].mean(), 0.0, period))))
+    k = int(np.argmin(np.abs(nearest_image(table.mean(axis=1) - other.zones[zone].mean(), 0.0, period))))
     if change.kind == "birth":
         (a, b), grows = table[k], outward[k].sum()
     else:
         (a, b), grows = gaps_between(table, period)[k], -outward[k, 1] - outward[(k + 1) % len(table), 0]
-    return float(np.log(one.load) - (b - a) / (2 * grows)) if grows != 0.0 else np.inf
-
-
-def _just_beyond(change: _Change, side: Solution, other: Solution) -> float | None:
-    """A load a little beyond the event, seen from the solution that the condition begins with; None where the other one does not tell."""
-    end, at = float(np.log(other.load)), _gone_at(other, change)
-    load = float(np.exp(at + _MARGIN * (end - at))) if np.isfinite(at) else side.load
+    if grows == 0.0:
+        return None
+    load = other.load * float(np.exp((_MARGIN - 1.0) * (b - a) / (2 * grows)))
     return load if min(side.load, other.load) < load < max(side.load, other.load) else None
 
 
 def _one_sign(known: dict[float, float]) -> bool:
     signs = np.sign(list(known.values()))
     return not (signs.min() < 0 < signs.max())
-
-
-def _bracket(known: dict[float, float]) -> dict[float, float]:
-    """The first two neighbours of opposite signs."""
-    at = sorted(known)
-    first = next(k for k in range(len(at) - 1) if known[at[k]] * known[at[k + 1]] <= 0 and known[at[k]] != known[at[k + 1]])
-    return {end: known[end] for end in at[first : first + 2]}
 
 
 class _Condition:

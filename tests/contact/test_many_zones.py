@@ -10,7 +10,6 @@ import contact
 import sie
 from contact.reference.exact import Westergaard
 from contact.search.grid import coarse
-from contact.search.grid import conjugate_gradient as grids
 from contact.search.topology import loop
 from contact.search.ways import guesses
 from sie.collocation import fixed as engine
@@ -252,20 +251,6 @@ def test_ends_with_what_their_places_cut_off_are_those_of_the_roughness_moved_by
     assert np.any(here.zone_remainders != 0.0)
     assert np.abs(apart / here.zone_widths[order, None]).max() <= here.error + moved.error
     assert here.zone_widths[order] == pytest.approx(moved.zone_widths, rel=2 * (here.error + moved.error), abs=0)
-
-
-def test_grids_in_single_precision_find_the_contact_that_double_precision_finds(monkeypatch):
-    """Where corrections are wanted to a thousandth, seven digits of what they do are enough."""
-    scene, n = rough(1500), 2**14
-    x = (np.arange(n) + 0.5) / n
-    f = scene.profile.height(x)
-    influence = grids.Influence.periodic(n, 1 / n, 1.0)
-    single = grids.solve_grid(f, influence, load=0.005, tol=1e-3)
-    monkeypatch.setattr(grids, "_LARGE", 2 * n)
-    double = grids.solve_grid(f, influence, load=0.005, tol=1e-3)
-    assert single.converged and double.converged
-    assert np.linalg.norm(single.pressure - double.pressure) < 0.01 * np.linalg.norm(double.pressure)
-    assert np.count_nonzero(single.contact != double.contact) < 0.01 * np.count_nonzero(double.contact)
 
 
 def test_a_finer_grid_begins_without_the_cells_beyond_an_end():

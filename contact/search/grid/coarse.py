@@ -4,10 +4,6 @@ The grid decides how many zones there are and gives their ends to a fraction of 
 Newton's work. Near an end p ~ A sqrt(d), so p^2 is linear there and its zero is found below the grid. A zone
 of one or two cells is taken as a Hertz contact: its load P and the curvature 1/R of the gap give a = 2 sqrt(P
 R / (pi E)).
-
-What is narrower than a cell shows between the points all the same: where the parabola through a least pressure and its neighbours
-falls to -d, p = -d + k x^2 / 2 there, and the pressure of a lone gap, p less what the gap takes off, is bounded at its ends |x| = a if
-int p / sqrt(a^2 - x^2) dx = 0: a = 2 sqrt(d / k). Where that through a least gap falls below zero there is a zone, about as wide as that.
 """
 
 from collections.abc import Callable
@@ -17,9 +13,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from contact.errors import OutOfRange
-from contact.formulation.tables import begun_from
+from contact.formulation.tables import in_cell, runs_of
 from contact.model.profiles.base import Profile
-from contact.search.grid.conjugate_gradient import GridState, Mask, Response, solve_grid
+from contact.search.grid.centring import Unrest
+from contact.search.grid.conjugate_gradient import GridState, Response, solve_grid
 from sie import Array, record
 
 Height = Callable[[Array], ArrayLike]
@@ -33,9 +30,6 @@ _PASSING = 1e-3  # tolerance of the grids before the last
 # zone in a hundred or two, which the first look at the signs puts in.
 _PER_FEATURE, _FEATURES, _PER_ONE_OF_MANY = 16, 2**15, 8
 NARROW = 3  # cells: below this a zone or a gap is not resolved
-_FEW = 8  # zones
-_NEW = 0.7  # of where a gap is negative: as wide as that a new zone begins
-_CURVED = 2.0  # what a parabola is off by over its second derivative, times the square of the cells to the smallest length
 
 
 class NoWindow(OutOfRange):
@@ -44,16 +38,33 @@ class NoWindow(OutOfRange):
 
 @record
 class Proposal:
-    """Zones to start Newton from. `points` is the size of the last grid, `iterations` the sum over all grids;
-    `resolved` says that no zone and no gap was left narrower than three cells."""
+    """Zones (n, 2) to start Newton from [m], the points of the last grid, whether it is in full contact or touches the border of what is
+    known, the contact on it, why a strip is not where its centre stays, and whether they are those of a strip from border to border,
+    wherever their widest gap is."""
 
     zones: Array
     points: int
-    iterations: int
-    state: GridState = field(repr=False)
     full: bool
-    resolved: bool
     touches_border: bool
+    grid: GridState | None = field(default=None, repr=False)
+    unrest: Unrest | None = None
+    in_strip: bool = False
+
+    @property
+    def width(self) -> float:
+        """Total width [m], inf in full contact."""
+        return np.inf if self.full else float(np.sum(self.zones[:, 1] - self.zones[:, 0]))
+
+    @property
+    def load(self) -> float:
+        """[N/m], where it is that of the grid."""
+        return np.nan if self.grid is None else self.grid.load
+
+    @property
+    def state(self) -> GridState:
+        """The contact on the grid, where it is kept."""
+        assert self.grid is not None
+        return self.grid
 
 
 def grid_height(profile: Profile, x: Array) -> Array:
@@ -75,28 +86,12 @@ def _midpoints(cell: tuple[float, float], n: int) -> Array:
     return np.asarray(cell[0] + (cell[1] - cell[0]) / n * (np.arange(n) + 0.5), dtype=np.float64)
 
 
-def _runs(contact: Mask, wraps: bool) -> NDArray[np.int64]:
-    """(k, 2) first and last index of the runs of True; a run across the border has last >= n."""
-    n = len(contact)
-    if np.all(contact):
-        return np.array([[0, n - 1]])
-    before = np.roll(contact, 1)
-    after = np.roll(contact, -1)
-    if not wraps:
-        before[0] = after[-1] = False
-    first = np.flatnonzero(contact & ~before)
-    last = np.flatnonzero(contact & ~after)
-    if len(first) and last[0] < first[0]:  # the run that crosses the border is listed by its left end
-        last = np.concatenate((last[1:], last[:1] + n))
-    return np.stack((first, last), axis=1)
-
-
 def narrowest(state: GridState) -> int:
     """Width in cells of the narrowest zone or gap between zones (n for full contact, 0 for no contact or a
     gap that may lie between the points of a full contact)."""
     n = state.influence.n
     wraps = state.influence.is_periodic
-    runs = _runs(state.contact, wraps)
+    runs = np.array(runs_of(state.contact, wraps)).reshape(-1, 2)
     if state.full:
         # p is a parabola at its minimum: below one second difference it may hide a gap between two points.
         p, i = state.pressure, int(np.argmin(state.pressure))
@@ -109,14 +104,14 @@ def narrowest(state: GridState) -> int:
     return int(min(np.min(runs[:, 1] - runs[:, 0] + 1), np.min(gaps, initial=n)))
 
 
-def zones_of(state: GridState, x: ArrayLike, closeness: float = np.inf) -> Array:
+def zones_of(state: GridState, x: ArrayLike) -> Array:
     """(k, 2) zone ends. Periodic: left ends in the cell, ascending, a right end may exceed it; full contact:
-    shape (0, 2). closeness: cells to the smallest length of the shape."""
+    shape (0, 2)."""
     points = np.asarray(x, dtype=np.float64)
     h, n, E = state.influence.h, state.influence.n, state.influence.E
     if state.full:
         return np.empty((0, 2))
-    runs = _runs(state.contact, state.influence.is_periodic)
+    runs = runs_of(state.contact, state.influence.is_periodic)
     x0 = float(points[0])
     wraps = state.influence.is_periodic
     zones = np.empty((len(runs), 2))
@@ -133,44 +128,7 @@ def zones_of(state: GridState, x: ArrayLike, closeness: float = np.inf) -> Array
         margin = 0.999 * h
         zones[k, 0] = max(zones[k, 0], left - margin)
         zones[k, 1] = min(zones[k, 1], right + margin)
-    # Of fewer cells the parabolas tell zones that are none as often as those that are; and where zones are few, the signs of their exact
-    # contact tell better one that is there from one that is about to come.
-    least = _CURVED / closeness**2 if closeness >= _PER_FEATURE else np.inf
-    open_ = _dips(state.pressure, wraps, least)
-    closed = _dips(np.where(state.contact, 0.0, state.gap), wraps, least if len(zones) > _FEW else np.inf)
-    zones = _parted(zones, x0 + h * open_[0], 2 * h * np.sqrt(open_[1]), n * h if wraps else None)
-    new = x0 + h * closed[0]
-    zones = np.concatenate((zones, np.column_stack((new, new)) + _NEW * h * np.sqrt(2 * closed[1])[:, None] * [-1.0, 1.0]))
-    if wraps:
-        zones = begun_from(zones, x0 - 0.5 * h, n * h)
-    return zones[np.argsort(zones[:, 0])]
-
-
-def _dips(values: Array, wraps: bool, least: float) -> tuple[Array, Array]:
-    """Where the parabola through a least positive value and its positive neighbours falls below zero: (places in cells, how far, over its
-    second derivative), if that is more than the least."""
-    before, after = np.roll(values, 1), np.roll(values, -1)
-    if not wraps:
-        before[0] = after[-1] = 0.0
-    low = np.flatnonzero((values > 0) & (values < before) & (values <= after) & np.isfinite(before) & np.isfinite(after))
-    bend = before[low] + after[low] - 2 * values[low]
-    low, bend = low[bend > 0], bend[bend > 0]
-    deep = (before[low] - after[low]) ** 2 / (8 * bend) - values[low]
-    below = deep > least * bend
-    return (low + 0.5 * (before[low] - after[low]) / bend)[below], (deep / bend)[below]
-
-
-def _parted(zones: Array, middle: Array, half: Array, period: float | None) -> Array:
-    """Zones that ascend, or whose last one only goes on beyond the period, parted by narrow gaps within them."""
-    if period is not None:
-        middle = middle + period * np.ceil((zones[0, 0] - middle) / period) if len(zones) else middle
-    order = np.argsort(middle)
-    middle, half = middle[order], half[order]
-    at = np.searchsorted(zones[:, 0], middle, side="right") - 1
-    inside = (at >= 0) & (middle - half > zones[at, 0]) & (middle + half < zones[at, 1])
-    inside[1:] &= middle[1:] - half[1:] > middle[:-1] + half[:-1]
-    ends = np.sort(np.concatenate((zones.ravel(), (middle - half)[inside], (middle + half)[inside])))
-    return np.asarray(ends.reshape(-1, 2))
+    return in_cell(zones, x0 - 0.5 * h, n * h if wraps else None)
 
 
 def _beyond(p_end: Array, p_next: Array) -> Array:
@@ -222,19 +180,15 @@ def propose(
     while n % 2 == 0 and n // 2 >= COARSEST and start is None:
         start = near.pressure if near is not None and len(near.pressure) == n else None
         n = n if start is not None else n // 2
-    iterations = 0
     while True:
         x, h = _midpoints(cell, n), width / n
         f = np.asarray(height(x), dtype=np.float64)
         # What a grid before the last is wrong by, the next one puts right.
         state = solve_grid(f, response.on(n, h), load=load, level=level, start=start, tol=tol if n >= target else max(tol, _PASSING))
-        iterations += state.iterations
-        resolved = narrowest(state) >= NARROW
-        if n >= target and (resolved or 2 * n > limit):
+        if n >= target and (narrowest(state) >= NARROW or 2 * n > limit):
             break
         n, start = 2 * n, _refine(state.pressure, response.periodic)
-    closeness = n / _features(width, resolution) if points is None else np.inf
-    return Proposal(zones_of(state, x, closeness), n, iterations, state, state.full, resolved, state.touches_border)
+    return Proposal(zones_of(state, x), n, state.full, state.touches_border, state)
 
 
 def _features(width: float, resolution: float | None) -> float:

@@ -32,12 +32,10 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import field, replace
-from functools import cached_property
-from typing import Any
 
 import numpy as np
 import scipy.fft
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from contact.errors import OutOfRange
 from sie import Array, Index, Mask, record
@@ -47,46 +45,10 @@ Symbol = Callable[[Array], Array]
 
 # Iterations at the most.
 _MOST = 10_000
-# From this tolerance and this number of points on seven digits of what corrections do are enough: transforms in single precision take a
-# third to a half of the time. Part of all points that may still come or go then.
-_ROUGHLY, _LARGE, _FEW = 1e-3, 2**14, 1e-5
 _AS_GOOD_AS_FULL = (
     "the approach is the mean of the profile, as nearly as a grid can tell: contact is full or as good as full; give a load, a mean "
     "pressure or a contact fraction"
 )
-
-
-@record
-class Multiplier:
-    """An operator by its factors in Fourier space over their largest, `scale`; in the precision that these have."""
-
-    factors: NDArray[np.floating[Any]]
-    scale: float = 1.0
-
-    @cached_property
-    def rough(self) -> Multiplier:
-        """The same in single precision, to seven digits of the largest."""
-        scale = float(np.abs(self.factors).max()) or 1.0
-        return Multiplier((self.factors / scale).astype(np.float32), scale)
-
-    def taken(self, values: Array) -> tuple[NDArray[np.floating[Any]], float]:
-        """(values in its precision, what they were divided by)."""
-        if self.factors.dtype == values.dtype:
-            return values, 1.0
-        largest = float(max(values.max(), -values.min())) or 1.0
-        return np.multiply(values, 1 / largest, dtype=self.factors.dtype, casting="same_kind"), largest
-
-    def on(self, taken: NDArray[np.floating[Any]], size: int) -> NDArray[np.floating[Any]]:
-        """On values in its precision, continued by zeros to a size; over its scale."""
-        seen = scipy.fft.rfft(taken, size)
-        seen *= self.factors
-        out: NDArray[np.floating[Any]] = scipy.fft.irfft(seen, size, overwrite_x=True)
-        return out
-
-    def __call__(self, values: Array, size: int) -> Array:
-        taken, divided = self.taken(values)
-        out = self.on(taken, size)
-        return np.asarray(out if divided * self.scale == 1.0 else out * np.float64(divided * self.scale))
 
 
 @record
@@ -98,8 +60,8 @@ class Influence:
     E: float
     is_periodic: bool
     images: int
-    _compliance: Multiplier = field(repr=False, compare=False)  # S in Fourier space on the padded grid
-    stiffness: Multiplier = field(repr=False, compare=False)  # D = E|k|/2 on the padded grid
+    _compliance: Array = field(repr=False, compare=False)  # S in Fourier space on the padded grid
+    stiffness: Array = field(repr=False, compare=False)  # D = E|k|/2 on the padded grid
     _offset: float = 0.0  # u = ... + _offset * sum p h: the part of the datum, kept apart from the shape of u
 
     @classmethod
@@ -110,12 +72,12 @@ class Influence:
         compliance = np.zeros_like(stiffness)
         compliance[1:] = 1.0 / stiffness[1:]
         compliance[0] = 2.0 * compression / E
-        return cls(n, h, E, True, 0, Multiplier(compliance), Multiplier(stiffness))
+        return cls(n, h, E, True, 0, compliance, stiffness)
 
     @property
     def yields(self) -> float:
         """Displacement of a unit of uniform pressure on a period."""
-        return float(self._compliance.factors[0]) if self.is_periodic else 0.0
+        return float(self._compliance[0]) if self.is_periodic else 0.0
 
     @classmethod
     def isolated(
@@ -132,13 +94,13 @@ class Influence:
         # With images the neighbours carry load up to the border: there the periodic D is the better model.
         stiffness = _wave_stiffness(n if images else 2 * n, h, E)
         offset = scale * (2 * images + 1) * np.log(h / datum)
-        return cls(n, h, E, False, images, Multiplier(compliance), Multiplier(stiffness), float(offset))
+        return cls(n, h, E, False, images, compliance, stiffness, float(offset))
 
-    def apply(self, p: ArrayLike, roughly: bool = False) -> Array:
-        """Displacement u = S p at the grid points. roughly: to seven digits of the largest."""
+    def apply(self, p: ArrayLike) -> Array:
+        """Displacement u = S p at the grid points."""
         pressure = np.asarray(p, dtype=np.float64)
         size = self.n if self.is_periodic else 2 * self.n
-        u = (self._compliance.rough if roughly else self._compliance)(pressure, size)[: self.n]
+        u = _multiplied(pressure, self._compliance, size)[: self.n]
         return u + self._offset * (float(pressure.sum()) * self.h) if self._offset else u
 
     @property
@@ -173,6 +135,13 @@ def _dot(a: Array, b: Array) -> float:
     return float(np.einsum("i,i", a, b))
 
 
+def _multiplied(values: Array, factors: Array, size: int) -> Array:
+    """Values on a grid, continued by zeros to a size, times factors in Fourier space."""
+    seen = scipy.fft.rfft(values, size)
+    seen *= factors
+    return np.asarray(scipy.fft.irfft(seen, size, overwrite_x=True))
+
+
 def _wave_stiffness(n: int, h: float, E: float) -> Array:
     return np.asarray(0.5 * E * (2.0 * np.pi / (n * h)) * np.arange(n // 2 + 1), dtype=np.float64)
 
@@ -196,26 +165,24 @@ class _Extension:
     Points are counted from the first one in contact, so that each is that far along from a point in contact to the next.
     """
 
-    def __init__(self, influence: Influence, inside: Index, roughly: bool) -> None:
+    def __init__(self, influence: Influence, inside: Index) -> None:
         self.size = influence._stiffness_size
-        self.stiffness = influence.stiffness.rough if roughly else influence.stiffness
+        self.stiffness = influence.stiffness
         self.starts = inside - inside[0]
         self.lengths = np.diff(self.starts, append=self.size)
         self.along = (np.arange(self.size) - np.repeat(self.starts, self.lengths)) / np.repeat(self.lengths, self.lengths)
-        self.along = self.along.astype(self.stiffness.factors.dtype)
 
     def precondition(self, residual: Array) -> Array:
         """B' D B applied to values on the contact set; the result sums to zero."""
-        taken, divided = self.stiffness.taken(residual)
-        v = np.repeat(np.roll(taken, -1) - taken, self.lengths)
+        v = np.repeat(np.roll(residual, -1) - residual, self.lengths)
         v *= self.along
-        v += np.repeat(taken, self.lengths)
-        q = self.stiffness.on(v, self.size)
-        z = np.asarray(np.add.reduceat(q, self.starts), dtype=np.float64)
+        v += np.repeat(residual, self.lengths)
+        q = _multiplied(v, self.stiffness, self.size)
+        z = np.add.reduceat(q, self.starts)
         q *= self.along
         to_next = np.add.reduceat(q, self.starts)
         z += np.roll(to_next, 1) - to_next
-        return np.asarray((divided * self.stiffness.scale) * (z - z.mean()), dtype=np.float64)
+        return np.asarray(z - z.mean())
 
 
 @record
@@ -293,18 +260,6 @@ class _Run:
         # Differences of f matter and its constant does not: taking it out here keeps the digits.
         self.shape = np.where(self.allowed, f - self.lowest, 0.0)
         self.iterations = 0
-        self.rough = tol >= _ROUGHLY and influence.n >= _LARGE
-        # A pressure and what it does, to which rough sums add what others do beyond it.
-        self._known: tuple[Array, Array] | None = None
-
-    def displacement(self, p: Array) -> Array:
-        """u of a pressure on all points; to as many digits as the tolerance asks for."""
-        if not self.rough:
-            return self.influence.apply(p)
-        if self._known is None:
-            self._known = p.copy(), self.influence.apply(p)
-        before, u = self._known
-        return u + self.influence.apply(p - before, roughly=True)
 
     def conjugate_gradient(
         self, load: float, mask: Mask, guess: Array | None, tol: float, shape: Array | None = None
@@ -313,8 +268,6 @@ class _Run:
 
         Returns p, S p, the constant, the largest error of p as the preconditioner sees it, and whether tol
         was met."""
-        rough = self.rough and shape is None
-        displacement = self.displacement if rough else self.influence.apply
         shape = self.shape if shape is None else shape
         h = self.influence.h
         if self.influence.is_periodic and np.all(mask):
@@ -326,8 +279,8 @@ class _Run:
         full = np.zeros(len(mask))
 
         full[inside] = p
-        u = displacement(full)
-        extension = _Extension(self.influence, inside, rough)
+        u = self.influence.apply(full)
+        extension = _Extension(self.influence, inside)
         r = -u[inside] - shape[inside]
         r -= r.mean()
         z = extension.precondition(r)
@@ -344,7 +297,7 @@ class _Run:
             self.iterations += 1
             steps += 1
             full[inside] = direction
-            response = self.influence.apply(full, rough)[inside]
+            response = self.influence.apply(full)[inside]
             curvature = _dot(direction, response)
             if not curvature > 0.0:
                 break
@@ -357,7 +310,7 @@ class _Run:
             direction = z + (rz / previous) * direction
         if steps:
             full[inside] = p
-            u = displacement(full)
+            u = self.influence.apply(full)
         return full, u, float(np.mean(u[inside] + shape[inside])), float(np.max(np.abs(z))), converged
 
     def full_contact(self, load: float, shape: Array) -> tuple[Array, Array, float, float, bool]:
@@ -367,7 +320,7 @@ class _Run:
         self.iterations += 1
         mean = float(shape.mean())
         level = mean + self.influence.yields * load / (n * h)
-        p = load / (n * h) - scipy.fft.irfft(self.influence.stiffness.factors * scipy.fft.rfft(shape - mean), n)
+        p = load / (n * h) - scipy.fft.irfft(self.influence.stiffness * scipy.fft.rfft(shape - mean), n)
         roundoff = np.finfo(float).eps * (
             self.influence.E / h * float(np.max(np.abs(shape - mean))) + load / (n * h)
         )
@@ -376,7 +329,7 @@ class _Run:
     def at_load(self, load: float, guess: Array | None) -> GridState:
         # From the whole grid the set only shrinks; from a guess it may also grow once.
         mask = self.allowed.copy() if guess is None else guess > 0.0
-        p, tol = guess, max(self.tol, 1e-1 if self.rough else 1e-2)
+        p, tol = guess, max(self.tol, 1e-2)
         converged = False
         steps, fewest = 0, self.influence.n
         limit = 60 + int(4 * np.log2(self.influence.n))
@@ -392,12 +345,10 @@ class _Run:
             drop = mask & (p < -error if tol == self.tol else p <= 0.0)
             add = self.allowed & ~mask & (gap < -error * self.influence.h / self.influence.E)
             changes = int(np.count_nonzero(drop) + np.count_nonzero(add))
-            if changes <= (_FEW * len(mask) if self.rough else 0) and tol == self.tol:
+            if changes == 0 and tol == self.tol:
                 converged = solved
                 break
-            if self.rough:  # a digit at a time
-                tol = max(self.tol, 1e-1 * tol)
-            elif changes <= 2:  # a few digits at a time: most of the points that still change do so early
+            if changes <= 2:  # a few digits at a time: most of the points that still change do so early
                 tol = max(self.tol, 1e-2 * tol)
             elif changes > 0.7 * fewest:  # a set that no longer settles is one blurred by the linear solve
                 tol = max(self.tol, 0.03 * tol)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import field, replace
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -14,18 +14,13 @@ from contact.formulation.problem import Problem
 from contact.formulation.tables import centred_on, gaps_between
 from contact.model.interactions.periodic import Periodic
 from contact.model.profiles.derive import detail_of
-from contact.search.grid.centring import Unrest
 from contact.search.grid.coarse import Proposal, grid_height, propose
-from contact.search.grid.conjugate_gradient import GridState, Response
+from contact.search.grid.conjugate_gradient import Response
 from contact.search.grid.scaling import ScaledScene
-from contact.search.grid.tilt import known_part
-from contact.search.grid.tilt_rate import AtTilt, balanced
-from sie import Array, record
+from sie import Array
 
-# Cells by which the centre of the load may miss its place, tilts tried on one grid, and how often a window is doubled.
+# Cells by which the centre of a strip's zones may miss its place.
 _CELLS = 0.1
-_MOST_TILTS = 12
-_WIDENINGS = 4
 # Of the last grid: ends are off by parts of a cell, and what its signs do not tell the corrections of the zones do.
 _CLOSELY = 1e-5
 # How often a strip at rest is looked at once more, on the last grid, about the middle of its zones.
@@ -33,46 +28,16 @@ _CENTRINGS = 2
 # Of a width, or of what it leaves of the period: near enough for a load to begin with; cells in it at least; of a grid that tells as
 # much, cells to a shortest length of the shape, and its tolerance.
 _ABOUT, _SEEN, _PER_FEATURE, _ROUGHLY = 0.03, 64, 2, 1e-3
-# The same from the finest grid, of many zones and of few, how many such grids, and the least rate that a width grows with.
-_CLOSE, _FINE_GRIDS, _FLATTEST = (1e-3, 0.05), 3, 0.2
-# Zones missing, or too many, that a grid may leave to Newton, as far as the width tells.
-_MISSED = 0.3
-# Change of a load, over it, after which a grid's contact is a good start.
-_BESIDE = 0.02
 # Loads over each other that are near enough to begin with, whatever lies between.
 _CLOSE_BY = 1.1
 
 
-@record
-class Proposed:
-    """Zones (n, 2) [m], the grid's points, whether it is in full contact or touches the border of what is known, the tilt
-    under which the moment is right, where that is unknown, the load [N/m], the contact on the grid of a whole period, why a strip is
-    not where its centre stays, and whether they are those of a strip from border to border, wherever their widest gap is."""
-
-    zones: Array
-    points: int
-    full: bool
-    touches_border: bool
-    tilt: float | None = None
-    load: float = math.nan
-    state: GridState | None = field(default=None, repr=False)
-    unrest: Unrest | None = None
-    in_strip: bool = False
-
-    @property
-    def width(self) -> float:
-        """Total width [m], inf in full contact."""
-        return math.inf if self.full else float(np.sum(self.zones[:, 1] - self.zones[:, 0]))
-
-
 def proposed(
     scaled: ScaledScene, problem: Problem, control: Control, points: int | None, tol: float = _CLOSELY, held: bool = False,
-    near: Proposed | None = None,
-) -> Proposed:
+    near: Proposal | None = None,
+) -> Proposal:
     """Zones from a grid of so many points, or of as many as the profile's resolution asks for, to a tolerance; held: of a strip that
     stays where it is; near: under another load, to begin with."""
-    if problem.moment is not None:
-        return _by_moment(scaled, problem, control, points)
     units, profile, interaction, by_load = problem.units, problem.profile, problem.interaction, control.load is not None
     detail = profile.feature or detail_of(profile.height, *scaled.cell) if points is None else None
     found = propose(
@@ -80,9 +45,9 @@ def proposed(
         resolution=detail, points=points, load=control.value * units.load if by_load else None,
         level=None if by_load else problem.lowest + control.value * units.height, tol=tol, near=None if near is None else near.state,
     )
-    if interaction.strip and found.state.load > 0.0:
+    if interaction.strip and found.load > 0.0:
         return _in_strip(problem, control, points, found, held)
-    return Proposed(found.zones, found.points, found.full, found.touches_border, load=found.state.load, state=found.state)
+    return found
 
 
 def whole_response(problem: Problem) -> Response:
@@ -96,7 +61,7 @@ def whole_response(problem: Problem) -> Response:
     )
 
 
-def _in_strip(problem: Problem, control: Control, points: int | None, whole: Proposal, held: bool) -> Proposed:
+def _in_strip(problem: Problem, control: Control, points: int | None, whole: Proposal, held: bool) -> Proposal:
     """From a grid of the strip, under the nominal pressure beyond it, from the contact of the whole period, where that leaves a gap: the
     strip is cut there, or where it would leave the last one, and then follows its zones."""
     units, profile = problem.units, problem.profile
@@ -119,7 +84,7 @@ def _in_strip(problem: Problem, control: Control, points: int | None, whole: Pro
         if abs(here.miss) <= _CELLS * here.cell:
             break
         here = replace(here, centre=here.centre + here.miss)
-    return Proposed(here.strip.zones, wide, False, here.touches, unrest=unrest, in_strip=True)
+    return Proposal(here.strip.zones, wide, False, here.touches, unrest=unrest, in_strip=True)
 
 
 def cut_of(whole: Proposal, x0: float, period: float) -> tuple[float, float]:
@@ -131,59 +96,10 @@ def cut_of(whole: Proposal, x0: float, period: float) -> tuple[float, float]:
     return 0.5 * float(left + right), float(right - left)
 
 
-class _TooNarrow(Exception):
-    """The contact reaches the border of the window."""
-
-
-def _by_moment(scaled: ScaledScene, problem: Problem, control: Control, points: int | None) -> Proposed:
-    """At the tilt under which the grid's load has the given centre, in a window that is widened where the contact reaches its
-    border."""
-    units, load = problem.units, control.value * problem.units.load
-    assert problem.moment is not None
-    centre, limits = problem.moment * units.moment / load, known_part(problem.profile) or (-math.inf, math.inf)
-    lo, hi = scaled.cell
-    response = Response(units.E_star, False, rest=problem.operator.rest)
-    for widened in range(_WIDENINGS + 1):
-        cell, last = (lo, hi), widened == _WIDENINGS or (lo, hi) == limits
-
-        def lean(tilt: float, cell: tuple[float, float] = cell, last: bool = last) -> AtTilt[Proposal]:
-            profile = problem.turned_to(tilt).profile
-            found = propose(
-                partial(grid_height, profile), cell, response, resolution=profile.feature, points=points, load=load,
-            )
-            if found.touches_border and not last:
-                raise _TooNarrow
-            return AtTilt.of(tilt, cell, found, _CELLS, found)
-
-        try:
-            best = balanced(lean, centre, (problem.tilt,), _MOST_TILTS)
-            break
-        except _TooNarrow:
-            half = 0.5 * (hi - lo)
-            lo, hi = max(limits[0], lo - half), min(limits[1], hi + half)
-    return Proposed(best.found.zones, best.found.points, False, best.found.touches_border, best.tilt)
-
-
-def of_width(scaled: ScaledScene, problem: Problem, width: float) -> Proposed:
-    """Zones from a grid under a load at which they have about the given scaled total width: from one no finer than the width asks for
-    first, then from one as fine as the profile's resolution does."""
-    period, length = problem.period, problem.units.length
-    assert period is not None
-    load, rate, roughly = _load_of_width(scaled, problem, width)
-    before: tuple[float, float] | None = None
-    found = roughly
-    for _ in range(_FINE_GRIDS):
-        # Farther off than that, coarser grids are the shorter way.
-        beside = before is not None and abs(math.log(load / before[0])) < _BESIDE
-        found = proposed(scaled, problem, Load(load), None, near=found if beside else roughly)
-        miss = _miss(found.width / length, width, period)
-        if before is not None and math.isfinite(miss - before[1]) and load != before[0]:
-            rate = max((miss - before[1]) / math.log(load / before[0]), _FLATTEST)
-        # So near that hardly a zone is missing, or one too many.
-        if not math.isfinite(miss) or abs(miss) < min(max(_MISSED / max(len(found.zones), 1), _CLOSE[0]), _CLOSE[1]):
-            break
-        before, load = (load, miss), load * math.exp(min(max(-miss / rate, -0.5), 0.5))
-    return found
+def of_width(scaled: ScaledScene, problem: Problem, width: float) -> Proposal:
+    """Zones from a grid under a load at which they have about the given scaled total width."""
+    load, roughly = _load_of_width(scaled, problem, width)
+    return proposed(scaled, problem, Load(load), None, near=roughly)
 
 
 def _miss(found: float, width: float, period: float) -> float:
@@ -193,22 +109,20 @@ def _miss(found: float, width: float, period: float) -> float:
     return math.log(found / width * (period - width) / (period - found))
 
 
-def _load_of_width(scaled: ScaledScene, problem: Problem, width: float) -> tuple[float, float, Proposed]:
-    """(a scaled load at which a grid's zones have about the given scaled total width, by false position, d miss / d log(load), these). It
-    is that of a first guess: the grid is no finer than the width asks for."""
+def _load_of_width(scaled: ScaledScene, problem: Problem, width: float) -> tuple[float, Proposal]:
+    """(a scaled load at which a grid's zones have about the given scaled total width, by false position, these). It is that of a first
+    guess: the grid is no finer than the width asks for."""
     assert problem.period is not None
     units, profile, period = problem.units, problem.profile, problem.period
     near_enough, least = _ABOUT * min(width, period - width), _SEEN * period / min(width, period - width)
     features = 16.0 if profile.feature is None else units.length * period / profile.feature
     points = 2 ** int(np.clip(np.ceil(np.log2(max(_PER_FEATURE * features, least))), 8, 17))
     low, high, at_low, at_high, last, load = 0.0, math.inf, -math.inf, math.inf, 0.0, 0.1
-    tried: list[tuple[float, float]] = []
-    near: Proposed | None = None
+    near: Proposal | None = None
     for _ in range(60):
         near = proposed(scaled, problem, Load(load), points, _ROUGHLY, near=near)
         found = near.width / units.length
         miss = _miss(found, width, period)
-        tried.append((math.log(load), miss))
         if abs(found - width) < near_enough or high < _CLOSE_BY * low:
             break
         # The end that stays a second time loses half of its weight, for the other to come nearer.
@@ -225,9 +139,8 @@ def _load_of_width(scaled: ScaledScene, problem: Problem, width: float) -> tuple
         else:
             share = at_high / (at_high - at_low) if math.isfinite(at_high - at_low) else 0.5
             load = high * (low / high) ** min(max(share, 0.02), 0.98)
-    rises = [(miss - tried[-1][1]) / (at - tried[-1][0]) for at, miss in tried[-2:-1] if math.isfinite(miss - tried[-1][1])]
     assert near is not None
-    return load, max(rises[0], _FLATTEST) if rises else 1.0, near
+    return load, near
 
 
 def placed(problem: Problem, zones: Array) -> Array:

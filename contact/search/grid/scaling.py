@@ -74,7 +74,7 @@ def _turned(scene: Scene, guess: float) -> ScaledScene:
         profile = Tilted(scene.profile, scene.tilt)
         return _frame_of(scene, profile, _window(scene, profile))
     lean = tilt_search(scene, guess)
-    return _frame_of(scene, Tilted(scene.profile, lean.tilt), lean.found)
+    return _frame_of(scene, Tilted(scene.profile, lean.tilt), lean.window)
 
 
 def _frame_of(scene: Scene, profile: Profile, window: Window) -> ScaledScene:

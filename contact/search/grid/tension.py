@@ -19,6 +19,7 @@ import sie
 from contact.errors import NotConverged
 from contact.formulation.equilibria import Closed
 from contact.formulation.problem import Problem
+from contact.formulation.tables import runs_of
 from contact.formulation.tension.contact import Lost
 from contact.search.grid.coarse import MOST_POINTS, grid_height, zones_of
 from contact.search.grid.conjugate_gradient import GridState, Influence, solve_grid
@@ -184,10 +185,7 @@ class GridTension(sie.Kept):
         if not self.repeats and (below[0] or below[-1]):
             raise NotConverged("the tension comes to the border of the window")
         n = self.points
-        first = np.flatnonzero(below & ~np.roll(below, 1))
-        last = np.flatnonzero(below & ~np.roll(below, -1))
-        if last[0] < first[0]:
-            last = np.append(last[1:], last[0] + n)
+        first, last = np.array(runs_of(below, self.repeats)).T
         before, after = above[(first - 1) % n], above[(last + 1) % n]
         left = first - above[first] / (above[first] - before)
         right = last + above[last % n] / (above[last % n] - after)

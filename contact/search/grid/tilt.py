@@ -57,7 +57,7 @@ def response_of(scene: Scene, datum: float = 1.0) -> Response:
     return Response(scene.E_star, False, datum=datum, rest=scene.operator.rest)
 
 
-def tilt_search(scene: Scene, guess: float) -> AtTilt[Window]:
+def tilt_search(scene: Scene, guess: float) -> AtTilt:
     """A rough tilt at which the load has the moment, and the window of its contact."""
     load = scene.given_load
     assert scene.moment is not None and load is not None
@@ -82,13 +82,13 @@ def tilt_search(scene: Scene, guess: float) -> AtTilt[Window]:
         search = _Tilting(scene, load, known or (-reach, reach), known is not None, first)
         best = balanced(search, centre, tilts, _FEW_TILTS)
         missed = abs(best.centre - centre) > best.fineness
-        if missed and known is None and best.found != search.limits and not _holds(_hull(search.windows.values()), centre):
+        if missed and known is None and best.window != search.limits and not _holds(_hull(search.windows.values()), centre):
             break  # the centre of a load lies between places of contact, and none came near it
         if missed and len(search.windows) > 1:
             # A window about one asperity hid another: look at all places of contact at once, however far apart.
             search = replace(search, whole=_hull(search.windows.values()))
             best = balanced(search, centre, (best.tilt, resting), _MOST_TILTS)
-        if known is not None or best.found != search.limits:
+        if known is not None or best.window != search.limits:
             return best
     raise OutOfRange(
         f"no tilt that can be told from the slopes of the profile brings the centre of the load to {centre:.6g} m: give a smaller moment, "
@@ -109,7 +109,7 @@ class _Tilting:
     whole: Window | None = None
     windows: dict[float, Window] = field(default_factory=dict)
 
-    def __call__(self, tilt: float) -> AtTilt[Window]:
+    def __call__(self, tilt: float) -> AtTilt:
         scene, profile = self.scene, Tilted(self.scene.profile, tilt)
         window = self.whole or window_at_load(scene, profile, self.load, self.limits, self._about(tilt))
         if window != self.limits:
@@ -120,7 +120,7 @@ class _Tilting:
             resolution=profile.resolution,
         )
         extent = float(np.ptp(found.zones)) / found.state.influence.h if len(found.zones) else 1.0
-        return AtTilt.of(tilt, window, found, max(1.0, _ROUGH * extent), window)
+        return AtTilt.of(tilt, window, found.state, max(1.0, _ROUGH * extent))
 
     def _about(self, tilt: float) -> Window | None:
         below = [t for t in self.windows if t <= tilt]

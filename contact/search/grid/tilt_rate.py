@@ -7,24 +7,20 @@ the bracket, or do not halve what is missing, the bracket is halved. A tilt at w
 
 import math
 from collections.abc import Callable, Sequence
-from typing import Generic, TypeVar
 
 import numpy as np
 
 from contact.errors import OutOfRange
-from contact.search.grid.coarse import Proposal
-from contact.search.grid.conjugate_gradient import turning_rate
+from contact.search.grid.conjugate_gradient import GridState, turning_rate
 from sie import record
-
-T = TypeVar("T")
 
 # A bracket closed to this part of the tilt holds no root that was not met: the grid's contact jumps there.
 _CLOSED = 1e-9
 
 
 @record
-class AtTilt(Generic[T]):
-    """A contact at one tilt: centre of the load [m], its rate d centre / d tilt [m], and what was found with it.
+class AtTilt:
+    """A contact at one tilt: centre of the load [m], its rate d centre / d tilt [m], and the window of its grid [m].
 
     fineness: the distance to the wanted centre that is near enough [m].
     """
@@ -33,27 +29,26 @@ class AtTilt(Generic[T]):
     centre: float
     rate: float
     fineness: float
-    found: T
+    window: tuple[float, float]
 
     @classmethod
-    def of(cls, tilt: float, cell: tuple[float, float], proposal: Proposal, fineness: float, found: T) -> "AtTilt[T]":
+    def of(cls, tilt: float, window: tuple[float, float], state: GridState, fineness: float) -> "AtTilt":
         """Read from a grid's contact; fineness: in cells."""
-        state = proposal.state
         h = state.influence.h
-        x = np.asarray(cell[0] + h * (np.arange(state.influence.n) + 0.5), dtype=np.float64)
+        x = np.asarray(window[0] + h * (np.arange(state.influence.n) + 0.5), dtype=np.float64)
         centre = float(state.pressure @ x) * h / state.load
         # One cell in contact does not turn on the grid: it turns as the flat punch of its width would.
         least = math.pi / 16 * state.influence.E * h**2
-        return cls(tilt, centre, max(turning_rate(state, x), least) / state.load, fineness * h, found)
+        return cls(tilt, centre, max(turning_rate(state, x), least) / state.load, fineness * h, window)
 
 
-def balanced(measure: Callable[[float], AtTilt[T]], centre: float, tilts: Sequence[float], most: int) -> AtTilt[T]:
+def balanced(measure: Callable[[float], AtTilt], centre: float, tilts: Sequence[float], most: int) -> AtTilt:
     """The contact whose load has its centre there, from a few tilts to try first; the nearest of `most` at the most.
 
     Raises what `measure` raises where it does so at all of the first tilts.
     """
     low, high = -math.inf, math.inf
-    best: AtTilt[T] | None = None
+    best: AtTilt | None = None
     newton = False
     waiting = list(tilts)
     for _ in range(most):

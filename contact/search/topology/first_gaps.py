@@ -5,15 +5,13 @@ from functools import cached_property
 import numpy as np
 
 from contact.formulation.full import NARROWEST
-from contact.formulation.problem import Problem
 from contact.formulation.relief import ScaledRelief
 from contact.formulation.roots import maximum
+from contact.formulation.tables import runs_of
 from contact.search.topology.intervals import united
 from contact.search.topology.missed import WrongTopology
 from sie import Array, Index, Mask, record
 
-# Samples a shortest length of the shape.
-_CLOSE = 32
 # Gaps over kinks that are this many samples narrow are placed by their closed form.
 _UNSEEN = 4
 
@@ -23,19 +21,18 @@ class FirstGaps:
     """First guesses: where samples of R exceed the mean pressure."""
 
     relief: ScaledRelief
-    period: float
-    x: Array
-    value: Array
 
-    @classmethod
-    def of(cls, problem: Problem, relief: ScaledRelief) -> "FirstGaps":
-        assert problem.period is not None
-        resolution = problem.profile.resolution or problem.units.length * problem.period / 16
-        n = int(np.clip(_CLOSE * problem.period * problem.units.length / resolution, 256, 2**18))
-        start = float(problem.units.scaled(np.array(problem.profile.x0)))
-        # Off the borders of the cell and of its halves and thirds, where kinks like to be.
-        x = start + problem.period * (np.arange(n) + 0.4142) / n
-        return cls(relief, problem.period, x, np.asarray(relief(x)))
+    @property
+    def period(self) -> float:
+        return self.relief.period
+
+    @property
+    def x(self) -> Array:
+        return self.relief.samples[0]
+
+    @property
+    def value(self) -> Array:
+        return self.relief.samples[1]
 
     @property
     def step(self) -> float:
@@ -129,8 +126,7 @@ class FirstGaps:
         x = np.concatenate((self.x[shift:], self.x[:shift] + self.period))
         highest = 2 * np.abs(self.value[np.isfinite(self.value)]).max(initial=abs(mean))
         above, value = np.roll(above, -shift), np.clip(np.roll(self.value, -shift), -highest, highest)
-        change = np.flatnonzero(np.diff(np.concatenate(([False], above, [False])).astype(np.int8)))
-        first, last = change[::2], change[1::2] - 1
+        first, last = np.array(runs_of(above)).T
         # The crossings of the level lie between samples.
         before, after = value[first - 1] - mean, value[(last + 1) % len(x)] - mean
         a = x[first] - self.step * (value[first] - mean) / (value[first] - mean - before)

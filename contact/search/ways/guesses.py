@@ -18,8 +18,8 @@ from contact.formulation.controls import Control
 from contact.formulation.problem import Problem
 from contact.formulation.single import guess_half_width, largest_single_load
 from contact.search.grid.centring import Unrest
-from contact.search.grid.coarse import MOST_POINTS
-from contact.search.grid.proposals import Proposed, about, placed, proposed
+from contact.search.grid.coarse import MOST_POINTS, Proposal
+from contact.search.grid.proposals import about, placed, proposed
 from contact.search.grid.scaling import ScaledScene
 from contact.search.grid.tilt import known_part
 from contact.search.task import Task
@@ -142,12 +142,10 @@ def from_grid(task: Task, scaled: ScaledScene, held: bool = False, points: int |
             task.progress("coarse grid", 0, None)
         with plan.timed("coarse search"):
             # Its pressures and gaps, of very many points, have told what they tell.
-            proposal = replace(proposed(scaled, problem, control, points, held=held), state=None)
+            proposal = replace(proposed(scaled, problem, control, points, held=held), grid=None)
         if points is None:
             most = max(most, min(4 * proposal.points, MOST_POINTS))
         points, full = proposal.points, proposal.full
-        if proposal.tilt is not None:
-            problem = problem.turned_to(proposal.tilt)
         part.detail = f"{points} points, {len(proposal.zones)} zones proposed"
         if proposal.unrest is not None:
             raise no_rest(problem, control, proposal.unrest)
@@ -183,13 +181,11 @@ def no_rest(problem: Problem, control: Control, why: Unrest) -> OutOfRange:
 
 
 def _wider(task: Task, scaled: ScaledScene) -> ScaledScene | None:
-    """A wider window of a body known on the whole line: few points of the first one may have missed zones beside it. None where the window
-    is all that is known, or all that there is."""
-    scene = task.scene
-    if scene.profile.period is not None or scene.turned or known_part(scene.profile) is not None:
-        return None
-    lo, hi = scaled.cell
-    return replace(scaled, cell=(lo - 0.5 * (hi - lo), hi + 0.5 * (hi - lo)))
+    """A wider window: few points of the first one may have missed zones beside it. None where the window is all that is known, or all
+    that there is."""
+    (lo, hi), known = scaled.cell, known_part(task.scene.profile) or (-math.inf, math.inf)
+    cell = max(known[0], lo - 0.5 * (hi - lo)), min(known[1], hi + 0.5 * (hi - lo))
+    return None if cell == scaled.cell else replace(scaled, cell=cell)
 
 
 def _not_found(task: Task, problem: Problem, failure: Missed | None, width: float, points: int | None, full: bool) -> ContactError:
@@ -207,7 +203,7 @@ def _not_found(task: Task, problem: Problem, failure: Missed | None, width: floa
 
 
 def _from_proposal(
-    task: Task, problem: Problem, control: Control, proposal: Proposed, held: bool, drops: bool
+    task: Task, problem: Problem, control: Control, proposal: Proposal, held: bool, drops: bool
 ) -> Outcome | Missed:
     """The contact from the zones that a grid proposes: full, by its gaps, or by its zones."""
     width = proposal.width / problem.units.length

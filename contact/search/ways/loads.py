@@ -15,7 +15,8 @@ from contact.formulation.controls import Control, Load
 from contact.formulation.gaps import GapFields
 from contact.formulation.problem import Problem
 from contact.model.controls import Quantity
-from contact.search.grid.proposals import Proposed, of_width, placed
+from contact.search.grid.coarse import Proposal
+from contact.search.grid.proposals import of_width, placed
 from contact.search.grid.scaling import ScaledScene, scaled_scene_about
 from contact.search.grid.tilt import known_part
 from contact.search.task import Task
@@ -121,7 +122,7 @@ def by_fraction(task: Task, scaled: ScaledScene) -> Found | FoundByGaps:
     return _under_load_of(task, problem, control, last)
 
 
-def _from_grid(task: Task, problem: Problem, control: Control, proposal: Proposed) -> Found | FoundByGaps | Missed:
+def _from_grid(task: Task, problem: Problem, control: Control, proposal: Proposal) -> Found | FoundByGaps | Missed:
     """From zones of about the width that a grid has found."""
     if proposal.full or len(proposal.zones) == 0:
         return Missed("the grid has no zones of about this width")
