@@ -28,6 +28,12 @@ _CENTRINGS = 2
 # Of a width, or of what it leaves of the period: near enough for a load to begin with; cells in it at least; of a grid that tells as
 # much, cells to a shortest length of the shape, and its tolerance.
 _ABOUT, _SEEN, _PER_FEATURE, _ROUGHLY = 0.03, 64, 2, 1e-3
+# The same from the finest grid, of many zones and of few, how many such grids, and the least rate that a width grows with.
+_CLOSE, _FINE_GRIDS, _FLATTEST = (1e-3, 0.05), 3, 0.2
+# Zones missing, or too many, that a grid may leave to Newton, as far as the width tells.
+_MISSED = 0.3
+# Change of a load, over it, after which a grid's contact is a good start.
+_BESIDE = 0.02
 # Loads over each other that are near enough to begin with, whatever lies between.
 _CLOSE_BY = 1.1
 
@@ -97,9 +103,25 @@ def cut_of(whole: Proposal, x0: float, period: float) -> tuple[float, float]:
 
 
 def of_width(scaled: ScaledScene, problem: Problem, width: float) -> Proposal:
-    """Zones from a grid under a load at which they have about the given scaled total width."""
-    load, roughly = _load_of_width(scaled, problem, width)
-    return proposed(scaled, problem, Load(load), None, near=roughly)
+    """Zones from a grid under a load at which they have about the given scaled total width: from one no finer than the width asks for
+    first, then from one as fine as the profile's resolution does."""
+    period, length = problem.period, problem.units.length
+    assert period is not None
+    load, rate, roughly = _load_of_width(scaled, problem, width)
+    before: tuple[float, float] | None = None
+    found = roughly
+    for _ in range(_FINE_GRIDS):
+        # Farther off than that, coarser grids are the shorter way.
+        beside = before is not None and abs(math.log(load / before[0])) < _BESIDE
+        found = proposed(scaled, problem, Load(load), None, near=found if beside else roughly)
+        miss = _miss(found.width / length, width, period)
+        if before is not None and math.isfinite(miss - before[1]) and load != before[0]:
+            rate = max((miss - before[1]) / math.log(load / before[0]), _FLATTEST)
+        # So near that hardly a zone is missing, or one too many.
+        if not math.isfinite(miss) or abs(miss) < min(max(_MISSED / max(len(found.zones), 1), _CLOSE[0]), _CLOSE[1]):
+            break
+        before, load = (load, miss), load * math.exp(min(max(-miss / rate, -0.5), 0.5))
+    return found
 
 
 def _miss(found: float, width: float, period: float) -> float:
@@ -109,20 +131,22 @@ def _miss(found: float, width: float, period: float) -> float:
     return math.log(found / width * (period - width) / (period - found))
 
 
-def _load_of_width(scaled: ScaledScene, problem: Problem, width: float) -> tuple[float, Proposal]:
-    """(a scaled load at which a grid's zones have about the given scaled total width, by false position, these). It is that of a first
-    guess: the grid is no finer than the width asks for."""
+def _load_of_width(scaled: ScaledScene, problem: Problem, width: float) -> tuple[float, float, Proposal]:
+    """(a scaled load at which a grid's zones have about the given scaled total width, by false position, d miss / d log(load), these). It
+    is that of a first guess: the grid is no finer than the width asks for."""
     assert problem.period is not None
     units, profile, period = problem.units, problem.profile, problem.period
     near_enough, least = _ABOUT * min(width, period - width), _SEEN * period / min(width, period - width)
     features = 16.0 if profile.feature is None else units.length * period / profile.feature
     points = 2 ** int(np.clip(np.ceil(np.log2(max(_PER_FEATURE * features, least))), 8, 17))
     low, high, at_low, at_high, last, load = 0.0, math.inf, -math.inf, math.inf, 0.0, 0.1
+    tried: list[tuple[float, float]] = []
     near: Proposal | None = None
     for _ in range(60):
         near = proposed(scaled, problem, Load(load), points, _ROUGHLY, near=near)
         found = near.width / units.length
         miss = _miss(found, width, period)
+        tried.append((math.log(load), miss))
         if abs(found - width) < near_enough or high < _CLOSE_BY * low:
             break
         # The end that stays a second time loses half of its weight, for the other to come nearer.
@@ -139,8 +163,9 @@ def _load_of_width(scaled: ScaledScene, problem: Problem, width: float) -> tuple
         else:
             share = at_high / (at_high - at_low) if math.isfinite(at_high - at_low) else 0.5
             load = high * (low / high) ** min(max(share, 0.02), 0.98)
+    rises = [(miss - tried[-1][1]) / (at - tried[-1][0]) for at, miss in tried[-2:-1] if math.isfinite(miss - tried[-1][1])]
     assert near is not None
-    return load, near
+    return load, max(rises[0], _FLATTEST) if rises else 1.0, near
 
 
 def placed(problem: Problem, zones: Array) -> Array:
