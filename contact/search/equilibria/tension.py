@@ -187,7 +187,13 @@ def _about_to_rest(curve: Cohesive, here: CohesivePoint) -> bool:
 def settled(curve: Cohesive, here: Point, sign: float) -> CohesivePoint | None:
     """The equilibrium that ends about to rest have come to, tightly; where it has more intervals, or fewer, on from there."""
     for _ in range(_TRIES):
-        tight = curve.settled(here)
+        try:
+            tight = curve.settled(here)
+        except Lost:
+            # Of the last contact next to where it comes apart.
+            if sign > 0:
+                raise
+            return None
         new = _other_intervals(curve, tight, sign)
         if new is None:
             return tight

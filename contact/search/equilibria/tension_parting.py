@@ -44,7 +44,9 @@ def pull_off(curve: Cohesive, here: Point) -> Point:
         last = curve.known[-1]
         if not np.diff(last.zones, axis=1).sum() < SHRUNK * np.diff(last.table, axis=1).sum():
             raise
-    return touching(curve, last.table, float(last.zones.mean()))
+    # Of several, one: where these are alike all of them touch.
+    widest = int(np.argmax(np.diff(last.zones, axis=1)))
+    return touching(curve, last.table, float(last.zones[widest].mean()))
 
 
 def _highest_within(curve: Cohesive, here: Point) -> float:
