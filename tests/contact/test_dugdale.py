@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ import sie
 from contact import exact
 from contact.formulation.conjugate import clausen2
 from contact.formulation.controls import Approach, Load, scaled_control
+from contact.formulation.equilibria import Equilibria
 from contact.formulation.tension.cohesive import Cohesive
 from contact.formulation.tension.tension import Tension
 from contact.search.grid.scaling import scaled_scene_about
@@ -497,6 +499,23 @@ def test_two_equal_tips_that_touch_last_are_found():
     assert contact.solve(replace(scene, load=pull_off.load * (1 - 1e-3))).certificate.holds
     with pytest.raises(contact.OutOfRange, match="past pull-off"):
         contact.solve(replace(scene, load=pull_off.load * (1 + 1e-3)))
+
+
+@pytest.mark.slow
+def test_a_zone_that_snaps_shut_among_a_hundred_is_led_to_its_width_by_a_law_without_range(monkeypatch):
+    # 17 states, of which five widened one new interval; and pull-off went the whole way down twice.
+    base = contact.load_scene(Path(__file__).parents[2] / "examples" / "stylus.toml")
+    scene = replace(base, mean_pressure=7 * base.mean_pressure, law=contact.Dugdale(1e-3, 1e8))
+    states, tips = [], []
+    real, at = Cohesive.from_zones, Equilibria.at
+    monkeypatch.setattr(Cohesive, "from_zones", lambda self, *given, **named: states.append(1) or real(self, *given, **named))
+    monkeypatch.setattr(Equilibria, "at", lambda self, *given, **named: tips.append(len(given[0])) or at(self, *given, **named))
+    solution = contact.solve(scene)
+    assert len(solution.zones) == 125 and len(states) <= 12
+    assert solution.contact_fraction == pytest.approx(0.0581966381596, rel=1e-9)
+    tips.clear()
+    assert solution.pull_off.load == pytest.approx(-1.93143703970, rel=1e-9)
+    assert sum(zones == 125 for zones in tips) <= 20
 
 
 @pytest.mark.slow
