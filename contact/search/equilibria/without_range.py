@@ -18,6 +18,7 @@ from contact.formulation.tension.contact import Lost
 from contact.formulation.tension.intervals import joined
 from contact.search.equilibria import coming_apart, flow
 from contact.search.equilibria.growth import grown
+from contact.search.equilibria.relaxation import relaxed
 from sie import Array
 
 # Parts of the work of adhesion that it is made smaller or larger by; Newton's steps for the width of a strip, and to where ends are driven
@@ -95,8 +96,11 @@ def about_to_part(curve: Cohesive, here: Point, recede: Callable[[Cohesive, Arra
         return rest
 
     with suppress(Closed, NoState, NotConverged):
-        # Under less load all ends are driven inward from here on, whether or not they are at rest.
-        passed.append(first := short.at(here.table, here.value, flow.ROUGH))
+        # A little more of it widens the contact.
+        first = relaxed(short, here.table, here.value)
+        if first is None:
+            return None
+        passed.append(first)
         last = coming_apart.near_the_last(short, first, recede_on)
         for value in coming_apart.above(last.value, here.value):
             # Under a load what is left does not depend on the way: on from the last that was passed above it.
