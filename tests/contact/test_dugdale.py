@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ import sie
 from contact import exact
 from contact.formulation.conjugate import clausen2
 from contact.formulation.controls import Approach, Load, scaled_control
+from contact.formulation.equilibria import Equilibria
 from contact.formulation.tension.cohesive import Cohesive
 from contact.formulation.tension.tension import Tension
 from contact.search.grid.scaling import scaled_scene_about
@@ -453,6 +455,67 @@ def test_pull_off_of_one_zone_takes_the_states_of_its_curve(monkeypatch):
     states.clear()
     pull_off = solution.pull_off
     assert pull_off.load < 0.0 and len(states) < 120
+
+
+@dataclass(frozen=True)
+class Hyperbola(contact.Profile):
+    """Of real places alone."""
+
+    def height(self, x):
+        return np.sqrt(1 + np.asarray(x, dtype=float) ** 2) - 1
+
+
+class HyperbolaWithSlope(Hyperbola):
+    def slope(self, x):
+        return np.asarray(x, dtype=float) / np.sqrt(1 + np.asarray(x, dtype=float) ** 2)
+
+
+def test_pull_off_of_a_shape_without_a_slope_is_that_of_one_with_it_and_takes_few_heights(monkeypatch):
+    # The derived slope was noise beside its lowest place: not solved to 1e-4, and of others contact that shrinks to a point took 40 s.
+    heights = []
+    real = Hyperbola.height
+    monkeypatch.setattr(Hyperbola, "height", lambda self, x: heights.append(np.size(x)) or real(self, x))
+    scene = contact.Scene(Hyperbola(), 1.0, contact.Isolated(datum=1.0), law=contact.Dugdale(1e-6, 3e-4), load=1e-4)
+    solution = contact.solve(scene)
+    heights.clear()
+    found = solution.pull_off
+    assert sum(heights) < 3e6
+    wanted = contact.solve(replace(scene, profile=HyperbolaWithSlope())).pull_off
+    assert found.load == pytest.approx(wanted.load, rel=1e-9) and found.approach == pytest.approx(wanted.approach, rel=1e-8)
+
+
+@dataclass(frozen=True)
+class TwoWells(contact.Profile):
+    """Two equal tips."""
+
+    def height(self, x):
+        return 1e-2 * (np.asarray(x) ** 2 - 1) ** 2
+
+
+def test_two_equal_tips_that_touch_last_are_found():
+    # They were looked for in the middle between them: "the place where the surfaces touch last was not found".
+    scene = contact.Scene(TwoWells(), 1.0, contact.Isolated(datum=1.0), law=contact.Dugdale(5e-7, 3.466e-4), load=1e-5)
+    pull_off = contact.solve(scene).pull_off
+    assert contact.solve(replace(scene, load=pull_off.load * (1 - 1e-3))).certificate.holds
+    with pytest.raises(contact.OutOfRange, match="past pull-off"):
+        contact.solve(replace(scene, load=pull_off.load * (1 + 1e-3)))
+
+
+@pytest.mark.slow
+def test_a_zone_that_snaps_shut_among_a_hundred_is_led_to_its_width_by_a_law_without_range(monkeypatch):
+    # 17 states, of which five widened one new interval; and pull-off went the whole way down twice.
+    base = contact.load_scene(Path(__file__).parents[2] / "examples" / "stylus.toml")
+    scene = replace(base, mean_pressure=7 * base.mean_pressure, law=contact.Dugdale(1e-3, 1e8))
+    states, tips = [], []
+    real, at = Cohesive.from_zones, Equilibria.at
+    monkeypatch.setattr(Cohesive, "from_zones", lambda self, *given, **named: states.append(1) or real(self, *given, **named))
+    monkeypatch.setattr(Equilibria, "at", lambda self, *given, **named: tips.append(len(given[0])) or at(self, *given, **named))
+    solution = contact.solve(scene)
+    assert len(solution.zones) == 125 and len(states) <= 12
+    assert solution.contact_fraction == pytest.approx(0.0581966381596, rel=1e-9)
+    tips.clear()
+    assert solution.pull_off.load == pytest.approx(-1.93143703970, rel=1e-9)
+    assert sum(zones == 125 for zones in tips) <= 20
 
 
 @pytest.mark.slow

@@ -45,9 +45,11 @@ _TOUCHING = 1e-12
 _OF_RATES, _OF_ROUGH_RATES = 1e-10, 1e-4
 # Newton's steps to an equilibrium near by; over the widths, a step that is rounding, and one that is of another equilibrium.
 _SETTLING, _SETTLED, _ANOTHER = 8, 1e-15, 1e-2
-# Over the widest zone, strips below which a state on the way is solved as tightly as any: rates go by how far the ends of zones are off
-# over their strips, times zones over strips.
+# Over the widest zone, strips below which a state on the way is solved as tightly as any, and its rates more tightly by as much: they go
+# by how far the ends of zones are off over their strips, times zones over strips.
 _NARROW = 1e-3
+# Over the widths, tight states no farther apart than this have the same rates.
+_ALIKE = 1e-9
 # States that are remembered.
 _KNOWN = 256
 
@@ -149,14 +151,16 @@ class Cohesive(Equilibria):
         return Pulled.of(self.problem, self.stress, np.zeros((0, 2)), everywhere=True)
 
     # one state --------------------------------------------------------------------------------------------------------
-    def at(self, table: Array, value: float, tolerance: float = TIGHT, held: Mask | None = None) -> CohesivePoint:
+    def at(
+        self, table: Array, value: float, tolerance: float = TIGHT, held: Mask | None = None, alike: CohesivePoint | None = None
+    ) -> CohesivePoint:
         """The contact under the tension on given intervals, no farther than to sharp corners; zones are looked for from those of the last
-        state. held: at corners; None: those that are there and are not driven inward."""
+        state. held: at corners; None: those that are there and are not driven inward. alike: a state that has the same rates."""
         table = self.within(table)
         near = self.nearest(table, value) if self.known else None
         zones = np.zeros((0, 2)) if near is None else self._followed(near, table, value)
         try:
-            here = self.from_zones(table, value, zones, tolerance)
+            here = self.from_zones(table, value, zones, tolerance, alike)
         except Covered:
             # Zones that a state has lost are not found again where others are driven on for them.
             more = max((one for one in self.known if one.table.shape == table.shape), key=lambda one: len(one.zones), default=None)
@@ -214,13 +218,16 @@ class Cohesive(Equilibria):
         alike = [one for one in known if one.table.shape == table.shape]
         return min(reversed(alike), key=away) if alike else known[-1]
 
-    def from_zones(self, table: Array, value: float, zones: Array, tolerance: float = TIGHT) -> CohesivePoint:
+    def from_zones(
+        self, table: Array, value: float, zones: Array, tolerance: float = TIGHT, alike: CohesivePoint | None = None
+    ) -> CohesivePoint:
         """The same from a first guess of the zones."""
-        table = self.within(table)
-        if self.strip < _NARROW * float(np.diff(zones, axis=1).max(initial=0.0)):
-            tolerance = TIGHT
+        table, narrow = self.within(table), self.strip / float(np.diff(zones, axis=1).max(initial=0.0) or np.inf)
+        asked, of_rates = tolerance, _OF_RATES if tolerance <= TIGHT else _OF_ROUGH_RATES
+        if 0.0 < narrow < _NARROW:
+            tolerance, of_rates = TIGHT, max(_OF_RATES, of_rates * narrow)
         for curve, last, tightly in self.recent:
-            if tightly <= tolerance and curve == self and last.value == value and np.array_equal(last.table, table):
+            if tightly <= asked and curve == self and last.value == value and np.array_equal(last.table, table):
                 return last
         lo, hi = self.problem.borders
         if table[0, 0] <= lo or table[-1, 1] >= hi:
@@ -230,12 +237,15 @@ class Cohesive(Equilibria):
         if point is None or (not self.formal and point.look[1].min() < -_TOUCHING * self.reach):
             try:
                 fields, look = self._contact_under(pulled, value, zones, tolerance)
-                point = self._point(table, value, fields, look, _OF_RATES if tolerance <= TIGHT else _OF_ROUGH_RATES)
+                if alike is not None and len(fields.density.zones) == len(alike.zones):
+                    point = self._with_rates_of(alike, table, value, fields, look)
+                else:
+                    point = self._point(table, value, fields, look, of_rates)
             except Lost:
                 if not self._may_be_loose:
                     raise
                 point = self._without_contact(table, value, pulled)
-        self.recent[:] = [(self, point, tolerance)]
+        self.recent[:] = [(self, point, asked)]
         self.known.append(Known(table, value, point.zones, point.by_ends))
         del self.known[:-_KNOWN]
         return point
@@ -341,7 +351,8 @@ class Cohesive(Equilibria):
             if size > _ANOTHER or (tight and (size < _SETTLED or size > 0.5 * before)):
                 break
             before = size if tight else np.inf
-            here = self.at(here.moved(here.newton), here.value)
+            alike = here if tight and size < _ALIKE else None
+            here = self.at(here.moved(here.newton), here.value, alike=alike)
         return self.at(here.table, here.value)
 
     def _point(
@@ -387,6 +398,19 @@ class Cohesive(Equilibria):
             density.zones.table, fields, moved, levels, look,
         )
         return self._at_corners(here)
+
+    def _with_rates_of(
+        self, alike: CohesivePoint, table: Array, value: float, fields: ZoneFields, look: tuple[Array, Array] | None
+    ) -> CohesivePoint:
+        assert isinstance(fields.problem, Pulled)
+        at, residual, whole = table.T.ravel(), np.ones(2 * len(table)), alike.whole
+        # An end that contact covers is held at its corner.
+        beside = ~np.isin(at, fields.density.zones.table)
+        residual[beside] -= fields.formal_gap(at[beside]) / self.reach
+        return self._at_corners(CohesivePoint(
+            table, value, residual, whole.rates, whole.by_value, fields.density.total - fields.problem.pulling.total, float(fields.level),
+            fields.density.zones.table, fields, alike.by_ends, alike.level_rates, look,
+        ))
 
     def _at_corners(self, here: CohesivePoint) -> CohesivePoint:
         """With ends held that are at sharp corners and not driven inward."""

@@ -19,7 +19,7 @@ from contact.formulation.roots import reaches
 from contact.formulation.tables import joined_where, runs_of
 from contact.formulation.tension.intervals import fitted, interval_of, places
 from contact.formulation.tension.pulled import Pulled
-from sie import Array, Mask
+from sie import Array, Index, Mask
 
 # Newton's steps of the zones under a given tension, and how often their number may change.
 _STEPS, _ROUNDS = 80, 16
@@ -352,6 +352,10 @@ def _looked_closer(fields: ZoneFields, zone: int, place: Array, q: Array, least:
     return place, q
 
 
+def _by_zone(values: Array, counts: Index) -> list[Array]:
+    return np.split(values, np.cumsum(counts)[:-1])
+
+
 def signs_hold(fields: ZoneFields, look: tuple[Array, Array]) -> bool:
     """Whether q presses on all zones and the surfaces overlap nowhere within the tension."""
     return _corrected(fields, look) is None
@@ -365,11 +369,12 @@ def _corrected(fields: ZoneFields, look: tuple[Array, Array]) -> Array | None:
     varies = fields.spacing if fields.problem.profile.resolution is not None else np.inf
     # Beside the ends, where the tension bends it sharply, q does not change its sign.
     counts = np.minimum(density.sampling, np.maximum(_SIGNS, 8 * zones.half / varies).astype(np.intp))
-    for i, n in enumerate(counts):
-        theta = (np.arange(n) + 0.5) * np.pi / n
-        left, right = 2 * np.cos(theta / 2) ** 2, 2 * np.sin(theta / 2) ** 2
-        q = fields.problem.bearing(density, np.full(n, i), left, right)[::-1] / np.sqrt(left * right)
-        place = zones.a[i] + zones.half[i] * left[::-1]
+    at = [(np.arange(n) + 0.5) * np.pi / n for n in counts]
+    theta, zone = np.concatenate(at), np.repeat(np.arange(len(zones)), counts)
+    left, right = 2 * np.cos(theta / 2) ** 2, 2 * np.sin(theta / 2) ** 2
+    borne = fields.problem.bearing(density, zone, left, right) / np.sqrt(left * right)
+    for i, (q, far) in enumerate(zip(_by_zone(borne, counts), _by_zone(left, counts), strict=True)):
+        q, place = q[::-1], zones.a[i] + zones.half[i] * far[::-1]
         begin, least = float(zones.a[i]), -_PULLS * np.abs(q).max()
         place, q = _looked_closer(fields, int(i), place, q, least)
         for s, e in runs_of(q < least):

@@ -25,8 +25,8 @@ _FIRST, _LAST, _COUNTS, _OF_SHARP, _COARSEST = 256, 2**14, 1e-5, 0.1, 16
 _WIDE = 1e-3
 # Values that are the same but for their own rounding, over that.
 _SAME = 16
-# Rounding over the largest sixth difference that is nothing else.
-_OF_SIXTH = 0.1
+# Rounding over a sixth difference that is nothing else; and over that which the size of f tells, where it is far more.
+_OF_SIXTH, _FAR_MORE = 0.1, 4.0
 # The doubt of a step that does not resolve f.
 _LEAST_BELIEVED = 1e300
 
@@ -107,8 +107,8 @@ def by_ladder(
 
     The doubt is the change from the step before plus what rounding of f makes of it: at tiny steps two
     quotients can agree exactly and be wrong together. At wide ones too, where f is level beside a narrow dip: steps that do not
-    resolve f are believed least. wide: by the widest steps that come to something. wide or doubted: heights may be rounded by more
-    than their size tells, as those of cosh(x) - 1 are.
+    resolve f are believed least. wide: by the widest steps that come to something. Heights may be rounded by more than their size tells,
+    as those of cosh(x) - 1 are: it is looked for in each step where wide or doubted, else in the sixth differences of all of them.
     """
     if length is not None:
         steps = length * 0.1 * 2.0 ** -np.arange(14)
@@ -117,15 +117,16 @@ def by_ladder(
         widest = max(float(np.max(np.abs(x))), 1.0)
         steps = widest * 4.0 ** -np.arange(24 + np.ceil(0.5 * np.log2(widest)))
     enough = 0.1 * _WIDE if wide else 0.0
-    hidden, best = 0.0, np.full(x.shape, np.nan)
-    doubt = np.full(x.shape, np.inf)
+    best, doubt = np.full(x.shape, np.nan), np.full(x.shape, np.inf)
     with np.errstate(all="ignore"):
         here = np.asarray(height(x), dtype=np.float64)
-        last = _difference(height, x, steps[0], here)[0]
-        for h in steps[1:]:
-            new, size, resolved, seen = _difference(height, x, h, here)
-            hidden = seen or hidden
-            noise = np.maximum(np.finfo(np.float64).eps * size, hidden if wide or doubted else 0.0)
+        rungs = [_difference(height, x, h, here) for h in steps]
+        hidden = 0.0 if wide or doubted else _hidden(here, [sixth for *_, sixth in rungs])
+        last = rungs[0][0]
+        for h, (new, size, resolved, seen, _) in zip(steps[1:], rungs[1:], strict=True):
+            if wide or doubted:
+                hidden = seen or hidden
+            noise = np.maximum(np.finfo(np.float64).eps * size, hidden)
             off = np.where(resolved, np.abs(new - last) + noise / h, _LEAST_BELIEVED)
             ended = doubt <= enough * np.max(np.abs(best), initial=0.0, where=np.isfinite(best))
             better = (off < doubt) & ~ended
@@ -135,8 +136,16 @@ def by_ladder(
     return best, doubt
 
 
-def _difference(height: Callable[[Any], Any], x: Array, h: float, here: Array) -> tuple[Array, Array, Mask, float]:
-    """(the quotient, the size of f, whether its sixth difference is small beside its changes, what f may be rounded to); here: f(x)."""
+def _hidden(heights: Array, sixths: list[float]) -> float:
+    """What heights are rounded by where that is far more than their size tells, else 0. sixths: medians of sixth differences, one for
+    each step: of short ones they are rounding alone."""
+    rounded = _OF_SIXTH * min((sixth for sixth in sixths if 0.0 < sixth < np.inf), default=0.0)
+    return rounded if rounded > _FAR_MORE * np.finfo(np.float64).eps * float(np.median(np.abs(heights))) else 0.0
+
+
+def _difference(height: Callable[[Any], Any], x: Array, h: float, here: Array) -> tuple[Array, Array, Mask, float, float]:
+    """(the quotient, the size of f, whether its sixth difference is small beside its changes, what f may be rounded to, the median of the
+    sixth difference); here: f(x)."""
     total, size, sixth = np.zeros(x.shape), np.abs(here), -20.0 * here
     low = high = here
     values = [here]
@@ -154,7 +163,8 @@ def _difference(height: Callable[[Any], Any], x: Array, h: float, here: Array) -
     quantum = float(np.min(apart[apart > least])) if np.any(apart > least) else 0.0
     largest = float(np.max(np.abs(sixth), initial=0.0))
     hidden = min(quantum, _OF_SIXTH * largest) if largest > least else quantum
-    return total, size, np.abs(sixth) <= high - low + 64 * np.finfo(np.float64).eps * size, hidden
+    resolved = np.abs(sixth) <= high - low + 64 * np.finfo(np.float64).eps * size
+    return total, size, resolved, hidden, float(np.median(np.abs(sixth)))
 
 
 def detail_of(height: Callable[[Array], Any], lo: float, hi: float) -> float:

@@ -39,9 +39,10 @@ MOST_STEPS, MOST_TRIES = 3000, 40
 _PLACES = np.linspace(0.05, 0.95, 10)
 
 
-def advanced(curve: Equilibria, table: Array, value: float) -> Point:
-    """The least equilibrium that holds these zones, of which all ends are driven outward; `Closed` if there is none."""
-    found = _flowed(curve, table, value, 1.0)
+def advanced(curve: Equilibria, table: Array, value: float, rest: float = REST) -> Point:
+    """The least equilibrium that holds these zones, of which all ends are driven outward; `Closed` if there is none. rest: Newton's step
+    over the widths at which stable ends are at rest."""
+    found = _flowed(curve, table, value, 1.0, rest)
     assert found is not None
     return found
 
@@ -51,7 +52,7 @@ def receded(curve: Equilibria, table: Array, value: float) -> Point | None:
     return _flowed(curve, table, value, -1.0)
 
 
-def _flowed(curve: Equilibria, table: Array, value: float, sign: float) -> Point | None:
+def _flowed(curve: Equilibria, table: Array, value: float, sign: float, rest: float = REST) -> Point | None:
     here = curve.at(table, value, ROUGH)
     widths, residual = here.widths, here.residual
     for _ in range(MOST_STEPS):
@@ -67,7 +68,7 @@ def _flowed(curve: Equilibria, table: Array, value: float, sign: float) -> Point
             continue
         ahead = None if told is None else _step_as_told(curve, here, sign, told)
         here, move = (ahead, np.inf) if ahead is not None else _step(curve, here, sign)
-        if at_rest(here, move):
+        if at_rest(here, move, rest):
             return here
         if move == 0.0:
             break
@@ -78,13 +79,13 @@ def _flowed(curve: Equilibria, table: Array, value: float, sign: float) -> Point
     raise NotConverged("the ends of zones that grow or shrink under a held control did not come to rest")
 
 
-def at_rest(here: Point, move: float) -> bool:
+def at_rest(here: Point, move: float, rest: float = REST) -> bool:
     """Whether ends are at rest after a step of this largest move over the widths: Newton's next one is none either, as one may be short
-    since another end has come to its corner."""
+    since another end has come to its corner. rest: that step over the widths."""
     driven = float(np.abs(here.residual).max())
     if here.growth < 0.0 and driven <= DRIVEN:
         newton = float(np.abs(here.newton / here.widths).max())
-        return newton <= REST or (move <= REST and newton <= _SETTLED)
+        return newton <= rest or (move <= REST and newton <= _SETTLED)
     return move <= REST and driven <= SLIGHT
 
 

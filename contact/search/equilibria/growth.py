@@ -12,7 +12,7 @@ from contact.formulation.equilibria import Equilibria, Point
 from contact.formulation.roots import maximum
 from contact.formulation.tables import centred_on, runs_of
 from contact.formulation.tension.cohesive import Cohesive, CohesivePoint
-from contact.search.equilibria.flow import ROUGH, advanced
+from contact.search.equilibria.flow import REST, ROUGH, advanced
 from contact.verify.certificate import openings
 from sie import Array
 
@@ -23,10 +23,11 @@ _TOGETHER, _LEVEL = 1e-12, 5
 _ROUNDS = 60
 
 
-def grown(curve: Equilibria, table: Array, value: float) -> Point:
-    """The least equilibrium without overlap that holds these zones, of which all ends are driven outward; `Closed` if there is none."""
+def grown(curve: Equilibria, table: Array, value: float, rest: float = REST) -> Point:
+    """The least equilibrium without overlap that holds these zones, of which all ends are driven outward; `Closed` if there is none. rest:
+    Newton's step over the widths at which stable ends are at rest."""
     for _ in range(_ROUNDS):
-        here = advanced(curve, table, value)
+        here = advanced(curve, table, value, rest)
         new = curve.within(openings(curve.fields(here, ROUGH)).overlaps)
         if len(new) == 0:
             return here

@@ -9,7 +9,7 @@ import numpy as np
 from contact.formulation.controls import Control
 from contact.formulation.equilibria import Equilibria
 from contact.formulation.fields import ZoneFields
-from contact.formulation.tension.cohesive import Cohesive
+from contact.formulation.tension.cohesive import Cohesive, Loose
 from contact.formulation.tension.fields import PulledFields
 from contact.search.equilibria import tension_parting
 from contact.search.equilibria.arc import SymmetryLost
@@ -56,7 +56,9 @@ class PartingUnderTension:
             if tension.everywhere:
                 last = tension_parting.pull_off_from_all(curve, zones, self.held.value)
             else:
-                last = tension_parting.pull_off(curve, curve.from_zones(tension.table, self.held.value, zones))
+                load = float(fields.density.total - tension.total)
+                here = Loose.of(tension.table, self.held.value, load, float(fields.level), zones)
+                last = tension_parting.pull_off(curve, here)
         except SymmetryLost as lost:
             raise lost.located() from None
         approach = float(-last.level * units.height) if problem.operator.has_approach else None

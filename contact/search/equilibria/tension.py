@@ -50,7 +50,7 @@ def advanced(
 ) -> CohesivePoint:
     """The least equilibrium that holds these intervals, of which all ends are driven outward; `Closed` if there is none. zones: that they
     begin with, where contact may cover some intervals."""
-    start = None if zones is None else without_range.near_advanced(curve, zones, value)
+    start = None if zones is None else _led(curve, zones, value)
     if start is None and guide is not None:
         start = guided(curve, guide, table, value, 1.0)
     if start is not None:
@@ -63,6 +63,20 @@ def advanced(
         raise NotConverged(TOO_NARROW) from covered
     assert found is not None
     return found
+
+
+def _led(curve: Cohesive, zones: Array, value: float) -> CohesivePoint | None:
+    """A state on the way to the least equilibrium that holds these zones, led to by a law without range; None where that does not tell.
+    New zones that snap shut in new intervals are led there in the same way."""
+    start = without_range.near_advanced(curve, zones, value)
+    while start is not None and (new := _grown(curve, start)) is not None:
+        here = _with_other_intervals(curve, start, new, 1.0)
+        snaps = here.growth >= 0.0 and len(here.zones) > len(start.zones)
+        ahead = without_range.near_advanced(curve, here.zones, value) if snaps else None
+        if ahead is None or len(ahead.zones) < len(here.zones):
+            return here
+        start = ahead
+    return start
 
 
 def receded(curve: Cohesive, table: Array, value: float, guide: GridTension | None = None) -> CohesivePoint | None:
@@ -187,7 +201,13 @@ def _about_to_rest(curve: Cohesive, here: CohesivePoint) -> bool:
 def settled(curve: Cohesive, here: Point, sign: float) -> CohesivePoint | None:
     """The equilibrium that ends about to rest have come to, tightly; where it has more intervals, or fewer, on from there."""
     for _ in range(_TRIES):
-        tight = curve.settled(here)
+        try:
+            tight = curve.settled(here)
+        except Lost:
+            # Of the last contact next to where it comes apart.
+            if sign > 0:
+                raise
+            return None
         new = _other_intervals(curve, tight, sign)
         if new is None:
             return tight

@@ -24,7 +24,8 @@ SHRUNK = 0.1
 
 
 def pull_off(curve: Cohesive, here: Point) -> Point:
-    """Where the last zones come apart as the control falls: at a turning point, or where the last of them has shrunk to a point."""
+    """Where the last zones come apart as the control falls: at a turning point, or where the last of them has shrunk to a point. here: an
+    equilibrium, of which what `Loose` tells is enough."""
     def recede(under: Equilibria, table: Array, value: float) -> Point | None:
         assert isinstance(under, Cohesive)
         return receded(under, table, value, guide_down(under, len(under.known[-1].zones), table))
@@ -37,6 +38,7 @@ def pull_off(curve: Cohesive, here: Point) -> Point:
         if curve.held.load is not None:
             here = _about_to_part(curve, here)
         here = coming_apart.lowered_by_load(curve, here, near)
+        here = curve.again(here, here.value)
         return coming_apart.pull_off(curve, here, recede, lambda at: _highest_within(curve, at) / curve.reach - 1.0)
     except Covered as covered:
         raise NotConverged(TOO_NARROW) from covered
@@ -44,7 +46,9 @@ def pull_off(curve: Cohesive, here: Point) -> Point:
         last = curve.known[-1]
         if not np.diff(last.zones, axis=1).sum() < SHRUNK * np.diff(last.table, axis=1).sum():
             raise
-    return touching(curve, last.table, float(last.zones.mean()))
+    # Of several, one: where these are alike all of them touch.
+    widest = int(np.argmax(np.diff(last.zones, axis=1)))
+    return touching(curve, last.table, float(last.zones[widest].mean()))
 
 
 def _highest_within(curve: Cohesive, here: Point) -> float:

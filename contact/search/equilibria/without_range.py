@@ -24,6 +24,8 @@ from sie import Array
 # Parts of the work of adhesion that it is made smaller or larger by; Newton's steps for the width of a strip, and to where ends are driven
 # by as much; by what they are driven that are not far from rest.
 _MORE, _STEPS_OF_STRIP, _STEPS_TO_MARGIN, _NOT_FAR = (0.02, 0.2), 30, 5, 0.25
+# Newton's step of tips over their zones that strips are put about: what is left of it is put into that.
+_TIPS_AT_REST = 2e-3
 
 
 def near_advanced(curve: Cohesive, zones: Array, value: float) -> CohesivePoint | None:
@@ -34,7 +36,7 @@ def near_advanced(curve: Cohesive, zones: Array, value: float) -> CohesivePoint 
         if short is None:
             return None
         with suppress(Closed, NoState, Lost, NotConverged):
-            found = _with_range(curve, short, grown(short, zones, value), margin)
+            found = _with_range(curve, short, grown(short, zones, value, _TIPS_AT_REST), margin)
             if found is not None:
                 return found
     return None
@@ -85,13 +87,25 @@ def about_to_part(curve: Cohesive, here: Point, recede: Callable[[Cohesive, Arra
     short = _without_range(curve, here.contact, 1.0 + _MORE[0])
     if short is None:
         return None
+    passed: list[Point] = []
+
+    def recede_on(under: Equilibria, table: Array, value: float) -> Point | None:
+        rest = flow.receded(under, table, value)
+        if rest is not None:
+            passed.append(rest)
+        return rest
+
     with suppress(Closed, NoState, NotConverged):
         # A little more of it widens the contact.
         first = relaxed(short, here.table, here.value)
         if first is None:
             return None
-        for value in coming_apart.above(coming_apart.near_the_last(short, first).value, here.value):
-            tips = flow.receded(short, first.table, value)
+        passed.append(first)
+        last = coming_apart.near_the_last(short, first, recede_on)
+        for value in coming_apart.above(last.value, here.value):
+            # Under a load what is left does not depend on the way: on from the last that was passed above it.
+            above = min((one for one in passed if one.value >= value), key=lambda one: one.value)
+            tips = flow.receded(short, above.table, value)
             start = None if tips is None else _with_range(curve, short, tips, -_MORE[0])
             rest = None if start is None else recede(curve, start.table, value)
             if rest is not None:
