@@ -31,7 +31,6 @@ _SHARP = 0.05
 # Miss that is near enough, and, by the rounding of ends to parts of a cell, of each end; width of a bracket of the logarithm of the nominal
 # pressure; nominal pressures tried, and those to clear the border at first.
 _CLOSE, _END, _CLOSED, _STEPS, _CLEARINGS = 1e-3, 0.1, 1e-3, 40, 4
-_NEAR_ENOUGH = 1.0
 # How the miss falls with the logarithm of the nominal pressure, as a first guess and at the least; least and largest steps of that, and
 # one away from where zones reach the border.
 _POWER, _FLATTEST, _LEAST, _LARGEST, _CLEARED = 0.8, -0.1, 2e-4, 1.0, 0.25
@@ -100,7 +99,7 @@ class ClosureGrid(StripsOnGrids[AtPressure]):
             return self._held(high, centre, near)
         here, last = self._held(near.amplitude if low < near.amplitude < high else _between(low, high), centre, near), None
         for _ in range(_STEPS):
-            if abs(here.wider) <= max(_CLOSE, _NEAR_ENOUGH * here.blur) or math.log(high / max(low, 1e-300)) < _CLOSED:
+            if abs(here.wider) <= max(_CLOSE, here.blur) or math.log(high / max(low, 1e-300)) < _CLOSED:
                 break
             low, high = (here.amplitude, high) if here.wider > 0.0 else (low, here.amplitude)
             step, last = self._step(here, last, low, high), here
