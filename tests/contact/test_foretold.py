@@ -93,9 +93,9 @@ def test_an_end_that_runs_over_forty_samples_is_not_stopped_at_each(monkeypatch)
     monkeypatch.setattr(Equilibria, "at", lambda *given, **more: states.append(given[1]) or at(*given, **more))
     flows = []
 
-    def flowed(curve, table, value, sign):
+    def flowed(curve, table, *given):
         before = len(states)
-        found = real(curve, table, value, sign)
+        found = real(curve, table, *given)
         ends = found.table.ravel()
         # The nearest end that it may have come from.
         ran = max(np.abs(ends - one).min() for one in table.ravel()) * curve.problem.units.length / scene.profile.resolution
