@@ -163,7 +163,7 @@ def test_ends_are_carried_on_by_values_and_rates_to_the_order_that_these_tell(kn
         there = contact.solve(scene(profile, load=load), tol=1e-10)
         zones, changes = carried(last, float(np.log(load)))
         assert len(there.zones) == 3 and changes == 0
-        missed.append(np.abs(last[-1].fields.problem.units.x(zones) - there.zones).max())
+        missed.append(np.abs(last[-1].problem.units.x(zones) - there.zones).max())
     assert missed[0] / missed[1] > 0.7 * 2**order
 
 

@@ -16,7 +16,7 @@ from contact.search.grid.coarse import MOST_POINTS, asked
 from contact.search.grid.scaling import ScaledScene
 from contact.search.task import Task
 from contact.search.topology.by_gaps import ByGaps
-from contact.search.topology.carried import carried
+from contact.search.topology.carried import Passed, carried
 from contact.search.topology.loop import Newton, refine_topology
 from contact.search.topology.missed import NOT_MINE, Missed, attempted
 from contact.search.ways.full_contact import full_under
@@ -26,36 +26,50 @@ from sie import Array
 
 # Values over one another between which a contact counted in the units of one is in good hands.
 _FARTHEST = 16.0
-# Rounds of corrections of the number of zones, after which a search from scratch is no longer, and steps of Newton's in each; zones that
-# come and go up to which corrections are the shorter way.
-_ROUNDS, _STEPS, _FEW = 3, 6, 4
+# Rounds of corrections of the number of zones, after which a search from scratch is no longer, and steps of Newton's in each: where a grid
+# takes long, or there is none, or little changes; and where it takes no time, and the values are far apart.
+_ROUNDS, _STEPS = (6, 1), (0, 6)
+# Zones that come and go up to which corrections are the shorter way, likewise.
+_FEW = 8, 2
+# Values over one another up to which little changes.
+_NEAR = 1.08
 # Points of a grid: by what part they are fewer than those of a search from scratch, with few zones and with many, one more of which is
-# longer than more points; at the least.
-_COARSER, _MANY, _FEWEST = (4, 2), 400, 256
+# longer than more points; at the least; and from which on it takes long.
+_COARSER, _MANY, _FEWEST, _DEAR = (4, 2), 400, 256, 2**15
 
 
 def from_last(task: Task) -> Outcome | Missed:
-    """From the last solution of a curve, and the one before it."""
+    """From the last solution of a curve and those before it."""
     if not task.along or not _is_followed(task):
         return NOT_MINE
-    last, fields, at = task.along[-1].solution, task.along[-1].fields, math.log(task.scene.control[1])
-    if fields is None or not abs(at - task.along[-1].at) <= math.log(_FARTHEST):
+    last, value = task.along[-1], task.scene.control[1]
+    fields = last.fields
+    apart = abs(math.log(value / last.solution.scene.control[1]))
+    if fields is None or not apart <= math.log(_FARTHEST):
         return NOT_MINE
     problem = fields.problem
     control = task.control(problem)
     if full := full_under(task, control):
         return full
-    zones, changes = carried(task.along, at)
+    periodic = task.scene.profile.period is not None
+    by_grid = periodic and control.load is not None
+    points = _points(task) if periodic else _DEAR
+    cheap = points < _DEAR and apart > math.log(_NEAR)
+    if by_grid and _changes_often(task.along):
+        # Not even asked how the ends move.
+        return _by_grid_or_missed(task, problem, control, points)
+    zones, changes = carried(task.along, math.log(value))
     if len(zones) == 0:
         return NOT_MINE
-    by_grid = task.scene.profile.period is not None and control.load is not None
-    if changes > _FEW:
-        return _by_grid(task, problem, control, len(last.zones)) if by_grid else NOT_MINE
-    way = _by_gaps if worth_gaps(task, problem, float(np.sum(zones[:, 1] - zones[:, 0]))) else _by_zones
-    outcome: Outcome | Missed = attempted(lambda: way(task, problem, control, zones, last.load / problem.units.load))
+    if changes > _FEW[cheap] and (by_grid or cheap):
+        return _by_grid_or_missed(task, problem, control, points) if by_grid else NOT_MINE
+    if worth_gaps(task, problem, float(np.sum(zones[:, 1] - zones[:, 0]))):
+        outcome: Outcome | Missed = attempted(lambda: _by_gaps(task, problem, control, zones, cheap))
+    else:
+        outcome = attempted(lambda: _by_zones(task, problem, control, zones, cheap))
     if isinstance(outcome, Missed) and by_grid:
         task.left("the last zones, carried on", outcome)
-        return _by_grid(task, problem, control, len(last.zones))
+        return _by_grid_or_missed(task, problem, control, points)
     return outcome
 
 
@@ -68,28 +82,39 @@ def _is_followed(task: Task) -> bool:
     return scene.law.convex and not moves and not scene.is_flat and followed
 
 
-def _by_grid(task: Task, problem: Problem, control: Control, zones: int) -> Outcome | Missed:
-    """Where many zones come and go a grid tells them, of which a few points are enough: what it is wrong about is dropped on the way.
-    zones: how many there were last."""
+def _changes_often(along: tuple[Passed, ...]) -> bool:
+    """Whether more zones have come or gone between the last two values than corrections are the shorter way for."""
+    return len(along) > 1 and abs(len(along[-1].solution.zones) - len(along[-2].solution.zones)) > max(_FEW)
+
+
+def _points(task: Task) -> int:
+    """Of a grid that tells which zones there are, if not all about them."""
+    profile, many = task.scene.profile, len(task.along[-1].solution.zones) > _MANY
+    assert profile.period is not None
+    return max(_FEWEST, asked(profile.period, profile.feature, MOST_POINTS)[0] // _COARSER[many])
+
+
+def _by_grid_or_missed(task: Task, problem: Problem, control: Control, points: int) -> Outcome | Missed:
+    """Where many zones come and go a grid tells them, of which a few points are enough: what it is wrong about is dropped on the way."""
     profile = task.scene.profile
     assert profile.period is not None
-    points = max(_FEWEST, asked(profile.period, profile.feature, MOST_POINTS)[0] // _COARSER[zones > _MANY])
     scaled = ScaledScene(problem, control, (profile.x0, profile.x0 + profile.period))
     outcome: Outcome | Missed = attempted(lambda: from_grid(task, scaled, points=points, drops=True))
     return outcome
 
 
-def _by_zones(task: Task, problem: Problem, control: Control, zones: Array, load: float) -> Outcome | Missed:
-    guess = 0.0 if control.load is not None else load
-    return task.refine_topology(problem, control, zones, value=guess, rounds=_ROUNDS, steps=_STEPS, drops=True)
+def _by_zones(task: Task, problem: Problem, control: Control, zones: Array, cheap: bool) -> Outcome | Missed:
+    guess = 0.0 if control.load is not None else task.along[-1].solution.load / problem.units.load
+    return task.refine_topology(problem, control, zones, value=guess, rounds=_ROUNDS[cheap], steps=_STEPS[cheap], drops=True)
 
 
-def _by_gaps(task: Task, problem: Problem, control: Control, zones: Array, load: float) -> Outcome | Missed:
+def _by_gaps(task: Task, problem: Problem, control: Control, zones: Array, cheap: bool) -> Outcome | Missed:
     period = problem.period
     assert period is not None
-    form, newton = ByGaps(problem, task.shared.relief(problem)), Newton(OF_GAPS * task.tolerance, load / period, steps=_STEPS, drops=True)
+    mean = task.along[-1].solution.load / problem.units.load / period
+    form, newton = ByGaps(problem, task.shared.relief(problem)), Newton(OF_GAPS * task.tolerance, mean, steps=_STEPS[cheap], drops=True)
     with task.plan.timed("zone ends"):
-        found = refine_topology(form, control, gaps_between(zones, period), newton, task.progress, rounds=_ROUNDS)
+        found = refine_topology(form, control, gaps_between(zones, period), newton, task.progress, rounds=_ROUNDS[cheap])
         if isinstance(found, Missed):
             return found
         found = tightened_gaps(task, found)
