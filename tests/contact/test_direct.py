@@ -345,7 +345,8 @@ def test_loads_that_numbers_hardly_hold_are_answered_or_left(load):
 def test_a_flat_top_is_left_to_the_general_ways():
     scene = contact.Scene(Plateau(), 1.0, PERIODIC, load=1e-3)
     assert directly(scene, 1e-2) is None
-    assert 0.3 < contact.solve(scene, 0.05).zones[0, 1] < 0.35
+    # What a series makes of its edges is stated to about 0.05 to 0.07.
+    assert 0.3 < contact.solve(scene, 0.1).zones[0, 1] < 0.35
 
 
 @pytest.mark.parametrize("name", ["wave", "wedge", "pair", "parabolas"])

@@ -19,7 +19,6 @@ derived again; row of waves: derived here. As c reaches L/2 the tension acts eve
 under a uniform tension.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from math import atan2, exp, log, pi, sqrt
@@ -337,15 +336,6 @@ class MetDugdaleZone(_DugdaleState):
         return load, self._compliance() * load
 
 
-def _root_within(whole: float, miss: Callable[[float], float]) -> float:
-    """The root between 0 and a length, from 1e-15 of it to 1e-15 short of it, by the logarithm of its distances from both."""
-
-    def at(log_ratio: float) -> float:
-        return whole / (1.0 + exp(-log_ratio))
-
-    return at(float(brentq(lambda log_ratio: miss(at(log_ratio)), -34.0, 34.0, xtol=1e-14, rtol=1e-15)))
-
-
 class _DugdaleEquilibria(Equilibria[_DugdaleState]):
     """Equilibria by the end c of the cohesive intervals; past L/2, where they have met, by L/2 plus what a has grown since."""
 
@@ -361,9 +351,17 @@ class _DugdaleEquilibria(Equilibria[_DugdaleState]):
         """w/s, up to which the surfaces pull."""
         return self.work / self.stress
 
+    def _miss(self, c: float, a: float) -> float:
+        return DugdaleZone(self._frictionless(a), self.stress, c).end_gap - self.end_gap
+
     def _half_width(self, c: float) -> float:
         """a at which the gap at c is w/s: it falls from its value without contact to zero at a = c."""
-        return _root_within(c, lambda a: DugdaleZone(self._frictionless(a), self.stress, c).end_gap - self.end_gap)
+
+        def miss(log_ratio: float) -> float:
+            return self._miss(c, c - c / (1.0 + exp(log_ratio)))
+
+        # From a = 1e-15 c to c - a = 1e-14 c.
+        return float(c - c / (1.0 + exp(brentq(miss, -34.0, 32.0, xtol=1e-14, rtol=1e-15))))
 
     def at(self, parameter: float) -> _DugdaleState:
         """The equilibrium of a parameter."""
@@ -546,8 +544,15 @@ class DugdaleWave(_DugdaleEquilibria):
         if self.end_gap >= 2.0 * self.amplitude:
             return 0.0
 
-        half = 0.5 * self.period
-        return _root_within(half, lambda a: float(self._frictionless(a)._gap(np.array(half - a))) - self.end_gap)
+        def miss(log_ratio: float) -> float:
+            a = self._ratio_width(log_ratio)
+            return float(self._frictionless(a)._gap(np.array(0.5 * self.period - a))) - self.end_gap
+
+        # a/(L/2 - a) from 1e-15 to 1e15.
+        return self._ratio_width(float(brentq(miss, -34.0, 34.0, xtol=1e-14, rtol=1e-15)))
+
+    def _ratio_width(self, log_ratio: float) -> float:
+        return 0.5 * self.period / (1.0 + exp(-log_ratio))
 
     def touching_gap(self, c: float) -> float:
         """The gap at c where contact begins, a = 0: f(c) + (4s/pi E*) int_0^c ln(2 cos(pi x/L)) dx."""

@@ -318,11 +318,15 @@ class GapClosure:
 
     def root(self, start: Place) -> Root:
         """From some zones near by, with the gaps that the exact profile asks for; raises Lost."""
-        root, failing = self._root(start)
-        for _ in range(_LOOKS):
-            if failing is None:
-                return root
-            root, failing = replace(self, carefully=True)._root(failing)
+        try:
+            root, failing = self._root(start)
+            for _ in range(_LOOKS):
+                if failing is None:
+                    return root
+                root, failing = replace(self, carefully=True)._root(failing)
+        except (ValueError, sie.SingularSystem) as e:
+            # Gaps that steps by the exact profile have moved over each other.
+            raise Lost(str(e)) from e
         raise Lost("the number of gaps did not settle")
 
     def _root(self, start: Place) -> tuple[Root, Place | None]:
