@@ -364,9 +364,7 @@ class Cohesive(Equilibria):
             # There are as many right sides as ends: a matrix once, not an iteration for each.
             state = sie.solve_fixed(pulled.equation(self.control(pulled, value)), state.density.zones, of_rates, direct=True)
         tension, density, count = pulled.pulling, state.density, len(table)
-        at = np.concatenate((table[:, 0], table[:, 1]))
-        # An end that contact covers is held at its corner.
-        beside = ~np.isin(at, density.zones.table)
+        at, beside, residual = self._driven(table, fields, density.zones.table)
         free, open_ = at[beside], np.flatnonzero(beside)
         strengths = np.hstack((self.stress * np.eye(len(free)), np.zeros((len(free), 1))))
         values = np.zeros((len(state.condition_scale), len(free) + 1))
@@ -379,8 +377,8 @@ class Cohesive(Equilibria):
         answers = sie.answers(state, free, strengths, values, free)
         level = np.append(np.zeros(len(free)), -1.0) if self.held.approach is not None else answers.levels.mean(axis=0)
         change = level - answers.potentials
-        transform, gap = np.zeros(2 * count), np.zeros(2 * count)
-        transform[beside], gap[beside] = density.transform(free), fields.formal_gap(free)
+        transform = np.zeros(2 * count)
+        transform[beside] = density.transform(free)
         matrix, by_value = np.zeros((2 * count, 2 * count)), np.zeros(2 * count)
         matrix[np.ix_(open_, open_)], by_value[beside] = change[:, :-1], change[:, -1]
         by_all = np.append(open_, 2 * count)
@@ -394,19 +392,24 @@ class Cohesive(Equilibria):
         rates = -(matrix + self.explicit(pulled, at, transform)) / self.reach
         rates[~beside], rates[:, ~beside] = 0.0, 0.0
         here = CohesivePoint(
-            table, value, 1 - gap / self.reach, rates, -by_value / self.reach, density.total - tension.total, float(fields.level),
+            table, value, residual, rates, -by_value / self.reach, density.total - tension.total, float(fields.level),
             density.zones.table, fields, moved, levels, look,
         )
         return self._at_corners(here)
 
+    def _driven(self, table: Array, fields: ZoneFields, zones: Array) -> tuple[Array, Mask, Array]:
+        """(the ends, those that zones do not cover, by what all are driven): a covered end is held at its corner."""
+        at = table.T.ravel()
+        beside, residual = ~np.isin(at, zones), np.ones(len(at))
+        residual[beside] -= fields.formal_gap(at[beside]) / self.reach
+        return at, beside, residual
+
     def _with_rates_of(
         self, alike: CohesivePoint, table: Array, value: float, fields: ZoneFields, look: tuple[Array, Array] | None
     ) -> CohesivePoint:
+        """The state on a table so near to that of another state that all follows its ends as there."""
         assert isinstance(fields.problem, Pulled)
-        at, residual, whole = table.T.ravel(), np.ones(2 * len(table)), alike.whole
-        # An end that contact covers is held at its corner.
-        beside = ~np.isin(at, fields.density.zones.table)
-        residual[beside] -= fields.formal_gap(at[beside]) / self.reach
+        residual, whole = self._driven(table, fields, fields.density.zones.table)[2], alike.whole
         return self._at_corners(CohesivePoint(
             table, value, residual, whole.rates, whole.by_value, fields.density.total - fields.problem.pulling.total, float(fields.level),
             fields.density.zones.table, fields, alike.by_ends, alike.level_rates, look,

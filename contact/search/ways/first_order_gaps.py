@@ -447,11 +447,12 @@ class GapClosure:
         return there
 
     def _with(self, turn: StripTurn, pressure: float, strip: Array, alone: Array, how: _How) -> _Both:
-        added = 2 * turn.half * pressure / np.pi
-        found = _contact(turn, pressure, self.load / np.pi - added, strip, how)
+        """From about such gaps."""
+        begun = self._on(turn, pressure, strip, alone)
+        found = _contact(begun.strip, how)
         if found.borders is None:
             raise Lost("the strip reaches its border", Unrest.BORDER)
-        return _Both(turn.centre, pressure, found, _contact(turn, 0.0, added, alone, how))
+        return replace(begun, strip=found, alone=_contact(begun.alone, how))
 
     @cached_property
     def _feature(self) -> float:
@@ -476,9 +477,9 @@ def _largest(gaps: GapContact, moved: Array) -> float:
     return float((np.abs(moved.T) / room_beside(gaps.table, TURN)).max())
 
 
-def _contact(turn: StripTurn, beyond: float, mean: float, table: Array, how: _How) -> GapContact:
+def _contact(begun: GapContact, how: _How) -> GapContact:
     """From about its gaps, with those that its signs ask for."""
-    equation = GapContact(turn, beyond, mean, table).equation
+    equation, table = begun.equation, begun.table
     for look in range(how.looks + 1):
         if len(table) == 0:
             raise Lost("no gap", Unrest.BORDER)
@@ -491,7 +492,7 @@ def _contact(turn: StripTurn, beyond: float, mean: float, table: Array, how: _Ho
             raise Lost(str(e)) from e
         if not free.converged and look == how.looks:
             raise Lost(free.reason)
-        found = GapContact(turn, beyond, mean, free.density.zones.table, free.state)
+        found = replace(begun, table=free.density.zones.table, found=free.state)
         if look == how.looks:
             # Where that does not settle it is looked at once more at the root.
             return found

@@ -389,10 +389,10 @@ class FirstOrderOfSeveral:
             if slow > _SLOW_STEPS or not math.isfinite(largest):
                 return None
             try:
-                lost = bends or largest > _BOLDEST
-                # A zone or a gap that is asked to go may be lost.
-                there = self._at(place, min(largest, _HALF), 0.0 if last else _ROUGHLY) if last or lost else self._once(place, largest)
-                if bold <= _NEARBY and (lost or not looked):
+                # A zone or a gap that is asked to go may be lost: both contacts are found anew, and looked at.
+                anew = bends or largest > _BOLDEST
+                there = self._at(place, min(largest, _HALF), 0.0 if last else _ROUGHLY) if last or anew else self._once(place, largest)
+                if bold <= _NEARBY and (anew or not looked):
                     there, looked = replace(there, strip=self._looked_at(there.strip), alone=self._looked_at(there.alone)), True
             except (NotConverged, WrongTopology, sie.SingularSystem):
                 return None
@@ -402,7 +402,7 @@ class FirstOrderOfSeveral:
             elif step.any():
                 matrix = matrix + _secant(matrix, step[:2], there.misses - at.misses, size)
             at, before = there, largest
-            if settled and not last:
+            if settled and not closely:
                 return at, rates, np.zeros(2)
         return None
 
