@@ -36,6 +36,7 @@ class Treecode:
         # Beyond a span on either side the whole set is far: a last cell there would be of no use.
         reach = 0.5 * period if period is not None else 1.5 * (last - first)
         self.ends = ends = _cells(zones, min(middle - reach, first), max(middle + reach, last))
+        self.closed = period is not None
         self.middle, self.half = 0.5 * (ends[1:] + ends[:-1]), 0.5 * np.diff(ends)
         self.sources = sources = Nested(Tree.over(zones.a, zones.b, zones.rest), kept=False)
         far = FarSum(sources, Nested(Tree.over(ends[:-1], ends[1:]), kept=False), density.kernel)
@@ -69,11 +70,12 @@ class Treecode:
         out = np.empty(len(x))
         order = np.argsort(x, kind="stable")
         cell = np.searchsorted(self.ends, x[order], side="right") - 1
-        outside = (cell < 0) | (x[order] > self.ends[-1])
+        # Half a period off the middle points may lie outside by rounding.
+        outside = np.zeros(len(x), dtype=bool) if self.closed else (cell < 0) | (x[order] > self.ends[-1])
         beyond = order[outside]
         if len(beyond):
             out[beyond] = self._beyond(x[beyond], potential)
-        order, cell = order[~outside], np.minimum(cell[~outside], len(self.middle) - 1)
+        order, cell = order[~outside], np.clip(cell[~outside], 0, len(self.middle) - 1)
         table = np.ascontiguousarray(series.T)
         for here in stretches(self.start[cell + 1] - self.start[cell] + 4, _BLOCK):
             places, cells = order[here], cell[here]

@@ -116,6 +116,20 @@ def test_fields_anywhere_are_those_summed_zone_by_zone(kernel, count):
     assert treecode.potential(x) == pytest.approx(density.potential(x), abs=2e-14)
 
 
+def test_half_a_period_off_the_middle_nothing_is_left_out():
+    """Where points are moved by periods to one side or the other, by rounding: the regular part of the kernel counts there, too."""
+    for seed in range(20):
+        zones = scattered(9, np.random.default_rng(seed))
+        density = sie.Density(zones, KERNELS["period"], np.tile([0.5, 0.0, -0.5], (9, 1)), ForcingJumps.none(), np.zeros(0))
+        opposite = 0.5 * (zones.a[0] + zones.b[-1]) + 0.5 * np.array([-1.0, 1.0])
+        x = (opposite[:, None] + 1e-16 * np.arange(-8, 9)).ravel()
+        beside = opposite[0] + 1e-13
+        transform, potential = float(density.transform(beside)), float(density.potential(beside))
+        assert not density.has_series
+        assert density.treecode.transform(x) == pytest.approx(transform, abs=1e-11)
+        assert density.treecode.potential(x) == pytest.approx(potential, abs=1e-12)
+
+
 def test_all_that_is_asked_once_series_are_at_hand_is_summed_with_them():
     zones = scattered(20, np.random.default_rng(3))
     density = sie.Density(zones, sie.cauchy(), np.tile([0.5, 0.0, -0.5], (20, 1)), ForcingJumps.none(), np.zeros(0))
