@@ -28,6 +28,13 @@ _OF_ITERATION = 0.01
 _DEPENDENT = 1e-15
 # What T_k / sqrt(1 - t^2) without its singularity comes to beside an end, over k.
 _AT_ENDS = 0.73
+# What samples at the nodes leave out is folded back onto the coefficients that are kept, and counts twice.
+FOLDED = 2.0
+# How much slower coefficients are taken to fall beyond the last ones.
+_SLOWER = 0.9
+# Of the largest of a series' last coefficients where these are rounding, over sqrt(1 - t^2) beside an end, which moves so that no 1/sqrt
+# is left there: 0.42 n^1.5 of their size on average, a third of the largest, half of which is for `FOLDED`.
+_OF_ROUNDING = 0.08
 # Points of every zone at which the residual is looked at: none of them a node.
 LOOKS = 15
 THETA = (np.arange(LOOKS) + 0.4142) * np.pi / LOOKS
@@ -122,11 +129,11 @@ class State(Solved):
         between the nodes, and the rounding of the side conditions, which no residual shows.
 
         With its singularity taken out, T_k / sqrt(1 - t^2) reaches 0.73 k (near an end): so much does c_k's error
-        count. What samples at the nodes leave out is folded back onto the coefficients that are kept, and counts twice.
+        count.
         """
         if self.size == 0.0:
             return 0.0
-        neglected = 2 * _AT_ENDS * float((self._missing * np.maximum(self.sizes.own[: len(self._missing)], 1)).max()) / self.size
+        neglected = FOLDED * float((self._missing * np.maximum(self.sizes.own[: len(self._missing)], 1)).max()) / self.size
         neglected += _AT_ENDS * float((self._missing_fields * self.system.layout.m).max()) / self.size
         coupled = self.system.layout.m[self.density.zones.solved]
         seen = residual_error(self._residuals, self.size, coupled, self.jumps_rounding[self.density.zones.solved])
@@ -180,30 +187,47 @@ class State(Solved):
     def noise(self) -> Array:
         """What rounding of the right side amounts to in each zone, over its largest coefficient: where coefficients have
         stopped falling."""
-        n, (head, last) = self.sizes.own[: len(self.truncation)], self._ends_of_series
-        return np.where(last < 0.5 * head, 0.0, self.truncation * 2 * np.sqrt(n)) if len(n) else self.truncation
+        return np.asarray(np.where(self._stopped, self.truncation * 2 * np.sqrt(self._kept), 0.0))
+
+    @cached_property
+    def _kept(self) -> Index:
+        """How many coefficients of the right side there are on each zone."""
+        g = self.system.g[: len(self.truncation)] != 0.0
+        return np.maximum(g.shape[1] - 1 - np.argmax(g[:, ::-1], axis=1), 1)
+
+    @cached_property
+    def _stopped(self) -> Mask:
+        """Whether they have stopped falling: what is left of them at the end, or was cut off there, is rounding."""
+        head, last = self._ends_of_series
+        return np.asarray((self._kept < self.sizes.own[: len(self._kept)]) | (last > 0.5 * head))
 
     @cached_property
     def _ends_of_series(self) -> tuple[Array, Array]:
         """The largest of a few coefficients of the right side half way and at the end of each zone's series."""
-        n = self.sizes.own[: len(self.truncation)]
-        parts = list(zip(np.abs(self.system.g)[: len(n)], n, np.maximum(4, n // 8), strict=True))
-        head = np.array([row[k // 2 - w + 1 : k // 2 + 1].max() for row, k, w in parts])
-        return head, np.array([row[k - w + 1 : k + 1].max() for row, k, w in parts])
+        head, last = self._some_up_to(0.5), self._some_up_to(1.0)
+        return np.array([row.max() for row in head]), np.array([row.max() for row in last])
+
+    def _some_up_to(self, part: float) -> list[Array]:
+        """Sizes of a few coefficients of the right side, from such a part of each zone's series down."""
+        kept = self._kept.tolist()
+        return [np.abs(row[int(part * k) :: -1][: max(4, k // 8)]) for row, k in zip(self.system.g[: len(kept)], kept, strict=True)]
 
     @cached_property
     def neglected(self) -> Array:
         """Sum of 0.73 k |c_k| over the neglected coefficients, estimated from the decay of the last ones, over the
         largest of the zone."""
-        n = self.sizes.own[: len(self.truncation)]
+        n = self._kept
         if len(n) == 0:
             return self.truncation
-        (head, last), window = self._ends_of_series, np.maximum(4, n // 8)
+        head, last = self._ends_of_series
         with np.errstate(divide="ignore", invalid="ignore"):
-            fall = np.where(head > 0, np.maximum(last / head, 1e-300), 1.0) ** (2.0 / n)
-        # Coefficients that fall no further are rounding, whose sum grows as a random walk.
-        weight = np.where(last > 0.5 * head, 2 * np.sqrt(n), _AT_ENDS * n * fall**window / np.maximum(1 - fall, 1.0 / n))
-        return np.asarray(self.truncation * np.maximum(weight, 1.0))
+            fall = np.where(head > 0, np.maximum(last / head, 1e-300), 1.0) ** (2.0 * _SLOWER / n)
+        rest = 1 / np.maximum(1 - fall, 1.0 / n)
+        flat, following = np.array([_continued(row, one) for row, one in zip(self._some_up_to(1.0), fall, strict=True)]).T
+        falling = _AT_ENDS * (n + rest) * rest * following
+        # Of rounding there is as much in all of them: its sum grows as a random walk.
+        rounding = np.maximum(_OF_ROUNDING * n**1.5, np.where(self._stopped, 0.0, falling))
+        return np.asarray(self.truncation * np.maximum(np.where(self._stopped | (flat > 0), rounding, falling), 1.0))
 
     @cached_property
     def _residual(self) -> Array:
@@ -223,6 +247,14 @@ class State(Solved):
             mirrored = -transformed - self.right_side(-x) - system.jumps.left_out(-x)
             value = np.where(np.abs(mirrored) > np.abs(value), mirrored, value)
         return np.asarray(value.reshape(-1, len(t)) * np.sin(THETA))
+
+
+def _continued(row: Array, fall: float) -> tuple[bool, float]:
+    """(whether the last coefficients of a series, from the end down, fall by less than half of what all of them do, the next one as they
+    and that have it, over their largest): they may come and go, and the largest of them need not be the first one."""
+    few = len(row)
+    flat = row[: few // 2].max() > row[few // 2 :].max() * fall ** (few / 4)
+    return flat, fall**few if flat else float((row * fall ** np.arange(1.0, few + 1)).max() / max(row.max(), 1e-300))
 
 
 def residual_error(residuals: Array, size: float, coupled: Index, rounding: Array, separated: Mask | bool = True) -> float:

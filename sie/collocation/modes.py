@@ -27,6 +27,9 @@ OWN_SIZES = np.array(
 _FEW, _FALLEN = 16, 1e-12
 # Only below this part of the largest coefficient can a plateau be rounding.
 _NOISE, _TO_A_PIECE = 1e-5, 4
+# Series so long are cut, if half of them are no more than so many times the last ones: coefficients of a jump would fall to half. How
+# many more are kept at the least.
+_LONG, _PLATEAU, _LEFT = 96, 1.5, 8
 # Places rounded to less than this part of a zone are exact to all purposes.
 _FINE = 1e-14
 # No zone has this decay but one without neighbours.
@@ -156,11 +159,23 @@ def sample(forcing: Forcing, zones: Zones, jumps: ForcingJumps, own: Index, tole
     for group, g in found:
         table[group, 1 : g.shape[1] + 1] = g
     tail = np.maximum(tails[:, 1], 0.0)
+    _cut(table, own, tail, zones.solved)
     if zones.symmetric:
         mirror(zones, table)
         left = np.arange(len(zones) // 2)
         own[left], tail[left] = own[::-1][left], tail[::-1][left]
     return Samples(table, own, tail, evaluations)
+
+
+def _cut(table: Array, own: Index, tail: Array, zones: Index) -> None:
+    """Of long series whose coefficients have stopped falling half way to their end, those that are rounding are none: beside an end their
+    sum grows as n^1.5, that of fewer from as many nodes by less."""
+    for zone in zones[own[zones] >= _LONG]:
+        n = int(own[zone])
+        size = np.abs(table[zone, : n + 1])
+        if size[n // 2 : n - n // 8].max() <= _PLATEAU * tail[zone] <= _NOISE * size.max():
+            told = int(np.flatnonzero(size > 2 * tail[zone]).max(initial=0))
+            table[zone, told + max(_LEFT, told // 8) + 1 :] = 0.0
 
 
 def _places(zones: Zones, group: Index) -> Array:

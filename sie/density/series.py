@@ -19,8 +19,8 @@ from sie.jumps.forcing import ForcingJumps
 _BESIDE = 0.01
 # Most even angles of one zone that `sampling` asks for.
 _MOST_PLACES = 2**14
-# Most angles of a zone at which it is looked how the density follows the ends.
-LOOKS = 128
+# Most angles of a zone at which it is looked how the density follows the ends, and kinks beside which it is.
+LOOKS, _KINKS = 512, 32
 # Of all that the coefficients of a zone's density bend it by, what the last ones may be left out with.
 _TOLD = 1e-6
 
@@ -137,7 +137,7 @@ class Series(Located):
                 if i not in self.jumps.by_zone:
                     continue
                 peak[i] = np.abs(value[:, column] + self.jumps.density(i, 1 + np.cos(theta), 1 - np.cos(theta))).max()
-                beside = self.jumps.beside_kinks(i, _BESIDE, theta)
+                beside = beside_kinks(*self.jumps.sharpest(i), theta)
                 left, right = 2 * np.cos(0.5 * beside) ** 2, 2 * np.sin(0.5 * beside) ** 2
                 bent = np.cos(beside[:, None] * k) @ (k * sums[:, column]) + self.jumps.angular_slope(i, left, right)
                 tangent = np.tan(0.5 * beside)
@@ -213,3 +213,17 @@ class Series(Located):
         """c_0 of the jumps of `ForcingJumps.sharp_potential`, per zone."""
         high = self.jumps.high_coefficients(self.zones)[:, :1]
         return np.asarray(self.jumps.t_coefficients(self.zones, 1)[:, 0] - high.sum(axis=1))
+
+
+def beside_kinks(left: Array, height: Array, theta: Array) -> Array:
+    """Angles at which it is looked how a density follows the ends: those given, and right beside its largest kinks, by distances from the
+    left end over w, but none nearer to one than _BESIDE, or than a quarter of their mean distance."""
+    if len(left) == 0:
+        return theta
+    away, order = min(_BESIDE, 0.25 / len(left)), np.argsort(left)
+    s = left[order] - 1
+    largest = s[np.argsort(-np.abs(height[order]))[:_KINKS]]
+    t = np.concatenate((np.cos(theta), largest - away, largest + away))
+    place = np.searchsorted(s, t)
+    distance = np.minimum(np.abs(t - s[np.maximum(place - 1, 0)]), np.abs(t - s[np.minimum(place, len(s) - 1)]))
+    return np.asarray(np.arccos(t[(distance > 0.999 * away) & (np.abs(t) < 1)]))

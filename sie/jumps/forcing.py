@@ -48,8 +48,6 @@ MadeSpline = Callable[[Array, Array, Callable[[Array], Array]], tuple[Spline, Ar
 _REACH, _TERMS, _JUMPS = np.array([0.25, 0.6, 0.87]), np.array([32, 80, 288]), (10, 36)
 # Of the angle: by which slopes are found.
 _STEP = 1e-5
-# Kinks of a zone beside which it is looked how the density follows the ends.
-_KINKS = 32
 
 
 @record
@@ -313,20 +311,12 @@ class ForcingJumps(Jumps):
 
         return np.asarray((value(angle + step) - value(angle - step)) / (2 * step))
 
-    def beside_kinks(self, zone: int, nearest: float, theta: Array) -> Array:
-        """Angles of a zone at which its density is asked for: those given, and right beside the largest kinks, but none nearer
-        to a kink than `nearest` over w, or than a quarter of the kinks' mean distance; without kinks, beside jumps of the next order, at
-        which the density is steepest."""
-        k = self.by_zone[zone]
-        k = k[self.order[k] == self.order[k].min(initial=2)]
-        if len(k) == 0 or self.order[k[0]] > 1:
-            return theta
-        away, s = min(nearest, 0.25 / len(k)), np.sort(self.s[k])
-        largest = self.s[k[np.argsort(-np.abs(self.height[k]))[:_KINKS]]]
-        t = np.concatenate((np.cos(theta), largest - away, largest + away))
-        place = np.searchsorted(s, t)
-        distance = np.minimum(np.abs(t - s[np.maximum(place - 1, 0)]), np.abs(t - s[np.minimum(place, len(s) - 1)]))
-        return np.asarray(np.arccos(t[(distance > 0.999 * away) & (np.abs(t) < 1)]))
+    def sharpest(self, zone: int) -> tuple[Array, Array]:
+        """(distances from the left end over w, heights) of a zone's jumps beside which its density is steepest: the kinks, without any
+        the jumps of the next order, none of those beyond."""
+        k = self.by_zone.get(zone, np.zeros(0, dtype=np.intp))
+        k = k[(self.order[k] == self.order[k].min(initial=2)) & (self.order[k] < HIGHEST)]
+        return self.left[k], self.height[k]
 
     def left_out(self, x: Array) -> Array:
         """What the right side has at points x beyond the values that the caller gives: nothing."""

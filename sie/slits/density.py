@@ -11,12 +11,13 @@ from numpy.typing import ArrayLike, NDArray
 from sie.basis import chebyshev
 from sie.basis.data import Array, Index, Mask, wrapped
 from sie.basis.interval import Outside, edge_scale, slope_scale
+from sie.basis.interval import theta as theta_of
 from sie.basis.kernels import Kernel, cauchy
 from sie.basis.zones import Zones
 from sie.density.density import Density
 from sie.density.field import from_zones
 from sie.density.located import Located
-from sie.density.series import LOOKS
+from sie.density.series import LOOKS, beside_kinks
 from sie.jumps.forcing import ForcingJumps
 from sie.slits.kinks import SlitKink
 from sie.slits.merged import Merged
@@ -25,6 +26,8 @@ from sie.slits.slits import Slits, off_slit
 
 # Points looked at together.
 _BLOCK = 4096
+# Of the angle: by which slopes are found; angles of a piece at the least.
+_STEP, _FEWEST = 1e-5, 24
 # At so many half widths off a wide zone rho is 0.44, and 48 coefficients tell all of its slits.
 _TELLS = 0.36
 
@@ -239,18 +242,35 @@ class SlitDensity(Located):
     def sensitivity(self) -> tuple[Array, Array, Array]:
         """See `Density.sensitivity`, of the pieces; the slope by differences, since a piece has no series of its own."""
         zones = self.zones
-        peak, by_left, by_right = np.zeros((3, len(zones)))
-        counts = np.minimum(self.sampling, LOOKS)
         at_left, at_right = (slope * edge_scale(zones.half) for slope in self.edge_slopes)
-        for n in np.unique(counts):
-            group = np.flatnonzero(counts == n)
-            theta = (np.arange(n) + 0.5) * np.pi / n
-            value = self.at(group[:, None], 2 * np.cos(theta / 2) ** 2, 2 * np.sin(theta / 2) ** 2)
-            slope, half = np.gradient(value, theta, axis=1), np.tan(0.5 * theta)
-            peak[group] = np.abs(value).max(axis=1)
-            by_right[group] = np.abs((slope - at_right[group, None]) / half).max(axis=1)
-            by_left[group] = np.abs((slope + at_left[group, None]) * half).max(axis=1)
-        return peak, by_left, by_right
+        angles = [self._looked_at(piece, count) for piece, count in enumerate(self._counts.tolist())]
+        piece, first = np.repeat(np.arange(len(zones)), [len(one) for one in angles]), np.cumsum([0, *map(len, angles[:-1])])
+        theta = np.concatenate(angles)
+
+        def value(angle: Array) -> Array:
+            return self.at(piece, 2 * np.cos(angle / 2) ** 2, 2 * np.sin(angle / 2) ** 2)
+
+        step = np.minimum(_STEP, 0.5 * np.minimum(theta, np.pi - theta))
+        slope, half = (value(theta + step) - value(theta - step)) / (2 * step), np.tan(0.5 * theta)
+        by_right, by_left = np.abs((slope - at_right[piece]) / half), np.abs((slope + at_left[piece]) * half)
+        return tuple(np.maximum.reduceat(each, first) for each in (np.abs(value(theta)), by_left, by_right))  # type: ignore[return-value]
+
+    @cached_property
+    def _counts(self) -> Index:
+        """Even angles of each piece that show all of the density: its share of those of its wide zone, and as many again for the slits."""
+        merged, w = self.merged, self.merged.wide.half[self.merged.piece_zone]
+        left, right = theta_of(merged.start / w, 2 - merged.start / w), theta_of(2 - merged.rest / w, merged.rest / w)
+        return np.clip(2 * self.sampling * (left - right) / np.pi, _FEWEST, LOOKS).astype(np.intp)
+
+    def _looked_at(self, piece: int, count: int) -> Array:
+        """So many angles of a piece, and some beside kinks."""
+        merged, zone = self.merged, int(self.merged.piece_zone[piece])
+        w, half, start = merged.wide.half[zone], self.zones.half[piece], merged.start[piece]
+        theta = (np.arange(count) + 0.5) * np.pi / count
+        left, height = self.jumps.sharpest(zone)
+        left = (left * w - start) / half
+        inside = (left > 0) & (left < 2)
+        return beside_kinks(left[inside], height[inside], theta)
 
     def _edges(self, wide: tuple[Array, Array], slits: tuple[Array, Array], signs: tuple[float, float]) -> tuple[Array, Array]:
         """Values at the pieces' ends, from those of wide zones and of slits (over X, with signs for their two ends)."""

@@ -382,7 +382,7 @@ class SlitState(Answered):
         zone = self.merged.piece_zone
         seen = fixed.residual_error(self._residuals, peak, coupled[zone], wide.jumps_rounding[zone], np.bincount(zone)[zone] == 1)
         slits = (float(self._tails.max()) + wide.density_rounding) / peak + self.rest
-        neglected = float((self._neglected * np.maximum(wide.sizes.own[: len(coupled)], 1)).max()) / peak
+        neglected = fixed.FOLDED * float((self._neglected * np.maximum(wide.sizes.own[: len(coupled)], 1)).max()) / peak
         return neglected + seen + slits
 
     @cached_property

@@ -180,6 +180,17 @@ class TestClosure:
         off = np.abs(solution.zones - tight.zones) / np.diff(tight.zones)
         assert off.max() <= solution.error + tight.error
 
+    @pytest.mark.slow
+    def test_short_series_beside_a_narrow_gap_are_stated(self):
+        # A gap of 1e-3 of the zones: the pressure's slope reaches 250 times its peak a width, and 192 coefficients leave 2e-8.
+        profile = drawn(np.random.default_rng([4242, 4, 6]), "wear_flats", 250, "uneven")
+        scene = contact.Scene(profile, 1.0, FIRST, load=0.4 * full_load(profile))
+        solutions = [contact.solve(scene, tol=tol) for tol in (1e-7, 1e-8)]
+        along = (1 - np.cos(np.linspace(0.003, np.pi - 0.003, 400))) / 2
+        first, second = ([each.pressure(a + along * (b - a)) for a, b in each.zones] for each in solutions)
+        off = np.abs(np.array(first) - np.array(second)).max() / solutions[1].max_pressure
+        assert 1e-8 < off <= sum(each.error for each in solutions)
+
     @pytest.mark.parametrize("seed, kind, points, part", [(0, "white_noise", 100, 0.9), (2, "ground", 200, 0.99)])
     def test_gaps_are_as_close_as_the_pressure_beside_them_asks_for(self, seed, kind, points, part):
         # Narrow gaps at the border: the pressure follows its ends several hundred times.

@@ -221,6 +221,31 @@ def test_newton_finds_designed_ends_across_a_narrow_gap(gap, period):
         assert error.max() < max(1e-12, 20 * 2.2e-16 / gap) * designed.max_pressure
 
 
+@pytest.mark.parametrize("gap", [1e-3, 0.1])
+def test_how_the_density_follows_an_end_is_seen_of_all_its_ripples(gap):
+    """Two packets of some eight ripples, with a slit between the zones and without: from the definition, at many angles."""
+    designed, packets = design([[-0.2, -0.03], [-0.03 + 0.17 * gap, 0.15]], 2.0, 1.0), ((-0.12, 1300.0), (0.07, 900.0))
+
+    def height(x):
+        return designed.profile.height(x) + sum(3e-4 * np.exp(-(((x - c) / 0.018) ** 2)) * np.cos(k * x) for c, k in packets)
+
+    def slope(x):
+        parts = [(c, k, 3e-4 * np.exp(-(((x - c) / 0.018) ** 2))) for c, k in packets]
+        return designed.profile.slope(x) - sum(size * (k * np.sin(k * x) + 2 * (x - c) / 0.018**2 * np.cos(k * x)) for c, k, size in parts)
+
+    problem = sie.Equation(sie.cauchy(), sie.Forcing(slope, height), (sie.Total(designed.load), sie.EqualPotential()))
+    free = sie.find_ends(problem, sie.Zones.of(designed.zones), 1e-12)
+    density = free.density
+    assert free.converged and isinstance(free.state, SlitState) == (gap < 0.02)
+    theta, step = np.linspace(2e-3, np.pi - 2e-3, 20_000), 1e-6
+    for piece in range(2):
+        before, here, after = (density.at_t(piece, np.cos(theta + move)) for move in (-step, 0.0, step))
+        slope, half = (after - before) / (2 * step), np.tan(theta / 2)
+        at_left, at_right = (each[piece] * np.sqrt(density.zones.half[piece] / 2) for each in density.edge_slopes)
+        exact = np.abs(here).max(), np.abs((slope + at_left) * half).max(), np.abs((slope - at_right) / half).max()
+        assert [each[piece] for each in density.sensitivity] == pytest.approx(exact, rel=0.03)
+
+
 def many(first, second):
     """An equation on a period, and zones of which two gaps are narrow."""
     rng = np.random.default_rng(3)
