@@ -20,7 +20,7 @@ _BESIDE = 0.01
 # Most even angles of one zone that `sampling` asks for.
 _MOST_PLACES = 2**14
 # Most angles of a zone at which it is looked how the density follows the ends, and kinks beside which it is.
-LOOKS, _KINKS = 512, 32
+LOOKS, _KINKS = 256, 32
 # Of all that the coefficients of a zone's density bend it by, what the last ones may be left out with.
 _TOLD = 1e-6
 

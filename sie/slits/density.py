@@ -247,13 +247,12 @@ class SlitDensity(Located):
         piece, first = np.repeat(np.arange(len(zones)), [len(one) for one in angles]), np.cumsum([0, *map(len, angles[:-1])])
         theta = np.concatenate(angles)
 
-        def value(angle: Array) -> Array:
-            return self.at(piece, 2 * np.cos(angle / 2) ** 2, 2 * np.sin(angle / 2) ** 2)
-
         step = np.minimum(_STEP, 0.5 * np.minimum(theta, np.pi - theta))
-        slope, half = (value(theta + step) - value(theta - step)) / (2 * step), np.tan(0.5 * theta)
+        before, after = (self.at(piece, 2 * np.cos(at / 2) ** 2, 2 * np.sin(at / 2) ** 2) for at in (theta - step, theta + step))
+        slope, half = (after - before) / (2 * step), np.tan(0.5 * theta)
         by_right, by_left = np.abs((slope - at_right[piece]) / half), np.abs((slope + at_left[piece]) * half)
-        return tuple(np.maximum.reduceat(each, first) for each in (np.abs(value(theta)), by_left, by_right))  # type: ignore[return-value]
+        largest = np.abs(before + after) / 2
+        return tuple(np.maximum.reduceat(each, first) for each in (largest, by_left, by_right))  # type: ignore[return-value]
 
     @cached_property
     def _counts(self) -> Index:

@@ -243,7 +243,7 @@ def test_how_the_density_follows_an_end_is_seen_of_all_its_ripples(gap):
         slope, half = (after - before) / (2 * step), np.tan(theta / 2)
         at_left, at_right = (each[piece] * np.sqrt(density.zones.half[piece] / 2) for each in density.edge_slopes)
         exact = np.abs(here).max(), np.abs((slope + at_left) * half).max(), np.abs((slope - at_right) / half).max()
-        assert [each[piece] for each in density.sensitivity] == pytest.approx(exact, rel=0.03)
+        assert [each[piece] for each in density.sensitivity] == pytest.approx(exact, rel=0.1)
 
 
 def many(first, second):
