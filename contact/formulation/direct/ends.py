@@ -23,6 +23,8 @@ from sie import Array, Index, Mask, record
 _EPS = float(np.finfo(float).eps)
 # Nodes at first and at the most.
 _FIRST, _LARGEST = 8, 512
+# Part of the way to a border, or to each other, that ends of a pair go in a step; of that room what zones have at first.
+_CUT, _WITHIN = 0.8, 0.95
 _STEPS = 60
 # Of the coefficients: what the last ones are beside the values, where the series is at its end.
 _RESOLVED = 4.0
@@ -290,11 +292,12 @@ def _pair_load(sheet: Sheet, load: float) -> Ends:
         by_half = (even * mean * half - 0.5 * odd * missed) / (upper * lower)
         # Within the half of the period, and not past the middle.
         ahead = max((by_half - by_middle) / (middle - half), (by_middle + by_half) / (top - middle - half), -by_half / half)
-        cut = min(1.0, 0.5 / max(ahead, 1e-300))
+        cut = min(1.0, _CUT / max(ahead, 1e-300))
         move, rounding = (abs(by_middle) + abs(by_half)) / half, _EPS * (_RESOLVED + 4.0 * middle / half)
         return move, rounding, middle + cut * by_middle, half + cut * by_half
 
-    return _settled(sheet, tip, float(_first_halves(sheet, wanted)), step)
+    middle, half = _first_pair(sheet, wanted)
+    return _settled(sheet, float(middle), float(half), step)
 
 
 def _wider(size: int, slowest: float) -> int:
@@ -343,8 +346,9 @@ def _pair(sheet: Sheet, loads: Array) -> Ends:
     """Two zones."""
     tip, top = sheet.tip_at, sheet.top
     wanted_of = loads / (sheet.map.load_factor * 0.5 * math.pi)
-    book = _Book(len(loads), _first_halves(sheet, wanted_of))
-    book.middle, book.next_middle = np.full(len(loads), tip), np.full(len(loads), tip)
+    middles, halves = _first_pair(sheet, wanted_of)
+    book = _Book(len(loads), halves)
+    book.middle, book.next_middle = middles, middles.copy()
 
     def step(rows: Index, nodal: Table) -> tuple[Array, Array, Array]:
         middle, half = book.middle[rows], book.half[rows]
@@ -359,7 +363,7 @@ def _pair(sheet: Sheet, loads: Array) -> Ends:
         by_half = (even * mean * half - 0.5 * odd * missed) / scale
         up, down = by_middle + by_half, by_half - by_middle
         ahead = np.maximum(np.maximum(down / (middle - half), up / (top - middle - half)), -by_half / half)
-        cut = np.minimum(1.0, 0.5 / np.maximum(ahead, 1e-300))
+        cut = np.minimum(1.0, _CUT / np.maximum(ahead, 1e-300))
         book.next_middle[rows], book.next_half[rows] = middle + cut * by_middle, half + cut * by_half
         return values, (np.abs(by_middle) + np.abs(by_half)) / half, _EPS * (_RESOLVED + 4.0 * middle / half)
 
@@ -438,9 +442,11 @@ def _without_last(size: list[float]) -> tuple[int, float]:
     return count, sum(size[count:]) / scale if scale > 0.0 else 0.0
 
 
-def _first_halves(sheet: Sheet, wanted: Value) -> Value:
-    """Half lengths of narrow zones, whose load goes with the square of their width; not so wide that they would meet."""
-    room = min(sheet.tip_at, sheet.top - sheet.tip_at)
-    near, nodal = 0.01 * room, table(_FIRST, False)
-    slope = float(_slopes(sheet, sheet.tip_at + near * nodal.t).dot(nodal.first)) / near
-    return np.minimum(np.sqrt(wanted / slope), 0.9 * room)
+def _first_pair(sheet: Sheet, wanted: Value) -> tuple[Value, Value]:
+    """(middles, half lengths) of the intervals of narrow zones, whose load goes with the square of their width; of wide ones these move
+    over, for the room beside the tip."""
+    tip, top = sheet.tip_at, sheet.top
+    near, nodal = 0.01 * min(tip, top - tip), table(_FIRST, False)
+    slope = float(_slopes(sheet, tip + near * nodal.t).dot(nodal.first)) / near
+    half = np.minimum(np.sqrt(wanted / slope), 0.45 * top)
+    return np.minimum(np.maximum(tip, half / _WITHIN), top - half / _WITHIN), half

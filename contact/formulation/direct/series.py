@@ -16,7 +16,7 @@ from sie import Array, Index, record
 # K. Zeller, Math. Z. 86, 1964, 41, doi 10.1007/BF01111276).
 _DENSER = 8
 # Nodes up to which a product with a stored matrix is faster than the call of a fast transform.
-_MATRICES = 64
+_MATRICES = 128
 # Orders up to which a sum of powers is Horner's; and numbers in a table of powers at the most.
 _FEW, _AT_ONCE = 8, 1 << 20
 WIDENED = 1.0 / np.cos(0.5 * np.pi / _DENSER) - 1.0
