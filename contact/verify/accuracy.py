@@ -57,7 +57,7 @@ def _stated(found: Found) -> float:
     ends = found.ends
     _, by_left, by_right = density.sensitivity
     problem = found.fields.problem
-    singular, peak = _is_singular(density), _reference(density, problem.end, problem.borne(density))
+    singular, peak = _is_singular(density), reference(density, problem.end, problem.borne(density))
     moved = float((ends[:, 0] * by_left + ends[:, 1] * by_right).max(initial=0.0)) / peak
     on_zones = (_SINGULAR if singular else 1) * (state.density_error * state.size / peak + ROUNDING) + _of_jumps(density) / peak
     error = max(float(ends.max(initial=0.0)) + ROUNDING, of_positions(found) + ROUNDING, moved + on_zones) + _of_body(found)
@@ -116,7 +116,7 @@ def _is_singular(density: sie.AnyDensity) -> bool:
     return any(end.intensity != 0.0 for end in (*density.zones.left, *density.zones.right))
 
 
-def _reference(density: sie.AnyDensity, free: sie.End, borne: float | None = None) -> float:
+def reference(density: sie.AnyDensity, free: sie.End, borne: float | None = None) -> float:
     """What errors of the pressure are referred to: its peak, or the mean contact pressure where the peak is infinite; where free ends
     pull, the largest p sqrt(1 - t^2), which is finite, and not less than such an end makes of it. free: the kind of free ends; borne: by
     all zones, where that is not the density's total."""
@@ -147,7 +147,7 @@ def limit(free: sie.Free, tol: float, of: str, positions: float = 0.0, end: sie.
     if of != "zone":  # the density is the slope of the gap, and no pressure to refer to
         return ""
     _, by_left, by_right = density.sensitivity
-    moved = float((rounding[:, 0] * by_left + rounding[:, 1] * by_right).max()) / _reference(density, end)
+    moved = float((rounding[:, 0] * by_left + rounding[:, 1] * by_right).max()) / reference(density, end)
     if moved > 0.25 * tol:
         return (
             f"rounding leaves ends uncertain by {worst:.1e} of a width, and beside a corner so close to an end the pressure follows "

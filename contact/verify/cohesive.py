@@ -8,13 +8,14 @@ from functools import cached_property
 
 import numpy as np
 
+from contact.formulation.fields import ZoneFields
 from contact.formulation.tables import gaps_between
 from contact.formulation.tension.cohesive import Cohesive, CohesivePoint
 from contact.formulation.tension.contact import look_at
 from contact.formulation.tension.fields import PulledFields, scaled_second_variation
-from contact.verify.accuracy import Found
+from contact.verify.accuracy import Found, reference
 from contact.verify.certificate import Certificate, least_eigenvalue
-from sie import record, wrapped
+from sie import AnyDensity, Array, record, wrapped
 
 # A miss of the reach, over it, and what rounding of heights may make of it.
 _REACH = 1e-7
@@ -24,6 +25,8 @@ _BESIDE = 1e-9
 
 # Over what the ends of the tension are off by, what the pressure is off by at equal normalised position: zones and strips move together.
 _MOVED = 16.0
+# Places of a zone at which its slope is looked at, no nearer in the angle to its ends, and by what step.
+_LOOKS, _AWAY, _STEP = 2048, 0.3, 1e-5
 
 
 @record
@@ -77,16 +80,30 @@ def certified(plain: Certificate, curve: Cohesive, here: CohesivePoint | None, f
     return replace(plain, smallest_pressure=least, holds=bool(held), note=note, intensity=missed, stability=stability)
 
 
-def uncertain(curve: Cohesive, here: CohesivePoint) -> float:
-    """What the ends of the tension may be off by, and the zones by it, over the width of either; and what the pressure is by that."""
+def uncertain(curve: Cohesive, here: CohesivePoint, fields: ZoneFields) -> float:
+    """What the ends of the tension may be off by, and the zones by it, over the width of either; and what the pressure of these fields is
+    by that."""
     assert here.q is not None
     rounding = here.q.gap_rounding / 16 / curve.reach
     ends = np.abs(np.linalg.solve(here.rates, here.residual)) + np.abs(np.linalg.inv(here.rates)) @ np.full(len(here.residual), rounding)
-    width = np.tile(np.diff(here.zones, axis=1)[:, 0], 2)
     # The load of q is the difference of the tension's and the given one.
     load = 4.0 * np.finfo(np.float64).eps * (abs(here.load) + curve.stress * float(here.widths.sum()))
     follow = np.abs(here.by_ends[:, :-1]) @ ends + np.abs(here.by_ends[:, -1]) * curve.yields * load
-    return _MOVED * float(max((ends / here.widths).max(), (follow / width).max()))
+    followed = follow.reshape(2, -1).T / np.diff(here.zones, axis=1)
+    density, problem = fields.density, fields.problem
+    largest = max(reference(density, problem.end, problem.borne(density)), np.finfo(np.float64).tiny)
+    steep = np.maximum(_MOVED, _steepness(density) / largest)
+    return max(_MOVED * float((ends / here.widths).max()), float((steep * followed.max(axis=1)).max()))
+
+
+def _steepness(density: AnyDensity) -> Array:
+    """The steepest slope of the pressure of each zone a width, away from its ends (Z,)."""
+    out = np.zeros(len(density.zones))
+    for zone, count in enumerate(np.minimum(density.sampling, _LOOKS).tolist()):
+        theta = np.linspace(_AWAY, np.pi - _AWAY, count)
+        before, after = (density.at(zone, 2 * np.cos(at / 2) ** 2, 2 * np.sin(at / 2) ** 2) for at in (theta - _STEP, theta + _STEP))
+        out[zone] = float((np.abs(after - before) / (_STEP * np.sin(theta))).max())
+    return out
 
 
 def rounded_load(fields: PulledFields) -> float:

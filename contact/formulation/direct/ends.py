@@ -280,8 +280,7 @@ def _by_both(before: tuple[float, float, float], here: tuple[float, float, float
 
 def _pair_load(sheet: Sheet, load: float) -> Ends:
     """Two zones: Newton on the middle and the half length of their interval, from narrow zones about the tips."""
-    top, tip = sheet.top, sheet.tip_at
-    wanted = load / (sheet.map.load_factor * 0.5 * math.pi)
+    top, wanted = sheet.top, load / (sheet.map.load_factor * 0.5 * math.pi)
 
     def step(middle: float, half: float, sums: list[float]) -> tuple[float, float, float, float] | None:
         first, upper, _, _, lower, mean = sums

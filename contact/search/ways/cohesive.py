@@ -335,7 +335,7 @@ def solved(task: Task, curve: Cohesive, here: Point) -> Found:
     fields, free, control = _tight(task, pulled, at_load.load + pulled.pulling.total, here.zones)
     certificate = certify(ZoneFields(pulled, fields.state), control.load)
     whole = replace(fields, law_problem=problem, rate=at_load.rate)
-    return FoundBeside(free, whole, certified(certificate, curve, here), 1, control, task.tolerance, beside=uncertain(curve, here))
+    return FoundBeside(free, whole, certified(certificate, curve, here), 1, control, task.tolerance, beside=uncertain(curve, here, fields))
 
 
 def _tight(task: Task, pulled: Pulled, load: float, zones: Array) -> tuple[PulledFields, sie.Free, Load]:
