@@ -378,6 +378,17 @@ class TestFirstOrderSearch:
         alone = grid.alone(problem.amplitude, problem.centre, 2**16, 1e-8, None)
         assert abs(alone.width - solution.zone_widths.sum()) < 4 * alone.cell
 
+    def test_a_profile_alone_that_presses_at_its_border_is_given_a_zone_there(self):
+        """As wide as the overlap such a zone would shrink away: it is a tenth of that."""
+        rng = np.random.default_rng([91, 102])
+        rng.integers(0, 13), rng.integers(30, 300), rng.random()
+        drawn_one = drawn(rng, "spikes", 39)
+        mirrored = contact.Sampled(-np.asarray(drawn_one.x)[::-1], np.asarray(drawn_one.heights)[::-1], period=drawn_one.period)
+        full = contact.solve(contact.Scene(drawn_one, 1.0, PERIODIC, contact_fraction=1.0)).load
+        one, other = (contact.solve(contact.Scene(each, 1.0, FIRST, load=0.06087 * full)) for each in (drawn_one, mirrored))
+        assert len(one.zones) == len(other.zones) == 10
+        assert np.abs(np.sort(one.zone_loads) - np.sort(other.zone_loads)).max() < 1e-9 * one.load
+
     def test_a_strip_is_solved_whose_profile_alone_touches_up_to_the_borders(self):
         solution = contact.solve(random_scenes.draw(11348).scene)
         assert solution.certificate.holds and len(solution.zones) > 1 and solution.error <= 1e-8

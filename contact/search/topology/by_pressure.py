@@ -23,7 +23,7 @@ from sie import Array, record, wrapped
 # Gaps over kinks below this part of the zones beside them are not taken to close.
 _NARROW = 1e-3
 # Of an overlap: as wide as that a new zone begins.
-_NEW = 0.7
+_NEW, _AT_CORNER = 0.7, 0.1
 
 
 @record
@@ -97,14 +97,16 @@ class ByPressure:
         return certify(fields, control.load, control, few)
 
     def corrected(self, zones: sie.Zones, certificate: Certificate) -> Array:
-        """Those with pulling parts cut out, and a new one in every overlap."""
+        """Those with pulling parts cut out, and a new one in every overlap, up to the corner or border where it begins or ends there."""
         if len(certificate.negative) == 0 and len(certificate.overlaps) == 0:
             if rounded := height_rounding.told(self.problem, zones.table):
                 raise SceneError(rounded, "profile", self.problem.profile)
             raise WrongTopology(certificate.note or "the balance of load fails", None)
-        middle = certificate.overlaps.mean(axis=1)
-        half = 0.5 * _NEW * (certificate.overlaps[:, 1] - certificate.overlaps[:, 0])
-        new = np.column_stack((middle - half, middle + half))
+        (left, right), (lo, hi) = certificate.overlaps.T, self.problem.corners
+        middle, half, narrow = 0.5 * (left + right), 0.5 * _NEW * (right - left), _AT_CORNER * (right - left)
+        # Held at a corner a zone may press that would vanish between two free ends. Its other end grows to its place, and does not shrink.
+        new = np.where((left <= lo)[:, None], np.column_stack((left, left + narrow)), np.column_stack((middle - half, middle + half)))
+        new = np.where((right >= hi)[:, None], np.column_stack((right - narrow, right)), new)
         table = united(np.concatenate((without(zones.table, certificate.negative), new)), self.problem.period, False, self.what)
         if len(table) > 4 * len(zones) + 64:
             raise WrongTopology("the signs of pressure and gap change ever more often", None)
