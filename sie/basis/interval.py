@@ -14,7 +14,7 @@ These formulas and the exponent 1/2 stand here, and everything else asks for the
 from both ends over w, or by |zeta| - 1; at complex points by zeta + 1 and zeta - 1. So no digit is lost beside an end.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import cached_property
 from typing import Any, Literal
 
@@ -28,12 +28,21 @@ Number = NDArray[Any]
 What = Literal["transform", "derivative", "potential"]
 
 LOG2 = float(np.log(2.0))
+# Of the angle: by which derivatives are found.
+_STEP = 1e-5
 
 
 # places -----------------------------------------------------------------------------------------------------------------
 def theta(left: Any, right: Any) -> Array:
     """Angle from the right end, t = cos(theta), by the distances from both ends over w; theta(right, left) is that from the left end."""
     return np.asarray(2 * np.arctan2(np.sqrt(right), np.sqrt(left)))
+
+
+def by_angle(of: Callable[[Array, Array], Array], angle: Array) -> tuple[Array, Array]:
+    """(value, derivative by the angle) of a function of the distances from both ends over w, at angles, by close differences."""
+    step = np.minimum(_STEP, 0.5 * np.minimum(angle, np.pi - angle))
+    before, after = (of(2 * np.cos(at / 2) ** 2, 2 * np.sin(at / 2) ** 2) for at in (angle - step, angle + step))
+    return 0.5 * (before + after), (after - before) / (2 * step)
 
 
 def nearer_angle(left: Array, right: Array) -> Array:

@@ -29,11 +29,11 @@ _DEPENDENT = 1e-15
 # What T_k / sqrt(1 - t^2) without its singularity comes to beside an end, over k.
 _AT_ENDS = 0.73
 # What samples at the nodes leave out is folded back onto the coefficients that are kept, and counts twice.
-FOLDED = 2.0
+_FOLDED = 2.0
 # How much slower coefficients are taken to fall beyond the last ones.
 _SLOWER = 0.9
 # Of the largest of a series' last coefficients where these are rounding, over sqrt(1 - t^2) beside an end, which moves so that no 1/sqrt
-# is left there: 0.42 n^1.5 of their size on average, a third of the largest, half of which is for `FOLDED`.
+# is left there: 0.42 n^1.5 of their size on average, a third of the largest, half of which is for _FOLDED.
 _OF_ROUNDING = 0.08
 # Points of every zone at which the residual is looked at: none of them a node.
 LOOKS = 15
@@ -133,7 +133,7 @@ class State(Solved):
         """
         if self.size == 0.0:
             return 0.0
-        neglected = FOLDED * float((self._missing * np.maximum(self.sizes.own[: len(self._missing)], 1)).max()) / self.size
+        neglected = self.made_of(self._missing)
         neglected += _AT_ENDS * float((self._missing_fields * self.system.layout.m).max()) / self.size
         coupled = self.system.layout.m[self.density.zones.solved]
         seen = residual_error(self._residuals, self.size, coupled, self.jumps_rounding[self.density.zones.solved])
@@ -165,10 +165,18 @@ class State(Solved):
         return self.system.jumps.rounding(len(self.density.zones))
 
     @cached_property
+    def left_out(self) -> Array:
+        """Sum of the coefficients that each zone neglects (Z,), as the decay of the last ones has it."""
+        return np.asarray(self.neglected * self.zone_sizes / np.maximum(self.sizes.own[: len(self.neglected)], 1))
+
+    def made_of(self, left_out: Array) -> float:
+        """What such sums make of the density, over its `size`."""
+        return _FOLDED * float((left_out * np.maximum(self.sizes.own[: len(left_out)], 1)).max()) / self.size
+
+    @cached_property
     def _missing(self) -> Array:
-        """Sum of the coefficients that each zone neglects (Z,), as the decay of the last ones has it; but not more than
-        ten times the residual, which would show them: a series may fall faster towards its end."""
-        missing = self.neglected * self.zone_sizes / np.maximum(self.sizes.own[: len(self.neglected)], 1)
+        """The same, but not more than ten times the residual, which would show them: a series may fall faster towards its end."""
+        missing = self.left_out.copy()
         solved = self.density.zones.solved
         missing[solved] = np.minimum(missing[solved], 10 * self._residual)
         if self.density.zones.symmetric:

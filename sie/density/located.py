@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from sie.basis.data import Array, Complex, Index, Kept, Mask, nearest_image, wrapped
-from sie.basis.interval import What
+from sie.basis.interval import What, by_angle
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
 
@@ -43,6 +43,10 @@ class Located(Kept):
         """Density at normalised positions t in [-1, 1] of zones."""
         t = real_of(t)
         return self.at(zone, 1 + t, 1 - t)
+
+    def by_angle(self, zone: ArrayLike, angle: Array) -> tuple[Array, Array]:
+        """(density, its derivative by the angle) at angles of zones, t = cos(angle), by close differences."""
+        return by_angle(lambda left, right: self.at(zone, left, right), angle)
 
     def locate(self, x: ArrayLike) -> tuple[Array, Index, Mask]:
         """(x moved by periods to lie right of the first zone's left end, index of the last zone that starts before it,

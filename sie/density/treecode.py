@@ -36,7 +36,6 @@ class Treecode:
         # Beyond a span on either side the whole set is far: a last cell there would be of no use.
         reach = 0.5 * period if period is not None else 1.5 * (last - first)
         self.ends = ends = _cells(zones, min(middle - reach, first), max(middle + reach, last))
-        self.closed = period is not None
         self.middle, self.half = 0.5 * (ends[1:] + ends[:-1]), 0.5 * np.diff(ends)
         self.sources = sources = Nested(Tree.over(zones.a, zones.b, zones.rest), kept=False)
         far = FarSum(sources, Nested(Tree.over(ends[:-1], ends[1:]), kept=False), density.kernel)
@@ -70,8 +69,8 @@ class Treecode:
         out = np.empty(len(x))
         order = np.argsort(x, kind="stable")
         cell = np.searchsorted(self.ends, x[order], side="right") - 1
-        # Half a period off the middle points may lie outside by rounding.
-        outside = np.zeros(len(x), dtype=bool) if self.closed else (cell < 0) | (x[order] > self.ends[-1])
+        # Half a period off the middle points lie outside by rounding alone.
+        outside = ((cell < 0) | (x[order] > self.ends[-1])) & (self.density.kernel.period is None)
         beyond = order[outside]
         if len(beyond):
             out[beyond] = self._beyond(x[beyond], potential)

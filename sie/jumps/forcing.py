@@ -30,7 +30,7 @@ from typing import Self
 import numpy as np
 
 from sie.basis.data import Array, Index, Mask, record
-from sie.basis.interval import Complex, InPlane, OnLine, of_t, theta
+from sie.basis.interval import Complex, InPlane, OnLine, by_angle, of_t, theta
 from sie.basis.sums import of_zones
 from sie.basis.zones import Zones
 from sie.jumps.exterior import NOWHERE, ExteriorLogarithms
@@ -46,8 +46,6 @@ MadeSpline = Callable[[Array, Array, Callable[[Array], Array]], tuple[Spline, Ar
 # Seen from farther than this rho, closed forms cancel, and the series of all parts of a zone is short: up to which rho so many terms of it
 # are enough. Of so many jumps the next longer one is shorter than all closed forms.
 _REACH, _TERMS, _JUMPS = np.array([0.25, 0.6, 0.87]), np.array([32, 80, 288]), (10, 36)
-# Of the angle: by which slopes are found.
-_STEP = 1e-5
 
 
 @record
@@ -303,13 +301,7 @@ class ForcingJumps(Jumps):
 
     def angular_slope(self, zone: int, left: Array, right: Array) -> Array:
         """d/dtheta of `density` at points that are no jumps, by differences."""
-        angle = theta(left, right)
-        step = np.minimum(_STEP, 0.5 * np.minimum(angle, np.pi - angle))
-
-        def value(at: Array) -> Array:
-            return self.density(zone, 2 * np.cos(0.5 * at) ** 2, 2 * np.sin(0.5 * at) ** 2)
-
-        return np.asarray((value(angle + step) - value(angle - step)) / (2 * step))
+        return by_angle(lambda near, far: self.density(zone, near, far), theta(left, right))[1]
 
     def sharpest(self, zone: int) -> tuple[Array, Array]:
         """(distances from the left end over w, heights) of a zone's jumps beside which its density is steepest: the kinks, without any

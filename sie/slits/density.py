@@ -26,8 +26,8 @@ from sie.slits.slits import Slits, off_slit
 
 # Points looked at together.
 _BLOCK = 4096
-# Of the angle: by which slopes are found; angles of a piece at the least.
-_STEP, _FEWEST = 1e-5, 24
+# Angles of a piece at the least.
+_FEWEST = 24
 # At so many half widths off a wide zone rho is 0.44, and 48 coefficients tell all of its slits.
 _TELLS = 0.36
 
@@ -246,13 +246,9 @@ class SlitDensity(Located):
         angles = [self._looked_at(piece, count) for piece, count in enumerate(self._counts.tolist())]
         piece, first = np.repeat(np.arange(len(zones)), [len(one) for one in angles]), np.cumsum([0, *map(len, angles[:-1])])
         theta = np.concatenate(angles)
-
-        step = np.minimum(_STEP, 0.5 * np.minimum(theta, np.pi - theta))
-        before, after = (self.at(piece, 2 * np.cos(at / 2) ** 2, 2 * np.sin(at / 2) ** 2) for at in (theta - step, theta + step))
-        slope, half = (after - before) / (2 * step), np.tan(0.5 * theta)
+        (value, slope), half = self.by_angle(piece, theta), np.tan(0.5 * theta)
         by_right, by_left = np.abs((slope - at_right[piece]) / half), np.abs((slope + at_left[piece]) * half)
-        largest = np.abs(before + after) / 2
-        return tuple(np.maximum.reduceat(each, first) for each in (largest, by_left, by_right))  # type: ignore[return-value]
+        return tuple(np.maximum.reduceat(each, first) for each in (np.abs(value), by_left, by_right))  # type: ignore[return-value]
 
     @cached_property
     def _counts(self) -> Index:

@@ -343,9 +343,7 @@ class SlitState(Answered):
     @cached_property
     def _neglected(self) -> Array:
         """Sum of the coefficients that each wide zone neglects, as in `State`."""
-        wide = self.wide
-        neglected = wide.neglected * self.wide.zone_sizes / np.maximum(wide.sizes.own[: len(self.wide.zone_sizes)], 1)
-        return np.asarray(np.minimum(neglected, 10 * self._residual))
+        return np.asarray(np.minimum(self.wide.left_out, 10 * self._residual))
 
     @cached_property
     def missing(self) -> Array:
@@ -382,8 +380,7 @@ class SlitState(Answered):
         zone = self.merged.piece_zone
         seen = fixed.residual_error(self._residuals, peak, coupled[zone], wide.jumps_rounding[zone], np.bincount(zone)[zone] == 1)
         slits = (float(self._tails.max()) + wide.density_rounding) / peak + self.rest
-        neglected = fixed.FOLDED * float((self._neglected * np.maximum(wide.sizes.own[: len(coupled)], 1)).max()) / peak
-        return neglected + seen + slits
+        return wide.made_of(self._neglected) + seen + slits
 
     @cached_property
     def end_truncation(self) -> Array:
