@@ -6,15 +6,16 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.linalg import lapack, lu_factor, lu_solve
+from scipy.linalg import lapack
 
 from sie.basis.data import Array, Index, Mask, row_sizes
 from sie.basis.interval import edge_scale
 from sie.basis.zones import Zones
 from sie.collocation import modes
+from sie.collocation.factored import Factored
 from sie.collocation.iterative import CoarseOperator, Iterative, IterativeSystem, unfit
 from sie.collocation.rounding import density_rounding, intensity_rounding
-from sie.collocation.solved import Carried, Factored, Sizes, Solved, Solver, density_of
+from sie.collocation.solved import Carried, Sizes, Solved, Solver, density_of
 from sie.collocation.system import MirrorSymmetry, System, condition_rows
 from sie.density.density import Density
 from sie.equation.checks import look_at
@@ -392,13 +393,14 @@ def _solve_once(
 ) -> State:
     system = System(equation, zones, m, samples.coefficients, jumps)
     matrix, right, scale = _rows(equation, system)
-    lu, pivots = lu_factor(matrix, overwrite_a=False, check_finite=False)
-    if not (np.all(np.isfinite(samples.coefficients)) and np.all(np.isfinite(right)) and np.all(np.isfinite(lu))):
+    solver = Factored.of(matrix)
+    if not (np.all(np.isfinite(samples.coefficients)) and np.all(np.isfinite(right)) and np.all(np.isfinite(solver.lu))):
         raise SingularSystem("the right side, a column or a side condition is not finite on the zones")
-    if lapack.dgecon(lu, np.abs(matrix).sum(axis=0).max(initial=0.0))[0] < _DEPENDENT:
+    if lapack.dgecon(solver.lu, np.abs(matrix).sum(axis=0).max(initial=0.0))[0] < _DEPENDENT:
         raise SingularSystem("the system is singular: the side conditions depend on each other")
-    folded = np.asarray(lu_solve((lu, pivots), right, check_finite=False))
-    solver = Factored(lu, pivots, _size_of_rows(system, np.sqrt(matrix**2 @ folded**2 + right**2)), matrix if zones.follow_ends else None)
+    folded = solver(right)
+    terms = np.sqrt(matrix**2 @ folded**2 + right**2)
+    solver = Factored(solver.lu, solver.pivots, _size_of_rows(system, terms), matrix if zones.follow_ends else None)
     sizes.kernel_evaluations += matrix.size
     return _state(system, solver, folded, matrix.shape[0] - len(scale), scale, samples, sizes)
 

@@ -7,11 +7,11 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
-from scipy.linalg import lu_solve
 
 from sie.basis import chebyshev
 from sie.basis.data import Array, Index, Kept, Mask, record, row_sizes, wrapped
 from sie.collocation import modes
+from sie.collocation.factored import Factored
 from sie.collocation.iterative import CoarseOperator, Iterative, IterativeSystem
 from sie.collocation.system import Layout, MirrorSymmetry, System
 from sie.density.density import Density
@@ -125,34 +125,6 @@ class Carried:
         within = order[np.maximum(np.searchsorted((middle - half)[order], self.middle, side="right") - 1, 0)]
         within = np.where(np.abs(self.middle - middle[within]) < half[within], within, len(middle))
         return np.where(place >= 0, self.totals[place], np.bincount(within, self.totals, minlength=len(middle) + 1)[:-1])
-
-
-@record
-class Factored:
-    """LU factors of the rows; size_of_rows: root of the sum of squares of each row's terms at the solution, and of what they are
-    made of; rows: themselves, where intensities are prescribed and will be asked for their rates."""
-
-    lu: Array
-    pivots: Index
-    size_of_rows: Array = field(default_factory=lambda: np.zeros(0))
-    rows: Array | None = field(default=None, repr=False)
-
-    iteration = None
-
-    @property
-    def direct(self) -> Factored:
-        return self
-
-    @property
-    def size(self) -> int:
-        return len(self.lu)
-
-    def __call__(self, right: Array) -> Array:
-        return np.asarray(lu_solve((self.lu, self.pivots), right, check_finite=False))
-
-    def transposed(self, right: Array) -> Array:
-        """Solves with the transposed matrix."""
-        return np.asarray(lu_solve((self.lu, self.pivots), right, trans=1, check_finite=False))
 
 
 # What solves the assembled rows for further right sides: by their factors, or by iteration. direct, iteration: itself, where it does so.

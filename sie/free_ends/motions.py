@@ -28,13 +28,12 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.linalg import lu_factor
 
 from sie.basis.data import Array, record
 from sie.basis.interval import edge_scale
+from sie.collocation.factored import Factored
 from sie.collocation.fixed import SingularSystem, State, rows_of
 from sie.collocation.iterative import Applied, Iterative, IterativeSystem
-from sie.collocation.solved import Factored
 from sie.collocation.system import condition_rows
 from sie.equation.conditions import Linear
 from sie.fast.krylov import gmres
@@ -332,7 +331,7 @@ def end_rates(state: State) -> EndRates:
     held = [own[side, solved[p]] for side, places in enumerate(zones.held) for p in places]
     if held:
         right[-len(held) :] = np.array(held) / state.condition_scale[-len(held) :, None]
-    factors = state.direct or Factored(*lu_factor(matrix, check_finite=False))
+    factors = state.direct or Factored.of(matrix)
     answer = np.asarray(factors(-right))
     unknowns = np.column_stack([state.symmetry.unfold(column) for column in answer.T]) if len(ends) else np.zeros((layout.size, 0))
     linear = np.array([part @ unknowns for part, _ in system.intensities()])

@@ -17,11 +17,11 @@ Off its own zone P[s] acts through its coefficients s_k = (2/pi) int s sin(k phi
 from functools import cached_property
 
 import numpy as np
-from scipy.linalg import lu_factor, lu_solve
 
 from sie.basis import chebyshev
 from sie.basis.data import Array, Index, Kept, Mask, record
 from sie.basis.interval import Outside, fall, root_on, theta, transform_of
+from sie.collocation.factored import Factored
 from sie.jumps.forcing import ForcingJumps
 from sie.jumps.formulas import HIGHEST
 from sie.slits.kinks import SlitKink
@@ -226,7 +226,7 @@ class Slits(Kept):
         return np.concatenate(blocks)
 
     @cached_property
-    def _factors(self) -> tuple[Array, Index]:
+    def _factors(self) -> Factored:
         matrix = np.zeros((self.offset[-1], self.offset[-1]))
         for i, slit in enumerate(self.slits):
             rows = slice(self.offset[i] + 1, self.offset[i + 1])
@@ -243,12 +243,11 @@ class Slits(Kept):
                 else:
                     away, sign = self.start[j] - self.stop[i] + slit.width * right, -1.0
                 matrix[rows, columns] = -chebyshev.project_rows(Outside(sign, away / other.width).transforms(other.modes + 1))
-        lu, pivots = lu_factor(matrix, check_finite=False)
-        return lu, pivots
+        return Factored.of(matrix)
 
     def solve(self, right: Array) -> Array:
         """d of all slits from the right sides of their rows."""
-        return np.asarray(lu_solve(self._factors, right, check_finite=False))
+        return self._factors(right)
 
     @cached_property
     def told(self) -> Array:

@@ -1,0 +1,56 @@
+"""A matrix by its factors: what solves the assembled rows for one right side and for many."""
+
+from __future__ import annotations
+
+from dataclasses import field
+
+import numpy as np
+from scipy.linalg import lapack, lu_factor
+
+from sie.basis.data import Array, Index, record
+
+# Up to so many numbers in the right sides they are solved for one by one: LAPACK gives several of them to the threads of BLAS however few
+# they are, which takes as long, and leaves the threads turning for a tenth of a second.
+_ONE_BY_ONE = 1024
+
+
+@record
+class Factored:
+    """LU factors of the rows; size_of_rows: root of the sum of squares of each row's terms at the solution, and of what they are
+    made of; rows: themselves, where intensities are prescribed and will be asked for their rates."""
+
+    lu: Array
+    pivots: Index
+    size_of_rows: Array = field(default_factory=lambda: np.zeros(0))
+    rows: Array | None = field(default=None, repr=False)
+
+    iteration = None
+
+    @staticmethod
+    def of(matrix: Array) -> Factored:
+        return Factored(*lu_factor(matrix, check_finite=False))
+
+    @property
+    def direct(self) -> Factored:
+        return self
+
+    @property
+    def size(self) -> int:
+        return len(self.lu)
+
+    def __call__(self, right: Array) -> Array:
+        return self._solved(right, 0)
+
+    def transposed(self, right: Array) -> Array:
+        """Solves with the transposed matrix."""
+        return self._solved(right, 1)
+
+    def _solved(self, right: Array, trans: int) -> Array:
+        if right.size == 0:
+            return np.zeros(right.shape)
+        if right.ndim == 1 or right.size > _ONE_BY_ONE:
+            return np.asarray(lapack.dgetrs(self.lu, self.pivots, right, trans)[0])
+        out = np.empty_like(right)
+        for i, column in enumerate(right.T):
+            out[:, i] = lapack.dgetrs(self.lu, self.pivots, column, trans)[0]
+        return out
