@@ -21,7 +21,21 @@ _FAR_OFF = 64.0
 
 
 def refined(task: Task, found: Outcome, again: Callable[[Task], Outcome]) -> Outcome:
-    """again: the whole search, for a task that asks for more."""
+    """again: the whole search, for a task that asks for more, or that begins from nothing."""
+    outcome = _as_told(task, found, again)
+    if isinstance(outcome, Full) or outcome.error <= task.tol or not (task.along or task.near):
+        return outcome
+    # From solutions near by ends may have come to rest where rounding moves them more than where a search would have left them.
+    afresh = replace(task, along=(), near=None)
+    other: Outcome | Missed = attempted(lambda: _as_told(afresh, again(afresh), again))
+    if isinstance(other, Missed):
+        task.left("a search from nothing, as from others the error is above the tolerance", other)
+        return outcome
+    return other if isinstance(other, Full) or other.error < outcome.error else outcome
+
+
+def _as_told(task: Task, found: Outcome, again: Callable[[Task], Outcome]) -> Outcome:
+    """What was found by the ways of the task, as tightly as it takes."""
     # Under a tension what belongs to it is solved as tightly as there is where it is found.
     if isinstance(found, Full) or task.scene.law.tension:
         return found
