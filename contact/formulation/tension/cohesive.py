@@ -236,7 +236,7 @@ class Cohesive(Equilibria):
         point = self._without_contact(table, value, pulled) if self._may_be_loose and len(zones) == 0 else None
         if point is None or (not self.formal and point.look[1].min() < -_TOUCHING * self.reach):
             try:
-                fields, look = self._contact_under(pulled, value, zones, tolerance)
+                fields, look = self._contact_under(pulled, value, zones, tolerance, asked > TIGHT)
                 if alike is not None and len(fields.density.zones) == len(alike.zones):
                     point = self._with_rates_of(alike, table, value, fields, look)
                 else:
@@ -260,9 +260,9 @@ class Cohesive(Equilibria):
         return fields, look_at(fields) if look is None else look
 
     def _contact_under(
-        self, pulled: Pulled, value: float, zones: Array, tolerance: float
+        self, pulled: Pulled, value: float, zones: Array, tolerance: float, roughly: bool = False
     ) -> tuple[ZoneFields, tuple[Array, Array] | None]:
-        return contact_under(pulled, lambda at: self.control(at, value), zones, self.formal, tolerance)
+        return contact_under(pulled, lambda at: self.control(at, value), zones, self.formal, tolerance, roughly)
 
     def under_all(self, value: float, zones: Array) -> CohesivePoint:
         """The contact under tension in all of a period; as stable as the frictionless one."""

@@ -63,17 +63,18 @@ class Covered(NoState):
 
 
 def contact_under(
-    pulled: Pulled, control: Callable[[Pulled], Control], zones: Array, formal: bool = False, tolerance: float = TIGHT
+    pulled: Pulled, control: Callable[[Pulled], Control], zones: Array, formal: bool = False, tolerance: float = TIGHT,
+    roughly: bool = False,
 ) -> tuple[ZoneFields, tuple[Array, Array] | None]:
     """(fields of q on the zones of contact under a tension, the gap beside them). control: that of q; formal: as many zones as are given,
-    whatever the signs, which are not looked at; tolerance: of the density."""
+    whatever the signs, which are not looked at; tolerance: of the density; roughly: the ends of a state on the way."""
     load = control(pulled).load
     if load is not None and not load > 0.0:
         raise Lost
     if len(zones) == 0:
         zones = _lowest(pulled)
     for done in range(_ROUNDS):
-        fields = ZoneFields(*_with_ends(pulled, control, zones, tolerance, done < _PLAIN))
+        fields = ZoneFields(*_with_ends(pulled, control, zones, tolerance, roughly, done < _PLAIN))
         if formal:
             return fields, None
         look = look_at(fields)
@@ -87,18 +88,18 @@ def contact_under(
 
 
 def _with_ends(
-    pulled: Pulled, control: Callable[[Pulled], Control], zones: Array, tolerance: float, plain: bool
+    pulled: Pulled, control: Callable[[Pulled], Control], zones: Array, tolerance: float, roughly: bool, plain: bool
 ) -> tuple[Pulled, sie.AnyState]:
     """The ends of zones about these. Where narrow gaps close or open within an interval, their ends act on each other: the engine's own
     steps know how, where plain ones are not asked for or fail."""
     cornered = pulled.corners != (-np.inf, np.inf)
     if plain or cornered:
         try:
-            return _settled(pulled, control, zones, tolerance)
+            return _settled(pulled, control, zones, tolerance, roughly)
         except NotConverged:
             if cornered:
                 raise
-    return _searched(pulled, control, zones, tolerance)
+    return _searched(pulled, control, zones, tolerance, roughly)
 
 
 def _lowest(pulled: Pulled) -> Array:
@@ -112,14 +113,14 @@ def _lowest(pulled: Pulled) -> Array:
 
 
 def _settled(
-    pulled: Pulled, control: Callable[[Pulled], Control], zones: Array, tolerance: float
+    pulled: Pulled, control: Callable[[Pulled], Control], zones: Array, tolerance: float, roughly: bool
 ) -> tuple[Pulled, sie.State]:
     """Newton on the ends of zones whose number is given, or falls; (the tension as these zones have it, the state)."""
     first = np.diff(zones, axis=1)[:, 0]
     before: tuple[Array, Array] | None = None
     best, stuck = np.inf, 0
     # Newton's steps square what is missed, and one more is taken.
-    done, last = (_DONE, _LAST) if tolerance <= TIGHT else (_ROUGHLY, _ROUGHLY_LAST)
+    done, last = (_ROUGHLY, _ROUGHLY_LAST) if roughly else (_DONE, _LAST)
 
     def solved(zones: Array) -> tuple[Pulled, sie.State]:
         here = pulled.over(zones)
@@ -230,7 +231,7 @@ def _reaches(pulled: Pulled, zones: Array, k: Array, step: Array, room: Array, s
 
 
 def _searched(
-    pulled: Pulled, control: Callable[[Pulled], Control], zones: Array, tolerance: float
+    pulled: Pulled, control: Callable[[Pulled], Control], zones: Array, tolerance: float, roughly: bool
 ) -> tuple[Pulled, sie.AnyState]:
     """The same by the engine's search, of zones that stay within their intervals."""
     equation, table, everywhere = pulled.equation(control(pulled)), pulled.pulling.table, pulled.pulling.everywhere
@@ -246,7 +247,7 @@ def _searched(
         else:
             i = interval_of(ended, table) if len(table) else np.zeros(len(ended), dtype=np.intp)
             within = everywhere or len(table) == 0 or bool(np.all((ended[:, 0] > table[i, 0]) & (ended[:, 1] < table[i, 1])))
-            return (pulled, free.state) if free.converged and within else _settled(pulled, control, zones, tolerance)
+            return (pulled, free.state) if free.converged and within else _settled(pulled, control, zones, tolerance, roughly)
     raise NotConverged("the number of zones under a given tension did not settle")
 
 
