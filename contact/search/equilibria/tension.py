@@ -26,7 +26,7 @@ _WIDENINGS, _WIDEN = 120, 1.25
 # Over an interval, what a strip beside its contact is taken to be at the least.
 _LEAST = 1e-6
 # After so many times the same again.
-_HASTE = 3
+_HASTE = 1
 # So often ends are let go one way only; of the widths, how far else; what drives ends the other way that need not run away to be let go.
 _ONE_WAY, _SLOWLY, _DRIVEN_BACK = 4, 0.5, 0.05
 # Over the width of an interval, how far an end goes that contact covers as others advance.
@@ -283,7 +283,7 @@ def _step(curve: Cohesive, here: Point, sign: float) -> tuple[Point, float]:
             if sign < 0:
                 limit = _shorter(here, limit, step, np.where(covered.ends, 0.5, 0.9))
             else:
-                beyond = np.where(covered.ends, 2 * beyond + _FARTHER * here.widths, beyond)
+                beyond = np.where(covered.ends, 4 * beyond + _FARTHER * here.widths, beyond)
             continue
         passed = flow.passed(here, ahead, step, sign)
         if not passed.any():
