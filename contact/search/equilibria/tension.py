@@ -25,6 +25,8 @@ _TRIES = 6
 _WIDENINGS, _WIDEN = 120, 1.25
 # Over an interval, what a strip beside its contact is taken to be at the least.
 _LEAST = 1e-6
+# By what new zones are driven that snap shut.
+_SNAPS = 0.5
 # After so many times the same again.
 _HASTE = 1
 # So often ends are let go one way only; of the widths, how far else; what drives ends the other way that need not run away to be let go.
@@ -50,7 +52,7 @@ def advanced(
 ) -> CohesivePoint:
     """The least equilibrium that holds these intervals, of which all ends are driven outward; `Closed` if there is none. zones: that they
     begin with, where contact may cover some intervals."""
-    start = None if zones is None else _led(curve, zones, value)
+    start = None if zones is None else without_range.near_advanced(curve, zones, value)
     if start is None and guide is not None:
         start = guided(curve, guide, table, value, 1.0)
     if start is not None:
@@ -65,18 +67,18 @@ def advanced(
     return found
 
 
-def _led(curve: Cohesive, zones: Array, value: float) -> CohesivePoint | None:
-    """A state on the way to the least equilibrium that holds these zones, led to by a law without range; None where that does not tell.
-    New zones that snap shut in new intervals are led there in the same way."""
-    start = without_range.near_advanced(curve, zones, value)
-    while start is not None and (new := _grown(curve, start)) is not None:
-        here = _with_other_intervals(curve, start, new, 1.0)
-        snaps = here.growth >= 0.0 and len(here.zones) > len(start.zones)
-        ahead = without_range.near_advanced(curve, here.zones, value) if snaps else None
-        if ahead is None or len(ahead.zones) < len(here.zones):
-            return here
-        start = ahead
-    return start
+def _led_on(curve: Cohesive, before: CohesivePoint, here: CohesivePoint) -> CohesivePoint:
+    """The state that has new intervals, or one that a law without range leads to where new zones snap shut in them."""
+    if len(here.zones) <= len(before.zones) or here.residual.max() < _SNAPS:
+        return here
+    ahead = without_range.near_advanced(curve, here.zones, here.value)
+    if ahead is None:
+        return here
+    # Where a zone has gone again, it does not snap shut without range.
+    left, right = ahead.zones.T
+    middle = here.zones.mean(axis=1)[:, None]
+    at = wrapped(middle, left, curve.problem.round)
+    return ahead if ((at >= left) & (at <= right)).any(axis=1).all() else here
 
 
 def receded(curve: Cohesive, table: Array, value: float, guide: GridTension | None = None) -> CohesivePoint | None:
@@ -149,7 +151,8 @@ def _flowed(curve: Cohesive, table: Array, value: float, sign: float) -> Cohesiv
         if new is not None:
             if len(new) == 0:
                 return None
-            first = here = _with_other_intervals(curve, here, new, sign)
+            other = _with_other_intervals(curve, here, new, sign)
+            first = here = _led_on(curve, here, other) if sign > 0 else other
             continue
         if sign < 0 and flow.come_apart(here, first.widths, first.residual).all():
             return None
