@@ -1,5 +1,7 @@
 """Curves of one control: the answers of single solves, at the price of few searches."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -8,6 +10,7 @@ import contact.search.grid.coarse
 import contact.search.task
 import contact.search.ways.guesses
 import sie.free_ends.newton
+from contact.search import refine
 from contact.search.topology.by_pressure import ByPressure
 from contact.search.topology.carried import Passed, carried
 from contact.studies.trace_kinds import drawn
@@ -241,3 +244,31 @@ def test_narrow_gaps_that_become_slits_of_wide_zones_or_cease_to_be_do_not_stop_
     profile = drawn(np.random.default_rng(5), "steps", points)
     for one in contact.solve_many(contact.Scene(profile, 2.3e11, contact.Periodic(), contact_fraction=0.1), fractions):
         assert one.certificate.holds and one.error <= 1e-8
+
+
+@pytest.mark.parametrize("near", [False, True], ids=["along a curve", "near"])
+def test_what_a_solution_near_by_leads_to_too_roughly_is_looked_for_from_nothing(near, monkeypatch):
+    real = refine._as_told
+
+    def off(task, found, again):
+        outcome = real(task, found, again)
+        return dataclasses.replace(outcome, off=1e-6) if task.along or task.near else outcome
+
+    monkeypatch.setattr(refine, "_as_told", off)
+    loads = full_load(ROUGH) * np.array([0.2, 0.25])
+    if near:
+        first = contact.solve(scene(ROUGH, load=loads[0]))
+        found = contact.solve(scene(ROUGH, load=loads[1]), near=first)
+    else:
+        found = contact.solve_many(scene(ROUGH), loads)[1]
+    assert found.error <= 1e-8
+    assert found.contact_fraction == pytest.approx(contact.solve(scene(ROUGH, load=loads[1])).contact_fraction, rel=1e-8)
+
+
+def test_what_is_no_better_from_nothing_is_refused_with_its_best_state(monkeypatch):
+    full, real = full_load(ROUGH), refine._as_told
+    first = contact.solve(scene(ROUGH, load=0.2 * full))
+    monkeypatch.setattr(refine, "_as_told", lambda *given: dataclasses.replace(real(*given), off=1e-6))
+    with pytest.raises(contact.NotConverged) as refused:
+        contact.solve(scene(ROUGH, load=0.25 * full), near=first)
+    assert refused.value.best.error > 1e-8
