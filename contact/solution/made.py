@@ -48,7 +48,7 @@ def of_zones(
     table = in_cell(scene, np.asarray(problem.units.x(zones.table)))
     solution = Solution(scene, table, found.fields, found.error, found.certificate, plan, found.free.trace)
     solution = replace(solution, branch=branch, parting=parting)
-    return _within(tol, solution, found.free, "zone", of_positions(found))
+    return _within(tol, solution, found.free, "zone", of_positions(found), found.limit_beside)
 
 
 def of_gaps(scene: Scene, found: FoundByGaps, plan: Plan, tol: float) -> Solution:
@@ -137,12 +137,13 @@ def _tell_sizes(plan: Plan, zones: int, state: sie.AnyState) -> None:
     )
 
 
-def _within(tol: float, solution: Solution, free: sie.Free, of: str, positions: float = 0.0) -> Solution:
+def _within(tol: float, solution: Solution, free: sie.Free, of: str, positions: float = 0.0, beside: str = "") -> Solution:
+    """beside: what a law adds, in words, where that is most of the error."""
     if solution.error > tol:
         fields = solution.fields
         thin = too_thin(fields.problem, fields.density.zones.table) if isinstance(fields, ZoneFields) else ""
         end = fields.problem.end if isinstance(fields, ZoneFields) else sie.FREE
-        why = limit_of_approach(solution, tol) or thin or limit(free, tol, of, positions, end)
+        why = limit_of_approach(solution, tol) or thin or beside or limit(free, tol, of, positions, end, solution.error)
         raise NotConverged(
             f"the stated error {solution.error:.2g} is above the tolerance {tol:.2g}{': ' if why else ''}{why}; the best state is attached",
             solution.trace, solution,

@@ -50,6 +50,11 @@ class Found(Solved):
     def error(self) -> float:
         return _stated(self)
 
+    @property
+    def limit_beside(self) -> str:
+        """What a law adds, in words, where that is most of the error; else empty."""
+        return ""
+
 
 def _stated(found: Found) -> float:
     state = found.fields.state
@@ -130,9 +135,11 @@ def reference(density: sie.AnyDensity, free: sie.End, borne: float | None = None
     return float(density.sensitivity[0].max())
 
 
-def limit(free: sie.Free, tol: float, of: str, positions: float = 0.0, end: sie.End = sie.FREE) -> str:
+def limit(
+    free: sie.Free, tol: float, of: str, positions: float = 0.0, end: sie.End = sie.FREE, error: float = 0.0
+) -> str:
     """What keeps the ends of zones (of: "zone" or "gap") from being known to `tol`, in words; empty where it is not rounding.
-    positions: see `of_positions`; end: the kind of free ends."""
+    positions: see `of_positions`; end: the kind of free ends; error: stated of a contact by its gaps."""
     if positions > 0.5 * tol:
         return f"positions so far from x = 0 are rounded to {positions:.1e} of a zone's width; put the origin nearer, or allow a larger tol"
     density, rounding = free.density, free.rounding
@@ -145,7 +152,12 @@ def limit(free: sie.Free, tol: float, of: str, positions: float = 0.0, end: sie.
             f"width uncertain by {worst:.1e} of it (condition {worst / _EPS:.0e})"
         )
     if of != "zone":  # the density is the slope of the gap, and no pressure to refer to
-        return ""
+        if worst < 0.5 * float(free.end_error.max()) or error == 0.0:
+            return ""
+        return (
+            f"rounding of heights and slopes leaves the ends of gaps uncertain by {worst:.1e} of their width, and narrow zones and the "
+            f"pressure beside them follow that {error / worst:.0e} times; allow a larger tol"
+        )
     _, by_left, by_right = density.sensitivity
     moved = float((rounding[:, 0] * by_left + rounding[:, 1] * by_right).max()) / reference(density, end)
     if moved > 0.25 * tol:

@@ -39,6 +39,15 @@ class FoundBeside(Found):
     def error(self) -> float:
         return super().error + self.beside
 
+    @property
+    def limit_beside(self) -> str:
+        if self.beside < 0.5 * self.error:
+            return ""
+        return (
+            f"the gap at the ends of the tension, known no closer to its reach than heights are rounded, adds {self.beside:.1e}; "
+            "allow a larger tol, or give a law of less stress and longer reach"
+        )
+
 
 def certified(plain: Certificate, curve: Cohesive, here: CohesivePoint | None, fields: PulledFields | None = None) -> Certificate:
     """The certificate of the frictionless part, with what the tension adds; here: None where it acts everywhere, on these fields."""

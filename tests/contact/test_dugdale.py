@@ -306,6 +306,39 @@ def test_strips_that_are_too_narrow_and_zones_that_are_too_many_are_refused_at_o
         contact.solve(contact.Scene(rough(), 1e9, contact.Periodic(), law=contact.Dugdale(1e-3, 1e6), mean_pressure=2e6))
 
 
+def test_what_the_ends_of_the_tension_leave_open_is_named_where_it_is_too_much(monkeypatch):
+    monkeypatch.setattr("contact.search.ways.cohesive.uncertain", lambda *_: 1e-6)
+    with pytest.raises(contact.NotConverged, match=r"at the ends of the tension, .* adds 1\.0e-06; allow a larger tol"):
+        cylinder(1.0, load=1e-5)
+
+
+def test_of_settling_states_the_one_at_rest_is_kept(monkeypatch):
+    states = []
+
+    def passed(self, *given, **options):
+        states.append(real(self, *given, **options))
+        return states[-1]
+
+    def off(point):
+        return float(np.abs(point.newton / point.widths).max())
+
+    real, settle, checked = Cohesive.at, Cohesive.settled, []
+
+    def settled(self, here):
+        states.clear()
+        kept = settle(self, here)
+        tight = [state for state in states if len(state.table) == len(kept.table)]
+        checked.append(off(kept) <= 1.001 * min(map(off, tight)))
+        return kept
+
+    monkeypatch.setattr(Cohesive, "at", passed)
+    monkeypatch.setattr(Cohesive, "settled", settled)
+    heights = 1e-8 * np.random.default_rng(3).normal(size=60)
+    trace = contact.Sampled(np.arange(60) * 1e-6, heights, period=6e-5)
+    contact.solve(contact.Scene(trace, 1e9, contact.Periodic(), law=contact.Dugdale(1e-5, 1e7), mean_pressure=1e5))
+    assert checked and all(checked)
+
+
 def many_zones(seed=1, stress=5e6, count=60, **control):
     profile = contact.self_affine(hurst=0.8, period=1e-4, shortest=1e-4 / count, rms_slope=0.02, seed=seed)
     return contact.Scene(profile, 1e10, contact.Periodic(), law=contact.Dugdale(0.01, stress), **control)

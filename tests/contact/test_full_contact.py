@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -9,6 +11,7 @@ import contact
 from contact.formulation import conjugate
 from contact.formulation.conjugate import Conjugate, clausen2, clausen3
 from contact.reference import exact
+from contact.verify.accuracy import limit
 from tests.contact.judge import relative, solve
 
 PERIODIC = contact.Periodic()
@@ -275,3 +278,16 @@ class TestAllButKinks:
     def test_the_gap_over_the_kink_narrows_without_an_event(self):
         path = contact.path(contact.Scene(Rippled(0.02), 1.0, PERIODIC, load=1.0), [0.35, 0.45, 2.0])
         assert [len(solution.zones) for solution in path.solutions] == [1, 1, 0] and path.events == ()
+
+
+def test_what_rounding_makes_of_gaps_is_named():
+    zones = SimpleNamespace(a=np.array([0.0, 1.0]), b=np.array([0.5, 1.001]))
+    free = SimpleNamespace(
+        density=SimpleNamespace(zones=zones), rounding=np.array([[0, 0], [2e-10, 1e-10]]), end_error=np.array([[0, 0], [3e-10, 1e-10]])
+    )
+    why = limit(free, 1e-8, "gap", error=2e-8)
+    assert "gaps uncertain by 2.0e-10 of their width" in why and "1e+02 times" in why
+    assert limit(free, 1e-10, "gap", error=2e-8).startswith("rounding of heights and slopes leaves the ends of a gap of 2.0e-03")
+    # What Newton's steps have left to do is no rounding.
+    free.end_error = free.end_error * 10
+    assert limit(free, 1e-8, "gap", error=2e-8) == ""
