@@ -18,6 +18,7 @@ from contact.formulation.tension.cohesive import Cohesive
 from contact.formulation.tension.tension import Tension
 from contact.search.grid.scaling import scaled_scene_about
 from contact.search.grid.tension import GridTension
+from contact.studies import mirrored
 from contact.studies.trace_kinds import drawn
 from tests.tiers import quick
 
@@ -312,6 +313,7 @@ def test_what_the_ends_of_the_tension_leave_open_is_named_where_it_is_too_much(m
         cylinder(1.0, load=1e-5)
 
 
+@pytest.mark.slow
 def test_of_settling_states_the_one_at_rest_is_kept(monkeypatch):
     states = []
 
@@ -333,9 +335,7 @@ def test_of_settling_states_the_one_at_rest_is_kept(monkeypatch):
 
     monkeypatch.setattr(Cohesive, "at", passed)
     monkeypatch.setattr(Cohesive, "settled", settled)
-    heights = 1e-8 * np.random.default_rng(3).normal(size=60)
-    trace = contact.Sampled(np.arange(60) * 1e-6, heights, period=6e-5)
-    contact.solve(contact.Scene(trace, 1e9, contact.Periodic(), law=contact.Dugdale(1e-5, 1e7), mean_pressure=1e5))
+    contact.solve(mirrored.scene(327, 300), tol=1e-6)
     assert checked and all(checked)
 
 
