@@ -18,7 +18,6 @@ from contact.formulation.tension.cohesive import Cohesive
 from contact.formulation.tension.tension import Tension
 from contact.search.grid.scaling import scaled_scene_about
 from contact.search.grid.tension import GridTension
-from contact.studies import mirrored
 from contact.studies.trace_kinds import drawn
 from tests.tiers import quick
 
@@ -311,32 +310,6 @@ def test_what_the_ends_of_the_tension_leave_open_is_named_where_it_is_too_much(m
     monkeypatch.setattr("contact.search.ways.cohesive.uncertain", lambda *_: 1e-6)
     with pytest.raises(contact.NotConverged, match=r"at the ends of the tension, .* adds 1\.0e-06; allow a larger tol"):
         cylinder(1.0, load=1e-5)
-
-
-@pytest.mark.slow
-def test_of_settling_states_the_one_at_rest_is_kept(monkeypatch):
-    states = []
-
-    def passed(self, *given, **options):
-        states.append(real(self, *given, **options))
-        return states[-1]
-
-    def off(point):
-        return float(np.abs(point.newton / point.widths).max())
-
-    real, settle, checked = Cohesive.at, Cohesive.settled, []
-
-    def settled(self, here):
-        states.clear()
-        kept = settle(self, here)
-        tight = [state for state in states if len(state.table) == len(kept.table)]
-        checked.append(off(kept) <= 1.001 * min(map(off, tight)))
-        return kept
-
-    monkeypatch.setattr(Cohesive, "at", passed)
-    monkeypatch.setattr(Cohesive, "settled", settled)
-    contact.solve(mirrored.scene(327, 300), tol=1e-6)
-    assert checked and all(checked)
 
 
 def many_zones(seed=1, stress=5e6, count=60, **control):

@@ -344,18 +344,16 @@ class Cohesive(Equilibria):
         assert isinstance(here, CohesivePoint)
         if not any(last is here for _, last, _ in self.recent):
             here = self.at(here.table, here.value)
-        before, best = np.inf, None
+        before = np.inf
         for _ in range(_SETTLING):
             size, tight = float(np.abs(here.newton / here.widths).max()), self.recent[0][2] <= TIGHT
-            if tight and size < before:
-                best = here
             # Steps that do not fall any more are rounding.
             if size > _ANOTHER or (tight and (size < _SETTLED or size > 0.5 * before)):
                 break
             before = size if tight else np.inf
             alike = here if tight and size < _ALIKE else None
             here = self.at(here.moved(here.newton), here.value, alike=alike)
-        return self.at(here.table, here.value) if best is None else best
+        return self.at(here.table, here.value)
 
     def _point(
         self, table: Array, value: float, fields: ZoneFields, look: tuple[Array, Array] | None, of_rates: float
