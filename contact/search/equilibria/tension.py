@@ -286,7 +286,7 @@ def _step(curve: Cohesive, here: Point, sign: float) -> tuple[Point, float]:
             if sign < 0:
                 limit = _shorter(here, limit, step, np.where(covered.ends, 0.5, 0.9))
             else:
-                beyond = np.where(covered.ends, 4 * beyond + _FARTHER * here.widths, beyond)
+                beyond = np.where(covered.ends, 2 * beyond + _FARTHER * here.widths, beyond)
             continue
         passed = flow.passed(here, ahead, step, sign)
         if not passed.any():
