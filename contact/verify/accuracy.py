@@ -152,7 +152,7 @@ def limit(
             f"width uncertain by {worst:.1e} of it (condition {worst / _EPS:.0e})"
         )
     if of != "zone":  # the density is the slope of the gap, and no pressure to refer to
-        if worst < 0.5 * float(free.end_error.max()) or error == 0.0:
+        if worst < 0.5 * float(free.end_error.max()):
             return ""
         return (
             f"rounding of heights and slopes leaves the ends of gaps uncertain by {worst:.1e} of their width, and narrow zones and the "

@@ -400,7 +400,7 @@ def _solve_once(
         raise SingularSystem("the system is singular: the side conditions depend on each other")
     folded = solver(right)
     terms = np.sqrt(matrix**2 @ folded**2 + right**2)
-    solver = Factored(solver.lu, solver.pivots, _size_of_rows(system, terms), matrix if zones.follow_ends else None)
+    solver = replace(solver, size_of_rows=_size_of_rows(system, terms), rows=matrix if zones.follow_ends else None)
     sizes.kernel_evaluations += matrix.size
     return _state(system, solver, folded, matrix.shape[0] - len(scale), scale, samples, sizes)
 

@@ -27,8 +27,6 @@ _WIDENINGS, _WIDEN = 120, 1.25
 _LEAST = 1e-6
 # By what new zones are driven that snap shut.
 _SNAPS = 0.5
-# After so many times the same again.
-_HASTE = 1
 # So often ends are let go one way only; of the widths, how far else; what drives ends the other way that need not run away to be let go.
 _ONE_WAY, _SLOWLY, _DRIVEN_BACK = 4, 0.5, 0.05
 # Over the width of an interval, how far an end goes that contact covers as others advance.
@@ -75,10 +73,7 @@ def _led_on(curve: Cohesive, before: CohesivePoint, here: CohesivePoint) -> Cohe
     if ahead is None:
         return here
     # Where a zone has gone again, it does not snap shut without range.
-    left, right = ahead.zones.T
-    middle = here.zones.mean(axis=1)[:, None]
-    at = wrapped(middle, left, curve.problem.round)
-    return ahead if ((at >= left) & (at <= right)).any(axis=1).all() else here
+    return ahead if ahead.q is not None and ahead.q.inside(here.zones.mean(axis=1)).all() else here
 
 
 def receded(curve: Cohesive, table: Array, value: float, guide: GridTension | None = None) -> CohesivePoint | None:
@@ -230,9 +225,9 @@ def uncovered(curve: Cohesive, table: Array, value: float, zones: Array) -> Arra
             here = curve.from_zones(table, value, curve.fitted(zones, table), flow.ROUGH)
         except Covered as covered:
             before, power = table, power + faster
-            table = _widened(curve, table, zones, covered, _WIDEN ** (1 + power // _HASTE))
+            table = _widened(curve, table, zones, covered, _WIDEN ** (1 + power))
             continue
-        if power < _HASTE or here.residual.min() > -flow.SLIGHT:
+        if power == 0 or here.residual.min() > -flow.SLIGHT:
             return table
         table, power, faster = before, 0, 0
     raise NotConverged(TOO_NARROW)
