@@ -75,9 +75,8 @@ def maximum(
     value = np.asarray(function(x)) if value is None else value
     value = np.where(np.isnan(value), -np.inf, value)
     reach = reaches(value)
-    top = np.argpartition(reach, -peaks)[-peaks:] if len(reach) > peaks else np.arange(len(reach))
-    top = top[np.argsort(reach[top], kind="stable")]
-    top = top[reach[top] >= value.max()]
+    top = np.flatnonzero(reach >= value.max())
+    top = top[np.argsort(reach[top], kind="stable")][-peaks:]
     top = top[np.argsort(value[top], kind="stable")]
     if not np.isfinite(value[top[-1]]):
         return float(x[top[-1]]), float(value[top[-1]])

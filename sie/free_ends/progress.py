@@ -33,7 +33,7 @@ _HUNDREDS, _LARGEST, _ROUNDED = 600, 4.0, 1e-8
 _LOOSER, _LOOSEST = 1e-5, 1e-4
 # What a solution leaves, over the cube of the move before; moves over the widths down to which loose ones tell the next, while they fall to
 # less than this part of themselves; what the next solution leaves at the least, over what the last one did.
-_OF_CUBE, _TOLD_LOOSELY, _FALLS, _CLOSER = 1e-3, 2e-3, 0.5, 2e-5
+_OF_CUBE, _TOLD_LOOSELY, _FALLS, _CLOSER = 1e-3, 1e-2, 0.5, 2e-5
 # The remaining motion of an end is the next step but for its square.
 MARGIN = 1.5
 

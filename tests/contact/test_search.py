@@ -300,6 +300,35 @@ def test_small_zones_are_found_by_refinement_and_below_it_by_hertz(a: float) -> 
     assert np.allclose(found.zones, [[-a, a]], rtol=0.0, atol=0.3 * a)
 
 
+@pytest.mark.parametrize("offset", [0.0, 0.25, 0.5])
+@pytest.mark.parametrize("part", [0.1, 0.25, 0.4])
+def test_a_gap_between_two_points_of_the_grid_is_seen(part: float, offset: float) -> None:
+    """A biquadratic just before its zones merge (isolated (38), a^2 + b^2 = 2): its gap of half width a touches no point."""
+    n, window = 256, (-4.0, 4.0)
+    x, h = midpoints(n, window), 8.0 / n
+    a, at = part * h, offset * h
+    f = (x - at) ** 4 / 8.0 - (x - at) ** 2 / 4.0
+    influence = Influence.isolated(n, h, E)
+    state = solve_grid(f, influence, load=np.pi * E * (2.0 - 2.0 * a**2) ** 2 / 32.0)
+    zones = zones_of(state, x, between_points=True)
+    assert zones.shape == (2, 2)
+    assert -1.25 * h < zones[0, 1] - at < zones[1, 0] - at < 1.25 * h
+    merged = solve_grid(f, influence, load=1.02 * np.pi * E / 8.0)
+    assert zones_of(merged, x, between_points=True).shape == (1, 2)
+
+
+def test_such_a_gap_is_seen_wherever_a_period_begins() -> None:
+    n = 512
+    x = midpoints(n)
+    f = 0.1 * np.cos(2 * np.pi * x) - 0.05 * np.cos(6 * np.pi * x)
+    for shift in range(0, n, 64):
+        zones = zones_of(solve_grid(np.roll(f, shift), Influence.periodic(n, 1 / n, 1.0), load=0.2), x, between_points=True)
+        assert len(zones) == 3
+        # As a grid of 4,096 points has it.
+        from_gap = (zones - shift / n) % 1.0 - 0.5
+        assert np.abs(from_gap).min() == pytest.approx(0.00083, abs=2e-4)
+
+
 def test_points_outside_the_support_never_touch_and_sharp_ends_keep_their_place() -> None:
     n = 1024
     x = midpoints(n)

@@ -17,6 +17,7 @@ from contact.formulation.tables import in_cell, runs_of
 from contact.model.profiles.base import Profile
 from contact.search.grid.centring import Unrest
 from contact.search.grid.conjugate_gradient import GridState, Response, solve_grid
+from contact.search.topology.intervals import without
 from sie import Array, record
 
 Height = Callable[[Array], ArrayLike]
@@ -30,6 +31,7 @@ _PASSING = 1e-3  # tolerance of the grids before the last
 # zone in a hundred or two, which the first look at the signs puts in.
 _PER_FEATURE, _FEATURES, _PER_ONE_OF_MANY = 16, 2**15, 8
 NARROW = 3  # cells: below this a zone or a gap is not resolved
+_WIDEST = 0.5  # cells: half of a gap between points at the most
 
 
 class NoWindow(OutOfRange):
@@ -104,9 +106,9 @@ def narrowest(state: GridState) -> int:
     return int(min(np.min(runs[:, 1] - runs[:, 0] + 1), np.min(gaps, initial=n)))
 
 
-def zones_of(state: GridState, x: ArrayLike) -> Array:
+def zones_of(state: GridState, x: ArrayLike, between_points: bool = False) -> Array:
     """(k, 2) zone ends. Periodic: left ends in the cell, ascending, a right end may exceed it; full contact:
-    shape (0, 2)."""
+    shape (0, 2). between_points: with gaps that no point lies in, of a grid that tells the pressure's shape."""
     points = np.asarray(x, dtype=np.float64)
     h, n, E = state.influence.h, state.influence.n, state.influence.E
     if state.full:
@@ -128,7 +130,28 @@ def zones_of(state: GridState, x: ArrayLike) -> Array:
         margin = 0.999 * h
         zones[k, 0] = max(zones[k, 0], left - margin)
         zones[k, 1] = min(zones[k, 1], right + margin)
+    if between_points:
+        gaps = _gaps_between(points, state)
+        zones = without(zones, np.concatenate((gaps, gaps + n * h)) if wraps else gaps)
     return in_cell(zones, x0 - 0.5 * h, n * h if wraps else None)
+
+
+def _gaps_between(x: Array, state: GridState) -> Array:
+    """Gaps (k, 2) between two points of a grid x, ascending: where a parabola through the pressure falls below zero. As wide as a lone one
+    in it is."""
+    p, h = state.pressure, state.influence.h
+    # Beyond a window nothing presses, and where no pressure is beside a point there is none of its own between them.
+    before, after = np.roll(p, 1), np.roll(p, -1)
+    if not state.influence.is_periodic:
+        before[0] = after[-1] = 0.0
+    i = np.flatnonzero((p > 0.0) & (p <= before) & (p <= after))
+    slope, bend = 0.5 * (after - before)[i], (before - 2.0 * p + after)[i]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        pulls = 0.5 * slope**2 / bend - p[i]
+    open_ = pulls > 0.0
+    i, slope, bend, pulls = i[open_], slope[open_], bend[open_], pulls[open_]
+    middle, half = x[i] - h * slope / bend, h * np.minimum(2.0 * np.sqrt(pulls / bend), _WIDEST)
+    return np.column_stack((middle - half, middle + half))
 
 
 def _beyond(p_end: Array, p_next: Array) -> Array:
@@ -161,13 +184,13 @@ def _hertz(state: GridState, cells: NDArray[np.int64], first: int, E: float) -> 
 def propose(
     height: Height, cell: tuple[float, float], response: Response, *, load: float | None = None,
     level: float | None = None, resolution: float | None = None, points: int | None = None, max_points: int = 2**17,
-    tol: float = 1e-8, near: GridState | None = None,
+    tol: float = 1e-8, near: GridState | None = None, between_points: bool = False,
 ) -> Proposal:
     """Zones of `height` on one period or window `cell` from nested grids.
 
     `resolution` is the smallest length of the shape and sets the first final grid, doubled up to `max_points`
     while something is narrower than three cells; `points` fixes the final grid instead. near: a contact on the same cell, under
-    another load or to another tolerance, of which the first grid has the points."""
+    another load or to another tolerance, of which the first grid has the points. between_points: see `zones_of`."""
     width = cell[1] - cell[0]
     if points is not None:
         target = limit = int(points)
@@ -188,7 +211,7 @@ def propose(
         if n >= target and (narrowest(state) >= NARROW or 2 * n > limit):
             break
         n, start = 2 * n, _refine(state.pressure, response.periodic)
-    return Proposal(zones_of(state, x), n, state.full, state.touches_border, state)
+    return Proposal(zones_of(state, x, between_points), n, state.full, state.touches_border, state)
 
 
 def _features(width: float, resolution: float | None) -> float:

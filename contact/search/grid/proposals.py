@@ -50,6 +50,7 @@ def proposed(
         partial(grid_height, profile) if by_load else profile.height, scaled.cell, whole_response(problem),
         resolution=detail, points=points, load=control.value * units.load if by_load else None,
         level=None if by_load else problem.lowest + control.value * units.height, tol=tol, near=None if near is None else near.state,
+        between_points=True,
     )
     if interaction.strip and found.load > 0.0:
         return _in_strip(problem, control, points, found, held)
