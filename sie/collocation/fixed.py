@@ -2,6 +2,7 @@
 
 Many zones are not assembled: there fast sums and GMRES take the place of the matrix and its LU (see `iterative`)."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -36,6 +37,8 @@ _SLOWER = 0.9
 # Of the largest of a series' last coefficients where these are rounding, over sqrt(1 - t^2) beside an end, which moves so that no 1/sqrt
 # is left there: 0.42 n^1.5 of their size on average, a third of the largest, half of which is for _FOLDED.
 _OF_ROUNDING = 0.08
+# Series so long hardly show in the residual away from the ends what they leave out beside these; where all of it adds up, over how many.
+_LONG, _QUARTERS = 96, np.array([0.5, 1.0, 2.0])
 # Points of every zone at which the residual is looked at: none of them a node.
 LOOKS = 15
 THETA = (np.arange(LOOKS) + 0.4142) * np.pi / LOOKS
@@ -179,7 +182,7 @@ class State(Solved):
         """The same, but not more than ten times the residual, which would show them: a series may fall faster towards its end."""
         missing = self.left_out.copy()
         solved = self.density.zones.solved
-        missing[solved] = np.minimum(missing[solved], 10 * self._residual)
+        missing[solved] = np.minimum(missing[solved], 10 * np.maximum(self._residual, self._beside_ends))
         if self.density.zones.symmetric:
             missing[: len(missing) // 2] = missing[::-1][: len(missing) // 2]
         return missing
@@ -196,10 +199,10 @@ class State(Solved):
     def noise(self) -> Array:
         """What rounding of the right side amounts to in each zone, over its largest coefficient: where coefficients have
         stopped falling."""
-        return np.asarray(np.where(self._stopped, self.truncation * 2 * np.sqrt(self._kept), 0.0))
+        return np.asarray(np.where(self._stopped, self.truncation * 2 * np.sqrt(self.kept), 0.0))
 
     @cached_property
-    def _kept(self) -> Index:
+    def kept(self) -> Index:
         """How many coefficients of the right side there are on each zone."""
         g = self.system.g[: len(self.truncation)] != 0.0
         return np.maximum(g.shape[1] - 1 - np.argmax(g[:, ::-1], axis=1), 1)
@@ -208,7 +211,7 @@ class State(Solved):
     def _stopped(self) -> Mask:
         """Whether they have stopped falling: what is left of them at the end, or was cut off there, is rounding."""
         head, last = self._ends_of_series
-        return np.asarray((self._kept < self.sizes.own[: len(self._kept)]) | (last > 0.5 * head))
+        return np.asarray((self.kept < self.sizes.own[: len(self.kept)]) | (last > 0.5 * head))
 
     @cached_property
     def _ends_of_series(self) -> tuple[Array, Array]:
@@ -218,14 +221,14 @@ class State(Solved):
 
     def _some_up_to(self, part: float) -> list[Array]:
         """Sizes of a few coefficients of the right side, from such a part of each zone's series down."""
-        kept = self._kept.tolist()
+        kept = self.kept.tolist()
         return [np.abs(row[int(part * k) :: -1][: max(4, k // 8)]) for row, k in zip(self.system.g[: len(kept)], kept, strict=True)]
 
     @cached_property
     def neglected(self) -> Array:
         """Sum of 0.73 k |c_k| over the neglected coefficients, estimated from the decay of the last ones, over the
         largest of the zone."""
-        n = self._kept
+        n = self.kept
         if len(n) == 0:
             return self.truncation
         head, last = self._ends_of_series
@@ -246,16 +249,26 @@ class State(Solved):
     @cached_property
     def _residuals(self) -> Array:
         """Residual of the equation times sqrt(1 - t^2) at a few points of every solved zone, no nodes."""
+        return self._residuals_at(self.density.zones.solved, np.broadcast_to(THETA, (len(self.density.zones.solved), LOOKS)))
+
+    @cached_property
+    def _beside_ends(self) -> Array:
+        """See `beside_ends`, of the solved zones."""
+        solved = self.density.zones.solved
+        return beside_ends(self.kept[solved], lambda places, theta: self._residuals_at(solved[places], theta))
+
+    def _residuals_at(self, solved: Index, theta: Array) -> Array:
+        """Residual of the equation times sqrt(1 - t^2) on zones (n,) at angles (n, points)."""
         system, zones = self.system, self.density.zones
-        t = np.cos(THETA)
-        x = (zones.middle[zones.solved][:, None] + zones.half[zones.solved][:, None] * t).ravel()
+        t = np.cos(theta)
+        x = (zones.middle[solved][:, None] + zones.half[solved][:, None] * t).ravel()
         transformed = self.density.transform(x)
         value = transformed - self.right_side(x) - system.jumps.left_out(x)
         if zones.symmetric:
             # The other half is not solved: data that are no mirror images leave their residual there.
             mirrored = -transformed - self.right_side(-x) - system.jumps.left_out(-x)
             value = np.where(np.abs(mirrored) > np.abs(value), mirrored, value)
-        return np.asarray(value.reshape(-1, len(t)) * np.sin(THETA))
+        return np.asarray(value.reshape(theta.shape) * np.sin(theta))
 
 
 def _continued(row: Array, fall: float) -> tuple[bool, float]:
@@ -264,6 +277,16 @@ def _continued(row: Array, fall: float) -> tuple[bool, float]:
     few = len(row)
     flat = row[: few // 2].max() > row[few // 2 :].max() * fall ** (few / 4)
     return flat, fall**few if flat else float((row * fall ** np.arange(1.0, few + 1)).max() / max(row.max(), 1e-300))
+
+
+def beside_ends(kept: Index, residual: Callable[[Index, Array], Array]) -> Array:
+    """The largest residual so close to the ends of zones that all that long series leave out adds up there, 0 of short ones (n,). kept:
+    coefficients of each; residual: times sqrt(1 - t^2), of some of the zones (k,) at angles (k, points)."""
+    out, long = np.zeros(len(kept)), np.flatnonzero(kept >= _LONG)
+    if len(long):
+        theta = _QUARTERS / kept[long, None]
+        out[long] = np.abs(residual(long, np.concatenate((theta, np.pi - theta), axis=1))).max(axis=1)
+    return out
 
 
 def residual_error(residuals: Array, size: float, coupled: Index, rounding: Array, separated: Mask | bool = True) -> float:

@@ -343,7 +343,8 @@ class SlitState(Answered):
     @cached_property
     def _neglected(self) -> Array:
         """Sum of the coefficients that each wide zone neglects, as in `State`."""
-        return np.asarray(np.minimum(self.wide.left_out, 10 * self._residual))
+        beside = fixed.beside_ends(self.wide.kept, self._wide_residuals)
+        return np.asarray(np.minimum(self.wide.left_out, 10 * np.maximum(self._residual, beside)))
 
     @cached_property
     def missing(self) -> Array:
@@ -369,6 +370,15 @@ class SlitState(Answered):
         right = merged.rest[:, None] + (zones.half[:, None] * (1 - t))
         root = np.sqrt(left * right) / merged.wide.half[merged.piece_zone][:, None]
         return np.asarray(value.reshape(root.shape) * root)
+
+    def _wide_residuals(self, wide: Index, theta: Array) -> Array:
+        """Residual of the equation times sqrt(1 - t^2) on wide zones (n,) at angles (n, points), 0 in slits."""
+        zones = self.merged.wide
+        x = (zones.middle[wide][:, None] + zones.half[wide][:, None] * np.cos(theta)).ravel()
+        inside = self.density.locate(x)[2]
+        value = np.zeros(len(x))
+        value[inside] = self.density.transform(x[inside]) - self.right_side(x[inside])
+        return np.asarray(value.reshape(theta.shape) * np.sin(theta))
 
     @cached_property
     def density_error(self) -> float:

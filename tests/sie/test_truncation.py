@@ -46,3 +46,16 @@ def test_noise_of_the_right_side_is_stated_and_is_no_more_than_the_waves_let_in(
     found = off(state, solved(0.0))
     assert found < state.density_error * state.size
     assert found < noise * 8
+
+
+@pytest.mark.parametrize("start", [0.0315, -0.029237])
+@pytest.mark.parametrize("pole", [-0.2 + 6e-5j, -0.03 + 6e-5j, -0.2 + 2e-4j, -0.03 + 2e-4j, -0.2 + 8.3e-5j])
+def test_what_is_left_out_beside_an_end_is_stated_though_points_far_from_it_hardly_show_it(pole, start):
+    """Coefficients that fall slowly add up where the pole is, and nowhere else; with a slit between the zones, and without."""
+    forcing = sie.Forcing(lambda x: (1 / (x - pole)).real, lambda x: np.log(np.abs(x - pole)))
+    problem = sie.Equation(sie.cauchy(), forcing, (sie.Total(1.0), sie.EqualPotential()))
+    zones = sie.Zones.of([[-0.2, -0.03], [start, 0.25]])
+    exact = solve_zones(problem, zones)
+    for tolerance in (1e-7, 1e-8):
+        state = solve_zones(problem, zones, tolerance)
+        assert off(state, exact) < state.density_error * state.size
