@@ -42,8 +42,9 @@ COUPLED_SIZES = np.array(
         1024, 1280, 1536, 2048, 2560, 3072,
     ]
 )
-# Modes at the most: as a rule, and of a regular kernel that is known to ask for more.
-_MOST, _MOST_KNOWN = 768, 3072
+# Modes at the most: as a rule, and of a regular kernel that is known to ask for more, or of zones beside narrow gaps, as long as these are
+# so few that a matrix of each has no more numbers together than the last.
+_MOST, _MOST_KNOWN, _OF_FEW = 768, 3072, 4e7
 # Modes to begin with to a half width over the length of a regular kernel: exp(-12) of it is left.
 _PER_LENGTH = 12.0
 
@@ -79,9 +80,10 @@ def own_at_first(zones: Zones, singular_at: Array, period: float | None) -> Inde
 def coupled(zones: Zones, kernel: Kernel, tolerance: float, least: int | Index) -> Index:
     """Coupled modes per zone so that rho^m is below the tolerance at the nearest foreign end; at least `least`."""
     by = decay(zones, kernel)
-    want = np.where(by < _ALONE, -np.log(tolerance) / np.maximum(by, 1e-3), 0.0)
-    sizes = COUPLED_SIZES[: np.searchsorted(COUPLED_SIZES, most(kernel)) + 1]
-    return sizes[np.minimum(np.searchsorted(sizes, np.maximum(np.minimum(want, _MOST), least)), len(sizes) - 1)]
+    want = np.minimum(np.where(by < _ALONE, -np.log(tolerance) / np.maximum(by, 1e-3), 0.0), _MOST_KNOWN)
+    while want.max(initial=0.0) > _MOST and (want**2).sum() > _OF_FEW:
+        want = np.minimum(want, max(_MOST, 0.8 * want.max()))
+    return COUPLED_SIZES[np.searchsorted(COUPLED_SIZES, np.maximum(want, np.minimum(least, most(kernel))))]
 
 
 def decay(zones: Zones, kernel: Kernel) -> Array:

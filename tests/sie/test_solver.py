@@ -152,3 +152,17 @@ def test_a_right_side_that_is_singular_beside_a_zone_is_sampled_once(kernel, bes
     assert solved[1].density(x) == pytest.approx(solved[0].density(x), rel=1e-11)
     sampled = [state.sizes.profile_evaluations for state in solved]
     assert sampled[1] == solved[1].sizes.own[0] < 0.7 * sampled[0]
+
+
+@pytest.mark.parametrize("gap", [1e-2, 1e-3, 1e-4, 1e-5])
+def test_tandem_aerofoils_with_hardly_a_gap_between_them(gap):
+    """Of plates in a uniform stream, each with a Kutta condition behind, the density is the product of sqrt(|x - b| / |x - a|)."""
+    theta = np.linspace(0.01, np.pi - 0.01, 300)
+    left, right = 2 * np.cos(theta / 2) ** 2, 2 * np.sin(theta / 2) ** 2
+    zones = sie.Zones.of([[-1.0, 0.0], [gap, 1.2]], sie.SINGULAR, sie.BOUNDED)
+    found = sie.solve(sie.Equation(sie.cauchy(), sie.Forcing(np.ones_like, lambda x: x), ()), zones, 1e-9)
+    (first, second), (a, b) = zones.half, (left, right)
+    others = np.sqrt((first * b + 2 * second + gap) / (first * b + gap)), np.sqrt((second * a + gap) / (second * a + gap + 2 * first))
+    for zone, other in enumerate(others):
+        missed = (np.abs(found.density.at(zone, left, right)) - np.sqrt(right / left) * other) * np.sin(theta)
+        assert np.abs(missed).max() < found.error * found.state.size
