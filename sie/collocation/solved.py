@@ -111,7 +111,7 @@ class Carried:
             y[(layout.offset[group, None] + k)[coupled]] += moved[coupled]
         y[layout.offset] = self._totals(at, zones.half, place) / zones.half - system.known[:, 0]
         y[layout.coefficients :] = self.amplitudes
-        return y if system.symmetry.keep is None else y[system.symmetry.keep]
+        return np.asarray(y[system.symmetry.keep])
 
     def _place(self, middle: Array, half: Array) -> Index:
         """Which of these each of other zones is, of about the same width; -1 where there is none."""
@@ -222,7 +222,7 @@ class Solved(Answered):
 
     @property
     def symmetry(self) -> MirrorSymmetry:
-        return MirrorSymmetry.of(self.system.zones, self.system.layout)
+        return self.system.symmetry
 
     @property
     def levels(self) -> Array:

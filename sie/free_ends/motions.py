@@ -136,7 +136,7 @@ class IteratedMotions:
         y = system.symmetry.unfold(folded)
         rows, plain = system.applied(y + moved.coefficients)
         # The rows hold what coefficients do to their own zone, which singular densities do not.
-        rows = rows + moved.coefficients[system.own][system.kept]
+        rows = rows + moved.coefficients[system.diagonal]
         view = MovedView(system, plain.y, plain.middle, plain.rest + moved.own_level[self.zones.solved], moved, y)
         asked = condition_rows(system.equation, view, 1)[0][:, 0]
         return np.concatenate((rows, asked)), view.edges[self.side, self.at]
@@ -323,8 +323,7 @@ def end_rates(state: State) -> EndRates:
     moved = Moved.of(state, spread(state, ends, np.eye(len(ends))))
     singular, own_level, own = moved.coefficients, moved.own_level, moved.own
     matrix = rows_of(state)
-    folded = singular if state.symmetry.keep is None else singular[state.symmetry.keep]
-    right = matrix @ folded
+    right = matrix @ singular[state.symmetry.keep]
     # The rows hold what coefficients do to their own zone, which S does not.
     right[: state.conditions_from] += singular[system.diagonal]
     right[state.conditions_from :] += state.level_rows @ own_level[solved]
