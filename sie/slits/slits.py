@@ -100,7 +100,7 @@ class Slit(Kept):
         return 2 * self.half * self.means(np.sin(k * self.theta) / self.x_root)
 
 
-def off_slit(excess: Array, sign: float, d: Array) -> Array:
+def off_slit(excess: Array, sign: Array | float, d: Array) -> Array:
     """(1/pi) PV int sigma / (t - tau) of T_l / sqrt series d, off the slit: at |z| - 1 = excess on the side `sign`."""
     return transform_of(*chebyshev.bounded_part(d[None]), Outside(sign, excess), np.zeros(len(excess), dtype=np.intp))
 

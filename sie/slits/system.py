@@ -41,17 +41,12 @@ _SAFETY = 3.0
 
 @record
 class Opened(Trial):
-    """What an opening s changes in the quantities that side conditions speak of (`conditions.Rows`): constants only."""
+    """What an opening s changes in the quantities that side conditions speak of (`conditions.Rows`): constants only. table: s_k of every
+    wide zone, for a condition that asks for them."""
 
     table: Callable[[], Array]
     mean_opening: Array
     system: System
-
-    @classmethod
-    def of(cls, table: Callable[[], Array], mean_opening: Array, system: System) -> "Opened":
-        """table: s_k of every wide zone, for a condition that asks for them."""
-        nothing = np.zeros((len(system.zones.solved), 0))
-        return cls(system.zones, nothing, nothing, table, mean_opening, system)
 
     def levels(self) -> Linear:
         return self.level, self.mean_opening[self.zones.solved]
@@ -201,7 +196,8 @@ class SlitSystem(Kept):
         """What s adds to the right side of the wide zones' rows."""
         system, base = self.system, self.base
         rows = -self._among_unknowns(d, homogeneous)[system.diagonal]
-        view = Opened.of(lambda: self.s_table(d, homogeneous), self.mean_openings(d, homogeneous), system)
+        nothing = np.zeros((len(system.zones.solved), 0))
+        view = Opened(system.zones, nothing, nothing, lambda: self.s_table(d, homogeneous), self.mean_openings(d, homogeneous), system)
         constants = [asked(condition, view, 0)[1] for condition in system.equation.conditions]
         conditions = -np.concatenate(constants) / base.condition_scale if constants else np.zeros(0)
         return np.concatenate((rows, conditions))
@@ -312,10 +308,7 @@ class SlitState(Answered):
         merged = self.merged
         wide = edge_scale(merged.wide.half) * of_coefficients
         slits = at_slits * edge_scale(merged.slits.half) * of_coefficients[merged.slit_zone]
-        at_left, at_right = self.density.slit_roots
-        left = np.where(merged.slit_before < 0, wide[merged.piece_zone], (slits / at_right)[merged.slit_before])
-        right = np.where(merged.slit_after < 0, wide[merged.piece_zone], (slits / at_left)[merged.slit_after])
-        return np.array([left, right])
+        return np.array(self.density.edges((wide, wide), (slits, slits), (1.0, 1.0)))
 
     @cached_property
     def intensity_noise(self) -> Array:
