@@ -101,6 +101,12 @@ class SlitKink(Kept):
         angle = theta(from_left, from_right)
         return from_left, from_right, angle, self.half * weight * self.slope(left, right)
 
+    @cached_property
+    def _over_root(self) -> Array:
+        """Weights that hold psi / (pi X)."""
+        from_left, from_right, _, weight = self.seen
+        return np.asarray(weight / np.sqrt(from_left * from_right) / np.pi)
+
     @property
     def total(self) -> float:
         """int psi dt over pi times the slit's half width."""
@@ -122,9 +128,8 @@ class SlitKink(Kept):
     @cached_property
     def edge(self) -> tuple[float, float]:
         """(a_0, a_1): P[psi] has (a_0 + a_1 t) / X."""
-        from_left, from_right, _, weight = self.seen
-        over = weight / np.sqrt(from_left * from_right) / np.pi
-        return float(over @ (0.5 * (from_left - from_right))), float(over.sum())
+        from_left, from_right, _, _ = self.seen
+        return float(self._over_root @ (0.5 * (from_left - from_right))), float(self._over_root.sum())
 
     @cached_property
     def polynomial(self) -> tuple[float, float]:
@@ -171,11 +176,10 @@ class SlitKink(Kept):
 
     def _summed(self, from_left: Array, from_right: Array, outside: Array, past: Mask) -> Array:
         """The same as X times (1/pi) int psi / (X (t - tau))."""
-        lefts, rights, _, weight = self.seen
-        over = weight / np.sqrt(lefts * rights) / np.pi
+        lefts = self.seen[0]
         inward = np.where(past[:, None], self.start + 2 * self.half - lefts, lefts - self.start)
         away = np.where(past, 1.0, -1.0)[:, None] * (self.half * outside[:, None] + inward)
-        return np.asarray(np.sqrt(from_left * from_right) * ((1 / away) @ over))
+        return np.asarray(np.sqrt(from_left * from_right) * ((1 / away) @ self._over_root))
 
     def _spread(self, from_left: Array, from_right: Array, z: Array) -> Array:
         """bar(kappa); for q = 1 bar((t - .) kappa) + (m - s) bar(kappa); for q = 2 see the head of this file."""
@@ -201,9 +205,8 @@ class SlitKink(Kept):
     def edge_slopes(self) -> tuple[float, float]:
         """Coefficient of the angle from the wide zone's left and right end in what `beside` gives."""
         if self.order == HIGHEST:
-            lefts, rights, _, weight = self.seen
-            over = weight / np.sqrt(lefts * rights) / np.pi
-            return -float(over @ (1 / lefts)), float(over @ (1 / rights))
+            lefts, rights, _, _ = self.seen
+            return -float(self._over_root @ (1 / lefts)), float(self._over_root @ (1 / rights))
         _, l, r = self.mean_places
         out = []
         sides = ((-1.0, l, r, self.from_left, self.from_right), (1.0, r, l, self.from_right, self.from_left))
