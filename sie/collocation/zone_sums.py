@@ -83,7 +83,7 @@ class NearRows:
             into = (pointer[row] + in_row[group][:, None])[..., None] + power
             data[into] = seen.transforms(count)
             column[into] = columns[:, None, :]
-        sparse = lazy.scipy_sparse()
+        sparse = lazy.module("scipy.sparse")
         size = layout.size
         potential_pointer = np.concatenate(([0], np.cumsum(per_zone)))
         # Pointers of more bytes would have the columns copied.
