@@ -138,11 +138,9 @@ def outside(a: Array, b: Array, x: Array) -> Outside:
     return Outside(np.where(right, 1.0, -1.0), np.where(right, x - b, a - x) / (0.5 * (b - a)))
 
 
-def fields(zones: Zones, kernel: Kernel, targets: Targets | Places, layout: Layout, what: str) -> Array:
-    """What each unknown does at the targets, but for a zone's action on itself: (points, unknown coefficients).
-
-    what: "transform", or "potential" (over the zones' half widths).
-    """
+def fields(zones: Zones, kernel: Kernel, targets: Targets | Places, layout: Layout, potential: bool) -> Array:
+    """Transform, or potential over the zones' half widths, of each unknown at the targets, but for a zone's action on itself: (points,
+    unknown coefficients)."""
     out = np.zeros((len(targets.x), layout.size))
     for m in np.unique(layout.m):
         sources = np.flatnonzero(layout.m == m)
@@ -151,23 +149,21 @@ def fields(zones: Zones, kernel: Kernel, targets: Targets | Places, layout: Layo
             seen, others = targets.seen(zones, sources, shift)
             if others is not None and len(zones) == 1:
                 continue
-            terms = seen.one_by_one(what == "potential", zones.half[sources] / kernel.datum, others)
+            terms = seen.one_by_one(potential, zones.half[sources] / kernel.datum, others)
             for k, term in zip(range(m + 1), terms, strict=False):
                 block[k] += term
         columns = layout.offset[sources][:, None] + np.arange(m + 1)
         out[:, columns] = block.transpose(1, 2, 0)
-    regular = kernel.regular if what == "transform" else kernel.regular_potential
     if kernel.regular is not None:
-        if regular is None:
-            raise ValueError("a condition on potentials needs the regular kernel's potential")
-        add_regular(out, zones, kernel, regular, targets.x, layout, what == "potential")
+        _add_regular(out, zones, kernel, targets.x, layout, potential)
     return out
 
 
-def add_regular(
-    out: Array, zones: Zones, kernel: Kernel, regular: Callable[[Array, Array], Array], x: Array, layout: Layout, potential: bool
-) -> None:
-    """Add what the kernel's regular part makes of each unknown at points x, or its potential over the zones' half widths."""
+def _add_regular(out: Array, zones: Zones, kernel: Kernel, x: Array, layout: Layout, potential: bool) -> None:
+    """Add what the kernel's regular part does at points x."""
+    regular = kernel.regular_potential if potential else kernel.regular
+    if regular is None:
+        raise ValueError("a condition on potentials needs the regular kernel's potential")
     panels = panels_over(kernel, zones)
     if panels is not None:
         moments = _panel_moments(zones, panels, layout, potential)
@@ -247,7 +243,7 @@ class System:
     def equation_rows(self) -> tuple[Array, Array]:
         """(matrix, right side), the kept rows."""
         layout, zones = self.layout, self.zones
-        raw = fields(zones, self.equation.kernel, self.targets, layout, "transform")
+        raw = fields(zones, self.equation.kernel, self.targets, layout, potential=False)
         if self.equation.kernel.grows and panels_over(self.equation.kernel, zones) is None:
             # A regular kernel of a user's own: its last coefficients in xi tell whether they are enough.
             last = layout.offset + layout.m - np.minimum([[0], [1], [2]], layout.m)
@@ -434,7 +430,7 @@ class System:
     def _levels(self) -> Linear:
         zones, layout, kernel = self.zones, self.layout, self.equation.kernel
         solved = zones.solved
-        raw = fields(zones, kernel, self.targets, layout, "potential")
+        raw = fields(zones, kernel, self.targets, layout, potential=True)
         raw[:, : layout.coefficients] *= np.repeat(zones.half, layout.m + 1)
         rows = self.means(raw)
         rows[np.arange(len(solved)), layout.offset[solved]] += mean_potential(zones.half[solved], kernel.datum)

@@ -133,7 +133,7 @@ def answers(state: State, at: Array, strengths: Array, values: Array, places: Ar
     places = density.into_period(np.asarray(places, dtype=float))
     potentials = _beyond_potential(outside(a, b, places[:, None] - poles).rho, up, layout.m) @ strengths
     unknowns[: layout.coefficients] *= np.repeat(zones.half, layout.m + 1)[:, None]
-    potentials += fields(zones, kernel, Places(places), layout, "potential") @ unknowns
+    potentials += fields(zones, kernel, Places(places), layout, potential=True) @ unknowns
     return Answers(intensities, levels, potentials)
 
 
