@@ -358,9 +358,8 @@ class TwoLevelPreconditioner:
         self.others = [k for k, kind in enumerate(kinds) if kind is None]
         self.other_rows = np.concatenate([np.arange(starts[k], starts[k + 1]) for k in self.others] or [np.zeros(0, dtype=np.intp)])
         self.held = np.array(sum(zones.held, []), dtype=np.intp)
-        at = None if len(self.held) else next(k for k, kind in enumerate(kinds) if kind is not None)
-        self.own = None if at is None else kinds[at]
-        self.levels = self.own is not None and self.own.of_levels
+        at = next((k for k, kind in enumerate(kinds) if kind is not None), None)
+        self.own, self.levels = system.of_zones, system.levelled
         # What every zone has of its own: rows of one condition, or those of held ends, which come last.
         self.rows = slice(int(starts[-1]), None) if at is None else slice(int(starts[at]), int(starts[at + 1]))
         self.absolute = self.own is not None and not self.own.differences

@@ -29,7 +29,7 @@ from functools import cached_property
 
 import numpy as np
 
-from sie.basis.data import Array, record
+from sie.basis.data import Array, Index, record
 from sie.basis.interval import edge_scale
 from sie.collocation.factored import Factored
 from sie.collocation.fixed import SingularSystem, State, rows_of
@@ -69,19 +69,20 @@ def free_ends(state: State) -> list[tuple[int, int]]:
     """(side, zone) of the ends that move, of mirrored pairs the right one."""
     zones = state.density.zones
     mirrored = int(zones.solved[0]) if zones.central else -1
-    kinds = (zones.left, zones.right)
-    return [
-        (side, int(i)) for side in (0, 1) for i in zones.solved if kinds[side][i].moves and (side, i) != (0, mirrored)
-    ]
+    return [(side, int(i)) for side in (0, 1) for i in zones.solved if zones.moves[side, i] and (side, i) != (0, mirrored)]
+
+
+def _sides(ends: list[tuple[int, int]]) -> tuple[Index, Index]:
+    """(side, zone) of ends (E,)."""
+    side, zone = np.array(ends, dtype=np.intp).reshape(-1, 2).T
+    return side, zone
 
 
 def spread(state: State, ends: list[tuple[int, int]], values: Array) -> Array:
     """Values of ends (E, ...) as (2, Z, ...), mirrored ones filled in."""
     zones = state.density.zones
     out = np.zeros((2, len(zones), *values.shape[1:]))
-    if not ends:
-        return out
-    side, zone = np.array(ends).T
+    side, zone = _sides(ends)
     out[side, zone] = values
     if zones.symmetric:
         out[1 - side, len(zones) - 1 - zone] = values
@@ -122,10 +123,8 @@ class IteratedMotions:
         self.state, self.solver, self.system = state, solver, solver.system
         self.zones = state.density.zones
         self.ends = free_ends(state)
-        place = {int(i): p for p, i in enumerate(self.zones.solved)}
-        self.side = np.array([side for side, _ in self.ends], dtype=np.intp)
-        self.zone = np.array([zone for _, zone in self.ends], dtype=np.intp)
-        self.at = np.array([place[int(i)] for i in self.zone], dtype=np.intp)
+        self.side, self.zone = _sides(self.ends)
+        self.at = np.searchsorted(self.zones.solved, self.zone)
         self.scale = solver.scale_of(state.folded_unknowns)
         self.width = self.zones.half[self.zone]
 
@@ -333,10 +332,8 @@ def end_rates(state: State) -> EndRates:
     factors = state.direct or Factored.of(matrix)
     answer = np.asarray(factors(-right))
     unknowns = np.column_stack([state.symmetry.unfold(column) for column in answer.T]) if len(ends) else np.zeros((layout.size, 0))
-    linear = np.array([part @ unknowns for part, _ in system.intensities()])
-    rates = linear + own[:, solved]
-    place = {int(i): p for p, i in enumerate(solved)}
-    intensities = np.array([rates[side, place[i]] for side, i in ends]).reshape(len(ends), len(ends))
+    side, zone = _sides(ends)
+    intensities = (np.array([part @ unknowns for part, _ in system.intensities()]) + own[:, solved])[side, np.searchsorted(solved, zone)]
     levels = np.zeros((len(solved), 0))
     if system.wants_levels:
         levels = system.levels()[0] @ (unknowns + singular) + own_level[solved]
@@ -393,7 +390,7 @@ class DirectMotions:
     def __init__(self, state: State) -> None:
         self.state, self._rates = state, end_rates(state)
         self.ends = self._rates.ends
-        self.side, self.zone = np.array(self.ends, dtype=np.intp).reshape(-1, 2).T
+        self.side, self.zone = _sides(self.ends)
         # Rounding alone keeps the rates of a motion that changes nothing from being zero.
         neutral = len(self.ends) > 0 and not np.linalg.cond(self._rates.intensities) < _NEUTRAL_FROM
         self._inverse = np.full_like(self._rates.intensities, np.nan) if neutral else np.linalg.inv(self._rates.intensities)
