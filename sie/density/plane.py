@@ -21,7 +21,7 @@ from sie.basis import chebyshev
 from sie.basis.data import Array, Index
 from sie.basis.interval import Complex, InPlane, Outside, What, complex_of, of_t, transform_of, transform_slope_of
 from sie.basis.kernels import Regular
-from sie.basis.sums import of_zones, pair_blocks
+from sie.basis.sums import Grouped, pair_blocks
 from sie.density.field import by_quadrature
 from sie.density.series import Series
 from sie.fast.far import Nested
@@ -101,7 +101,7 @@ class Plane:
             value = transform_slope_of(*bounded, seen, zone) / w if what == "derivative" else transform_of(*bounded, seen, zone)
         if len(density.jumps):
             value = value.copy()
-            for i, here in of_zones(zone):
+            for i, here in Grouped.by(zone).places().items():
                 if i in density.jumps.by_zone:
                     value[here] += self._jumps(i, seen[here], what)
         return value
