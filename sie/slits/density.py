@@ -191,9 +191,8 @@ class SlitDensity(Located):
                 away = np.where(past, begin - here.stop[k] + lf[on] * half[on], here.start[k] - end + rt[on] * half[on])
                 out[on] += kink.beside(from_left[on], from_right[on], away / here.slits[k].width, past)
         if self.bounded_ends:
-            zero_left = np.array([e.intensity == 0.0 for e in self.zones.left])[piece] & (lf == 0)
-            zero_right = np.array([e.intensity == 0.0 for e in self.zones.right])[piece] & (rt == 0)
-            out[zero_left | zero_right] = 0.0
+            at_left, at_right = self.zones.bounded[:, piece]
+            out[at_left & (lf == 0) | at_right & (rt == 0)] = 0.0
         return np.asarray(out.reshape(shape))
 
     @cached_property
