@@ -152,21 +152,20 @@ class _Both:
 
 
 @dataclass(frozen=True)
-class _HilbertRest:
-    """(pi/L) cot(pi d/L) less its poles at 0 and +-L."""
-
+class _OfPeriod:
     period: float
+
+
+class _HilbertRest(_OfPeriod):
+    """(pi/L) cot(pi d/L) less its poles at 0 and +-L."""
 
     def __call__(self, x: Array, xi: Array) -> Array:
         d = (x - xi) / self.period
         return np.asarray((psi(2 - d) - psi(2 + d)) / self.period)
 
 
-@dataclass(frozen=True)
-class _HilbertSlopeRest:
+class _HilbertSlopeRest(_OfPeriod):
     """Derivative of `_HilbertRest`."""
-
-    period: float
 
     def __call__(self, x: Array, xi: Array) -> Array:
         d = (x - xi) / self.period
@@ -190,11 +189,8 @@ def _trigamma(z: Array) -> Array:
     return np.asarray(out)
 
 
-@dataclass(frozen=True)
-class _HilbertPotentialRest:
+class _HilbertPotentialRest(_OfPeriod):
     """log|2 sin(pi d/L)| less those of its poles."""
-
-    period: float
 
     def __call__(self, x: Array, xi: Array) -> Array:
         d = (x - xi) / self.period

@@ -77,11 +77,10 @@ class Density(Series):
 
     def _on_line(self, x: Array, potential: bool) -> Array:
         """What all zones do at x, by blocks of points, or by fast sums."""
-        flat, fast = self.into_period(x).ravel(), None
+        flat = self.into_period(x).ravel()
         regular = self.kernel.regular_potential if potential else self.kernel.regular
         zone, shift = np.tile(np.arange(len(self.zones)), len(self.kernel.poles)), np.repeat(self.kernel.poles, len(self.zones))
-        if self.has_series or len(flat) * len(zone) > _MANY_PAIRS:
-            fast = self.treecode
+        fast = self.treecode if self.has_series or len(flat) * len(zone) > _MANY_PAIRS else None
         if fast is not None:
             out = fast.potential(flat) if potential else fast.transform(flat)
             # The far sums of such a kernel have its regular part.
