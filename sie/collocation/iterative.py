@@ -165,21 +165,18 @@ class IterativeSystem(System):
     def _forcing_differences(self) -> Array:
         """Differences of the primitive's means between neighbours: over the gap by quadrature, over the zones from the
         coefficients of g, since the antiderivative of U_{k-1} is T_k / k."""
-        solved = self.zones.solved
+        zones, solved, forcing = self.zones, self.zones.solved, self.equation.forcing
         if not self.integrated:
             return np.diff(self._forcing_means())
-        across = self._across_roughly if self.rough else self._across_gaps[0]
-        g, w = self.g[solved[0] :], self.zones.half[solved]
+        if self.rough:  # to the rounding of the primitive
+            assert forcing.primitive is not None
+            across = np.asarray(forcing.primitive(zones.a[solved[1:]]) - forcing.primitive(zones.b[solved[:-1]]))
+        else:
+            across = self._across_gaps[0]
+        g, w = self.g[solved[0] :], zones.half[solved]
         weights = 1 / np.arange(1.0, g.shape[1])
         half_rise, offset = w * (g[:, 1::2] @ weights[::2]), w * (g[:, 2::2] @ weights[1::2])
         return across + half_rise[1:] + half_rise[:-1] - np.diff(offset)
-
-    @property
-    def _across_roughly(self) -> Array:
-        """Integral of g over every gap, to the rounding of its primitive."""
-        zones, solved, primitive = self.zones, self.zones.solved, self.equation.forcing.primitive
-        assert primitive is not None
-        return np.asarray(primitive(zones.a[solved[1:]]) - primitive(zones.b[solved[:-1]]))
 
     @cached_property
     def _across_gaps(self) -> tuple[Array, Array]:

@@ -406,17 +406,14 @@ class DirectMotions:
         return self._rates.intensities @ d, levels @ d if levels.size else np.zeros(0)
 
     def growth(self, signs: Array, normal: Array | None = None, by_value: Array | None = None) -> float:
-        return growth(signs[self.side][:, None] * self._rates.intensities, normal, by_value)
-
-
-def growth(driven: Array, normal: Array | None = None, by_value: Array | None = None) -> float:
-    """Largest real part of the eigenvalues of what drives the ends by their motions; with a condition on the ends, which the unknown value
-    keeps: of motions along it."""
-    if normal is not None and by_value is not None:
-        driven = driven - np.outer(by_value, normal @ driven) / (normal @ by_value)
-        along = np.linalg.svd(normal[None])[2][1:]
-        driven = along @ driven @ along.T
-    return float(np.linalg.eigvals(driven).real.max(initial=-np.inf))
+        """Largest real part of the eigenvalues of what drives the ends by their motions; with a condition on the ends, which the unknown
+        value keeps: of motions along it."""
+        driven = signs[self.side][:, None] * self._rates.intensities
+        if normal is not None and by_value is not None:
+            driven = driven - np.outer(by_value, normal @ driven) / (normal @ by_value)
+            along = np.linalg.svd(normal[None])[2][1:]
+            driven = along @ driven @ along.T
+        return float(np.linalg.eigvals(driven).real.max(initial=-np.inf))
 
 
 def motions_of(state: State) -> DirectMotions | IteratedMotions:

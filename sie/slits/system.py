@@ -266,18 +266,13 @@ class SlitState(Answered):
         return self.wide, self.merged.piece_zone[zones]
 
     # further right sides --------------------------------------------------------------------------------------------
-    def _answer(self, values: Array, loose: float = 0.0) -> tuple[Array, tuple[Array, ...]]:
-        """(unknowns, series) for unit changes of the side conditions' values."""
-        folded, series, _ = self.slit_system.solve(values, loose)
-        return folded, series
-
     def response(self, values: Array, tolerance: float = 0.0) -> SlitDensity:
         """See `State.response`."""
-        return self.slit_system.density(*self._answer(values, tolerance), homogeneous=True)[1]
+        return self.slit_system.density(*self.slit_system.solve(values, tolerance)[:2], homogeneous=True)[1]
 
     def with_value(self, condition: int, change: float) -> "SlitState":
         """See `State.with_value`."""
-        folded, series = self._answer(self.values(condition, change))
+        folded, series, _ = self.slit_system.solve(self.values(condition, change))
         both = tuple(one + other for one, other in zip(self.series, series, strict=True))
         wide, density = self.slit_system.density(self.wide.folded_unknowns + folded, both)
         return replace(self, wide=wide, density=density, series=both)
@@ -289,7 +284,7 @@ class SlitState(Answered):
         return self.wide.levels + opened[self.merged.wide.solved]
 
     def level_rates(self, values: Array) -> Array:
-        folded, series = self._answer(values)
+        folded, series, _ = self.slit_system.solve(values)
         opened = self.slit_system.mean_openings(series, True)
         return self.wide.system.level_changes(self.wide.symmetry.unfold(folded)) + opened[self.merged.wide.solved]
 
