@@ -17,7 +17,7 @@ from functools import cached_property
 import numpy as np
 
 from sie.basis import chebyshev
-from sie.basis.data import Array, Index, Mask, numbered, record
+from sie.basis.data import Array, Index, Mask, numbered, record, widened
 from sie.basis.interval import Outside, edge_scale, mean_potential
 from sie.basis.kernels import Kernel, regular_size
 from sie.basis.zones import Zones
@@ -72,9 +72,7 @@ class Layout:
     def flat(self, table: Array) -> Array:
         """The inverse of `padded`, amplitudes zero; a table with fewer columns is continued by zeros."""
         out, count = np.zeros(self.size), self.given.shape[1]
-        if table.shape[1] < count:
-            table = np.pad(table, ((0, 0), (0, count - table.shape[1])))
-        out[: self.coefficients] = table[:, :count][self.given]
+        out[: self.coefficients] = widened(table, count)[:, :count][self.given]
         return out
 
 
@@ -232,12 +230,12 @@ class System:
             of_g, self.moment_means = coefficients_between(self.equation.forcing, zones, self.jumps, chosen, m)
         else:
             # Of jumps of the density g is no smoother between them: from what is left of it, less what the kernel makes of their parts.
-            of_g = np.pad(self.g[chosen], ((0, 0), (0, max(0, self.taken.shape[1] - self.g.shape[1]))))
+            of_g = widened(self.g[chosen], self.taken.shape[1])
             of_g[:, : self.taken.shape[1]] -= self.taken[chosen]
         count = max(self.g.shape[1], of_g.shape[1])
-        self.lowest = np.pad(self.g, ((0, 0), (0, count - self.g.shape[1])))
+        self.lowest = widened(self.g, count).copy()
         inner = np.arange(count) <= m[chosen, None]
-        self.lowest[chosen] = np.where(inner, np.pad(of_g, ((0, 0), (0, count - of_g.shape[1]))), self.lowest[chosen])
+        self.lowest[chosen] = np.where(inner, widened(of_g, count), self.lowest[chosen])
 
     # rows of the equation -------------------------------------------------------------------------------------------
     def equation_rows(self) -> tuple[Array, Array]:
@@ -282,8 +280,7 @@ class System:
         if panels is None or np.all(panels.modes(zones.half) <= self.layout.m):
             return None
         count = int(panels.modes(zones.half).max()) + 1
-        table, given = np.zeros((len(zones), count)), min(count, self.g.shape[1])
-        table[:, :given] = -self.g[:, :given]
+        table = -widened(self.g, count)[:, :count]
         if len(self.jumps):
             table += self.jumps.t_coefficients(zones, count)
         table = np.where(np.arange(count) > self.layout.m[:, None], table, 0.0)
@@ -381,7 +378,7 @@ class System:
     def beyond(self) -> Array:
         """Coefficients that are no unknowns: beyond the coupled modes, and less what the unknowns have of the jumps' parts."""
         count = max(self.g.shape[1], self.taken.shape[1])
-        g, taken = (np.pad(part, ((0, 0), (0, count - part.shape[1]))) for part in (self.g, self.taken))
+        g, taken = widened(self.g, count), widened(self.taken, count)
         within = np.arange(count) <= self.layout.m[:, None]
         return np.where(within, -taken, -g)
 

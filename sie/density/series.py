@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from sie.basis import chebyshev, interval
-from sie.basis.data import Array, Index
+from sie.basis.data import Array, Index, widened
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
 from sie.density.located import Located, real_of
@@ -63,9 +63,7 @@ class Series(Located):
 
     def first(self, count: int) -> Array:
         """The first coefficients of all of it, jumps among it (Z, count)."""
-        out = np.zeros((len(self.zones), count))
-        known = self.coefficients[:, :count]
-        out[:, : known.shape[1]] = known
+        out = widened(self.coefficients[:, :count], count)
         return out + self.jumps.t_coefficients(self.zones, count) if len(self.jumps) else out
 
     @cached_property
@@ -189,9 +187,7 @@ class Series(Located):
     def potential_coefficients(self) -> Array:
         """Coefficients of all but `ForcingJumps.sharp_potential`, those over l = 1, 2, ... divided by l: for potentials."""
         c, high = self.coefficients, self.jumps.high_coefficients(self.zones)
-        table = np.zeros((len(c), max(c.shape[1], high.shape[1])))
-        table[:, : c.shape[1]] = c
-        table[:, : high.shape[1]] += high
+        table = widened(c, high.shape[1]) + widened(high, c.shape[1])
         table[:, 1:] /= np.arange(1, table.shape[1])
         return table
 

@@ -19,7 +19,7 @@ from typing import TypeAlias
 import numpy as np
 
 from sie.basis import chebyshev
-from sie.basis.data import Array, Index, Mask
+from sie.basis.data import Array, Index, Mask, widened
 from sie.basis.interval import mean_potential
 from sie.basis.zones import Zones
 from sie.collocation import modes
@@ -70,12 +70,9 @@ def far_off(state: AnyState, moves: Mask, delta: Array) -> Index:
 def _by_others(state: AnyState, chosen: Index, added: Added | None) -> Array:
     """E_k on chosen zones (n, _FIELD)."""
     whole, place = state.wide_of(chosen)
-    c = np.zeros((len(chosen), _FIELD + 1))
     parts = [(whole.density.coefficients, 1.0), (whole.system.g, 1.0)]
-    for table, times in parts if added is None else [*parts, (added[0].coefficients, added[1])]:
-        count = min(_FIELD + 1, table.shape[1])
-        c[:, :count] += times * table[place, :count]
-    return c[:, 1:]
+    parts += [] if added is None else [(added[0].coefficients, added[1])]
+    return np.asarray(sum(times * widened(table[place, 1 : _FIELD + 1], _FIELD) for table, times in parts))
 
 
 class Moving:

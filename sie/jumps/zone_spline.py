@@ -94,7 +94,7 @@ class ZoneSpline(Kept):
     def _moments(self, cuts: Array) -> tuple[Array, Array]:
         """(nodes phi, weights that hold g): int_0^pi g F dphi = sum of weights F(phi), F smooth on each panel between cuts."""
         ends = np.unique(np.concatenate((self.spline.knots, 1 + np.cos(cuts[1:-1]))))
-        phi, weights = (each.ravel() for each in legendre(theta(ends, 2 - ends), _NODES))
+        phi, weights = legendre(theta(ends, 2 - ends), _NODES)
         # From the left end to the right the angles fall.
         values = -weights * self.spline(2 * np.cos(0.5 * phi) ** 2)
         panel = np.clip(np.searchsorted(cuts, phi, side="right") - 1, 0, len(cuts) - 2)

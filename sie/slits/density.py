@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from sie.basis import chebyshev
-from sie.basis.data import Array, Index, Mask, wrapped
+from sie.basis.data import Array, Index, Mask, widened, wrapped
 from sie.basis.interval import Outside, edge_scale, slope_scale
 from sie.basis.interval import theta as theta_of
 from sie.basis.kernels import Kernel, cauchy
@@ -390,9 +390,7 @@ class SlitDensity(Located):
         """s as what other zones see of it, on the wide zones that have slits."""
         some = np.array([here.zone for here in self.slits])
         count = max(self.whole.coefficients.shape[1], self.smooth.coefficients.shape[1])
-        whole, smooth = (
-            np.pad(d.coefficients[some], ((0, 0), (0, count - d.coefficients.shape[1]))) for d in (self.whole, self.smooth)
-        )
+        whole, smooth = (widened(d.coefficients[some], count) for d in (self.whole, self.smooth))
         zones = Zones.of(self.merged.wide.table[some])
         return Density(zones, self.kernel, whole - smooth, ForcingJumps.none(), np.zeros(0))
 

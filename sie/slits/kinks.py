@@ -94,7 +94,7 @@ class SlitKink(Kept):
     def seen(self) -> tuple[Array, Array, Array, Array]:
         """(distances from the wide zone's ends, angles there, weights that hold psi): int psi f dt = sum W f."""
         border = float(theta(*self._beside[::-1]))
-        beta, weights = (each.ravel() for each in legendre(np.array([0.0, border, np.pi]), _LEGENDRE))
+        beta, weights = legendre(np.array([0.0, border, np.pi]), _LEGENDRE)
         weight = weights * np.sin(beta)
         left, right = 2 * np.sin(beta / 2) ** 2, 2 * np.cos(beta / 2) ** 2
         from_left, from_right = self.start + self.half * left, self.rest + self.half * right

@@ -11,7 +11,7 @@ from functools import cached_property
 
 import numpy as np
 
-from sie.basis.data import Array, Index, Kept, record, row_sizes
+from sie.basis.data import Array, Index, Kept, record, row_sizes, widened
 from sie.basis.interval import edge_scale
 from sie.basis.zones import Zones
 from sie.collocation import fixed
@@ -209,9 +209,7 @@ class SlitSystem(Kept):
         whole = base.homogeneous(y) if homogeneous else density_of(system, y)
         table, some, s = whole.coefficients, self._zones, self._rows(d, homogeneous)
         count = max(s.shape[1], table.shape[1])
-        if count > table.shape[1]:
-            table = np.pad(table, ((0, 0), (0, count - table.shape[1])))
-        s = np.pad(s, ((0, 0), (0, count - s.shape[1])))
+        table, s = widened(table, count), widened(s, count)
         within = np.arange(count) <= system.layout.m[some, None]
         with_slits, without = table.copy(), table
         without[some] -= np.where(within, s, 0.0)
