@@ -230,23 +230,22 @@ class IterativeSystem(System):
         out[zones.solved] += felt_left * np.append(border, steps) + felt_right * np.append(steps, border)
         return np.maximum(out, out[::-1]) if zones.symmetric else out
 
-    def integrals_at(self, weight: Callable[[Array], Array], degree: int | None, y: Array) -> Linear:
+    def weighted(self, weight: Callable[[Array], Array], degree: int | None) -> tuple[list[Array], Array]:
         if weight not in self._weights:
-            self._weights[weight] = self.weighted(weight, degree)
-        tables, constants = self._weights[weight]
-        start = self.layout.offset[self.zones.solved]
-        rows = np.array([values @ y[s : s + len(values)] for values, s in zip(tables, start, strict=True)])
-        return rows[:, None], constants
+            self._weights[weight] = super().weighted(weight, degree)
+        return self._weights[weight]
 
 
 @record
 class Applied:
-    """What conditions may ask for (`conditions.Rows`), with rows already applied to one set of unknowns: one column."""
+    """What conditions may ask for (`conditions.Rows`), with rows already applied to one set of unknowns: one column. edges: K at both ends
+    of the solved zones (2, n), where the unknowns do not tell it."""
 
     system: IterativeSystem
     y: Array
     middle: Array
     rest: Array
+    edges: Array | None = None
 
     @property
     def level(self) -> Array:
@@ -268,11 +267,14 @@ class Applied:
         return (np.diff(self.middle) + np.diff(self.rest))[:, None], self.system.step_constants
 
     def integrals(self, weight: Callable[[Array], Array], degree: int | None = None) -> Linear:
-        return self.system.integrals_at(weight, degree, self.y)
+        tables, constants = self.system.weighted(weight, degree)
+        start = self.system.layout.offset[self.zones.solved]
+        rows = np.array([values @ self.y[s : s + len(values)] for values, s in zip(tables, start, strict=True)])
+        return rows[:, None], constants
 
     def intensities(self) -> tuple[Linear, Linear]:
         system = self.system
-        left, right = system.intensities_of(system.layout.padded(self.y))
+        left, right = system.intensities_of(system.layout.padded(self.y)) if self.edges is None else self.edges
         constant_left, constant_right = system.known_intensities
         return (left[:, None], constant_left), (right[:, None], constant_right)
 

@@ -35,7 +35,6 @@ from sie.collocation.factored import Factored
 from sie.collocation.fixed import SingularSystem, State, rows_of
 from sie.collocation.iterative import Applied, Iterative, IterativeSystem
 from sie.collocation.system import condition_rows
-from sie.equation.conditions import Linear
 from sie.fast.krylov import gmres
 
 
@@ -97,25 +96,6 @@ STEP, _RESPONSE = 1e-6, 1e-4
 _LOST = 1e-3
 
 
-@record
-class MovedView(Applied):
-    """What conditions ask for, of a response and of singular densities."""
-
-    moved: Moved
-    response: Array
-
-    def intensities(self) -> tuple[Linear, Linear]:
-        left, right = self.edges
-        nothing = np.zeros(len(left))
-        return (left[:, None], nothing), (right[:, None], nothing)
-
-    @cached_property
-    def edges(self) -> Array:
-        """K at both ends of the solved zones (2, n)."""
-        layout = self.system.layout
-        return np.array(self.system.intensities_of(layout.padded(self.response))) + self.moved.own[:, self.zones.solved]
-
-
 class IteratedMotions:
     """At a state that was found by iteration."""
 
@@ -136,9 +116,10 @@ class IteratedMotions:
         rows, plain = system.applied(y + moved.coefficients)
         # The rows hold what coefficients do to their own zone, which singular densities do not.
         rows = rows + moved.coefficients[system.diagonal]
-        view = MovedView(system, plain.y, plain.middle, plain.rest + moved.own_level[self.zones.solved], moved, y)
+        edges = np.array(system.intensities_of(system.layout.padded(y))) + moved.own[:, self.zones.solved]
+        view = Applied(system, plain.y, plain.middle, plain.rest + moved.own_level[self.zones.solved], edges)
         asked = condition_rows(system.equation, view, 1)[0][:, 0]
-        return np.concatenate((rows, asked)), view.edges[self.side, self.at]
+        return np.concatenate((rows, asked)), edges[self.side, self.at]
 
     @cached_property
     def _local(self) -> Array:
