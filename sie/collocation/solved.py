@@ -83,16 +83,13 @@ class Carried:
         m = coupled.m.copy()
         for zone, s in slits:
             m[zone] = max(m[zone], len(s) - 1)
-        layout, field = Layout(m, 0), coupled.flat(system.lowest) + y
-        totals = zones.half * (y[coupled.offset] + system.known[:, 0])
-        if len(slits):
-            at = np.repeat(layout.offset - coupled.offset, coupled.m + 1) + np.arange(coupled.coefficients)
-            both = np.zeros(layout.size)
-            both[at] = field[: coupled.coefficients]
-            for zone, s in slits:
-                first = int(layout.offset[zone])
-                both[first + coupled.m[zone] + 1 : first + len(s)] = s[coupled.m[zone] + 1 :]
-            field = both
+        layout, totals = Layout(m, 0), zones.half * (y[coupled.offset] + system.known[:, 0])
+        at = np.repeat(layout.offset - coupled.offset, coupled.m + 1) + np.arange(coupled.coefficients)
+        field = np.zeros(layout.size)
+        field[at] = (coupled.flat(system.lowest) + y)[: coupled.coefficients]
+        for zone, s in slits:
+            first = int(layout.offset[zone])
+            field[first + coupled.m[zone] + 1 : first + len(s)] = s[coupled.m[zone] + 1 :]
         return cls(coarse, zones.middle, zones.half, totals, field, layout, y[coupled.coefficients :])
 
     def near(self, system: IterativeSystem) -> Array:
