@@ -409,11 +409,7 @@ def _let_go(zones: Zones, limits: tuple[float, float], density: AnyDensity, limi
     high = zones.right[-1] == SINGULAR and zones.b[-1] == limits[1] and k_right[-1] < least
     if not (low or high):
         return zones, False
-    left, right = list(zones.left), list(zones.right)
-    if low:
-        left[0] = limited
-    if high:
-        right[-1] = limited
+    left, right = [limited, *zones.left[1:]] if low else zones.left, [*zones.right[:-1], limited] if high else zones.right
     return replace(zones, left=left, right=right), True
 
 

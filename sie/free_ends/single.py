@@ -94,14 +94,10 @@ class Moving:
             self.total = self.total + added[1] * added[0].totals[place] / np.pi
         # Level plus the mean of the primitive of h, and the zones and coefficients to which it belongs.
         self.level = self.total * self._log(half)
-        self.middle, self.half, self.h = middle, half, self._coefficients(middle, half)
+        self.middle, self.half, self.h = middle, half, chebyshev.u_coefficients(self._left(middle, half))
 
     def _log(self, w: Array) -> Array:
         return np.asarray(mean_potential(w, self.datum) / w)
-
-    def _coefficients(self, middle: Array, half: Array) -> Array:
-        """h_k on intervals (n, _NODES)."""
-        return chebyshev.u_coefficients(self._left(middle, half))
 
     def _left(self, middle: Array, half: Array) -> Array:
         """h at the nodes of intervals (n, _NODES)."""
@@ -116,7 +112,7 @@ class Moving:
     def to(self, middle: Array, half: Array) -> None:
         """Go to other intervals: the primitive of U_{k-1} is T_k / k. What lies between the middles is read off the wider one."""
         half = np.maximum(half, _LEAST * np.spacing(np.abs(middle)))
-        h, k = self._coefficients(middle, half), _ORDER
+        h, k = chebyshev.u_coefficients(self._left(middle, half)), _ORDER
         wider = half > self.half
         w, series = np.where(wider, half, self.half), np.where(wider[:, None], h, self.h)
         between = np.where(wider, self.middle - middle, middle - self.middle) / w

@@ -123,13 +123,9 @@ class LocalSpline(Kept):
     def potential(self, left: Array, right: Array, rho: Array) -> Array:
         raise ValueError("the potential of a spline of the density is no closed form")
 
-    def own_transform(self, left: Array) -> Array:
-        """What the kernel makes of it on the zone."""
-        return self.transform(left)
-
     def transform_off(self, z: Array, rho: Array) -> Array:
-        """And off the zone, at z counted from its middle."""
-        return self.transform(1 + z)
+        """What the kernel makes of it off the zone, at z counted from its middle."""
+        return self.own_transform(1 + z)
 
     @property
     def edge_slopes(self) -> tuple[float, float]:
@@ -191,7 +187,7 @@ class LocalSpline(Kept):
         values, angle = self(x) * weights, np.arccos(np.clip(u, -1.0, 1.0))
         return np.array([float(values @ np.cos(k * angle)) for k in range(TERMS)]) * (np.where(np.arange(TERMS), 2.0, 1.0) / np.pi)
 
-    def transform(self, x: Array) -> Array:
+    def own_transform(self, x: Array) -> Array:
         """(1/pi) PV int f / (x - xi) at points on the zone and off it."""
         lo, hi = self._reach
         close = (x >= lo) & (x <= hi)

@@ -226,7 +226,8 @@ class Slits(Kept):
         return np.concatenate(blocks)
 
     @cached_property
-    def _factors(self) -> Factored:
+    def solve(self) -> Factored:
+        """What finds d of all slits from the right sides of their rows."""
         matrix = np.zeros((self.offset[-1], self.offset[-1]))
         for i, slit in enumerate(self.slits):
             rows = slice(self.offset[i] + 1, self.offset[i + 1])
@@ -244,10 +245,6 @@ class Slits(Kept):
                     away, sign = self.start[j] - self.stop[i] + slit.width * right, -1.0
                 matrix[rows, columns] = -chebyshev.project_rows(Outside(sign, away / other.width).transforms(other.modes + 1))
         return Factored.of(matrix)
-
-    def solve(self, right: Array) -> Array:
-        """d of all slits from the right sides of their rows."""
-        return self._factors(right)
 
     @cached_property
     def told(self) -> Array:
