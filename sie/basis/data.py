@@ -151,7 +151,11 @@ def row_sizes(table: Array) -> Array:
 
 def widened(table: Array, columns: int) -> Array:
     """A table continued by zeros to so many columns; itself, if it has them."""
-    return table if table.shape[1] >= columns else np.pad(table, ((0, 0), (0, columns - table.shape[1])))
+    if table.shape[1] >= columns:
+        return table
+    out = np.zeros((len(table), columns), dtype=table.dtype)
+    out[:, : table.shape[1]] = table
+    return out
 
 
 @lru_cache(maxsize=16)

@@ -241,6 +241,8 @@ class System:
     def equation_rows(self) -> tuple[Array, Array]:
         """(matrix, right side), the kept rows."""
         layout, zones = self.layout, self.zones
+        if len(self.own) == 0:  # zones that feel no others: all but their totals is known
+            return np.zeros((0, layout.size)), np.zeros(0)
         raw = fields(zones, self.equation.kernel, self.targets, layout, potential=False)
         if self.equation.kernel.grows and panels_over(self.equation.kernel, zones) is None:
             # A regular kernel of a user's own: its last coefficients in xi tell whether they are enough.
@@ -262,10 +264,9 @@ class System:
         """U coefficients k = 1 ... m on each solved zone, one zone after the other, of what has these values at the targets (n, ...)."""
         m = self.layout.m[self.zones.solved]
         first, out = np.cumsum(m) - m, np.empty((int(m.sum()), *values.shape[1:]))
-        for count in np.unique(m):
+        for count in set(m.tolist()):
             group, k = np.flatnonzero(m == count)[:, None], np.arange(count)
-            inner = np.moveaxis(values[self.starts[group] + 1 + k], 1, -1)
-            out[first[group] + k] = np.moveaxis(chebyshev.u_coefficients(inner), -1, 1)
+            out[first[group] + k] = chebyshev.u_coefficients(values[self.starts[group] + 1 + k].swapaxes(1, -1)).swapaxes(1, -1)
         return out
 
     @cached_property
@@ -521,11 +522,13 @@ class MirrorSymmetry:
 
     def fold(self, matrix: Array) -> Array:
         """Columns of mirrored zones added to those they follow from; the others dropped."""
-        matrix[:, self.source] += matrix[:, self.follow] * self.sign
+        if len(self.follow):
+            matrix[:, self.source] += matrix[:, self.follow] * self.sign
         return np.asarray(matrix[:, self.keep])
 
     def unfold(self, y: Array) -> Array:
         out = np.zeros(self.whole)
         out[self.keep] = y
-        out[self.follow] = self.sign * out[self.source]
+        if len(self.follow):
+            out[self.follow] = self.sign * out[self.source]
         return out
