@@ -44,7 +44,7 @@ class Mutation:
 MUTATIONS = (
     Mutation(
         "sign of a zone's own transform", "sie/collocation/system.py",
-        "rows[k - 1, layout.offset[i] + k] -= 1.0", "rows[k - 1, layout.offset[i] + k] += 1.0",
+        "rows[np.arange(len(rows)), self.own] -= 1.0", "rows[np.arange(len(rows)), self.own] += 1.0",
     ),
     Mutation(
         "factor in the load: 3 for pi", "sie/collocation/system.py",
@@ -60,7 +60,7 @@ MUTATIONS = (
     ),
     Mutation(
         "wrong index: coefficients of the right side shifted by one", "sie/collocation/system.py",
-        "g[:count] = self.lowest[i, 1 : count + 1]", "g[:count] = self.lowest[i, :count]",
+        "self.projected(raw), layout.flat(self.lowest)[self.own]", "self.projected(raw), layout.flat(self.lowest)[self.own - 1]",
     ),
     Mutation(
         "ends moved by 1e-6 of the zone's width", "contact/solution/made.py",

@@ -10,7 +10,7 @@ from functools import lru_cache
 import numpy as np
 from scipy import fft
 
-from sie.basis.data import Array
+from sie.basis.data import Array, widened
 
 # Below this size a product with a stored matrix is faster than the call of a fast transform.
 LARGEST_MATRIX = 96
@@ -171,8 +171,7 @@ def bounded_part(c: Array) -> tuple[Array, Array, Array]:
     From T_j - T_{j-2} = -2 (1-t^2) U_{j-2}; c has shape (zones, n + 1). Near a bounded end this form keeps its digits,
     where the sum over T_j would lose them to cancellation.
     """
-    if c.shape[1] < 2:
-        c = np.pad(c, ((0, 0), (0, 2 - c.shape[1])))
+    c = widened(c, 2)
     sums = np.empty_like(c)
     sums[:, ::2] = np.cumsum(c[:, ::2][:, ::-1], axis=1)[:, ::-1]
     sums[:, 1::2] = np.cumsum(c[:, 1::2][:, ::-1], axis=1)[:, ::-1]

@@ -149,6 +149,15 @@ def row_sizes(table: Array) -> Array:
     return by_rows(lambda rows: np.abs(rows).max(axis=1, initial=0.0), table)
 
 
+def widened(table: Array, columns: int) -> Array:
+    """A table continued by zeros to so many columns; itself, if it has them."""
+    if table.shape[1] >= columns:
+        return table
+    out = np.zeros((len(table), columns), dtype=table.dtype)
+    out[:, : table.shape[1]] = table
+    return out
+
+
 @lru_cache(maxsize=16)
 def _legendre(nodes: int) -> tuple[Array, Array]:
     t, weights = np.polynomial.legendre.leggauss(nodes)
@@ -156,9 +165,9 @@ def _legendre(nodes: int) -> tuple[Array, Array]:
 
 
 def legendre(ends: Array, nodes: int, parts: Index | int = 1) -> tuple[Array, Array]:
-    """(places, weights), (pieces, nodes) each, of Gauss's rule on so many equal parts of every interval between neighbouring ends."""
+    """(places, weights) of Gauss's rule on so many equal parts of every interval between neighbouring ends, part after part."""
     parts = np.broadcast_to(parts, len(ends) - 1)
     length = np.repeat(np.diff(ends) / parts, parts)[:, None]
     start = np.repeat(ends[:-1], parts)[:, None] + numbered(parts)[:, None] * length
     place, weight = _legendre(nodes)
-    return start + length * place, length * weight
+    return (start + length * place).ravel(), (length * weight).ravel()

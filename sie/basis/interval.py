@@ -286,7 +286,7 @@ def transform_slope_of(alpha: Array, beta: Array, u: Array, seen: InPlane, row: 
 
 
 # on the interval --------------------------------------------------------------------------------------------------------
-def values_on(alpha: Array, beta: Array, u: Array, row: Index, left: Array, right: Array, vanishing: tuple[Mask, Mask]) -> Array:
+def values_on(alpha: Array, beta: Array, u: Array, row: Index, left: Array, right: Array, vanishing: Mask) -> Array:
     """(alpha + beta t) / X + X sum u_k U_k; vanishing: whether it is zero at the left, at the right end of each, whatever rounding has
     left of alpha and beta."""
     root = root_on(left, right)

@@ -96,15 +96,16 @@ class Kernel(Kept):
         """This kernel plus a user's regular kernel."""
         if not isinstance(other, Smooth):
             return NotImplemented
-        # Without one of the potentials there is none of the sum.
-        lacking = other.potential is None or (self.regular is not None and self.regular_potential is None)
-        potential = None if lacking else _summed(self.regular_potential, other.potential)
-        without = other.slope is None or (self.regular is not None and self.regular_slope is None)
-        slope = None if without else _summed(self.regular_slope, other.slope)
-        of_lag, length = other.of_lag and (self.regular is None or self.of_lag), min(self.length, other.length)
-        regular = _summed(self.regular, other.value)
+        def both(one: Regular | None, two: Regular | None) -> Regular | None:
+            if self.regular is None:
+                return two
+            # Without one of the potentials there is none of the sum.
+            return None if one is None or two is None else _Both(one, two)
+
+        of_lag = other.of_lag and (self.regular is None or self.of_lag)
         return Kernel(
-            self.poles, self.period, regular, potential, 0.0, self.datum, regular_slope=slope, of_lag=of_lag, length=length
+            self.poles, self.period, both(self.regular, other.value), both(self.regular_potential, other.potential), 0.0, self.datum,
+            regular_slope=both(self.regular_slope, other.slope), of_lag=of_lag, length=min(self.length, other.length),
         )
 
 
@@ -141,12 +142,6 @@ class Smooth:
     length: float = math.inf
 
 
-def _summed(first: Regular | None, second: Regular | None) -> Regular | None:
-    if first is None or second is None:
-        return first or second
-    return _Both(first, second)
-
-
 @dataclass(frozen=True)
 class _Both:
     first: Regular
@@ -157,21 +152,20 @@ class _Both:
 
 
 @dataclass(frozen=True)
-class _HilbertRest:
-    """(pi/L) cot(pi d/L) less its poles at 0 and +-L."""
-
+class _OfPeriod:
     period: float
+
+
+class _HilbertRest(_OfPeriod):
+    """(pi/L) cot(pi d/L) less its poles at 0 and +-L."""
 
     def __call__(self, x: Array, xi: Array) -> Array:
         d = (x - xi) / self.period
         return np.asarray((psi(2 - d) - psi(2 + d)) / self.period)
 
 
-@dataclass(frozen=True)
-class _HilbertSlopeRest:
+class _HilbertSlopeRest(_OfPeriod):
     """Derivative of `_HilbertRest`."""
-
-    period: float
 
     def __call__(self, x: Array, xi: Array) -> Array:
         d = (x - xi) / self.period
@@ -195,11 +189,8 @@ def _trigamma(z: Array) -> Array:
     return np.asarray(out)
 
 
-@dataclass(frozen=True)
-class _HilbertPotentialRest:
+class _HilbertPotentialRest(_OfPeriod):
     """log|2 sin(pi d/L)| less those of its poles."""
-
-    period: float
 
     def __call__(self, x: Array, xi: Array) -> Array:
         d = (x - xi) / self.period

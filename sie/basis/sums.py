@@ -16,14 +16,6 @@ PAIRS, _PAIRS = 1 << 19, 1 << 15
 _MANY_TERMS, _BLOCK = 256, 800_000
 
 
-def of_zones(zone: Index) -> Iterator[tuple[int, Index]]:
-    """Every zone that is named, with the places that name it, in ascending order."""
-    order = np.argsort(zone, kind="stable")
-    cuts = np.flatnonzero(np.diff(zone[order], prepend=-1, append=-1))
-    for start, end in zip(cuts[:-1], cuts[1:], strict=True):
-        yield int(zone[order[start]]), order[start:end]
-
-
 def pair_blocks(points: int, jumps: int) -> Iterator[slice]:
     """Stretches of points whose pairs with so many jumps are held at once."""
     block = max(1, PAIRS // max(1, jumps))
@@ -60,7 +52,7 @@ class Grouped:
         return np.minimum(zone, len(self.count) - 1)
 
     def places(self) -> dict[int, Index]:
-        """Of each zone that there is something in."""
+        """Of each zone that there is something in, in ascending order."""
         return {i: self.order[self.first[i] : self.first[i] + self.count[i]] for i in np.flatnonzero(self.count).tolist()}
 
     def summed(self, zone: Index, weight: Array, of: Callable[[Index, Index], Array]) -> Array:
@@ -149,7 +141,7 @@ def sine_sum(u: Array, zone: Index, angle: Array, flip: Mask) -> Array:
     turn = np.exp(1j * angle)
     out = (turn * _by_horner(u, np.where(flip, -turn, turn), zone, np.where(terms > _MANY_TERMS, 0, terms))).imag
     many = np.flatnonzero(terms > _MANY_TERMS)
-    for i, some in of_zones(zone[many]):
+    for i, some in Grouped.by(zone[many]).places().items():
         here = many[some]
         out[here] = _same_places(u, np.array([i]), angle[here], flip[here])[0]
     return out.reshape(shape)

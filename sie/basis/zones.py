@@ -227,6 +227,11 @@ class Zones(Kept):
         """Which left and which right ends move (2, n)."""
         return np.array([[end.moves for end in ends] for ends in (self.left, self.right)])
 
+    @cached_property
+    def bounded(self) -> Mask:
+        """At which left and at which right ends the intensity asked for is zero (2, n)."""
+        return np.array([[end.intensity == 0.0 for end in ends] for ends in (self.left, self.right)])
+
     @property
     def follow_ends(self) -> bool:
         """Whether moved ends change the density at first order: intensities are prescribed there."""

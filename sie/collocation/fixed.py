@@ -17,7 +17,7 @@ from sie.collocation.factored import Factored
 from sie.collocation.iterative import CoarseOperator, Iterative, IterativeSystem, unfit
 from sie.collocation.rounding import density_rounding, intensity_rounding
 from sie.collocation.solved import Carried, Sizes, Solved, Solver, density_of
-from sie.collocation.system import MirrorSymmetry, System, condition_rows
+from sie.collocation.system import System, condition_rows
 from sie.density.density import Density
 from sie.equation.checks import look_at
 from sie.equation.equation import Equation
@@ -467,7 +467,7 @@ def _solve_iterated(
 def _state(
     system: System, solver: Solver, folded: Array, conditions_from: int, scale: Array, samples: modes.Samples, sizes: Sizes
 ) -> State:
-    y = MirrorSymmetry.of(system.zones, system.layout).unfold(folded)
+    y = system.symmetry.unfold(folded)
     density = density_of(system, y)
     sizes.solves += 1
     top = row_sizes(density.coefficients[:, 1:]) + row_sizes(system.known)
@@ -493,7 +493,7 @@ def _rows(equation: Equation, system: System, scale: Array | None = None) -> tup
         scale = np.abs(rows).max(axis=1, initial=0.0)
         if np.any(scale == 0):
             raise SingularSystem("a side condition does not depend on the density")
-    matrix = MirrorSymmetry.of(system.zones, system.layout).fold(np.concatenate((matrix, rows / scale[:, None])))
+    matrix = system.symmetry.fold(np.concatenate((matrix, rows / scale[:, None])))
     return matrix, np.concatenate((right, values / scale)), scale
 
 

@@ -12,13 +12,12 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from sie.basis import chebyshev
 from sie.basis.data import Array, Index, numbered, record
 from sie.basis.interval import edge_scale, mean_potential
 from sie.basis.zones import Zones
 from sie.collocation import modes
 from sie.collocation.modes import felt
-from sie.collocation.system import MirrorSymmetry, System, condition_rows
+from sie.collocation.system import System, condition_rows
 from sie.collocation.zone_sums import ZoneSums
 from sie.equation.conditions import ByZone, Linear, by_zone, speaks_of_levels
 from sie.equation.equation import Equation
@@ -80,42 +79,25 @@ class IterativeSystem(System):
     ) -> None:
         super().__init__(equation, zones, m, coefficients, jumps)
         self.rough = rough
-        solved, kernel = zones.solved, equation.kernel
+        kernel = equation.kernel
         if kernel.regular is not None and kernel.regular_potential is None and self.wants_levels:
             raise ValueError("a condition on potentials needs the regular kernel's potential")
         self.sums = ZoneSums(zones, equation.kernel, self.layout)
-        self.symmetry = MirrorSymmetry.of(zones, self.layout)
         self._weights: dict[Callable[[Array], Array], tuple[list[Array], Array]] = {}
-        zone, k = np.repeat(solved, m[solved]), numbered(m[solved]) + 1
-        self.own = self.layout.offset[zone] + k
-        self.kept = np.flatnonzero((k % 2 == 0) | (zone != solved[0])) if zones.central else np.arange(len(k))
-        g = np.where(k < self.lowest.shape[1], self.lowest[zone, np.minimum(k, self.lowest.shape[1] - 1)], 0.0)
-        self.column_rows = np.array([self._projected(c.value) for c in equation.columns]).reshape(-1, len(k))
-        none = np.zeros(len(solved))
-        self.known_field = self.sums(self.layout.flat(self.known), rough) if self.known.any() else (np.zeros(len(k)), none, none)
+        columns = [self.projected(np.asarray(c.value(self.targets.x), dtype=float)) for c in equation.columns]
+        self.column_rows = np.array(columns).reshape(-1, len(self.own))
+        none = np.zeros(len(zones.solved))
+        rows, middle, mean = self.sums(self.layout.flat(self.known), rough) if self.known.any() else (np.zeros(len(self.own)), none, none)
         if self.unseen_moments is not None:
-            rows, middle, mean = self.sums.of_panels(self.unseen_moments)
-            self.known_field = self.known_field[0] + rows, self.known_field[1] + middle, self.known_field[2] + mean
-        self.equation_right = (g - self.known_field[0])[self.kept]
-
-    def _projected(self, value: Callable[[Array], Array]) -> Array:
-        """U coefficients k = 1 ... m of a function on every solved zone, one after the other."""
-        values = np.asarray(value(self.targets.x), dtype=float)
-        out = np.empty(int(self.sums.first_row[-1]))
-        for m, group in self.sums.groups:
-            if m:
-                nodes = self.starts[group][:, None] + 1 + np.arange(m)
-                out[self.sums.first_row[group][:, None] + np.arange(m)] = chebyshev.u_coefficients(values[nodes])
-        return out
+            of_rows, of_levels = self.of_panels(self.unseen_moments)
+            rows, middle = rows + of_rows, middle + of_levels
+        self.known_field = rows, middle, mean
+        self.equation_right = (self.layout.flat(self.lowest)[self.own] - rows)[self.kept]
 
     @cached_property
     def known_intensities(self) -> tuple[Array, Array]:
         """What is known of K at the left and right ends, without unknowns."""
         return self.intensities_of(self.beyond)
-
-    def of_panels(self, moments: Array) -> tuple[Array, Array]:
-        rows, middle, mean = self.sums.of_panels(moments)
-        return rows[self.kept], middle + mean
 
     # rows applied ---------------------------------------------------------------------------------------------------
     def applied(self, y: Array, rough: bool = False) -> "tuple[Array, Applied]":
@@ -164,7 +146,7 @@ class IterativeSystem(System):
         return np.array(means).reshape(-1, len(self.zones.solved))
 
     @cached_property
-    def level_constants(self) -> Array:
+    def level_constants(self) -> Array:  # type: ignore[override]
         known = self._with_own(self.layout.flat(self.known), self.known_field[2])
         return self.known_field[1] + known - self._forcing_means()
 
@@ -183,21 +165,18 @@ class IterativeSystem(System):
     def _forcing_differences(self) -> Array:
         """Differences of the primitive's means between neighbours: over the gap by quadrature, over the zones from the
         coefficients of g, since the antiderivative of U_{k-1} is T_k / k."""
-        solved = self.zones.solved
+        zones, solved, forcing = self.zones, self.zones.solved, self.equation.forcing
         if not self.integrated:
             return np.diff(self._forcing_means())
-        across = self._across_roughly if self.rough else self._across_gaps[0]
-        g, w = self.g[solved[0] :], self.zones.half[solved]
+        if self.rough:  # to the rounding of the primitive
+            assert forcing.primitive is not None
+            across = np.asarray(forcing.primitive(zones.a[solved[1:]]) - forcing.primitive(zones.b[solved[:-1]]))
+        else:
+            across = self._across_gaps[0]
+        g, w = self.g[solved[0] :], zones.half[solved]
         weights = 1 / np.arange(1.0, g.shape[1])
         half_rise, offset = w * (g[:, 1::2] @ weights[::2]), w * (g[:, 2::2] @ weights[1::2])
         return across + half_rise[1:] + half_rise[:-1] - np.diff(offset)
-
-    @property
-    def _across_roughly(self) -> Array:
-        """Integral of g over every gap, to the rounding of its primitive."""
-        zones, solved, primitive = self.zones, self.zones.solved, self.equation.forcing.primitive
-        assert primitive is not None
-        return np.asarray(primitive(zones.a[solved[1:]]) - primitive(zones.b[solved[:-1]]))
 
     @cached_property
     def _across_gaps(self) -> tuple[Array, Array]:
@@ -228,14 +207,8 @@ class IterativeSystem(System):
         left, rest = zones.b[solved[:-1]], zones.rest[1, solved[:-1]]
         return left, rest, (zones.a[solved[1:]] - left) + (zones.rest[0, solved[1:]] - rest)
 
-    def _levels_at(self, y: Array) -> Array:
-        return self.applied(y)[1].level
-
-    def level_values(self, y: Array) -> Array:
-        return self._levels_at(y) + self.level_constants
-
     def level_changes(self, y: Array) -> Array:
-        return self._levels_at(y)
+        return self.applied(y)[1].level
 
     def level_rounding(self, y: Array) -> Array | float:
         """The terms of a level are at most all totals at the farthest distance, and the largest at the nearest. Where only
@@ -257,23 +230,22 @@ class IterativeSystem(System):
         out[zones.solved] += felt_left * np.append(border, steps) + felt_right * np.append(steps, border)
         return np.maximum(out, out[::-1]) if zones.symmetric else out
 
-    def integrals_at(self, weight: Callable[[Array], Array], degree: int | None, y: Array) -> Linear:
+    def weighted(self, weight: Callable[[Array], Array], degree: int | None) -> tuple[list[Array], Array]:
         if weight not in self._weights:
-            self._weights[weight] = self.weighted(weight, degree)
-        tables, constants = self._weights[weight]
-        start = self.layout.offset[self.zones.solved]
-        rows = np.array([values @ y[s : s + len(values)] for values, s in zip(tables, start, strict=True)])
-        return rows[:, None], constants
+            self._weights[weight] = super().weighted(weight, degree)
+        return self._weights[weight]
 
 
 @record
 class Applied:
-    """What conditions may ask for (`conditions.Rows`), with rows already applied to one set of unknowns: one column."""
+    """What conditions may ask for (`conditions.Rows`), with rows already applied to one set of unknowns: one column. edges: K at both ends
+    of the solved zones (2, n), where the unknowns do not tell it."""
 
     system: IterativeSystem
     y: Array
     middle: Array
     rest: Array
+    edges: Array | None = None
 
     @property
     def level(self) -> Array:
@@ -295,11 +267,14 @@ class Applied:
         return (np.diff(self.middle) + np.diff(self.rest))[:, None], self.system.step_constants
 
     def integrals(self, weight: Callable[[Array], Array], degree: int | None = None) -> Linear:
-        return self.system.integrals_at(weight, degree, self.y)
+        tables, constants = self.system.weighted(weight, degree)
+        start = self.system.layout.offset[self.zones.solved]
+        rows = np.array([values @ self.y[s : s + len(values)] for values, s in zip(tables, start, strict=True)])
+        return rows[:, None], constants
 
     def intensities(self) -> tuple[Linear, Linear]:
         system = self.system
-        left, right = system.intensities_of(system.layout.padded(self.y))
+        left, right = system.intensities_of(system.layout.padded(self.y)) if self.edges is None else self.edges
         constant_left, constant_right = system.known_intensities
         return (left[:, None], constant_left), (right[:, None], constant_right)
 
@@ -382,9 +357,8 @@ class TwoLevelPreconditioner:
         self.others = [k for k, kind in enumerate(kinds) if kind is None]
         self.other_rows = np.concatenate([np.arange(starts[k], starts[k + 1]) for k in self.others] or [np.zeros(0, dtype=np.intp)])
         self.held = np.array(sum(zones.held, []), dtype=np.intp)
-        at = None if len(self.held) else next(k for k, kind in enumerate(kinds) if kind is not None)
-        self.own = None if at is None else kinds[at]
-        self.levels = self.own is not None and self.own.of_levels
+        at = next((k for k, kind in enumerate(kinds) if kind is not None), None)
+        self.own, self.levels = system.of_zones, system.levelled
         # What every zone has of its own: rows of one condition, or those of held ends, which come last.
         self.rows = slice(int(starts[-1]), None) if at is None else slice(int(starts[at]), int(starts[at + 1]))
         self.absolute = self.own is not None and not self.own.differences
@@ -393,7 +367,7 @@ class TwoLevelPreconditioner:
         self.seen = any(speaks_of_levels(conditions[k], zones) for k in self.others)
         layout, symmetry = system.layout, system.symmetry
         self.first = symmetry.position(layout.offset[zones.solved])
-        self.rest = symmetry.position(system.own[system.kept])
+        self.rest = symmetry.position(system.diagonal)
         self.amplitudes = symmetry.position(layout.coefficients + np.arange(layout.columns))
         self._basis = self._responses()
         self._small = np.zeros((self._basis.shape[1],) * 2)
@@ -477,7 +451,7 @@ class Iterative:
     def __init__(self, system: IterativeSystem, coarse: CoarseOperator | None, tolerance: float, value: float = 0.0) -> None:
         self.system, self.tolerance, self.value = system, tolerance, value
         self.preconditioner = TwoLevelPreconditioner(system, coarse)
-        self.equations = len(system.kept)
+        self.equations = len(system.diagonal)
         self.error = np.zeros(len(system.zones))
         self.iterations = 0
 

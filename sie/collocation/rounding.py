@@ -14,7 +14,6 @@ from sie.basis.interval import edge_scale
 from sie.basis.zones import Zones
 from sie.collocation.modes import conformal_radius, gaps
 from sie.collocation.solved import Solved
-from sie.collocation.system import MirrorSymmetry
 from sie.equation.conditions import speaks_of_levels
 from sie.equation.equation import Forcing
 
@@ -92,7 +91,7 @@ def _through_rows(state: Solved) -> Array:
     assert solver is not None
     zones = system.zones
     (left, _), (right, _) = system.intensities()
-    rows = MirrorSymmetry.of(zones, system.layout).fold(np.concatenate((left, right)))
+    rows = system.symmetry.fold(np.concatenate((left, right)))
     effect = solver.transposed(rows.T)
     rounding, of_levels = EPS * solver.size_of_rows, state.level_rows.any(axis=1)
     squares = np.zeros(len(rows))
@@ -124,8 +123,7 @@ def density_rounding(state: Solved) -> float:
         levels = chance.standard_normal((_SHAKEN, len(zones.solved))).T
         levels *= np.broadcast_to(_level_noise(state), (len(zones.solved),))[:, None]
         shaken[state.conditions_from :][of_levels] = state.level_rows[of_levels] @ levels
-    symmetry = MirrorSymmetry.of(zones, system.layout)
-    changes = [system.layout.padded(symmetry.unfold(change)) for change in solver(shaken).T]
+    changes = [system.layout.padded(state.symmetry.unfold(change)) for change in solver(shaken).T]
     largest = _largest(np.concatenate(changes)).reshape(_SHAKEN, -1).max(axis=1)
     return SAFETY * float(np.sqrt(np.mean(largest**2)))
 

@@ -83,16 +83,13 @@ class Carried:
         m = coupled.m.copy()
         for zone, s in slits:
             m[zone] = max(m[zone], len(s) - 1)
-        layout, field = Layout(m, 0), coupled.flat(system.lowest) + y
-        totals = zones.half * (y[coupled.offset] + system.known[:, 0])
-        if len(slits):
-            at = np.repeat(layout.offset - coupled.offset, coupled.m + 1) + np.arange(coupled.coefficients)
-            both = np.zeros(layout.size)
-            both[at] = field[: coupled.coefficients]
-            for zone, s in slits:
-                first = int(layout.offset[zone])
-                both[first + coupled.m[zone] + 1 : first + len(s)] = s[coupled.m[zone] + 1 :]
-            field = both
+        layout, totals = Layout(m, 0), zones.half * (y[coupled.offset] + system.known[:, 0])
+        at = np.repeat(layout.offset - coupled.offset, coupled.m + 1) + np.arange(coupled.coefficients)
+        field = np.zeros(layout.size)
+        field[at] = (coupled.flat(system.lowest) + y)[: coupled.coefficients]
+        for zone, s in slits:
+            first = int(layout.offset[zone])
+            field[first + coupled.m[zone] + 1 : first + len(s)] = s[coupled.m[zone] + 1 :]
         return cls(coarse, zones.middle, zones.half, totals, field, layout, y[coupled.coefficients :])
 
     def near(self, system: IterativeSystem) -> Array:
@@ -111,7 +108,7 @@ class Carried:
             y[(layout.offset[group, None] + k)[coupled]] += moved[coupled]
         y[layout.offset] = self._totals(at, zones.half, place) / zones.half - system.known[:, 0]
         y[layout.coefficients :] = self.amplitudes
-        return y if system.symmetry.keep is None else y[system.symmetry.keep]
+        return np.asarray(y[system.symmetry.keep])
 
     def _place(self, middle: Array, half: Array) -> Index:
         """Which of these each of other zones is, of about the same width; -1 where there is none."""
@@ -222,7 +219,7 @@ class Solved(Answered):
 
     @property
     def symmetry(self) -> MirrorSymmetry:
-        return MirrorSymmetry.of(self.system.zones, self.system.layout)
+        return self.system.symmetry
 
     @property
     def levels(self) -> Array:

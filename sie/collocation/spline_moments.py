@@ -37,8 +37,7 @@ def rule(jumps: ForcingJumps, zone: int, highest: int) -> tuple[Array, Array]:
     """(angles, weights) on the stretches between the jumps of a zone, for what turns as often as sin(highest theta)."""
     cuts = np.concatenate(([0.0], np.sort(jumps.angles(zone)), [np.pi]))
     parts = np.maximum(np.ceil(np.diff(cuts) * (highest / _TURN)), 1.0).astype(np.intp)
-    theta, weights = legendre(cuts, _NODES, parts)
-    return theta.ravel(), weights.ravel()
+    return legendre(cuts, _NODES, parts)
 
 
 def coefficients(forcing: Forcing, zones: Zones, jumps: ForcingJumps, chosen: Index, m: Index) -> tuple[Array, Array]:

@@ -17,7 +17,7 @@ from functools import cached_property
 import numpy as np
 
 from sie.basis import chebyshev
-from sie.basis.data import Array, Index, Mask, numbered, record
+from sie.basis.data import Array, Index, Mask, numbered, record, widened
 from sie.basis.interval import Outside, edge_scale, mean_potential
 from sie.basis.kernels import Kernel, regular_size
 from sie.basis.zones import Zones
@@ -72,9 +72,7 @@ class Layout:
     def flat(self, table: Array) -> Array:
         """The inverse of `padded`, amplitudes zero; a table with fewer columns is continued by zeros."""
         out, count = np.zeros(self.size), self.given.shape[1]
-        if table.shape[1] < count:
-            table = np.pad(table, ((0, 0), (0, count - table.shape[1])))
-        out[: self.coefficients] = table[:, :count][self.given]
+        out[: self.coefficients] = widened(table, count)[:, :count][self.given]
         return out
 
 
@@ -138,11 +136,9 @@ def outside(a: Array, b: Array, x: Array) -> Outside:
     return Outside(np.where(right, 1.0, -1.0), np.where(right, x - b, a - x) / (0.5 * (b - a)))
 
 
-def fields(zones: Zones, kernel: Kernel, targets: Targets | Places, layout: Layout, what: str) -> Array:
-    """What each unknown does at the targets, but for a zone's action on itself: (points, unknown coefficients).
-
-    what: "transform", or "potential" (over the zones' half widths).
-    """
+def fields(zones: Zones, kernel: Kernel, targets: Targets | Places, layout: Layout, potential: bool) -> Array:
+    """Transform, or potential over the zones' half widths, of each unknown at the targets, but for a zone's action on itself: (points,
+    unknown coefficients)."""
     out = np.zeros((len(targets.x), layout.size))
     for m in np.unique(layout.m):
         sources = np.flatnonzero(layout.m == m)
@@ -151,23 +147,21 @@ def fields(zones: Zones, kernel: Kernel, targets: Targets | Places, layout: Layo
             seen, others = targets.seen(zones, sources, shift)
             if others is not None and len(zones) == 1:
                 continue
-            terms = seen.one_by_one(what == "potential", zones.half[sources] / kernel.datum, others)
+            terms = seen.one_by_one(potential, zones.half[sources] / kernel.datum, others)
             for k, term in zip(range(m + 1), terms, strict=False):
                 block[k] += term
         columns = layout.offset[sources][:, None] + np.arange(m + 1)
         out[:, columns] = block.transpose(1, 2, 0)
-    regular = kernel.regular if what == "transform" else kernel.regular_potential
     if kernel.regular is not None:
-        if regular is None:
-            raise ValueError("a condition on potentials needs the regular kernel's potential")
-        add_regular(out, zones, kernel, regular, targets.x, layout, what == "potential")
+        _add_regular(out, zones, kernel, targets.x, layout, potential)
     return out
 
 
-def add_regular(
-    out: Array, zones: Zones, kernel: Kernel, regular: Callable[[Array, Array], Array], x: Array, layout: Layout, potential: bool
-) -> None:
-    """Add what the kernel's regular part makes of each unknown at points x, or its potential over the zones' half widths."""
+def _add_regular(out: Array, zones: Zones, kernel: Kernel, x: Array, layout: Layout, potential: bool) -> None:
+    """Add what the kernel's regular part does at points x."""
+    regular = kernel.regular_potential if potential else kernel.regular
+    if regular is None:
+        raise ValueError("a condition on potentials needs the regular kernel's potential")
     panels = panels_over(kernel, zones)
     if panels is not None:
         moments = _panel_moments(zones, panels, layout, potential)
@@ -218,6 +212,10 @@ class System:
             self._take(m)
         self.targets = Targets.lobatto(zones, zones.solved, m)
         self.starts = np.concatenate(([0], np.cumsum(m[zones.solved] + 2)))
+        # Unknown c_k of each row k = 1 ... m of the solved zones, and which rows are kept: of a zone about the centre those of even k.
+        zone, k = np.repeat(zones.solved, m[zones.solved]), numbered(m[zones.solved]) + 1
+        self.own = self.layout.offset[zone] + k
+        self.kept: Index | slice = np.flatnonzero((k % 2 == 0) | (zone != zones.solved[0])) if zones.central else slice(None)
         self.source_tails = np.zeros(len(zones))
         # Largest value on each solved zone of what each unknown does there, found where modes grow.
         self.field_sizes: Array | None = None
@@ -232,18 +230,20 @@ class System:
             of_g, self.moment_means = coefficients_between(self.equation.forcing, zones, self.jumps, chosen, m)
         else:
             # Of jumps of the density g is no smoother between them: from what is left of it, less what the kernel makes of their parts.
-            of_g = np.pad(self.g[chosen], ((0, 0), (0, max(0, self.taken.shape[1] - self.g.shape[1]))))
+            of_g = widened(self.g[chosen], self.taken.shape[1])
             of_g[:, : self.taken.shape[1]] -= self.taken[chosen]
         count = max(self.g.shape[1], of_g.shape[1])
-        self.lowest = np.pad(self.g, ((0, 0), (0, count - self.g.shape[1])))
+        self.lowest = widened(self.g, count).copy()
         inner = np.arange(count) <= m[chosen, None]
-        self.lowest[chosen] = np.where(inner, np.pad(of_g, ((0, 0), (0, count - of_g.shape[1]))), self.lowest[chosen])
+        self.lowest[chosen] = np.where(inner, widened(of_g, count), self.lowest[chosen])
 
     # rows of the equation -------------------------------------------------------------------------------------------
     def equation_rows(self) -> tuple[Array, Array]:
-        """(matrix, right side), the rows k = 1 ... m of each solved zone (even k only for a central symmetric one)."""
+        """(matrix, right side), the kept rows."""
         layout, zones = self.layout, self.zones
-        raw = fields(zones, self.equation.kernel, self.targets, layout, "transform")
+        if len(self.own) == 0:  # zones that feel no others: all but their totals is known
+            return np.zeros((0, layout.size)), np.zeros(0)
+        raw = fields(zones, self.equation.kernel, self.targets, layout, potential=False)
         if self.equation.kernel.grows and panels_over(self.equation.kernel, zones) is None:
             # A regular kernel of a user's own: its last coefficients in xi tell whether they are enough.
             last = layout.offset + layout.m - np.minimum([[0], [1], [2]], layout.m)
@@ -252,28 +252,22 @@ class System:
             raw[:, layout.coefficients + number] = -column.value(self.targets.x)
         if self.equation.grows:
             self.field_sizes = np.maximum.reduceat(np.abs(raw), self.starts[:-1], axis=0)
-        blocks, rights = [], []
-        for place, i in enumerate(zones.solved):
-            m = int(layout.m[i])
-            if m == 0:
-                continue
-            rows = chebyshev.project_rows(raw[self.starts[place] + 1 : self.starts[place + 1] - 1])
-            k = np.arange(1, m + 1)
-            g = np.zeros(m)
-            count = min(m, self.lowest.shape[1] - 1)
-            g[:count] = self.lowest[i, 1 : count + 1]
-            if len(self.jumps):
-                g -= rows @ layout.flat(self.known)
-            rows[k - 1, layout.offset[i] + k] -= 1.0
-            step = 2 if zones.central and place == 0 else 1
-            blocks.append(rows[step - 1 :: step])
-            rights.append(g[step - 1 :: step])
-        if not blocks:
-            return np.zeros((0, layout.size)), np.zeros(0)
-        right = np.concatenate(rights)
+        rows, right = self.projected(raw), layout.flat(self.lowest)[self.own]
+        if len(self.jumps):
+            right -= rows @ layout.flat(self.known)
         if self.unseen_moments is not None:
             right -= self.of_panels(self.unseen_moments)[0]
-        return np.concatenate(blocks), right
+        rows[np.arange(len(rows)), self.own] -= 1.0
+        return rows[self.kept], right[self.kept]
+
+    def projected(self, values: Array) -> Array:
+        """U coefficients k = 1 ... m on each solved zone, one zone after the other, of what has these values at the targets (n, ...)."""
+        m = self.layout.m[self.zones.solved]
+        first, out = np.cumsum(m) - m, np.empty((int(m.sum()), *values.shape[1:]))
+        for count in set(m.tolist()):
+            group, k = np.flatnonzero(m == count)[:, None], np.arange(count)
+            out[first[group] + k] = chebyshev.u_coefficients(values[self.starts[group] + 1 + k].swapaxes(1, -1)).swapaxes(1, -1)
+        return out
 
     @cached_property
     def panels(self) -> Panels | None:
@@ -287,37 +281,29 @@ class System:
         if panels is None or np.all(panels.modes(zones.half) <= self.layout.m):
             return None
         count = int(panels.modes(zones.half).max()) + 1
-        table, given = np.zeros((len(zones), count)), min(count, self.g.shape[1])
-        table[:, :given] = -self.g[:, :given]
+        table = -widened(self.g, count)[:, :count]
         if len(self.jumps):
             table += self.jumps.t_coefficients(zones, count)
         table = np.where(np.arange(count) > self.layout.m[:, None], table, 0.0)
         return moments_of(panels, zones, self.equation.kernel, table, ForcingJumps.none())
 
     def of_panels(self, moments: Array) -> tuple[Array, Array]:
-        """(rows of the equation, levels) of what has these moments on the panels."""
+        """(all rows of the equation, levels) of what has these moments on the panels."""
         assert self.panels is not None
-        spread, solved = Spread.of(self.panels, self.targets.x), self.zones.solved
-        seen, rows = self.panels.at(spread, moments, False), [np.zeros(0)]
-        for place, i in enumerate(solved):
-            if self.layout.m[i]:
-                step = 2 if self.zones.central and place == 0 else 1
-                inner = seen[self.starts[place] + 1 : self.starts[place + 1] - 1, None]
-                rows.append(chebyshev.project_rows(inner)[step - 1 :: step, 0])
+        spread = Spread.of(self.panels, self.targets.x)
+        rows = self.projected(self.panels.at(spread, moments, False))
         if self.equation.kernel.regular_potential is None:
-            return np.concatenate(rows), np.zeros(len(solved))
-        return np.concatenate(rows), self._means(self.panels.at(spread, moments, True))
+            return rows, np.zeros(len(self.zones.solved))
+        return rows, self.means(self.panels.at(spread, moments, True))
 
     @cached_property
     def diagonal(self) -> Index:
-        """Unknown c_k of each row of the equation."""
-        solved = self.zones.solved
-        count = self.layout.m[solved]
-        k = numbered(count) + 1
-        unknown = np.repeat(self.layout.offset[solved], count) + k
-        if not self.zones.central:
-            return unknown
-        return np.asarray(unknown[(k % 2 == 0) | (np.arange(len(k)) >= count[0])])
+        """Unknown c_k of each kept row of the equation."""
+        return self.own[self.kept]
+
+    @cached_property
+    def symmetry(self) -> "MirrorSymmetry":
+        return MirrorSymmetry.of(self.zones, self.layout)
 
     # what conditions ask for ----------------------------------------------------------------------------------------
     def multiplicity(self) -> Array:
@@ -393,7 +379,7 @@ class System:
     def beyond(self) -> Array:
         """Coefficients that are no unknowns: beyond the coupled modes, and less what the unknowns have of the jumps' parts."""
         count = max(self.g.shape[1], self.taken.shape[1])
-        g, taken = (np.pad(part, ((0, 0), (0, count - part.shape[1]))) for part in (self.g, self.taken))
+        g, taken = widened(self.g, count), widened(self.taken, count)
         within = np.arange(count) <= self.layout.m[:, None]
         return np.where(within, -taken, -g)
 
@@ -409,8 +395,11 @@ class System:
 
     def level_values(self, y: Array) -> Array:
         """Levels of the zones for unknowns y."""
-        matrix, constants = self.levels()
-        return np.asarray(matrix @ y + constants)
+        return self.level_changes(y) + self.level_constants
+
+    @property
+    def level_constants(self) -> Array:
+        return self.levels()[1]
 
     def level_changes(self, y: Array) -> Array:
         """What unknowns y add to the levels."""
@@ -439,14 +428,10 @@ class System:
     def _levels(self) -> Linear:
         zones, layout, kernel = self.zones, self.layout, self.equation.kernel
         solved = zones.solved
-        raw = fields(zones, kernel, self.targets, layout, "potential")
+        raw = fields(zones, kernel, self.targets, layout, potential=True)
         raw[:, : layout.coefficients] *= np.repeat(zones.half, layout.m + 1)
-        rows = self._zero_rows()
-        for place, i in enumerate(solved):
-            here = raw[self.starts[place] : self.starts[place + 1]]
-            m = int(layout.m[i])
-            rows[place] = (here.sum(axis=0) - 0.5 * (here[0] + here[-1])) / (m + 1)
-            rows[place, layout.offset[i]] += mean_potential(zones.half[i], kernel.datum)
+        rows = self.means(raw)
+        rows[np.arange(len(solved)), layout.offset[solved]] += mean_potential(zones.half[solved], kernel.datum)
         constants = rows @ layout.flat(self.known)
         if self.unseen_moments is not None:
             constants = constants + self.of_panels(self.unseen_moments)[1]
@@ -457,12 +442,12 @@ class System:
     def _column_means(self, primitive: Callable[[Array], Array] | None) -> Array:
         if primitive is None:
             raise ValueError("a condition on potentials needs the primitive of every column")
-        return self._means(primitive(self.targets.x))
+        return self.means(primitive(self.targets.x))
 
-    def _means(self, values: Array) -> Array:
-        """Means over each solved zone of values at its nodes."""
+    def means(self, values: Array) -> Array:
+        """Means over each solved zone of values at its nodes (n, ...)."""
         return np.array([
-            (values[s:e].sum() - 0.5 * (values[s] + values[e - 1])) / (e - s - 1)
+            (values[s:e].sum(axis=0) - 0.5 * (values[s] + values[e - 1])) / (e - s - 1)
             for s, e in zip(self.starts[:-1], self.starts[1:], strict=True)
         ])
 
@@ -502,10 +487,11 @@ def condition_rows(equation: Equation, system: Rows, size: int) -> tuple[Array, 
 
 @record
 class MirrorSymmetry:
-    """keep: the kept unknowns; of a symmetric set, unknowns `follow` are `sign` times those at `source`."""
+    """keep: the kept unknowns, of zones that are not symmetric all; unknowns `follow` are `sign` times those at `source`."""
 
     whole: int
-    keep: Index | None
+    size: int
+    keep: Index | slice
     follow: Index
     sign: Array
     source: Index
@@ -514,43 +500,35 @@ class MirrorSymmetry:
     def of(cls, zones: Zones, layout: Layout) -> "MirrorSymmetry":
         none = np.zeros(0, dtype=np.intp)
         if not zones.symmetric:
-            return cls(layout.size, None, none, np.zeros(0), none)
+            return cls(layout.size, layout.size, slice(None), none, np.zeros(0), none)
         count = len(zones)
         pairs = zones.solved[1:] if zones.central else zones.solved
-        keep = []
+        keep: list[Index] = []
         if zones.central:
             middle = zones.solved[0]
-            keep.append(layout.offset[middle] + np.arange(0, layout.m[middle] + 1, 2))
+            keep = [layout.offset[middle] + np.arange(0, layout.m[middle] + 1, 2)]
         size = layout.m[pairs] + 1
         k = numbered(size)
         source = np.repeat(layout.offset[pairs], size) + k
         follow = np.repeat(layout.offset[count - 1 - pairs], size) + k
-        keep += [source, layout.coefficients + np.arange(layout.columns)]
-        return cls(layout.size, np.concatenate(keep), follow, np.asarray(1.0 - 2.0 * (k % 2), dtype=np.float64), source)
-
-    @property
-    def size(self) -> int:
-        return self.whole if self.keep is None else len(self.keep)
+        kept = np.concatenate([*keep, source, layout.coefficients + np.arange(layout.columns)])
+        return cls(layout.size, len(kept), kept, follow, np.asarray(1.0 - 2.0 * (k % 2), dtype=np.float64), source)
 
     def position(self, unknowns: Index) -> Index:
         """Where kept unknowns stand among the kept ones."""
-        if self.keep is None:
-            return unknowns
         places = np.full(self.whole, -1, dtype=np.intp)
-        places[self.keep] = np.arange(len(self.keep))
+        places[self.keep] = np.arange(self.size)
         return np.asarray(places[unknowns])
 
     def fold(self, matrix: Array) -> Array:
         """Columns of mirrored zones added to those they follow from; the others dropped."""
-        if self.keep is None:
-            return matrix
-        matrix[:, self.source] += matrix[:, self.follow] * self.sign
+        if len(self.follow):
+            matrix[:, self.source] += matrix[:, self.follow] * self.sign
         return np.asarray(matrix[:, self.keep])
 
     def unfold(self, y: Array) -> Array:
-        if self.keep is None:
-            return y
         out = np.zeros(self.whole)
         out[self.keep] = y
-        out[self.follow] = self.sign * out[self.source]
+        if len(self.follow):
+            out[self.follow] = self.sign * out[self.source]
         return out

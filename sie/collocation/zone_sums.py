@@ -83,7 +83,7 @@ class NearRows:
             into = (pointer[row] + in_row[group][:, None])[..., None] + power
             data[into] = seen.transforms(count)
             column[into] = columns[:, None, :]
-        sparse = lazy.scipy_sparse()
+        sparse = lazy.module("scipy.sparse")
         size = layout.size
         potential_pointer = np.concatenate(([0], np.cumsum(per_zone)))
         # Pointers of more bytes would have the columns copied.
@@ -160,16 +160,6 @@ class ZoneSums:
         if self.smooth is not None:
             seen, potential = self.smooth.at_targets(self.smooth.moments(y))
             at_nodes, middle = at_nodes + seen, middle + potential
-        return self._rows(at_nodes, series, middle, mean)
-
-    def of_panels(self, moments: Array) -> tuple[Array, Array, Array]:
-        """The same for what has these moments on the panels of the regular part, of that part alone."""
-        assert self.smooth is not None
-        count = len(self.zones.solved)
-        at_nodes, middle = self.smooth.at_targets(moments)
-        return self._rows(at_nodes, np.zeros((count, TERMS)), middle, np.zeros(count))
-
-    def _rows(self, at_nodes: Array, series: Array, middle: Array, mean: Array) -> tuple[Array, Array, Array]:
         zones, solved = self.zones, self.zones.solved
         far = 0.5 * series
         far[:, :-2] -= 0.5 * series[:, 2:]

@@ -5,11 +5,10 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from sie.basis.data import Array, Mask
 from sie.density.field import CHUNK, from_zones, regular_at
-from sie.density.located import real_of
 from sie.density.plane import Plane
 from sie.density.series import Series
 from sie.density.treecode import Treecode
@@ -71,37 +70,17 @@ class Density(Series):
         shape = np.shape(x)
         return np.zeros(shape, dtype=bool), np.zeros(shape)
 
-    def transform(self, x: ArrayLike) -> NDArray[Any]:
-        """(1/pi) PV int phi K dxi at x (any shape), on and off the zones; infinite at a singular end. At complex x what it is
-        continued to, F(x) (see `plane`); there a zero imaginary part is the upper side of the line."""
-        if np.iscomplexobj(x):
-            return self._in_plane(x, "transform")
-        x = real_of(x)
-        return self._summed(x, False)
-
     @cached_property
     def plane(self) -> Plane:
         """The density at complex points."""
         return Plane(self)
 
-    def potential(self, x: ArrayLike) -> NDArray[Any]:
-        """(1/pi) int phi Lambda dxi at x (any shape), on and off the zones. At complex x the complex potential W, W' = F, whose real part
-        is the harmonic function that is the potential on the line: it is analytic in either half plane, real on the line right of all
-        zones (with a period: between the last zone and the next one), and W(conj x) = conj W(x)."""
-        if np.iscomplexobj(x):
-            return self._in_plane(x, "potential")
-        if self.kernel.regular is not None and self.kernel.regular_potential is None:
-            raise ValueError("the regular kernel has no potential")
-        x = real_of(x)
-        return self._summed(x, True)
-
-    def _summed(self, x: Array, potential: bool) -> Array:
+    def _on_line(self, x: Array, potential: bool) -> Array:
         """What all zones do at x, by blocks of points, or by fast sums."""
-        flat, fast = self.into_period(x).ravel(), None
+        flat = self.into_period(x).ravel()
         regular = self.kernel.regular_potential if potential else self.kernel.regular
         zone, shift = np.tile(np.arange(len(self.zones)), len(self.kernel.poles)), np.repeat(self.kernel.poles, len(self.zones))
-        if self.has_series or len(flat) * len(zone) > _MANY_PAIRS:
-            fast = self.treecode
+        fast = self.treecode if self.has_series or len(flat) * len(zone) > _MANY_PAIRS else None
         if fast is not None:
             out = fast.potential(flat) if potential else fast.transform(flat)
             # The far sums of such a kernel have its regular part.

@@ -68,6 +68,25 @@ class Located(Kept):
         out[inside] = self.at(z, (x[inside] - self.zones.a[z]) / w, (self.zones.b[z] - x[inside]) / w)
         return out
 
+    def transform(self, x: ArrayLike) -> NDArray[Any]:
+        """(1/pi) PV int phi K dxi at x (any shape), on and off the zones; infinite at a singular end. At complex x what it is
+        continued to, F(x) (see `plane`); there a zero imaginary part is the upper side of the line."""
+        return self._in_plane(x, "transform") if np.iscomplexobj(x) else self._on_line(real_of(x), False)
+
+    def potential(self, x: ArrayLike) -> NDArray[Any]:
+        """(1/pi) int phi Lambda dxi at x (any shape), on and off the zones. At complex x the complex potential W, W' = F, whose real part
+        is the harmonic function that is the potential on the line: it is analytic in either half plane, real on the line right of all
+        zones (with a period: between the last zone and the next one), and W(conj x) = conj W(x)."""
+        if np.iscomplexobj(x):
+            return self._in_plane(x, "potential")
+        if self.kernel.regular is not None and self.kernel.regular_potential is None:
+            raise ValueError("the regular kernel has no potential")
+        return self._on_line(real_of(x), True)
+
+    def _on_line(self, x: Array, potential: bool) -> Array:
+        """Transform or potential at real x."""
+        raise NotImplementedError
+
     def transform_slope(self, z: ArrayLike) -> Complex:
         """F'(z), the derivative of `transform` at complex z (any shape)."""
         return self._in_plane(z, "derivative")

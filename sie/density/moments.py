@@ -3,7 +3,7 @@
 import numpy as np
 
 from sie.basis import chebyshev
-from sie.basis.data import Array
+from sie.basis.data import Array, widened
 from sie.basis.kernels import Kernel, regular_size
 from sie.basis.zones import Zones
 from sie.fast.panels import Panels, Spread, panels_over
@@ -28,7 +28,7 @@ def quadrature(zones: Zones, kernel: Kernel, table: Array, jumps: ForcingJumps) 
         c = table[group, :count]
         if len(jumps):
             count = int(q)
-            c = np.pad(c, ((0, 0), (0, count - c.shape[1]))) + jumps.t_coefficients(zones, count)[group]
+            c = widened(c, count) + jumps.t_coefficients(zones, count)[group]
         weights = chebyshev.t_values(c, int(q)) * (zones.half[group] / q)[:, None]
         found.append((xi.ravel(), weights.ravel()))
     return found

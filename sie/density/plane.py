@@ -21,12 +21,11 @@ from sie.basis import chebyshev
 from sie.basis.data import Array, Index
 from sie.basis.interval import Complex, InPlane, Outside, What, complex_of, of_t, transform_of, transform_slope_of
 from sie.basis.kernels import Regular
-from sie.basis.sums import of_zones, pair_blocks
+from sie.basis.sums import Grouped, pair_blocks
 from sie.density.field import by_quadrature
 from sie.density.series import Series
 from sie.fast.far import Nested
 from sie.fast.tree import SEPARATION, TERMS, Tree
-from sie.jumps.exterior import ExteriorLogarithms
 from sie.jumps.forcing import ForcingJumps
 
 # InPlane with a rho below this, a node is its first TERMS moments; jumps are their first coefficients below the other one.
@@ -102,7 +101,7 @@ class Plane:
             value = transform_slope_of(*bounded, seen, zone) / w if what == "derivative" else transform_of(*bounded, seen, zone)
         if len(density.jumps):
             value = value.copy()
-            for i, here in of_zones(zone):
+            for i, here in Grouped.by(zone).places().items():
                 if i in density.jumps.by_zone:
                     value[here] += self._jumps(i, seen[here], what)
         return value
@@ -117,7 +116,7 @@ class Plane:
         k = jumps.by_zone[zone]
         for here in pair_blocks(len(near), max(1, len(k))):
             some = seen[near[here]]
-            value = of_jumps(jumps, k, some, what) + of_logarithms(jumps.near, jumps.near.of(zone), some, what)
+            value = of_jumps(jumps, k, some, what) + jumps.near.in_plane(jumps.near.of(zone), some, what)
             if zone in jumps.splines:
                 value = value + self._spline(zone, some, what)
             out[near[here]] = value
@@ -189,9 +188,3 @@ def of_jumps(jumps: ForcingJumps, k: Index, seen: InPlane, what: What) -> Comple
             value = away**q * jumps.logarithm_slope(k, seen, away) - jumps.polynomial_slope(k)
             value = value + np.where(q > 0, q * away ** np.maximum(q - 1, 0) * log, 0.0)
     return np.asarray(value @ (jumps.height[k] / np.pi))
-
-
-def of_logarithms(near: ExteriorLogarithms, k: Index, seen: InPlane, what: What) -> Complex:
-    """The same of logarithms that lie near the zone."""
-    how = {"transform": near.plane_transform, "derivative": near.plane_slope, "potential": near.plane_potential}
-    return how[what](k, seen)

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from sie.basis import chebyshev, interval
-from sie.basis.data import Array, Index, Mask
+from sie.basis.data import Array, Index, widened
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
 from sie.density.located import Located, real_of
@@ -44,9 +44,7 @@ class Series(Located):
         alpha, beta = self.edges or chebyshev.edge_part(self.coefficients)
         if not self.bounded_ends:
             return alpha, beta
-        zones = self.zones
-        left = np.array([end.moves and end.intensity == 0.0 for end in zones.left])
-        right = np.array([end.moves and end.intensity == 0.0 for end in zones.right])
+        left, right = self.zones.moves & self.zones.bounded
         k_left, k_right = np.where(left, 0.0, alpha - beta), np.where(right, 0.0, alpha + beta)
         return 0.5 * (k_left + k_right), 0.5 * (k_right - k_left)
 
@@ -54,12 +52,6 @@ class Series(Located):
     def bounded(self) -> tuple[Array, Array, Array]:
         """(alpha, beta, u) of `chebyshev.bounded_part`."""
         return *self.singular, chebyshev.bounded_part(self.coefficients)[2]
-
-    @cached_property
-    def _bounded_ends(self) -> tuple[Mask, Mask]:
-        """Whether the density vanishes at the left and at the right end of each zone, by the kind of the end."""
-        zones = self.zones
-        return np.array([e.intensity == 0.0 for e in zones.left]), np.array([e.intensity == 0.0 for e in zones.right])
 
     @cached_property
     def sampling(self) -> Index:
@@ -71,9 +63,7 @@ class Series(Located):
 
     def first(self, count: int) -> Array:
         """The first coefficients of all of it, jumps among it (Z, count)."""
-        out = np.zeros((len(self.zones), count))
-        known = self.coefficients[:, :count]
-        out[:, : known.shape[1]] = known
+        out = widened(self.coefficients[:, :count], count)
         return out + self.jumps.t_coefficients(self.zones, count) if len(self.jumps) else out
 
     @cached_property
@@ -153,7 +143,7 @@ class Series(Located):
         (left + right = 2): no digit is lost near the ends."""
         zone, left, right = np.broadcast_arrays(np.asarray(zone, dtype=np.intp), *map(real_of, (left, right)))
         # At an end where the density is bounded, the rounding of its intensity is not divided by zero.
-        out = interval.values_on(*self.bounded, zone, left, right, self._bounded_ends)
+        out = interval.values_on(*self.bounded, zone, left, right, self.zones.bounded)
         if len(self.jumps):
             out = out + self.jumps.density(zone.ravel(), left.ravel(), right.ravel()).reshape(out.shape)
         return np.asarray(out)
@@ -197,9 +187,7 @@ class Series(Located):
     def potential_coefficients(self) -> Array:
         """Coefficients of all but `ForcingJumps.sharp_potential`, those over l = 1, 2, ... divided by l: for potentials."""
         c, high = self.coefficients, self.jumps.high_coefficients(self.zones)
-        table = np.zeros((len(c), max(c.shape[1], high.shape[1])))
-        table[:, : c.shape[1]] = c
-        table[:, : high.shape[1]] += high
+        table = widened(c, high.shape[1]) + widened(high, c.shape[1])
         table[:, 1:] /= np.arange(1, table.shape[1])
         return table
 

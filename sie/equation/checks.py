@@ -5,6 +5,7 @@ likewise; of a symmetric set the right side must be odd.
 """
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -69,21 +70,15 @@ def _look_at_forcing(name: str, forcing: Forcing, x: Array, half: Array, levels:
         if not (callable(function) or (part == "primitive" and function is None)):
             raise ValueError(f"{name}: {part} must be a function of x, got {type(function).__name__}")
 
-    def value(places: Array) -> Array:
-        return _real(f"{name}: value", forcing.value(places.ravel()), (places.size,), f"x of shape ({places.size},)").reshape(places.shape)
+    def of(part: str, function: Callable[[Array], Array], places: Array) -> Array:
+        return _real(f"{name}: {part}", function(places.ravel()), (places.size,), f"x of shape ({places.size},)").reshape(places.shape)
 
+    value = partial(of, "value", forcing.value)
     g = value(x)
     if symmetric:
         _look_at_symmetry(f"{name}: value", g, value(-x), x)
-    primitive = forcing.primitive
-    if primitive is None or not levels or len(forcing.density_jumps_at):
-        return
-
-    def risen(places: Array) -> Array:
-        returned = primitive(places.ravel())
-        return _real(f"{name}: primitive", returned, (places.size,), f"x of shape ({places.size},)").reshape(places.shape)
-
-    _look_at_rise(f"{name}: primitive", "value", value, risen, x, half)
+    if forcing.primitive is not None and levels and not len(forcing.density_jumps_at):
+        _look_at_rise(f"{name}: primitive", "value", value, partial(of, "primitive", forcing.primitive), x, half)
 
 
 def _look_at_kernel(kernel: Kernel, x: Array, half: Array, levels: bool, symmetric: bool) -> None:

@@ -7,6 +7,7 @@ one class with `count` and `rows`.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Protocol
 
 import numpy as np
@@ -342,17 +343,7 @@ def moment(value: float, about: float = 0.0) -> Weighted:
     >>> float(round(found.amplitudes[0], 12))
     -1.0
     """
-    return Weighted(_Lever(float(about)), float(value), degree=1)
-
-
-@record
-class _Lever:
-    """x - about."""
-
-    about: float
-
-    def __call__(self, x: Array) -> Array:
-        return x - self.about
+    return Weighted(partial(np.add, -float(about)), float(value), degree=1)
 
 
 @dataclass(frozen=True)

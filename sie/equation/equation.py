@@ -198,8 +198,7 @@ class Equation:
     @property
     def open_condition(self) -> int | None:
         """Index of the condition whose value is unknown and is found from a condition on the ends; None if none is."""
-        found = [k for k, condition in enumerate(self.conditions) if condition.open]
-        return found[0] if found else None
+        return next((k for k, condition in enumerate(self.conditions) if condition.open), None)
 
     def check_count(self, zones: Zones) -> None:
         """Raise CountError unless unknowns and conditions balance, for given ends and for moving ones; ValueError if

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from sie.basis import chebyshev
-from sie.basis.data import Array, lost, record
+from sie.basis.data import Array, lost, record, widened
 from sie.basis.interval import Outside
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
@@ -198,9 +198,7 @@ class FarSum:
             series[:, 0] += self._regular[0][:terms, :terms] @ moments[0]
             middle[0] += float(self._regular[1][:terms] @ moments[0])
         series, middle, rest = self.targets.downward(series, middle)
-        if rough:
-            series = np.pad(series, ((0, 0), (0, TERMS - terms)))
-        return series, middle, rest
+        return widened(series, TERMS), middle, rest
 
 
 def reaches(kernel: Kernel, zones: Zones) -> bool:

@@ -7,13 +7,8 @@ from contextlib import contextmanager
 from types import ModuleType
 
 
-def scipy_sparse() -> ModuleType:
-    """Sparse matrices."""
-    return importlib.import_module("scipy.sparse")
-
-
 def module(name: str) -> ModuleType:
-    """A file of the engine."""
+    """A file of the engine, or what it stands on."""
     with uncollected():
         return importlib.import_module(name)
 

@@ -87,9 +87,13 @@ class Panels(Kept):
 
     @cached_property
     def tail(self) -> float:
-        """The last coefficients in either variable, over the largest: of near panels, and if these have decayed of all."""
-        near = _tail(self._made(False, -min(1, self.farthest), min(1, self.farthest) + 1))
-        return _tail(self._table(False)) if near <= _ROUNDING else near
+        """The last coefficients in either variable, over the largest: of few panels, and if these have decayed of all."""
+        few = _tail(self._few())
+        return _tail(self._table(False).reshape(-1, TERMS, TERMS)) if few <= _ROUNDING else few
+
+    def _few(self) -> Array:
+        """K between panels that are near each other."""
+        return self._made(False, -min(1, self.farthest), min(1, self.farthest) + 1)
 
     def _made(self, potential: bool, low: int, high: int) -> Array:
         """K^(d), low <= d < high, (d, TERMS, TERMS)."""
@@ -114,10 +118,13 @@ class Panels(Kept):
         return {}
 
     def _table(self, potential: bool) -> Array:
-        """K^(d) for all lags that are looked at, (2 farthest + 1, TERMS, TERMS)."""
         if potential not in self._tables:
-            self._tables[potential] = self._made(potential, -self.farthest, self.farthest + 1)
+            self._tables[potential] = self._all(potential)
         return self._tables[potential]
+
+    def _all(self, potential: bool) -> Array:
+        """K^(d) for all lags that are looked at, (2 farthest + 1, TERMS, TERMS)."""
+        return self._made(potential, -self.farthest, self.farthest + 1)
 
     def _series(self, moments: Array, low: int, high: int, potential: bool) -> Array:
         """Series on the panels low ... high, (panels, TERMS, n), by moments (count TERMS, n): a convolution over the panels."""
@@ -187,11 +194,9 @@ class Panels(Kept):
 class PairPanels(Panels):
     """The same of a kernel that is not of the lag alone: a matrix for each pair of panels."""
 
-    @cached_property
-    def tail(self) -> float:
+    def _few(self) -> Array:
         corners = np.unique([0, self.count // 2, self.count - 1])
-        few = _tail(np.concatenate([self._blocks(False, corners, int(corner)) for corner in corners]))
-        return _tail(self._table(False).reshape(-1, TERMS, TERMS)) if few <= _ROUNDING else few
+        return np.concatenate([self._blocks(False, corners, int(corner)) for corner in corners])
 
     def _blocks(self, potential: bool, targets: Index, source: int) -> Array:
         """K of these target panels by one source panel, (targets, TERMS, TERMS)."""
@@ -199,12 +204,10 @@ class PairPanels(Panels):
         x = ((self.first + targets + 0.5) * self.step)[:, None] + nodes
         return self._coefficients(potential, x, (self.first + source + 0.5) * self.step + nodes)
 
-    def _table(self, potential: bool) -> Array:
+    def _all(self, potential: bool) -> Array:
         """K of all pairs, (targets, sources, TERMS, TERMS)."""
-        if potential not in self._tables:
-            every = np.arange(self.count)
-            self._tables[potential] = np.stack([self._blocks(potential, every, int(source)) for source in every], axis=1)
-        return self._tables[potential]
+        every = np.arange(self.count)
+        return np.stack([self._blocks(potential, every, int(source)) for source in every], axis=1)
 
     def _series(self, moments: Array, low: int, high: int, potential: bool) -> Array:
         pairs = self._table(potential)[low - self.first : high - self.first + 1].transpose(0, 2, 1, 3)

@@ -29,13 +29,12 @@ from functools import cached_property
 
 import numpy as np
 
-from sie.basis.data import Array, record
+from sie.basis.data import Array, Index, record
 from sie.basis.interval import edge_scale
 from sie.collocation.factored import Factored
 from sie.collocation.fixed import SingularSystem, State, rows_of
 from sie.collocation.iterative import Applied, Iterative, IterativeSystem
 from sie.collocation.system import condition_rows
-from sie.equation.conditions import Linear
 from sie.fast.krylov import gmres
 
 
@@ -69,19 +68,20 @@ def free_ends(state: State) -> list[tuple[int, int]]:
     """(side, zone) of the ends that move, of mirrored pairs the right one."""
     zones = state.density.zones
     mirrored = int(zones.solved[0]) if zones.central else -1
-    kinds = (zones.left, zones.right)
-    return [
-        (side, int(i)) for side in (0, 1) for i in zones.solved if kinds[side][i].moves and (side, i) != (0, mirrored)
-    ]
+    return [(side, int(i)) for side in (0, 1) for i in zones.solved if zones.moves[side, i] and (side, i) != (0, mirrored)]
+
+
+def _sides(ends: list[tuple[int, int]]) -> tuple[Index, Index]:
+    """(side, zone) of ends (E,)."""
+    side, zone = np.array(ends, dtype=np.intp).reshape(-1, 2).T
+    return side, zone
 
 
 def spread(state: State, ends: list[tuple[int, int]], values: Array) -> Array:
     """Values of ends (E, ...) as (2, Z, ...), mirrored ones filled in."""
     zones = state.density.zones
     out = np.zeros((2, len(zones), *values.shape[1:]))
-    if not ends:
-        return out
-    side, zone = np.array(ends).T
+    side, zone = _sides(ends)
     out[side, zone] = values
     if zones.symmetric:
         out[1 - side, len(zones) - 1 - zone] = values
@@ -96,25 +96,6 @@ STEP, _RESPONSE = 1e-6, 1e-4
 _LOST = 1e-3
 
 
-@record
-class MovedView(Applied):
-    """What conditions ask for, of a response and of singular densities."""
-
-    moved: Moved
-    response: Array
-
-    def intensities(self) -> tuple[Linear, Linear]:
-        left, right = self.edges
-        nothing = np.zeros(len(left))
-        return (left[:, None], nothing), (right[:, None], nothing)
-
-    @cached_property
-    def edges(self) -> Array:
-        """K at both ends of the solved zones (2, n)."""
-        layout = self.system.layout
-        return np.array(self.system.intensities_of(layout.padded(self.response))) + self.moved.own[:, self.zones.solved]
-
-
 class IteratedMotions:
     """At a state that was found by iteration."""
 
@@ -122,10 +103,8 @@ class IteratedMotions:
         self.state, self.solver, self.system = state, solver, solver.system
         self.zones = state.density.zones
         self.ends = free_ends(state)
-        place = {int(i): p for p, i in enumerate(self.zones.solved)}
-        self.side = np.array([side for side, _ in self.ends], dtype=np.intp)
-        self.zone = np.array([zone for _, zone in self.ends], dtype=np.intp)
-        self.at = np.array([place[int(i)] for i in self.zone], dtype=np.intp)
+        self.side, self.zone = _sides(self.ends)
+        self.at = np.searchsorted(self.zones.solved, self.zone)
         self.scale = solver.scale_of(state.folded_unknowns)
         self.width = self.zones.half[self.zone]
 
@@ -136,10 +115,11 @@ class IteratedMotions:
         y = system.symmetry.unfold(folded)
         rows, plain = system.applied(y + moved.coefficients)
         # The rows hold what coefficients do to their own zone, which singular densities do not.
-        rows = rows + moved.coefficients[system.own][system.kept]
-        view = MovedView(system, plain.y, plain.middle, plain.rest + moved.own_level[self.zones.solved], moved, y)
+        rows = rows + moved.coefficients[system.diagonal]
+        edges = np.array(system.intensities_of(system.layout.padded(y))) + moved.own[:, self.zones.solved]
+        view = Applied(system, plain.y, plain.middle, plain.rest + moved.own_level[self.zones.solved], edges)
         asked = condition_rows(system.equation, view, 1)[0][:, 0]
-        return np.concatenate((rows, asked)), view.edges[self.side, self.at]
+        return np.concatenate((rows, asked)), edges[self.side, self.at]
 
     @cached_property
     def _local(self) -> Array:
@@ -323,8 +303,7 @@ def end_rates(state: State) -> EndRates:
     moved = Moved.of(state, spread(state, ends, np.eye(len(ends))))
     singular, own_level, own = moved.coefficients, moved.own_level, moved.own
     matrix = rows_of(state)
-    folded = singular if state.symmetry.keep is None else singular[state.symmetry.keep]
-    right = matrix @ folded
+    right = matrix @ singular[state.symmetry.keep]
     # The rows hold what coefficients do to their own zone, which S does not.
     right[: state.conditions_from] += singular[system.diagonal]
     right[state.conditions_from :] += state.level_rows @ own_level[solved]
@@ -334,10 +313,8 @@ def end_rates(state: State) -> EndRates:
     factors = state.direct or Factored.of(matrix)
     answer = np.asarray(factors(-right))
     unknowns = np.column_stack([state.symmetry.unfold(column) for column in answer.T]) if len(ends) else np.zeros((layout.size, 0))
-    linear = np.array([part @ unknowns for part, _ in system.intensities()])
-    rates = linear + own[:, solved]
-    place = {int(i): p for p, i in enumerate(solved)}
-    intensities = np.array([rates[side, place[i]] for side, i in ends]).reshape(len(ends), len(ends))
+    side, zone = _sides(ends)
+    intensities = (np.array([part @ unknowns for part, _ in system.intensities()]) + own[:, solved])[side, np.searchsorted(solved, zone)]
     levels = np.zeros((len(solved), 0))
     if system.wants_levels:
         levels = system.levels()[0] @ (unknowns + singular) + own_level[solved]
@@ -394,7 +371,7 @@ class DirectMotions:
     def __init__(self, state: State) -> None:
         self.state, self._rates = state, end_rates(state)
         self.ends = self._rates.ends
-        self.side, self.zone = np.array(self.ends, dtype=np.intp).reshape(-1, 2).T
+        self.side, self.zone = _sides(self.ends)
         # Rounding alone keeps the rates of a motion that changes nothing from being zero.
         neutral = len(self.ends) > 0 and not np.linalg.cond(self._rates.intensities) < _NEUTRAL_FROM
         self._inverse = np.full_like(self._rates.intensities, np.nan) if neutral else np.linalg.inv(self._rates.intensities)
@@ -410,17 +387,14 @@ class DirectMotions:
         return self._rates.intensities @ d, levels @ d if levels.size else np.zeros(0)
 
     def growth(self, signs: Array, normal: Array | None = None, by_value: Array | None = None) -> float:
-        return growth(signs[self.side][:, None] * self._rates.intensities, normal, by_value)
-
-
-def growth(driven: Array, normal: Array | None = None, by_value: Array | None = None) -> float:
-    """Largest real part of the eigenvalues of what drives the ends by their motions; with a condition on the ends, which the unknown value
-    keeps: of motions along it."""
-    if normal is not None and by_value is not None:
-        driven = driven - np.outer(by_value, normal @ driven) / (normal @ by_value)
-        along = np.linalg.svd(normal[None])[2][1:]
-        driven = along @ driven @ along.T
-    return float(np.linalg.eigvals(driven).real.max(initial=-np.inf))
+        """Largest real part of the eigenvalues of what drives the ends by their motions; with a condition on the ends, which the unknown
+        value keeps: of motions along it."""
+        driven = signs[self.side][:, None] * self._rates.intensities
+        if normal is not None and by_value is not None:
+            driven = driven - np.outer(by_value, normal @ driven) / (normal @ by_value)
+            along = np.linalg.svd(normal[None])[2][1:]
+            driven = along @ driven @ along.T
+        return float(np.linalg.eigvals(driven).real.max(initial=-np.inf))
 
 
 def motions_of(state: State) -> DirectMotions | IteratedMotions:

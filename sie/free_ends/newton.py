@@ -14,13 +14,12 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from sie.basis.data import Array, Index, Mask, record
+from sie.basis.data import Array, Index, Mask
 from sie.basis.zones import FREE, SINGULAR, End, Zones
 from sie.collocation import modes
 from sie.collocation.fixed import SingularSystem, State, first_sizes, sizes_after, sizes_of
 from sie.collocation.iterative import Iterative
 from sie.collocation.solved import Sizes
-from sie.density.density import Density
 from sie.equation.equation import Equation
 from sie.free_ends.motions import STEP, DirectMotions, IteratedMotions, motions_of, spread
 from sie.free_ends.near_steps import bent_steps, corner_distances, gap_steps, tips_between
@@ -211,8 +210,9 @@ def find_ends(
         if let_go and zones.follow_ends:
             # The rates are those of the ends that move now.
             state = _state(equation, zones, fall, sizes, value)
-        if opened is not None and (unit is None or unit.moved(state) > _SAME_RESPONSE):
-            unit = Unit.of(state, sizes)
+        if opened is not None and (unit is None or _moved(state, unit) > _SAME_RESPONSE):
+            # An error of it is one of a step: as good as the square of the next is enough.
+            unit = state.response(state.values(opened), np.sqrt(sizes.linear))
         motion = _newton(state, zones, signs, unit)
         progress.turns += [motion.turn] if motion.turn is not None else []
         if not np.isfinite(motion.delta).all():
@@ -268,7 +268,7 @@ def _neutral(state: AnyState, progress: Progress, value: float) -> Free:
 
 
 def _by_iteration(
-    state: State, iteration: Iterative, signs: tuple[float, float], unit: "Unit | None", motion: Motion, rest: Rest
+    state: State, iteration: Iterative, signs: tuple[float, float], unit: AnyDensity | None, motion: Motion, rest: Rest
 ) -> tuple[Motion, Rest] | None:
     """A step to rest and what it tells, with what iteration tells of them; None where the intensities do not tell the ends."""
     motions, zones, side = IteratedMotions(state, iteration), state.density.zones, np.array(signs, dtype=float)[:, None]
@@ -306,7 +306,7 @@ def _why_not(state: AnyState, progress: Progress, motion: Motion) -> str:
 
 
 def _limited(
-    state: AnyState, zones: Zones, motion: Motion, signs: tuple[float, float], unit: "Unit | None"
+    state: AnyState, zones: Zones, motion: Motion, signs: tuple[float, float], unit: AnyDensity | None
 ) -> tuple[Array, Index]:
     """(moves cut to what widths and gaps allow, those of zones far off that stand alone by steps of their own; zones of which nothing is
     left)."""
@@ -314,7 +314,7 @@ def _limited(
     single = far_off(state, motion.moves, motion.delta)
     if not len(single):
         return limited, single
-    added = None if unit is None else (unit.response, motion.change)
+    added = None if unit is None else (unit.whole, motion.change)
     near_a, near_b, came, gone = moved_singly(state, single, lambda d, size: _alone(d, size, signs), signs, added)
     limited[0, single] = np.where(came, zones.a[single] - near_a, limited[0, single])
     limited[1, single] = np.where(came, near_b - zones.b[single], limited[1, single])
@@ -409,11 +409,7 @@ def _let_go(zones: Zones, limits: tuple[float, float], density: AnyDensity, limi
     high = zones.right[-1] == SINGULAR and zones.b[-1] == limits[1] and k_right[-1] < least
     if not (low or high):
         return zones, False
-    left, right = list(zones.left), list(zones.right)
-    if low:
-        left[0] = limited
-    if high:
-        right[-1] = limited
+    left, right = [limited, *zones.left[1:]] if low else zones.left, [*zones.right[:-1], limited] if high else zones.right
     return replace(zones, left=left, right=right), True
 
 
@@ -421,8 +417,8 @@ def _intensity(end: End) -> float:
     return end.intensity if end.moves and end.intensity is not None else 0.0
 
 
-def _newton(state: AnyState, zones: Zones, signs: tuple[float, float], unit: "Unit | None") -> Motion:
-    """The next step of ends of these kinds."""
+def _newton(state: AnyState, zones: Zones, signs: tuple[float, float], unit: AnyDensity | None) -> Motion:
+    """The next step of ends of these kinds. unit: what a unit of the open condition's value makes, if there is one."""
     moves = zones.moves
     target = np.array([[_intensity(end) for end in zones.left], [_intensity(end) for end in zones.right]])
     equation = state.equation
@@ -432,10 +428,9 @@ def _newton(state: AnyState, zones: Zones, signs: tuple[float, float], unit: "Un
     w = density.zones.half
     side = np.array(signs)[:, None]
     natural = state.natural
-    prescribed = np.any(target != 0)
     noise_k = state.intensity_noise
     residual = np.where(moves, k - target, 0.0)
-    if prescribed:
+    if zones.follow_ends:
         whole = state.whole  # no slits where intensities are prescribed
         delta, noise, change, growth = _full_newton(equation, whole, residual, noise_k, unit, side)
         return Motion(moves, delta, noise, change, np.zeros(len(zones), dtype=bool), Turn(float(np.abs(residual).max()), growth))
@@ -444,11 +439,12 @@ def _newton(state: AnyState, zones: Zones, signs: tuple[float, float], unit: "Un
     noise = np.where(moves, 2 * noise_k / np.abs(safe), 0.0)
     change = 0.0
     if unit is not None:
+        k_unit = np.array(unit.intensities)
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            slope = np.where(moves, 2 * unit.intensities / safe, 0.0)
+            slope = np.where(moves, 2 * k_unit / safe, 0.0)
         delta, change = _bordered(equation, density.zones, delta, slope, INWARD, OUTWARD)
-        residual = np.where(moves, residual + change * unit.intensities, 0.0)
-        a = a + change * unit.edge_slopes
+        residual = np.where(moves, residual + change * k_unit, 0.0)
+        a = a + change * np.array(unit.edge_slopes)
     gaps = np.array(modes.gaps(density.zones, equation.kernel))
     jumps = len(equation.forcing.density_jumps_at) > 0
     tips = tips_between(equation.forcing, density.zones, equation.kernel.period) if jumps else 0.0
@@ -465,30 +461,13 @@ def _newton(state: AnyState, zones: Zones, signs: tuple[float, float], unit: "Un
     return Motion(moves, delta, noise, change, np.asarray((weak & moves).any(axis=0)))
 
 
-@record
-class Unit:
-    """K and A (2, Z) that a unit of the open condition's value makes on zones (Z, 2), and the density without slits that has them."""
-
-    intensities: Array
-    edge_slopes: Array
-    table: Array
-    response: Density
-
-    def moved(self, state: AnyState) -> float:
-        """By what part of all widths the ends have moved from there, or those of wide zones; infinite where other gaps are slits."""
-        tables = [(state.density.zones.table, self.table), (state.whole.density.zones.table, self.response.zones.table)]
-        if any(len(now) != len(then) for now, then in tables):
-            return np.inf
-        return max(float(np.abs(now - then).sum() / np.diff(then).sum()) for now, then in tables)
-
-    @classmethod
-    def of(cls, state: AnyState, sizes: Sizes) -> "Unit":
-        """An error of them is one of a step: as good as the square of the next is enough."""
-        index = state.equation.open_condition
-        assert index is not None
-        response = state.response(state.values(index), np.sqrt(sizes.linear))
-        zones = state.density.zones
-        return cls(np.array(response.intensities), np.array(response.edge_slopes), zones.table, response.whole)
+def _moved(state: AnyState, response: AnyDensity) -> float:
+    """By what part of all widths the ends have moved from where a response was found, or those of wide zones; infinite where other gaps are
+    slits."""
+    tables = [(one.zones.table, other.zones.table) for one, other in ((state.density, response), (state.whole.density, response.whole))]
+    if any(len(now) != len(then) for now, then in tables):
+        return np.inf
+    return max(float(np.abs(now - then).sum() / np.diff(then).sum()) for now, then in tables)
 
 
 def _bordered(
@@ -530,7 +509,7 @@ def _limit(zones: Zones, equation: Equation, delta: Array) -> Array:
 
 
 def _full_newton(
-    equation: Equation, state: State, residual: Array, noise_k: Array, unit: Unit | None, signs: Array
+    equation: Equation, state: State, residual: Array, noise_k: Array, unit: AnyDensity | None, signs: Array
 ) -> tuple[Array, Array, float, float]:
     """Outward moves (2, Z), their roundoff, the change of the open condition's value and the growth of a push (`Free.stable`; not a number
     by iteration, where it is left open) by Newton with the full Jacobian dK_i/d(end_j), for prescribed intensities.
@@ -541,15 +520,16 @@ def _full_newton(
     at_ends, change = (motions.side, motions.zone), 0.0
     delta, noise = spread(state, motions.ends, motions.meeting(-residual[at_ends])), motions.local(noise_k)
     if unit is not None:
-        slope = spread(state, motions.ends, motions.meeting(-unit.intensities[at_ends]))
+        slope = spread(state, motions.ends, motions.meeting(-np.array(unit.intensities)[at_ends]))
         delta, change = _bordered(equation, state.density.zones, delta, slope)
     return delta, noise, change, math.nan if state.iterated else _growth(motions, signs, unit)
 
 
-def _growth(motions: DirectMotions | IteratedMotions, signs: Array, unit: Unit | None) -> float:
+def _growth(motions: DirectMotions | IteratedMotions, signs: Array, unit: AnyDensity | None) -> float:
     """How a push of the ends grows; with a condition on the ends, which the unknown value keeps: of motions along it."""
     if unit is None:
         return motions.growth(signs[:, 0])
     at_ends, state = (motions.side, motions.zone), motions.state
     _, by_left, by_right = state.equation.end_conditions[0].residual(state.density.zones)
-    return motions.growth(signs[:, 0], np.array([by_left, by_right])[at_ends], signs[at_ends[0], 0] * unit.intensities[at_ends])
+    by_value = signs[at_ends[0], 0] * np.array(unit.intensities)[at_ends]
+    return motions.growth(signs[:, 0], np.array([by_left, by_right])[at_ends], by_value)

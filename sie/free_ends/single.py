@@ -19,7 +19,7 @@ from typing import TypeAlias
 import numpy as np
 
 from sie.basis import chebyshev
-from sie.basis.data import Array, Index, Mask, record
+from sie.basis.data import Array, Index, Mask, widened
 from sie.basis.interval import mean_potential
 from sie.basis.zones import Zones
 from sie.collocation import modes
@@ -67,27 +67,12 @@ def far_off(state: AnyState, moves: Mask, delta: Array) -> Index:
     return np.flatnonzero(off & alone & smooth[place] & moves.all(axis=0))
 
 
-@record
-class Field:
-    """E on zones of the given middles and half widths; coefficients (n, k)."""
-
-    middle: Array
-    half: Array
-    coefficients: Array
-
-    @classmethod
-    def of(cls, state: AnyState, chosen: Index, added: Added | None) -> "Field":
-        zones, (whole, place) = state.density.zones, state.wide_of(chosen)
-        c = np.zeros((len(chosen), _FIELD + 1))
-        parts = [(whole.density.coefficients, 1.0), (whole.system.g, 1.0)]
-        for table, times in parts if added is None else [*parts, (added[0].coefficients, added[1])]:
-            count = min(_FIELD + 1, table.shape[1])
-            c[:, :count] += times * table[place, :count]
-        return cls(zones.middle[chosen], zones.half[chosen], c[:, 1:])
-
-    def __call__(self, x: Array) -> Array:
-        """E at x (n, m)."""
-        return chebyshev.u_values(self.coefficients, (x - self.middle[:, None]) / self.half[:, None])
+def _by_others(state: AnyState, chosen: Index, added: Added | None) -> Array:
+    """E_k on chosen zones (n, _FIELD)."""
+    whole, place = state.wide_of(chosen)
+    parts = [(whole.density.coefficients, 1.0), (whole.system.g, 1.0)]
+    parts += [] if added is None else [(added[0].coefficients, added[1])]
+    return np.asarray(sum(times * widened(table[place, 1 : _FIELD + 1], _FIELD) for table, times in parts))
 
 
 class Moving:
@@ -95,38 +80,39 @@ class Moving:
 
     def __init__(self, state: AnyState, chosen: Index, added: Added | None = None) -> None:
         self.equation, density = state.equation, state.density
-        self.zones, self.chosen, self.field = density.zones, chosen, Field.of(state, chosen, added)
-        zones, field = self.zones, self.field
+        self.zones, self.chosen, self.by_others = density.zones, chosen, _by_others(state, chosen, added)
+        zones = self.zones
+        self.first = middle, half = zones.middle[chosen], zones.half[chosen]
         left_gap, right_gap = (gap[chosen] for gap in modes.gaps(zones, self.equation.kernel))
-        self.datum = np.minimum(self.equation.kernel.datum, conformal_radius(left_gap + field.half, right_gap + field.half))
-        reach = np.maximum(_HALVES * field.half, _WAVE * (self.equation.forcing.resolution or 0.0))
-        self.lowest = np.maximum(zones.a[chosen] - _INTO_GAP * left_gap, field.middle - reach)
-        self.highest = np.minimum(zones.b[chosen] + _INTO_GAP * right_gap, field.middle + reach)
+        self.datum = np.minimum(self.equation.kernel.datum, conformal_radius(left_gap + half, right_gap + half))
+        reach = np.maximum(_HALVES * half, _WAVE * (self.equation.forcing.resolution or 0.0))
+        self.lowest = np.maximum(zones.a[chosen] - _INTO_GAP * left_gap, middle - reach)
+        self.highest = np.minimum(zones.b[chosen] + _INTO_GAP * right_gap, middle + reach)
         whole, place = state.wide_of(chosen)
         self.total = whole.density.totals[place] / np.pi
         if added is not None:
             self.total = self.total + added[1] * added[0].totals[place] / np.pi
         # Level plus the mean of the primitive of h, and the zones and coefficients to which it belongs.
-        self.level = self.total * self._log(field.half)
-        self.middle, self.half = field.middle, field.half
-        self.h = self._coefficients(self.middle, self.half)
+        self.level = self.total * self._log(half)
+        self.middle, self.half, self.h = middle, half, chebyshev.u_coefficients(self._left(middle, half))
 
     def _log(self, w: Array) -> Array:
         return np.asarray(mean_potential(w, self.datum) / w)
-
-    def _coefficients(self, middle: Array, half: Array) -> Array:
-        """h_k on intervals (n, _NODES)."""
-        return chebyshev.u_coefficients(self._left(middle, half))
 
     def _left(self, middle: Array, half: Array) -> Array:
         """h at the nodes of intervals (n, _NODES)."""
         x = middle[:, None] + half[:, None] * chebyshev.lobatto(_NODES)[0][1:-1]
         return np.asarray(self.equation.forcing.value(x.ravel())).reshape(x.shape) - self.field(x)
 
+    def field(self, x: Array) -> Array:
+        """E at x (n, m)."""
+        middle, half = self.first
+        return chebyshev.u_values(self.by_others, (x - middle[:, None]) / half[:, None])
+
     def to(self, middle: Array, half: Array) -> None:
         """Go to other intervals: the primitive of U_{k-1} is T_k / k. What lies between the middles is read off the wider one."""
         half = np.maximum(half, _LEAST * np.spacing(np.abs(middle)))
-        h, k = self._coefficients(middle, half), _ORDER
+        h, k = chebyshev.u_coefficients(self._left(middle, half)), _ORDER
         wider = half > self.half
         w, series = np.where(wider, half, self.half), np.where(wider[:, None], h, self.h)
         between = np.where(wider, self.middle - middle, middle - self.middle) / w

@@ -12,8 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sie.basis import chebyshev
-from sie.basis.data import Array, Index
+from sie.basis.data import Array, Index, numbered
 from sie.basis.interval import edge_scale
 from sie.collocation.fixed import State
 from sie.collocation.system import Places, fields, outside
@@ -107,14 +106,14 @@ def answers(state: State, at: Array, strengths: Array, values: Array, places: Ar
             g[some, k] = power.sum(axis=2)
     g *= -2 / (np.pi * zones.half[:, None, None])
     mean = seen.first(zones.half[:, None, None] / kernel.datum).sum(axis=2) / np.pi
+    rows = g[np.repeat(np.arange(len(zones)), layout.m), numbered(layout.m) + 1]
     if kernel.regular is not None and len(at):
-        _regular(state, at, g, mean)
+        # By its values at the nodes, and by those of its primitive.
+        x = system.targets.x[:, None]
+        rows += system.projected(kernel.regular(x, at) / np.pi)
+        mean += 0.0 if kernel.regular_potential is None else system.means(kernel.regular_potential(x, at) / np.pi)
     right = np.zeros((state.solver.size, cases))
-    row = 0
-    for i in range(len(zones)):
-        m = int(layout.m[i])
-        right[row : row + m] = g[i, 1 : m + 1] @ strengths
-        row += m
+    right[: len(rows)] = rows @ strengths
     own_level = -(mean @ strengths)
     right[state.conditions_from :] = values / state.condition_scale[:, None]
     right[state.conditions_from :] -= state.level_rows @ own_level
@@ -134,24 +133,8 @@ def answers(state: State, at: Array, strengths: Array, values: Array, places: Ar
     places = density.into_period(np.asarray(places, dtype=float))
     potentials = _beyond_potential(outside(a, b, places[:, None] - poles).rho, up, layout.m) @ strengths
     unknowns[: layout.coefficients] *= np.repeat(zones.half, layout.m + 1)[:, None]
-    potentials += fields(zones, kernel, Places(places), layout, "potential") @ unknowns
+    potentials += fields(zones, kernel, Places(places), layout, potential=True) @ unknowns
     return Answers(intensities, levels, potentials)
-
-
-def _regular(state: State, at: Array, g: Array, mean: Array) -> None:
-    """Add what the regular part makes of the right side, by its values at the nodes, and of its primitive's means."""
-    kernel, system = state.density.kernel, state.system
-    assert kernel.regular is not None
-    x, starts = system.targets.x, system.starts
-    values = kernel.regular(x[:, None], at) / np.pi
-    potential = None if kernel.regular_potential is None else kernel.regular_potential(x[:, None], at) / np.pi
-    for i in range(len(state.density.zones)):
-        here, m = slice(starts[i], starts[i + 1]), int(system.layout.m[i])
-        if m:
-            g[i, 1 : m + 1] += chebyshev.project_rows(values[here][1:-1])
-        if potential is not None:
-            rows = potential[here]
-            mean[i] += (rows.sum(axis=0) - 0.5 * (rows[0] + rows[-1])) / (len(rows) - 1)
 
 
 def _solved(state: State, right: Array) -> Array:

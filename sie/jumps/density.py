@@ -31,11 +31,11 @@ from sie.basis.data import Array, Index, record
 from sie.basis.interval import LOG2 as _LOG2
 from sie.basis.interval import Complex, InPlane, OnLine, theta
 from sie.basis.kernels import Kernel
-from sie.basis.sums import of_zones
+from sie.basis.sums import Grouped
 from sie.basis.zones import Zones
 from sie.jumps.exterior import ExteriorLogarithms, potential_series
 from sie.jumps.forcing import ForcingJumps
-from sie.jumps.formulas import HIGHEST, of_sines, raised
+from sie.jumps.formulas import HIGHEST, raised
 from sie.jumps.local_spline import LocalSpline
 
 # From this number of jumps of order 2 on a spline takes their place. What the powers of n of them lose, n^2 units in the last digit, the
@@ -112,16 +112,9 @@ class DensityJumps(ForcingJumps):
             found = replace(found, logarithms=Logarithms(kernel, zones, at, weight, np.where(inside, i, -1), near))
         return found if spline is None else found._with_splines(zones, spline, LocalSpline.inside, _MANY)
 
-    def __len__(self) -> int:
-        return len(self.zone) + len(self.near)
-
     @property
     def near(self) -> ExteriorLogarithms:
         return super().near if self.logarithms is None else self.logarithms.near
-
-    @cached_property
-    def by_zone(self) -> dict[int, Index]:
-        return {i: np.zeros(0, np.intp) for i in self.near.by_zone} | super().by_zone
 
     @cached_property
     def _higher(self) -> ForcingJumps:
@@ -133,15 +126,11 @@ class DensityJumps(ForcingJumps):
         """Those of the density itself alone."""
         return self.chosen(self.order == 0)
 
-    @cached_property
-    def kinked(self) -> list[int]:
-        return sorted({*self.zone[self.order == 0].tolist(), *self.near.by_zone})
-
     # the right side -------------------------------------------------------------------------------------------------
     def smooth_part(self, zone: Index, left: Array) -> Array:
         out = -self._higher.carried(zone, left)
         if self.logarithms is not None:
-            for i, here in of_zones(zone):
+            for i, here in Grouped.by(zone).places().items():
                 out[here] += self.logarithms.on_zone(i, left[here])
         return out
 
@@ -155,12 +144,6 @@ class DensityJumps(ForcingJumps):
         raise ValueError("a condition on potentials is for right sides without logarithms")
 
     # the density ----------------------------------------------------------------------------------------------------
-    def density(self, zone: Index | int, left: Array, right: Array) -> Array:
-        return super().density(zone, left, right) + self.near.density(np.broadcast_to(zone, left.shape), left, right)
-
-    def integral(self, zone: Index, left: Array, right: Array) -> Array:
-        return super().integral(zone, left, right) + self.near.integral(zone, left, right)
-
     def integral_of(self, k: Index, left: Array, right: Array) -> Array:
         """From the ends inwards: int_t^1 (tau - s)^q eta = (1/pi) int_0^theta (cos a - s)^q a sin(a) da for t > s."""
         s, q, on_right = self.s[k], self.order[k], left > self.left[k]
@@ -181,24 +164,9 @@ class DensityJumps(ForcingJumps):
         count, alone = len(self.zone), replace(self, height=np.full(len(self.zone), np.pi))
         return np.pi * alone.coefficients(np.arange(count), np.arange(count), count, 1)[:, 0]
 
-    def edge_slopes(self, zones: Zones) -> tuple[Array, Array]:
-        scale, n = self.height / np.pi, len(zones)
-        left = np.bincount(self.zone, -scale * (-self.left) ** self.order, minlength=n)
-        right = np.bincount(self.zone, scale * self.right**self.order, minlength=n)
-        more = [np.bincount(self.near.zone, part, minlength=n) for part in self.near.edge_slopes()]
-        left, right = left + more[0], right + more[1]
-        return np.asarray(left, dtype=float), np.asarray(right, dtype=float)
-
-    def t_coefficients(self, zones: Zones, count: int) -> Array:
-        out = super().t_coefficients(zones, count)
-        np.add.at(out, self.near.zone, of_sines(self.near.sine_coefficients(count + 1))[:, :count])
-        return out
-
-    def first_coefficients(self, zones: Zones, counts: Index) -> Array:
-        if not len(self.near):
-            return super().first_coefficients(zones, counts)
-        count = int(counts.max(initial=0))
-        return np.where(np.arange(count) < counts[:, None], self.t_coefficients(zones, count), 0.0)
+    def _edge_slopes(self) -> tuple[Array, Array]:
+        scale = self.height / np.pi
+        return -scale * (-self.left) ** self.order, scale * self.right**self.order
 
     def high_coefficients(self, zones: Zones) -> Array:
         out = np.zeros((len(zones), _SERIES if self.splines else 0))
@@ -207,12 +175,6 @@ class DensityJumps(ForcingJumps):
         return out
 
     # what the kernel makes of it ------------------------------------------------------------------------------------
-    def own_transform(self, zone: Index, left: Array) -> Array:
-        return self.carried(zone, left) + self.near.own_transform(zone, left)
-
-    def _off(self, zone: Index, seen: OnLine) -> Array:
-        return super()._off(zone, seen) + self.near.transform(zone, seen.rho)
-
     def sharp_potential(self, zone: Index, seen: OnLine) -> Array:
         """Potential of the closed parts of zones over w, less c_0 log(w); on the zone rho = e^{i theta}.
 

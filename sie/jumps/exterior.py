@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 
 from sie.basis.data import Array, Index, Kept, numbered, record, wrapped
-from sie.basis.interval import Complex, InPlane, Outside, theta
+from sie.basis.interval import Complex, InPlane, Outside, What, theta
 from sie.basis.sums import Grouped
 from sie.basis.zones import Zones
 
@@ -134,16 +134,14 @@ class ExteriorLogarithms(Kept):
         from_right, from_left = (2 * part[:, None] / (seen.p + seen.m)[:, None] for part in (seen.m, seen.p))
         return np.asarray(2 * np.log(np.where(rho > 0, from_right + z * (1 - rho), from_left - z * (1 + rho))))
 
-    def plane_transform(self, k: Index, seen: InPlane) -> Complex:
-        return np.asarray(self.log(k, seen) @ self.weight[k])
-
-    def plane_slope(self, k: Index, seen: InPlane) -> Complex:
-        """Derivative of the transform by zeta."""
-        both = seen.rho[:, None] * self.rho[k]
-        return np.asarray((2 * both * np.exp(-0.5 * self.log(k, seen))) @ self.weight[k] / seen.root)
-
-    def plane_potential(self, k: Index, seen: InPlane) -> Complex:
-        return np.asarray(self._potential(k, np.log(2.0) - seen.log[:, None], seen.rho[:, None]) @ self.weight[k])
+    def in_plane(self, k: Index, seen: InPlane, what: What) -> Complex:
+        """What parts k do, the derivative by zeta; for the potential over w, and less c_0 log(w)."""
+        if what == "potential":
+            return np.asarray(self._potential(k, np.log(2.0) - seen.log[:, None], seen.rho[:, None]) @ self.weight[k])
+        log = self.log(k, seen)
+        if what == "transform":
+            return np.asarray(log @ self.weight[k])
+        return np.asarray((2 * seen.rho[:, None] * self.rho[k] * np.exp(-0.5 * log)) @ self.weight[k] / seen.root)
 
 
 def potential_series(up: Complex | Array, rho: Complex | Array) -> Complex:

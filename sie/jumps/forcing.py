@@ -31,10 +31,10 @@ import numpy as np
 
 from sie.basis.data import Array, Index, Mask, record
 from sie.basis.interval import Complex, InPlane, OnLine, by_angle, of_t, theta
-from sie.basis.sums import of_zones
+from sie.basis.sums import Grouped
 from sie.basis.zones import Zones
 from sie.jumps.exterior import NOWHERE, ExteriorLogarithms
-from sie.jumps.formulas import HIGHEST, Jumps
+from sie.jumps.formulas import HIGHEST, Jumps, of_sines
 from sie.jumps.local_spline import MANY, LocalSpline, with_jumps
 from sie.jumps.zone_spline import ZoneSpline
 
@@ -53,6 +53,9 @@ class ForcingJumps(Jumps):
     """Jumps inside the zones. splines: of zones with very many jumps of order 2, what carries most of these."""
 
     splines: dict[int, Spline] = field(default_factory=dict)
+
+    def __len__(self) -> int:
+        return len(self.zone) + len(self.near)
 
     @classmethod
     def none(cls) -> "ForcingJumps":
@@ -143,8 +146,8 @@ class ForcingJumps(Jumps):
 
     @cached_property
     def by_zone(self) -> dict[int, Index]:
-        """Places of the jumps of each zone that has any."""
-        return {zone: np.zeros(0, np.intp) for zone in self.splines} | self.grouped.places()
+        """Places of the jumps of each zone that has any, or logarithms near it."""
+        return {zone: np.zeros(0, np.intp) for zone in (*self.splines, *self.near.by_zone)} | self.grouped.places()
 
     # at points (n,) of zones, by their distances from the zone's ends over w ------------------------------------------
     def smooth_part(self, zone: Index, left: Array) -> Array:
@@ -164,7 +167,7 @@ class ForcingJumps(Jumps):
 
     def own_transform(self, zone: Index, left: Array) -> Array:
         """Transform of a zone's parts on the zone itself."""
-        return self.carried(zone, left)
+        return self.carried(zone, left) + self.near.own_transform(zone, left)
 
     def density(self, zone: Index | int, left: Array, right: Array) -> Array:
         """Sum of the parts of zones."""
@@ -172,14 +175,14 @@ class ForcingJumps(Jumps):
         out = self.summed(zone, lambda at, k: self.of_density(k, left[at], right[at]))
         for spline, here in self._in_splines(zone):
             out[here] += spline.density(left[here], right[here])
-        return out
+        return out + self.near.density(zone, left, right) if len(self.near) else out
 
     def integral(self, zone: Index, left: Array, right: Array) -> Array:
         """Integral of the parts of zones from their left ends, over w."""
         out = self.summed(zone, lambda at, k: self.integral_of(k, left[at], right[at]))
         for spline, here in self._in_splines(zone):
             out[here] += spline.integral(left[here])
-        return out
+        return out + self.near.integral(zone, left, right) if len(self.near) else out
 
     def transform(self, zone: Index, seen: OnLine) -> Array:
         """Transform of the parts of zones: off these by their closed forms, or by the series of all of them together where that is
@@ -197,7 +200,7 @@ class ForcingJumps(Jumps):
         out[near] = self.summed(zone[near], lambda at, k: self.off_zone(k, z[near[at]], rho[near[at]]))
         for spline, here in self._in_splines(zone):
             out[here] += spline.transform_off(z[here], rho[here])
-        return out
+        return out + self.near.transform(zone, rho)
 
     def sharp_potential(self, zone: Index, seen: OnLine) -> Array:
         """Potential of the closed parts of zones over w, less c_0 log(w) (see the head of this file)."""
@@ -220,7 +223,7 @@ class ForcingJumps(Jumps):
 
     def _in_splines(self, zone: Index) -> Iterator[tuple[Spline, Index]]:
         """The splines of points' zones, and which points these are."""
-        for i, here in of_zones(zone) if self.splines else ():
+        for i, here in Grouped.by(zone).places().items() if self.splines else ():
             if i in self.splines:
                 yield self.splines[i], here
 
@@ -265,10 +268,15 @@ class ForcingJumps(Jumps):
         out = self.coefficients(np.arange(len(self.zone)), self.zone, len(zones), count)
         for zone, spline in self.splines.items():
             out[zone] += spline.t_coefficients(count)
+        if len(self.near):
+            np.add.at(out, self.near.zone, of_sines(self.near.sine_coefficients(count + 1))[:, :count])
         return out
 
     def first_coefficients(self, zones: Zones, counts: Index) -> Array:
         """The same, of each zone so many (Z,), zeros after them."""
+        if len(self.near):
+            count = int(counts.max(initial=0))
+            return np.where(np.arange(count) < counts[:, None], self.t_coefficients(zones, count), 0.0)
         out = self._coefficients(counts)
         for zone, spline in self.splines.items():
             out[zone, : counts[zone]] += spline.t_coefficients(int(counts[zone]))
@@ -289,15 +297,18 @@ class ForcingJumps(Jumps):
         return np.zeros((len(zones), 0))
 
     def edge_slopes(self, zones: Zones) -> tuple[Array, Array]:
-        """Coefficient of the angle from the left and from the right end, per zone: kappa ~ theta cot(phi/2)."""
-        cot = np.sqrt(self.left / self.right)
-        scale, n = self.height / np.pi, len(zones)
-        from_left = scale * (-self.left) ** self.order / cot
-        from_right = scale * self.right**self.order * cot
-        out = np.array([np.bincount(self.zone, part, minlength=n) for part in (from_left, from_right)], dtype=float)
+        """Coefficient of the angle from the left and from the right end, per zone."""
+        out = np.array([np.bincount(self.zone, part, minlength=len(zones)) for part in self._edge_slopes()], dtype=float)
+        if len(self.near):
+            out += [np.bincount(self.near.zone, part, minlength=len(zones)) for part in self.near.edge_slopes()]
         for zone, spline in self.splines.items():
             out[:, zone] += spline.edge_slopes
         return out[0], out[1]
+
+    def _edge_slopes(self) -> tuple[Array, Array]:
+        """Those of each jump: kappa ~ theta cot(phi/2)."""
+        cot, scale = np.sqrt(self.left / self.right), self.height / np.pi
+        return scale * (-self.left) ** self.order / cot, scale * self.right**self.order * cot
 
     def angular_slope(self, zone: int, left: Array, right: Array) -> Array:
         """d/dtheta of `density` at points that are no jumps, by differences."""
@@ -341,8 +352,8 @@ class ForcingJumps(Jumps):
 
     @cached_property
     def kinked(self) -> list[int]:
-        """Zones with a jump of g itself."""
-        return [int(i) for i in np.unique(self.zone[self.order == 0])]
+        """Zones with a jump of g itself, or with logarithms near."""
+        return sorted({*self.zone[self.order == 0].tolist(), *self.near.by_zone})
 
 
 def _from_left(f: Callable[[Array], Array], zones: Zones, zone: int, left: Array) -> Array:

@@ -29,9 +29,6 @@ class Jumps(Kept):
     height: Array
     order: Index
 
-    def __len__(self) -> int:
-        return len(self.zone)
-
     def chosen(self, which: Mask | Index) -> Self:
         """Those of the jumps alone."""
         zone, left, right = self.zone[which], self.left[which], self.right[which]

@@ -123,13 +123,9 @@ class LocalSpline(Kept):
     def potential(self, left: Array, right: Array, rho: Array) -> Array:
         raise ValueError("the potential of a spline of the density is no closed form")
 
-    def own_transform(self, left: Array) -> Array:
-        """What the kernel makes of it on the zone."""
-        return self.transform(left)
-
     def transform_off(self, z: Array, rho: Array) -> Array:
-        """And off the zone, at z counted from its middle."""
-        return self.transform(1 + z)
+        """What the kernel makes of it off the zone, at z counted from its middle."""
+        return self.own_transform(1 + z)
 
     @property
     def edge_slopes(self) -> tuple[float, float]:
@@ -158,7 +154,7 @@ class LocalSpline(Kept):
         angle = np.arccos(np.clip(self.knots - 1, -1.0, 1.0))
         parts = np.maximum(np.ceil(-np.diff(angle) * (count / _TURN)), 1.0).astype(np.intp)
         # From the right end to the left: the angles fall.
-        theta, weights = (each.ravel() for each in legendre(angle, _NODES, parts))
+        theta, weights = legendre(angle, _NODES, parts)
         out = waves((-2 / np.pi) * weights * np.sin(theta) * self(2 * np.cos(0.5 * theta) ** 2), theta, count).real
         out[:1] *= 0.5
         return out
@@ -186,12 +182,12 @@ class LocalSpline(Kept):
     @cached_property
     def _moments(self) -> Array:
         """int f T_k dt over pi, twice for k > 0, T_k of the spline's own width."""
-        x, weights = (each.ravel() for each in legendre(self.knots, TERMS))
+        x, weights = legendre(self.knots, TERMS)
         u = (x - 0.5 * (self.knots[0] + self.knots[-1])) / (0.5 * (self.knots[-1] - self.knots[0]))
         values, angle = self(x) * weights, np.arccos(np.clip(u, -1.0, 1.0))
         return np.array([float(values @ np.cos(k * angle)) for k in range(TERMS)]) * (np.where(np.arange(TERMS), 2.0, 1.0) / np.pi)
 
-    def transform(self, x: Array) -> Array:
+    def own_transform(self, x: Array) -> Array:
         """(1/pi) PV int f / (x - xi) at points on the zone and off it."""
         lo, hi = self._reach
         close = (x >= lo) & (x <= hi)
@@ -210,7 +206,7 @@ class LocalSpline(Kept):
         """
         knots, p = self.knots, self.pieces
         h = np.diff(knots)
-        places, weights = (each.ravel() for each in legendre(knots, _GAUSS))
+        places, weights = legendre(knots, _GAUSS)
         held = self(places) * weights
         power = 1 if what == "transform" else 2
         sign = 1.0 if what == "transform" else -1.0

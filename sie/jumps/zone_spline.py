@@ -94,7 +94,7 @@ class ZoneSpline(Kept):
     def _moments(self, cuts: Array) -> tuple[Array, Array]:
         """(nodes phi, weights that hold g): int_0^pi g F dphi = sum of weights F(phi), F smooth on each panel between cuts."""
         ends = np.unique(np.concatenate((self.spline.knots, 1 + np.cos(cuts[1:-1]))))
-        phi, weights = (each.ravel() for each in legendre(theta(ends, 2 - ends), _NODES))
+        phi, weights = legendre(theta(ends, 2 - ends), _NODES)
         # From the left end to the right the angles fall.
         values = -weights * self.spline(2 * np.cos(0.5 * phi) ** 2)
         panel = np.clip(np.searchsorted(cuts, phi, side="right") - 1, 0, len(cuts) - 2)
@@ -181,7 +181,7 @@ class ZoneSpline(Kept):
         cuts, series = self._cells
         cell = np.clip(np.searchsorted(cuts, theta, side="right") - 1, 0, len(cuts) - 2)
         u = (2 * theta - cuts[cell] - cuts[cell + 1]) / (cuts[cell + 1] - cuts[cell])
-        return clenshaw(series, cell, u) - self.spline.transform(left)
+        return clenshaw(series, cell, u) - self.spline.own_transform(left)
 
     @cached_property
     def _cubics(self) -> tuple[float, float]:
@@ -198,15 +198,11 @@ class ZoneSpline(Kept):
         out = np.empty(rho.shape)
         phi, weight = self._nodes
         for here in pair_blocks(len(rho), len(phi)):
-            out[here] = self._transform(rho[here])
+            near = np.where(rho[here, None] > 0, 2 * np.sin(0.5 * phi) ** 2, 2 * np.cos(0.5 * phi) ** 2)
+            size = np.abs(rho[here])[:, None]
+            # rho (cos(phi) - rho) = |rho| (1 - |rho| - near), near the distance of cos(phi) from the end on that side.
+            out[here] = (size * ((1 - size) - near) / ((1 - size) ** 2 + 2 * size * near)) @ weight * (2 / np.pi)
         return out
-
-    def _transform(self, rho: Array) -> Array:
-        phi, weight = self._nodes
-        near = np.where(rho[:, None] > 0, 2 * np.sin(0.5 * phi) ** 2, 2 * np.cos(0.5 * phi) ** 2)
-        size = np.abs(rho)[:, None]
-        # rho (cos(phi) - rho) = |rho| (1 - |rho| - near), near the distance of cos(phi) from the end on that side.
-        return np.asarray((size * ((1 - size) - near) / ((1 - size) ** 2 + 2 * size * near)) @ weight * (2 / np.pi))
 
     def in_plane(self, seen: InPlane, what: What) -> Complex:
         """What the kernel makes of the density at complex points, or its derivative by zeta."""

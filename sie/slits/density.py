@@ -3,13 +3,12 @@
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from sie.basis import chebyshev
-from sie.basis.data import Array, Index, Mask, wrapped
+from sie.basis.data import Array, Index, Mask, widened, wrapped
 from sie.basis.interval import Outside, edge_scale, slope_scale
 from sie.basis.interval import theta as theta_of
 from sie.basis.kernels import Kernel, cauchy
@@ -185,24 +184,22 @@ class SlitDensity(Located):
             for slit, a, b, d in zip(here.slits, here.start, here.stop, row, strict=True):
                 past = begin >= b
                 away = np.where(past, begin - b + lf[on] * half[on], a - end + rt[on] * half[on])
-                for side in (past, ~past):
-                    added[side] += off_slit(away[side] / slit.width, 1.0 if side is past else -1.0, d)
+                added += off_slit(away / slit.width, np.where(past, 1.0, -1.0), d)
             out[on] += np.sqrt(from_left[on] * from_right[on]) * added
             for k, kink in self.kinks_of(here):
                 past = begin >= here.stop[k]
                 away = np.where(past, begin - here.stop[k] + lf[on] * half[on], here.start[k] - end + rt[on] * half[on])
                 out[on] += kink.beside(from_left[on], from_right[on], away / here.slits[k].width, past)
         if self.bounded_ends:
-            zero_left = np.array([e.intensity == 0.0 for e in self.zones.left])[piece] & (lf == 0)
-            zero_right = np.array([e.intensity == 0.0 for e in self.zones.right])[piece] & (rt == 0)
-            out[zero_left | zero_right] = 0.0
+            at_left, at_right = self.zones.bounded[:, piece]
+            out[at_left & (lf == 0) | at_right & (rt == 0)] = 0.0
         return np.asarray(out.reshape(shape))
 
     @cached_property
     def intensities(self) -> tuple[Array, Array]:
         """K at the left and right end of each piece. Across the end of a slit sigma / X goes on as the density, with the
         sign of K turned at its left end."""
-        return self._edges(self._edged.intensities, self.sigma.intensities, (-1.0, 1.0))
+        return self.edges(self._edged.intensities, self.sigma.intensities, (-1.0, 1.0))
 
     @cached_property
     def edge_slopes(self) -> tuple[Array, Array]:
@@ -217,7 +214,7 @@ class SlitDensity(Located):
             for _, kink in self.kinks_of(here):
                 left[here.zone] += scale * kink.edge_slopes[0]
                 right[here.zone] += scale * kink.edge_slopes[1]
-        slopes_left, slopes_right = self._edges((left, right), self._sigma_slopes, (1.0, -1.0))
+        slopes_left, slopes_right = self.edges((left, right), self._sigma_slopes, (1.0, -1.0))
         # 1 / X changes along the piece: K / (X sqrt(d)) has a share in A.
         k_left, k_right = self.intensities
         before, after = self.merged.slit_before, self.merged.slit_after
@@ -267,7 +264,7 @@ class SlitDensity(Located):
         inside = (left > 0) & (left < 2)
         return beside_kinks(left[inside], height[inside], theta)
 
-    def _edges(self, wide: tuple[Array, Array], slits: tuple[Array, Array], signs: tuple[float, float]) -> tuple[Array, Array]:
+    def edges(self, wide: tuple[Array, Array], slits: tuple[Array, Array], signs: tuple[float, float]) -> tuple[Array, Array]:
         """Values at the pieces' ends, from those of wide zones and of slits (over X, with signs for their two ends)."""
         before, after = self.merged.slit_before, self.merged.slit_after
         root_left, root_right = self.slit_roots
@@ -361,32 +358,19 @@ class SlitDensity(Located):
                 some = (place >= a) & (place <= b)
                 yield kink, width, some, (place[some] - a) / width, (b - place[some]) / width
 
-    def transform(self, x: ArrayLike) -> NDArray[Any]:
-        """(1/pi) PV int phi K dxi at x (any shape), real or complex: see `Density.transform`."""
-        if np.iscomplexobj(x):
-            return self._in_plane(x, "transform")
-        x = np.asarray(x, dtype=float)
-        flat = x.ravel()
-        out = np.array(self.whole.transform(flat))
-        self._near_slits(flat, out, False)
-        out -= self.slack(self._into_wide(flat))
-        return np.asarray(out.reshape(x.shape))
-
     @cached_property
     def plane(self) -> SlitPlane:
         """The density at complex points."""
         kinks = [self.kinks_of(here) for here in self.slits]
         return SlitPlane(self.merged, self.whole, self._told_density, self.slits, self.series, kinks)
 
-    def potential(self, x: ArrayLike) -> NDArray[Any]:
-        """(1/pi) int phi Lambda dxi at x (any shape), real or complex: see `Density.potential`."""
-        if np.iscomplexobj(x):
-            return self._in_plane(x, "potential")
-        x = np.asarray(x, dtype=float)
+    def _on_line(self, x: Array, potential: bool) -> Array:
         flat = x.ravel()
-        out = np.array(self.whole.potential(flat))
-        self._near_slits(flat, out, True)
+        out = np.array(self.whole.potential(flat) if potential else self.whole.transform(flat))
+        self._near_slits(flat, out, potential)
         place = self._into_wide(flat)
+        if not potential:
+            return np.asarray((out - self.slack(place)).reshape(x.shape))
         # On a wide zone P[s] raises the potential by its mean opening, and takes the opening away.
         i = np.maximum(np.searchsorted(self.merged.wide.a, place, side="right") - 1, 0)
         on = (place >= self.merged.wide.a[i]) & (place <= self.merged.wide.b[i])
@@ -406,9 +390,7 @@ class SlitDensity(Located):
         """s as what other zones see of it, on the wide zones that have slits."""
         some = np.array([here.zone for here in self.slits])
         count = max(self.whole.coefficients.shape[1], self.smooth.coefficients.shape[1])
-        whole, smooth = (
-            np.pad(d.coefficients[some], ((0, 0), (0, count - d.coefficients.shape[1]))) for d in (self.whole, self.smooth)
-        )
+        whole, smooth = (widened(d.coefficients[some], count) for d in (self.whole, self.smooth))
         zones = Zones.of(self.merged.wide.table[some])
         return Density(zones, self.kernel, whole - smooth, ForcingJumps.none(), np.zeros(0))
 
@@ -434,16 +416,13 @@ class SlitDensity(Located):
 
     def _transform(self, seen: Outside, here: Slits, row: list[Array]) -> Array:
         """Transform of P[s] off its wide zone: (sgn z / sqrt(z^2 - 1)) (1/pi) int sigma / (z - tau) dtau."""
-        total, excess = np.zeros(seen.excess.shape), seen.excess
-        for side in (1.0, -1.0):
-            on = seen.sign == side
-            for slit, d in zip(here.slits, row, strict=True):
-                away = excess[on] + (slit.rest if side > 0 else slit.start)
-                total[on] += off_slit(away / slit.half, side, d)
-            for _, kink in self.kinks_of(here):
-                left, right, _, weight = kink.seen
-                away = excess[on][:, None] + (right if side > 0 else left)
-                total[on] += side / np.pi * ((np.sqrt(left * right) / away) @ weight)
+        total, past = np.zeros(seen.excess.shape), seen.sign > 0
+        for slit, d in zip(here.slits, row, strict=True):
+            total += off_slit((seen.excess + np.where(past, slit.rest, slit.start)) / slit.half, seen.sign, d)
+        for _, kink in self.kinks_of(here):
+            left, right, _, weight = kink.seen
+            away = seen.excess[:, None] + np.where(past[:, None], right, left)
+            total += seen.sign / np.pi * ((np.sqrt(left * right) / away) @ weight)
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.asarray(total / seen.root)
 

@@ -94,12 +94,18 @@ class SlitKink(Kept):
     def seen(self) -> tuple[Array, Array, Array, Array]:
         """(distances from the wide zone's ends, angles there, weights that hold psi): int psi f dt = sum W f."""
         border = float(theta(*self._beside[::-1]))
-        beta, weights = (each.ravel() for each in legendre(np.array([0.0, border, np.pi]), _LEGENDRE))
+        beta, weights = legendre(np.array([0.0, border, np.pi]), _LEGENDRE)
         weight = weights * np.sin(beta)
         left, right = 2 * np.sin(beta / 2) ** 2, 2 * np.cos(beta / 2) ** 2
         from_left, from_right = self.start + self.half * left, self.rest + self.half * right
         angle = theta(from_left, from_right)
         return from_left, from_right, angle, self.half * weight * self.slope(left, right)
+
+    @cached_property
+    def _over_root(self) -> Array:
+        """Weights that hold psi / (pi X)."""
+        from_left, from_right, _, weight = self.seen
+        return np.asarray(weight / np.sqrt(from_left * from_right) / np.pi)
 
     @property
     def total(self) -> float:
@@ -122,9 +128,8 @@ class SlitKink(Kept):
     @cached_property
     def edge(self) -> tuple[float, float]:
         """(a_0, a_1): P[psi] has (a_0 + a_1 t) / X."""
-        from_left, from_right, _, weight = self.seen
-        over = weight / np.sqrt(from_left * from_right) / np.pi
-        return float(over @ (0.5 * (from_left - from_right))), float(over.sum())
+        from_left, from_right, _, _ = self.seen
+        return float(self._over_root @ (0.5 * (from_left - from_right))), float(self._over_root.sum())
 
     @cached_property
     def polynomial(self) -> tuple[float, float]:
@@ -171,11 +176,10 @@ class SlitKink(Kept):
 
     def _summed(self, from_left: Array, from_right: Array, outside: Array, past: Mask) -> Array:
         """The same as X times (1/pi) int psi / (X (t - tau))."""
-        lefts, rights, _, weight = self.seen
-        over = weight / np.sqrt(lefts * rights) / np.pi
+        lefts = self.seen[0]
         inward = np.where(past[:, None], self.start + 2 * self.half - lefts, lefts - self.start)
         away = np.where(past, 1.0, -1.0)[:, None] * (self.half * outside[:, None] + inward)
-        return np.asarray(np.sqrt(from_left * from_right) * ((1 / away) @ over))
+        return np.asarray(np.sqrt(from_left * from_right) * ((1 / away) @ self._over_root))
 
     def _spread(self, from_left: Array, from_right: Array, z: Array) -> Array:
         """bar(kappa); for q = 1 bar((t - .) kappa) + (m - s) bar(kappa); for q = 2 see the head of this file."""
@@ -201,9 +205,8 @@ class SlitKink(Kept):
     def edge_slopes(self) -> tuple[float, float]:
         """Coefficient of the angle from the wide zone's left and right end in what `beside` gives."""
         if self.order == HIGHEST:
-            lefts, rights, _, weight = self.seen
-            over = weight / np.sqrt(lefts * rights) / np.pi
-            return -float(over @ (1 / lefts)), float(over @ (1 / rights))
+            lefts, rights, _, _ = self.seen
+            return -float(self._over_root @ (1 / lefts)), float(self._over_root @ (1 / rights))
         _, l, r = self.mean_places
         out = []
         sides = ((-1.0, l, r, self.from_left, self.from_right), (1.0, r, l, self.from_right, self.from_left))

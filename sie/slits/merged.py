@@ -84,7 +84,7 @@ def merge(equation: Equation, pieces: Zones, before: Mask | None = None) -> Merg
     # A slit has its neighbours' far ends as its singularities, as these have the slit's: whichever asks for less.
     most = NARROW * (1.0 if before is None or len(before) != len(pieces) else np.where(before, _STAYS, 1 / _STAYS))
     narrow = (after < most * np.maximum(width, following)) & (after**2 < width * following)
-    narrow &= _free(pieces)
+    narrow &= pieces.moves[1] & np.roll(pieces.moves[0], -1)
     if kernel.period is None or pieces.symmetric:
         narrow[-1] = False
     narrow &= ~_bent(equation, pieces, after) | (after < SMALL * np.minimum(width, following))
@@ -125,12 +125,6 @@ def _one_level(conditions: Sequence[Condition]) -> bool:
 def _plain(pieces: Zones) -> bool:
     """Whether no intensity is prescribed but zero at ends that move."""
     return all(end.intensity is None or (end.moves and end.intensity == 0.0) for end in (*pieces.left, *pieces.right))
-
-
-def _free(pieces: Zones) -> Mask:
-    """Whether the right end of each piece and the left end of the next one move."""
-    left, right = np.array([end.moves for end in pieces.left]), np.array([end.moves for end in pieces.right])
-    return np.asarray(right & np.roll(left, -1))
 
 
 def _bent(equation: Equation, pieces: Zones, after: Array) -> Mask:

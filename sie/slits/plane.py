@@ -80,7 +80,7 @@ class SlitPlane:
         """From a height above the wide zones' own, or from y itself where that is higher."""
         top = np.maximum(y, _HEIGHT * float(self.merged.wide.half.max()))
         out = self.whole.plane(complex_of(x, top), "potential")
-        parts, weights = (each.ravel() for each in legendre(np.append(0.0, 0.5 ** np.arange(_PANELS, -1, -1)), _NODES))
+        parts, weights = legendre(np.append(0.0, 0.5 ** np.arange(_PANELS, -1, -1)), _NODES)
         down = np.flatnonzero(top > y)
         for start in range(0, len(down), _POINTS):
             here = down[start : start + _POINTS]

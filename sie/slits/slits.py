@@ -100,7 +100,7 @@ class Slit(Kept):
         return 2 * self.half * self.means(np.sin(k * self.theta) / self.x_root)
 
 
-def off_slit(excess: Array, sign: float, d: Array) -> Array:
+def off_slit(excess: Array, sign: Array | float, d: Array) -> Array:
     """(1/pi) PV int sigma / (t - tau) of T_l / sqrt series d, off the slit: at |z| - 1 = excess on the side `sign`."""
     return transform_of(*chebyshev.bounded_part(d[None]), Outside(sign, excess), np.zeros(len(excess), dtype=np.intp))
 
@@ -226,7 +226,8 @@ class Slits(Kept):
         return np.concatenate(blocks)
 
     @cached_property
-    def _factors(self) -> Factored:
+    def solve(self) -> Factored:
+        """What finds d of all slits from the right sides of their rows."""
         matrix = np.zeros((self.offset[-1], self.offset[-1]))
         for i, slit in enumerate(self.slits):
             rows = slice(self.offset[i] + 1, self.offset[i + 1])
@@ -244,10 +245,6 @@ class Slits(Kept):
                     away, sign = self.start[j] - self.stop[i] + slit.width * right, -1.0
                 matrix[rows, columns] = -chebyshev.project_rows(Outside(sign, away / other.width).transforms(other.modes + 1))
         return Factored.of(matrix)
-
-    def solve(self, right: Array) -> Array:
-        """d of all slits from the right sides of their rows."""
-        return self._factors(right)
 
     @cached_property
     def told(self) -> Array:

@@ -11,7 +11,7 @@ from functools import cached_property
 
 import numpy as np
 
-from sie.basis.data import Array, Index, Kept, record, row_sizes
+from sie.basis.data import Array, Index, Kept, record, row_sizes, widened
 from sie.basis.interval import edge_scale
 from sie.basis.zones import Zones
 from sie.collocation import fixed
@@ -41,17 +41,12 @@ _SAFETY = 3.0
 
 @record
 class Opened(Trial):
-    """What an opening s changes in the quantities that side conditions speak of (`conditions.Rows`): constants only."""
+    """What an opening s changes in the quantities that side conditions speak of (`conditions.Rows`): constants only. table: s_k of every
+    wide zone, for a condition that asks for them."""
 
     table: Callable[[], Array]
     mean_opening: Array
     system: System
-
-    @classmethod
-    def of(cls, table: Callable[[], Array], mean_opening: Array, system: System) -> "Opened":
-        """table: s_k of every wide zone, for a condition that asks for them."""
-        nothing = np.zeros((len(system.zones.solved), 0))
-        return cls(system.zones, nothing, nothing, table, mean_opening, system)
 
     def levels(self) -> Linear:
         return self.level, self.mean_opening[self.zones.solved]
@@ -201,7 +196,8 @@ class SlitSystem(Kept):
         """What s adds to the right side of the wide zones' rows."""
         system, base = self.system, self.base
         rows = -self._among_unknowns(d, homogeneous)[system.diagonal]
-        view = Opened.of(lambda: self.s_table(d, homogeneous), self.mean_openings(d, homogeneous), system)
+        nothing = np.zeros((len(system.zones.solved), 0))
+        view = Opened(system.zones, nothing, nothing, lambda: self.s_table(d, homogeneous), self.mean_openings(d, homogeneous), system)
         constants = [asked(condition, view, 0)[1] for condition in system.equation.conditions]
         conditions = -np.concatenate(constants) / base.condition_scale if constants else np.zeros(0)
         return np.concatenate((rows, conditions))
@@ -213,9 +209,7 @@ class SlitSystem(Kept):
         whole = base.homogeneous(y) if homogeneous else density_of(system, y)
         table, some, s = whole.coefficients, self._zones, self._rows(d, homogeneous)
         count = max(s.shape[1], table.shape[1])
-        if count > table.shape[1]:
-            table = np.pad(table, ((0, 0), (0, count - table.shape[1])))
-        s = np.pad(s, ((0, 0), (0, count - s.shape[1])))
+        table, s = widened(table, count), widened(s, count)
         within = np.arange(count) <= system.layout.m[some, None]
         with_slits, without = table.copy(), table
         without[some] -= np.where(within, s, 0.0)
@@ -270,18 +264,13 @@ class SlitState(Answered):
         return self.wide, self.merged.piece_zone[zones]
 
     # further right sides --------------------------------------------------------------------------------------------
-    def _answer(self, values: Array, loose: float = 0.0) -> tuple[Array, tuple[Array, ...]]:
-        """(unknowns, series) for unit changes of the side conditions' values."""
-        folded, series, _ = self.slit_system.solve(values, loose)
-        return folded, series
-
     def response(self, values: Array, tolerance: float = 0.0) -> SlitDensity:
         """See `State.response`."""
-        return self.slit_system.density(*self._answer(values, tolerance), homogeneous=True)[1]
+        return self.slit_system.density(*self.slit_system.solve(values, tolerance)[:2], homogeneous=True)[1]
 
     def with_value(self, condition: int, change: float) -> "SlitState":
         """See `State.with_value`."""
-        folded, series = self._answer(self.values(condition, change))
+        folded, series, _ = self.slit_system.solve(self.values(condition, change))
         both = tuple(one + other for one, other in zip(self.series, series, strict=True))
         wide, density = self.slit_system.density(self.wide.folded_unknowns + folded, both)
         return replace(self, wide=wide, density=density, series=both)
@@ -293,7 +282,7 @@ class SlitState(Answered):
         return self.wide.levels + opened[self.merged.wide.solved]
 
     def level_rates(self, values: Array) -> Array:
-        folded, series = self._answer(values)
+        folded, series, _ = self.slit_system.solve(values)
         opened = self.slit_system.mean_openings(series, True)
         return self.wide.system.level_changes(self.wide.symmetry.unfold(folded)) + opened[self.merged.wide.solved]
 
@@ -312,10 +301,7 @@ class SlitState(Answered):
         merged = self.merged
         wide = edge_scale(merged.wide.half) * of_coefficients
         slits = at_slits * edge_scale(merged.slits.half) * of_coefficients[merged.slit_zone]
-        at_left, at_right = self.density.slit_roots
-        left = np.where(merged.slit_before < 0, wide[merged.piece_zone], (slits / at_right)[merged.slit_before])
-        right = np.where(merged.slit_after < 0, wide[merged.piece_zone], (slits / at_left)[merged.slit_after])
-        return np.array([left, right])
+        return np.array(self.density.edges((wide, wide), (slits, slits), (1.0, 1.0)))
 
     @cached_property
     def intensity_noise(self) -> Array:

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 import sie
-from sie.free_ends.motions import IteratedMotions
-from sie.free_ends.motions import growth as growth_of
+from sie.free_ends.motions import DirectMotions, IteratedMotions
 
 BUMPS = sie.Forcing(lambda x: np.sin(2 * np.pi * x) / (2 * np.pi), lambda x: -np.cos(2 * np.pi * x) / (2 * np.pi) ** 2)
 ADHERING = sie.free_with_intensity(-0.01)
@@ -51,7 +50,7 @@ def test_motions_do_the_same_by_fast_sums_and_by_the_matrix(monkeypatch, name, s
     (motions, levels), (found, of_found) = (sie.end_motions(state, change) for state in (direct, iterated))
     assert found == pytest.approx(motions, rel=1e-10) and of_found == pytest.approx(levels, rel=1e-10)
     growth = IteratedMotions(iterated, iterated.iteration).growth(np.ones(2))
-    assert growth == pytest.approx(growth_of(one.intensities), rel=1e-4)
+    assert growth == pytest.approx(DirectMotions(direct).growth(np.ones(2)), rel=1e-4)
 
 
 @pytest.mark.parametrize("name", ["loads", "level", "width"])
