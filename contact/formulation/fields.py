@@ -35,8 +35,8 @@ _MARGIN, _OF_SHAPE = 100.0, 1e-6
 class NoZones(sie.Kept):
     """What is the same of all fields without zones, and so without anything that acts beside them."""
 
-    starts = loads = np.zeros(0)
-    cohesive = np.zeros((0, 2))
+    loads = np.zeros(0)
+    zone_table = cohesive = np.zeros((0, 2))
     widening_rate = 0.0
     pressure_bound = math.inf
 
@@ -342,10 +342,6 @@ class ZoneFields(sie.Kept):
         return nearest_image(self.problem.units.scaled(np.asarray(x, dtype=float)), middle, self.problem.period)
 
     @property
-    def starts(self) -> Array:
-        return self.problem.units.x(self.density.zones.a)
-
-    @property
     def load(self) -> float:
         return self.density.total * self.problem.units.load
 
@@ -359,7 +355,8 @@ class ZoneFields(sie.Kept):
         return np.asarray(self.problem.units.x(self.density.zones.table))
 
     @property
-    def scaled_zones(self) -> Array:
+    def zones(self) -> Array:
+        """Scaled."""
         return np.asarray(self.density.zones.table)
 
     @cached_property

@@ -102,10 +102,6 @@ class GapFields(sie.Kept):
         """Ends of the zones [m] (n, 2)."""
         return np.asarray(self.problem.units.x(self.zones))
 
-    @property
-    def scaled_zones(self) -> Array:
-        return self.zones
-
     @cached_property
     def spreading(self) -> Array:
         """How far the ends of the zones move outward as the load grows by a factor of e [m] (n, 2)."""
@@ -137,10 +133,6 @@ class GapFields(sie.Kept):
         """u = approach - f + gap."""
         height = np.asarray(self.problem.profile.height(x)) - self.problem.lowest
         return np.asarray(self.approach - height + self.gap(x))
-
-    @property
-    def starts(self) -> Array:
-        return self.problem.units.x(self.zones[:, 0])
 
     @property
     def contact_fraction(self) -> float:

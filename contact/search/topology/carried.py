@@ -57,7 +57,7 @@ class Passed(sie.Kept):
         """Scaled (n, 2)."""
         fields = self.fields
         assert fields is not None
-        return fields.scaled_zones
+        return fields.zones
 
     @cached_property
     def lowest(self) -> Array:
