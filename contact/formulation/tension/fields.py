@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from contact.formulation.controls import Approach, Load, Machine
 from contact.formulation.equilibria import Point
 from contact.formulation.fields import ZoneFields, mean_shape
 from contact.formulation.gaps import GapFields
@@ -109,15 +108,6 @@ class PulledFields(ZoneFields):
         assert self.law_problem is not None
         return self.law_problem.law.tension
 
-    def second_variation(self, yields: float | None = None) -> Array:
-        """d^2 energy/ds_i ds_j by outward motions of the free ends of the tension, times the roots of their intervals' widths and over 2 w.
-        yields: see `contact.formulation.controls.Control`."""
-        assert self.law_problem is not None
-        total = float(self.density.total - self.tension.total)
-        held = Load(total) if yields is None else Approach(-self.level) if yields == 0.0 else Machine(-self.level + yields * total, yields)
-        here = Cohesive(self.law_problem, held).from_zones(self.tension.table, held.value, self.density.zones.table)
-        return scaled_second_variation(here)
-
     @cached_property
     def borne_beside(self) -> float:  # type: ignore[override]
         stress, zones = self.tension.stress, self.density.zones.table
@@ -149,7 +139,7 @@ def fields_of(curve: Cohesive, here: Point) -> PulledFields | LooseFields:
 
 
 def scaled_second_variation(here: CohesivePoint) -> Array:
-    """See `PulledFields.second_variation`."""
+    """d^2 energy/ds_i ds_j by outward motions of the free ends of the tension, times the roots of their intervals' widths and over 2 w."""
     free = ~here.held
     root = np.sqrt(here.widths[free])
     return np.asarray(-0.5 * root[:, None] * here.rates[np.ix_(free, free)] * root)
