@@ -170,10 +170,7 @@ def _features(scene: Scene) -> float:
 
 
 def _parting(task: Task, found: Found) -> Callable[[ZoneFields], PullOff]:
-    parting = require("contact.search.equilibria.parting")
-    held = task.control(found.fields.problem)
-    told: Callable[[ZoneFields], PullOff] = parting.PartingUnderTension(held) if task.scene.law.tension else parting.Parting(held)
-    return told
+    return require("contact.search.equilibria.parting").Parting(task.control(found.fields.problem))
 
 
 def _solution(task: Task, outcome: Outcome) -> Solution:
