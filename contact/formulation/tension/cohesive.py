@@ -67,6 +67,14 @@ class CohesivePoint(Point):
     seen: tuple[Array, Array] | None
     everywhere: bool = False
 
+    @classmethod
+    def under_all(
+        cls, value: float, load: float, level: float, zones: Array, q: ZoneFields | None, seen: tuple[Array, Array]
+    ) -> "CohesivePoint":
+        """Under tension in all of a period, of which no end moves."""
+        none, still = np.zeros(0), np.zeros((2 * len(zones), 1))
+        return cls(np.zeros((0, 2)), value, none, np.zeros((0, 0)), none, load, level, zones, q, still, np.array([-1.0]), seen, True)
+
     @cached_property
     def look(self) -> tuple[Array, Array]:
         """(sampled places without contact, ascending, the gap there)."""
@@ -178,9 +186,7 @@ class Cohesive(Equilibria):
     def _holding(self, here: CohesivePoint, held: Mask | None) -> CohesivePoint:
         if held is None or here.corners is None or np.array_equal(held, here.held):
             return here
-        found = here.holding(held)
-        assert isinstance(found, CohesivePoint)
-        return found
+        return here.holding(held)
 
     def fitted(self, zones: Array, table: Array) -> Array:
         """Zones cut to lie within intervals."""
@@ -271,10 +277,7 @@ class Cohesive(Equilibria):
         loose: CohesivePoint | None = None
         if self._may_be_loose:
             level, x = -value - self.yields * pull, look_around(pulled, none)
-            loose = CohesivePoint(
-                none, value, np.zeros(0), np.zeros((0, 0)), np.zeros(0), -pull, level, none, None, np.zeros((0, 1)), np.array([-1.0]),
-                looked(lambda y: pulled.shape(y) + level, x), True,
-            )
+            loose = CohesivePoint.under_all(value, -pull, level, none, None, looked(lambda y: pulled.shape(y) + level, x))
             if len(zones) == 0 and (self.formal or loose.look[1].min() >= -_TOUCHING * self.reach):
                 return loose
         try:
@@ -284,10 +287,7 @@ class Cohesive(Equilibria):
                 raise
             return loose
         found = fields.density
-        return CohesivePoint(
-            none, value, np.zeros(0), np.zeros((0, 0)), np.zeros(0), found.total - pull, float(fields.level), found.zones.table, fields,
-            np.zeros((2 * len(found.zones), 1)), np.array([-1.0]), look, True,
-        )
+        return CohesivePoint.under_all(value, found.total - pull, float(fields.level), found.zones.table, fields, look)
 
     def control(self, pulled: Pulled, value: float) -> Control:
         """That of q: its load has the tension, too."""
@@ -420,9 +420,7 @@ class Cohesive(Equilibria):
         corners = np.array(self.problem.corners)
         if not np.isfinite(corners).all():
             return here
-        found = here.holding((here.table == corners).T.ravel() & (here.residual >= -HELD))
-        assert isinstance(found, CohesivePoint)
-        return found
+        return here.holding((here.table == corners).T.ravel() & (here.residual >= -HELD))
 
     def _without_contact(self, table: Array, value: float, pulled: Pulled) -> CohesivePoint:
         """The surfaces as they pull without touching, the load not being held: their gap is explicit."""
