@@ -28,6 +28,7 @@ from contact.formulation.tension.contact import (
     TIGHT,
     Covered,
     Lost,
+    Tolerances,
     contact_under,
     edge_slopes,
     look_around,
@@ -242,7 +243,8 @@ class Cohesive(Equilibria):
         point = self._without_contact(table, value, pulled) if self._may_be_loose and len(zones) == 0 else None
         if point is None or (not self.formal and point.look[1].min() < -_TOUCHING * self.reach):
             try:
-                fields, look = self._contact_under(pulled, value, zones, tolerance, asked > TIGHT)
+                tolerances = Tolerances(tolerance) if asked <= TIGHT else Tolerances.on_the_way(tolerance)
+                fields, look = self._contact_under(pulled, value, zones, tolerances)
                 if alike is not None and len(fields.density.zones) == len(alike.zones):
                     point = self._with_rates_of(alike, table, value, fields, look)
                 else:
@@ -262,13 +264,13 @@ class Cohesive(Equilibria):
 
     def contact_under(self, pulled: Pulled, value: float, zones: Array) -> tuple[ZoneFields, tuple[Array, Array]]:
         """(fields of q on the zones of contact under a tension and a value of the control, the gap beside them)."""
-        fields, look = self._contact_under(pulled, value, zones, TIGHT)
+        fields, look = self._contact_under(pulled, value, zones, Tolerances())
         return fields, look_at(fields) if look is None else look
 
     def _contact_under(
-        self, pulled: Pulled, value: float, zones: Array, tolerance: float, roughly: bool = False
+        self, pulled: Pulled, value: float, zones: Array, tolerances: Tolerances
     ) -> tuple[ZoneFields, tuple[Array, Array] | None]:
-        return contact_under(pulled, lambda at: self.control(at, value), zones, self.formal, tolerance, roughly)
+        return contact_under(pulled, lambda at: self.control(at, value), zones, self.formal, tolerances)
 
     def under_all(self, value: float, zones: Array) -> CohesivePoint:
         """The contact under tension in all of a period; as stable as the frictionless one."""
