@@ -99,8 +99,7 @@ def _by_grid_or_missed(task: Task, problem: Problem, control: Control, points: i
     profile = task.scene.profile
     assert profile.period is not None
     scaled = ScaledScene(problem, control, (profile.x0, profile.x0 + profile.period))
-    outcome: Outcome | Missed = attempted(lambda: from_grid(task, scaled, points=points, drops=True))
-    return outcome
+    return attempted(lambda: from_grid(task, scaled, points=points, drops=True))
 
 
 def _by_zones(task: Task, problem: Problem, control: Control, zones: Array, cheap: bool) -> Outcome | Missed:
