@@ -77,7 +77,7 @@ def _tightened(task: Task, found: Found, whole: Callable[[Task], Outcome]) -> Fo
     """Solved again from the same zones; from the start, if they do not stand up to it."""
 
     def again(here: Found | FoundByGaps, tolerance: float) -> Found | FoundByGaps | Missed:
-        sharper = task.to(tolerance)
+        sharper = replace(task, tolerance=tolerance)
 
         def better_found() -> Outcome:
             same = _from_the_same(sharper, here) if isinstance(here, Found) else None
