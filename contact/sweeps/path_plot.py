@@ -16,6 +16,7 @@ import numpy as np
 
 from contact.model.units import prefix
 from contact.solution.plotting import finish, panels
+from contact.solution.sampling import on_zones
 from contact.solution.solution import Solution
 from contact.sweeps.path_table import Passed, columns
 from sie import Array, Mask
@@ -142,8 +143,7 @@ def draw_surfaces(axes: Any, title: str, places: Array, surface: Array, body: Ar
     x = places * along
     axes.plot(x, body * up, color=_BODY, linewidth=1.2, label="profile")
     axes.plot(x, surface * up, color=_UP, linewidth=1.4, label="deformed surface")
-    inside = np.any((places[:, None] >= zones[:, 0]) & (places[:, None] <= zones[:, 1]), axis=1)
-    axes.plot(x, np.where(inside, surface, np.nan) * up, color=_CONTACT, linewidth=2.6, label="contact")
+    axes.plot(x, np.where(on_zones(places, zones), surface, np.nan) * up, color=_CONTACT, linewidth=2.6, label="contact")
     # So that the neck is seen, and not the height of the body beside it.
     low, span = float(surface.min()), float(np.ptp(surface))
     if span > 0.0:
