@@ -392,23 +392,19 @@ class _Run:
 
     def _state(self, standing: Standing) -> tuple[float, float | None, float | None, Array]:
         """(load, approach, energy, zones) [N/m, m, J/m, m]."""
-        none = np.zeros((0, 2))
-        if standing.point is not None:
-            return self._of_point(standing.point)
+        units, none = self.problem.units, np.zeros((0, 2))
+        if (point := standing.point) is not None:
+            fields = self.by.fields(point)
+            energy = self._energy(fields, float(np.diff(point.contact).sum()) * units.length)
+            return point.load * units.load, fields.approach, energy, made.in_cell(self.scene, np.asarray(units.x(point.contact)))
         if standing.closed:
             assert self.scene.period is not None
             load = self._closed_load(standing.value)
-            fields = FullFields(made.of_period(self.scene), load / self.scene.period, self.task.full.relief, made.mean_height(self.scene))
-            return load, fields.approach, self._energy(fields, self.scene.period), none
+            full = FullFields(made.of_period(self.scene), load / self.scene.period, self.task.full.relief, made.mean_height(self.scene))
+            return load, full.approach, self._energy(full, self.scene.period), none
         held = self.curve.held
-        approach: float | None = 0.0 if held.yields is None else standing.value * self.problem.units.height
+        approach: float | None = 0.0 if held.yields is None else standing.value * units.height
         return 0.0, approach if self.problem.operator.has_approach else None, 0.0, none
-
-    def _of_point(self, point: Point) -> tuple[float, float | None, float | None, Array]:
-        units = self.problem.units
-        fields = self.by.fields(point)
-        energy = self._energy(fields, float(np.diff(point.contact).sum()) * units.length)
-        return point.load * units.load, fields.approach, energy, made.in_cell(self.scene, np.asarray(units.x(point.contact)))
 
     def _energy(self, fields: Any, width: float) -> float | None:
         """Elastic and of the interface, of so wide a contact [J/m]."""
