@@ -64,8 +64,7 @@ def _of_zones(fields: ZoneFields | GapFields) -> float:
 def _of_period(fields: FullFields) -> float:
     """int p F dx over the period, scaled, in full contact."""
     problem = fields.problem
-    units, period = problem.units, problem.period
-    assert period is not None
+    units, period = problem.units, problem.repeat_length
     start = float(units.scaled(np.array(problem.profile.x0)))
     breaks = start + np.unique(np.mod(np.asarray(problem.forcing.jumps_at) - start, period))
 

@@ -63,8 +63,7 @@ class GapFields(sie.Kept):
 
     @property
     def period(self) -> float:
-        assert self.problem.period is not None
-        return self.problem.period
+        return self.problem.repeat_length
 
     @cached_property
     def zones(self) -> Array:

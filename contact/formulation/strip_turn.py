@@ -47,8 +47,7 @@ class StripTurn(sie.Kept):
     @cached_property
     def half(self) -> float:
         """Half the width of the strip."""
-        assert self.problem.period is not None
-        return 0.5 * self.problem.period
+        return 0.5 * self.problem.repeat_length
 
     @cached_property
     def angles(self) -> Array:

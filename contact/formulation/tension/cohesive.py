@@ -176,18 +176,15 @@ class Cohesive(Equilibria):
             if near is None or more is None or len(more.zones) <= len(near.zones):
                 raise
             here = self.from_zones(table, value, self._followed(more, table, value), tolerance)
-        return self._holding(here, held)
+        if held is None or here.corners is None or np.array_equal(held, here.held):
+            return here
+        return here.holding(held)
 
     def under(self, control: Control) -> "Cohesive":
         return Cohesive(self.problem, control, loose=self.loose, formal=self.formal)
 
     def again(self, here: Point, value: float) -> CohesivePoint:
         return self.from_zones(here.table, value, here.contact)
-
-    def _holding(self, here: CohesivePoint, held: Mask | None) -> CohesivePoint:
-        if held is None or here.corners is None or np.array_equal(held, here.held):
-            return here
-        return here.holding(held)
 
     def fitted(self, zones: Array, table: Array) -> Array:
         """Zones cut to lie within intervals."""

@@ -41,9 +41,8 @@ class PulledFields(ZoneFields):
         """The intervals in which the gap is below the reach of the tension, contact within them included (m, 2) [m]."""
         units, tension = self.problem.units, self.tension
         if tension.everywhere:
-            assert tension.period is not None
-            first = float(self.density.zones.middle[0]) - 0.5 * tension.period
-            return np.asarray(units.x(np.array([[first, first + tension.period]])))
+            first = float(self.density.zones.middle[0]) - 0.5 * tension.width
+            return np.asarray(units.x(np.array([[first, first + tension.width]])))
         return np.asarray(units.x(tension.table))
 
     # the shape is the profile's own, and the displacement the tension's, too
@@ -64,8 +63,7 @@ class PulledFields(ZoneFields):
 
     @property
     def mean_displacement(self) -> float:
-        assert self.problem.period is not None
-        return self.problem.compression * (self.density.total - self.tension.total) / self.problem.period
+        return self.problem.compression * (self.density.total - self.tension.total) / self.problem.repeat_length
 
     @cached_property
     def mean_gap(self) -> float:

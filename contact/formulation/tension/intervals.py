@@ -87,9 +87,8 @@ def joined(table: Array, joins: Mask, new: list[tuple[float, float]], period: fl
     joins = joins.copy()
     if period is None:
         joins[-1] = False
-    if joins[-1]:
+    elif joins[-1]:
         start = int(np.flatnonzero(~joins)[0]) + 1
-        assert period is not None
         table = np.concatenate((table[start:], table[:start] + period))
         joins = np.roll(joins, -start)
     table = joined_where(table, joins[:-1])

@@ -44,9 +44,8 @@ def _parts(pulled: Pulled, zones: Array) -> tuple[set[tuple[float, float]], list
 def _intervals(tension: Tension, zones: Array) -> list[tuple[float, float]]:
     if not tension.everywhere:
         return [(float(a), float(b)) for a, b in tension.table]
-    assert tension.period is not None
     first = float(zones[0, 1]) if len(zones) else 0.0
-    return [(first, first + tension.period)]
+    return [(first, first + tension.width)]
 
 
 def _integral(function: Callable[[Array], Array], pulled: Pulled, a: float, b: float, spacing: float) -> float:
@@ -103,10 +102,8 @@ class LooseFields(NoZones):
 
     @property
     def mean_gap(self) -> float:
-        period, units = self.problem.period, self.problem.units
-        assert period is not None
-        sunk = self.problem.compression * self.tension.total / period
-        return (mean_shape(self.problem) - sunk + self.level) * units.height
+        sunk = self.problem.compression * self.tension.total / self.problem.repeat_length
+        return (mean_shape(self.problem) - sunk + self.level) * self.problem.units.height
 
     @cached_property
     def _spacing(self) -> float:

@@ -108,8 +108,7 @@ def _by_zones(task: Task, problem: Problem, control: Control, zones: Array, chea
 
 
 def _by_gaps(task: Task, problem: Problem, control: Control, zones: Array, cheap: bool) -> Outcome | Missed:
-    period = problem.period
-    assert period is not None
+    period = problem.repeat_length
     mean = task.along[-1].solution.load / problem.units.load / period
     form, newton = ByGaps(problem, task.shared.relief(problem)), Newton(OF_GAPS * task.tolerance, mean, steps=_STEPS[cheap], drops=True)
     with task.plan.timed("zone ends"):
