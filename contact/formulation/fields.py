@@ -90,8 +90,8 @@ class ZoneFields(sie.Kept):
     borne_beside = 0.0
 
     def __getstate__(self) -> dict[str, Any]:
-        kept = {"problem": self.problem, "amplitude_rate": self.amplitude_rate, "centring": self.centring, "density": self.density}
-        kept |= {"levels": self.levels, "stiffness": self.stiffness}
+        kept = {name: value for name, value in super().__getstate__().items() if name != "state"}
+        kept |= {"density": self.density, "levels": self.levels, "stiffness": self.stiffness}
         return kept if self.problem.moment is None else kept | {"rotational_stiffness": self.rotational_stiffness}
 
     @cached_property

@@ -53,7 +53,7 @@ class GapFields(sie.Kept):
     borne_beside = 0.0
 
     def __getstate__(self) -> dict[str, Any]:
-        kept = {"problem": self.problem, "mean": self.mean, "relief": self.relief}
+        kept = {name: value for name, value in super().__getstate__().items() if name != "state"}
         return kept | {"density": self.density, "stiffness": self.stiffness}
 
     @cached_property

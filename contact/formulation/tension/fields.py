@@ -1,7 +1,6 @@
 """Fields of a contact with a constant tension beside it: of q = p + s on the intervals where s pulls, and what they are in SI units."""
 
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -23,9 +22,6 @@ class PulledFields(ZoneFields):
 
     law_problem: Problem | None = None
     rate: float | None = None
-
-    def __getstate__(self) -> dict[str, Any]:
-        return super().__getstate__() | {"law_problem": self.law_problem, "rate": self.rate}
 
     @property
     def pulled(self) -> Pulled:
@@ -159,9 +155,6 @@ class PulledGapFields(GapFields):
         # Of q the whole of it is borne by the zones; less the tension on all of the period.
         own = mean_shape(self.problem) - self.mean_gap / self.problem.units.height
         return -self.stress * self.period * own
-
-    def __getstate__(self) -> dict[str, Any]:
-        return super().__getstate__() | {"stress": self.stress}
 
     @property
     def _lower(self) -> float:
