@@ -9,7 +9,6 @@
 """
 
 import time
-from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import replace
 from numbers import Real
@@ -17,7 +16,6 @@ from numbers import Real
 from contact import memory
 from contact.errors import NotConverged, SceneError, warn
 from contact.extras import require
-from contact.formulation.fields import ZoneFields
 from contact.model.checks import one_of
 from contact.model.scene import Scene
 from contact.search.find import found
@@ -30,10 +28,9 @@ from contact.search.ways.direct import directly
 from contact.search.ways.full_contact import Full
 from contact.search.ways.guesses import Outcome
 from contact.solution import made, validity
-from contact.solution.answer import PullOff
 from contact.solution.solution import Solution
 from contact.threads import one_of_blas
-from contact.verify.accuracy import Found, FoundByGaps
+from contact.verify.accuracy import FoundByGaps
 
 # Smallest lengths of a shape in its period, or where it is known: from where on BLAS takes one thread, and memory is kept.
 _ROUGH, _LARGE = 2**6, 2**17
@@ -169,13 +166,6 @@ def _features(scene: Scene) -> float:
     return 0.0 if profile.feature is None or known is None else (known[1] - known[0]) / profile.feature
 
 
-def _parting(task: Task, found: Found) -> Callable[[ZoneFields], PullOff]:
-    parting = require("contact.search.equilibria.parting")
-    held = task.control(found.fields.problem)
-    told: Callable[[ZoneFields], PullOff] = parting.PartingUnderTension(held) if task.scene.law.tension else parting.Parting(held)
-    return told
-
-
 def _solution(task: Task, outcome: Outcome) -> Solution:
     scene, plan, tol = task.scene, task.plan, task.tol
     followed = task.follows_branch
@@ -184,4 +174,5 @@ def _solution(task: Task, outcome: Outcome) -> Solution:
         return made.of_full(scene, task.full, outcome.mean_pressure, plan, tol, branch)
     if isinstance(outcome, FoundByGaps):
         return made.of_gaps(scene, outcome, plan, tol)
-    return made.of_zones(scene, outcome, plan, tol, branch, _parting(task, outcome) if followed else None)
+    parting = require("contact.search.equilibria.parting").Parting(task.control(outcome.fields.problem)) if followed else None
+    return made.of_zones(scene, outcome, plan, tol, branch, parting)

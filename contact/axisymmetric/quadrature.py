@@ -25,10 +25,7 @@ def panels(edges: Sequence[ArrayLike]) -> tuple[Array, Array]:
         # From the nearer end: neither end loses digits.
         nodes.append(np.where(FROM_LEFT < 0.5, lo + width * FROM_LEFT, hi - width * FROM_RIGHT))
         weights.append(width * WEIGHT)
-    shape = np.broadcast_shapes(*(n.shape[:-1] for n in nodes))
-    spread = [np.broadcast_to(n, (*shape, n.shape[-1])) for n in nodes]
-    heavy = [np.broadcast_to(w, (*shape, w.shape[-1])) for w in weights]
-    return np.concatenate(spread, axis=-1), np.concatenate(heavy, axis=-1)
+    return np.concatenate(np.broadcast_arrays(*nodes), axis=-1), np.concatenate(np.broadcast_arrays(*weights), axis=-1)
 
 
 def quarter(x: ArrayLike, breaks: ArrayLike) -> tuple[Array, Array]:

@@ -28,10 +28,10 @@ from contact.errors import ContactError, ModelWarning, NotConverged
 from contact.extras import other_package, owners, require, version
 from contact.model.controls import TURNING
 from contact.model.registry import controls, interactions, laws, profiles, substrates
-from contact.model.units import column, quantity
+from contact.model.units import headed, quantity
 from contact.solution import export
 from contact.solution.answer import Answer
-from contact.solution.plan import plan
+from contact.solution.plan import Part, plan
 from contact.solution.plotting import plot
 from contact.solution.terminal import Progress, show_table
 from contact.solver import solve
@@ -185,18 +185,19 @@ def plan_command(scene: Path, run: bool, tol: float) -> None:
     """
     problem = scene_of(scene)
     if not run:
-        rows = [(row.name, "yes" if row.used else "no", row.reason, row.detail) for row in plan(problem).parts]
-        show_table("plan", ("part", "used", "reason", "detail"), rows)
+        show_table("plan", ("part", "used", "reason", "detail"), map(_said, plan(problem).parts))
         return
     with Progress() as progress:
         done = solve(problem, tol=tol, progress=progress).plan
     show_profile(problem.profile)
-    timed = [
-        (row.name, "yes" if row.used else "no", row.reason, row.detail, *_took(row.seconds, done.share(row))) for row in done.parts
-    ]
+    timed = [(*_said(part), *_took(part.seconds, done.share(part))) for part in done.parts]
     show_table("plan", ("part", "used", "reason", "detail", "time", "share"), timed, numeric=(4, 5))
     sizes = [(name.replace("_", " "), str(count)) for name, count in done.counts.items()]
     show_table("sizes", ("what", "number"), [*sizes, ("time in all", quantity(done.seconds, "s", 3))], numeric=(1,))
+
+
+def _said(part: Part) -> tuple[str, str, str, str]:
+    return part.name, "yes" if part.used else "no", part.reason, part.detail
 
 
 def _took(seconds: float | None, share: float | None) -> tuple[str, str]:
@@ -330,8 +331,8 @@ def _show_solution(solution: Answer, seconds: float) -> None:
     shown = rows[:_ZONES_SHOWN]
     names, columns = ["zone"], [[str(place) for place in range(1, len(shown) + 1)]]
     for name, unit, values in zip(export.ZONE_COLUMNS, export.ZONE_UNITS, zip(*shown, strict=True), strict=True):
-        prefixed, told = column(values, unit, 9 if name in ("left", "right") else 7)
-        names.append(f"{name.replace('_', chr(10))}\n[{prefixed}]")
+        head, told = headed(name.replace("_", "\n"), values, unit, 9 if name in ("left", "right") else 7)
+        names.append(head)
         columns.append(told)
     show_table("zones", names, list(zip(*columns, strict=True)), numeric=range(len(names)))
     if len(rows) > _ZONES_SHOWN:

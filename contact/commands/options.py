@@ -35,12 +35,6 @@ Write = Callable[[Any, Path, bool], Any]
 OVERWRITE = click.option("--overwrite", is_flag=True, help="Write over files of numbers that are there; pictures are drawn anew.")
 
 
-def checked_figure(path: Path) -> Path:
-    """The name of a picture that can be written; one that is there is drawn anew, as it holds nothing that is not drawn again."""
-    known = require("matplotlib.backends.backend_agg").FigureCanvasAgg.get_supported_filetypes()
-    return checked("--plot", path, [f".{kind}" for kind in known], overwrite=True)
-
-
 def checked(option: str, path: Path, endings: Iterable[str], overwrite: bool = False) -> Path:
     """The name of a file that can be written; one that is there, only where it may be written over."""
     if path.suffix.lower() not in endings:
@@ -70,9 +64,11 @@ class Outputs:
         self._writers[checked(option, path, writers, self._overwrite)] = writers[path.suffix.lower()]
 
     def add_figure(self, path: Path | None, drawn: Callable[[Any], Any]) -> None:
-        """A picture of what is made."""
+        """A picture of what is made; one that is there is drawn anew, as it holds nothing that is not drawn again."""
         if path is not None:
-            self._writers[checked_figure(path)] = lambda made, name, _: drawn(made).savefig(name, dpi=200)
+            known = require("matplotlib.backends.backend_agg").FigureCanvasAgg.get_supported_filetypes()
+            checked("--plot", path, [f".{kind}" for kind in known], overwrite=True)
+            self._writers[path] = lambda made, name, _: drawn(made).savefig(name, dpi=200)
 
     def write(self, made: Any) -> None:
         for path, write in self._writers.items():

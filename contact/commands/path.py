@@ -11,7 +11,7 @@ from contact.commands.options import OVERWRITE, QUIET, SCENE, TOL, Outputs, scen
 from contact.commands.trace import show_profile
 from contact.errors import SceneError
 from contact.model.scene import Scene
-from contact.model.units import column, quantity
+from contact.model.units import column, headed, quantity
 from contact.solution.terminal import Progress, show_table
 from contact.sweeps.adhesive import AdhesivePath
 from contact.sweeps.many import solve_many
@@ -101,12 +101,7 @@ def _show(found: LoadPath) -> None:
     for name, digits in _SHOWN.items():
         if np.isnan(known[name]).all() or (name == "total_width" and "contact\nfraction" in names):
             continue
-        head, (unit, _) = _HEADS.get(name, name.replace("_", "\n")), NUMBERS[name]
-        if unit != "1":
-            unit, told = column(known[name], unit, digits)
-            head = f"{head}\n[{unit}]"
-        else:
-            told = [f"{value:.{digits}g}" for value in known[name]]
+        head, told = headed(_HEADS.get(name, name.replace("_", "\n")), known[name], NUMBERS[name][0], digits)
         names.append(head)
         cells.append(told)
     show_table("load path", names, list(zip(*cells, strict=True)), numeric=range(len(names)), close=True)
@@ -116,11 +111,10 @@ def _show(found: LoadPath) -> None:
 
 def _show_events(found: LoadPath) -> None:
     kinds, loads = [event.kind for event in found.events], [event.load for event in found.events]
-    jumps = found.events if isinstance(found, AdhesivePath) else ()
     places = [event.position for event in found.events]
     known: dict[str, tuple[Sequence[float | None], str]] = {"load": (loads, "N/m"), "position": (places, "m")}
-    if jumps:
-        known["energy lost"] = ([getattr(event, "lost", None) for event in jumps], "J/m")
+    if isinstance(found, AdhesivePath):
+        known["energy lost"] = ([getattr(event, "lost", None) for event in found.events], "J/m")
     heads, cells = ["event"], [kinds]
     for name, (values, unit) in known.items():
         prefixed, told = column(values, unit, 10 if name != "energy lost" else 6)

@@ -12,7 +12,7 @@ from contact.errors import ContactError, NotConverged, unwarned
 from contact.explorer.handles import Handle, with_number
 from contact.model.scene import Scene
 from contact.model.units import prefix, quantity
-from contact.solution.sampling import positions, surfaces, window, zones_within
+from contact.solution.sampling import on_zones, positions, surfaces, top_pressure, window, zones_within
 from contact.solution.solution import Solution
 from contact.solver import solve
 from contact.sweeps.curve import Curve
@@ -61,22 +61,15 @@ def drawn(solution: Solution, seconds: float, points: int = POINTS) -> Frame:
     low, high = min(surface[below].min(), body[seen].min()), max(surface[below].max(), body[seen].max())
     # A body with sharp corners goes on without end beside them.
     body, surface = np.where(seen, body, high + _FLANK * (high - low)), np.where(below, surface, low - _FLANK * (high - low))
-    place = np.clip(np.searchsorted(zones[:, 0], x, side="right") - 1, 0, None)
-    inside = (x >= zones[place, 0]) & (x <= zones[place, 1]) if len(zones) else np.zeros(x.shape, dtype=bool)
     along, up = prefix(max(abs(lo), abs(hi))), prefix(max(high - low, 1e-3 * max(abs(low), abs(high))))
-    top = solution.max_pressure if np.isfinite(solution.max_pressure) else _peak_shown(solution)
+    top = top_pressure(solution)
     push = prefix(float(np.max(np.abs(pressure[np.isfinite(pressure)]), initial=0.0)) if top <= 0 else top)
     # Where it is infinite, at corners and under adhesion, the line is cut.
     shown = np.clip(np.nan_to_num(pressure, nan=0.0, posinf=2 * top, neginf=-2 * top), -1.5 * abs(top), 1.5 * abs(top))
-    touching = np.where(inside, surface, np.nan)
+    touching = np.where(on_zones(x, zones), surface, np.nan)
     fields = np.array([x * along[0], body * up[0], surface * up[0], touching * up[0], shown * push[0]])
     names = f"x [{along[1]}m]", f"height [{up[1]}m]", f"pressure [{push[1]}Pa]"
     return Frame(solution, seconds, fields, zones * along[0], names)
-
-
-def _peak_shown(solution: Solution) -> float:
-    """Four times the mean pressure on the zones, where the highest is infinite."""
-    return float(4.0 * abs(solution.load) / max(np.sum(solution.zone_widths), 1e-300))
 
 
 def numbers(frame: Frame) -> list[tuple[str, str]]:

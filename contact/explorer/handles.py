@@ -175,11 +175,11 @@ def _shape(scene: Scene, place: str) -> list[Handle]:
     given = {name: value for name, value in profile.parameters().items() if value is not None}
     lists = [name for name, value in given.items() if np.ndim(value) == 1 and np.size(value)]
     found = []
-    high = _together(profile, given, lists, _heights_grow)
+    high = _together(profile, given, lists, heights=2.0)
     if high:
         found.append(_scale(place, "amplitude", _depth(profile), high) if profile.known else _scale(place, "heights, times", 1.0, high))
     lengths = [name for name in given if name not in high and (name in lists or name == "period")]
-    long = _together(profile, given, lengths, _shape_grows) if lists else ()
+    long = _together(profile, given, lengths, lengths=2.0) if lists else ()
     if scene.profile.period is not None and len(scene.profile.bodies) > 1:
         # Of two bodies that repeat together neither is stretched alone.
         given.pop("period", None)
@@ -208,39 +208,27 @@ def _times(value: Any, factor: float) -> Any:
 
 
 def _together(
-    profile: Profile, given: Mapping[str, Any], names: list[str], does: Callable[[Profile, Profile], bool]
+    profile: Profile, given: Mapping[str, Any], names: list[str], heights: float = 1.0, lengths: float = 1.0
 ) -> tuple[str, ...]:
-    """The fewest parameters that do it when all are doubled."""
+    """The fewest parameters that multiply heights and lengths so when all are doubled."""
+    lo, hi = profile.known or (-0.5, 0.5)
+    x = lo + (hi - lo) * (np.arange(_PLACES) + 0.3) / _PLACES
+    height = heights * np.asarray(profile.height(x))
     for count in range(1, len(names) + 1):
         for chosen in combinations(names, count):
             try:
                 other = type(profile)(**{**given, **{name: _times(given[name], 2.0) for name in chosen}})
             except (ContactError, TypeError, ValueError):
                 continue
-            if does(profile, other):
+            if _alike(height, np.asarray(other.height(lengths * x))):
                 return chosen
     return ()
-
-
-def _heights_grow(profile: Profile, other: Profile) -> bool:
-    x = _places(profile)
-    return _alike(2.0 * np.asarray(profile.height(x)), np.asarray(other.height(x)))
-
-
-def _shape_grows(profile: Profile, other: Profile) -> bool:
-    x = _places(profile)
-    return _alike(np.asarray(profile.height(x)), np.asarray(other.height(2.0 * x)))
 
 
 def _alike(a: Any, b: Any) -> bool:
     """But for a constant."""
     away = (a - a[0]) - (b - b[0])
     return bool(np.isfinite(away).all() and np.max(np.abs(away)) <= _SAME * np.ptp(a))
-
-
-def _places(profile: Profile) -> Any:
-    lo, hi = profile.known or (-0.5, 0.5)
-    return lo + (hi - lo) * (np.arange(_PLACES) + 0.3) / _PLACES
 
 
 def _depth(profile: Profile) -> float:

@@ -46,7 +46,7 @@ def _of_zones(fields: ZoneFields | GapFields) -> float:
     breaks, total = np.sort(np.asarray(problem.forcing.jumps_at)), 0.0
     shape = fields.standing_shape if isinstance(fields, ZoneFields) else problem.shape
     pressure = fields.density.at if isinstance(fields, ZoneFields) else fields.pressure_in
-    for zone, (a, b) in enumerate(fields.scaled_zones):
+    for zone, (a, b) in enumerate(fields.zones):
         half = 0.5 * (b - a)
 
         def bears(angle: Array, zone: int = zone, a: float = a, b: float = b, half: float = half) -> Array:
@@ -64,8 +64,7 @@ def _of_zones(fields: ZoneFields | GapFields) -> float:
 def _of_period(fields: FullFields) -> float:
     """int p F dx over the period, scaled, in full contact."""
     problem = fields.problem
-    units, period = problem.units, problem.period
-    assert period is not None
+    units, period = problem.units, problem.repeat_length
     start = float(units.scaled(np.array(problem.profile.x0)))
     breaks = start + np.unique(np.mod(np.asarray(problem.forcing.jumps_at) - start, period))
 

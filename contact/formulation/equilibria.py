@@ -10,6 +10,7 @@ not move; one that is driven inward leaves it. So an equilibrium has r = 0 at fr
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Self
 
 import numpy as np
 
@@ -86,7 +87,7 @@ class Point:
         """Which ends rest at sharp corners (2n,)."""
         return self.whole.held
 
-    def holding(self, held: Mask) -> "Point":
+    def holding(self, held: Mask) -> Self:
         """The same with these ends held, and no others."""
         whole, free = self.whole, ~held
         rates = np.where(free[:, None] & free, whole.rates, 0.0) - np.diag(held / self.widths)

@@ -35,8 +35,8 @@ _MARGIN, _OF_SHAPE = 100.0, 1e-6
 class NoZones(sie.Kept):
     """What is the same of all fields without zones, and so without anything that acts beside them."""
 
-    starts = loads = np.zeros(0)
-    cohesive = np.zeros((0, 2))
+    loads = np.zeros(0)
+    zone_table = cohesive = np.zeros((0, 2))
     widening_rate = 0.0
     pressure_bound = math.inf
 
@@ -90,8 +90,8 @@ class ZoneFields(sie.Kept):
     borne_beside = 0.0
 
     def __getstate__(self) -> dict[str, Any]:
-        kept = {"problem": self.problem, "amplitude_rate": self.amplitude_rate, "centring": self.centring, "density": self.density}
-        kept |= {"levels": self.levels, "stiffness": self.stiffness}
+        kept = {name: value for name, value in super().__getstate__().items() if name != "state"}
+        kept |= {"density": self.density, "levels": self.levels, "stiffness": self.stiffness}
         return kept if self.problem.moment is None else kept | {"rotational_stiffness": self.rotational_stiffness}
 
     @cached_property
@@ -171,8 +171,7 @@ class ZoneFields(sie.Kept):
     @cached_property
     def mean_gap(self) -> float:
         """Mean gap over a period [m]: mean f + mean u - approach where all periods act, else by quadrature."""
-        units, period = self.problem.units, self.problem.period
-        assert period is not None
+        units = self.problem.units
         if self.problem.corners != (-np.inf, np.inf):
             return np.inf
         if not self.problem.interaction.strip:
@@ -181,13 +180,12 @@ class ZoneFields(sie.Kept):
         for lo, hi, _, _ in self.open_intervals():
             x, weights = panels(self._cuts(lo, hi))
             total += float(self.scaled_gap(x) @ weights)
-        return total / period * units.height
+        return total / self.problem.repeat_length * units.height
 
     @property
     def mean_displacement(self) -> float:
         """Scaled, of all periods: by the compression of a substrate with a base; else 0."""
-        assert self.problem.period is not None
-        return self.problem.compression * self.density.total / self.problem.period
+        return self.problem.compression * self.density.total / self.problem.repeat_length
 
     def _cuts(self, lo: float, hi: float) -> Array:
         kinks = self.problem.forcing.kinks[0]
@@ -296,8 +294,7 @@ class ZoneFields(sie.Kept):
         first, last = float(zones.a[0]), float(zones.b[-1])
         if problem.interaction.strip:
             # Cut at the border of the strip, beyond which it is another strip's.
-            assert problem.period is not None
-            lo, hi = problem.centre - 0.5 * problem.period, problem.centre + 0.5 * problem.period
+            lo, hi = problem.centre - 0.5 * problem.repeat_length, problem.centre + 0.5 * problem.repeat_length
         elif problem.period is not None:
             if first + problem.period > last:
                 yield last, first + problem.period, True, True
@@ -342,10 +339,6 @@ class ZoneFields(sie.Kept):
         return nearest_image(self.problem.units.scaled(np.asarray(x, dtype=float)), middle, self.problem.period)
 
     @property
-    def starts(self) -> Array:
-        return self.problem.units.x(self.density.zones.a)
-
-    @property
     def load(self) -> float:
         return self.density.total * self.problem.units.load
 
@@ -359,7 +352,8 @@ class ZoneFields(sie.Kept):
         return np.asarray(self.problem.units.x(self.density.zones.table))
 
     @property
-    def scaled_zones(self) -> Array:
+    def zones(self) -> Array:
+        """Scaled."""
         return np.asarray(self.density.zones.table)
 
     @cached_property
@@ -411,15 +405,13 @@ class ZoneFields(sie.Kept):
 
     @property
     def contact_fraction(self) -> float:
-        assert self.problem.period is not None
         zones = self.density.zones
-        return float((zones.b - zones.a).sum()) / self.problem.period
+        return float((zones.b - zones.a).sum()) / self.problem.repeat_length
 
     @cached_property
     def widening_rate(self) -> float:
         """d contact fraction / d load [m/N]."""
-        assert self.problem.period is not None
-        return float(moved_ends(self.state).sum()) / self.problem.period / self.problem.units.load
+        return float(moved_ends(self.state).sum()) / self.problem.repeat_length / self.problem.units.load
 
     def pressure_at(self, zone: int, t: ArrayLike) -> Array:
         return self.density.at_t(zone, t) * self.problem.units.pressure

@@ -29,12 +29,6 @@ from sie import Array, record
 NARROWEST = 1e-13
 
 
-def has_kinked_valley(profile: Profile) -> bool:
-    """A profile whose slope jumps down somewhere never comes into full contact."""
-    kinks = profile.kinks
-    return bool(len(kinks) and np.any(kinks[:, 1] < 0))
-
-
 class FullLimit(sie.Kept):
     """Where full contact begins: the smallest mean pressure [Pa], inf if there is none, found when first asked for.
 
@@ -46,7 +40,8 @@ class FullLimit(sie.Kept):
         self.profile, self.E_star, self.operator, self.law = profile, E_star, operator, law
         self.approached = operator.is_periodic and profile.support is None
         self.told = self.approached and operator.has_inverse and law.full_contact
-        self.possible = self.told and not has_kinked_valley(profile)
+        # Where the slope jumps down, no load closes the valley.
+        self.possible = self.told and not np.any(profile.kinks[:, 1] < 0)
 
     @cached_property
     def relief(self) -> Relief:

@@ -53,7 +53,7 @@ class GapFields(sie.Kept):
     borne_beside = 0.0
 
     def __getstate__(self) -> dict[str, Any]:
-        kept = {"problem": self.problem, "mean": self.mean, "relief": self.relief}
+        kept = {name: value for name, value in super().__getstate__().items() if name != "state"}
         return kept | {"density": self.density, "stiffness": self.stiffness}
 
     @cached_property
@@ -63,8 +63,7 @@ class GapFields(sie.Kept):
 
     @property
     def period(self) -> float:
-        assert self.problem.period is not None
-        return self.problem.period
+        return self.problem.repeat_length
 
     @cached_property
     def zones(self) -> Array:
@@ -102,10 +101,6 @@ class GapFields(sie.Kept):
         """Ends of the zones [m] (n, 2)."""
         return np.asarray(self.problem.units.x(self.zones))
 
-    @property
-    def scaled_zones(self) -> Array:
-        return self.zones
-
     @cached_property
     def spreading(self) -> Array:
         """How far the ends of the zones move outward as the load grows by a factor of e [m] (n, 2)."""
@@ -137,10 +132,6 @@ class GapFields(sie.Kept):
         """u = approach - f + gap."""
         height = np.asarray(self.problem.profile.height(x)) - self.problem.lowest
         return np.asarray(self.approach - height + self.gap(x))
-
-    @property
-    def starts(self) -> Array:
-        return self.problem.units.x(self.zones[:, 0])
 
     @property
     def contact_fraction(self) -> float:

@@ -63,6 +63,12 @@ class Problem(sie.Kept):
         return self.profile.period / self.units.length
 
     @property
+    def repeat_length(self) -> float:
+        """That period, of a solution that has one."""
+        assert self.period is not None
+        return self.period
+
+    @property
     def cell(self) -> float | None:
         """Scaled width of the profile's own cell, None for a profile on the whole line."""
         return None if self.profile.period is None else self.profile.period / self.units.length

@@ -7,8 +7,8 @@ import numpy as np
 from contact.model.profiles.base import Profile
 from sie import Array
 
-# Nodes of a panel.
-IN_PANEL = 32
+# Nodes of a panel that crowd at its ends, and of one of a period.
+IN_PANEL, _OF_PERIOD = 32, 12
 
 
 @lru_cache(maxsize=1)
@@ -18,6 +18,13 @@ def crowded() -> tuple[Array, Array]:
     u = 0.5 * (1 + t)
     nodes = u**5 * (126 - 420 * u + 540 * u**2 - 315 * u**3 + 70 * u**4)
     return nodes, 0.5 * weight * 630 * (u * (1 - u)) ** 4
+
+
+def gauss(cuts: Array, count: int) -> tuple[Array, Array]:
+    """So many of Gauss's nodes between each two ascending cuts, and their weights."""
+    t, weights = np.polynomial.legendre.leggauss(count)
+    half, middle = 0.5 * np.diff(cuts)[:, None], 0.5 * (cuts[1:] + cuts[:-1])[:, None]
+    return np.asarray((middle + half * t).ravel()), np.asarray((half * weights).ravel())
 
 
 def panels(cuts: Array, count: int = 1) -> tuple[Array, Array]:
@@ -40,7 +47,5 @@ def over_period(profile: Profile, least: int = 8) -> tuple[Array, Array, Array]:
     panels = int(np.clip(np.ceil(2 * length / (profile.resolution or length / 8)), max(8, least), 2**16))
     inner = (np.asarray(profile.breakpoints) - profile.x0) / length
     cuts = np.unique(np.concatenate((np.arange(panels + 1) / panels, inner[(inner > 0) & (inner < 1)])))
-    t, weights = np.polynomial.legendre.leggauss(12)
-    half, middle = 0.5 * np.diff(cuts)[:, None], 0.5 * (cuts[1:] + cuts[:-1])[:, None]
-    turns = (middle + half * t).ravel()
-    return profile.x0 + length * turns, turns, (half * weights).ravel()
+    turns, weights = gauss(cuts, _OF_PERIOD)
+    return profile.x0 + length * turns, turns, weights

@@ -72,10 +72,8 @@ def widest(problem: Problem) -> float:
 
 def _carried(problem: Problem, control: Control, a: Array) -> Array:
     """The controlled quantity of half widths a, -inf beyond its first maximum."""
-    period = problem.period
-    repeats = period is not None and len(problem.kernel.poles) > 1
-    if repeats:
-        assert period is not None
+    period, poles = problem.period, len(problem.kernel.poles)
+    if period is not None and poles > 1:
         sine = np.sin(np.pi * a / period)
         u = np.arcsin(sine[:, None] * _T)
         x, weight, size = u * period / np.pi, _T / np.cos(u), sine * period / np.pi
@@ -84,7 +82,7 @@ def _carried(problem: Problem, control: Control, a: Array) -> Array:
     with np.errstate(over="ignore", invalid="ignore"):
         g = problem.forcing.value(x.ravel()).reshape(x.shape)
         value = size * np.pi / len(_T) * (g * weight).sum(axis=1)
-        if period is not None and not repeats:
+        if period is not None and poles <= 1:
             root = np.sqrt(np.maximum(1 - (2 * a / period) ** 2, 1e-300))
             value = value * (2 - root) if problem.interaction.follows_isolated else value / root
         if control.approach is not None:

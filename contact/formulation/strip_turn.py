@@ -20,11 +20,11 @@ from functools import cached_property
 import numpy as np
 import scipy.fft
 from numpy.polynomial.chebyshev import chebval, chebvander
-from numpy.polynomial.legendre import leggauss
 
 import sie
 from contact.formulation.conjugate import Conjugate
 from contact.formulation.problem import Problem, minus_one
+from contact.formulation.quadrature import gauss
 from sie import Array, Index, record
 
 TURN = 2 * np.pi
@@ -47,8 +47,7 @@ class StripTurn(sie.Kept):
     @cached_property
     def half(self) -> float:
         """Half the width of the strip."""
-        assert self.problem.period is not None
-        return 0.5 * self.problem.period
+        return 0.5 * self.problem.repeat_length
 
     @cached_property
     def angles(self) -> Array:
@@ -104,9 +103,7 @@ class StripTurn(sie.Kept):
         corner = 0.5 * np.pi * 0.5 ** np.arange(_GRADED)
         panels = np.concatenate(([0.0], corner[::-1], np.pi - corner[1:], [np.pi]))
         cuts = np.unique(np.concatenate((cuts, panels)))
-        t, weights = leggauss(_IN_CUT)
-        half, middle = 0.5 * np.diff(cuts)[:, None], 0.5 * (cuts[1:] + cuts[:-1])[:, None]
-        phi, weights = np.asarray((middle + half * t).ravel()), (half * weights).ravel()
+        phi, weights = gauss(cuts, _IN_CUT)
         slope = self.problem.slope(self.x(phi)) * self.half * np.sin(phi) * weights / np.pi
         # The kernel is smooth in panels ever closer to the corners: what is under it is told by its moments there.
         first, width = np.searchsorted(phi, panels[:-1]), np.diff(panels)

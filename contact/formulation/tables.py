@@ -56,6 +56,14 @@ def joined_where(table: Array, meets: Mask) -> Array:
     return np.column_stack((table[np.append(True, ~meets), 0], table[np.append(~meets, True), 1]))
 
 
+def united(table: Array) -> Array:
+    """The rows, those that overlap as one."""
+    table = table[np.argsort(table[:, 0], kind="stable")]
+    # A new one begins beyond all that came before.
+    reach = np.maximum.accumulate(table[:, 1])
+    return joined_where(np.column_stack((table[:, 0], reach)), ~(table[1:, 0] > reach[:-1]))
+
+
 def runs_of(flags: Mask, wraps: bool = False) -> list[tuple[int, int]]:
     """First and last index of every run of True; wraps: of a period, whose run across the border goes on beyond the last index."""
     change = np.flatnonzero(np.diff(np.concatenate(([False], flags, [False])).astype(np.int8)))

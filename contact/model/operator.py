@@ -132,8 +132,7 @@ class Operator(sie.Kept):
     @property
     def datum(self) -> float | None:
         """The length in the logarithm of a line load's displacement, where nothing repeats [m]; None where there is no approach."""
-        datum: float | None = self.smooth_part.scale if self.compression is not None else self.interaction.datum
-        return datum
+        return self.smooth_part.scale if self.compression is not None else self.interaction.datum
 
     def inverse_kernel(self, unit: float) -> sie.Kernel:
         """The kernel of symbol 1 / L in scaled lengths: what the slope of the gap is to the pressure, as the pressure to that."""

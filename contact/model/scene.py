@@ -190,8 +190,7 @@ class Scene(sie.Kept):
         if self.given is not None:
             return self.given
         name = next(name for name in CONTROLS if getattr(self, name) is not None)
-        control: Control = REGISTERED.find(name)(getattr(self, name))
-        return control
+        return REGISTERED.find(name)(getattr(self, name))
 
     def held(self, quantity: Quantity) -> float | None:
         """The value [SI] of a quantity that the solver is to hold, as the control says; None if it is not this one."""

@@ -125,8 +125,7 @@ def scene_from_tables(tables: Table, directory: str | PathLike[str] = ".") -> Sc
 
 def _read_profile(table: Table, directory: Path) -> Profile:
     shape, parameters = _named(table, "shape")
-    profile: Profile = PROFILES.find(shape, "shape").from_table(parameters, directory)
-    return profile
+    return PROFILES.find(shape, "shape").from_table(parameters, directory)
 
 
 def _read_counter(profile: Profile, table: Table, directory: Path) -> Profile:
@@ -140,8 +139,7 @@ def _read_material(table: Table) -> float:
         if len(table) > 1:
             others = ", ".join(name for name in table if name != "E_star")
             raise SceneError(f"E_star and {others} are given: give E_star, or the moduli it is made of")
-        modulus: float = table["E_star"]
-        return modulus
+        return table["E_star"]
     for name in ("E1", "nu1"):
         if name not in table:
             raise SceneError(f"{name} is missing: give E_star, or E1 and nu1, and E2, nu2 of an elastic counter-body")

@@ -28,6 +28,14 @@ def quantity(value: float | None, unit: str, digits: int = 4) -> str:
     return f"{value * factor:.{digits}g} {letter}{unit}"
 
 
+def headed(name: str, values: Sequence[float | None], unit: str, digits: int = 6) -> tuple[str, list[str]]:
+    """A column of a table: its name, above the prefixed unit where there is one, and its values."""
+    if unit in ("", "1"):
+        return name, ["-" if value is None else f"{value:.{digits}g}" for value in values]
+    prefixed, told = column(values, unit, digits)
+    return f"{name}\n[{prefixed}]", told
+
+
 def column(values: Sequence[float | None], unit: str, digits: int = 6) -> tuple[str, list[str]]:
     """The prefixed unit that a whole column of a table is in, and its values as numbers alone; '-' for what is not there."""
     finite = [abs(value) for value in values if value is not None and math.isfinite(value)]

@@ -63,10 +63,8 @@ def _branch(task: Task, refused: Missed | None) -> Outcome | Missed:
         return NOT_MINE
     with one_of_blas():
         if task.scene.law.tension:
-            outcome: Outcome | Missed = require(_TENSION).followed_under_tension(task)
-        else:
-            outcome = require(_BRANCHES).followed(task)
-    return outcome
+            return require(_TENSION).followed_under_tension(task)
+        return require(_BRANCHES).followed(task)
 
 
 def _along(task: Task, refused: Missed | None) -> Outcome | Missed:
@@ -107,8 +105,7 @@ def _by_loads(task: Task, refused: Missed | None) -> Outcome | Missed:
         return _under_loads(task)
     if refused is None:
         return NOT_MINE
-    outcome: Outcome | Missed = attempted(lambda: _under_loads(task))
-    return outcome
+    return attempted(lambda: _under_loads(task))
 
 
 WAYS = (
@@ -137,15 +134,13 @@ def _loads_may_tell(task: Task) -> bool:
 def _of_scaled(task: Task, scaled: ScaledScene) -> Outcome:
     model, near, start = task.scene.interaction, task.near, None
     if model.follows_isolated:
-        outcome: Outcome = require(_STRIPS).first_order(task, scaled)
-        return outcome
+        return require(_STRIPS).first_order(task, scaled)
     # Where one zone is to be found, that is known better in closed form.
     if near is not None and len(near.zones) and not task.single:
         start = placed(scaled.problem, near.zones)
     if not model.strip:
         return search(task, scaled, start)
-    outcome = require(_STRIPS).centred(task, scaled, start)
-    return outcome
+    return require(_STRIPS).centred(task, scaled, start)
 
 
 def _under_loads(task: Task) -> Outcome:

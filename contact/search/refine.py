@@ -77,7 +77,7 @@ def _tightened(task: Task, found: Found, whole: Callable[[Task], Outcome]) -> Fo
     """Solved again from the same zones; from the start, if they do not stand up to it."""
 
     def again(here: Found | FoundByGaps, tolerance: float) -> Found | FoundByGaps | Missed:
-        sharper = task.to(tolerance)
+        sharper = replace(task, tolerance=tolerance)
 
         def better_found() -> Outcome:
             same = _from_the_same(sharper, here) if isinstance(here, Found) else None
@@ -103,12 +103,9 @@ def _from_the_same(task: Task, found: Found) -> Found | None:
     assert profile.period is not None
     scaled = ScaledScene(problem, control, (profile.x0, profile.x0 + profile.period))
     strips = require("contact.search.ways.strips")
-    closer: Found
     if not model.follows_isolated:
-        closer = strips.centred(task, scaled, table)
-    else:
-        closer = strips.first_order(task, replace(scaled, problem=replace(problem, amplitude=None, centre=0.0)), found)
-    return closer
+        return strips.centred(task, scaled, table)
+    return strips.first_order(task, replace(scaled, problem=replace(problem, amplitude=None, centre=0.0)), found)
 
 
 def _is_rounding(task: Task, found: Found) -> bool:

@@ -135,10 +135,6 @@ class Task:
         """Whether there are several equilibria, of which a branch is followed."""
         return self.scene.law.bare is not None and self.scene.held(Quantity.HALF_WIDTH) is None
 
-    def to(self, tolerance: float) -> Task:
-        """The same, more or less tightly."""
-        return replace(self, tolerance=tolerance)
-
     def beside(self, near: Solution | None) -> Task:
         return replace(self, near=near)
 

@@ -130,7 +130,7 @@ class Answer(sie.Kept):
     @cached_property
     def _order(self) -> Index:
         """Place among the fields' own zones of each zone of `zones`."""
-        return np.argsort(wrapped(self.fields.starts, self.scene.profile.x0, self.scene.period))
+        return np.argsort(wrapped(self.fields.zone_table[:, 0], self.scene.profile.x0, self.scene.period))
 
     @property
     def load(self) -> float:

@@ -110,20 +110,21 @@ def zone_frame(solution: Answer) -> Any:
 
 def to_csv(solution: Answer) -> str:
     """The zone table with a header line, every number in full precision; at full contact the header alone."""
-    return _csv(ZONE_COLUMNS, zone_table(solution))
+    return csv_of(ZONE_COLUMNS, zone_table(solution))
 
 
 def fields_to_csv(solution: Answer) -> str:
     """FIELD_COLUMNS [m, Pa, m, m, m] on positions closer at the zones' ends, with a header line, in full precision."""
     fields = _fields(solution)
-    return _csv(FIELD_COLUMNS, np.column_stack([fields[name] for name in FIELD_COLUMNS]).tolist())
+    return csv_of(FIELD_COLUMNS, np.column_stack([fields[name] for name in FIELD_COLUMNS]).tolist())
 
 
-def _csv(columns: Sequence[str], rows: Iterable[Sequence[float]]) -> str:
+def csv_of(columns: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
+    """A table with a header line, its numbers in full precision."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(columns)
-    writer.writerows([repr(value) for value in row] for row in rows)
+    writer.writerows([value if isinstance(value, str) else repr(value) for value in row] for row in rows)
     return text.getvalue()
 
 

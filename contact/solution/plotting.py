@@ -22,7 +22,7 @@ from contact.errors import MissingExtra, SceneError
 from contact.extras import require
 from contact.model.units import prefix, quantity
 from contact.solution.answer import Answer
-from contact.solution.sampling import peak_position, positions, surfaces, window, zones_within
+from contact.solution.sampling import on_zones, peak_position, positions, surfaces, top_pressure, window, zones_within
 from sie import Array
 
 _BODY, _SURFACE, _PRESSURE, _ZONE, _CLOSE = "#7a7a7a", "#1f5a92", "#b3261e", "#f2c14e", "#3d7a4a"
@@ -105,7 +105,7 @@ def _draw_surfaces(axes: Any, solution: Answer, x: Array, zones: Array, along: f
     axes.plot(x * along, outline * up, color=_BODY, linewidth=1.2, label="profile")
     axes.plot(x * along, surface * up, color=_SURFACE, linewidth=1.4, label="deformed surface")
     # Not a number between the zones: one line, broken there, shows them all.
-    touching = np.where(_within(x, zones), surface, np.nan)
+    touching = np.where(on_zones(x, zones), surface, np.nan)
     weight = 2.6 if len(zones) <= _ZONES_READABLE else 1.8
     axes.plot(x * along, touching * up, color=_PRESSURE, linewidth=weight, label="contact")
     axes.set(ylim=(floor * up, ceiling * up), ylabel=f"height [{letter}m]")
@@ -121,10 +121,12 @@ def _draw_surfaces(axes: Any, solution: Answer, x: Array, zones: Array, along: f
 
 def _draw_pressure(axes: Any, solution: Answer, x: Array, zones: Array, along: float) -> None:
     pressure = solution.pressure(x)
-    top = _pressure_shown(solution, pressure)
+    top = top_pressure(solution)
+    if np.isfinite(solution.max_pressure):
+        top = float(max(pressure.max(), 1e-3 * top)) or 1.0
     scale, letter = prefix(top)
     shown = np.clip(pressure, -2.0 * top, 2.0 * top) * scale
-    axes.fill_between(x * along, 0.0, shown, where=_within(x, zones), color=_PRESSURE, alpha=0.22, linewidth=0)
+    axes.fill_between(x * along, 0.0, shown, where=on_zones(x, zones), color=_PRESSURE, alpha=0.22, linewidth=0)
     axes.plot(x * along, shown, color=_PRESSURE, linewidth=1.2)
     if solution.mean_pressure is not None and solution.mean_pressure > _PRESSURE_READABLE * top:
         axes.axhline(solution.mean_pressure * scale, color="black", linewidth=0.8, linestyle=(0, (6, 4)))
@@ -137,21 +139,6 @@ def _draw_pressure(axes: Any, solution: Answer, x: Array, zones: Array, along: f
     # Tension without bound beside zones that adhere is cut off as far below as the peak is above.
     lowest = max(float(np.min(pressure, initial=0.0)), -top)
     axes.set(ylim=(1.08 * lowest * scale, 1.08 * top * scale), ylabel=f"pressure [{letter}Pa]")
-
-
-def _pressure_shown(solution: Answer, pressure: Array) -> float:
-    """The top of the pressure axis: the peak, or four times the mean on the zones where the peak is infinite."""
-    if np.isfinite(solution.max_pressure):
-        return float(max(pressure.max(), 1e-3 * solution.max_pressure)) or 1.0
-    return float(4.0 * solution.load / np.sum(solution.zone_widths))
-
-
-def _within(x: Array, zones: Array) -> Any:
-    """Whether each position lies on a zone, ends included."""
-    if len(zones) == 0:
-        return np.zeros(x.shape, dtype=bool)
-    nearest = np.clip(np.searchsorted(zones[:, 0], x, side="right") - 1, 0, len(zones) - 1)
-    return (x >= zones[nearest, 0]) & (x <= zones[nearest, 1])
 
 
 def _close_up(solution: Answer, lo: float, hi: float) -> tuple[float, float] | None:

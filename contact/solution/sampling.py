@@ -8,7 +8,7 @@ import numpy as np
 
 from contact.errors import SceneError
 from contact.solution.answer import Answer
-from sie import Array
+from sie import Array, Mask
 
 _EVEN_POINTS = 1000
 _MOST_POINTS = 20_000
@@ -59,6 +59,21 @@ def positions(solution: Answer, lo: float, hi: float, most: int = _MOST_POINTS) 
     within[:, -1] = zones[:, 1]
     x = np.concatenate([np.linspace(lo, hi, even + 1), within.ravel(), _near_kinks(solution, zones)])
     return np.unique(x[(x >= lo) & (x <= hi)])
+
+
+def on_zones(x: Array, zones: Array) -> Mask:
+    """Whether each position lies on a zone, ends included; the zones ascend."""
+    if len(zones) == 0:
+        return np.zeros(x.shape, dtype=bool)
+    nearest = np.maximum(np.searchsorted(zones[:, 0], x, side="right") - 1, 0)
+    return (x >= zones[nearest, 0]) & (x <= zones[nearest, 1])
+
+
+def top_pressure(solution: Answer) -> float:
+    """The highest pressure [Pa], or four times the mean on the zones where that is infinite."""
+    if np.isfinite(solution.max_pressure):
+        return solution.max_pressure
+    return float(4.0 * abs(solution.load) / max(np.sum(solution.zone_widths), 1e-300))
 
 
 def surfaces(solution: Answer, x: Array) -> tuple[Array, Array]:

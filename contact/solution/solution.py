@@ -73,8 +73,7 @@ class Solution(Answer):
         return require(_FILES).to_xarray(self)
 
     def _repr_html_(self) -> str:
-        page: str = require(_PICTURES).to_html(self)
-        return page
+        return require(_PICTURES).to_html(self)
 
     def zone_table(self) -> Any:
         """left, right, width [m], load [N/m], mean_pressure, max_pressure [Pa] of each zone: a pandas.DataFrame where pandas is
@@ -105,8 +104,7 @@ class Solution(Answer):
 
     def to_dict(self) -> dict[str, Any]:
         """All of it in plain types; None for what is infinite or undefined."""
-        plain: dict[str, Any] = require(_FILES).to_dict(self)
-        return plain
+        return require(_FILES).to_dict(self)
 
 
 def limit_of_approach(solution: Solution, tol: float) -> str:

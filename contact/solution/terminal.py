@@ -43,9 +43,7 @@ class Progress:
     def __call__(self, stage: str, done: int, total: int | None) -> None:
         if not self._wanted or (self._bar is None and self._clock() < self._due):
             return
-        if self._bar is None:
-            self._start()
-        if self._bar is None:
+        if self._bar is None and not self._start():
             return
         if self._task is None or stage != self._stage:
             if self._task is not None:
@@ -60,14 +58,16 @@ class Progress:
         else:
             self._bar.console.print(line, markup=False, highlight=False)
 
-    def _start(self) -> None:
+    def _start(self) -> bool:
+        """Whether there is a bar."""
         try:
             console = require("rich.console").Console(file=sys.stderr)
             self._bar = require("rich.progress").Progress(console=console, transient=True)
         except MissingExtra:  # a bar is not worth stopping for
             self._wanted = False
-            return
-        self._bar.start()
+        else:
+            self._bar.start()
+        return self._wanted
 
     def __enter__(self) -> "Progress":
         return self

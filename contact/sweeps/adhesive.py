@@ -25,17 +25,18 @@ from contact.search.equilibria.history import History
 from contact.search.grid.tilt import known_part
 from contact.search.task import Task
 from contact.search.topology.loop import Progress
-from contact.search.ways.along_curve import followed, under
+from contact.search.ways.along_curve import followed
 from contact.search.ways.branches import closed
 from contact.solution import made
 from contact.solution.answer import Energy
 from contact.solution.loose import of_loose
 from contact.solution.plan import plan
+from contact.solution.plotting import panels
 from contact.solution.sampling import surfaces
 from contact.solution.solution import Solution
 from contact.solution.validity import of_solution
 from contact.solver import solved_at, task_of
-from contact.sweeps.path_plot import Drawn, draw
+from contact.sweeps.path_plot import draw_curve, draw_surfaces
 from contact.sweeps.path_table import Event
 from contact.sweeps.paths import Path
 from contact.threads import one_of_blas
@@ -181,13 +182,13 @@ class AdhesivePath(Path):
             assert isinstance(event, AdhesiveEvent)
             both = (event.approach, event.approach_after) if by_approach else (_width(event.before), _width(event.after))
             if None not in both:
-                jumps.append((event.kind, (float(both[0] or 0.0), event.load), (float(both[1] or 0.0), event.load_after)))
-        label = "approach" if by_approach else "width in contact"
-        what, places, surface, body, zones = self._surfaces()
-        drawn = Drawn(
-            approach if by_approach else width, load, rises > 0.5, jumps, label, "m", places, surface, body, zones, what
-        )
-        return draw(drawn, ax)
+                jumps.append((event.kind, float(both[0] or 0.0), event.load, float(both[1] or 0.0), event.load_after))
+        across, label = (approach, "approach") if by_approach else (width, "width in contact")
+        figure, given = panels(ax, 2)
+        draw_curve(given[0], across, load, rises > 0.5, jumps, label)
+        if len(given) > 1:
+            draw_surfaces(given[1], *self._surfaces())
+        return figure
 
     def _surfaces(self) -> tuple[str, Array, Array, Array, Array]:
         """(of what, places, surface, body, zones) [m]."""
@@ -223,7 +224,7 @@ def adhesive_path(
     """See `contact.path`."""
     given = finite_array(_UNITS[control], values)
     give = None if stiffness is None else 1.0 / positive("stiffness", stiffness)
-    run = _Run(under(scene, control, 0.0), control, tol, give)
+    run = _Run(scene.under(control, 0.0), control, tol, give)
     run.refuse(given)
     solutions: list[Solution] = []
     passed: list[tuple[Event, ...]] = []
@@ -330,11 +331,11 @@ class _Run:
             *_, found = self.history.to(Standing(min(-1.0, 2.0 * first)), scaled)
             assert isinstance(found, Standing)
             return found
-        return self.by.started(under(self.scene, self.control, value), scaled)
+        return self.by.started(self.scene.under(self.control, value), scaled)
 
     def solved(self, here: Standing, value: float, before: float) -> Solution:
         """The solution where the path stands."""
-        scene = under(self.scene, self.control, value)
+        scene = self.scene.under(self.control, value)
         way = "advancing" if self.rises else "receding"
         told = f"{way}, {'raised' if self.rises else 'lowered'} from {self.control} {before * self.unit:.6g}"
         task = replace(self.task, scene=scene, plan=plan(scene), branch=way)
@@ -345,20 +346,20 @@ class _Run:
             assert isinstance(here.point, CohesivePoint)
             return of_loose(task.scene, fields, here.point, task.plan, way)
         solution = solved_at(task, self.by.outcome(task, here.point), told)
-        return solution if task.give is None else replace(solution, scene=under(self.scene, "load", solution.load))
+        return solution if task.give is None else replace(solution, scene=self.scene.under("load", solution.load))
 
     def _without_zones(self, task: Task, here: Standing) -> Solution:
         held, units = self.curve.held, self.problem.units
         if here.closed:
             mean_pressure = closed(task).mean_pressure
-            scene = task.scene if task.give is None else under(self.scene, "load", self._closed_load(here.value))
+            scene = task.scene if task.give is None else self.scene.under("load", self._closed_load(here.value))
             return made.of_full(scene, task.full, mean_pressure, task.plan, task.tol, task.branch)
         return made.of_apart(task.scene, self.problem, None if held.yields is None else here.value * units.height, task.plan)
 
     def _closed_load(self, value: float) -> float:
         """Of surfaces closed altogether [N/m]."""
         assert self.scene.period is not None
-        scene = under(self.scene, self.control, value * self.unit)
+        scene = self.scene.under(self.control, value * self.unit)
         return closed(replace(self.task, scene=scene)).mean_pressure * self.scene.period
 
     def event(self, jump: Jump) -> AdhesiveEvent:
@@ -391,24 +392,21 @@ class _Run:
 
     def _state(self, standing: Standing) -> tuple[float, float | None, float | None, Array]:
         """(load, approach, energy, zones) [N/m, m, J/m, m]."""
-        units, law, none = self.problem.units, self.scene.law, np.zeros((0, 2))
-        if standing.point is not None:
-            return self._of_point(standing.point)
+        units, none = self.problem.units, np.zeros((0, 2))
+        if (point := standing.point) is not None:
+            fields = self.by.fields(point)
+            energy = self._energy(fields, float(np.diff(point.contact).sum()) * units.length)
+            return point.load * units.load, fields.approach, energy, made.in_cell(self.scene, np.asarray(units.x(point.contact)))
         if standing.closed:
             assert self.scene.period is not None
             load = self._closed_load(standing.value)
-            fields = FullFields(made.of_period(self.scene), load / self.scene.period, self.task.full.relief, made.mean_height(self.scene))
-            elastic = elastic_energy(fields)
-            surface = law.surface_energy(fields, self.scene.period)
-            return load, fields.approach, None if elastic is None else elastic + surface, none
+            full = FullFields(made.of_period(self.scene), load / self.scene.period, self.task.full.relief, made.mean_height(self.scene))
+            return load, full.approach, self._energy(full, self.scene.period), none
         held = self.curve.held
         approach: float | None = 0.0 if held.yields is None else standing.value * units.height
         return 0.0, approach if self.problem.operator.has_approach else None, 0.0, none
 
-    def _of_point(self, point: Point) -> tuple[float, float | None, float | None, Array]:
-        units = self.problem.units
-        fields = self.by.fields(point)
+    def _energy(self, fields: Any, width: float) -> float | None:
+        """Elastic and of the interface, of so wide a contact [J/m]."""
         elastic = elastic_energy(fields)
-        width = float(np.diff(point.contact).sum()) * units.length
-        energy = None if elastic is None else elastic + self.scene.law.surface_energy(fields, width)
-        return point.load * units.load, fields.approach, energy, made.in_cell(self.scene, np.asarray(units.x(point.contact)))
+        return None if elastic is None else elastic + self.scene.law.surface_energy(fields, width)

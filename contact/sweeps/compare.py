@@ -16,7 +16,7 @@ from contact.errors import ContactError, SceneError, unwarned, warn
 from contact.model.interactions.base import Interaction
 from contact.model.registry import interaction
 from contact.model.scene import Scene
-from contact.model.units import column
+from contact.model.units import headed
 from contact.solution.answer import Answer
 from contact.solution.validity import of_solution
 from contact.solver import solve
@@ -150,10 +150,7 @@ def _ends(attempts: list[Attempt]) -> Iterator[Table]:
 
 def _column(attempts: list[Attempt], name: str, unit: str, tell: Callable[[Answer], float | None]) -> tuple[str, list[str]]:
     values = [None if a.solution is None else tell(a.solution) for a in attempts]
-    if not unit:
-        return name, ["-" if value is None else f"{value:.6g}" for value in values]
-    prefixed, told = column(values, unit)
-    return f"{name}\n[{prefixed}]", told
+    return headed(name, values, unit)
 
 
 def _table(title: str, attempts: list[Attempt], columns: Sequence[tuple[str, list[str]]]) -> Table:

@@ -10,7 +10,7 @@ import numpy as np
 from contact.model.units import prefix
 from contact.solution.answer import Answer
 from contact.solution.plotting import new_figure
-from contact.solution.sampling import peak_position, positions, window
+from contact.solution.sampling import peak_position, positions, top_pressure, window
 from contact.sweeps.compare import Attempt, difference, ends_apart, pressure_apart, refusals
 
 _COLOURS = ("#9a9a9a", "#d98e04", "#b3261e", "#7a3b8f", "#5a56b0", "#2f7fb5", "#1d9a8a", "#3d7a4a", "#111111")
@@ -29,15 +29,16 @@ def plot_comparison(attempts: list[Attempt]) -> Any:
     panels = [["p", "p"], ["d", "d"], ["e", "t"]]
     top, apart, errors, times = figure.subplot_mosaic(panels, width_ratios=[1.8, 1.0], height_ratios=[0.7, 1.2, 1.2]).values()
     colours = dict(zip((a.name for a in attempts[:-1]), _COLOURS, strict=False)) | {attempts[-1].name: _COLOURS[-1]}
-    if attempts[-1].solution is None:
+    exact = attempts[-1].solution
+    if exact is None:
         # Nothing to differ from: the pressures themselves.
-        _draw_pressures(top, [a for a in attempts if a.solution is not None], colours)
+        _draw_pressures(top, {a.name: a.solution for a in attempts if a.solution is not None}, colours)
         for axes in (apart, errors):
             axes.set_axis_off()
             axes.text(0.5, 0.5, "no exact solution to differ from", ha="center", transform=axes.transAxes)
     else:
-        _draw_pressures(top, attempts[-1:], colours)
-        _draw_differences(apart, attempts, colours)
+        _draw_pressures(top, {attempts[-1].name: exact}, colours)
+        _draw_differences(apart, attempts[:-1], exact, colours)
         _draw_errors(errors, attempts)
     _draw_times(times, attempts, colours)
     missing = refusals(attempts)
@@ -46,31 +47,28 @@ def plot_comparison(attempts: list[Attempt]) -> Any:
     return figure
 
 
-def _draw_pressures(axes: Any, solved: list[Attempt], colours: dict[str, str]) -> None:
+def _draw_pressures(axes: Any, solved: dict[str, Answer], colours: dict[str, str]) -> None:
     if not solved:
         axes.set_axis_off()
         return
-    lo, hi = _stretch(solved[-1].solution)
+    lo, hi = _stretch(next(reversed(solved.values())))
     along = _scale_positions(axes, lo, hi)
-    highest = max(_top(a.solution) for a in solved)
+    highest = max(map(top_pressure, solved.values()))
     up, unit = prefix(highest)
-    for attempt in solved:
-        assert attempt.solution is not None
-        x = positions(attempt.solution, lo, hi, _POINTS)
-        p = np.minimum(attempt.solution.pressure(x), 2.0 * highest)
-        axes.plot(x * along, p * up, label=attempt.name, color=colours[attempt.name], linewidth=1.4)
+    for name, solution in solved.items():
+        x = positions(solution, lo, hi, _POINTS)
+        p = np.minimum(solution.pressure(x), 2.0 * highest)
+        axes.plot(x * along, p * up, label=name, color=colours[name], linewidth=1.4)
     axes.set_ylim(0.0, 1.08 * highest * up)
     axes.set_ylabel(f"pressure [{unit}Pa]")
     _name_lines(axes)
 
 
-def _draw_differences(axes: Any, attempts: list[Attempt], colours: dict[str, str]) -> None:
+def _draw_differences(axes: Any, attempts: list[Attempt], exact: Answer, colours: dict[str, str]) -> None:
     """|p - exact p| over the peak, on the positions of both."""
-    exact = attempts[-1].solution
-    assert exact is not None
     lo, hi = _stretch(exact)
-    along, scale = _scale_positions(axes, lo, hi), _top(exact)
-    for attempt in attempts[:-1]:
+    along, scale = _scale_positions(axes, lo, hi), top_pressure(exact)
+    for attempt in attempts:
         if attempt.solution is None:
             continue
         x = np.union1d(positions(exact, lo, hi, _POINTS), positions(attempt.solution, lo, hi, _POINTS))
@@ -106,9 +104,8 @@ def _name_lines(axes: Any) -> None:
         axes.legend(frameon=False, fontsize=8, loc="center left", bbox_to_anchor=(1.0, 0.5))
 
 
-def _stretch(solution: Answer | None) -> tuple[float, float]:
+def _stretch(solution: Answer) -> tuple[float, float]:
     """The period, or the surroundings of the highest pressure where its zone would not be seen on it."""
-    assert solution is not None
     lo, hi = window(solution)
     if len(solution.zones) == 0 or np.max(solution.zone_widths) >= _READABLE * (hi - lo):
         return lo, hi
@@ -116,13 +113,6 @@ def _stretch(solution: Answer | None) -> tuple[float, float]:
     centre = peak_position(solution, x, solution.pressure(x))
     own = float(solution.zone_widths[np.argmin(np.abs(solution.zones.mean(axis=1) - centre))])
     return max(lo, centre - own), min(hi, centre + own)
-
-
-def _top(solution: Answer | None) -> float:
-    assert solution is not None
-    if np.isfinite(solution.max_pressure):
-        return solution.max_pressure
-    return float(4.0 * solution.load / np.sum(solution.zone_widths))
 
 
 def _draw_errors(axes: Any, attempts: list[Attempt]) -> None:

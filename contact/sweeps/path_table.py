@@ -1,14 +1,12 @@
 """A load path as data: a row for each load, and the events since the one before; plain types and CSV, in SI units."""
 
-import csv
 import dataclasses
-import io
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from contact.extras import version
-from contact.solution.export import describe, plain
+from contact.solution.export import csv_of, describe, plain
 from contact.solution.solution import Solution
 from contact.sweeps.points import NUMBERS, numbers
 from sie import Array
@@ -84,10 +82,6 @@ def _event(event: Event) -> dict[str, Any]:
 
 def to_csv(solutions: Sequence[Solution], passed: Passed) -> str:
     """A row a load, in full precision, `nan` for what is not defined; `events` since the row before are kind, load and position each."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow([*NUMBERS, "events"])
-    for solution, since in zip(solutions, passed, strict=True):
-        told = "; ".join(f"{e.kind} {float(e.load)!r} {float(e.position)!r}" for e in since)
-        writer.writerow([*(repr(value) for value in numbers(solution).values()), told])
-    return text.getvalue()
+    told = ["; ".join(f"{e.kind} {float(e.load)!r} {float(e.position)!r}" for e in since) for since in passed]
+    rows = [(*numbers(solution).values(), since) for solution, since in zip(solutions, told, strict=True)]
+    return csv_of((*NUMBERS, "events"), rows)

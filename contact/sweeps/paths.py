@@ -15,7 +15,6 @@ not a half-plane, on which alone contact is known to grow with the load.
 
 import json
 import os
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from os import PathLike
 from typing import Any
@@ -232,7 +231,7 @@ class _Path:
         them, by these parts of the loads: signs within their rounding pass a certificate on either side of the event."""
         first, second = (high, low) if change.back else (low, high)
         side, other = (first, second) if change.kind == "birth" else (second, first)
-        condition = _CONDITIONS[change.kind](side.fields, first, second, change)
+        condition = _Condition(side.fields, first, second, change)
         load = condition.problem.units.load
         try:
             # Each state starts from the zones of the last: close to a zero its sign may depend on the way there.
@@ -242,7 +241,7 @@ class _Path:
                 tried.insert(0, (about,))
             for ends in tried:
                 known |= {end / load: condition(end / load) for end in ends if end / load not in known}
-                if not _one_sign(known):
+                if min(known.values()) < 0.0 < max(known.values()):
                     kind = _REVERSED[change.kind] if change.back else change.kind
                     root = smooth_root(condition, known)
                     return Event(kind, root * load, condition.position, low.zones, high.zones)
@@ -298,11 +297,6 @@ def _just_beyond(change: _Change, side: Solution, other: Solution) -> float | No
     return load if min(side.load, other.load) < load < max(side.load, other.load) else None
 
 
-def _one_sign(known: dict[float, float]) -> bool:
-    signs = np.sign(list(known.values()))
-    return not (signs.min() < 0 < signs.max())
-
-
 class _Condition:
     """A function of the scaled load that is zero at the event; `position` [m] is where it was last evaluated."""
 
@@ -312,11 +306,15 @@ class _Condition:
         return self.of(self.formal(load))
 
     def of(self, fields: Any) -> float:
-        """Of a state with the zones that the condition is about."""
-        raise NotImplementedError
+        """Of a state with the zones that the condition is about: the least gap about the place where the higher load has a zone of its own,
+        or the least pressure between two zones that have become one."""
+        function = fields.formal_gap if self.kind == "birth" else fields.formal_pressure
+        place, value = maximum(lambda x: -function(x), np.linspace(*self.where, 33), levels=_ZOOMS, peaks=1)
+        self.position = float(self.problem.units.x(np.array(place)))
+        return -value
 
     def __init__(self, fields: Any, low: Solution, high: Solution, change: _Change) -> None:
-        self.problem = fields.problem
+        self.problem, self.kind = fields.problem, change.kind
         self.form = ByPressure(self.problem) if fields.relief is None else ByGaps(self.problem, fields.relief)
         # Of the loads at which it was evaluated, and of one right beside the first: the zones (or gaps) found there.
         load, table = fields.load / fields.problem.units.load, fields.density.zones.table
@@ -347,28 +345,6 @@ class _Condition:
         self.tables[load] = fields.density.zones.table
         return fields
 
-    def least(self, function: Callable[[Array], Array]) -> float:
-        place, value = maximum(lambda x: -function(x), np.linspace(*self.where, 33), levels=_ZOOMS, peaks=1)
-        self.position = float(self.problem.units.x(np.array(place)))
-        return -value
-
-
-class _Birth(_Condition):
-    """The least gap about the place where the higher load has a zone of its own."""
-
-    def of(self, fields: Any) -> float:
-        return self.least(fields.formal_gap)
-
-
-class _Merge(_Condition):
-    """The least pressure between two zones that have become one."""
-
-    def of(self, fields: Any) -> float:
-        return self.least(fields.formal_pressure)
-
-
-_CONDITIONS: dict[str, type[_Condition]] = {"birth": _Birth, "merge": _Merge}
-
 
 def _moving(fields: Any) -> Array:
     """How far the ends of a state's zones, or gaps, move with the logarithm of the load (n, 2)."""
@@ -392,18 +368,11 @@ def _scaled(fields: Any, zone: Array) -> tuple[float, float]:
 
 def _full_event(load: float, full: Solution, low: Solution) -> list[Event]:
     """The closing of the last gap, but that of one over a kink, which never does."""
-    first, last = _gap_before(low)
+    gaps = gaps_between(low.zones, low.scene.period)
+    first, last = gaps[np.argmax(np.diff(gaps)[:, 0])].tolist()
     kinks = low.scene.profile.kinks
     over = centred_on(kinks[kinks[:, 1] < 0, :1], 0.5 * (first + last), low.scene.period)
     if np.any((over > first) & (over < last)):
         return []
     place, _ = maximum(lambda points: -full.pressure(points), np.linspace(first, last, 65))
     return [Event("full", load, place, low.zones, np.zeros((0, 2)))]
-
-
-def _gap_before(low: Solution) -> tuple[float, float]:
-    """The widest gap between zones."""
-    assert low.scene.period is not None
-    gaps = gaps_between(low.zones, low.scene.period)
-    right, left = gaps[np.argmax(np.diff(gaps)[:, 0])].tolist()
-    return right, left

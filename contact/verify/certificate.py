@@ -106,7 +106,10 @@ class Openings(NamedTuple):
 
 def openings(fields: ZoneFields, few: float = 0.0) -> Openings:
     """The gap, looked at everywhere. few: part of the zones that tell nothing of its error, since their ends are not known."""
-    on_zones = float(np.quantile(np.abs(fields.formal_gap(_on_zones(fields))), 1.0 - few))
+    zones = fields.density.zones
+    # There the gap is zero: what it comes to is known of it no better anywhere.
+    places = (zones.middle[:, None] + zones.half[:, None] * _ON_ZONES).ravel()
+    on_zones = float(np.quantile(np.abs(fields.formal_gap(places)), 1.0 - few))
     return Openings(*_gaps(fields, fields.gap_rounding + 2 * on_zones), on_zones)
 
 
@@ -271,12 +274,6 @@ def _gaps(fields: ZoneFields, rounding: float) -> tuple[float | None, Array, flo
     seen = gap[~_closing(gap, place, rounding) & (place < near)]
     smallest = float(seen.min()) if np.isfinite(seen).any() else None
     return smallest, np.array(bad).reshape(-1, 2), rounding, len(points), minima
-
-
-def _on_zones(fields: ZoneFields) -> Array:
-    """A few places on every zone. There the gap is zero: what it comes to is known of it no better anywhere."""
-    zones = fields.density.zones
-    return np.asarray((zones.middle[:, None] + zones.half[:, None] * _ON_ZONES).ravel())
 
 
 def _closing(gap: Array, place: Index, rounding: float) -> Mask:

@@ -90,10 +90,6 @@ class DirectFields(ZoneFields):
         """E*/2 [Pa]."""
         return 0.5 * self.scene.E_star
 
-    @property
-    def starts(self) -> Array:
-        return np.asarray(self.zone_table[:, 0])
-
     @cached_property
     def load(self) -> float:  # type: ignore[override]
         given = self.scene.given_load

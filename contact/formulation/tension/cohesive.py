@@ -28,6 +28,7 @@ from contact.formulation.tension.contact import (
     TIGHT,
     Covered,
     Lost,
+    Tolerances,
     contact_under,
     edge_slopes,
     look_around,
@@ -66,6 +67,14 @@ class CohesivePoint(Point):
     level_rates: Array
     seen: tuple[Array, Array] | None
     everywhere: bool = False
+
+    @classmethod
+    def under_all(
+        cls, value: float, load: float, level: float, zones: Array, q: ZoneFields | None, seen: tuple[Array, Array]
+    ) -> "CohesivePoint":
+        """Under tension in all of a period, of which no end moves."""
+        none, still = np.zeros(0), np.zeros((2 * len(zones), 1))
+        return cls(np.zeros((0, 2)), value, none, np.zeros((0, 0)), none, load, level, zones, q, still, np.array([-1.0]), seen, True)
 
     @cached_property
     def look(self) -> tuple[Array, Array]:
@@ -167,20 +176,15 @@ class Cohesive(Equilibria):
             if near is None or more is None or len(more.zones) <= len(near.zones):
                 raise
             here = self.from_zones(table, value, self._followed(more, table, value), tolerance)
-        return self._holding(here, held)
+        if held is None or here.corners is None or np.array_equal(held, here.held):
+            return here
+        return here.holding(held)
 
     def under(self, control: Control) -> "Cohesive":
         return Cohesive(self.problem, control, loose=self.loose, formal=self.formal)
 
     def again(self, here: Point, value: float) -> CohesivePoint:
         return self.from_zones(here.table, value, here.contact)
-
-    def _holding(self, here: CohesivePoint, held: Mask | None) -> CohesivePoint:
-        if held is None or here.corners is None or np.array_equal(held, here.held):
-            return here
-        found = here.holding(held)
-        assert isinstance(found, CohesivePoint)
-        return found
 
     def fitted(self, zones: Array, table: Array) -> Array:
         """Zones cut to lie within intervals."""
@@ -236,7 +240,8 @@ class Cohesive(Equilibria):
         point = self._without_contact(table, value, pulled) if self._may_be_loose and len(zones) == 0 else None
         if point is None or (not self.formal and point.look[1].min() < -_TOUCHING * self.reach):
             try:
-                fields, look = self._contact_under(pulled, value, zones, tolerance, asked > TIGHT)
+                tolerances = Tolerances(tolerance) if asked <= TIGHT else Tolerances.on_the_way(tolerance)
+                fields, look = self._contact_under(pulled, value, zones, tolerances)
                 if alike is not None and len(fields.density.zones) == len(alike.zones):
                     point = self._with_rates_of(alike, table, value, fields, look)
                 else:
@@ -256,13 +261,13 @@ class Cohesive(Equilibria):
 
     def contact_under(self, pulled: Pulled, value: float, zones: Array) -> tuple[ZoneFields, tuple[Array, Array]]:
         """(fields of q on the zones of contact under a tension and a value of the control, the gap beside them)."""
-        fields, look = self._contact_under(pulled, value, zones, TIGHT)
+        fields, look = self._contact_under(pulled, value, zones, Tolerances())
         return fields, look_at(fields) if look is None else look
 
     def _contact_under(
-        self, pulled: Pulled, value: float, zones: Array, tolerance: float, roughly: bool = False
+        self, pulled: Pulled, value: float, zones: Array, tolerances: Tolerances
     ) -> tuple[ZoneFields, tuple[Array, Array] | None]:
-        return contact_under(pulled, lambda at: self.control(at, value), zones, self.formal, tolerance, roughly)
+        return contact_under(pulled, lambda at: self.control(at, value), zones, self.formal, tolerances)
 
     def under_all(self, value: float, zones: Array) -> CohesivePoint:
         """The contact under tension in all of a period; as stable as the frictionless one."""
@@ -271,10 +276,7 @@ class Cohesive(Equilibria):
         loose: CohesivePoint | None = None
         if self._may_be_loose:
             level, x = -value - self.yields * pull, look_around(pulled, none)
-            loose = CohesivePoint(
-                none, value, np.zeros(0), np.zeros((0, 0)), np.zeros(0), -pull, level, none, None, np.zeros((0, 1)), np.array([-1.0]),
-                looked(lambda y: pulled.shape(y) + level, x), True,
-            )
+            loose = CohesivePoint.under_all(value, -pull, level, none, None, looked(lambda y: pulled.shape(y) + level, x))
             if len(zones) == 0 and (self.formal or loose.look[1].min() >= -_TOUCHING * self.reach):
                 return loose
         try:
@@ -284,10 +286,7 @@ class Cohesive(Equilibria):
                 raise
             return loose
         found = fields.density
-        return CohesivePoint(
-            none, value, np.zeros(0), np.zeros((0, 0)), np.zeros(0), found.total - pull, float(fields.level), found.zones.table, fields,
-            np.zeros((2 * len(found.zones), 1)), np.array([-1.0]), look, True,
-        )
+        return CohesivePoint.under_all(value, found.total - pull, float(fields.level), found.zones.table, fields, look)
 
     def control(self, pulled: Pulled, value: float) -> Control:
         """That of q: its load has the tension, too."""
@@ -420,9 +419,7 @@ class Cohesive(Equilibria):
         corners = np.array(self.problem.corners)
         if not np.isfinite(corners).all():
             return here
-        found = here.holding((here.table == corners).T.ravel() & (here.residual >= -HELD))
-        assert isinstance(found, CohesivePoint)
-        return found
+        return here.holding((here.table == corners).T.ravel() & (here.residual >= -HELD))
 
     def _without_contact(self, table: Array, value: float, pulled: Pulled) -> CohesivePoint:
         """The surfaces as they pull without touching, the load not being held: their gap is explicit."""

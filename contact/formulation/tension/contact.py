@@ -19,13 +19,12 @@ from contact.formulation.roots import reaches
 from contact.formulation.tables import joined_where, runs_of
 from contact.formulation.tension.intervals import fitted, interval_of, places
 from contact.formulation.tension.pulled import Pulled
-from sie import Array, Index, Mask
+from sie import Array, Index, Mask, record
 
 # Newton's steps of the zones under a given tension, and how often their number may change.
 _STEPS, _ROUNDS = 80, 16
-# Of the density; and what ends miss, and Newton's last step but one, over the strips beside them: of a state, and of one on the way.
+# Of a density that is solved as tightly as any.
 TIGHT = 1e-14
-_DONE, _LAST, _ROUGHLY, _ROUGHLY_LAST = 1e-11, 1e-9, 1e-5, 1e-3
 # After so many rounds
 _PLAIN = 1
 # A zone's end moves at most by these parts of its width, and of the gap beside it; it comes so much nearer to the end of its interval.
@@ -62,19 +61,32 @@ class Covered(NoState):
         self.ends = ends
 
 
+@record
+class Tolerances:
+    """How a contact is solved: the density; and what ends miss, and Newton's last step but one, over the strips beside them."""
+
+    density: float = TIGHT
+    ends: float = 1e-11
+    last: float = 1e-9
+
+    @classmethod
+    def on_the_way(cls, density: float) -> Tolerances:
+        """To a state: its ends are told roughly."""
+        return cls(density, 1e-5, 1e-3)
+
+
 def contact_under(
-    pulled: Pulled, control: Callable[[Pulled], Control], zones: Array, formal: bool = False, tolerance: float = TIGHT,
-    roughly: bool = False,
+    pulled: Pulled, control: Callable[[Pulled], Control], zones: Array, formal: bool, tolerances: Tolerances
 ) -> tuple[ZoneFields, tuple[Array, Array] | None]:
     """(fields of q on the zones of contact under a tension, the gap beside them). control: that of q; formal: as many zones as are given,
-    whatever the signs, which are not looked at; tolerance: of the density; roughly: the ends of a state on the way."""
+    whatever the signs, which are not looked at."""
     load = control(pulled).load
     if load is not None and not load > 0.0:
         raise Lost
     if len(zones) == 0:
         zones = _lowest(pulled)
     for done in range(_ROUNDS):
-        fields = ZoneFields(*_with_ends(pulled, control, zones, tolerance, roughly, done < _PLAIN))
+        fields = ZoneFields(*_with_ends(pulled, control, zones, tolerances, done < _PLAIN))
         if formal:
             return fields, None
         look = look_at(fields)
@@ -88,18 +100,18 @@ def contact_under(
 
 
 def _with_ends(
-    pulled: Pulled, control: Callable[[Pulled], Control], zones: Array, tolerance: float, roughly: bool, plain: bool
+    pulled: Pulled, control: Callable[[Pulled], Control], zones: Array, tolerances: Tolerances, plain: bool
 ) -> tuple[Pulled, sie.AnyState]:
     """The ends of zones about these. Where narrow gaps close or open within an interval, their ends act on each other: the engine's own
     steps know how, where plain ones are not asked for or fail."""
     cornered = pulled.corners != (-np.inf, np.inf)
     if plain or cornered:
         try:
-            return _settled(pulled, control, zones, tolerance, roughly)
+            return _settled(pulled, control, zones, tolerances)
         except NotConverged:
             if cornered:
                 raise
-    return _searched(pulled, control, zones, tolerance, roughly)
+    return _searched(pulled, control, zones, tolerances)
 
 
 def _lowest(pulled: Pulled) -> Array:
@@ -112,20 +124,16 @@ def _lowest(pulled: Pulled) -> Array:
     return np.array([[x[i, j] - half, x[i, j] + half]])
 
 
-def _settled(
-    pulled: Pulled, control: Callable[[Pulled], Control], zones: Array, tolerance: float, roughly: bool
-) -> tuple[Pulled, sie.State]:
+def _settled(pulled: Pulled, control: Callable[[Pulled], Control], zones: Array, tolerances: Tolerances) -> tuple[Pulled, sie.State]:
     """Newton on the ends of zones whose number is given, or falls; (the tension as these zones have it, the state)."""
     first = np.diff(zones, axis=1)[:, 0]
     before: tuple[Array, Array] | None = None
     best, stuck = np.inf, 0
-    # Newton's steps square what is missed, and one more is taken.
-    done, last = (_ROUGHLY, _ROUGHLY_LAST) if roughly else (_DONE, _LAST)
 
     def solved(zones: Array) -> tuple[Pulled, sie.State]:
         here = pulled.over(zones)
         try:
-            return here, sie.solve_fixed(here.equation(control(here)), sie.Zones.of(zones, pulled.end, pulled.end), tolerance)
+            return here, sie.solve_fixed(here.equation(control(here)), sie.Zones.of(zones, pulled.end, pulled.end), tolerances.density)
         except sie.SingularSystem as failure:
             raise NotConverged("zones under a given tension came too near to one another, or to its ends") from failure
 
@@ -153,7 +161,7 @@ def _settled(
         miss = float(np.abs(step / least).max())
         best, stuck = min(best, miss), stuck + 1 if miss > 0.5 * best else 0
         # Of narrow strips rounding leaves more.
-        if miss < done or (stuck > 2 and miss < _ROUNDED):
+        if miss < tolerances.ends or (stuck > 2 and miss < _ROUNDED):
             return here, state
         reaches = _reaches(here, zones, k, step, room, shared)
         # At a sharp corner nothing is covered, and the strip may be as narrow as it comes.
@@ -166,7 +174,8 @@ def _settled(
             raise Covered(ends.ravel())
         limit = np.minimum(_OUTWARD * width, np.where(shared, _INTO_GAP, 1 - _NEARER) * room)
         moved = np.where(reaches, room, np.clip(step, -_INWARD * width, limit))
-        if float(np.abs(moved / least).max()) < last and not reaches.any():
+        # Newton's steps square what is missed, and one more is taken.
+        if float(np.abs(moved / least).max()) < tolerances.last and not reaches.any():
             return solved(_moved(here, zones, moved, reaches))
         lost = (width < _GONE * first) & ((step < -_INWARD * width) | (held & rests)).all(axis=0)
         if lost.any():
@@ -230,9 +239,7 @@ def _reaches(pulled: Pulled, zones: Array, k: Array, step: Array, room: Array, s
     return out
 
 
-def _searched(
-    pulled: Pulled, control: Callable[[Pulled], Control], zones: Array, tolerance: float, roughly: bool
-) -> tuple[Pulled, sie.AnyState]:
+def _searched(pulled: Pulled, control: Callable[[Pulled], Control], zones: Array, tolerances: Tolerances) -> tuple[Pulled, sie.AnyState]:
     """The same by the engine's search, of zones that stay within their intervals."""
     equation, table, everywhere = pulled.equation(control(pulled)), pulled.pulling.table, pulled.pulling.everywhere
     for _ in range(_ROUNDS):
@@ -247,7 +254,7 @@ def _searched(
         else:
             i = interval_of(ended, table) if len(table) else np.zeros(len(ended), dtype=np.intp)
             within = everywhere or len(table) == 0 or bool(np.all((ended[:, 0] > table[i, 0]) & (ended[:, 1] < table[i, 1])))
-            return (pulled, free.state) if free.converged and within else _settled(pulled, control, zones, tolerance, roughly)
+            return (pulled, free.state) if free.converged and within else _settled(pulled, control, zones, tolerances)
     raise NotConverged("the number of zones under a given tension did not settle")
 
 

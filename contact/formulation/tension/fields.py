@@ -1,12 +1,10 @@
 """Fields of a contact with a constant tension beside it: of q = p + s on the intervals where s pulls, and what they are in SI units."""
 
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from contact.formulation.controls import Approach, Load, Machine
 from contact.formulation.equilibria import Point
 from contact.formulation.fields import ZoneFields, mean_shape
 from contact.formulation.gaps import GapFields
@@ -25,9 +23,6 @@ class PulledFields(ZoneFields):
     law_problem: Problem | None = None
     rate: float | None = None
 
-    def __getstate__(self) -> dict[str, Any]:
-        return super().__getstate__() | {"law_problem": self.law_problem, "rate": self.rate}
-
     @property
     def pulled(self) -> Pulled:
         assert isinstance(self.problem, Pulled)
@@ -42,9 +37,8 @@ class PulledFields(ZoneFields):
         """The intervals in which the gap is below the reach of the tension, contact within them included (m, 2) [m]."""
         units, tension = self.problem.units, self.tension
         if tension.everywhere:
-            assert tension.period is not None
-            first = float(self.density.zones.middle[0]) - 0.5 * tension.period
-            return np.asarray(units.x(np.array([[first, first + tension.period]])))
+            first = float(self.density.zones.middle[0]) - 0.5 * tension.width
+            return np.asarray(units.x(np.array([[first, first + tension.width]])))
         return np.asarray(units.x(tension.table))
 
     # the shape is the profile's own, and the displacement the tension's, too
@@ -65,8 +59,7 @@ class PulledFields(ZoneFields):
 
     @property
     def mean_displacement(self) -> float:
-        assert self.problem.period is not None
-        return self.problem.compression * (self.density.total - self.tension.total) / self.problem.period
+        return self.problem.compression * (self.density.total - self.tension.total) / self.problem.repeat_length
 
     @cached_property
     def mean_gap(self) -> float:
@@ -109,15 +102,6 @@ class PulledFields(ZoneFields):
         assert self.law_problem is not None
         return self.law_problem.law.tension
 
-    def second_variation(self, yields: float | None = None) -> Array:
-        """d^2 energy/ds_i ds_j by outward motions of the free ends of the tension, times the roots of their intervals' widths and over 2 w.
-        yields: see `contact.formulation.controls.Control`."""
-        assert self.law_problem is not None
-        total = float(self.density.total - self.tension.total)
-        held = Load(total) if yields is None else Approach(-self.level) if yields == 0.0 else Machine(-self.level + yields * total, yields)
-        here = Cohesive(self.law_problem, held).from_zones(self.tension.table, held.value, self.density.zones.table)
-        return scaled_second_variation(here)
-
     @cached_property
     def borne_beside(self) -> float:  # type: ignore[override]
         stress, zones = self.tension.stress, self.density.zones.table
@@ -149,7 +133,7 @@ def fields_of(curve: Cohesive, here: Point) -> PulledFields | LooseFields:
 
 
 def scaled_second_variation(here: CohesivePoint) -> Array:
-    """See `PulledFields.second_variation`."""
+    """d^2 energy/ds_i ds_j by outward motions of the free ends of the tension, times the roots of their intervals' widths and over 2 w."""
     free = ~here.held
     root = np.sqrt(here.widths[free])
     return np.asarray(-0.5 * root[:, None] * here.rates[np.ix_(free, free)] * root)
@@ -171,9 +155,6 @@ class PulledGapFields(GapFields):
         # Of q the whole of it is borne by the zones; less the tension on all of the period.
         own = mean_shape(self.problem) - self.mean_gap / self.problem.units.height
         return -self.stress * self.period * own
-
-    def __getstate__(self) -> dict[str, Any]:
-        return super().__getstate__() | {"stress": self.stress}
 
     @property
     def _lower(self) -> float:

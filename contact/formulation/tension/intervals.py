@@ -4,7 +4,7 @@ import numpy as np
 
 from contact.errors import OutOfRange
 from contact.formulation.equilibria import Closed
-from contact.formulation.tables import begun_from, joined_where, runs_of
+from contact.formulation.tables import begun_from, joined_where, runs_of, united
 from sie import Array, Index, Mask, wrapped
 
 # Points between two zones, or in a part of an interval, at the least, and at the most.
@@ -87,9 +87,8 @@ def joined(table: Array, joins: Mask, new: list[tuple[float, float]], period: fl
     joins = joins.copy()
     if period is None:
         joins[-1] = False
-    if joins[-1]:
+    elif joins[-1]:
         start = int(np.flatnonzero(~joins)[0]) + 1
-        assert period is not None
         table = np.concatenate((table[start:], table[:start] + period))
         joins = np.roll(joins, -start)
     table = joined_where(table, joins[:-1])
@@ -106,7 +105,4 @@ def united_about(table: Array, zones: Array, period: float | None) -> Array:
         # One that begins just before the first interval is counted from there.
         late = (rows[:, 1] >= table[0, 0] + period) & (rows[:, 0] > table[-1, 1])
         rows[late] -= period
-    rows = rows[np.argsort(rows[:, 0])]
-    reach = np.maximum.accumulate(rows[:, 1])
-    first = np.flatnonzero(np.append(True, rows[1:, 0] > reach[:-1]))
-    return np.column_stack((rows[first, 0], reach[np.append(first[1:], len(rows)) - 1]))
+    return united(rows)

@@ -17,8 +17,7 @@ from sie import Array, record
 def beside(function: Callable[[Array], Array], pulled: Pulled, zones: Array, spacing: float) -> float:
     """Scaled integral of a function over the intervals of tension less the zones, by panels between their ends and where the profile or
     one of its derivatives jumps, none wider than the spacing."""
-    inner, outer = _parts(pulled, zones)
-    return sum(_integral(function, pulled, a, b, spacing) for a, b in outer if (a, b) not in inner)
+    return sum(_integral(function, pulled, a, b, spacing) for a, b in _parts_beside(pulled, zones))
 
 
 def on_zones(function: Callable[[Array], Array], pulled: Pulled, zones: Array, spacing: float) -> float:
@@ -26,27 +25,24 @@ def on_zones(function: Callable[[Array], Array], pulled: Pulled, zones: Array, s
     return sum(_integral(function, pulled, float(a), float(b), spacing) for a, b in zones)
 
 
-def _parts(pulled: Pulled, zones: Array) -> tuple[set[tuple[float, float]], list[tuple[float, float]]]:
-    """(parts of the intervals that are contact, all their parts)."""
-    tension, inner, parts = pulled.pulling, set(), []
+def _parts_beside(pulled: Pulled, zones: Array) -> list[tuple[float, float]]:
+    """Parts of the intervals that are no contact."""
+    tension, parts = pulled.pulling, []
     for lo, hi in _intervals(tension, zones):
         shifts = (0.0,) if tension.period is None else (-tension.period, 0.0, tension.period)
         held = sorted(
             (float(a + shift), float(b + shift)) for a, b in zones for shift in shifts if b + shift > lo and a + shift < hi
         )
-        held = [(max(a, lo), min(b, hi)) for a, b in held]
-        inner |= set(held)
-        ends = [lo, *(end for zone in held for end in zone), hi]
-        parts += [(a, b) for a, b in zip(ends[:-1], ends[1:], strict=True) if b > a]
-    return inner, parts
+        ends = [lo, *(min(max(end, lo), hi) for zone in held for end in zone), hi]
+        parts += [(a, b) for a, b in zip(ends[::2], ends[1::2], strict=True) if b > a]
+    return parts
 
 
 def _intervals(tension: Tension, zones: Array) -> list[tuple[float, float]]:
     if not tension.everywhere:
         return [(float(a), float(b)) for a, b in tension.table]
-    assert tension.period is not None
     first = float(zones[0, 1]) if len(zones) else 0.0
-    return [(first, first + tension.period)]
+    return [(first, first + tension.width)]
 
 
 def _integral(function: Callable[[Array], Array], pulled: Pulled, a: float, b: float, spacing: float) -> float:
@@ -103,10 +99,8 @@ class LooseFields(NoZones):
 
     @property
     def mean_gap(self) -> float:
-        period, units = self.problem.period, self.problem.units
-        assert period is not None
-        sunk = self.problem.compression * self.tension.total / period
-        return (mean_shape(self.problem) - sunk + self.level) * units.height
+        sunk = self.problem.compression * self.tension.total / self.problem.repeat_length
+        return (mean_shape(self.problem) - sunk + self.level) * self.problem.units.height
 
     @cached_property
     def _spacing(self) -> float:

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from contact.formulation.quadrature import gauss
 from sie import Array, nearest_image
 
 # Nodes of smooth sums, and of Gauss's rule on a panel of angles.
@@ -81,13 +82,11 @@ class Spread:
 
     def lacking(self, side: int, panels: int, breaks: Array) -> tuple[Array, Array]:
         """(places, weights) of a rule for int (1 - eta) on the zone, the left (0) or the right one, by parts between breaks."""
-        t, weight = np.polynomial.legendre.leggauss(_PANEL)
         inner = breaks[(breaks > self.a) & (breaks < self.b)]
         cuts = np.unique(np.append(np.linspace(0.0, np.pi, max(panels, 2) + 1), np.arccos((inner - self.middle) / self.half)))
-        half = 0.5 * np.diff(cuts)[:, None]
-        angle = (0.5 * (cuts[1:] + cuts[:-1])[:, None] + half * t).ravel()
+        angle, weight = gauss(cuts, _PANEL)
         part = angle / np.pi if side == 0 else 1 - angle / np.pi
-        return self.middle + self.half * np.cos(angle), self.half * (half * weight).ravel() * np.sin(angle) * part
+        return self.middle + self.half * np.cos(angle), self.half * weight * np.sin(angle) * part
 
 
 def _point(y: Array) -> Array:

@@ -15,6 +15,7 @@ import numpy as np
 
 import sie
 from contact.formulation.conjugate import clausen2
+from contact.formulation.quadrature import gauss
 from contact.formulation.tension.end_sums import Cells, EndSum
 from contact.formulation.tension.spread import Spread
 from sie import Array, Index, Mask, nearest_image, record, wrapped
@@ -193,18 +194,11 @@ class Tension(sie.Kept):
 
     @cached_property
     def _panels(self) -> tuple[Array, Array]:
-        t, w = np.polynomial.legendre.leggauss(_NODES)
         length = min(self.kernel.length, 1.0 if self.period is None else 0.25 * self.period)
-        at, weights = [], []
-        for left, right in self.table:
-            count = int(np.ceil(_PER_LENGTH * (right - left) / length))
-            cuts = np.linspace(left, right, count + 1)
-            half = 0.5 * np.diff(cuts)[:, None]
-            at.append((0.5 * (cuts[1:] + cuts[:-1])[:, None] + half * t).ravel())
-            weights.append((half * w).ravel())
+        rules = [gauss(np.linspace(a, b, int(np.ceil(_PER_LENGTH * (b - a) / length)) + 1), _NODES) for a, b in self.table]
         for side, zone in enumerate(self.spread):
             if zone is not None:
                 places, lacking = zone.lacking(side, int(np.ceil(_PER_LENGTH * 2 * zone.half / length)), np.zeros(0))
-                at.append(places)
-                weights.append(-lacking)
+                rules.append((places, -lacking))
+        at, weights = zip(*rules, strict=True)
         return np.concatenate(at), np.concatenate(weights)

@@ -91,11 +91,6 @@ class AdhesiveZone(SymmetricZone):
         return nan if self.punch_compliance is None else self.punch_compliance * load + at_load
 
     @property
-    def max_pressure(self) -> float:
-        """Greatest pressure, in the middle for the profiles that are convex there."""
-        return float(self._pressure(np.array(0.0), np.array(self.half_width)))
-
-    @property
     def elastic_energy(self) -> float:
         """(1/2) int p u [J/m], per period if there is one; u as `displacement` has it."""
         raise NotImplementedError

@@ -174,8 +174,8 @@ class SymmetricZone(Zoned):
 
     @property
     def max_pressure(self) -> float:
-        """Peak pressure [Pa]; inf where the profile has a kink or a corner in the zone."""
-        return inf
+        """Peak pressure [Pa], in the middle; inf where the profile has a kink or a corner in the zone."""
+        return float(self._pressure(np.array(0.0), np.array(self.half_width)))
 
     def _approach(self) -> float:
         """Approach; called only where it is defined (a period, or a datum)."""

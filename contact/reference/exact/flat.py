@@ -25,6 +25,8 @@ class _Punch(SymmetricZone):
     def _slope(self, r: Array) -> Array:
         return np.zeros_like(r)
 
+    max_pressure = property(lambda self: inf)  # type: ignore[assignment]
+
     def _gap(self, e: Array) -> Array:
         return np.full_like(e, inf)
 

@@ -7,7 +7,7 @@ I. G. Goryacheva & I. Tsukanov, Front. Mech. Eng. 6 (2020) 45, doi 10.3389/fmech
 """
 
 from dataclasses import dataclass
-from math import atan2, pi, sqrt
+from math import pi, sqrt
 from typing import Any
 
 import numpy as np
@@ -177,11 +177,6 @@ class LocalizedZone(SymmetricZone):
         if self.closure == FIRST_ORDER:
             return self.isolated.load + correction_load(self.half_width, self.period, self.isolated.load)
         return self.isolated.load * self.period / _root(self.half_width, self.period)
-
-    @property
-    def max_pressure(self) -> float:
-        angle = atan2(2.0 * self.half_width, _root(self.half_width, self.period))
-        return self.isolated.max_pressure + 2.0 * self.nominal_load / (pi * self.period) * angle
 
     def load_rate(self, s: Array) -> Array:
         """d(load)/da at a = s with the nominal load held: the superposition's P'(s)."""

@@ -97,10 +97,6 @@ class HertzLine(_Parabola, base.IsolatedZone):
     def load(self) -> float:
         return pi * self.E_star * self.half_width**2 / (4.0 * self.radius)
 
-    @property
-    def max_pressure(self) -> float:
-        return self.E_star * self.half_width / (2.0 * self.radius)
-
     def _approach(self) -> float:
         assert self.datum is not None
         return self.half_width**2 / (2.0 * self.radius) * (log(2.0 * self.datum / self.half_width) + 0.5)
@@ -180,12 +176,6 @@ class PeriodicParabola(_Parabola, base.PeriodicZone):
     @property
     def load(self) -> float:
         return -(self.period**2) * self.E_star / (2.0 * pi * self.radius) * self._log_cosine()
-
-    @property
-    def max_pressure(self) -> float:
-        c = self._cosine()
-        y = 2.0 * float(sine(0.5 * self.half_width, self.period)) ** 2 / c
-        return self.period * self.E_star / (2.0 * pi * self.radius) * float(arcosh1p(y))
 
     def _approach(self) -> float:
         square = self._sine() ** 2

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import brentq
-from scipy.special import itj0y0, j0, j1, jn_zeros, jv
+from scipy.special import j0, j1, jn_zeros, jv
 
 from contact.errors import OutOfRange
 from contact.model.checks import keep, positive
@@ -117,10 +117,6 @@ class Westergaard(base.PeriodicZone):
     @property
     def load(self) -> float:
         return pi * self.E_star * self.amplitude * self._sine() ** 2
-
-    @property
-    def max_pressure(self) -> float:
-        return 2.0 * self.full_contact_pressure * self._sine()
 
     def _approach(self) -> float:
         return self.amplitude * self._sine() ** 2 * (1.0 - 2.0 * self._log_sine())
@@ -316,10 +312,6 @@ class IsolatedSinusoid(base.IsolatedZone):
     def load(self) -> float:
         ka = self._k * self.half_width
         return 0.5 * pi * self.E_star * self.amplitude * ka * float(j1(ka))
-
-    @property
-    def max_pressure(self) -> float:
-        return 0.5 * self.E_star * self.amplitude * self._k * float(itj0y0(self._k * self.half_width)[0])
 
     def _approach(self) -> float:
         # (2/pi E*) int P'(s) ln(2d/s) ds, with int_0^a P/s ds = (pi E* Delta/2)(1 - J_0(ka))

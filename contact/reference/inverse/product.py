@@ -123,9 +123,6 @@ class CutProduct:
             np.array(behind, dtype=bool),
         )
 
-    def _root_factors(self, i: int, dl: Array, dr: Array, offsets: Array) -> Array:
-        return self._factors(*self._root_distances(i, dl, dr, offsets))
-
     @cached_property
     def roots(self) -> Array:
         """Offsets (roots, 2) of the roots of M from the ends of their gaps: Newton on int_gap |X| M = 0."""
@@ -149,10 +146,10 @@ class CutProduct:
 
     def _gap_row(self, row: int, g: int, dl: Array, dr: Array, weight: Array, offsets: Array) -> tuple[Any, Array]:
         """int_gap |X| M of one gap and its derivatives by all roots, relative to int_gap |X M|."""
-        factors = self._root_factors(g, dl, dr, offsets)
+        left, right, behind = self._root_distances(g, dl, dr, offsets)
+        factors = self._factors(left, right, behind)
         others = np.prod(np.delete(factors, row, axis=-1), axis=-1) * weight
         own = factors[:, row]
-        left, right, behind = self._root_distances(g, dl, dr, offsets)
         with np.errstate(divide="ignore"):  # a node on the gap's own root: that column is replaced below
             if self.period is None:
                 logarithmic = 1.0 / np.where(behind, left, -right)
@@ -211,7 +208,7 @@ class CutProduct:
     def magnitude(self, i: int, dl: Array, dr: Array) -> Array:
         """|X M| on interval i before scaling."""
         ends = self.root(i, dl, dr)
-        return ends * np.abs(np.prod(self._root_factors(i, dl, dr, self.roots), axis=-1))
+        return ends * np.abs(np.prod(self._factors(*self._root_distances(i, dl, dr, self.roots)), axis=-1))
 
     def side(self, i: int, dl: Array, dr: Array) -> Array:
         """+1 where the gap grows with x: left of the root of M in a gap; right of all zones."""

@@ -17,6 +17,7 @@ import numpy as np
 
 from contact.errors import NotConverged
 from contact.formulation.equilibria import NEUTRAL, Closed, Equilibria, Point
+from contact.formulation.tension.intervals import joined
 from contact.search.equilibria.foretold import Foretold
 from sie import Array, Mask
 
@@ -158,7 +159,7 @@ def inward_and_outward(curve: Equilibria, here: Point, detailed: bool = True) ->
 
 def closing(curve: Equilibria, here: Point, told: Foretold | None = None) -> Array | None:
     """The zones without gaps that have closed, or of which it is foretold; None if there is none."""
-    table, period = here.table, curve.problem.period
+    table = here.table
     left, right = np.split(here.residual, 2)
     widths = np.diff(table, axis=1)[:, 0]
     gap = curve.gaps(table)
@@ -170,14 +171,7 @@ def closing(curve: Equilibria, here: Point, told: Foretold | None = None) -> Arr
         return None
     if closes.all():
         raise Closed
-    if closes[-1]:
-        # The zones are counted on from one that begins at an open gap.
-        assert period is not None
-        start = int(np.flatnonzero(~closes)[0]) + 1
-        table = np.concatenate((table[start:], table[:start] + period))
-        closes = np.roll(closes, -start)
-    begins = np.concatenate(([True], ~closes[:-1]))
-    return np.column_stack((table[begins, 0], table[~closes, 1]))
+    return joined(table, closes, [], curve.problem.period)
 
 
 def come_apart(here: Point, widths: Array, residual: Array) -> Mask:

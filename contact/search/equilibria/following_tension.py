@@ -401,11 +401,7 @@ class FollowingUnderTension(Following):
             if deep > lowest:
                 place, lowest = inner, deep
         value = -pulled.pulling.total
-        none = np.zeros((0, 2))
-        touch = CohesivePoint(
-            none, value, np.zeros(0), np.zeros((0, 0)), np.zeros(0), value, lowest, np.array([[place, place]]), None, np.zeros((2, 1)),
-            np.array([-1.0]), (np.zeros(0), np.zeros(0)), True,
-        )
+        touch = CohesivePoint.under_all(value, value, lowest, np.array([[place, place]]), None, (np.zeros(0), np.zeros(0)))
         return Jump("pull-off", place, Standing(value, touch), Standing(value))
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from contact.formulation.controls import Control
-from contact.formulation.equilibria import Equilibria
+from contact.formulation.equilibria import Equilibria, Point
 from contact.formulation.fields import ZoneFields
 from contact.formulation.tension.cohesive import Cohesive, Loose
 from contact.formulation.tension.fields import PulledFields
@@ -29,37 +29,28 @@ class Parting:
     @one_of_blas()
     def __call__(self, fields: ZoneFields) -> PullOff:
         problem, units = fields.problem, fields.problem.units
-        curve = Equilibria(problem, self.held)
-        # Under a held approach ends that recede may drive others on.
-        recede = receded if self.held.load is not None else relaxed
         try:
-            here = curve.at(fields.density.zones.table, self.held.value)
-            last = pull_off(curve, lowered_by_load(curve, here, near_the_last), recede)
-        except SymmetryLost as lost:
-            raise lost.located() from None
-        approach = float(-last.level * units.height) if problem.operator.has_approach else None
-        return PullOff(float(last.load * units.load), approach, np.asarray(units.x(last.table)))
-
-
-@dataclass(frozen=True)
-class PartingUnderTension:
-    """The same where a tension acts beside the contact."""
-
-    held: Control
-
-    @one_of_blas()
-    def __call__(self, fields: ZoneFields) -> PullOff:
-        assert isinstance(fields, PulledFields) and fields.law_problem is not None
-        problem, units, zones = fields.law_problem, fields.problem.units, fields.density.zones.table
-        curve, tension = Cohesive(problem, self.held), fields.tension
-        try:
-            if tension.everywhere:
-                last = tension_parting.pull_off_from_all(curve, zones, self.held.value)
-            else:
-                load = float(fields.density.total - tension.total)
-                here = Loose.of(tension.table, self.held.value, load, float(fields.level), zones)
-                last = tension_parting.pull_off(curve, here)
+            last = _under_tension(fields, self.held) if isinstance(fields, PulledFields) else _without_range(fields, self.held)
         except SymmetryLost as lost:
             raise lost.located() from None
         approach = float(-last.level * units.height) if problem.operator.has_approach else None
         return PullOff(float(last.load * units.load), approach, np.asarray(units.x(last.contact)))
+
+
+def _without_range(fields: ZoneFields, held: Control) -> Point:
+    """The last equilibrium, of a contact beside which nothing acts."""
+    curve = Equilibria(fields.problem, held)
+    # Under a held approach ends that recede may drive others on.
+    recede = receded if held.load is not None else relaxed
+    here = curve.at(fields.density.zones.table, held.value)
+    return pull_off(curve, lowered_by_load(curve, here, near_the_last), recede)
+
+
+def _under_tension(fields: PulledFields, held: Control) -> Point:
+    """The same where a tension acts beside the contact."""
+    assert fields.law_problem is not None
+    curve, tension, zones = Cohesive(fields.law_problem, held), fields.tension, fields.zones
+    if tension.everywhere:
+        return tension_parting.pull_off_from_all(curve, zones, held.value)
+    load = float(fields.density.total - tension.total)
+    return tension_parting.pull_off(curve, Loose.of(tension.table, held.value, load, float(fields.level), zones))

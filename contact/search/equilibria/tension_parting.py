@@ -96,7 +96,6 @@ def pull_off_from_all(curve: Cohesive, zones: Array, value: float) -> Point:
     if rest is not None:
         return pull_off(curve, rest)
     problem, pulled = curve.problem, curve.everywhere
-    assert problem.period is not None
     # Without contact the load is the tension's, and the base gives way to it.
     load = -pulled.pulling.total
     lost = load if curve.held.load is not None else (curve.yields * load - curve.stress * problem.compression)

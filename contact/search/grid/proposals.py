@@ -72,9 +72,9 @@ def _in_strip(problem: Problem, control: Control, points: int | None, whole: Pro
     """From a grid of the strip, under the nominal pressure beyond it, from the contact of the whole period, where that leaves a gap: the
     strip is cut there, or where it would leave the last one, and then follows its zones."""
     units, profile = problem.units, problem.profile
-    assert profile.period is not None and problem.period is not None
+    assert profile.period is not None
     load = whole.state.load if control.load is None else control.load * units.load
-    nominal = load / units.load / problem.period if problem.amplitude is None else problem.amplitude
+    nominal = load / units.load / problem.repeat_length if problem.amplitude is None else problem.amplitude
     middle = cut_of(whole, profile.x0, profile.period)[0] + 0.5 * profile.period
     if profile.support is not None:
         middle = 0.5 * sum(profile.support)
@@ -106,8 +106,7 @@ def cut_of(whole: Proposal, x0: float, period: float) -> tuple[float, float]:
 def of_width(scaled: ScaledScene, problem: Problem, width: float) -> Proposal:
     """Zones from a grid under a load at which they have about the given scaled total width: from one no finer than the width asks for
     first, then from one as fine as the profile's resolution does."""
-    period, length = problem.period, problem.units.length
-    assert period is not None
+    period, length = problem.repeat_length, problem.units.length
     load, rate, roughly = _load_of_width(scaled, problem, width)
     before: tuple[float, float] | None = None
     found = roughly
@@ -135,8 +134,7 @@ def _miss(found: float, width: float, period: float) -> float:
 def _load_of_width(scaled: ScaledScene, problem: Problem, width: float) -> tuple[float, float, Proposal]:
     """(a scaled load at which a grid's zones have about the given scaled total width, by false position, d miss / d log(load), these). It
     is that of a first guess: the grid is no finer than the width asks for."""
-    assert problem.period is not None
-    units, profile, period = problem.units, problem.profile, problem.period
+    units, profile, period = problem.units, problem.profile, problem.repeat_length
     near_enough, least = _ABOUT * min(width, period - width), _SEEN * period / min(width, period - width)
     features = 16.0 if profile.feature is None else units.length * period / profile.feature
     points = 2 ** int(np.clip(np.ceil(np.log2(max(_PER_FEATURE * features, least))), 8, 17))

@@ -31,11 +31,6 @@ class ByGaps:
     what: str = "gap"
     most_steps: int = 25
 
-    @property
-    def period(self) -> float:
-        assert self.problem.period is not None
-        return self.problem.period
-
     def equation(self, control: Control) -> sie.Equation:
         """The equation of the slope of the gap. The mean pressure is a column: taken off the right side it would leave little but the
         rounding of both."""
@@ -45,7 +40,7 @@ class ByGaps:
             density_orders=jumps.orders,
             spline=jumps.value,
         )
-        conditions, ends = control.gap_conditions(self.period, partial(mean_shape, problem), problem.compression)
+        conditions, ends = control.gap_conditions(self.problem.repeat_length, partial(mean_shape, problem), problem.compression)
         return sie.Equation(problem.inverse_kernel, right, conditions, (sie.Forcing(minus_one, modes=1),), ends)
 
     def intervals(self, control: Control, table: Array) -> sie.Zones:
@@ -68,7 +63,7 @@ class ByGaps:
         )
         if not free.converged:
             raise WrongTopology("the ends of the gaps did not settle", free)
-        return GapFields(self.problem, free.state, load / self.period, self.relief)
+        return GapFields(self.problem, free.state, load / self.problem.repeat_length, self.relief)
 
     def refuse(self, table: Array, free: sie.Free) -> None:
         """Gaps that shrink away or meet are what they seem."""
@@ -76,7 +71,7 @@ class ByGaps:
     def fields(self, control: Control, free: sie.Free, tolerance: float) -> GapFields:
         state, mean = free.state, float(free.density.amplitudes[0])
         if control.load is None:
-            equation = self.equation(Load(mean * self.period))
+            equation = self.equation(Load(mean * self.problem.repeat_length))
             state = sie.solve_fixed(equation, free.density.zones, max(0.1 * tolerance, 3e-16)).with_bounded_ends()
         return GapFields(self.problem, state, mean, self.relief)
 
@@ -86,7 +81,7 @@ class ByGaps:
     def corrected(self, zones: sie.Zones, certificate: Certificate) -> Array:
         """Those without the parts in which they overlap, and new ones where the pressure pulls."""
         parts = np.concatenate((without(zones.table, certificate.overlaps), certificate.negative))
-        return united(parts, self.period, True, self.what)
+        return united(parts, self.problem.repeat_length, True, self.what)
 
     def solved(
         self, free: sie.Free, fields: GapFields, certificate: Certificate, rounds: int, control: Control, tolerance: float

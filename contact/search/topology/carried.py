@@ -57,7 +57,7 @@ class Passed(sie.Kept):
         """Scaled (n, 2)."""
         fields = self.fields
         assert fields is not None
-        return fields.scaled_zones
+        return fields.zones
 
     @cached_property
     def lowest(self) -> Array:
@@ -65,7 +65,8 @@ class Passed(sie.Kept):
         return self.solution.certificate.lowest
 
     @cached_property
-    def _rates(self) -> tuple[Array, Array]:
+    def rates(self) -> tuple[Array, Array]:
+        """(how far each end moves outward, a unit of the logarithm (n, 2), by how much the lowest places open (k,))."""
         fields = self.fields
         assert fields is not None
         outward, opening = fields.rates(self.lowest[:, 0])
@@ -75,26 +76,16 @@ class Passed(sie.Kept):
         once = float(np.diff(self.zones, axis=1).sum()) / float(outward.sum())
         return outward * once, opening * once
 
-    @property
-    def outward(self) -> Array:
-        """How far each end moves outward, a unit of the logarithm (n, 2)."""
-        return self._rates[0]
-
-    @property
-    def opening(self) -> Array:
-        """By how much the lowest places open (k,)."""
-        return self._rates[1]
-
     @cached_property
     def own(self) -> Motion:
         """Of the zones."""
-        left, right = self.outward.T
+        left, right = self.rates[0].T
         return Motion.of(self.zones, -left, right)
 
     @cached_property
     def between(self) -> Motion:
         """Of the gaps right of each zone, the last one over the border of the period."""
-        left, right = self.outward.T
+        left, right = self.rates[0].T
         return Motion.of(gaps_between(self.zones, self.problem.period), right, -np.roll(left, -1))
 
 
@@ -224,7 +215,7 @@ def _kept(left: Array, right: Array, lost: Mask, closed: Mask, period: float | N
 def _with_new(zones: Array, last: Passed, away: float) -> Array:
     """Zones, and new ones where the gap is carried on to below zero."""
     place, value, bend = last.lowest.T
-    change = away * last.opening
+    change = away * last.rates[1]
     depth = np.where(value + change < _SLIGHT * np.abs(change), np.maximum(-value - change, _SLIGHT * np.abs(change)), 0.0)
     period = last.problem.period
     place = sie.wrapped(place, float(zones[0, 0]), period)

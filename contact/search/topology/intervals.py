@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from contact.formulation import tables
 from contact.search.topology.missed import WrongTopology
 from sie import Array, Index
 
@@ -27,8 +28,7 @@ def without(table: Array, parts: Array) -> Array:
 def merged(table: Array, met: Index, period: float | None) -> Array:
     """Each of the intervals `met` with the one after it; the last one with the first of the next period, if there is one."""
     closed = np.isin(np.arange(len(table)), met)
-    first = np.flatnonzero(np.append(True, ~closed[:-1]))
-    out = np.column_stack((table[first, 0], table[np.append(first[1:], len(table)) - 1, 1]))
+    out = tables.joined_where(table, closed[:-1])
     if closed[-1] and period is not None and len(out) > 1:
         out[-1, 1] = out[0, 1] + period
         out = out[1:]
@@ -39,11 +39,7 @@ def united(table: Array, period: float | None, around: bool, what: str) -> Array
     """Overlapping intervals as one. around: the last one may reach over the border of the period. what: they are, for a message."""
     if len(table) == 0:
         return table
-    table = table[np.argsort(table[:, 0], kind="stable")]
-    # A new one begins beyond all that came before.
-    reach = np.maximum.accumulate(table[:, 1])
-    first = np.flatnonzero(np.append(True, table[1:, 0] > reach[:-1]))
-    out = np.column_stack((table[first, 0], reach[np.append(first[1:], len(table)) - 1]))
+    out = tables.united(table)
     if around and period is not None and len(out) > 1 and out[-1, 1] >= out[0, 0] + period:
         out[0, 0] = out[-1, 0] - period
         out = out[:-1]

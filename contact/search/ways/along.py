@@ -99,8 +99,7 @@ def _by_grid_or_missed(task: Task, problem: Problem, control: Control, points: i
     profile = task.scene.profile
     assert profile.period is not None
     scaled = ScaledScene(problem, control, (profile.x0, profile.x0 + profile.period))
-    outcome: Outcome | Missed = attempted(lambda: from_grid(task, scaled, points=points, drops=True))
-    return outcome
+    return attempted(lambda: from_grid(task, scaled, points=points, drops=True))
 
 
 def _by_zones(task: Task, problem: Problem, control: Control, zones: Array, cheap: bool) -> Outcome | Missed:
@@ -109,8 +108,7 @@ def _by_zones(task: Task, problem: Problem, control: Control, zones: Array, chea
 
 
 def _by_gaps(task: Task, problem: Problem, control: Control, zones: Array, cheap: bool) -> Outcome | Missed:
-    period = problem.period
-    assert period is not None
+    period = problem.repeat_length
     mean = task.along[-1].solution.load / problem.units.load / period
     form, newton = ByGaps(problem, task.shared.relief(problem)), Newton(OF_GAPS * task.tolerance, mean, steps=_STEPS[cheap], drops=True)
     with task.plan.timed("zone ends"):

@@ -16,7 +16,6 @@ from contact.formulation.tension.cohesive import Cohesive, CohesivePoint
 from contact.formulation.tension.contact import Lost
 from contact.formulation.tension.fields import fields_of
 from contact.formulation.tension.loose import LooseFields
-from contact.model.controls import fields_under
 from contact.model.scene import Scene
 from contact.search.equilibria.coming_apart import pull_off
 from contact.search.equilibria.following import Following, Jump, Standing
@@ -96,11 +95,11 @@ def _under_tension(task: Task) -> Followed:
         if not here.everywhere:
             return cohesive.solved(task, curve, here)
         if task.give is not None:
-            task = replace(task, scene=under(task.scene, "load", here.load * problem.units.load), give=None)
+            task = replace(task, scene=task.scene.under("load", here.load * problem.units.load), give=None)
         return cohesive.everywhere(task, problem)
 
     def let_go(here: Point) -> Point | None:
-        held = replace(task, scene=under(scene, "approach", 0.0), give=None)
+        held = replace(task, scene=scene.under("approach", 0.0), give=None)
         return _Tension(held, scaled, Cohesive(problem, Approach(-here.level), loose=True)).let_go(here)
 
     return Followed(following, started, lambda here: fields_of(curve, here), outcome, let_go)
@@ -123,7 +122,7 @@ class _Tension:
         """Under a value of a load or of an approach."""
         held = self.curve.held
         name = "approach" if held.load is None else "load"
-        return replace(self.task, scene=under(self.task.scene, name, value * held.unit(self.scaled.problem.units)), give=None)
+        return replace(self.task, scene=self.task.scene.under(name, value * held.unit(self.scaled.problem.units)), give=None)
 
     def _pressed(self, value: float) -> Array:
         """Zones under tension in all of a period, or a guess of them."""
@@ -136,7 +135,7 @@ class _Tension:
             scene = task.scene
             assert scene.period is not None and scene.law.bare is not None
             full = FullLimit(scene.profile, scene.E_star, task.operator, scene.law.bare).pressure
-            task = replace(task, scene=under(scene, "load", (full * (1 - 1e-6) - scene.law.tension) * scene.period))
+            task = replace(task, scene=scene.under("load", (full * (1 - 1e-6) - scene.law.tension) * scene.period))
         try:
             zones = cohesive.under_all(task, problem)
         except (Lost, OutOfRange):
@@ -180,8 +179,3 @@ class _Tension:
         except NotConverged:
             return None
         return None
-
-
-def under(scene: Scene, control: str, value: float) -> Scene:
-    """The scene under a value of one control."""
-    return replace(scene, **fields_under(control, value))

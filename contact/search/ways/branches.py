@@ -129,7 +129,8 @@ def _typical(task: Task, intensity: float) -> Solution:
     sqrt(pi E* w times the width in contact), is borne there by the profile."""
     scene = task.scene
     strength = math.pi * intensity
-    size = scene.profile.resolution or _extent(task) or 1.0
+    extent = scene.profile.extent
+    size = scene.profile.resolution or (1.0 if extent is None else 0.1 * (extent[1] - extent[0]))
     load = max(strength * math.sqrt(size), scene.given_load or 0.0)
     found: Solution | None = None
     failure: OutOfRange | None = None
@@ -146,11 +147,6 @@ def _typical(task: Task, intensity: float) -> Solution:
         assert failure is not None
         raise failure
     return found
-
-
-def _extent(task: Task) -> float | None:
-    extent = task.scene.profile.extent
-    return None if extent is None else 0.1 * (extent[1] - extent[0])
 
 
 def bare(task: Task, load: float | None = None) -> Solution:

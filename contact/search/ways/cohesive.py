@@ -106,9 +106,10 @@ def _greatest(task: Task, scaled: ScaledScene, curve: Cohesive, value: float) ->
     if curve.held.load is not None or value > 0.0:
         return _receded_from_all(task, curve, value)
     for part in _PARTS:
-        above = part * mean_height(task.scene) / curve.problem.units.height
+        above = part * mean_height(task.scene)
+        higher = replace(task, scene=task.scene.under(task.scene.control[0], above))
         try:
-            rest = _receded_from_all(replace(task, scene=_under(task.scene, above * curve.problem.units.height)), curve, above)
+            rest = _receded_from_all(higher, curve, above / curve.problem.units.height)
         except Closed:
             continue
         return None if rest is None else _lowered_to(curve, rest, value)
@@ -135,7 +136,7 @@ def _pulled_off(task: Task, scaled: ScaledScene, curve: Cohesive) -> Point:
     try:
         return pull_off(curve, advancing(task, scaled, curve, 0.0))
     except Closed:
-        nothing = replace(task, scene=_under(task.scene, 0.0))
+        nothing = replace(task, scene=task.scene.under(task.scene.control[0], 0.0))
         zones = under_all(nothing, curve.problem)
         if zones is None:
             raise OutOfRange("the surfaces come apart from full contact") from None
@@ -319,11 +320,6 @@ def _bare_scene(task: Task, problem: Problem) -> Scene:
 
 
 # what was found -------------------------------------------------------------------------------------------------------
-def _under(scene: Scene, value: float) -> Scene:
-    """The scene under another value of its control."""
-    return replace(scene, **{scene.control[0]: value})  # type: ignore[arg-type]
-
-
 def solved(task: Task, curve: Cohesive, here: Point) -> Found:
     """The equilibrium as tightly as there is."""
     assert isinstance(here, CohesivePoint)

@@ -52,7 +52,7 @@ def _found(
 ) -> FoundByGaps | Missed:
     """First guesses, Newton, signs. width: about that of all contact, zones: about where it is; near: these are those of a solution, and
     given up as soon as they turn out to be far."""
-    tolerance, period = OF_GAPS * task.tolerance, form.period
+    tolerance, period = OF_GAPS * task.tolerance, form.problem.repeat_length
     try:
         width = width if control.width is None else control.width
         mean = control.load / period if control.load is not None else task.shared.first_gaps(form.problem).mean_of(width)

@@ -183,7 +183,6 @@ def _on_the_way(task: Task, tol: float = _ON_THE_WAY) -> Callable[[float, Soluti
         except NotConverged as failure:
             if failure.best is None or not failure.best.error < max(1e3 * _ON_THE_WAY, 10 * tol):
                 raise
-            best: Solution = failure.best
-            return best
+            return failure.best
 
     return solved

@@ -3,6 +3,7 @@ first-order closure takes the nominal pressure from the isolated load of the sam
 
 import math
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -88,12 +89,11 @@ def _with_longer_series(task: Task, scaled: ScaledScene, found: Found) -> Found:
     problem, load = found.fields.problem, found.control.load
     if problem.interaction.follows_isolated:
         return found
-    assert problem.period is not None
     if problem.amplitude is not None:
-        return replace(found, fields=replace(found.fields, amplitude_rate=1 / problem.period))
+        return replace(found, fields=replace(found.fields, amplitude_rate=1 / problem.repeat_length))
     if load is None or float(found.fields.state.end_truncation.max()) <= task.tol:
         return found
-    given = replace(scaled, problem=problem.with_amplitude(load / problem.period))
+    given = replace(scaled, problem=problem.with_amplitude(load / problem.repeat_length))
     longer = attempted(lambda: centred(task, given, found.free.density.zones.table))
     if isinstance(longer, Missed):
         task.left("the nominal pressure as given", longer)
@@ -132,9 +132,7 @@ def first_order(task: Task, scaled: ScaledScene, found: Found | None = None) -> 
     def strip(problem: Problem, control: Control, start: Array | None) -> Found:
         return centred(task, replace(scaled, problem=problem, control=control), start)
 
-    def alone(problem: Problem, control: Control, start: Array | None) -> Found:
-        return _reference(task, problem, control, start)
-
+    alone = partial(_reference, task)
     if scaled.control.half_width is not None:
         guess = 2 * scaled.control.half_width
     elif task.single:

@@ -170,5 +170,4 @@ class Question:
 
 @lru_cache(maxsize=1)
 def _received(given: bytes) -> Scene:
-    scene: Scene = pickle.loads(given)
-    return scene
+    return pickle.loads(given)
