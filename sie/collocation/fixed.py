@@ -336,7 +336,8 @@ def sizes_after(sizes: Sizes, equation: Equation, zones: Zones) -> Sizes:
 
 
 def solve_fixed(
-    equation: Equation, zones: Zones, tolerance: float = 1e-14, sizes: Sizes | None = None, largest: int = 8192, direct: bool = False
+    equation: Equation, zones: Zones, tolerance: float = 1e-14, sizes: Sizes | None = None, largest: int | None = None,
+    direct: bool = False,
 ) -> State:
     """Solve on given zones, with singular ends allowed at moving ends (their intensity is what a Newton step needs).
 
@@ -349,8 +350,8 @@ def solve_fixed(
         Coefficients are asked for until they have fallen to this part of the largest.
     sizes : Sizes or None
         Modes to start from, kept from one solve to the next.
-    largest : int
-        Modes of a zone at the most.
+    largest : int or None
+        Modes of a zone at the most; None: 32768 of few zones, 8192 of many.
     direct : bool
         By a matrix, however many the unknowns are, up to what one may hold: where many right sides are to come.
 
@@ -380,7 +381,7 @@ def solve_fixed(
         look_at(equation, zones)
     kernel = equation.kernel
     jumps = equation.forcing.jumps_within(zones, kernel)
-    samples = modes.sample(equation.forcing, zones, jumps, sizes.own, tolerance, largest)
+    samples = modes.sample(equation.forcing, zones, jumps, sizes.own, tolerance, modes.most_own(zones) if largest is None else largest)
     sizes.own = samples.own
     sizes.profile_evaluations += samples.evaluations
     while True:

@@ -21,8 +21,12 @@ from sie.equation.equation import Forcing
 from sie.jumps.forcing import ForcingJumps
 
 OWN_SIZES = np.array(
-    [8, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512, 768, 1024, 1536, 2048, 3072, 4096, 6144, 8192]
+    [
+        8, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512, 768, 1024, 1536, 2048, 3072, 4096, 6144, 8192, 12288, 16384, 24576, 32768,
+    ]
 )
+# Nodes at the most: of one of many zones, and of all together, of which each is given as many as any other has.
+_MOST_OWN, _IN_ALL = 8192, 1 << 20
 # Nodes to begin with of a smooth right side; of one that is singular beside the zones, so many that its coefficients fall to this part.
 _FEW, _FALLEN = 16, 1e-12
 # Only below this part of the largest coefficient can a plateau be rounding.
@@ -74,7 +78,12 @@ def own_at_first(zones: Zones, singular_at: Array, period: float | None) -> Inde
     # Strictly beyond either end: nothing within a zone is singular, nor at an end of it.
     left, right = at[np.searchsorted(at, zones.a) - 1], at[np.searchsorted(at, zones.b, side="right")]
     by = fall(np.minimum(np.minimum(zones.a - left, right - zones.b) / zones.half, 1e300))
-    return OWN_SIZES[np.clip(np.searchsorted(OWN_SIZES, -np.log(_FALLEN) / by), OWN_SIZES.searchsorted(_FEW), len(OWN_SIZES) - 1)]
+    return OWN_SIZES[np.searchsorted(OWN_SIZES, np.clip(-np.log(_FALLEN) / by, _FEW, _MOST_OWN))]
+
+
+def most_own(zones: Zones) -> int:
+    """Nodes of a zone at the most."""
+    return int(OWN_SIZES[np.searchsorted(OWN_SIZES, np.clip(_IN_ALL / len(zones), _MOST_OWN, OWN_SIZES[-1]), side="right") - 1])
 
 
 def coupled(zones: Zones, kernel: Kernel, tolerance: float, least: int | Index) -> Index:
