@@ -46,8 +46,9 @@ COUPLED_SIZES = np.array(
         1024, 1280, 1536, 2048, 2560, 3072,
     ]
 )
-# Modes at the most: as a rule, and of a regular kernel that is known to ask for more, or of zones beside narrow gaps, as long as these are
-# so few that a matrix of each has no more numbers together than the last.
+# Modes at the most: as a rule, and of a regular kernel that is known to ask for more, or of zones beside narrow gaps whose ends stay, as
+# long as these are so few that a matrix of each has no more numbers together than the last. Ends that move are not far from those of one
+# zone with a slit, or of gaps.
 _MOST, _MOST_KNOWN, _OF_FEW = 768, 3072, 4e7
 # Modes to begin with to a half width over the length of a regular kernel: exp(-12) of it is left.
 _PER_LENGTH = 12.0
@@ -89,7 +90,8 @@ def most_own(zones: Zones) -> int:
 def coupled(zones: Zones, kernel: Kernel, tolerance: float, least: int | Index) -> Index:
     """Coupled modes per zone so that rho^m is below the tolerance at the nearest foreign end; at least `least`."""
     by = decay(zones, kernel)
-    want = np.minimum(np.where(by < _ALONE, -np.log(tolerance) / np.maximum(by, 1e-3), 0.0), _MOST_KNOWN)
+    most_here = _MOST if zones.moves.any() else _MOST_KNOWN
+    want = np.minimum(np.where(by < _ALONE, -np.log(tolerance) / np.maximum(by, 1e-3), 0.0), most_here)
     while want.max(initial=0.0) > _MOST and (want**2).sum() > _OF_FEW:
         want = np.minimum(want, max(_MOST, 0.8 * want.max()))
     return COUPLED_SIZES[np.searchsorted(COUPLED_SIZES, np.maximum(want, np.minimum(least, most(kernel))))]

@@ -59,7 +59,7 @@ def slopes() -> Iterator[Extreme]:
             group, f"two corners {width:g} apart, declared", partial(_truncated, 0.5 * width), 20.0,
             "p' ~ 1/d, compared no nearer to a corner than d = 0.05",
         )
-    undeclared = "an undeclared corner: its slope turns within less than 8192 modes see; declare it as a kink"
+    undeclared = "an undeclared corner: its slope turns within less than 32,768 modes see; declare it as a kink"
     for width in (1e-1, 1e-2, 1e-3, 1e-6):
         yield Extreme(
             group, f"wedge blunted over {width:g} of its contact", partial(_blunted, width), 1.0, "p' ~ ln(a/x)",
