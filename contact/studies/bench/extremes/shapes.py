@@ -63,7 +63,7 @@ def slopes() -> Iterator[Extreme]:
     for width in (1e-1, 1e-2, 1e-3, 1e-6):
         yield Extreme(
             group, f"wedge blunted over {width:g} of its contact", partial(_blunted, width), 1.0, "p' ~ ln(a/x)",
-            heavy=width < 1e-5, known=undeclared if width < 5e-3 else "",
+            heavy=width < 1e-5, known=undeclared if width < 5e-4 else "",
         )
 
 
