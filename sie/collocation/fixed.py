@@ -351,7 +351,7 @@ def solve_fixed(
     sizes : Sizes or None
         Modes to start from, kept from one solve to the next.
     largest : int or None
-        Modes of a zone at the most; None: 32768 of few zones, 8192 of many.
+        Modes of a zone at the most; None: 8192, or 32768 of one of few zones whose coefficients have nearly fallen by then.
     direct : bool
         By a matrix, however many the unknowns are, up to what one may hold: where many right sides are to come.
 

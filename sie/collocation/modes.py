@@ -25,8 +25,9 @@ OWN_SIZES = np.array(
         8, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512, 768, 1024, 1536, 2048, 3072, 4096, 6144, 8192, 12288, 16384, 24576, 32768,
     ]
 )
-# Nodes at the most: of one of many zones, and of all together, of which each is given as many as any other has.
-_MOST_OWN, _IN_ALL = 8192, 1 << 20
+# Nodes at the most: of one of many zones, or of one whose last coefficients with so many are not below such a part of the largest; and of
+# all together, of which each is given as many as any other has.
+_MOST_OWN, _NEARLY, _IN_ALL = 8192, 1e-6, 1 << 20
 # Nodes to begin with of a smooth right side; of one that is singular beside the zones, so many that its coefficients fall to this part.
 _FEW, _FALLEN = 16, 1e-12
 # Only below this part of the largest coefficient can a plateau be rounding.
@@ -155,6 +156,7 @@ def sample(forcing: Forcing, zones: Zones, jumps: ForcingJumps, own: Index, tole
             # Places are rounded to half a unit in their last digit: what that makes of the slope of g is seen in all coefficients.
             rounded = _places(zones, group) * np.linalg.norm(g * np.arange(1, int(n) + 1), axis=1) * (2 / np.sqrt(n))
             grow = (last > np.maximum(tolerance * scale, np.maximum(rounded, noise[group] / np.sqrt(n)))) & (n < largest)
+            grow &= (n < _MOST_OWN) | (last <= _NEARLY * scale)
             # A jump of g itself leaves coefficients ~ 1/n, rounding ~ 1/sqrt(n): what falls no faster is rounding.
             # Sizes two steps apart are in the ratio of two: beside knots what one size tells may beat with the next.
             slow = (tails[group, 1] >= 0) & (last[:, None] > tails[group] * (sizes[group] / n) ** 0.75).all(axis=1)
