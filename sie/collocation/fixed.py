@@ -38,7 +38,7 @@ _SLOWER = 0.9
 # is left there: 0.42 n^1.5 of their size on average, a third of the largest, half of which is for _FOLDED.
 _OF_ROUNDING = 0.08
 # Series so long hardly show in the residual away from the ends what they leave out beside these; where all of it adds up, over how many.
-_LONG, _QUARTERS = 96, np.array([0.5, 1.0, 2.0])
+_LONG, _ADDING_UP = 96, np.array([0.5, 1.0, 2.0])
 # Points of every zone at which the residual is looked at: none of them a node.
 LOOKS = 15
 THETA = (np.arange(LOOKS) + 0.4142) * np.pi / LOOKS
@@ -284,7 +284,7 @@ def beside_ends(kept: Index, residual: Callable[[Index, Array], Array]) -> Array
     coefficients of each; residual: times sqrt(1 - t^2), of some of the zones (k,) at angles (k, points)."""
     out, long = np.zeros(len(kept)), np.flatnonzero(kept >= _LONG)
     if len(long):
-        theta = _QUARTERS / kept[long, None]
+        theta = _ADDING_UP / kept[long, None]
         out[long] = np.abs(residual(long, np.concatenate((theta, np.pi - theta), axis=1))).max(axis=1)
     return out
 

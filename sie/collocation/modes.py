@@ -93,6 +93,7 @@ def coupled(zones: Zones, kernel: Kernel, tolerance: float, least: int | Index) 
     by = decay(zones, kernel)
     most_here = _MOST if zones.moves.any() else _MOST_KNOWN
     want = np.minimum(np.where(by < _ALONE, -np.log(tolerance) / np.maximum(by, 1e-3), 0.0), most_here)
+    # Those that ask for the most give way first.
     while want.max(initial=0.0) > _MOST and (want**2).sum() > _OF_FEW:
         want = np.minimum(want, max(_MOST, 0.8 * want.max()))
     return COUPLED_SIZES[np.searchsorted(COUPLED_SIZES, np.maximum(want, np.minimum(least, most(kernel))))]
