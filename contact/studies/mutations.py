@@ -120,7 +120,7 @@ MUTATIONS = (
     ),
     Mutation(
         "sign of a jump of the curvature", "sie/jumps/formulas.py",
-        "np.where(q == 1, sine, second))", "np.where(q == 1, -sine, second))", ("tests/sie/test_forcing_jumps.py",),
+        "-1.5 * self.s, first) * self.sine", "-1.5 * self.s, -1 * first) * self.sine", ("tests/sie/test_forcing_jumps.py",),
     ),
     Mutation(
         "knots of a spline twice as strong: 2! forgotten", "sie/jumps/forcing.py",

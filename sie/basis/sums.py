@@ -12,6 +12,8 @@ from sie.basis.data import Array, Complex, Index, Mask, numbered, record
 _SMALL, _FEW = 200_000, 256
 # (point, jump) pairs handled at once; those that each have their own row stay in the cache.
 PAIRS, _PAIRS = 1 << 19, 1 << 15
+# Pairs of the points and the things of a zone from which on these are held as a matrix.
+_MATRIX = 1 << 12
 # From this number of sines of multiples on not all are taken; and sines and cosines held at once.
 _MANY_TERMS, _BLOCK = 256, 800_000
 
@@ -59,19 +61,20 @@ class Grouped:
         """Sums over the things in the zones of points; of: what is summed, over their weight, by points and things, pair by pair, or,
         where all points are in one zone, (points, 1) and things, as a matrix."""
         zone, out = self.rows(zone), np.zeros(len(zone))
-        if len(self.order) == 0 or len(zone) == 0:
-            return out
-        count = self.count[zone]
-        if np.all(zone == zone[0]):
-            things = self.order[self.first[zone[0]] :][: count[0]]
-            for here in pair_blocks(len(zone), len(things)):
-                out[here] = of(np.arange(len(zone))[here, None], things) @ weight[things]
-            return out
-        for here in stretches(count, _PAIRS):
-            many = count[here]
-            row = np.repeat(np.arange(len(many)), many)
-            thing = self.order[numbered(many) + np.repeat(self.first[zone[here]], many)]
-            out[here] = np.bincount(row, of(here.start + row, thing) * weight[thing], len(many))
+        pairs = self.count * np.bincount(zone, minlength=len(self.count))
+        large = pairs > (_MATRIX if np.count_nonzero(pairs) > 1 else 0)
+        for i, at in Grouped.by(np.where(large[zone], zone, len(large))).places().items():
+            if i < len(large):
+                things = self.order[self.first[i] :][: self.count[i]]
+                for here in pair_blocks(len(at), len(things)):
+                    out[at[here]] = of(at[here, None], things) @ weight[things]
+        some = np.flatnonzero((pairs > 0)[zone] & ~large[zone])
+        for here in stretches(self.count[zone[some]], _PAIRS):
+            at = some[here]
+            many = self.count[zone[at]]
+            row = np.repeat(np.arange(len(at)), many)
+            thing = self.order[numbered(many) + np.repeat(self.first[zone[at]], many)]
+            out[at] = np.bincount(row, of(at[row], thing) * weight[thing], len(at))
         return out
 
 

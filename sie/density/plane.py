@@ -185,6 +185,6 @@ def of_jumps(jumps: ForcingJumps, k: Index, seen: InPlane, what: What) -> Comple
         if what == "transform":
             value = np.where((away == 0) & (q > 0), 0.0, away**q * log) - jumps.polynomial(k, seen.zeta[:, None])
         else:
-            value = away**q * jumps.logarithm_slope(k, seen, away) - jumps.polynomial_slope(k)
+            value = away**q * jumps.logarithm_slope(k, seen, away) - jumps.line[1][k]
             value = value + np.where(q > 0, q * away ** np.maximum(q - 1, 0) * log, 0.0)
     return np.asarray(value @ (jumps.height[k] / np.pi))

@@ -8,7 +8,7 @@ which vanishes at both ends like a square root and jumps by 1 at s, the kernel m
 
     (h/pi) ((t - s)^q ln(2 |t - s|) - P_q(t))                       on the zone,
     (h/pi) ((z - s)^q ln(1 - 2 rho cos(phi) + rho^2) - P_q(z))      off it,
-    P_0 = 0,   P_1 = -s,   P_2 = -(t - 2 s) s - cos(2 phi)/4,
+    P_0 = 0,   P_1 = -s,   P_2 = -(t - 2 s) s - cos(2 phi)/4 = -s t + 3 s^2/2 + 1/4,
 
 P_q from (tau - s)^q = (t - s)^q - (t - tau)(...) and the moments of eta. So where the q-th derivative of the density
 jumps by J, h = J w^q / q!, the right side is smooth once this is subtracted: q = 0 is the slope of a gap over a kink of
@@ -25,7 +25,6 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sie.basis.data import Array, Index, record
 from sie.basis.interval import LOG2 as _LOG2
@@ -202,9 +201,6 @@ class DensityJumps(ForcingJumps):
         """Its derivative by zeta."""
         return np.asarray(1 / away - 1 / seen.root[:, None])
 
-    def polynomial_slope(self, k: Index) -> Array:
-        return np.where(self.order[k] == HIGHEST, -self.s[k], 0.0)
-
     def plane_potential(self, k: Index, seen: InPlane, away: Complex, log: Complex) -> Complex:
         """Potential of jumps k over w, less c_0 log(w)."""
         higher = self.order[k] > 0
@@ -213,10 +209,10 @@ class DensityJumps(ForcingJumps):
         return np.asarray(out + self.of_kinks(kinks, _LOG2 - seen.log[:, None], seen.rho[:, None]) @ (self.height[kinks] / np.pi))
 
     # the closed forms -------------------------------------------------------------------------------------------------
-    def polynomial(self, k: Index, t: NDArray[Any]) -> NDArray[Any]:
-        q, s = self.order[k], self.s[k]
-        second = -(t - 2 * s) * s - np.cos(2 * self.phi[k]) / 4
-        return np.where(q == 0, 0.0, np.where(q == 1, -s, second))
+    @cached_property
+    def line(self) -> tuple[Array, Array]:
+        first, second = self.order == 1, self.order == HIGHEST
+        return np.where(second, 1.5 * self.s**2 + 0.25, np.where(first, -self.s, 0.0)), np.where(second, -self.s, 0.0)
 
     def turn(self, k: Index, away: Array) -> Array:
         # At the jump itself only powers of the distance are left.

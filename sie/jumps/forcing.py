@@ -336,10 +336,6 @@ class ForcingJumps(Jumps):
         """Its derivative by zeta."""
         return np.asarray(-self.sine[k] / (away * seen.root[:, None]))
 
-    def polynomial_slope(self, k: Index) -> Array:
-        """Derivative of P_q."""
-        return np.where(self.order[k] == HIGHEST, self.sine[k], 0.0)
-
     def plane_potential(self, k: Index, seen: InPlane, away: Complex, log: Complex) -> Complex:
         """Potential of jumps k over w, less c_0 log(w)."""
         parts = self.potential_of(k, away, seen.zeta[:, None], log, seen.log[:, None], seen.root[:, None])

@@ -59,11 +59,16 @@ class Jumps(Kept):
         return 0.5 * (self.left - self.right)
 
     # jumps k at points ------------------------------------------------------------------------------------------------
+    @cached_property
+    def line(self) -> tuple[Array, Array]:
+        """P_q(t) = line[0] + line[1] t of each."""
+        first, second = self.order == 1, self.order == HIGHEST
+        return np.where(second, -1.5 * self.s, first) * self.sine, np.where(second, self.sine, 0.0)
+
     def polynomial(self, k: Index, t: NDArray[Any]) -> NDArray[Any]:
         """P_q(t)."""
-        sine, q, s = self.sine[k], self.order[k], self.s[k]
-        second = (t - 2 * s) * sine + np.sin(2 * self.phi[k]) / 4
-        return np.where(q == 0, 0.0, np.where(q == 1, sine, second))
+        constant, slope = self.line
+        return np.asarray(slope[k] * t + constant[k])
 
     def turn(self, k: Index, away: Array) -> Array:
         """What stands before (t - s)^q, away = t - s, in what the kernel makes on the zone: its smooth part is taken out."""

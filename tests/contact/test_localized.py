@@ -378,6 +378,24 @@ class TestFirstOrderSearch:
         alone = grid.alone(problem.amplitude, problem.centre, 2**16, 1e-8, None)
         assert abs(alone.width - solution.zone_widths.sum()) < 4 * alone.cell
 
+    @pytest.mark.parametrize("seed", [11899, pytest.param(70530, marks=pytest.mark.slow)])
+    def test_zones_of_the_profile_alone_that_come_and_go_beside_the_root_are_put_in_a_bracket(self, seed):
+        solution = contact.solve(random_scenes.draw(seed).scene)
+        assert solution.certificate.holds and solution.error <= 1e-8
+        problem = solution.fields.problem
+        grid = ClosureGrid(scaled_scene(solution.scene, False), problem, solution.load / problem.units.load)
+        alone = grid.alone(problem.amplitude, problem.centre, 2**16, 1e-8, None)
+        assert abs(alone.width - solution.zone_widths.sum()) < 4 * alone.cell * len(alone.zones)
+
+    def test_a_light_load_is_on_the_summit_that_is_highest_not_on_that_of_a_coarse_grid(self):
+        solution = contact.solve(random_scenes.draw(70548).scene)
+        periodic = contact.solve(contact.Scene(solution.scene.profile, solution.scene.E_star, PERIODIC, load=solution.load))
+        assert relative(solution.zones.mean(), periodic.zones.mean()) < 1e-8 and relative(solution.zone_widths, periodic.zone_widths) < 1e-5
+
+    def test_a_flat_summit_of_almost_fixed_width_tells_no_nominal_pressure(self):
+        with pytest.raises(contact.OutOfRange, match="from corner to corner, where every isolated load has their width"):
+            contact.solve(random_scenes.draw(11018).scene)
+
     def test_a_profile_alone_that_presses_at_its_border_is_given_a_zone_there(self):
         """As wide as the overlap such a zone would shrink away: it is a tenth of that."""
         rng = np.random.default_rng([91, 102])

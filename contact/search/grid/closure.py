@@ -31,6 +31,8 @@ _SHARP = 0.05
 # Miss that is near enough, and, by the rounding of ends to parts of a cell, of each end; width of a bracket of the logarithm of the nominal
 # pressure; nominal pressures tried, and those to clear the border at first.
 _CLOSE, _END, _CLOSED, _STEPS, _CLEARINGS = 1e-3, 0.1, 1e-3, 40, 4
+# Points in contact that are so few.
+_FEW = 16
 # How the miss falls with the logarithm of the nominal pressure, as a first guess and at the least; least and largest steps of that, and
 # one away from where zones reach the border.
 _POWER, _FLATTEST, _LEAST, _LARGEST, _CLEARED = 0.8, -0.1, 2e-4, 1.0, 0.25
@@ -140,10 +142,13 @@ class ClosureGrid(StripsOnGrids[AtPressure]):
         if profile.support is not None:
             left, right = (float(units.scaled(np.array(at))) for at in profile.support)
             return 0.5 * (left + right), self.period - (right - left)
-        whole = propose(
-            partial(grid_height, profile), self.scaled.cell, whole_response(self.problem), points=self.points,
-            load=self.load * units.load, tol=ROUGHLY,
+        on_grid = partial(
+            propose, partial(grid_height, profile), self.scaled.cell, whole_response(self.problem), load=self.load * units.load, tol=ROUGHLY
         )
+        whole = on_grid(points=self.points)
+        while np.count_nonzero(whole.state.contact) < _FEW and whole.points < self.finest:
+            # Those of a finer grid may be on another summit.
+            whole = on_grid(points=min(4 * whole.points, self.finest))
         middle, width = cut_of(whole, profile.x0, profile.period)
         return float(units.scaled(np.array(middle + 0.5 * profile.period))), width / units.length
 

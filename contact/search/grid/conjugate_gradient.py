@@ -63,16 +63,21 @@ class Influence:
     _compliance: Array = field(repr=False, compare=False)  # S in Fourier space on the padded grid
     stiffness: Array = field(repr=False, compare=False)  # D = E|k|/2 on the padded grid
     _offset: float = 0.0  # u = ... + _offset * sum p h: the part of the datum, kept apart from the shape of u
+    is_even: bool = False  # what is on the grid goes on in its mirror image beyond either border
+    half: Influence | None = None  # that of half a period, where the other half is its mirror image
+
+    @classmethod
+    def even(cls, n: int, h: float, E: float) -> Influence:
+        """Half-plane on a period of 2 n points of which the others are the mirror image of these."""
+        stiffness = _wave_stiffness(2 * n, h, E)[:n]
+        return cls(n, h, E, True, 0, _inverse(stiffness), stiffness, is_even=True)
 
     @classmethod
     def periodic(cls, n: int, h: float, E: float, symbol: Symbol | None = None, compression: float = 0.0) -> Influence:
         stiffness = _wave_stiffness(n, h, E)
         if symbol is not None:
             stiffness[1:] /= symbol(np.asarray(2.0 * np.pi / (n * h) * np.arange(1, n // 2 + 1), dtype=np.float64))
-        compliance = np.zeros_like(stiffness)
-        compliance[1:] = 1.0 / stiffness[1:]
-        compliance[0] = 2.0 * compression / E
-        return cls(n, h, E, True, 0, compliance, stiffness)
+        return cls(n, h, E, True, 0, _inverse(stiffness, 2.0 * compression / E), stiffness)
 
     @property
     def yields(self) -> float:
@@ -100,7 +105,7 @@ class Influence:
         """Displacement u = S p at the grid points."""
         pressure = np.asarray(p, dtype=np.float64)
         size = self.n if self.is_periodic else 2 * self.n
-        u = _multiplied(pressure, self._compliance, size)[: self.n]
+        u = _multiplied(pressure, self._compliance, size, self.is_even)[: self.n]
         return u + self._offset * (float(pressure.sum()) * self.h) if self._offset else u
 
     @property
@@ -110,9 +115,9 @@ class Influence:
 
 @record
 class Response:
-    """What pressure does to the surface, on any grid. periodic: on a period, by the body's `symbol` and `compression`; else alone on the
-    line, with `images` copies of the cell each side, heights counted with the length `datum` in the logarithm, and `rest`: what the kernel
-    has beyond the half-plane's."""
+    """What pressure does to the surface, on any grid. periodic: on a period, by the body's `symbol` and `compression`, or, mirrored, of a
+    half-plane on one whose second half is the mirror image of the first; else alone on the line, with `images` copies of the cell each
+    side, heights counted with the length `datum` in the logarithm, and `rest`: what the kernel has beyond the half-plane's."""
 
     E: float
     periodic: bool = True
@@ -121,11 +126,13 @@ class Response:
     rest: Rest | None = None
     symbol: Symbol | None = None
     compression: float = 0.0
+    mirrored: bool = False
 
     def on(self, n: int, h: float) -> Influence:
         """Its operator on n cells of width h."""
         if self.periodic:
-            return Influence.periodic(n, h, self.E, self.symbol, self.compression)
+            whole = Influence.periodic(n, h, self.E, self.symbol, self.compression)
+            return replace(whole, half=Influence.even(n // 2, h, self.E)) if self.mirrored else whole
         return Influence.isolated(n, h, self.E, images=self.images, datum=self.datum, rest=self.rest)
 
 
@@ -135,8 +142,10 @@ def _dot(a: Array, b: Array) -> float:
     return float(np.einsum("i,i", a, b))
 
 
-def _multiplied(values: Array, factors: Array, size: int) -> Array:
+def _multiplied(values: Array, factors: Array, size: int, even: bool) -> Array:
     """Values on a grid, continued by zeros to a size, times factors in Fourier space."""
+    if even:
+        return np.asarray(scipy.fft.idct(scipy.fft.dct(values) * factors, overwrite_x=True))
     seen = scipy.fft.rfft(values, size)
     seen *= factors
     return np.asarray(scipy.fft.irfft(seen, size, overwrite_x=True))
@@ -144,6 +153,11 @@ def _multiplied(values: Array, factors: Array, size: int) -> Array:
 
 def _wave_stiffness(n: int, h: float, E: float) -> Array:
     return np.asarray(0.5 * E * (2.0 * np.pi / (n * h)) * np.arange(n // 2 + 1), dtype=np.float64)
+
+
+def _inverse(stiffness: Array, mean: float = 0.0) -> Array:
+    """Of all but the mean."""
+    return np.concatenate(([mean], 1.0 / stiffness[1:]))
 
 
 def _log_cell(m: Array) -> Array:
@@ -162,22 +176,25 @@ def _log_cell(m: Array) -> Array:
 class _Extension:
     """B: displacement on the contact set -> on the (padded, periodic) grid, linear across the gaps.
 
-    Points are counted from the first one in contact, so that each is that far along from a point in contact to the next.
+    Points are counted from the first one in contact, so that each is that far along from a point in contact to the next. On an even grid
+    they are counted as they are: across the borders nothing varies.
     """
 
     def __init__(self, influence: Influence, inside: Index) -> None:
-        self.size = influence._stiffness_size
+        self.size, self.even = influence._stiffness_size, influence.is_even
         self.stiffness = influence.stiffness
-        self.starts = inside - inside[0]
+        self.starts = inside - (0 if self.even else inside[0])
+        reach = np.diff(self.starts, append=np.inf if self.even else self.size)
+        first, self.starts = self.starts, np.append(0, self.starts[1:])
         self.lengths = np.diff(self.starts, append=self.size)
-        self.along = (np.arange(self.size) - np.repeat(self.starts, self.lengths)) / np.repeat(self.lengths, self.lengths)
+        self.along = np.maximum(np.arange(self.size) - np.repeat(first, self.lengths), 0) / np.repeat(reach, self.lengths)
 
     def precondition(self, residual: Array) -> Array:
         """B' D B applied to values on the contact set; the result sums to zero."""
         v = np.repeat(np.roll(residual, -1) - residual, self.lengths)
         v *= self.along
         v += np.repeat(residual, self.lengths)
-        q = _multiplied(v, self.stiffness, self.size)
+        q = _multiplied(v, self.stiffness, self.size, self.even)
         z = np.add.reduceat(q, self.starts)
         q *= self.along
         to_next = np.add.reduceat(q, self.starts)
@@ -229,6 +246,14 @@ def solve_grid(
         raise ValueError("f must be finite or +inf, and finite somewhere")
     if (load is None) == (level is None):
         raise ValueError("exactly one of load and level")
+    if influence.half is not None:
+        n = influence.half.n
+        side = solve_grid(
+            shape[:n], influence.half, load=None if load is None else 0.5 * load, level=level, tol=tol,
+            start=None if start is None else np.asarray(start)[:n],
+        )
+        pressure, gap = (np.concatenate((part, part[::-1])) for part in (side.pressure, side.gap))
+        return replace(side, pressure=pressure, gap=gap, load=2.0 * side.load, f=shape, influence=influence)
     guess: Array | None = None
     if start is not None:
         positive = np.maximum(np.asarray(start, dtype=np.float64), 0.0)
@@ -320,7 +345,7 @@ class _Run:
         self.iterations += 1
         mean = float(shape.mean())
         level = mean + self.influence.yields * load / (n * h)
-        p = load / (n * h) - scipy.fft.irfft(self.influence.stiffness * scipy.fft.rfft(shape - mean), n)
+        p = load / (n * h) - _multiplied(shape - mean, self.influence.stiffness, n, self.influence.is_even)
         roundoff = np.finfo(float).eps * (
             self.influence.E / h * float(np.max(np.abs(shape - mean))) + load / (n * h)
         )

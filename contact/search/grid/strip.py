@@ -77,7 +77,7 @@ class StripGrid:
             there = np.asarray(height(_placed(theta[: len(theta) // 2], middle, half)))
             return np.concatenate((there, there[::-1]))
 
-        whole = Response(self.response.E)
+        whole = Response(self.response.E, mirrored=True)
         found = propose(turned, (0.0, 2 * np.pi), whole, points=2 * points, load=2 * load, tol=tol, near=state)
         inside = found.state.contact
         reaches = bool(inside[0]), bool(inside[points - 1])

@@ -35,6 +35,17 @@ class Place:
 
 
 @record
+class Moved:
+    """place: where all ends have come to; the largest move over the width of a zone or of a gap beside it, the same of those that are not
+    narrow, and over the width of its zone."""
+
+    place: Place
+    largest: float
+    bold: float
+    off: float
+
+
+@record
 class At:
     """Contacts of the strip and of its profile alone. unknowns: centre, nominal pressure and load, scaled."""
 
@@ -74,29 +85,24 @@ class At:
         wider = float(strip.sum()) - float(alone.sum())
         return np.array([width_of(self.strip) - width_of(self.alone) + wider, middle + _aside(strip) - self.unknowns[0]])
 
-    def after(self, step: Array, rates: Rates, part: float) -> tuple[Place, float, float]:
-        """(where all ends come to, the largest move over the width of a zone or of a gap beside it, the same of those that are not
-        narrow), by a step of the unknowns and their own moves beside those it calls up. part: of a width or a gap that may go."""
+    def after(self, step: Array, rates: Rates, part: float) -> Moved:
+        """By a step of the unknowns, and all ends by their own moves beside those it calls up. part: of a width or a gap that may go."""
         strip, alone = self.table, table_of(self.alone)
         moved, moved_alone = self._moved(step, rates)
         # What is cut off at the borders of the strip moves with these, narrow zones as they are.
         along = np.zeros(len(alone))
         along[[0, -1]] = np.where(self.cut_off, step[0], 0.0)
         moved_alone = moved_alone + along * [[1.0], [-1.0]]
-        largest = bold = 0.0
+        largest = bold = off = 0.0
         for move, table in ((moved, strip), (moved_alone, alone)):
-            room = room_beside(table, None)
-            parts, wide = np.abs(move.T) / room, room > _NARROW * np.diff(table).sum()
+            room, width = room_beside(table, None), np.diff(table)
+            parts, wide = np.abs(move.T) / room, room > _NARROW * width.sum()
             largest, bold = max(largest, float(parts.max())), max(bold, float(parts[wide].max(initial=0.0)))
+            off = max(off, float((np.abs(move.T) / width).max()))
         there = Place(self.unknowns + step, spread(strip, moved, part), spread(alone, moved_alone, part) + along[:, None])
         border = self.alone.fields.problem.about(float(there.unknowns[0])).cut
         there.alone.flat[[0, -1]] = np.where(self.cut_off, np.array(border), there.alone.flat[[0, -1]])
-        return there, largest, bold
-
-    def shrinking(self, step: Array, rates: Rates) -> float:
-        """The largest part of a zone or of a gap that is foreseen to go in such a step."""
-        tables, moves = (self.table, table_of(self.alone)), self._moved(step, rates)
-        return max(shrinking(table, moved, None) for table, moved in zip(tables, moves, strict=True))
+        return Moved(there, largest, bold, off)
 
     def _moved(self, step: Array, rates: Rates) -> tuple[Array, Array]:
         """Outward moves of the ends of the strip and of its profile alone by a step, with their own."""

@@ -40,9 +40,9 @@ _STEPS, _HALVED, _TRUSTED, _LARGEST = 25, 1, 0.5, 0.2
 _ROUNDS, _ON_THE_WAY, _NONE, _OVERLAP, _SAMPLES = 6, 1, 1e-6, 1e-4, 2**14
 # Of a gap or a zone that may go in a step; and what it is no farther than at the root.
 _PART, _THERE, _NEAR = 0.4, 1e-2, 0.05
-# Steps in a row of which none halves what is left; how many of several times the room beside the border or the nominal pressure there may
-# be, which lead nowhere.
-_STALLED, _SLOW, _STRAYED, _ASTRAY = 4, 0.7, 6, 2.0
+# Steps in a row that lead no nearer than the two before, of so few gaps and of more; how many of several times the room beside the border
+# or the nominal pressure there may be, which lead nowhere.
+_STALLED, _FEW_GAPS, _STALLED_OF_MANY, _SLOW, _STRAYED, _ASTRAY = 3, 24, 2, 0.7, 4, 2.0
 _NEWTON = 25
 # Steps by the exact profile, how long one may be after which there is none, and before which coefficients are cut off sooner, by what;
 # what may be unsure over their tolerance, what of that the last step may leave, the part to which they are cut off later where the rest is
@@ -220,6 +220,11 @@ class _Both:
         middle = -0.5 * self.strip.turn.half * (math.cos(left) + math.cos(right))
         return np.array([self.alone.opened - self.strip.opened, middle])
 
+    @property
+    def few(self) -> bool:
+        """Whether there are so few gaps that steps which lead astray cost little."""
+        return len(self.strip.table) + len(self.alone.table) <= _FEW_GAPS
+
     def same_gaps(self, other: _Both) -> bool:
         """Whether both have as many gaps as before."""
         return self.strip.table.shape == other.strip.table.shape and self.alone.table.shape == other.alone.table.shape
@@ -391,19 +396,19 @@ class GapClosure:
 
     def _settled(self, here: _Both) -> _Both:
         """At the root, as nearly as samples tell it."""
-        looked, least, stalled, astray = True, math.inf, 0, 0
+        looked, missed, stalled, astray = True, [math.inf], 0, 0
         for _ in range(_STEPS):
-            missed = here.far
-            least, stalled = (missed, 0) if missed < _SLOW * least else (least, stalled + 1)
-            astray += missed > _ASTRAY
-            if stalled > _STALLED or astray > _STRAYED:
+            stalled = 0 if here.far < _SLOW * min(missed[-2:]) else stalled + 1
+            missed.append(here.far)
+            astray += here.far > _ASTRAY
+            if stalled > (_STALLED if here.few else _STALLED_OF_MANY) or astray > _STRAYED:
                 break
             largest = here.moved(here.step)[2]
             if largest < _THERE:
                 if looked:
                     return here
                 before, looked = here, True
-                here = self._with(here.strip.turn, here.pressure, here.strip.table, here.alone.table, _How(_ENDS, _ROUNDS))
+                here = self._with(here.strip.turn, here.pressure, here.strip.table, here.alone.table, _How(_ENDS, _ROUNDS), here)
                 if here.same_gaps(before):
                     return replace(here, kept=before.rates)
                 continue
@@ -430,13 +435,13 @@ class GapClosure:
         step = whole * here.step
         there: _Both | None = None
         reason = Lost("")
-        for halved in range(_HALVED + 1):
+        for halved in range(_HALVED + 1 if here.few else 1):
             part = 0.5**halved
             strip, alone, _ = here.moved(part * step)
             turn = StripTurn(self.problem, here.centre + part * float(step[0]), self._points)
             strip, alone = (spread(each.table, by, _PART) for each, by in ((here.strip, strip), (here.alone, alone)))
             try:
-                there = self._with(turn, here.pressure + part * float(step[1]), strip, alone, how)
+                there = self._with(turn, here.pressure + part * float(step[1]), strip, alone, how, here)
             except Lost as lost:
                 reason = lost
                 continue
@@ -446,13 +451,14 @@ class GapClosure:
             raise reason
         return there
 
-    def _with(self, turn: StripTurn, pressure: float, strip: Array, alone: Array, how: _How) -> _Both:
-        """From about such gaps."""
+    def _with(self, turn: StripTurn, pressure: float, strip: Array, alone: Array, how: _How, like: _Both | None = None) -> _Both:
+        """From about such gaps. like: the ones before."""
         begun = self._on(turn, pressure, strip, alone)
-        found = _contact(begun.strip, how)
+        found = _contact(begun.strip, how, None if like is None else like.strip.found)
         if found.borders is None:
             raise Lost("the strip reaches its border", Unrest.BORDER)
-        return replace(begun, strip=found, alone=_contact(begun.alone, how))
+        alone_found = _contact(begun.alone, how, None if like is None else like.alone.found)
+        return replace(begun, strip=found, alone=alone_found)
 
     @cached_property
     def _feature(self) -> float:
@@ -477,8 +483,8 @@ def _largest(gaps: GapContact, moved: Array) -> float:
     return float((np.abs(moved.T) / room_beside(gaps.table, TURN)).max())
 
 
-def _contact(begun: GapContact, how: _How) -> GapContact:
-    """From about its gaps, with those that its signs ask for."""
+def _contact(begun: GapContact, how: _How, like: sie.AnyState | None) -> GapContact:
+    """From about its gaps, with those that its signs ask for. like: one that was found on about the same."""
     equation, table = begun.equation, begun.table
     for look in range(how.looks + 1):
         if len(table) == 0:
@@ -486,13 +492,13 @@ def _contact(begun: GapContact, how: _How) -> GapContact:
         try:
             zones = sie.Zones.of(table)
             free = sie.find_ends(
-                equation, zones, how.tolerance, _NEWTON, signs=(1.0, -1.0), drops=True, decay=how.decay, bounded_ends=False
+                equation, zones, how.tolerance, _NEWTON, signs=(1.0, -1.0), drops=True, decay=how.decay, bounded_ends=False, like=like
             )
         except (ValueError, sie.SingularSystem) as e:
             raise Lost(str(e)) from e
         if not free.converged and look == how.looks:
             raise Lost(free.reason)
-        found = replace(begun, table=free.density.zones.table, found=free.state)
+        found, like = replace(begun, table=free.density.zones.table, found=free.state), free.state
         if look == how.looks:
             # Where that does not settle it is looked at once more at the root.
             return found
@@ -516,24 +522,30 @@ def _corrected(table: Array, pulls: Array, overlaps: Array) -> Array:
 
 
 def _signs(found: GapContact) -> tuple[Array, Array]:
-    """(where the pressure pulls, where the gap is negative) on even samples."""
+    """(where the pressure pulls, where the gap is negative) on even samples of half a turn, of which the other is the mirror image."""
     turn, density = found.turn, found.state.density
     zones = density.zones
     every = max(1, turn.points // _SAMPLES)
-    angle = np.concatenate((turn.angles[::every], TURN - turn.angles[::-every]))
-    angle = np.sort(zones.a[0] + (angle - zones.a[0]) % TURN)
+    angle = turn.angles[::every]
     inside = density.locate(angle)[2]
-    pressure = found.mean - turn.relief_at(angle) + found.beyond * turn.half * np.abs(np.sin(angle)) + density.transform(angle)
-    pulls = _runs(~inside & (pressure < -_NONE * np.abs(pressure[~inside]).max(initial=0.0)), angle)
-    overlaps = []
-    for k in range(len(zones)):
-        count = int(np.clip(4 * (zones.b[k] - zones.a[k]) / (angle[1] - angle[0]) / 4, 32, 1024))
+    pressure = found.mean - turn.relief_at(angle) + found.beyond * turn.half * np.sin(angle) + density.transform(angle)
+    pulls = ~inside & (pressure < -_NONE * np.abs(pressure[~inside]).max(initial=0.0))
+    angle, pulls = np.concatenate((angle, TURN - angle[::-1])), np.concatenate((pulls, pulls[::-1]))
+    # From a place in a gap on none is cut in two.
+    first = int(np.searchsorted(angle, zones.a[0] % TURN))
+    pulls = _runs(np.roll(pulls, -first), zones.a[0] + (np.roll(angle, -first) - zones.a[0]) % TURN)
+    overlaps: list[Array] = []
+    mirrored: list[Array] = []
+    for k in np.flatnonzero(zones.a < np.pi):
+        count = int(np.clip((zones.b[k] - zones.a[k]) / (angle[1] - angle[0]), 32, 1024))
         at = np.pi * (np.arange(count) + 0.5) / count
         # The gap from its nearer end on.
         rise = density.at(k, 2 * np.cos(at / 2) ** 2, 2 * np.sin(at / 2) ** 2)[::-1] * np.sin(at)
         gap = np.where(at < np.pi / 2, np.cumsum(rise), -np.cumsum(rise[::-1])[::-1])
         overlaps.append(_runs(gap < -_OVERLAP * np.abs(gap).max(), zones.middle[k] - zones.half[k] * np.cos(at)))
-    return pulls, np.concatenate(overlaps)
+        if 0.0 < zones.a[k] and zones.b[k] < np.pi:
+            mirrored.append(TURN - overlaps[-1][::-1, ::-1])
+    return pulls, np.concatenate((*overlaps, *mirrored[::-1]))
 
 
 def _runs(where: Array, angle: Array) -> Array:

@@ -43,14 +43,19 @@ _LOOKS, _SLOW = 6, 0.5
 # Steps of all ends and unknowns at once, the largest move over the width of a zone or a gap from which they start, after which rates are
 # found anew, and which is as good as none.
 _TOGETHER, _BOLDEST, _NEARBY, _LAST_OF_ALL, _SLOW_STEPS, _HALF = 20, 1.0, 1e-2, 1e-4, 3, 0.4
+# Largest move that is sure of its zones; change of the width by all of the nominal pressure that is its rounding.
+_SURE, _UNTOLD = 0.1, 64 * float(np.finfo(float).eps)
 # Part of a width or a gap that is foreseen to go in a step.
 _PART = 0.1
 # How often zones of the profile alone are put right, and what part of their width does not matter on the way.
 _CORRECTIONS, _MINOR = 3, 1e-4
 # Largest change of the load in a step; a load that is off by more is looked for by grids.
 _LARGEST = 0.1
-# Loads tried for an approach; how near one is, over it, for Newton's steps on the load, and by what part it changes at the most before.
-_LOADS, _NEAR, _LEAST_PART = 12, 2e-2, 0.3
+# Loads tried for an approach; how near one is, over it, for Newton's steps on the load, and for contacts under it that are found closely;
+# by what part it changes at the most before.
+_LOADS, _NEAR, _NEARLY_SO, _LEAST_PART = 12, 2e-2, 1e-3, 0.3
+# Steps of the load from either side over the bracket, where the approach jumps in it.
+_JUMPED = 3.0
 # Tolerance of the grids that zones are taken from, and of how many more points: a zone or gap that is missed takes longer than these.
 _CLOSELY, _FINER_GRID = 1e-5, 4
 # Points of the finest grid, of a profile of few features.
@@ -59,9 +64,8 @@ _FINEST = 2**13
 _ROUGHLY, _FINER, _LAST = 1e-6, 1e-2, 1e-5
 # How often a contact is solved more tightly than its ends ask for, and how much more, since coefficients that are left out move the ends.
 _SHARPENED, _SHARPER, _LEAST_DECAY = 2, 1e-3, 3e-16
-# Contact of more than this part of the strip is solved by its gaps, of more than that by these alone; their tolerance, and that of the
-# zones there, over the one asked for.
-_NEARLY_FULL, _BY_GAPS_ALONE, _OF_GAPS, _OF_ZONES = 0.8, 0.9, 1e-3, 0.3
+# Contact of more than this part of the strip is solved by its gaps; their tolerance, and that of the zones there, over the one asked for.
+_NEARLY_FULL, _OF_GAPS, _OF_ZONES = 0.9, 1e-3, 0.3
 # Zones of both that are too many for that.
 _MANY = 48
 # What is left after the last step, over what it is estimated as.
@@ -133,27 +137,20 @@ class FirstOrderOfSeveral:
         return self._exact(self._at(Place(found.at.unknowns, found.at.table, table_of(found.at.alone)), self.task.tolerance, 0.0))
 
     def _under_load(self, grid: ClosureGrid, first: AtPressure) -> Found:
-        """Nearly full contact by its gaps, where these serve, else by its zones."""
-        nearly_full = StripTurn.serves(self.problem) and first.widths[0] > _NEARLY_FULL * self.period
-        rough = self._at_rest(grid, first, nearly_full)
-        if not nearly_full:
+        """Nearly full contact by its gaps alone, where these serve, else by its zones."""
+        by_gaps = StripTurn.serves(self.problem)
+        rough = self._at_rest(grid, first, by_gaps and self._nearly_full(first))
+        if not (by_gaps and self._nearly_full(rough)):
             return self._by_zones(grid, rough)
         if len(rough.strip.zones) + len(rough.alone.zones) > _MANY:
             raise self._refused(Unrest.MANY)
         try:
             return self._by_gaps(self._place(grid, rough))
         except Lost as lost:
-            if lost.why is Unrest.LOST and grid.finest < _FINEST:
-                # A coarse grid may have a strip at rest where there is none.
-                grid.finest *= _FINER_GRID
-                return self._under_load(grid, first)
-            if lost.why is Unrest.BORDER or rough.widths[0] > _BY_GAPS_ALONE * self.period:
-                raise self._refused(lost.why) from lost
-            self.task.left("the closure by gaps", Missed(f"the closure by gaps did not lead on: {lost}"))
-        try:
-            return self._by_zones(grid, rough)
-        except NotConverged as lost:
-            raise self._refused(Unrest.LOST) from lost
+            raise self._refused(lost.why) from lost
+
+    def _nearly_full(self, rough: AtPressure) -> bool:
+        return rough.widths[0] > _NEARLY_FULL * self.period
 
     def _by_zones(self, grid: ClosureGrid, rough: AtPressure) -> Found:
         """From grids, ever finer ones where these do not lead on: the profile alone may seem to fill the strip on a coarse one, or have a
@@ -276,7 +273,10 @@ class FirstOrderOfSeveral:
             self.sharpness *= _SHARPER
             newton, table, sharpened = replace(newton, off=cut_short), table_of(found), sharpened + 1
 
-    def _looked_at(self, found: Found, closely: bool = False) -> Found:
+    def _seen(self, at: At, closely: bool) -> At:
+        return replace(at, strip=self._looked_at(at.strip, closely), alone=self._looked_at(at.alone, closely))
+
+    def _looked_at(self, found: Found, closely: bool) -> Found:
         """With other zones where signs fail; closely: where so little tells their number that a tighter solution is asked for, too."""
         form = ByPressure(found.fields.problem)
         with self.task.plan.timed("certificate"):
@@ -308,9 +308,11 @@ class FirstOrderOfSeveral:
 
     def _exact(self, at: At) -> Found:
         """From contacts near the root to those at it, with the zones that there are, under the load that has the approach."""
-        approach, size, before = self.scaled.control.approach, float(at.unknowns[2]), math.inf
+        approach, size, before, closely = self.scaled.control.approach, float(at.unknowns[2]), math.inf, False
+        # Loads below and above, and by what these are off by their rates.
+        low, high, asked_low, asked_high = 0.0, math.inf, 0.0, 0.0
         for _ in range(_LOADS):
-            at, rates, off = self._signed(at)
+            at, rates, off = self._signed(at, closely or approach is None)
             follows = rates.following
             if approach is None:
                 missed = np.append(off, 0.0)
@@ -320,11 +322,20 @@ class FirstOrderOfSeveral:
             # The load that has the approach is off by what centre and nominal pressure are, and these by what it is.
             missed = np.append(off, 0.0) + np.abs(follows) * (_MARGIN * abs(load) + float(np.abs(rates.approach[:2]) @ off) / abs(rate))
             settled = rates.of_ends(load * follows).max() <= self.task.tolerance
-            if settled or (abs(load) > _SLOW * before and before < self.task.tol * size):
+            if closely and (settled or (abs(load) > _SLOW * before and before < self.task.tol * size)):
                 break
+            here = float(at.unknowns[2])
+            if load > 0.0:
+                low, asked_low = here, load
+            else:
+                high, asked_high = here, -load
+            if min(asked_low, asked_high) > max(_JUMPED * (high - low), self.task.tol * size):
+                raise self._refused(Unrest.JUMP)
             before, asked = abs(load), abs(load) / size
-            place, *_ = at.after(min(1.0, _LARGEST / asked) * load * follows, rates, _PART)
-            at = self._at(place, asked, min(_FINER * asked, _ROUGHLY) if asked > _LAST else 0.0)
+            closely = asked < _NEARLY_SO
+            load *= min(1.0, _LARGEST / asked)
+            load = load if low < here + load < high else 0.5 * (low + high) - here
+            at = self._at(at.after(load * follows, rates, _PART).place, asked, min(_FINER * asked, _ROUGHLY) if asked > _LAST else 0.0)
         else:
             raise self._unsettled("the load", at)
         fields: ZoneFields = replace(
@@ -333,18 +344,15 @@ class FirstOrderOfSeveral:
         found = replace(at.strip, fields=fields, control=self.scaled.control, off=rates.of_ends(missed))
         return Closed(**{**vars(found), "rounded": self.rounded}, at=at)
 
-    def _signed(self, at: At) -> tuple[At, Rates, Array]:
-        """`_together`, with the signs of what it has come to: roughly until these are right, then closely."""
+    def _signed(self, at: At, to_the_end: bool) -> tuple[At, Rates, Array]:
+        """`_together`, with the signs of what it has come to: roughly until these are right, then closely, if to_the_end."""
         closely, rates = False, Rates.of(at, _ROUGHLY)
         for look in range(_LOOKS):
             # Once a zone or a gap was missing no step may take one away that is to stay.
-            found = self._together(at, rates, look > 0, closely)
-            if found is None:
-                raise self._unsettled("the nominal pressure", at)
-            at, rates, off = found
-            looked = replace(at, strip=self._looked_at(at.strip, closely), alone=self._looked_at(at.alone, closely))
+            at, rates, off = self._together(at, rates, look > 0, closely)
+            looked = self._seen(at, closely)
             if looked.same_zones(at):
-                if closely:
+                if closely or not to_the_end:
                     # Zones of the profile alone that are too narrow to be put right make it wider or narrower.
                     return looked, rates, off + np.abs(np.linalg.inv(rates.matrix)[:, 0]) * _failing(looked.alone)
                 closely = True
@@ -357,14 +365,16 @@ class FirstOrderOfSeveral:
         missed = Missed(f"{what} of the first-order closure did not settle; {EXACT}", at.strip.free)
         return self.task.error(missed, at.strip.fields.problem)
 
-    def _together(self, at: At, rates: Rates, carefully: bool, closely: bool) -> tuple[At, Rates, Array] | None:
+    def _together(self, at: At, rates: Rates, surely: bool, closely: bool) -> tuple[At, Rates, Array]:
         """(contacts at the root under their load, from some near by; rates near it; what centre and nominal pressure are off): Newton's
         steps of all ends, the centre and the nominal pressure at once, each with one solution of the strip and one of its profile alone.
-        None where they do not come ever closer. rates: from near by; carefully: in such steps that zones and gaps stay which are to become
-        narrower; closely: to the tolerance, of zones whose signs were looked at, with rates from there, else only nearly."""
-        before, slow, looked, last = math.inf, 0, closely, False
+        rates: from near by; surely: with the zones that their signs ask for, in a bracket of the nominal pressure; closely: to the
+        tolerance, of zones whose signs were looked at, with rates from there, else only nearly."""
+        before, slow, looked, last, anew = math.inf, 0, closely, False, surely
+        low: At | None = None
+        high: At | None = None
         matrix, size = rates.matrix, np.array([self.period, at.unknowns[1]])
-        if not matrix[0].any():
+        if abs(matrix[0, 1]) * size[1] <= _UNTOLD * width_of(at.strip):
             raise OutOfRange(
                 "under the first-order closure the zones reach from corner to corner, where every isolated load has their width: none is "
                 f"told from others; closure='self-consistent' or {EXACT}"
@@ -375,28 +385,30 @@ class FirstOrderOfSeveral:
             if last:
                 self.rounded = self.again and off > self.wanted
                 return at, rates, _MARGIN * np.abs(step[:2]) + np.abs(np.linalg.inv(matrix)[:, 0]) * self._rounding(at)
-            shrinking = at.shrinking(step, rates) if carefully else 0.0
-            bends = shrinking > _HALF
-            if bends:
-                step *= _HALF / shrinking
-            place, largest, bold = at.after(step, rates, _HALF)
+            if surely and anew:
+                low, high = (at, high) if at.misses[0] > 0.0 else (low, at)
+            clipped = _within(at, float(step[1]), low, high) if surely else step[1]
+            beyond, step[1] = clipped != step[1], clipped
+            moved = at.after(step, rates, _HALF)
+            place, largest, bold = moved.place, moved.largest, moved.bold
             if bold > _BOLDEST:
                 step *= _HALF / bold
-                place, *_ = at.after(step, rates, _HALF)
-            slow = slow + 1 if largest > _SLOW * before and not bends else 0
+                place = at.after(step, rates, _HALF).place
+            slow = slow + 1 if largest > _SLOW * before else 0
             settled = largest <= _LAST_OF_ALL and (not closely or off <= self.wanted or slow > 0)
             last = settled and closely
-            if slow > _SLOW_STEPS or not math.isfinite(largest):
-                return None
+            if not math.isfinite(largest) or (surely and slow > _SLOW_STEPS):
+                break
+            surely = surely or slow > _SLOW_STEPS // 2
             try:
                 # A zone or a gap that is asked to go may be lost: both contacts are found anew, and looked at.
-                anew = bends or largest > _BOLDEST
-                there = self._at(place, min(largest, _HALF), 0.0 if last else _ROUGHLY) if last or anew else self._once(place, largest)
-                if bold <= _NEARBY and (anew or not looked):
-                    there, looked = replace(there, strip=self._looked_at(there.strip), alone=self._looked_at(there.alone)), True
+                anew = beyond or largest > (_SURE if surely else _BOLDEST)
+                there = self._at(place, min(largest, _HALF), 0.0 if last else _ROUGHLY) if last or anew else self._once(place, moved.off)
+                if (surely or bold <= _NEARBY) and (anew or not looked):
+                    there, looked = self._seen(there, closely), True
             except (NotConverged, WrongTopology, sie.SingularSystem):
-                return None
-            if last or bends or not there.same_zones(at):
+                break
+            if last or anew or not there.same_zones(at):
                 rates = Rates.of(there, 0.0 if last else _ROUGHLY)
                 matrix = rates.matrix
             elif step.any():
@@ -404,7 +416,7 @@ class FirstOrderOfSeveral:
             at, before = there, largest
             if settled and not closely:
                 return at, rates, np.zeros(2)
-        return None
+        raise self._refused(Unrest.LOST) if surely else self._unsettled("the nominal pressure", at)
 
     def _once(self, place: Place, off: float) -> At:
         """The contacts on zones as they are. off: what ends are off by over the widths of their zones."""
@@ -438,6 +450,14 @@ class FirstOrderOfSeveral:
 def _secant(matrix: Array, step: Array, change: Array, size: Array) -> Array:
     """What a matrix lacks of the change of the misses in a step, by Broyden's rule. size: of the unknowns."""
     return np.asarray(np.outer(change - matrix @ step, step / size**2) / float(((step / size) ** 2).sum()))
+
+
+def _within(at: At, step: float, low: At | None, high: At | None) -> float:
+    """A step of the nominal pressure that stays between those of two contacts of other zones, or goes to their middle."""
+    here, least, most = (0.0 if one is None else float(one.unknowns[1]) for one in (at, low, high))
+    falls = here + step <= least and (low is None or not low.same_zones(at))
+    rises = high is not None and here + step >= most and not high.same_zones(at)
+    return 0.5 * (least + (here if high is None else most)) - here if falls or rises else step
 
 
 def _failing(found: Found) -> float:
