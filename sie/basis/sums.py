@@ -58,22 +58,21 @@ class Grouped:
         return {i: self.order[self.first[i] : self.first[i] + self.count[i]] for i in np.flatnonzero(self.count).tolist()}
 
     def summed(self, zone: Index, weight: Array, of: Callable[[Index, Index], Array]) -> Array:
-        """Sums over the things in the zones of points; of: what is summed, over their weight, by points and things, pair by pair, or,
-        where all points are in one zone, (points, 1) and things, as a matrix."""
+        """Sums over the things in the zones of points; of: what is summed, over their weight, by points and things, pair by pair, or, in a
+        zone of many pairs and where there is but one, (points, 1) and things, as a matrix."""
         zone, out = self.rows(zone), np.zeros(len(zone))
         pairs = self.count * np.bincount(zone, minlength=len(self.count))
-        large = pairs > (_MATRIX if np.count_nonzero(pairs) > 1 else 0)
-        for i, at in Grouped.by(np.where(large[zone], zone, len(large))).places().items():
-            if i < len(large):
-                things = self.order[self.first[i] :][: self.count[i]]
-                for here in pair_blocks(len(at), len(things)):
-                    out[at[here]] = of(at[here, None], things) @ weight[things]
-        some = np.flatnonzero((pairs > 0)[zone] & ~large[zone])
+        many = pairs > (_MATRIX if np.count_nonzero(pairs) > 1 else 0)
+        dense, some = np.flatnonzero(many[zone]), np.flatnonzero((pairs > 0)[zone] & ~many[zone])
+        for i, places in Grouped.by(zone[dense]).places().items():
+            at, things = dense[places], self.order[self.first[i] :][: self.count[i]]
+            for here in pair_blocks(len(at), len(things)):
+                out[at[here]] = of(at[here, None], things) @ weight[things]
         for here in stretches(self.count[zone[some]], _PAIRS):
             at = some[here]
-            many = self.count[zone[at]]
-            row = np.repeat(np.arange(len(at)), many)
-            thing = self.order[numbered(many) + np.repeat(self.first[zone[at]], many)]
+            count = self.count[zone[at]]
+            row = np.repeat(np.arange(len(at)), count)
+            thing = self.order[numbered(count) + np.repeat(self.first[zone[at]], count)]
             out[at] = np.bincount(row, of(at[row], thing) * weight[thing], len(at))
         return out
 

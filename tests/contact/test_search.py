@@ -231,6 +231,16 @@ def test_the_contact_does_not_depend_on_the_start() -> None:
         assert np.allclose(other.pressure, reference.pressure, atol=1e-8 * reference.pressure.max())
 
 
+@pytest.mark.parametrize("load", [1e-3, 0.1, 3.0, 12.0, 40.0])
+def test_of_a_mirrored_shape_half_of_the_points_tell_the_whole_contact(load: float) -> None:
+    angle, rng = 2 * np.pi * (np.arange(512) + 0.5) / 512, np.random.default_rng(1)
+    f = sum(rng.normal() / k**1.2 * np.cos(k * angle) for k in range(1, 40))
+    whole, half = (solve_grid(f, Response(1.0, mirrored=m).on(512, 2 * np.pi / 512), load=load, tol=1e-10) for m in (False, True))
+    assert half.converged and np.array_equal(half.contact, whole.contact)
+    assert np.abs(half.pressure - whole.pressure).max() < 1e-7 * whole.pressure.max()
+    assert abs(half.level - whole.level) < 1e-8 and np.abs(half.gap - whole.gap).max() < 1e-8
+
+
 @pytest.mark.parametrize("periodic", [True, False])
 @pytest.mark.parametrize("load", [1e-3, 0.3, 3.0])
 def test_level_control_inverts_load_control(periodic: bool, load: float) -> None:

@@ -183,9 +183,9 @@ class _Extension:
     def __init__(self, influence: Influence, inside: Index) -> None:
         self.size, self.even = influence._stiffness_size, influence.is_even
         self.stiffness = influence.stiffness
-        self.starts = inside - (0 if self.even else inside[0])
-        reach = np.diff(self.starts, append=np.inf if self.even else self.size)
-        first, self.starts = self.starts, np.append(0, self.starts[1:])
+        first = inside - (0 if self.even else inside[0])
+        reach = np.diff(first, append=np.inf if self.even else self.size)
+        self.starts = np.append(0, first[1:])
         self.lengths = np.diff(self.starts, append=self.size)
         self.along = np.maximum(np.arange(self.size) - np.repeat(first, self.lengths), 0) / np.repeat(reach, self.lengths)
 
