@@ -345,6 +345,13 @@ class TestCentring:
         assert unrest is Unrest.ASIDE and max(np.abs(looks)) <= 0.1
 
 
+def alone_on_a_grid(solution, points, tol):
+    """The contact of its profile alone, about the same centre, under the nominal pressure."""
+    problem = solution.fields.problem
+    grid = ClosureGrid(scaled_scene(solution.scene, False), problem, solution.load / problem.units.load)
+    return grid.alone(problem.amplitude, problem.centre, points, tol, None)
+
+
 class TestFirstOrderSearch:
     """Scenes drawn at random at which the search for the nominal pressure went wrong."""
 
@@ -359,10 +366,7 @@ class TestFirstOrderSearch:
     def test_finer_grids_tell_a_profile_alone_that_nearly_fills_the_strip(self, seed):
         solution = contact.solve(random_scenes.draw(seed).scene)
         assert solution.certificate.holds and solution.error <= 1e-8
-        # A grid of the profile alone, about the same centre, under the nominal pressure.
-        problem = solution.fields.problem
-        grid = ClosureGrid(scaled_scene(solution.scene, False), problem, solution.load / problem.units.load)
-        alone = grid.alone(problem.amplitude, problem.centre, 2**14, 1e-6, None)
+        alone = alone_on_a_grid(solution, 2**14, 1e-6)
         assert abs(alone.width - solution.zone_widths.sum()) < 4 * alone.cell
         assert alone.width < solution.scene.profile.period - 2 * alone.cell
 
@@ -373,18 +377,14 @@ class TestFirstOrderSearch:
         profile = drawn(np.random.default_rng(seed), kind, 200, positions)
         full = contact.solve(contact.Scene(profile, 1e9, PERIODIC, contact_fraction=1.0)).mean_pressure
         solution = contact.solve(contact.Scene(profile, 1e9, FIRST, mean_pressure=part * full))
-        problem = solution.fields.problem
-        grid = ClosureGrid(scaled_scene(solution.scene, False), problem, solution.load / problem.units.load)
-        alone = grid.alone(problem.amplitude, problem.centre, 2**16, 1e-8, None)
+        alone = alone_on_a_grid(solution, 2**16, 1e-8)
         assert abs(alone.width - solution.zone_widths.sum()) < 4 * alone.cell
 
     @pytest.mark.parametrize("seed", [11899, pytest.param(70530, marks=pytest.mark.slow)])
     def test_zones_of_the_profile_alone_that_come_and_go_beside_the_root_are_put_in_a_bracket(self, seed):
         solution = contact.solve(random_scenes.draw(seed).scene)
         assert solution.certificate.holds and solution.error <= 1e-8
-        problem = solution.fields.problem
-        grid = ClosureGrid(scaled_scene(solution.scene, False), problem, solution.load / problem.units.load)
-        alone = grid.alone(problem.amplitude, problem.centre, 2**16, 1e-8, None)
+        alone = alone_on_a_grid(solution, 2**16, 1e-8)
         assert abs(alone.width - solution.zone_widths.sum()) < 4 * alone.cell * len(alone.zones)
 
     def test_a_light_load_is_on_the_summit_that_is_highest_not_on_that_of_a_coarse_grid(self):
