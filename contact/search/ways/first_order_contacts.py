@@ -14,7 +14,7 @@ import numpy as np
 
 import sie
 from contact.formulation.fields import by_nominal_pressure, moved_ends, moves_by
-from contact.formulation.tables import gaps_between, room_beside
+from contact.formulation.tables import room_beside
 from contact.verify.accuracy import Found
 from sie import Array, Mask, record
 
@@ -241,14 +241,6 @@ def _aside(moved: Array) -> float:
 def _own_moves(found: Found) -> Array:
     """Outward moves 2 K / A (2, Z) that the ends of a contact have left."""
     return moves_by(found.free.density, found.free.density)
-
-
-def shrinking(table: Array, moved: Array, period: float | None) -> float:
-    """The largest part of an interval, or of what is between two, that goes in outward moves (2, Z). Near its end one goes with the root
-    of what is left until then: of one that is to lose a half, all goes."""
-    between = np.diff(gaps_between(table, period))[:, 0]
-    parts = -moved.sum(axis=0) / np.diff(table)[:, 0], (moved[1] + np.roll(moved[0], -1)) / between
-    return float(max(part.max() for part in parts))
 
 
 def spread(table: Array, moved: Array, part: float) -> Array:

@@ -24,7 +24,7 @@ from contact.formulation.tables import centred_on, gaps_between, room_beside
 from contact.search.grid.centring import Unrest
 from contact.search.topology.intervals import united, without
 from contact.search.topology.missed import WrongTopology
-from contact.search.ways.first_order_contacts import Place, shrinking, spread
+from contact.search.ways.first_order_contacts import Place, spread
 from contact.verify.minima import follow, lowest, may_be_negative
 from sie import Array, Index, record
 
@@ -430,7 +430,7 @@ class GapClosure:
         bold = [np.abs(beside).max() / _TRUSTED, centre / self._feature, pressure / (_LARGEST * here.pressure)]
         if self.carefully:
             moves = here.moved(here.step)[:2]
-            bold += [shrinking(each.table, by, TURN) / _PART for each, by in zip((here.strip, here.alone), moves, strict=True)]
+            bold += [_shrinking(each.table, by) / _PART for each, by in zip((here.strip, here.alone), moves, strict=True)]
         whole = 1 / max(1.0, *bold)
         step = whole * here.step
         there: _Both | None = None
@@ -453,12 +453,12 @@ class GapClosure:
 
     def _with(self, turn: StripTurn, pressure: float, strip: Array, alone: Array, how: _How, like: _Both | None = None) -> _Both:
         """From about such gaps. like: the ones before."""
+        like_strip, like_alone = (None, None) if like is None else (like.strip.found, like.alone.found)
         begun = self._on(turn, pressure, strip, alone)
-        found = _contact(begun.strip, how, None if like is None else like.strip.found)
+        found = _contact(begun.strip, how, like_strip)
         if found.borders is None:
             raise Lost("the strip reaches its border", Unrest.BORDER)
-        alone_found = _contact(begun.alone, how, None if like is None else like.alone.found)
-        return replace(begun, strip=found, alone=alone_found)
+        return replace(begun, strip=found, alone=_contact(begun.alone, how, like_alone))
 
     @cached_property
     def _feature(self) -> float:
@@ -477,6 +477,14 @@ class GapClosure:
 def _outward(moved: Array) -> Array:
     """Outward moves (2, n) as changes of a table (n, 2)."""
     return np.asarray(np.column_stack((-moved[0], moved[1])))
+
+
+def _shrinking(table: Array, moved: Array) -> float:
+    """The largest part of a gap of a turn, or of what is between two, that goes in outward moves (2, n). Near its end one goes with the
+    root of what is left until then: of one that is to lose a half, all goes."""
+    between = np.diff(gaps_between(table, TURN))[:, 0]
+    parts = -moved.sum(axis=0) / np.diff(table)[:, 0], (moved[1] + np.roll(moved[0], -1)) / between
+    return float(max(part.max() for part in parts))
 
 
 def _largest(gaps: GapContact, moved: Array) -> float:

@@ -41,8 +41,9 @@ from sie import Array, record
 # How often the signs are looked at at the root; a fall of the steps that is slow, or is rounding.
 _LOOKS, _SLOW = 6, 0.5
 # Steps of all ends and unknowns at once, the largest move over the width of a zone or a gap from which they start, after which rates are
-# found anew, and which is as good as none.
-_TOGETHER, _BOLDEST, _NEARBY, _LAST_OF_ALL, _SLOW_STEPS, _HALF = 20, 1.0, 1e-2, 1e-4, 3, 0.4
+# found anew, and which is as good as none; slow steps in a row after which zones are made sure of, and after which that is given up; part
+# of a width or a gap that may go.
+_TOGETHER, _BOLDEST, _NEARBY, _LAST_OF_ALL, _SLOW_FREELY, _SLOW_SURELY, _HALF = 20, 1.0, 1e-2, 1e-4, 1, 3, 0.4
 # Largest move that is sure of its zones; change of the width by all of the nominal pressure that is its rounding.
 _SURE, _UNTOLD = 0.1, 64 * float(np.finfo(float).eps)
 # Part of a width or a gap that is foreseen to go in a step.
@@ -348,7 +349,7 @@ class FirstOrderOfSeveral:
         """`_together`, with the signs of what it has come to: roughly until these are right, then closely, if to_the_end."""
         closely, rates = False, Rates.of(at, _ROUGHLY)
         for look in range(_LOOKS):
-            # Once a zone or a gap was missing no step may take one away that is to stay.
+            # Once a zone or a gap was missing steps are sure of those that there are.
             at, rates, off = self._together(at, rates, look > 0, closely)
             looked = self._seen(at, closely)
             if looked.same_zones(at):
@@ -397,9 +398,9 @@ class FirstOrderOfSeveral:
             slow = slow + 1 if largest > _SLOW * before else 0
             settled = largest <= _LAST_OF_ALL and (not closely or off <= self.wanted or slow > 0)
             last = settled and closely
-            if not math.isfinite(largest) or (surely and slow > _SLOW_STEPS):
+            if not math.isfinite(largest) or (surely and slow > _SLOW_SURELY):
                 break
-            surely = surely or slow > _SLOW_STEPS // 2
+            surely = surely or slow > _SLOW_FREELY
             try:
                 # A zone or a gap that is asked to go may be lost: both contacts are found anew, and looked at.
                 anew = beyond or largest > (_SURE if surely else _BOLDEST)
