@@ -107,21 +107,21 @@ def carried_by(problem: Problem, control: Control, a: float) -> float:
     return -float(state.levels[0])
 
 
-def largest_single_load(problem: Problem, control: Control) -> tuple[float, float]:
-    """(half width, value) of the first maximum of the controlled quantity along the branch from zero load."""
+def single_branch(problem: Problem, control: Control) -> tuple[Array, Array]:
+    """(half widths, the controlled quantity at them) along the branch from zero load up to its first maximum, which is the last."""
     limit = widest(problem)
     if not math.isfinite(limit):
         limit = 1e3 * guess_half_width(problem, control)
     # Even steps where the period limits the width, geometric ones where nothing does.
     a = limit * (np.linspace(0, 1, _SCAN + 1)[1:] if problem.cell is not None else np.geomspace(1e-4, 1, _SCAN))
-    values = [carried_by(problem, control, float(x)) for x in a]
+    values = np.array([carried_by(problem, control, float(x)) for x in a])
     falls = np.flatnonzero(np.diff(values) < 0)
     if len(falls) == 0:
-        return float(a[-1]), float(values[-1])
+        return a, values
     k = int(falls[0])
     low, high = float(a[max(k - 1, 0)]), float(a[k + 1])
     best = require("scipy.optimize").minimize_scalar(
         lambda x: -carried_by(problem, control, x), bounds=(low, high), method="bounded",
         options={"xatol": 1e-9 * high},
     )
-    return float(best.x), float(-best.fun)
+    return np.append(a[: max(k, 1)], best.x), np.append(values[: max(k, 1)], -best.fun)

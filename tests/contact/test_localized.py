@@ -18,6 +18,7 @@ from contact.reference.inverse import design
 from contact.search.grid.centring import Unrest, settled
 from contact.search.grid.closure import ClosureGrid
 from contact.search.grid.scaling import scaled_scene
+from contact.search.task import Task
 from contact.search.topology.missed import Missed
 from contact.search.ways import first_order_several, strips
 from contact.search.ways.first_order import FirstOrder
@@ -254,6 +255,19 @@ class TestLimits:
         centre = solution.fields.problem.units.x(np.array(solution.fields.problem.centre))
         beside = solution.zones[0] - centre + 0.5 * np.array([1.0, -1.0])
         assert beside[0] > 1e-5 and abs(beside.sum()) < 1e-10
+
+    def test_beside_neighbours_a_load_grows_as_the_logarithm_of_the_gap_that_its_zone_leaves_at_the_border(self, monkeypatch):
+        model = contact.Localized("self-consistent", neighbours=1)
+        loads = [solve(WAVE, model, half_width=0.5 - gap, tol=1e-8).load for gap in (1e-2, 1e-3, 1e-4)]
+        decade = loads[2] - loads[1]
+        assert 0.8 < decade / (loads[1] - loads[0]) < 1.0
+        # A first guess knows of full contact only: the branch from zero load leads on ...
+        zone = solve(WAVE, model, load=loads[2] + 0.5 * decade, tol=1e-6).zones[0]
+        assert 0.5 - np.abs(zone) == pytest.approx(10**-4.5, rel=0.02)
+        # ... and tells at once where the gap would be narrower than modes tell.
+        monkeypatch.setattr(Task, "refine_topology", None)
+        with pytest.raises(contact.OutOfRange, match=r"border it nears.*Periodic\(\)"):
+            solve(WAVE, model, load=loads[2] + 2.0 * decade)
 
     def test_a_strip_beside_whose_border_a_zone_comes_and_goes_is_refused_by_name(self):
         full = solve(ROUGH, PERIODIC, contact_fraction=1.0).load

@@ -16,7 +16,7 @@ import numpy as np
 from contact.errors import ContactError, OutOfRange
 from contact.formulation.controls import Control
 from contact.formulation.problem import Problem
-from contact.formulation.single import guess_half_width, largest_single_load
+from contact.formulation.single import guess_half_width, single_branch, widest
 from contact.search.grid.centring import Unrest
 from contact.search.grid.coarse import MOST_POINTS, Proposal
 from contact.search.grid.proposals import about, placed, proposed
@@ -39,6 +39,10 @@ _MOST_POINTS = 2**17
 _WIDENINGS = 4
 # Contact of a body that is no half-plane, where that is why its zones are not found.
 _ALMOST_FULL = 0.99
+# Of the half width that nothing exceeds: a first guess there is none.
+_WIDEST = 0.999
+# Gap beside the border of a strip over that beside the widest zone of a branch: modes tell none much narrower.
+_NARROWER = 0.1
 
 EXACT = "interaction = Periodic() needs no strip"
 _AT_BORDER = "a contact zone reaches the border of the part of the profile that is known"
@@ -110,22 +114,39 @@ def _one_zone(task: Task, scaled: ScaledScene, start: Array | None) -> Outcome |
         task.left("gaps of one zone", found_by_gaps)
         if full := full_under(task, control, but_for_kinks=True):
             return full
+    by_branch = control.load is not None or control.approach is not None
+    if by_branch and problem.interaction.strip and guess > _WIDEST * widest(problem):
+        # A first guess knows of full contact, which a strip never comes to: the branch tells the width, or that there is none.
+        guess = _on_branch(task, problem, control)
     found = task.refine_topology(problem, control, np.array([[-guess, guess]]))
-    if isinstance(found, Found) or control.load is None and control.approach is None:
+    if isinstance(found, Found) or not by_branch:
         return found
     if found.beyond:
         raise task.error(found, problem)
     if task.scene.interaction.exact and (task.operator.is_periodic or not task.operator.is_plain):
         return found
-    # Along the branch from zero load the controlled quantity grows with the width up to its maximum.
+    _on_branch(task, problem, control)
+    return found
+
+
+def _on_branch(task: Task, problem: Problem, control: Control) -> float:
+    """About the half width of one zone under a control, along the branch from zero load: there the controlled quantity grows with the
+    width up to its maximum, or in a strip to its border, as the logarithm of the gap there. Raises OutOfRange beyond it."""
     with task.plan.timed("zone ends"):
-        half_width, highest = largest_single_load(problem, control)
+        half_widths, values = single_branch(problem, control)
+    highest, units = float(values[-1]), problem.units
     if control.value <= highest:
-        return found
-    units = problem.units
+        return float(np.interp(control.value, values, half_widths))
+    told, at_most = control.told(units), f"{highest * control.unit(units):.6g} at half width {half_widths[-1] * units.length:.6g} m"
+    if problem.interaction.strip and half_widths[-1] == widest(problem):
+        border = 0.5 * problem.repeat_length
+        before, last = border - half_widths[-2:]
+        gap = last * np.exp((highest - control.value) / (highest - values[-2]) * np.log(before / last))
+        if gap > _NARROWER * last:
+            return float(border - gap)
+        raise OutOfRange(f"{told} is more than one zone carries in its strip, whose border it nears: {at_most}; {EXACT}")
     raise OutOfRange(
-        f"{control.told(units)} is beyond the largest that {task.scene.interaction.name} carries on the branch from zero load, "
-        f"{highest * control.unit(units):.6g} at half width {half_width * units.length:.6g} m"
+        f"{told} is beyond the largest that {task.scene.interaction.name} carries on the branch from zero load, {at_most}"
     )
 
 
