@@ -20,7 +20,7 @@ from contact.search.grid.closure import ClosureGrid
 from contact.search.grid.scaling import scaled_scene
 from contact.search.task import Task
 from contact.search.topology.missed import Missed
-from contact.search.ways import first_order_several, strips
+from contact.search.ways import first_order_gaps, first_order_several, strips
 from contact.search.ways.first_order import FirstOrder
 from contact.studies import random_scenes
 from contact.studies.trace_kinds import drawn
@@ -322,14 +322,14 @@ class TestNearFullContact:
 class TestCentring:
     """`settled` on strips whose balance and borders are given functions of the centre."""
 
-    def settle(self, balance, walls=(-np.inf, np.inf), start=0.0, reach=0.1):
+    def settle(self, balance, walls=(-np.inf, np.inf), start=0.0, reach=0.1, cell=1e-4):
         looks = []
 
         def look(centre, beside=None):
             looks.append(centre)
             touches = not walls[0] < centre < walls[1]
             b = balance(centre)
-            return SimpleNamespace(centre=centre, balance=b, miss=0.02 * b, room=0.1, cell=1e-4, touches=touches)
+            return SimpleNamespace(centre=centre, balance=b, miss=0.02 * b, room=0.1, cell=cell, touches=touches)
 
         return *settled(look, look(start), reach), looks
 
@@ -351,8 +351,11 @@ class TestCentring:
         assert self.settle(lambda c: 0.2 if c < 0.0123 else -0.2)[1] is Unrest.JUMP
 
     def test_what_jumps_by_little_is_left_to_the_gaps(self):
-        there, unrest, _ = self.settle(lambda c: 0.1 if c < 0.0123 else -0.2)
-        assert unrest is None and abs(there.centre - 0.0123) < 1e-3
+        there, unrest, _ = self.settle(lambda c: 0.1 if c < 0.0123 else -0.2, cell=4e-3)
+        assert unrest is None and abs(there.centre - 0.0123) < 4e-3
+
+    def test_what_jumps_by_more_than_a_cell_is_not(self):
+        assert self.settle(lambda c: 0.1 if c < 0.0123 else -0.2, cell=1e-3)[1] is Unrest.JUMP
 
     def test_a_balance_of_one_sign_within_reach_does_too(self):
         there, unrest, looks = self.settle(lambda c: 1.0 - c, reach=0.1)
@@ -393,6 +396,16 @@ class TestFirstOrderSearch:
         solution = contact.solve(contact.Scene(profile, 1e9, FIRST, mean_pressure=part * full))
         alone = alone_on_a_grid(solution, 2**16, 1e-8)
         assert abs(alone.width - solution.zone_widths.sum()) < 4 * alone.cell
+
+    def test_a_gap_that_falls_between_the_samples_is_found_by_the_exact_profile(self, monkeypatch):
+        profile = drawn(np.random.default_rng([0, 79]), "white_noise", 60)
+        full = contact.solve(contact.Scene(profile, 1.0, PERIODIC, contact_fraction=1.0), tol=1e-6).load
+        scene = contact.Scene(profile, 1.0, FIRST, load=0.9 * full)
+        expected = contact.solve(scene)
+        monkeypatch.setattr(first_order_gaps, "_CLOSE", 4)
+        monkeypatch.setattr(first_order_gaps, "_FEWEST", 2**6)
+        found = contact.solve(scene)
+        assert found.zones == pytest.approx(expected.zones, abs=2e-8 * profile.period)
 
     @pytest.mark.parametrize("seed", [11899, pytest.param(70530, marks=pytest.mark.slow)])
     def test_zones_of_the_profile_alone_that_come_and_go_beside_the_root_are_put_in_a_bracket(self, seed):

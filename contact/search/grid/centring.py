@@ -63,7 +63,7 @@ def settled(look: Callable[[float, Kind], Kind], here: Kind, reach: float) -> tu
         jumps = [pair for pair in pairwise(passed) if pair[0].balance * pair[1].balance <= 0.0]
         held = [(left, right) for left, right in jumps if right.centre - left.centre > _NARROW * here.cell]
         # What jumps on a grid need not jump: that a strip beside it is nearly at rest the gaps may put right.
-        nearly = [strip for pair in jumps if pair not in held for strip in pair if _balanced(strip, _NEARLY) and not strip.touches]
+        nearly = [strip for pair in jumps if pair not in held for strip in pair if _nearly(strip) and not strip.touches]
         if nearly:
             return nearly[0], None
         if held:
@@ -87,6 +87,11 @@ def settled(look: Callable[[float, Kind], Kind], here: Kind, reach: float) -> tu
 def rests(here: Strip) -> bool:
     """Whether a strip is centred, as far as its grid tells."""
     return _balanced(here, _CENTRED, _CELL * here.cell)
+
+
+def _nearly(here: Strip) -> bool:
+    """Whether a strip beside a jump may be at rest: ends are known to parts of a cell."""
+    return _balanced(here, _NEARLY) and abs(here.miss) <= here.cell
 
 
 def _balanced(here: Strip, part: float, least: float = 0.0) -> bool:

@@ -33,6 +33,10 @@ class Place:
     strip: Array
     alone: Array
 
+    def as_many(self, other: Place) -> bool:
+        """Whether both have as many zones as before."""
+        return self.strip.shape == other.strip.shape and self.alone.shape == other.alone.shape
+
 
 @record
 class Moved:

@@ -40,9 +40,8 @@ _STEPS, _HALVED, _TRUSTED, _LARGEST = 25, 1, 0.5, 0.2
 _ROUNDS, _ON_THE_WAY, _NONE, _OVERLAP, _SAMPLES = 6, 1, 1e-6, 1e-4, 2**14
 # Of a gap or a zone that may go in a step; and what it is no farther than at the root.
 _PART, _THERE, _NEAR = 0.4, 1e-2, 0.05
-# Steps in a row that lead no nearer than the two before, of so few gaps and of more; how many of several times the room beside the border
-# or the nominal pressure there may be, which lead nowhere.
-_STALLED, _FEW_GAPS, _STALLED_OF_MANY, _SLOW, _STRAYED, _ASTRAY = 3, 24, 2, 0.7, 4, 2.0
+# Steps in which what is missed does not halve, after which it is given up; gaps that are so few that a step which leads astray costs little.
+_STALLED, _FEW_GAPS = 3, 24
 _NEWTON = 25
 # Steps by the exact profile, how long one may be after which there is none, and before which coefficients are cut off sooner, by what;
 # what may be unsure over their tolerance, what of that the last step may leave, the part to which they are cut off later where the rest is
@@ -58,6 +57,8 @@ _LOOKS, _LOOKED_AT, _LOW, _TOLD = 4, 40000, 1e-3, 10.0
 # Nodes of a panel of a gap, and panels at the least.
 _IN_PANEL, _PANELS = 8, 16
 _EPS = float(np.finfo(np.float64).eps)
+# What gaps come to that steps by the exact profile have moved over each other.
+_OVER_EACH_OTHER = ValueError, sie.SingularSystem
 
 
 @dataclass(frozen=True)
@@ -324,22 +325,36 @@ class GapClosure:
     def root(self, start: Place) -> Root:
         """From some zones near by, with the gaps that the exact profile asks for; raises Lost."""
         try:
-            root, failing = self._root(start)
+            root, failing = self._root(self._begun(start, True))
             for _ in range(_LOOKS):
                 if failing is None:
                     return root
-                root, failing = replace(self, carefully=True)._root(failing)
-        except (ValueError, sie.SingularSystem) as e:
-            # Gaps that steps by the exact profile have moved over each other.
+                before = failing
+                root, failing = self._put_right(before)
+                if failing is not None and failing.as_many(before):
+                    break
+        except _OVER_EACH_OTHER as e:
             raise Lost(str(e)) from e
         raise Lost("the number of gaps did not settle")
 
-    def _root(self, start: Place) -> tuple[Root, Place | None]:
-        """(from some zones near by, those with what is missing where signs fail)."""
+    def _put_right(self, start: Place) -> tuple[Root, Place | None]:
+        """From gaps of which some are new: as they are, since samples may be too far apart to tell them, else with those that samples tell."""
+        try:
+            return self._root(self._begun(start, False))
+        except (Lost, *_OVER_EACH_OTHER):
+            return self._root(replace(self, carefully=True)._begun(start, True))
+
+    def _begun(self, start: Place, sampled: bool) -> _Both:
+        """From some zones near by, at the root of the samples, or as they are."""
         centre, pressure = (float(unknown) for unknown in start.unknowns[:2])
         turn = StripTurn(self.problem, centre, self._points)
         gaps = turn.gaps_of(start.strip), turn.gaps_of(start.alone)
-        here = replace(self._settled(self._with(turn, pressure, *gaps, _How(_ROUGHLY, _ROUNDS))), kept=None)
+        if not sampled:
+            return self._on(turn, pressure, *gaps)
+        return replace(self._settled(self._with(turn, pressure, *gaps, _How(_ROUGHLY, _ROUNDS))), kept=None)
+
+    def _root(self, here: _Both) -> tuple[Root, Place | None]:
+        """(from near by, its zones with what is missing where signs fail)."""
         # Beside gaps that are narrow for their zones the pressure is steep, and follows ends the more closely.
         tolerance = self.tolerance * min(1.0, _STEEP / here.strip.steepest)
         matrix, size, decay = here.matrix, np.array([here.room, here.pressure]), _COARSER * tolerance
@@ -396,12 +411,10 @@ class GapClosure:
 
     def _settled(self, here: _Both) -> _Both:
         """At the root, as nearly as samples tell it."""
-        looked, missed, stalled, astray = True, [math.inf], 0, 0
+        looked, halved, steps = True, math.inf, 0
         for _ in range(_STEPS):
-            stalled = 0 if here.far < _SLOW * min(missed[-2:]) else stalled + 1
-            missed.append(here.far)
-            astray += here.far > _ASTRAY
-            if stalled > (_STALLED if here.few else _STALLED_OF_MANY) or astray > _STRAYED:
+            halved, steps = (here.far, 0) if here.far < 0.5 * halved else (halved, steps + 1)
+            if steps > _STALLED:
                 break
             largest = here.moved(here.step)[2]
             if largest < _THERE:
