@@ -32,7 +32,7 @@ import numpy as np
 
 import sie
 from contact.errors import SceneError
-from contact.model.checks import of_author
+from contact.model.checks import as_array, of_author
 from contact.model.profiles.trigonometric import Sum
 from sie import Array, record
 
@@ -260,10 +260,7 @@ def checked(symbol: Callable[[Array], Array], q: Array, of: str) -> Array:
     name = f"{of}.symbol(q)"
     with of_author(name, of, f" for an array of shape {q.shape}"):
         value = symbol(q.copy())
-    try:
-        found = np.asarray(value)
-    except ValueError:
-        found = np.asarray(None)
+    found = as_array(value)
     if found.dtype.kind not in "iuf" or found.shape != q.shape or not np.all(np.isfinite(found)):
         at = ""
         if found.dtype.kind in "iuf" and found.shape == q.shape:

@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 import sie
 from contact.errors import SceneError, warn
 from contact.extras import require
-from contact.model.checks import finite_array, increasing, positive_or_none, text
+from contact.model.checks import finite_array, increasing, one_of, positive_or_none, text
 from contact.model.profiles.base import Array, Profile, onto
 from contact.model.registry import register_profile
 
@@ -189,10 +189,9 @@ class Sampled(Profile):
         if "file" not in table:
             return super().from_table(table, directory)
         rest = {key: value for key, value in table.items() if key != "file"}
-        known = ["file", *(k for k in inspect.signature(read_trace).parameters if k != "path")]
+        _, *known = inspect.signature(read_trace).parameters
         for key in rest:
-            if key not in known:
-                raise SceneError.unknown("parameter of profile 'sampled' with a file", key, known)
+            one_of("parameter of profile 'sampled' with a file", key, ("file", *known))
         return read_trace(Path(directory) / text("file", table["file"]), **rest)
 
     def __repr__(self) -> str:
