@@ -1,6 +1,7 @@
 """What several commands have in common: how a scene is named, options, the files that they are asked to write (what cannot be written is
 refused before any work is done), and many values in few words: A:B:N, A:B:N:log, or values with commas between them."""
 
+import json
 import os
 import sys
 from collections.abc import Callable, Iterable, Mapping
@@ -73,6 +74,15 @@ class Outputs:
     def write(self, made: Any) -> None:
         for path, write in self._writers.items():
             write(made, path, self._overwrite)
+
+    def finish(self, made: Any, as_json: bool, quiet: bool, show: Callable[[], None]) -> None:
+        """What was made, in the files; and on stdout as JSON, or in tables, unless nothing is to be printed."""
+        self.write(made)
+        if as_json:
+            click.echo(json.dumps(made.to_dict(), allow_nan=False))
+        elif not quiet:
+            show()
+            self.tell()
 
     def tell(self, err: bool = False) -> None:
         for path in self._writers:

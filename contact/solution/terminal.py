@@ -29,6 +29,12 @@ def show_table(
     require("rich.console").Console(file=sys.stdout, width=width, markup=False, highlight=False).print(table)
 
 
+def show_columns(title: str, columns: Sequence[tuple[str, Sequence[str]]], words: Iterable[int] = (), close: bool = False) -> None:
+    """The same of columns, each a name and its cells; `words` are those that align to the left."""
+    names, cells = zip(*columns, strict=True)
+    show_table(title, names, zip(*cells, strict=True), set(range(len(names))).difference(words), close)
+
+
 class Progress:
     """What `contact.solve(progress=...)` calls: a bar on stderr, on a terminal, once the work has lasted a second."""
 
