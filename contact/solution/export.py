@@ -143,15 +143,15 @@ def write_json(solution: Answer, path: str | PathLike[str], overwrite: bool = Fa
     new_file(path, overwrite).write_text(to_json(solution) + "\n", encoding="utf-8")
 
 
-def new_file(path: str | PathLike[str], overwrite: bool) -> Path:
-    """The path of a file that may be written: one that is not there, or may be written over."""
-    if not isinstance(path, (str, PathLike)):
-        raise SceneError.of("path", path, "the name of a file")
+def new_file(path: str | PathLike[str], overwrite: bool, endings: Sequence[str] = (), field: str = "path") -> Path:
+    """The path of a file that may be written: one that is not there, or may be written over, with one of the endings if these are given."""
+    if not isinstance(path, (str, PathLike)) or (endings and Path(path).suffix.lower() not in endings):
+        raise SceneError.of(field, path, f"the name of a file{' that ends in ' if endings else ''}{' or '.join(endings)}")
     path = Path(path)
     if path.is_dir() or not path.parent.is_dir():
-        raise SceneError.of("path", str(path), "a file in a folder that exists")
+        raise SceneError.of(field, str(path), "a file in a folder that exists")
     if path.exists() and not overwrite:
-        raise SceneError.of("path", str(path), "a file that is not there yet, or overwrite=True given")
+        raise SceneError.of(field, str(path), "a file that is not there yet, or overwrite=True given")
     return path
 
 
@@ -169,15 +169,12 @@ def _fields(solution: Answer) -> dict[str, Any]:
 def to_xarray(solution: Answer) -> Any:
     """An xarray.Dataset: zones, their loads and peaks, the fields on positions closer at the zones' ends, the scene."""
     fields = _fields(solution)
-    x = fields["x"]
-    data: dict[str, Any] = {
-        name: ("x", np.asarray(fields[name]), {"units": units, "long_name": label})
-        for name, (units, label) in _FIELDS.items()
-    }
+    told = {name: {"units": units, "long_name": label} for name, (units, label) in _FIELDS.items()}
+    data: dict[str, Any] = {name: ("x", np.asarray(fields[name]), said) for name, said in told.items()}
     data["zones"] = (("zone", "end"), np.asarray(solution.zones), {"units": "m", "long_name": "zone ends"})
     data["zone_load"] = ("zone", np.asarray(solution.zone_loads), {"units": "N/m", "long_name": "load of a zone"})
     data["zone_peak"] = ("zone", np.asarray(solution.zone_peaks), {"units": "Pa", "long_name": "highest pressure of a zone"})
-    coordinates = {"x": ("x", x, {"units": "m", "long_name": "position"}), "end": ["left", "right"]}
+    coordinates = {"x": ("x", fields["x"], {"units": "m", "long_name": "position"}), "end": ["left", "right"]}
     return require("xarray").Dataset(data, coords=coordinates, attrs=_attributes(solution))
 
 
@@ -204,11 +201,10 @@ def _attributes(solution: Answer) -> dict[str, Any]:
     """The numbers of the solution, with those the scene does not define left out; netCDF has no None."""
     values = {name: getattr(solution, name) for name in UNITS if not name.startswith("zone") and name != "rotational_stiffness"}
     numbers = {name: float(value) for name, value in values.items() if value is not None}
-    certificate = json.dumps(plain(solution.certificate.to_dict()))
     trace = solution.scene.profile.trace_summary()
     read = {} if trace is None else {"trace": json.dumps(plain(trace))}
     return {
         "title": "elastic contact", "source": f"sie-contact {version()}", "version": version(),
         "units": json.dumps({name: UNITS[name] for name in numbers}), "scene": json.dumps(describe(solution.scene)),
-        **read, **numbers, "certificate": certificate,
+        **read, **numbers, "certificate": json.dumps(plain(solution.certificate.to_dict())),
     }

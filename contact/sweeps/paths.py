@@ -14,14 +14,13 @@ not a half-plane, on which alone contact is known to grow with the load.
 """
 
 import json
-import os
 from dataclasses import dataclass, replace
 from os import PathLike
 from typing import Any
 
 import numpy as np
 
-from contact.errors import NotConverged, OutOfRange, SceneError, unwarned, warn
+from contact.errors import NotConverged, OutOfRange, unwarned, warn
 from contact.formulation.roots import maximum, smooth_root
 from contact.formulation.tables import centred_on, gaps_between
 from contact.model.scene import Scene
@@ -133,12 +132,10 @@ class Path:
         SceneError
             If the name ends otherwise, or the file is there and `overwrite` is not given.
         """
-        ending = os.path.splitext(path)[1].lower() if isinstance(path, (str, PathLike)) else ""
-        if ending not in (".csv", ".json"):
-            raise SceneError.of("path", path, "the name of a file that ends in .csv or .json")
-        csv = ending == ".csv"
+        file = new_file(path, overwrite, (".csv", ".json"))
+        csv = file.suffix.lower() == ".csv"
         text = path_table.to_csv(self.solutions, self.passed) if csv else json.dumps(self.to_dict(), allow_nan=False) + "\n"
-        new_file(path, overwrite).write_text(text, encoding="utf-8")
+        file.write_text(text, encoding="utf-8")
 
 
 def growing_path(scene: Scene, values: Array, tol: float, progress: Progress | None) -> Path:

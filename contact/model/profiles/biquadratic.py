@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from contact.errors import SceneError
 from contact.model.checks import keep, positive, positive_or_none
-from contact.model.profiles.base import Array, Profile
+from contact.model.profiles.base import Array, Profile, told_by
 from contact.model.registry import register_profile
 
 
@@ -49,6 +49,7 @@ class Biquadratic(Profile):
     period: float | None = None
     units = {"radius": "m", "spacing": "m", "period": "m"}
     symmetric = True
+    resolution = told_by("spacing")
 
     def __post_init__(self) -> None:
         keep(self, positive, "radius", "spacing")
@@ -88,7 +89,3 @@ class Biquadratic(Profile):
     @property
     def summits(self) -> Array:
         return np.array([-self.spacing / 2, self.spacing / 2])
-
-    @property
-    def resolution(self) -> float:
-        return self.spacing

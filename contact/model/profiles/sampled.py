@@ -251,9 +251,10 @@ class Sampled(Profile):
     def jumps(self) -> Array:
         """The jumps of the third derivative of f at the knots: between them f is a cubic."""
         third = -6.0 * self._spline.c[0]
-        at = self._knots[:-1] if self.period is not None else self._knots[1:-1]
-        jump = np.diff(third, prepend=third[-1:]) if self.period is not None else np.diff(third)
-        return np.column_stack((at, np.full(at.size, 3.0), jump))
+        # With a period the first knot has the last piece before it.
+        first, before = (0, third[-1:]) if self.period is not None else (1, third[:0])
+        at = self._knots[first:-1]
+        return np.column_stack((at, np.full(at.size, 3.0), np.diff(third, prepend=before)))
 
     @cached_property
     def resolution(self) -> float:
@@ -264,22 +265,15 @@ class Sampled(Profile):
         return float(np.quantile(np.diff(self._knots), _MOSTLY))
 
     @property
-    def _top(self) -> float:
-        return float(self.heights.max())
-
-    @property
     def _knots(self) -> Array:
         return self.x if self.period is None else np.append(self.x, self.x[0] + self.period)
 
     @cached_property
     def _spline(self) -> Any:
         # Counted from the highest point, so that an offset of the instrument's zero costs no digits.
-        depth = self.heights - self._top
-        values = depth if self.period is None else np.append(depth, depth[0])
-        kind = "not-a-knot" if self.period is None else "periodic"
-        return require("scipy.interpolate").CubicSpline(
-            self._knots, values, bc_type=kind, extrapolate=self.period is not None
-        )
+        depth, repeats = self.heights - self.heights.max(), self.period is not None
+        values, kind = (np.append(depth, depth[0]), "periodic") if repeats else (depth, "not-a-knot")
+        return require("scipy.interpolate").CubicSpline(self._knots, values, bc_type=kind, extrapolate=repeats)
 
     @cached_property
     def _conjugate(self) -> sie.PiecewiseTransform | None:
