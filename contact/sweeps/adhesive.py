@@ -44,7 +44,8 @@ from sie import Array
 
 # Of a figure: points, and how much is shown beside the zones, over what they span.
 _PLACES, _AROUND = 601, 1.5
-_UNITS = {"load": "loads", "mean_pressure": "mean pressures", "approach": "approaches"}
+# The controls that a path may have, and what their values are called.
+VALUES = {"load": "loads", "mean_pressure": "mean pressures", "approach": "approaches"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -222,7 +223,7 @@ def adhesive_path(
     scene: Scene, values: ArrayLike, tol: float, progress: Progress | None, control: str, stiffness: float | None
 ) -> AdhesivePath:
     """See `contact.path`."""
-    given = finite_array(_UNITS[control], values)
+    given = finite_array(VALUES[control], values)
     give = None if stiffness is None else 1.0 / positive("stiffness", stiffness)
     run = _Run(scene.under(control, 0.0), control, tol, give)
     run.refuse(given)
@@ -243,8 +244,7 @@ def adhesive_path(
                     events.append(run.event(found))
                 else:
                     here = found
-            if not here.closed:
-                run.note(here.point, here.value)
+            run.stood(here)
             solutions.append(run.solved(here, float(value), before if k else 0.0))
             passed.append(tuple(events))
     warn(of_solution(max(solutions, key=lambda solution: solution.load)), stacklevel=4)
@@ -298,11 +298,13 @@ class _Run:
             self.followed.append((0.0, value * units.height, 0.0, self.rises))
 
     def jumped(self, jump: Jump) -> None:
-        for standing, after in ((jump.before, False), (jump.after, True)):
-            if after:
-                self.followed.append((np.nan,) * 3 + (self.rises,))
-            if not standing.closed:
-                self.note(standing.point, standing.value)
+        self.stood(jump.before)
+        self.followed.append((np.nan,) * 3 + (self.rises,))
+        self.stood(jump.after)
+
+    def stood(self, standing: Standing) -> None:
+        if not standing.closed:
+            self.note(standing.point, standing.value)
 
     @property
     def unit(self) -> float:

@@ -97,15 +97,14 @@ class Table:
             raise self._other(path, f"over {', '.join(map(str, known.dims))}", f"not over {', '.join(dims)}")
         self._same_scene(path, json.loads(known.attrs["scene"]))
         known = known.transpose(*dims)
-        places = np.zeros(known["error"].shape, dtype=int)
-        for number, axis in enumerate(self.axes):
+        places = []
+        for axis in self.axes:
             there = known[axis.key].values.tolist()
             for value in there:
                 if value not in axis.values:
                     raise self._other(path, f"at {axis.key} = {value!r}", "which is not among the values given")
-            index = np.array([axis.values.index(value) for value in there])
-            places = places * len(axis.values) + index.reshape([-1 if n == number else 1 for n in range(len(dims))])
-        flat = places.ravel()
+            places.append([axis.values.index(value) for value in there])
+        flat = np.ravel_multi_index(np.ix_(*places), self.shape).ravel()
         for name, values in (*self.numbers.items(), *self.words.items()):
             values[flat] = known[name].values.ravel()
         self.failed[flat] = known["failed"].values.astype(bool).ravel()
