@@ -370,7 +370,10 @@ class _Run:
         load_after, approach_after, energy_after, zones_after = self._state(jump.after)
         by_load = self.curve.held.load is not None
         if jump.kind == "pull-off" and by_load and approach is not None:
-            approach_after = self._parted(jump.before)
+            # Drawn apart by a dead load: the contact follows the approach, as the load is slow to move, until no contact answers it.
+            assert jump.before.point is not None
+            apart = self.by.let_go(jump.before.point)
+            approach_after = None if apart is None else float(-apart.level * units.height)
         lost = None
         if energy is not None and energy_after is not None and approach is not None and approach_after is not None:
             done = (load if by_load else 0.5 * (load + load_after)) * (approach_after - approach)
@@ -384,13 +387,6 @@ class _Run:
         value = float(jump.before.value * self.unit)
         place = float(units.x(np.array(jump.place)))
         return AdhesiveEvent(jump.kind, load, place, zones, zones_after, value, load_after, approach, approach_after, lost, drawn)
-
-    def _parted(self, last: Standing) -> float | None:
-        """The approach [m] at which surfaces let go that a dead load draws apart: the contact follows the approach, as the load is slow to
-        move, until no contact answers it; None where it was not followed so far."""
-        assert last.point is not None
-        apart = self.by.let_go(last.point)
-        return None if apart is None else float(-apart.level * self.problem.units.height)
 
     def _state(self, standing: Standing) -> tuple[float, float | None, float | None, Array]:
         """(load, approach, energy, zones) [N/m, m, J/m, m]."""

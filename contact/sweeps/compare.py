@@ -99,7 +99,7 @@ def pressure_apart(attempt: Attempt, exact: Attempt) -> float | None:
     scale = reference.max_pressure
     if not np.isfinite(scale):
         scale = reference.load / total_width(reference)
-    ours, theirs = (s.pressure(_within(s.zones)) for s in (attempt.solution, reference))
+    ours, theirs = (s.pressure(s.zones.mean(axis=1)[:, None] + 0.5 * np.diff(s.zones) * _T) for s in (attempt.solution, reference))
     return float(np.max(np.abs(ours - theirs)) / scale)
 
 
@@ -153,10 +153,6 @@ def _percent(value: float | None, form: str = ".3g") -> str:
     if value is None:
         return "-"
     return "0" if abs(value) < _NOTHING else f"{100.0 * value:{form}}"
-
-
-def _within(zones: np.ndarray) -> np.ndarray:
-    return np.asarray(0.5 * (zones[:, :1] + zones[:, 1:]) + 0.5 * np.diff(zones) * _T)
 
 
 def _models(own: Interaction) -> dict[str, Interaction]:

@@ -353,13 +353,9 @@ def _moving(fields: Any) -> Array:
 
 def _scaled(fields: Any, zone: Array) -> tuple[float, float]:
     """A zone in the scaled period in which the fields' own zones stand."""
-    units, period = fields.problem.units, fields.problem.period
-    a, b = (float(v) for v in units.scaled(zone))
-    if period is not None:
-        zones = fields.density.zones
-        middle = 0.5 * float(zones.a[0] + zones.b[-1])
-        turn = np.floor((0.5 * (a + b) - middle) / period + 0.5) * period
-        a, b = a - turn, b - turn
+    zones, problem = fields.density.zones, fields.problem
+    middle = 0.5 * float(zones.a[0] + zones.b[-1])
+    a, b = centred_on(np.array([problem.units.scaled(zone)]), middle, problem.period)[0].tolist()
     return a, b
 
 

@@ -14,6 +14,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
+import sie
 from contact.errors import SceneError
 from contact.extras import require
 from contact.model.checks import finite, keep
@@ -165,7 +166,7 @@ class Combined(Profile):
         if not (self.profile.symmetric and self.counter.symmetric):
             return False
         half = None if self.counter.period is None else 0.5 * self.counter.period
-        off = self.shift if half is None else self.shift - half * np.round(self.shift / half)
+        off = sie.nearest_image(np.array(self.shift), 0.0, half)
         ends = self.support or self.extent
         centred = ends is None or abs(ends[0] + ends[1]) <= 8 * _EPS * (ends[1] - ends[0])
         return bool(abs(off) <= 8 * _EPS * (half or 0.0)) and centred
@@ -208,10 +209,8 @@ class Combined(Profile):
             return None
         if len(one) != 1 or len(other) != 1 or self.period is None and self.extent is not None:
             return None
-        away = float(self._stood["counter"].above(np.asarray(other))[0]) - float(one[0])
-        if self.period is not None:
-            away -= self.period * np.round(away / self.period)
-        return np.array(one) if abs(away) <= 8 * _EPS * (abs(self.shift) + (self.period or 0.0)) else None
+        away = sie.nearest_image(self._stood["counter"].above(np.asarray(other)) - one, 0.0, self.period)
+        return np.array(one) if abs(away[0]) <= 8 * _EPS * (abs(self.shift) + (self.period or 0.0)) else None
 
     @property
     def resolution(self) -> float | None:

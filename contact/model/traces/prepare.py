@@ -137,7 +137,11 @@ def prepared(reading: Reading, by: Preparation) -> Trace:
     if count is None or _pitch_behind_rounding(x) is None:
         _refuse_repeated(path, x, lines)
     if count is not None:
-        x, height, note = to_uniform(x, height, x.size if count is True else _bounded(count, x.size))
+        count, most = x.size if count is True else count, max(_MOST_REGRID, x.size)
+        if count > most:
+            allowed = f"at most {most}: between the {x.size} points of the file there are but straight lines, and nothing more to be known"
+            raise SceneError.of("regrid", count, allowed)
+        x, height, note = to_uniform(x, height, count)
         done(note)
     if by.lambda_s is not None:
         height = low_pass(x, height, by.lambda_s, "lambda_s")
@@ -280,11 +284,3 @@ def _degree(detrend: Any) -> int:
     if isinstance(detrend, bool) or not isinstance(detrend, Integral) or not 0 <= int(detrend) <= _HIGHEST_TREND:
         raise SceneError.of("detrend", detrend, allowed)
     return int(detrend)
-
-
-def _bounded(count: int, points: int) -> int:
-    most = max(_MOST_REGRID, points)
-    if count > most:
-        allowed = f"at most {most}: between the {points} points of the file there are but straight lines, and nothing more to be known"
-        raise SceneError.of("regrid", count, allowed)
-    return count
