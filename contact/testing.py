@@ -345,10 +345,8 @@ def _slope(profile: Profile, x: Array) -> Iterator[str]:
     if np.max(off, initial=0.0) > _SLOPE * scale:
         i = int(np.argmax(off))
         claimed = float(profile.slope(inside)[i])
-        yield (
-            f"slope disagrees with the height: slope({inside[i]:.6g}) = {claimed:.9g}, "
-            f"differences of the height give {seen[i]:.9g}"
-        )
+        told = f"slope({inside[i]:.6g}) = {claimed:.9g}, differences of the height give {seen[i]:.9g}"
+        yield f"slope disagrees with the height: {told}"
 
 
 def _continuity(profile: Profile, x: Array) -> Iterator[str]:
@@ -408,9 +406,7 @@ def _sharp_slope(profile: Profile, width: float) -> tuple[Callable[[Array], Arra
     return (lambda x: (np.asarray(profile.height(x + h)) - np.asarray(profile.height(x - h))) / (2 * h)), h
 
 
-def _jumps(
-    slope: Callable[[Array], Array], lo: float, hi: float, reach: float, scale: float
-) -> list[tuple[float, float]]:
+def _jumps(slope: Callable[[Array], Array], lo: float, hi: float, reach: float, scale: float) -> list[tuple[float, float]]:
     """Where the slope jumps: intervals of a fine grid, halved towards the larger change down to `reach`."""
     edges = np.linspace(lo, hi, 2001)
     a, b = edges[:-1], edges[1:]

@@ -112,9 +112,7 @@ def finite_array(field: str, value: Any, ndim: int | None = 1, least: int = 1) -
     shape = {None: "an array", 0: "a number", 1: "a one-dimensional array"}.get(ndim, f"an array with {ndim} axes")
     count = f" of at least {least}" if least > 1 else " of"
     allowed = f"{shape}{count} finite real numbers"
-    if isinstance(value, (str, bytes)) or (
-        isinstance(value, (list, tuple)) and any(isinstance(v, bool) for v in value)
-    ):
+    if isinstance(value, (str, bytes)) or (isinstance(value, (list, tuple)) and any(isinstance(v, bool) for v in value)):
         raise SceneError.of(field, value, allowed)
     if np.ma.is_masked(value):
         raise SceneError.of(field, value, allowed + ", none masked")
@@ -122,9 +120,8 @@ def finite_array(field: str, value: Any, ndim: int | None = 1, least: int = 1) -
         raw = np.asarray(value)
     except (TypeError, ValueError):
         raise SceneError.of(field, value, allowed) from None
-    empty = raw.size == 0
     if raw.dtype.kind not in "iuf" or (ndim is not None and raw.ndim != ndim) or raw.size < least:
-        got = f"{'empty' if empty else 'of'} shape {raw.shape}, type {raw.dtype}"
+        got = f"{'of' if raw.size else 'empty'} shape {raw.shape}, type {raw.dtype}"
         raise SceneError.of(field, value, f"{allowed} (got {got})")
     array = np.array(raw, dtype=np.float64)
     if not np.isfinite(array).all():
@@ -150,7 +147,5 @@ def increasing(field: str, value: Any, least: int = 1) -> Array:
     wrong = np.flatnonzero(np.diff(array) <= 0)
     if wrong.size:
         i = int(wrong[0])
-        raise SceneError.of(
-            field, value, f"strictly increasing (element {i + 1} is {array[i + 1]:.17g} after {array[i]:.17g})",
-        )
+        raise SceneError.of(field, value, f"strictly increasing (element {i + 1} is {array[i + 1]:.17g} after {array[i]:.17g})")
     return array

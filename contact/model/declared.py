@@ -87,10 +87,8 @@ def _require_by_elements(profile: Profile, name: str, x: Array) -> None:
             warnings.simplefilter("ignore")
             value = np.asarray(getattr(profile, name)(given.copy()))
         if value.dtype.kind not in "iuf" or value.shape != given.shape:
-            got = f"{shown(value)}, of type {value.dtype} and shape {value.shape}"
-            raise SceneError(
-                f"profile.{name}(x) for x of shape {given.shape} gives {got}: it must be real and of the shape of x", name, value
-            )
+            got = f"for x of shape {given.shape} gives {shown(value)}, of type {value.dtype} and shape {value.shape}"
+            raise SceneError(f"profile.{name}(x) {got}: it must be real and of the shape of x", name, value)
         if not (np.isfinite(value) | (np.isposinf(value) & (name == "height"))).any():
             raise SceneError(f"profile.{name}(x) is nowhere a finite number: not at x = {x.ravel().tolist()}", name, value)
 
@@ -150,10 +148,8 @@ def _require_regular(kernel: sie.Kernel) -> None:
         with of_author(f"the {name} of the smooth part of interaction.kernel", "interaction", " for arrays"):
             table = np.asarray(function(x, xi))
         if table.dtype.kind not in "iuf" or table.shape != (len(_LAGS), 2) or not np.all(np.isfinite(table)):
-            raise SceneError(
-                f"the {name} of the smooth part of interaction.kernel for x (5, 1) and xi (2,) gives {shown(table)}: it must be real, "
-                "finite and of the shape of x - xi", "interaction"
-            )
+            got = f"the {name} of the smooth part of interaction.kernel for x (5, 1) and xi (2,) gives {shown(table)}"
+            raise SceneError(f"{got}: it must be real, finite and of the shape of x - xi", "interaction")
         # Compared with what it comes to anywhere: a sum of large parts may vanish at one place.
         _require_same(function(x + _SHIFT, xi + _SHIFT), table, f"smooth part's {name}", "is not one of x - xi alone")
     value, minus = regular(_LAGS, zero), regular(-_LAGS, zero)
@@ -175,10 +171,8 @@ def _require_symbol(operator: Operator, kernel: sie.Kernel) -> None:
     found = 1 - 2 * n * np.fft.rfft(rest).real[1 : _HARMONICS + 1] / _PLACES
     if not np.all(found > 0):
         k = int(np.argmin(found))
-        raise SceneError.of(
-            "interaction.kernel", f"of symbol {found[k]:.6g} at wave {k + 1} of the period",
-            "one of an elastic body, of a symbol above 0: else pressure lifts the surface, and no contact is the only one",
-        )
+        allowed = "one of an elastic body, of a symbol above 0: else pressure lifts the surface, and no contact is the only one"
+        raise SceneError.of("interaction.kernel", f"of symbol {found[k]:.6g} at wave {k + 1} of the period", allowed)
     excess = operator.excess
     if excess is not None:
         declared = 1 + np.concatenate((excess, np.zeros(_HARMONICS)))[:_HARMONICS]
@@ -197,9 +191,8 @@ def _require_same(one: Array, other: Array, what: str, fault: str, rounding: flo
     off, size = np.abs(np.asarray(one) - other), np.abs(np.asarray(other))
     if not np.all(off <= _NEAR * size.max() + rounding):
         k = int(np.argmax(off))
-        raise SceneError(
-            f"the {what} of interaction.kernel {fault}: {np.ravel(one)[k]:.9g} against {np.ravel(other)[k]:.9g}", "interaction"
-        )
+        told = f"{np.ravel(one)[k]:.9g} against {np.ravel(other)[k]:.9g}"
+        raise SceneError(f"the {what} of interaction.kernel {fault}: {told}", "interaction")
 
 
 # How near 1 the symbol comes for the shortest waves; how near its limit for the longest; and what is no limit above zero.

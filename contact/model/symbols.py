@@ -283,9 +283,8 @@ def excess(symbol: Callable[[Array], Array], period: float, of: str) -> Array:
         if len(seen) == 0 or seen[-1] < 0.9 * count:
             return off[: seen[-1] + 1] if len(seen) else np.zeros(0)
         if count >= _MOST_HARMONICS:
-            raise SceneError.of(
-                f"{of}.symbol(q)", float(found[-1]), f"1 for short waves: to {_ONE:.0e} from harmonic {_MOST_HARMONICS} of the period on"
-            )
+            allowed = f"1 for short waves: to {_ONE:.0e} from harmonic {_MOST_HARMONICS} of the period on"
+            raise SceneError.of(f"{of}.symbol(q)", float(found[-1]), allowed)
         count *= 4
 
 

@@ -55,9 +55,7 @@ class Biquadratic(Profile):
         keep(self, positive, "radius", "spacing")
         keep(self, positive_or_none, "period")
         if self.period is not None and self.period <= self.spacing:
-            raise SceneError.of(
-                "period", self.period, f"larger than the spacing {self.spacing!r}: both tips lie in a cell"
-            )
+            raise SceneError.of("period", self.period, f"larger than the spacing {self.spacing!r}: both tips lie in a cell")
 
     def height(self, x: ArrayLike) -> Array:
         c = self.spacing / 2

@@ -316,14 +316,9 @@ def _one_period(x: Array, heights: Array, period: float) -> tuple[Array, Array]:
     if abs(length - period) <= _SAME * period:
         step = float(heights[-1] - heights[0])
         if abs(step) > _SAME * float(np.ptp(heights)):
-            raise SceneError.of(
-                "height",
-                heights,
-                f"equal at both ends if the last point is one period after the first (off by {step:.3g})",
-            )
-        x, heights = x[:-1].copy(), heights[:-1].copy()
-        x.setflags(write=False)
-        heights.setflags(write=False)
+            allowed = f"equal at both ends if the last point is one period after the first (off by {step:.3g})"
+            raise SceneError.of("height", heights, allowed)
+        x, heights = x[:-1], heights[:-1]
     elif length > period:
         raise SceneError.of("period", period, f"at least as long as the points reach ({length!r})")
     if x.size < _FEWEST:

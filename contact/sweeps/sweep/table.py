@@ -113,10 +113,9 @@ class Table:
         for table in dict.fromkeys([*there, *self.scene]):
             old, new = there.get(table, {}), self.scene.get(table, {})
             for key in dict.fromkeys([*old, *new]):
-                if old.get(key) != new.get(key):
-                    raise self._other(
-                        path, f"with {table}.{key} = {shown(old.get(key))}", f"where the scene has {shown(new.get(key))} now"
-                    )
+                there_is, here_is = old.get(key), new.get(key)
+                if there_is != here_is:
+                    raise self._other(path, f"with {table}.{key} = {shown(there_is)}", f"where the scene has {shown(here_is)} now")
 
     def _other(self, path: Path, there: str, here: str) -> SceneError:
         allowed = f"of this scene and grid: its points are {there}, {here}; name another file, or have this one written over"
