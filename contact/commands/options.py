@@ -36,8 +36,8 @@ Write = Callable[[Any, Path, bool], Any]
 OVERWRITE = click.option("--overwrite", is_flag=True, help="Write over files of numbers that are there; pictures are drawn anew.")
 
 
-def checked(option: str, path: Path, endings: Iterable[str], overwrite: bool = False) -> Path:
-    """The name of a file that can be written; one that is there, only where it may be written over."""
+def checked(option: str, path: Path, endings: Iterable[str], overwrite: bool = False) -> None:
+    """That a file of that name can be written; one that is there, only where it may be written over."""
     if path.suffix.lower() not in endings:
         raise SceneError.of(option, str(path), f"a file name that ends in {', '.join(sorted(endings))}")
     if not path.parent.is_dir():
@@ -46,7 +46,6 @@ def checked(option: str, path: Path, endings: Iterable[str], overwrite: bool = F
         raise SceneError.of(option, str(path), "a file that may be written")
     if path.exists() and not overwrite:
         raise SceneError.of(option, str(path), "a file that is not there yet, or --overwrite given")
-    return path
 
 
 class Outputs:
@@ -62,7 +61,8 @@ class Outputs:
             return
         if path in self._writers:
             raise SceneError.of(option, str(path), "another file than the other options name")
-        self._writers[checked(option, path, writers, self._overwrite)] = writers[path.suffix.lower()]
+        checked(option, path, writers, self._overwrite)
+        self._writers[path] = writers[path.suffix.lower()]
 
     def add_figure(self, path: Path | None, drawn: Callable[[Any], Any]) -> None:
         """A picture of what is made; one that is there is drawn anew, as it holds nothing that is not drawn again."""
