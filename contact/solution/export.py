@@ -85,11 +85,8 @@ def plain(value: Any) -> Any:
 
 def zone_table(solution: Answer) -> list[tuple[float, ...]]:
     """A row a zone, from left to right, of ZONE_COLUMNS in ZONE_UNITS."""
-    loads, widths, peaks = (np.asarray(a) for a in (solution.zone_loads, solution.zone_widths, solution.zone_peaks))
-    return [
-        (float(left), float(right), float(width), float(load), float(load / width), float(peak))
-        for (left, right), width, load, peak in zip(solution.zones, widths, loads, peaks, strict=True)
-    ]
+    loads, widths = np.asarray(solution.zone_loads), np.asarray(solution.zone_widths)
+    return list(map(tuple, np.column_stack((solution.zones, widths, loads, loads / widths, solution.zone_peaks)).tolist()))
 
 
 def zone_frame(solution: Answer) -> Any:
