@@ -6,7 +6,6 @@ tried out.
 """
 
 import math
-from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from itertools import combinations
@@ -68,12 +67,9 @@ def handles(scene: Scene, solution: Solution | None = None) -> tuple[Handle, ...
 
 def _named_apart(found: list[Handle]) -> tuple[Handle, ...]:
     """Numbers of two parts may have one name."""
-    seen, before = Counter(handle.name for handle in found), Counter[str]()
-    apart = []
-    for handle in found:
-        before[handle.name] += 1
-        apart.append(replace(handle, name=f"{handle.name} {before[handle.name]}") if seen[handle.name] > 1 else handle)
-    return tuple(apart)
+    names = [handle.name for handle in found]
+    told = [f"{name} {names[: place + 1].count(name)}" if names.count(name) > 1 else name for place, name in enumerate(names)]
+    return tuple(replace(handle, name=name) for handle, name in zip(found, told, strict=True))
 
 
 def turned(scene: Scene, moved: Mapping[str, float], known: tuple[Handle, ...]) -> Scene:

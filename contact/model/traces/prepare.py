@@ -152,7 +152,7 @@ def prepared(reading: Reading, by: Preparation) -> Trace:
         done(f"least-squares {by.detrend if isinstance(by.detrend, str) else f'polynomial of degree {by.detrend}'} subtracted")
     if float(np.ptp(height)) <= _ROUNDING * size:
         after = "" if by.detrend == "none" else f", once its {by.detrend} is subtracted"
-        raise SceneError(f"file {str(path)!r}: the heights are the same everywhere{after}", "file", str(path))
+        raise at(path, 0, f"the heights are the same everywhere{after}")
     if by.lambda_c is not None:
         height = height - low_pass(x, height, by.lambda_c, "lambda_c")
         done(f"waves longer than {quantity(by.lambda_c, 'm')} filtered out (Gaussian, lambda_c)")
