@@ -25,7 +25,6 @@ from contact.commands.sweep import sweep_command
 from contact.commands.trace import show_profile, trace_command
 from contact.errors import ContactError, ModelWarning, NotConverged
 from contact.extras import other_package, owners, require, version
-from contact.model.controls import TURNING
 from contact.model.registry import controls, interactions, laws, profiles, substrates
 from contact.model.units import headed, quantity
 from contact.solution import export
@@ -286,8 +285,7 @@ _listed("controls", controls, "controls, with their units,", "unit")
 def _show_solution(solution: Answer, seconds: float) -> None:
     scene = solution.scene
     show_profile(scene.profile)
-    turns = any(getattr(scene, name) is not None for name in TURNING)
-    turning = [("tilt", f"{solution.tilt:.10g}"), ("moment", quantity(solution.moment, "N", 10))] if turns else []
+    turning = [("tilt", f"{solution.tilt:.10g}"), ("moment", quantity(solution.moment, "N", 10))] if scene.turning else []
     others = [what for what, part in (("substrate", scene.substrate), ("law", scene.law)) if part != type(scene).__dict__[what]]
     fraction = solution.contact_fraction
     show_table(

@@ -53,8 +53,7 @@ class Handle:
 def handles(scene: Scene, solution: Solution | None = None) -> tuple[Handle, ...]:
     """What can be turned of a scene, its control first, in the order in which it is to be applied. solution: of it, where there is one."""
     found = [_control(scene, solution)]
-    turning = {name: value for name in TURNING if (value := getattr(scene, name)) not in (None, 0.0)}
-    found += [_between(f"control.{name}", value, -2 * abs(value), 2 * abs(value)) for name, value in turning.items()]
+    found += [_between(f"control.{name}", value, -2 * abs(value), 2 * abs(value)) for name, value in scene.turning.items() if value]
     found += _shape(scene, "profile")
     for place in scene.profile.bodies:
         if place != "profile":

@@ -216,6 +216,11 @@ class Scene(sie.Kept):
         return width / period if self.contact_fraction is None else self.contact_fraction
 
     @property
+    def turning(self) -> dict[str, float]:
+        """What is given that turns the body, by name: `tilt` [rad], `moment` [N], or nothing."""
+        return {name: value for name in TURNING if (value := getattr(self, name)) is not None}
+
+    @property
     def turned(self) -> bool:
         """Whether the body stands at an angle, given or unknown; that no moment turns a symmetric one needs no solving."""
         if self.moment is not None:
@@ -277,8 +282,8 @@ class Scene(sie.Kept):
     def _check_law(self) -> None:
         law = self.law
         if not law.turns and self.turned:
-            turning = "tilt" if self.moment is None else "moment"
-            raise SceneError.of(turning, getattr(self, turning), f"left out: {law.name} is not solved for bodies that turn")
+            ((turning, value),) = self.turning.items()
+            raise SceneError.of(turning, value, f"left out: {law.name} is not solved for bodies that turn")
         if not isfinite(law.intensity(self.E_star)):
             raise SceneError.of("law.intensity(E_star)", law.intensity(self.E_star), "finite [Pa m^(1/2)]")
         why = law.refuses(self)
@@ -286,11 +291,10 @@ class Scene(sie.Kept):
             raise SceneError.of("law", law.name, f"another one: {law.name} {why}")
 
     def _check_turning(self) -> None:
-        given = {turning: value for turning in TURNING if (value := getattr(self, turning)) is not None}
-        if len(given) > 1:
-            raise SceneError.of(" and ".join(TURNING), tuple(given.values()), "one of them: the other is part of the solution")
-        if given and not self.interaction.turns:
-            ((turning, value),) = given.items()
+        if len(self.turning) > 1:
+            raise SceneError.of(" and ".join(TURNING), tuple(self.turning.values()), "one of them: the other is part of the solution")
+        if self.turning and not self.interaction.turns:
+            ((turning, value),) = self.turning.items()
             raise SceneError.of(turning, value, f"left out: a body that repeats, as {self.interaction.name} takes it, does not turn")
 
     @property

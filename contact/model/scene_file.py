@@ -213,7 +213,7 @@ def tables(scene: Scene) -> dict[str, dict[str, Any]]:
         **scene.profile.tables(),
         "material": {"E_star": scene.E_star},
         **{place: {"model": part.name, **parameters(part)} for place, part in given.items()},
-        "control": {name: value, **{turn: getattr(scene, turn) for turn in TURNING if getattr(scene, turn) is not None}},
+        "control": {name: value, **scene.turning},
     }
 
 

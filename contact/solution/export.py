@@ -17,7 +17,6 @@ import numpy as np
 
 from contact.errors import MissingExtra, SceneError
 from contact.extras import require, version
-from contact.model.controls import TURNING
 from contact.model.scene import Scene
 from contact.model.scene_file import tables
 from contact.solution.answer import Answer
@@ -47,11 +46,10 @@ _FIELDS = {
 
 def to_dict(solution: Answer) -> dict[str, Any]:
     """The solution's zones and numbers as JSON has them: floats, strings, lists, dictionaries and None."""
-    turns = any(getattr(solution.scene, name) is not None for name in TURNING)
     values = {
         **{name: getattr(solution, name) for name in UNITS if name != "rotational_stiffness"},
         # One more solution: worth it only where turning is what the scene is about.
-        "rotational_stiffness": solution.rotational_stiffness if turns else None,
+        "rotational_stiffness": solution.rotational_stiffness if solution.scene.turning else None,
         "certificate": solution.certificate.to_dict(),
         "plan": solution.plan.to_dict(),
         "warnings": everything(solution),

@@ -20,7 +20,7 @@ from contact.model.scene import Scene
 from contact.solution.export import plain
 from contact.sweeps.points import NUMBERS
 from contact.sweeps.sweep.chunks import Rows
-from contact.sweeps.sweep.keys import BRANCH, BRANCHES, MODULUS, Axis
+from contact.sweeps.sweep.keys import BRANCH, BRANCHES, Axis
 from contact.sweeps.sweep.keys import tables as tables_of
 from sie import Mask
 
@@ -148,10 +148,7 @@ def told(scene: Scene, but: set[str]) -> dict[str, dict[str, Any]]:
             values = {**{key: value for key, value in values.items() if key not in hidden}, **({} if hidden else body.unprepared())}
         tables[table] = {**name, **{key: _short(value) for key, value in values.items()}}
     replaced = any(key.startswith("control.") and key.removeprefix("control.") not in TURNING for key in but)
-    turning = {name: value for name in TURNING if (value := getattr(scene, name)) is not None}
-    tables["control"] = turning if replaced else dict([scene.control], **turning)
-    if MODULUS in but:
-        del tables["material"]["E_star"]
+    tables["control"] = scene.turning if replaced else dict([scene.control], **scene.turning)
     return {table: {key: value for key, value in values.items() if f"{table}.{key}" not in but} for table, values in tables.items()}
 
 
