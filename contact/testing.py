@@ -345,10 +345,8 @@ def _slope(profile: Profile, x: Array) -> Iterator[str]:
     if np.max(off, initial=0.0) > _SLOPE * scale:
         i = int(np.argmax(off))
         claimed = float(profile.slope(inside)[i])
-        yield (
-            f"slope disagrees with the height: slope({inside[i]:.6g}) = {claimed:.9g}, "
-            f"differences of the height give {seen[i]:.9g}"
-        )
+        told = f"slope({inside[i]:.6g}) = {claimed:.9g}, differences of the height give {seen[i]:.9g}"
+        yield f"slope disagrees with the height: {told}"
 
 
 def _continuity(profile: Profile, x: Array) -> Iterator[str]:
@@ -408,9 +406,7 @@ def _sharp_slope(profile: Profile, width: float) -> tuple[Callable[[Array], Arra
     return (lambda x: (np.asarray(profile.height(x + h)) - np.asarray(profile.height(x - h))) / (2 * h)), h
 
 
-def _jumps(
-    slope: Callable[[Array], Array], lo: float, hi: float, reach: float, scale: float
-) -> list[tuple[float, float]]:
+def _jumps(slope: Callable[[Array], Array], lo: float, hi: float, reach: float, scale: float) -> list[tuple[float, float]]:
     """Where the slope jumps: intervals of a fine grid, halved towards the larger change down to `reach`."""
     edges = np.linspace(lo, hi, 2001)
     a, b = edges[:-1], edges[1:]
@@ -435,9 +431,8 @@ def _higher_jumps(profile: Profile, x: Array) -> Iterator[str]:
         yield "jumps must be an array of shape (k, 3): position, order 2 or 3, jump of that derivative"
         return
     lo, hi = _window(profile) if profile.period is not None else (float(x[0]), float(x[-1]))
-    width, periodic = hi - lo, profile.period is not None
+    width, periodic, ends = hi - lo, profile.period is not None, _ends(profile)
     declared = _declared_places(profile, lo, width)
-    ends = (profile.support or profile.extent or ()) if not periodic else ()
     seen = jumps_at(profile, declared, _reach(declared, np.append(declared, ends), width, periodic))
     scale = float(np.max(np.abs(np.asarray(profile.slope(x)))))
     yield from _against_declared(profile, declared, seen, scale, width)
@@ -463,8 +458,7 @@ def _declared_places(profile: Profile, lo: float, width: float) -> Array:
     border = [lo] if profile.period is not None else []
     places = np.unique(np.concatenate((border, profile.kinks[:, 0], profile.jumps[:, 0], profile.breakpoints, *tips)))
     places = places[np.append(True, np.diff(places) > _ONE * width)] if len(places) else places
-    ends = profile.support or profile.extent
-    if _ends(profile) and ends is not None:
+    if ends := _ends(profile):
         places = places[(places > ends[0]) & (places < ends[1])]
     return np.asarray(places)
 
@@ -544,8 +538,9 @@ def _conjugate(profile: Profile, x: Array) -> Iterator[str]:
         yield f"slope_conjugate({at[i]:.6g}) = {given[i]:.6g}, the slope's integral is {expected[i]:.6g}"
 
 
-def _ends(profile: Profile) -> bool:
-    return profile.period is None and (profile.support or profile.extent) is not None
+def _ends(profile: Profile) -> tuple[float, ...]:
+    """Where a profile without a period begins and ends; empty of one that goes on."""
+    return (profile.support or profile.extent or ()) if profile.period is None else ()
 
 
 _CHECKS: tuple[tuple[str, Callable[[Profile, Array], Iterator[str]]], ...] = (

@@ -10,8 +10,7 @@ import os
 import sys
 import time
 import warnings
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping
 from operator import attrgetter
 from pathlib import Path
 from typing import Any, NoReturn
@@ -26,14 +25,13 @@ from contact.commands.sweep import sweep_command
 from contact.commands.trace import show_profile, trace_command
 from contact.errors import ContactError, ModelWarning, NotConverged
 from contact.extras import other_package, owners, require, version
-from contact.model.controls import TURNING
 from contact.model.registry import controls, interactions, laws, profiles, substrates
 from contact.model.units import headed, quantity
 from contact.solution import export
 from contact.solution.answer import Answer
 from contact.solution.plan import Part, plan
 from contact.solution.plotting import plot
-from contact.solution.terminal import Progress, show_table
+from contact.solution.terminal import Progress, show_columns, show_table
 from contact.solver import solve
 from contact.sweeps.compare import compare, refusals, tables
 from contact.sweeps.compare_plot import plot_comparison
@@ -51,11 +49,8 @@ def explore_command(scene: Path | None, port: int | None, show: bool, tol: float
     The page is served on this machine alone (127.0.0.1), with all that it loads; it ends with Ctrl-C.
     """
 
-    def ready(address: str) -> None:
-        click.echo(f"{address}  (Ctrl-C ends it)")
-
     given = scene_of(scene) if scene is not None and str(scene) == "-" else scene
-    require("contact.explorer.explore").serve(given, tol, port, ready, show)
+    require("contact.explorer.explore").serve(given, tol, port, lambda address: click.echo(f"{address}  (Ctrl-C ends it)"), show)
 
 
 BAD_INPUT, NOT_CONVERGED, INTERRUPTED = 2, 3, interrupts.STATUS
@@ -72,7 +67,10 @@ class Commands(click.Group):
         if not standalone_mode:
             return run(*args, standalone_mode=False, **extra)
         try:
-            with _warnings_in_lines():
+            with warnings.catch_warnings():
+                # Each as one line, without its place in the code, and every one of the model's: after what Python's own options ask.
+                warnings.filterwarnings("always", category=ModelWarning, append=True)
+                warnings.showwarning = _show_warning
                 status = run(*args, standalone_mode=False, **extra)
         except NotConverged as error:
             _stop(NOT_CONVERGED, str(error))
@@ -80,25 +78,13 @@ class Commands(click.Group):
             # The reader of the pipe has seen enough; Python's own flush at exit must not complain either.
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             sys.exit(1)
-        except (ContactError, OSError) as error:
-            _stop(BAD_INPUT, str(error))
         except click.ClickException as error:
             _stop(BAD_INPUT, error.format_message())
-        except ModelWarning as warning:  # where PYTHONWARNINGS makes errors of them
-            _stop(BAD_INPUT, str(warning))
+        except (ContactError, OSError, ModelWarning) as error:  # warnings where PYTHONWARNINGS makes errors of them
+            _stop(BAD_INPUT, str(error))
         except click.Abort:
             _stop(INTERRUPTED, "interrupted")
         sys.exit(status if isinstance(status, int) else 0)
-
-
-@contextmanager
-def _warnings_in_lines() -> Iterator[None]:
-    """Each warning of a command as one line on stderr, without the place in the code, and every one of the model's."""
-    with warnings.catch_warnings():
-        # After what the user asks of Python's own options.
-        warnings.filterwarnings("always", category=ModelWarning, append=True)
-        warnings.showwarning = _show_warning
-        yield
 
 
 def _show_warning(message: Warning | str, *_: Any, **__: Any) -> None:
@@ -164,14 +150,7 @@ def solve_command(
     with Progress(wanted=not quiet) as progress:
         solution = solve(problem, tol=tol, progress=progress, branch=branch)
     seconds = time.perf_counter() - start
-    outputs.write(solution)
-    if as_json:
-        click.echo(export.to_json(solution))
-    if as_json or quiet:
-        return
-    show_profile(problem.profile)
-    _show_solution(solution, seconds)
-    outputs.tell()
+    outputs.finish(solution, as_json, quiet, lambda: _show_solution(solution, seconds))
 
 
 @main.command("plan")
@@ -216,8 +195,8 @@ def compare_command(scene: Path, figure: Path | None, tol: float) -> None:
     with Progress() as progress:
         attempts = compare(problem, tol, progress)
     show_profile(problem.profile)
-    for table in tables(attempts):
-        show_table(table.title, table.columns, table.rows, numeric=range(1, len(table.columns)))
+    for title, columns in tables(attempts):
+        show_columns(title, columns, words=(0,))
     for line in refusals(attempts):
         click.echo(line)
     if all(attempt.solution is None for attempt in attempts):
@@ -305,6 +284,8 @@ _listed("controls", controls, "controls, with their units,", "unit")
 
 def _show_solution(solution: Answer, seconds: float) -> None:
     scene = solution.scene
+    show_profile(scene.profile)
+    turning = [("tilt", f"{solution.tilt:.10g}"), ("moment", quantity(solution.moment, "N", 10))] if scene.turning else []
     others = [what for what, part in (("substrate", scene.substrate), ("law", scene.law)) if part != type(scene).__dict__[what]]
     fraction = solution.contact_fraction
     show_table(
@@ -316,7 +297,7 @@ def _show_solution(solution: Answer, seconds: float) -> None:
             ("max pressure", quantity(solution.max_pressure, "Pa", 10)),
             ("approach", quantity(solution.approach, "m", 10)),
             ("contact fraction", "not defined" if fraction is None else f"{fraction:.10g}"),
-            *_turning(solution),
+            *turning,
             ("zones", str(len(solution.zones)) if len(solution.zones) else "full contact"),
             ("total width", quantity(total_width(solution), "m", 10)),
             ("error, at most", f"{solution.error:.2g}"),
@@ -329,21 +310,12 @@ def _show_solution(solution: Answer, seconds: float) -> None:
     if not rows:
         return
     shown = rows[:_ZONES_SHOWN]
-    names, columns = ["zone"], [[str(place) for place in range(1, len(shown) + 1)]]
+    columns = [("zone", [str(place) for place in range(1, len(shown) + 1)])]
     for name, unit, values in zip(export.ZONE_COLUMNS, export.ZONE_UNITS, zip(*shown, strict=True), strict=True):
-        head, told = headed(name.replace("_", "\n"), values, unit, 9 if name in ("left", "right") else 7)
-        names.append(head)
-        columns.append(told)
-    show_table("zones", names, list(zip(*columns, strict=True)), numeric=range(len(names)))
+        columns.append(headed(name.replace("_", "\n"), values, unit, 9 if name in ("left", "right") else 7))
+    show_columns("zones", columns)
     if len(rows) > _ZONES_SHOWN:
         click.echo(f"{len(rows) - _ZONES_SHOWN} more zones: --csv writes them all")
-
-
-def _turning(solution: Answer) -> list[tuple[str, str]]:
-    """Rows of a scene that gives a tilt or a moment."""
-    if all(getattr(solution.scene, name) is None for name in TURNING):
-        return []
-    return [("tilt", f"{solution.tilt:.10g}"), ("moment", quantity(solution.moment, "N", 10))]
 
 
 def _told(value: Any) -> str:

@@ -1,6 +1,7 @@
 """What several commands have in common: how a scene is named, options, the files that they are asked to write (what cannot be written is
 refused before any work is done), and many values in few words: A:B:N, A:B:N:log, or values with commas between them."""
 
+import json
 import os
 import sys
 from collections.abc import Callable, Iterable, Mapping
@@ -35,8 +36,8 @@ Write = Callable[[Any, Path, bool], Any]
 OVERWRITE = click.option("--overwrite", is_flag=True, help="Write over files of numbers that are there; pictures are drawn anew.")
 
 
-def checked(option: str, path: Path, endings: Iterable[str], overwrite: bool = False) -> Path:
-    """The name of a file that can be written; one that is there, only where it may be written over."""
+def checked(option: str, path: Path, endings: Iterable[str], overwrite: bool = False) -> None:
+    """That a file of that name can be written; one that is there, only where it may be written over."""
     if path.suffix.lower() not in endings:
         raise SceneError.of(option, str(path), f"a file name that ends in {', '.join(sorted(endings))}")
     if not path.parent.is_dir():
@@ -45,7 +46,6 @@ def checked(option: str, path: Path, endings: Iterable[str], overwrite: bool = F
         raise SceneError.of(option, str(path), "a file that may be written")
     if path.exists() and not overwrite:
         raise SceneError.of(option, str(path), "a file that is not there yet, or --overwrite given")
-    return path
 
 
 class Outputs:
@@ -61,7 +61,8 @@ class Outputs:
             return
         if path in self._writers:
             raise SceneError.of(option, str(path), "another file than the other options name")
-        self._writers[checked(option, path, writers, self._overwrite)] = writers[path.suffix.lower()]
+        checked(option, path, writers, self._overwrite)
+        self._writers[path] = writers[path.suffix.lower()]
 
     def add_figure(self, path: Path | None, drawn: Callable[[Any], Any]) -> None:
         """A picture of what is made; one that is there is drawn anew, as it holds nothing that is not drawn again."""
@@ -73,6 +74,15 @@ class Outputs:
     def write(self, made: Any) -> None:
         for path, write in self._writers.items():
             write(made, path, self._overwrite)
+
+    def finish(self, made: Any, as_json: bool, quiet: bool, show: Callable[[], None]) -> None:
+        """What was made, in the files; and on stdout as JSON, or in tables, unless nothing is to be printed."""
+        self.write(made)
+        if as_json:
+            click.echo(json.dumps(made.to_dict(), allow_nan=False))
+        elif not quiet:
+            show()
+            self.tell()
 
     def tell(self, err: bool = False) -> None:
         for path in self._writers:

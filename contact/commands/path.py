@@ -1,7 +1,6 @@
 """`contact path SCENE --loads A:B:N`: a scene at many loads, up and down, with the loads at which zones come, go and merge."""
 
-import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 
 import click
@@ -11,8 +10,8 @@ from contact.commands.options import OVERWRITE, QUIET, SCENE, TOL, Outputs, scen
 from contact.commands.trace import show_profile
 from contact.errors import SceneError
 from contact.model.scene import Scene
-from contact.model.units import column, headed, quantity
-from contact.solution.terminal import Progress, show_table
+from contact.model.units import headed, quantity
+from contact.solution.terminal import Progress, show_columns
 from contact.sweeps.adhesive import AdhesivePath
 from contact.sweeps.many import solve_many
 from contact.sweeps.path import path
@@ -67,14 +66,7 @@ def path_command(
             found = LoadPath(alone, ((),) * len(alone))
         else:
             found = path(problem, values, tol=tol, progress=progress, control=control, stiffness=stiffness)
-    outputs.write(found)
-    if as_json:
-        click.echo(json.dumps(found.to_dict(), allow_nan=False))
-    if as_json or quiet:
-        return
-    show_profile(problem.profile)
-    _show(found)
-    outputs.tell()
+    outputs.finish(found, as_json, quiet, lambda: _show(found))
 
 
 def _values(scene: Scene, given: Mapping[str, str | None], back: bool) -> tuple[str, Array]:
@@ -96,31 +88,26 @@ def _values(scene: Scene, given: Mapping[str, str | None], back: bool) -> tuple[
 
 
 def _show(found: LoadPath) -> None:
+    show_profile(found.solutions[0].scene.profile)
     known = columns(found.solutions)
-    names, cells = [], []
-    for name, digits in _SHOWN.items():
-        if np.isnan(known[name]).all() or (name == "total_width" and "contact\nfraction" in names):
-            continue
-        head, told = headed(_HEADS.get(name, name.replace("_", "\n")), known[name], NUMBERS[name][0], digits)
-        names.append(head)
-        cells.append(told)
-    show_table("load path", names, list(zip(*cells, strict=True)), numeric=range(len(names)), close=True)
+    shown = {name: digits for name, digits in _SHOWN.items() if not np.isnan(known[name]).all()}
+    if "contact_fraction" in shown:
+        shown.pop("total_width", None)
+    heads = {name: _HEADS.get(name, name.replace("_", "\n")) for name in shown}
+    show_columns("load path", [headed(heads[name], known[name], NUMBERS[name][0], shown[name]) for name in shown], close=True)
     if found.events:
         _show_events(found)
 
 
 def _show_events(found: LoadPath) -> None:
-    kinds, loads = [event.kind for event in found.events], [event.load for event in found.events]
-    places = [event.position for event in found.events]
-    known: dict[str, tuple[Sequence[float | None], str]] = {"load": (loads, "N/m"), "position": (places, "m")}
+    events = found.events
+    numbers: list[tuple[str, list[float | None], str, int]] = [
+        ("load", [event.load for event in events], "N/m", 10), ("position", [event.position for event in events], "m", 10),
+    ]  # fmt: skip
     if isinstance(found, AdhesivePath):
-        known["energy lost"] = ([getattr(event, "lost", None) for event in found.events], "J/m")
-    heads, cells = ["event"], [kinds]
-    for name, (values, unit) in known.items():
-        prefixed, told = column(values, unit, 10 if name != "energy lost" else 6)
-        heads.append(f"{name} [{prefixed}]")
-        cells.append(told)
-    cells.append([event.change() for event in found.events])
-    show_table("events, in the order of the path", [*heads, "zones"], list(zip(*cells, strict=True)), numeric=range(1, len(heads)))
+        numbers.append(("energy lost", [getattr(event, "lost", None) for event in events], "J/m", 6))
+    told = [(head.replace("\n", " "), cells) for head, cells in (headed(*given) for given in numbers)]
+    told = [("event", [event.kind for event in events]), *told, ("zones", [event.change() for event in events])]
+    show_columns("events, in the order of the path", told, words=(0, len(told) - 1))
     if isinstance(found, AdhesivePath) and found.dissipated is not None:
         click.echo(f"lost in all: {quantity(found.dissipated, 'J/m')}; work of the load: {quantity(found.work, 'J/m')}")

@@ -76,14 +76,12 @@ def _is_word(text: str) -> bool:
 
 
 def _show(table: Any, seconds: float) -> None:
-    known = [(key, len(table[key]), table[key].values, table[key].attrs.get("units", "")) for key in table.dims]
-    rows = [(key, f"{count}", _span(values, unit)) for key, count, values, unit in known]
-    show_table("grid", ("key", "values", "from, to"), rows, numeric=(1,))
-    failed = int(table["failed"].sum())
-    told = [(name.replace("_", " "), _span(table[name].values, unit)) for name, (unit, _) in NUMBERS.items()]
-    rows_of_numbers = [(name, span) for name, span in told if span]
-    counts = [("points", f"{table['failed'].size}"), ("failed", f"{failed}"), ("time", quantity(seconds, "s", 3))]
-    show_table("sweep", ("quantity", "least, greatest"), [*counts, *rows_of_numbers])
+    known = [(key, table[key].values, table[key].attrs.get("units", "")) for key in table.dims]
+    show_table("grid", ("key", "values", "from, to"), [(key, str(len(values)), _span(values, unit)) for key, values, unit in known], (1,))
+    failed, spans = table["failed"], [(name, _span(table[name].values, unit)) for name, (unit, _) in NUMBERS.items()]
+    rows = [("points", str(failed.size)), ("failed", str(int(failed.sum()))), ("time", quantity(seconds, "s", 3))]
+    rows += [(name.replace("_", " "), span) for name, span in spans if span]
+    show_table("sweep", ("quantity", "least, greatest"), rows)
 
 
 def _span(values: Any, unit: str) -> str:

@@ -12,7 +12,7 @@ from typing import Any
 import click
 import numpy as np
 
-from contact.commands.options import OVERWRITE, Outputs, checked
+from contact.commands.options import OVERWRITE, Outputs
 from contact.errors import SceneError, warn
 from contact.model.profiles.base import Profile
 from contact.model.profiles.sampled import Sampled
@@ -95,10 +95,15 @@ def trace_command(file: Path, figure: Path | None, scene: Path | None, overwrite
     if file.suffix.lower() == ".toml":
         raise SceneError.of("FILE", str(file), "a file of points, as a scene file names one; `contact solve` reads the scene itself")
     keys = {name: KEYS[name][0](text) for name, text in options.items() if text is not None}
-    outputs = Outputs()
+
+    def write_scene(read: Sampled, path: Path, _: bool) -> None:
+        path.write_text(starting_scene(file, path.parent, keys, measured, read.period), encoding="utf-8")
+        # What was written must be a scene.
+        load_scene(path)
+
+    outputs = Outputs(overwrite)
     outputs.add_figure(figure, lambda read: plot_trace(trace, measured, power_spectrum(read), height_distribution(read)))
-    if scene is not None:
-        checked("--scene", scene, (".toml",), overwrite)
+    outputs.add("--scene", scene, {".toml": write_scene})
     trace = load_trace(file, **keys)
     warn(trace.warnings)
     profile = Sampled(trace.x, trace.height, trace.period)
@@ -109,11 +114,6 @@ def trace_command(file: Path, figure: Path | None, scene: Path | None, overwrite
         show_trace(f"trace {file.name}", measured, trace.history)
     outputs.write(profile)
     outputs.tell(err=as_json)
-    if scene is not None:
-        scene.write_text(starting_scene(file, scene.parent, keys, measured, trace.period), encoding="utf-8")
-        # What was written must be a scene.
-        load_scene(scene)
-        click.echo(f"written: {scene}", err=as_json)
 
 
 def show_trace(title: str, measured: Roughness, history: tuple[str, ...]) -> None:

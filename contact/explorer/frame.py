@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from contact.errors import ContactError, NotConverged, unwarned
-from contact.explorer.handles import Handle, with_number
+from contact.explorer.handles import Handle
 from contact.model.scene import Scene
 from contact.model.units import prefix, quantity
 from contact.solution.sampling import on_zones, positions, surfaces, top_pressure, window, zones_within
@@ -80,9 +80,9 @@ def numbers(frame: Frame) -> list[tuple[str, str]]:
         ("stated error, at most", f"{solution.error:.1e}"),
         ("certificate", "holds" if solution.certificate.holds else f"does not hold: {solution.certificate.to_dict()['note']}"),
         ("load", quantity(solution.load, "N/m", 6)),
-        ("mean pressure", "" if solution.mean_pressure is None else quantity(solution.mean_pressure, "Pa", 6)),
+        ("mean pressure", quantity(solution.mean_pressure, "Pa", 6, none="")),
         ("highest pressure", quantity(solution.max_pressure, "Pa", 6)),
-        ("approach", "" if solution.approach is None else quantity(solution.approach, "m", 6)),
+        ("approach", quantity(solution.approach, "m", 6, none="")),
         ("in contact", "" if solution.contact_fraction is None else f"{100 * solution.contact_fraction:.6g} %"),
         ("zones", str(zones) if zones else "full contact"),
         ("width of the zones", quantity(float(np.sum(solution.zone_widths)), "m", 6) if zones else ""),
@@ -123,7 +123,7 @@ def along(scene: Scene, control: Handle, tol: float, branch: str) -> Iterator[So
     for value in values:
         try:
             with unwarned():
-                here = curve.at(float(value)) if curve else solve(with_number(scene, name, float(value)), tol=tol, branch=branch)
+                here = curve.at(float(value)) if curve else solve(scene.under(name, float(value)), tol=tol, branch=branch)
         except ContactError:
             continue
         yield here
@@ -134,4 +134,4 @@ def along(scene: Scene, control: Handle, tol: float, branch: str) -> Iterator[So
 def same_curve(one: Scene, other: Scene) -> bool:
     """Whether two scenes differ in the value of their control only."""
     name, value = other.control
-    return one.control[0] == name and with_number(one, name, value) == other
+    return one.control[0] == name and one.under(name, value) == other

@@ -6,7 +6,6 @@ tried out.
 """
 
 import math
-from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from itertools import combinations
@@ -15,15 +14,16 @@ from typing import Any
 import numpy as np
 
 from contact.errors import ContactError
-from contact.model.controls import TURNING, Quantity, fields_under
+from contact.model.controls import TURNING, Quantity
 from contact.model.profiles.base import Profile
 from contact.model.registry import CONTROLS, PROFILES, parameters
 from contact.model.scene import Scene
 from contact.solution.solution import Solution
+from contact.sweeps.sweep.keys import MODULUS, varied
 
 UNITS = {
     **TURNING, "E_star": "Pa", "amplitude": "m", "period": "m", "length": "m", "radius": "m", "spacing": "m", "width": "m",
-    "thickness": "m", "height": "m", "work": "J/m²", "datum": "m",
+    "thickness": "m", "height": "m", "work": "J/m²", "datum": "m", "shift": "m",
 }  # fmt: skip
 # How far a number goes either way: a control much lower than higher, as contact soon is full.
 _CONTROL, _NUMBER = (1e-3, 10.0), (0.1, 10.0)
@@ -53,27 +53,22 @@ class Handle:
 def handles(scene: Scene, solution: Solution | None = None) -> tuple[Handle, ...]:
     """What can be turned of a scene, its control first, in the order in which it is to be applied. solution: of it, where there is one."""
     found = [_control(scene, solution)]
-    found += [
-        _signed(name, value, -2 * abs(value), 2 * abs(value)) for name in TURNING if (value := getattr(scene, name)) not in (None, 0.0)
-    ]
+    found += [_between(f"control.{name}", value, -2 * abs(value), 2 * abs(value)) for name, value in scene.turning.items() if value]
     found += _shape(scene, "profile")
     for place in scene.profile.bodies:
         if place != "profile":
             found += [replace(handle, name=f"{place} {handle.name}") for handle in _shape(scene, place)]
     found += _stands(scene.profile)
     found += [handle for place in ("substrate", "law", "interaction") for handle in _numbers(scene, place)]
-    found.append(_positive("E_star", scene.E_star, lambda now, value: replace(now, E_star=value)))
+    found.append(_times(MODULUS, scene.E_star))
     return _named_apart([*found, *_samples(scene.profile)])
 
 
 def _named_apart(found: list[Handle]) -> tuple[Handle, ...]:
     """Numbers of two parts may have one name."""
-    seen, before = Counter(handle.name for handle in found), Counter[str]()
-    apart = []
-    for handle in found:
-        before[handle.name] += 1
-        apart.append(replace(handle, name=f"{handle.name} {before[handle.name]}") if seen[handle.name] > 1 else handle)
-    return tuple(apart)
+    names = [handle.name for handle in found]
+    told = [f"{name} {names[: place + 1].count(name)}" if names.count(name) > 1 else name for place, name in enumerate(names)]
+    return tuple(replace(handle, name=name) for handle, name in zip(found, told, strict=True))
 
 
 def turned(scene: Scene, moved: Mapping[str, float], known: tuple[Handle, ...]) -> Scene:
@@ -84,12 +79,15 @@ def turned(scene: Scene, moved: Mapping[str, float], known: tuple[Handle, ...]) 
     return scene
 
 
-def _positive(name: str, value: float, at: Callable[[Scene, float], Scene], reach: tuple[float, float] = _NUMBER) -> Handle:
-    return Handle(name, _unit(name), value, reach[0] * value, reach[1] * value, at)
+def _between(key: str, value: float, low: float, high: float, log: bool = False) -> Handle:
+    """The number of a scene that has a key (`contact.sweeps.sweep.keys`)."""
+    name = key.rpartition(".")[2]
+    return Handle(name, _unit(name), value, low, high, lambda now, to: varied(now, {key: to}), log)
 
 
-def _signed(name: str, value: float, low: float, high: float) -> Handle:
-    return Handle(name, _unit(name), value, low, high, lambda now, to: with_number(now, name, to), log=False)
+def _times(key: str, value: float, reach: tuple[float, float] = _NUMBER) -> Handle:
+    """One above zero."""
+    return _between(key, value, reach[0] * value, reach[1] * value, log=True)
 
 
 def _unit(name: str) -> str:
@@ -97,39 +95,25 @@ def _unit(name: str) -> str:
     return "" if unit == "1" else unit
 
 
-def with_number(scene: Scene, name: str, value: float) -> Scene:
-    """A scene with one of its own numbers changed."""
-    changed: dict[str, Any] = {name: value} if name in TURNING else fields_under(name, value)
-    return replace(scene, **changed)
-
-
 def _control(scene: Scene, solution: Solution | None) -> Handle:
-    name, value = scene.control
-    held = scene.control_object.held(scene)
+    (name, value), held = scene.control, scene.control_object.held(scene)
+    key = f"control.{name}"
     if held is not None and held.quantity is Quantity.WIDTH:
-        return _signed(name, value, min(0.005, value), 1.0)
+        return _between(key, value, min(0.005, value), 1.0)
     if scene.law.pulls and scene.control_object.signed(scene):
         off = solution.pull_off if solution is not None else None
         pull = getattr(off, name, None) if off is not None else None
         reach = max(abs(value), abs(pull or 0.0)) or scene.E_star * 1e-6
-        return _signed(name, value, -1.2 * reach, 4 * reach)
+        return _between(key, value, -1.2 * reach, 4 * reach)
     if value <= 0:
-        return _signed(name, value, -4 * abs(value) or -1.0, 4 * abs(value) or 1.0)
-    return _positive(name, value, lambda now, to: with_number(now, name, to), _CONTROL)
+        return _between(key, value, -4 * abs(value) or -1.0, 4 * abs(value) or 1.0)
+    return _times(key, value, _CONTROL)
 
 
 def _numbers(scene: Scene, place: str) -> list[Handle]:
     """Positive numbers that a part was made of."""
-    found = []
-    for name, value in parameters(getattr(scene, place)).items():
-        if isinstance(value, float) and value > 0:
-
-            def at(now: Scene, to: float, name: str = name) -> Scene:
-                changed: dict[str, Any] = {place: replace(getattr(now, place), **{name: to})}
-                return replace(now, **changed)
-
-            found.append(_allowed(scene, _positive(name, value, at)))
-    return found
+    numbers = {name: value for name, value in parameters(getattr(scene, place)).items() if isinstance(value, float) and value > 0}
+    return [_allowed(scene, _times(f"{place}.{name}", value)) for name, value in numbers.items()]
 
 
 def _allowed(scene: Scene, handle: Handle) -> Handle:
@@ -158,14 +142,8 @@ def _stands(profile: Profile) -> list[Handle]:
     for place, table in profile.tables().items():
         body = profile.bodies[place]
         own, (lo, hi) = body.tables()["profile"], body.known or profile.known or (-0.5, 0.5)
-        for name, value in table.items():
-            if name not in own and isinstance(value, float):
-                reach = 0.5 * (hi - lo)
-
-                def at(now: Scene, to: float, place: str = place, name: str = name) -> Scene:
-                    return _with(now, place, {name: to})
-
-                found.append(Handle(name, UNITS.get(name, "m"), value, value - reach, value + reach, at, log=False))
+        stands = {name: value for name, value in table.items() if name not in own and isinstance(value, float)}
+        found += [_between(f"{place}.{name}", value, value - 0.5 * (hi - lo), value + 0.5 * (hi - lo)) for name, value in stands.items()]
     return found
 
 
@@ -187,23 +165,20 @@ def _shape(scene: Scene, place: str) -> list[Handle]:
         reach = profile.period or float(np.ptp(given[next(name for name in long if name in lists)]))
         found.append(_scale(place, "period" if profile.period is not None else "length", reach, long))
     alone = [name for name, value in given.items() if name not in (*high, *long) and isinstance(value, float) and value > 0]
-    return found + [_positive(name, given[name], lambda now, to, name=name: _with(now, place, {name: to})) for name in alone]  # type: ignore[misc]
+    return found + [_times(f"{place}.{name}", given[name]) for name in alone]
 
 
 def _scale(place: str, name: str, size: float, parameters: tuple[str, ...]) -> Handle:
+    """Several parameters of a body at once."""
+
     def at(now: Scene, to: float) -> Scene:
         given = now.profile.bodies[place].parameters()
-        return _with(now, place, {key: _times(given[key], to / size) for key in parameters})
+        return varied(now, {f"{place}.{key}": _scaled(given[key], to / size) for key in parameters})
 
-    return _positive(name, size, at)
-
-
-def _with(scene: Scene, place: str, changed: Mapping[str, Any]) -> Scene:
-    """A scene with some parameters of the profile of a body changed."""
-    return replace(scene, profile=scene.profile.varied({place: changed}))
+    return replace(_times(name, size), at=at)
 
 
-def _times(value: Any, factor: float) -> Any:
+def _scaled(value: Any, factor: float) -> Any:
     return factor * np.asarray(value) if np.ndim(value) else factor * value
 
 
@@ -217,7 +192,7 @@ def _together(
     for count in range(1, len(names) + 1):
         for chosen in combinations(names, count):
             try:
-                other = type(profile)(**{**given, **{name: _times(given[name], 2.0) for name in chosen}})
+                other = type(profile)(**{**given, **{name: _scaled(given[name], 2.0) for name in chosen}})
             except (ContactError, TypeError, ValueError):
                 continue
             if _alike(height, np.asarray(other.height(lengths * x))):

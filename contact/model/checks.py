@@ -2,27 +2,39 @@
 
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
-from math import isfinite
+from math import isfinite, nan
 from numbers import Integral, Real
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contact.errors import SceneError
 from sie import Array
 
 
-def finite(field: str, value: Any, allowed: str = "a finite real number") -> float:
-    """A finite real number as a float; bool, str, None, complex and arrays are refused."""
-    if isinstance(value, (bool, np.bool_)) or not isinstance(value, Real):
-        raise SceneError.of(field, value, allowed)
+def such(field: str, value: Any, allowed: str, holds: Callable[[float], bool]) -> float:
+    """A finite number of which something holds, told by what is allowed; bool, str, None, complex and arrays are refused."""
     try:
-        number = float(value)
+        number = nan if isinstance(value, (bool, np.bool_)) or not isinstance(value, Real) else float(value)
     except OverflowError:
-        raise SceneError.of(field, value, allowed) from None
-    if not isfinite(number):
+        number = nan
+    if not (isfinite(number) and holds(number)):
         raise SceneError.of(field, value, allowed)
     return number
+
+
+def finite(field: str, value: Any, allowed: str = "a finite real number") -> float:
+    """A finite real number as a float."""
+    return such(field, value, allowed, isfinite)
+
+
+def as_array(value: Any) -> NDArray[Any]:
+    """Whatever was given as an array; what has the shape of none is an object."""
+    try:
+        return np.asarray(value)
+    except (TypeError, ValueError):
+        return np.asarray(None)
 
 
 @contextmanager
@@ -35,14 +47,6 @@ def of_author(what: str, field: str, given: str = "", hint: str = "") -> Iterato
         raise
     except Exception as error:
         raise SceneError(f"{what} raises {type(error).__name__}{given}: {error}{hint}", field) from error
-
-
-def such(field: str, value: Any, allowed: str, holds: Callable[[float], bool]) -> float:
-    """A finite number of which something holds, told by what is allowed."""
-    number = finite(field, value, allowed)
-    if not holds(number):
-        raise SceneError.of(field, value, allowed)
-    return number
 
 
 def positive(field: str, value: Any) -> float:
@@ -108,9 +112,7 @@ def finite_array(field: str, value: Any, ndim: int | None = 1, least: int = 1) -
     shape = {None: "an array", 0: "a number", 1: "a one-dimensional array"}.get(ndim, f"an array with {ndim} axes")
     count = f" of at least {least}" if least > 1 else " of"
     allowed = f"{shape}{count} finite real numbers"
-    if isinstance(value, (str, bytes)) or (
-        isinstance(value, (list, tuple)) and any(isinstance(v, bool) for v in value)
-    ):
+    if isinstance(value, (str, bytes)) or (isinstance(value, (list, tuple)) and any(isinstance(v, bool) for v in value)):
         raise SceneError.of(field, value, allowed)
     if np.ma.is_masked(value):
         raise SceneError.of(field, value, allowed + ", none masked")
@@ -118,9 +120,8 @@ def finite_array(field: str, value: Any, ndim: int | None = 1, least: int = 1) -
         raw = np.asarray(value)
     except (TypeError, ValueError):
         raise SceneError.of(field, value, allowed) from None
-    empty = raw.size == 0
     if raw.dtype.kind not in "iuf" or (ndim is not None and raw.ndim != ndim) or raw.size < least:
-        got = f"{'empty' if empty else 'of'} shape {raw.shape}, type {raw.dtype}"
+        got = f"{'of' if raw.size else 'empty'} shape {raw.shape}, type {raw.dtype}"
         raise SceneError.of(field, value, f"{allowed} (got {got})")
     array = np.array(raw, dtype=np.float64)
     if not np.isfinite(array).all():
@@ -133,10 +134,7 @@ def finite_array(field: str, value: Any, ndim: int | None = 1, least: int = 1) -
 
 def real(field: str, value: Any) -> Array:
     """Real numbers of any shape as an array of floats; NaN stays NaN, and infinite ones become NaN: nothing is known there."""
-    try:
-        raw = np.asarray(value)
-    except ValueError:
-        raw = np.asarray(None)
+    raw = as_array(value)
     if raw.dtype.kind not in "iuf" and raw.size:
         raise SceneError.of(field, value, f"real numbers, of any shape (got type {raw.dtype})")
     array = np.asarray(raw, dtype=np.float64)
@@ -149,7 +147,5 @@ def increasing(field: str, value: Any, least: int = 1) -> Array:
     wrong = np.flatnonzero(np.diff(array) <= 0)
     if wrong.size:
         i = int(wrong[0])
-        raise SceneError.of(
-            field, value, f"strictly increasing (element {i + 1} is {array[i + 1]:.17g} after {array[i]:.17g})",
-        )
+        raise SceneError.of(field, value, f"strictly increasing (element {i + 1} is {array[i + 1]:.17g} after {array[i]:.17g})")
     return array

@@ -20,7 +20,7 @@ import numpy as np
 
 import sie
 from contact.errors import SceneError, shown
-from contact.model.checks import of_author, positive_or_none, such
+from contact.model.checks import as_array, of_author, positive_or_none, such
 from contact.model.operator import Operator, smooth_potential
 from contact.model.profiles.base import Profile
 from contact.model.substrates.base import Substrate
@@ -68,14 +68,11 @@ def _read(profile: Profile, name: str) -> Any:
 
 
 def _is_real(value: Any, axes: int) -> bool:
-    try:
-        array = np.asarray(value)
-    except ValueError:
-        return False
+    array = as_array(value)
     return array.dtype.kind in "iuf" and array.ndim == axes and bool(np.isfinite(array).all())
 
 
-def _places(profile: Profile) -> np.ndarray[Any, np.dtype[np.float64]]:
+def _places(profile: Profile) -> Array:
     """A few places (2, 3) at which there should be a profile."""
     ends = profile.known if profile.period is not None else profile.support or profile.extent
     if ends is not None:
@@ -83,17 +80,15 @@ def _places(profile: Profile) -> np.ndarray[Any, np.dtype[np.float64]]:
     return (profile.resolution or 1.0) * _DECADES
 
 
-def _require_by_elements(profile: Profile, name: str, x: np.ndarray[Any, np.dtype[np.float64]]) -> None:
+def _require_by_elements(profile: Profile, name: str, x: Array) -> None:
     for given in (x, x.ravel()):
         hint = "; it must work on arrays, element by element (numpy's functions, not math's)"
         with of_author(f"profile.{name}(x)", name, f" for an array of shape {given.shape}", hint), warnings.catch_warnings():
             warnings.simplefilter("ignore")
             value = np.asarray(getattr(profile, name)(given.copy()))
         if value.dtype.kind not in "iuf" or value.shape != given.shape:
-            got = f"{shown(value)}, of type {value.dtype} and shape {value.shape}"
-            raise SceneError(
-                f"profile.{name}(x) for x of shape {given.shape} gives {got}: it must be real and of the shape of x", name, value
-            )
+            got = f"for x of shape {given.shape} gives {shown(value)}, of type {value.dtype} and shape {value.shape}"
+            raise SceneError(f"profile.{name}(x) {got}: it must be real and of the shape of x", name, value)
         if not (np.isfinite(value) | (np.isposinf(value) & (name == "height"))).any():
             raise SceneError(f"profile.{name}(x) is nowhere a finite number: not at x = {x.ravel().tolist()}", name, value)
 
@@ -124,7 +119,9 @@ def require_elastic(operator: Operator, scale: float) -> None:
     if repeats is not None:
         here, there = _value(kernel, _LAGS), _value(kernel, _LAGS - repeats)
         _require_same(here, there, "kernel", "does not repeat with the period")
-    _require_scaled(operator, kernel, unit)
+    other = _kernel(operator, 2 * unit)
+    what = "does not scale with the unit of length: lengths in it are those of the scene over `unit`"
+    _require_same(0.5 * _value(other, 0.5 * _LAGS), _value(kernel, _LAGS), "kernel", what)
     datum = getattr(interaction, "datum", None)
     if period is None and datum is not None and abs(kernel.datum * unit / datum - 1) > 1e-9:
         raise SceneError.of("interaction.datum", datum, f"the length in the kernel's logarithm, {kernel.datum * unit:.6g} m")
@@ -151,10 +148,8 @@ def _require_regular(kernel: sie.Kernel) -> None:
         with of_author(f"the {name} of the smooth part of interaction.kernel", "interaction", " for arrays"):
             table = np.asarray(function(x, xi))
         if table.dtype.kind not in "iuf" or table.shape != (len(_LAGS), 2) or not np.all(np.isfinite(table)):
-            raise SceneError(
-                f"the {name} of the smooth part of interaction.kernel for x (5, 1) and xi (2,) gives {shown(table)}: it must be real, "
-                "finite and of the shape of x - xi", "interaction"
-            )
+            got = f"the {name} of the smooth part of interaction.kernel for x (5, 1) and xi (2,) gives {shown(table)}"
+            raise SceneError(f"{got}: it must be real, finite and of the shape of x - xi", "interaction")
         # Compared with what it comes to anywhere: a sum of large parts may vanish at one place.
         _require_same(function(x + _SHIFT, xi + _SHIFT), table, f"smooth part's {name}", "is not one of x - xi alone")
     value, minus = regular(_LAGS, zero), regular(-_LAGS, zero)
@@ -164,12 +159,6 @@ def _require_regular(kernel: sie.Kernel) -> None:
     within = 0.5 * _STEP * np.asarray(regular((_LAGS[:, None] + 0.5 * _STEP * nodes), zero)) @ weights
     size = _ROUNDING * float(np.abs(potential(_LAGS, zero)).max())
     _require_same(rise, within, "smooth part", "is not the derivative in x of its potential", size)
-
-
-def _require_scaled(operator: Operator, kernel: sie.Kernel, unit: float) -> None:
-    other = _kernel(operator, 2 * unit)
-    what = "does not scale with the unit of length: lengths in it are those of the scene over `unit`"
-    _require_same(0.5 * _value(other, 0.5 * _LAGS), _value(kernel, _LAGS), "kernel", what)
 
 
 def _require_symbol(operator: Operator, kernel: sie.Kernel) -> None:
@@ -182,10 +171,8 @@ def _require_symbol(operator: Operator, kernel: sie.Kernel) -> None:
     found = 1 - 2 * n * np.fft.rfft(rest).real[1 : _HARMONICS + 1] / _PLACES
     if not np.all(found > 0):
         k = int(np.argmin(found))
-        raise SceneError.of(
-            "interaction.kernel", f"of symbol {found[k]:.6g} at wave {k + 1} of the period",
-            "one of an elastic body, of a symbol above 0: else pressure lifts the surface, and no contact is the only one",
-        )
+        allowed = "one of an elastic body, of a symbol above 0: else pressure lifts the surface, and no contact is the only one"
+        raise SceneError.of("interaction.kernel", f"of symbol {found[k]:.6g} at wave {k + 1} of the period", allowed)
     excess = operator.excess
     if excess is not None:
         declared = 1 + np.concatenate((excess, np.zeros(_HARMONICS)))[:_HARMONICS]
@@ -204,9 +191,8 @@ def _require_same(one: Array, other: Array, what: str, fault: str, rounding: flo
     off, size = np.abs(np.asarray(one) - other), np.abs(np.asarray(other))
     if not np.all(off <= _NEAR * size.max() + rounding):
         k = int(np.argmax(off))
-        raise SceneError(
-            f"the {what} of interaction.kernel {fault}: {np.ravel(one)[k]:.9g} against {np.ravel(other)[k]:.9g}", "interaction"
-        )
+        told = f"{np.ravel(one)[k]:.9g} against {np.ravel(other)[k]:.9g}"
+        raise SceneError(f"the {what} of interaction.kernel {fault}: {told}", "interaction")
 
 
 # How near 1 the symbol comes for the shortest waves; how near its limit for the longest; and what is no limit above zero.
@@ -228,7 +214,10 @@ def require_body(substrate: Substrate) -> None:
             "substrate.symbol(q)", float(values[-1]), f"1 for short waves, as it is not at q = {WAVES[-1]:.0e} 1/m: what is solved is the "
             "body's compliance over that of a half-plane of its own surface's modulus E_star",
         )
-    compression = _compression(substrate)
+    compression: Any = substrate.compression
+    if compression is not None:
+        allowed = "None, or a length of at least 0 [m] (a property, not a method)"
+        compression = such("substrate.compression", compression, allowed, lambda length: length >= 0)
     long, wave = float(values[0]), float(WAVES[0])
     if compression is None:
         if long < _VANISHES:
@@ -237,12 +226,13 @@ def require_body(substrate: Substrate) -> None:
                 "the body has a base, and the limit of L(q)/q is by how much a uniform pressure compresses it",
             )
         return
-    found = long / wave
-    if not abs(found - compression) <= _LONG * max(abs(compression), 1e-3 * _height(values)):
+    # About the height of the body [m] is the inverse of the wave at which L goes over to 1.
+    found, height = long / wave, float(1 / WAVES[np.argmax(values > 0.5)])
+    if not abs(found - compression) <= _LONG * max(abs(compression), 1e-3 * height):
         raise SceneError.of("substrate.compression", compression, f"the limit of L(q)/q for long waves, about {found:.6g} m")
 
 
-def _require_fast(values: np.ndarray[Any, np.dtype[np.float64]]) -> None:
+def _require_fast(values: Array) -> None:
     """L comes to 1 as an exponential does, not as a power of q."""
     off = np.abs(values - 1)
     seen = np.flatnonzero(off > _SEEN)
@@ -256,14 +246,3 @@ def _require_fast(values: np.ndarray[Any, np.dtype[np.float64]]) -> None:
             "substrate.symbol(q)", float(values[k]), f"1 for short waves as by exp(-q h), and not as q^{power:.2g}, as about q = "
             f"{WAVES[k]:.3g} 1/m: a modulus that varies from the very surface on has no smooth kernel; give it a uniform surface layer",
         )
-
-
-def _compression(substrate: Substrate) -> float | None:
-    given: Any = substrate.compression
-    allowed = "None, or a length of at least 0 [m] (a property, not a method)"
-    return None if given is None else such("substrate.compression", given, allowed, lambda length: length >= 0)
-
-
-def _height(values: np.ndarray[Any, np.dtype[np.float64]]) -> float:
-    """About the height of the body [m]: the inverse of the wave at which L goes over to 1."""
-    return float(1 / WAVES[np.argmax(values > 0.5)])

@@ -69,16 +69,18 @@ class Operator(sie.Kept):
     @property
     def is_own(self) -> bool:
         """Whether the interaction gives a kernel, or the symbol of one, and asks nothing of the substrate."""
-        cls = type(self.interaction)
-        return cls.kernel is not Interaction.kernel or cls.symbol is not Interaction.symbol
+        return self._gives("kernel") or self._gives("symbol")
+
+    def _gives(self, name: str) -> bool:
+        """Whether the interaction has a method of its own of that name."""
+        return getattr(type(self.interaction), name) is not getattr(Interaction, name)
 
     @cached_property
     def symbol(self) -> Symbol | None:
         """L of q [1/m]; None of an interaction's own kernel without one."""
         if not self.is_own:
             return self.substrate.symbol
-        given = type(self.interaction).symbol is not Interaction.symbol
-        return self.interaction.symbol if given else None  # type: ignore[return-value]
+        return self.interaction.symbol if self._gives("symbol") else None
 
     @property
     def _named(self) -> str:
@@ -171,13 +173,12 @@ class Operator(sie.Kept):
         return 0.0 if self.compression is not None or datum is None else -float(self.smooth_part.potential(np.array(datum)))
 
     def _own_kernel(self, period: float | None, unit: float) -> sie.Kernel:
-        interaction = self.interaction
-        given = type(interaction).kernel is not Interaction.kernel
-        kernel = interaction.kernel(period, unit) if given else None
-        if not given:
-            if period is None or self.excess is None:
-                raise SceneError("an interaction with a symbol and no kernel needs a period, and no strip", "interaction")
+        if self._gives("kernel"):
+            kernel = self.interaction.kernel(period, unit)
+        elif period is not None and self.excess is not None:
             kernel = kernel_of(self.excess, period)
+        else:
+            raise SceneError("an interaction with a symbol and no kernel needs a period, and no strip", "interaction")
         if not isinstance(kernel, sie.Kernel):
             raise SceneError.of("interaction.kernel(period, unit)", kernel, "a sie.Kernel, such as sie.hilbert(period) + sie.Smooth(...)")
         # Of the lag alone: that is held when a scene is made.
@@ -192,8 +193,7 @@ class Operator(sie.Kept):
     @property
     def own_columns(self) -> bool:
         """Whether the interaction gives columns of its own, of which nothing is known."""
-        kind = type(self.interaction)
-        return kind.columns is not Interaction.columns or kind.placed_columns is not Interaction.placed_columns
+        return self._gives("columns") or self._gives("placed_columns")
 
     def columns(self, centre: float, unit: float, scaled: Scaled) -> tuple[sie.Forcing, ...]:
         """Terms of the right side with an unknown amplitude, scaled, about the centre of the strip."""
@@ -202,9 +202,8 @@ class Operator(sie.Kept):
         if self.is_own or self.own_columns or not interaction.strip:
             return interaction.placed_columns(period, centre, scaled)
         assert period is not None
-        beyond = BeyondStrip(
-            0.5 * (2 * interaction.neighbours + 1) * period, period, centre, self.smooth_part, unit, self.compression
-        )
+        half = 0.5 * (2 * interaction.neighbours + 1) * period
+        beyond = BeyondStrip(half, period, centre, self.smooth_part, unit, self.compression)
         return (sie.Forcing(beyond.slope, beyond.height, between=True),)
 
     # For grids --------------------------------------------------------------------------------------------------------

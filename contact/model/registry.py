@@ -45,9 +45,7 @@ class Registry:
         if missing:
             raise SceneError.of(f"{self.kind} {name!r}", cls, f"a class with {', '.join(missing)}")
         if name in self._classes:
-            raise SceneError.of(
-                f"{self.kind} name", name, f"new (it already stands for {self._classes[name].__qualname__})"
-            )
+            raise SceneError.of(f"{self.kind} name", name, f"new (it already stands for {self._classes[name].__qualname__})")
         cls.name = name  # type: ignore[attr-defined]
         self._classes[name] = cls
 
@@ -79,12 +77,8 @@ class Registry:
                 if not any(cls is known for known in self._classes.values()):
                     self._enter(point.name, cls)
             except Exception as error:  # whatever a third-party module raises must not stop the others
-                warnings.warn(
-                    f"{self.kind} {point.name!r} of entry-point group {self.group} is skipped: "
-                    f"{type(error).__name__}: {error}",
-                    RuntimeWarning,
-                    stacklevel=3,
-                )
+                skipped = f"{self.kind} {point.name!r} of entry-point group {self.group} is skipped"
+                warnings.warn(f"{skipped}: {type(error).__name__}: {error}", RuntimeWarning, stacklevel=3)
 
 
 def construct(cls: Callable[..., Any], what: str, params: Mapping[str, Any]) -> Any:
@@ -97,9 +91,8 @@ def construct(cls: Callable[..., Any], what: str, params: Mapping[str, Any]) -> 
             raise SceneError.unknown(f"parameter of {what}", key, known)
     for p in accepted:
         if p.name in known and p.default is p.empty and p.name not in params:
-            raise SceneError(
-                f"{what} needs the parameter {p.name!r}; its parameters are {', '.join(known)}", p.name, None, "given",
-            )
+            told = f"{what} needs the parameter {p.name!r}; its parameters are {', '.join(known)}"
+            raise SceneError(told, p.name, None, "given")
     return cls(**params)
 
 

@@ -145,14 +145,19 @@ class Scene(sie.Kept):
         _require_instance("law", self.law, Law, "Frictionless()")
         keep(self, positive, "E_star")
         keep(self, finite_or_none, *TURNING)
-        self._check_period()
+        if self.interaction.needs_period and self.profile.period is None:
+            raise SceneError.of("interaction", self.interaction.name, f"a model without a period, as {self.profile.no_period}")
         self._check_body()
         self._check_turning()
         self._check_control()
 
     def _check_control(self) -> None:
         """The one control: its value, and whether it goes with all else."""
-        _require_one(self)
+        given = tuple(name for name in (*CONTROLS, "given") if getattr(self, name) is not None)
+        if len(given) != 1:
+            raise SceneError.of("control", given or None, f"exactly one of {', '.join(CONTROLS)}")
+        if self.given is not None:
+            _require_instance("given", self.given, Control, "one of your own")
         control = self.control_object
         name = control.name
         value = finite(name, control.value) if control.signed(self) else positive(name, control.value)
@@ -211,6 +216,11 @@ class Scene(sie.Kept):
         return width / period if self.contact_fraction is None else self.contact_fraction
 
     @property
+    def turning(self) -> dict[str, float]:
+        """What is given that turns the body, by name: `tilt` [rad], `moment` [N], or nothing."""
+        return {name: value for name in TURNING if (value := getattr(self, name)) is not None}
+
+    @property
     def turned(self) -> bool:
         """Whether the body stands at an angle, given or unknown; that no moment turns a symmetric one needs no solving."""
         if self.moment is not None:
@@ -226,11 +236,6 @@ class Scene(sie.Kept):
     def operator(self) -> Operator:
         """What the pressure does to the surface."""
         return Operator(self.interaction, self.substrate, self.period)
-
-    def _check_period(self) -> None:
-        if self.interaction.needs_period and self.profile.period is None:
-            allowed = f"a model without a period, as {self.profile.no_period}"
-            raise SceneError.of("interaction", self.interaction.name, allowed)
 
     def _check_admitted(self, control: Control, asked: str) -> None:
         """By the interaction and the law, under the name of what is held, or of what is looked for."""
@@ -277,8 +282,8 @@ class Scene(sie.Kept):
     def _check_law(self) -> None:
         law = self.law
         if not law.turns and self.turned:
-            turning = "tilt" if self.moment is None else "moment"
-            raise SceneError.of(turning, getattr(self, turning), f"left out: {law.name} is not solved for bodies that turn")
+            ((turning, value),) = self.turning.items()
+            raise SceneError.of(turning, value, f"left out: {law.name} is not solved for bodies that turn")
         if not isfinite(law.intensity(self.E_star)):
             raise SceneError.of("law.intensity(E_star)", law.intensity(self.E_star), "finite [Pa m^(1/2)]")
         why = law.refuses(self)
@@ -286,15 +291,11 @@ class Scene(sie.Kept):
             raise SceneError.of("law", law.name, f"another one: {law.name} {why}")
 
     def _check_turning(self) -> None:
-        given = {turning: value for turning in TURNING if (value := getattr(self, turning)) is not None}
-        if not given:
-            return
-        if len(given) > 1:
-            raise SceneError.of(" and ".join(TURNING), tuple(given.values()), "one of them: the other is part of the solution")
-        turning, value = next(iter(given.items()))
-        if not self.interaction.turns:
-            allowed = f"left out: a body that repeats, as {self.interaction.name} takes it, does not turn"
-            raise SceneError.of(turning, value, allowed)
+        if len(self.turning) > 1:
+            raise SceneError.of(" and ".join(TURNING), tuple(self.turning.values()), "one of them: the other is part of the solution")
+        if self.turning and not self.interaction.turns:
+            ((turning, value),) = self.turning.items()
+            raise SceneError.of(turning, value, f"left out: a body that repeats, as {self.interaction.name} takes it, does not turn")
 
     @property
     def is_flat(self) -> bool:
@@ -305,14 +306,6 @@ class Scene(sie.Kept):
         """With f' = 0 up to sharp corners every load gives the same zone, and no load a narrower one."""
         height = self.profile.height(np.linspace(lo, hi, 17))
         return float(np.ptp(height[np.isfinite(height)])) == 0.0
-
-
-def _require_one(scene: Scene) -> None:
-    given = tuple(name for name in (*CONTROLS, "given") if getattr(scene, name) is not None)
-    if len(given) != 1:
-        raise SceneError.of("control", given or None, f"exactly one of {', '.join(CONTROLS)}")
-    if scene.given is not None:
-        _require_instance("given", scene.given, Control, "one of your own")
 
 
 def _require_instance(field: str, value: object, kind: type, example: str) -> None:

@@ -6,8 +6,7 @@ an interaction, a substrate or a law is readable from a file as soon as it is re
 """
 
 import json
-from collections.abc import Callable, Collection, Mapping
-from functools import partial
+from collections.abc import Callable, Mapping
 from numbers import Integral, Real
 from os import PathLike
 from pathlib import Path
@@ -17,7 +16,7 @@ import numpy as np
 
 from contact.errors import SceneError
 from contact.extras import require
-from contact.model.checks import text
+from contact.model.checks import one_of, text
 from contact.model.controls import CONTROLS, TURNING, fields_under
 from contact.model.profiles.base import Profile
 from contact.model.profiles.combined import STANDS, Combined
@@ -76,14 +75,9 @@ def load_scene(path: str | PathLike[str]) -> Scene:
         written = path.read_bytes()
     except (OSError, ValueError) as error:
         raise SceneError(f"{path}: cannot be read: {getattr(error, 'strerror', None) or error}") from error
-    return read_scene(written, str(path), path.parent, _if_a_trace(path))
-
-
-def _if_a_trace(path: Path) -> str:
-    """What to do with a file that is no scene, but what a scene may be of."""
-    if path.suffix.lower() == ".toml":
-        return ""
-    return f" with a scene (of a trace, `contact trace {path.name} --scene NEW.toml` writes one)"
+    # It may be what a scene is of.
+    of_trace = f" with a scene (of a trace, `contact trace {path.name} --scene NEW.toml` writes one)"
+    return read_scene(written, str(path), path.parent, "" if path.suffix.lower() == ".toml" else of_trace)
 
 
 def read_scene(text: bytes, name: str, directory: str | PathLike[str] = ".", hint: str = "") -> Scene:
@@ -93,30 +87,28 @@ def read_scene(text: bytes, name: str, directory: str | PathLike[str] = ".", hin
         tables = require("tomllib").loads(text.decode("utf-8"))
     except ValueError as error:
         raise SceneError(f"{name}: is not a TOML file{hint}: {error}") from error
-    return _under(f"{name}:", lambda: scene_from_tables(tables, directory))
+    return _under(f"{name}:", scene_from_tables, tables, directory)
 
 
 def scene_from_tables(tables: Table, directory: str | PathLike[str] = ".") -> Scene:
     """The scene of tables already read; files they name are looked for from `directory`."""
     if not isinstance(tables, Mapping):
         raise SceneError.of("tables", tables, f"a mapping with the keys {', '.join(TABLES)}")
-    _require_known("table", tables, (*TABLES, COUNTER, *OPTIONAL))
+    for name in tables:
+        one_of("table", name, (*TABLES, COUNTER, *OPTIONAL))
     missing = [f"[{name}]" for name in TABLES if name not in tables]
     if missing:
         raise SceneError(f"{' and '.join(missing)} missing: a scene has the tables {', '.join(TABLES)}")
     for name in (*TABLES, *(name for name in (COUNTER, *OPTIONAL) if name in tables)):
         if not isinstance(tables[name], Mapping):
             raise SceneError.of(name, tables[name], f"a table, written [{name}]")
-    profile = _under("[profile]", lambda: _read_profile(tables["profile"], Path(directory)))
+    profile = _under("[profile]", _read_profile, tables["profile"], Path(directory))
     if COUNTER in tables:
-        profile = _under(f"[{COUNTER}]", lambda: _read_counter(profile, tables[COUNTER], Path(directory)))
-    modulus = _under("[material]", lambda: _read_material(tables["material"]))
-    model = _under("[interaction]", lambda: _read_model(tables["interaction"], INTERACTIONS))
-    others: dict[str, Any] = {}
-    for name in OPTIONAL:
-        if name in tables:
-            others[name] = _under(f"[{name}]", partial(_read_model, tables[name], OPTIONAL[name]))
-    control = _under("[control]", lambda: _read_control(tables["control"]))
+        profile = _under(f"[{COUNTER}]", _read_counter, tables[COUNTER], Path(directory), profile)
+    modulus = _under("[material]", _read_material, tables["material"])
+    model = _under("[interaction]", _read_model, tables["interaction"], INTERACTIONS)
+    others = {name: _under(f"[{name}]", _read_model, tables[name], known) for name, known in OPTIONAL.items() if name in tables}
+    control = _under("[control]", _read_control, tables["control"])
     try:
         return Scene(profile, modulus, model, **others, **control)
     except SceneError as error:
@@ -128,13 +120,15 @@ def _read_profile(table: Table, directory: Path) -> Profile:
     return PROFILES.find(shape, "shape").from_table(parameters, directory)
 
 
-def _read_counter(profile: Profile, table: Table, directory: Path) -> Profile:
-    stands = {key: value for key, value in table.items() if key in STANDS}
-    return Combined(profile, _read_profile({key: value for key, value in table.items() if key not in STANDS}, directory), **stands)
+def _read_counter(table: Table, directory: Path, profile: Profile) -> Profile:
+    shape = dict(table)
+    stands = {key: shape.pop(key) for key in STANDS if key in table}
+    return Combined(profile, _read_profile(shape, directory), **stands)
 
 
 def _read_material(table: Table) -> float:
-    _require_known("key", table, MODULI)
+    for name in table:
+        one_of("key", name, MODULI)
     if "E_star" in table:
         if len(table) > 1:
             others = ", ".join(name for name in table if name != "E_star")
@@ -153,7 +147,8 @@ def _read_model(table: Table, registry: Registry) -> Any:
 
 def _read_control(table: Table) -> dict[str, Any]:
     if any(name not in CONTROLS for name in table):
-        _require_known("key", table, (*REGISTERED.all(), *TURNING))
+        for name in table:
+            one_of("key", name, (*REGISTERED.all(), *TURNING))
     controls = [name for name in table if name not in TURNING]
     if len(controls) != 1:
         given = " and ".join(controls) or "nothing"
@@ -167,12 +162,6 @@ def _named(table: Table, key: str) -> tuple[str, dict[str, Any]]:
         raise SceneError(f"{key} is missing: it names what the other keys are parameters of")
     rest = dict(table)
     return text(key, rest.pop(key)), rest
-
-
-def _require_known(what: str, given: Collection[str], known: Collection[str]) -> None:
-    for name in given:
-        if name not in known:
-            raise SceneError.unknown(what, name, known)
 
 
 def _placed(error: SceneError, tables: Table) -> SceneError:
@@ -189,15 +178,15 @@ def _placed(error: SceneError, tables: Table) -> SceneError:
     return SceneError(f"[{table}] {named}", error.field, error.value, error.allowed)
 
 
-def _under(place: str, read: Callable[[], T]) -> T:
-    """Run `read`, putting the place of the fault before the message of a SceneError."""
+def _under(place: str, read: Callable[..., T], *given: Any) -> T:
+    """What `read` makes of what is given, the place of a fault before the message of its SceneError."""
     try:
-        return read()
+        return read(*given)
     except SceneError as error:
         raise SceneError(f"{place} {error}", error.field, error.value, error.allowed) from error
 
 
-def to_toml(scene: Scene, written: Mapping[str, Mapping[str, Any]] | None = None) -> str:
+def to_toml(scene: Scene, written: Mapping[str, Table] | None = None) -> str:
     """The text of a scene. written: tables [profile] and [counter] as a file gave them, where they name a file of points; else all numbers
     are written.
 
@@ -224,11 +213,11 @@ def tables(scene: Scene) -> dict[str, dict[str, Any]]:
         **scene.profile.tables(),
         "material": {"E_star": scene.E_star},
         **{place: {"model": part.name, **parameters(part)} for place, part in given.items()},
-        "control": {name: value, **{turn: getattr(scene, turn) for turn in TURNING if getattr(scene, turn) is not None}},
+        "control": {name: value, **scene.turning},
     }
 
 
-def _lines(table: Mapping[str, Any]) -> str:
+def _lines(table: Table) -> str:
     return "".join(f"{key} = {toml(value)}\n" for key, value in table.items() if value is not None)
 
 

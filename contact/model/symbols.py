@@ -32,7 +32,7 @@ import numpy as np
 
 import sie
 from contact.errors import SceneError
-from contact.model.checks import of_author
+from contact.model.checks import as_array, of_author
 from contact.model.profiles.trigonometric import Sum
 from sie import Array, record
 
@@ -260,10 +260,7 @@ def checked(symbol: Callable[[Array], Array], q: Array, of: str) -> Array:
     name = f"{of}.symbol(q)"
     with of_author(name, of, f" for an array of shape {q.shape}"):
         value = symbol(q.copy())
-    try:
-        found = np.asarray(value)
-    except ValueError:
-        found = np.asarray(None)
+    found = as_array(value)
     if found.dtype.kind not in "iuf" or found.shape != q.shape or not np.all(np.isfinite(found)):
         at = ""
         if found.dtype.kind in "iuf" and found.shape == q.shape:
@@ -286,9 +283,8 @@ def excess(symbol: Callable[[Array], Array], period: float, of: str) -> Array:
         if len(seen) == 0 or seen[-1] < 0.9 * count:
             return off[: seen[-1] + 1] if len(seen) else np.zeros(0)
         if count >= _MOST_HARMONICS:
-            raise SceneError.of(
-                f"{of}.symbol(q)", float(found[-1]), f"1 for short waves: to {_ONE:.0e} from harmonic {_MOST_HARMONICS} of the period on"
-            )
+            allowed = f"1 for short waves: to {_ONE:.0e} from harmonic {_MOST_HARMONICS} of the period on"
+            raise SceneError.of(f"{of}.symbol(q)", float(found[-1]), allowed)
         count *= 4
 
 

@@ -18,10 +18,10 @@ def prefix(magnitude: float) -> tuple[float, str]:
     return 10.0**-power, _PREFIXES[power]
 
 
-def quantity(value: float | None, unit: str, digits: int = 4) -> str:
-    """A value with its prefixed unit, 'not defined' for None."""
+def quantity(value: float | None, unit: str, digits: int = 4, none: str = "not defined") -> str:
+    """A value with its prefixed unit; what is said of None."""
     if value is None:
-        return "not defined"
+        return none
     if not math.isfinite(value):
         return "infinite" if value > 0 else str(value)
     factor, letter = prefix(abs(value))

@@ -17,7 +17,6 @@ import numpy as np
 
 from contact.errors import MissingExtra, SceneError
 from contact.extras import require, version
-from contact.model.controls import TURNING
 from contact.model.scene import Scene
 from contact.model.scene_file import tables
 from contact.solution.answer import Answer
@@ -47,11 +46,10 @@ _FIELDS = {
 
 def to_dict(solution: Answer) -> dict[str, Any]:
     """The solution's zones and numbers as JSON has them: floats, strings, lists, dictionaries and None."""
-    turns = any(getattr(solution.scene, name) is not None for name in TURNING)
     values = {
         **{name: getattr(solution, name) for name in UNITS if name != "rotational_stiffness"},
         # One more solution: worth it only where turning is what the scene is about.
-        "rotational_stiffness": solution.rotational_stiffness if turns else None,
+        "rotational_stiffness": solution.rotational_stiffness if solution.scene.turning else None,
         "certificate": solution.certificate.to_dict(),
         "plan": solution.plan.to_dict(),
         "warnings": everything(solution),
@@ -70,16 +68,12 @@ def to_json(solution: Answer) -> str:
 
 def plain(value: Any) -> Any:
     """A value in the types of JSON; numpy's become Python's, and a number that is not finite becomes None."""
-    if value is None or isinstance(value, (bool, str)):
-        return value
-    if isinstance(value, np.bool_):
-        return bool(value)
-    if isinstance(value, (int, np.integer)):
-        return int(value)
-    if isinstance(value, (float, np.floating)):
-        return float(value) if math.isfinite(value) else None
-    if isinstance(value, np.ndarray):
+    if isinstance(value, (np.ndarray, np.generic)):
         return plain(value.tolist())
+    if value is None or isinstance(value, (bool, str, int)):
+        return value
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
     if isinstance(value, Mapping):
         return {str(key): plain(item) for key, item in value.items()}
     if isinstance(value, (list, tuple)):
@@ -89,11 +83,8 @@ def plain(value: Any) -> Any:
 
 def zone_table(solution: Answer) -> list[tuple[float, ...]]:
     """A row a zone, from left to right, of ZONE_COLUMNS in ZONE_UNITS."""
-    loads, widths, peaks = (np.asarray(a) for a in (solution.zone_loads, solution.zone_widths, solution.zone_peaks))
-    return [
-        (float(left), float(right), float(width), float(load), float(load / width), float(peak))
-        for (left, right), width, load, peak in zip(solution.zones, widths, loads, peaks, strict=True)
-    ]
+    loads, widths = np.asarray(solution.zone_loads), np.asarray(solution.zone_widths)
+    return list(map(tuple, np.column_stack((solution.zones, widths, loads, loads / widths, solution.zone_peaks)).tolist()))
 
 
 def zone_frame(solution: Answer) -> Any:
@@ -143,15 +134,15 @@ def write_json(solution: Answer, path: str | PathLike[str], overwrite: bool = Fa
     new_file(path, overwrite).write_text(to_json(solution) + "\n", encoding="utf-8")
 
 
-def new_file(path: str | PathLike[str], overwrite: bool) -> Path:
-    """The path of a file that may be written: one that is not there, or may be written over."""
-    if not isinstance(path, (str, PathLike)):
-        raise SceneError.of("path", path, "the name of a file")
+def new_file(path: str | PathLike[str], overwrite: bool, endings: Sequence[str] = (), field: str = "path") -> Path:
+    """The path of a file that may be written: one that is not there, or may be written over, with one of the endings if these are given."""
+    if not isinstance(path, (str, PathLike)) or (endings and Path(path).suffix.lower() not in endings):
+        raise SceneError.of(field, path, f"the name of a file{' that ends in ' if endings else ''}{' or '.join(endings)}")
     path = Path(path)
     if path.is_dir() or not path.parent.is_dir():
-        raise SceneError.of("path", str(path), "a file in a folder that exists")
+        raise SceneError.of(field, str(path), "a file in a folder that exists")
     if path.exists() and not overwrite:
-        raise SceneError.of("path", str(path), "a file that is not there yet, or overwrite=True given")
+        raise SceneError.of(field, str(path), "a file that is not there yet, or overwrite=True given")
     return path
 
 
@@ -169,15 +160,12 @@ def _fields(solution: Answer) -> dict[str, Any]:
 def to_xarray(solution: Answer) -> Any:
     """An xarray.Dataset: zones, their loads and peaks, the fields on positions closer at the zones' ends, the scene."""
     fields = _fields(solution)
-    x = fields["x"]
-    data: dict[str, Any] = {
-        name: ("x", np.asarray(fields[name]), {"units": units, "long_name": label})
-        for name, (units, label) in _FIELDS.items()
-    }
+    told = {name: {"units": units, "long_name": label} for name, (units, label) in _FIELDS.items()}
+    data: dict[str, Any] = {name: ("x", np.asarray(fields[name]), said) for name, said in told.items()}
     data["zones"] = (("zone", "end"), np.asarray(solution.zones), {"units": "m", "long_name": "zone ends"})
     data["zone_load"] = ("zone", np.asarray(solution.zone_loads), {"units": "N/m", "long_name": "load of a zone"})
     data["zone_peak"] = ("zone", np.asarray(solution.zone_peaks), {"units": "Pa", "long_name": "highest pressure of a zone"})
-    coordinates = {"x": ("x", x, {"units": "m", "long_name": "position"}), "end": ["left", "right"]}
+    coordinates = {"x": ("x", fields["x"], {"units": "m", "long_name": "position"}), "end": ["left", "right"]}
     return require("xarray").Dataset(data, coords=coordinates, attrs=_attributes(solution))
 
 
@@ -204,11 +192,10 @@ def _attributes(solution: Answer) -> dict[str, Any]:
     """The numbers of the solution, with those the scene does not define left out; netCDF has no None."""
     values = {name: getattr(solution, name) for name in UNITS if not name.startswith("zone") and name != "rotational_stiffness"}
     numbers = {name: float(value) for name, value in values.items() if value is not None}
-    certificate = json.dumps(plain(solution.certificate.to_dict()))
     trace = solution.scene.profile.trace_summary()
     read = {} if trace is None else {"trace": json.dumps(plain(trace))}
     return {
         "title": "elastic contact", "source": f"sie-contact {version()}", "version": version(),
         "units": json.dumps({name: UNITS[name] for name in numbers}), "scene": json.dumps(describe(solution.scene)),
-        **read, **numbers, "certificate": certificate,
+        **read, **numbers, "certificate": json.dumps(plain(solution.certificate.to_dict())),
     }

@@ -144,8 +144,6 @@ def _within(tol: float, solution: Solution, free: sie.Free, of: str, positions: 
         thin = too_thin(fields.problem, fields.density.zones.table) if isinstance(fields, ZoneFields) else ""
         end = fields.problem.end if isinstance(fields, ZoneFields) else sie.FREE
         why = limit_of_approach(solution, tol) or thin or beside or limit(free, tol, of, positions, end, solution.error)
-        raise NotConverged(
-            f"the stated error {solution.error:.2g} is above the tolerance {tol:.2g}{': ' if why else ''}{why}; the best state is attached",
-            solution.trace, solution,
-        )
+        told = f"the stated error {solution.error:.2g} is above the tolerance {tol:.2g}{': ' if why else ''}{why}"
+        raise NotConverged(f"{told}; the best state is attached", solution.trace, solution)
     return solution

@@ -206,18 +206,14 @@ def to_html(solution: Answer) -> str:
         ("zones", str(len(solution.zones))),
         ("load", quantity(solution.load, "N/m")),
         ("largest pressure", quantity(solution.max_pressure, "Pa")),
-        ("mean pressure", _if_any(solution.mean_pressure, "Pa")),
-        ("approach", _if_any(solution.approach, "m")),
+        ("mean pressure", quantity(solution.mean_pressure, "Pa", none="")),
+        ("approach", quantity(solution.approach, "m", none="")),
         ("contact fraction", "" if solution.contact_fraction is None else f"{solution.contact_fraction:.6g}"),
         ("stated error", f"{solution.error:.1e}"),
         ("certificate", "holds" if checked["holds"] else f"does not hold: {checked['note']}"),
     ]
     lines = "".join(f"<tr><th>{escape(name)}</th><td>{escape(value)}</td></tr>" for name, value in rows if value)
     return f"<table>{lines}</table>{_picture(solution)}"
-
-
-def _if_any(value: float | None, unit: str) -> str:
-    return "" if value is None else quantity(value, unit)
 
 
 def _picture(solution: Answer) -> str:

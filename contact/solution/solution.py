@@ -3,12 +3,10 @@
 from dataclasses import dataclass
 from functools import cached_property
 from os import PathLike
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from contact.errors import SceneError
 from contact.extras import require
 from contact.model.controls import Quantity
 from contact.solution.answer import Answer
@@ -88,11 +86,10 @@ class Solution(Answer):
         SceneError
             If the name ends otherwise, or the file is there and `overwrite` is not given.
         """
-        known = {".json": "write_json", ".nc": "write_netcdf"}
-        ending = Path(path).suffix.lower() if isinstance(path, (str, PathLike)) else ""
-        if ending not in known:
-            raise SceneError.of("path", path, f"the name of a file that ends in {' or '.join(known)}")
-        getattr(require(_FILES), known[ending])(self, path, overwrite)
+        files = require(_FILES)
+        file = files.new_file(path, overwrite, (".json", ".nc"))
+        write = files.write_json if file.suffix.lower() == ".json" else files.write_netcdf
+        write(self, file, overwrite)
 
     def save_zones(self, path: str | PathLike[str], overwrite: bool = False) -> None:
         """Write the zone table as CSV, SI, in full precision; a file that is there only with `overwrite`."""

@@ -3,7 +3,6 @@
 import sys
 import time
 from collections.abc import Callable, Iterable, Sequence
-from types import TracebackType
 from typing import Any
 
 from contact.errors import MissingExtra
@@ -27,6 +26,12 @@ def show_table(
     width = None if sys.stdout.isatty() else _WIDTH_OF_A_FILE
     # Square brackets in a reason or a unit are text here, not rich's markup.
     require("rich.console").Console(file=sys.stdout, width=width, markup=False, highlight=False).print(table)
+
+
+def show_columns(title: str, columns: Sequence[tuple[str, Sequence[str]]], words: Iterable[int] = (), close: bool = False) -> None:
+    """The same of columns, each a name and its cells; `words` are those that align to the left."""
+    names, cells = zip(*columns, strict=True)
+    show_table(title, names, zip(*cells, strict=True), set(range(len(names))).difference(words), close)
 
 
 class Progress:
@@ -72,9 +77,7 @@ class Progress:
     def __enter__(self) -> "Progress":
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *raised: object) -> None:
         if self._bar is not None:
             self._bar.stop()
             self._bar = None

@@ -110,7 +110,7 @@ MUTATIONS = (
     ),
     Mutation(
         "localization: a strip half a period too wide", "contact/model/operator.py",
-        "0.5 * (2 * interaction.neighbours + 1) * period, period", "0.5 * (2 * interaction.neighbours + 2) * period, period",
+        "half = 0.5 * (2 * interaction.neighbours + 1) * period", "half = 0.5 * (2 * interaction.neighbours + 2) * period",
         ("tests/contact/test_localized.py",),
     ),
     Mutation(

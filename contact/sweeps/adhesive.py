@@ -44,7 +44,8 @@ from sie import Array
 
 # Of a figure: points, and how much is shown beside the zones, over what they span.
 _PLACES, _AROUND = 601, 1.5
-_UNITS = {"load": "loads", "mean_pressure": "mean pressures", "approach": "approaches"}
+# The controls that a path may have, and what their values are called.
+VALUES = {"load": "loads", "mean_pressure": "mean pressures", "approach": "approaches"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -222,7 +223,7 @@ def adhesive_path(
     scene: Scene, values: ArrayLike, tol: float, progress: Progress | None, control: str, stiffness: float | None
 ) -> AdhesivePath:
     """See `contact.path`."""
-    given = finite_array(_UNITS[control], values)
+    given = finite_array(VALUES[control], values)
     give = None if stiffness is None else 1.0 / positive("stiffness", stiffness)
     run = _Run(scene.under(control, 0.0), control, tol, give)
     run.refuse(given)
@@ -243,8 +244,7 @@ def adhesive_path(
                     events.append(run.event(found))
                 else:
                     here = found
-            if not here.closed:
-                run.note(here.point, here.value)
+            run.stood(here)
             solutions.append(run.solved(here, float(value), before if k else 0.0))
             passed.append(tuple(events))
     warn(of_solution(max(solutions, key=lambda solution: solution.load)), stacklevel=4)
@@ -298,11 +298,13 @@ class _Run:
             self.followed.append((0.0, value * units.height, 0.0, self.rises))
 
     def jumped(self, jump: Jump) -> None:
-        for standing, after in ((jump.before, False), (jump.after, True)):
-            if after:
-                self.followed.append((np.nan,) * 3 + (self.rises,))
-            if not standing.closed:
-                self.note(standing.point, standing.value)
+        self.stood(jump.before)
+        self.followed.append((np.nan,) * 3 + (self.rises,))
+        self.stood(jump.after)
+
+    def stood(self, standing: Standing) -> None:
+        if not standing.closed:
+            self.note(standing.point, standing.value)
 
     @property
     def unit(self) -> float:
@@ -368,7 +370,10 @@ class _Run:
         load_after, approach_after, energy_after, zones_after = self._state(jump.after)
         by_load = self.curve.held.load is not None
         if jump.kind == "pull-off" and by_load and approach is not None:
-            approach_after = self._parted(jump.before)
+            # Drawn apart by a dead load: the contact follows the approach, as the load is slow to move, until no contact answers it.
+            assert jump.before.point is not None
+            apart = self.by.let_go(jump.before.point)
+            approach_after = None if apart is None else float(-apart.level * units.height)
         lost = None
         if energy is not None and energy_after is not None and approach is not None and approach_after is not None:
             done = (load if by_load else 0.5 * (load + load_after)) * (approach_after - approach)
@@ -382,13 +387,6 @@ class _Run:
         value = float(jump.before.value * self.unit)
         place = float(units.x(np.array(jump.place)))
         return AdhesiveEvent(jump.kind, load, place, zones, zones_after, value, load_after, approach, approach_after, lost, drawn)
-
-    def _parted(self, last: Standing) -> float | None:
-        """The approach [m] at which surfaces let go that a dead load draws apart: the contact follows the approach, as the load is slow to
-        move, until no contact answers it; None where it was not followed so far."""
-        assert last.point is not None
-        apart = self.by.let_go(last.point)
-        return None if apart is None else float(-apart.level * self.problem.units.height)
 
     def _state(self, standing: Standing) -> tuple[float, float | None, float | None, Array]:
         """(load, approach, energy, zones) [N/m, m, J/m, m]."""

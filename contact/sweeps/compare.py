@@ -6,7 +6,7 @@ One that has no solution says why and does not stop the rest.
 """
 
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from operator import attrgetter
 
@@ -23,6 +23,7 @@ from contact.solver import solve
 from contact.sweeps.points import total_width
 
 Report = Callable[[str, int, int | None], None]
+Column = tuple[str, list[str]]
 
 NEIGHBOURS = (1, 2, 4, 8)
 
@@ -31,6 +32,8 @@ _ZONES_SHOWN = 4
 # So many zones' ends stand side by side on 80 columns.
 _ZONES_ABREAST = 2
 
+# Of which it is told how far they are from the exact ones.
+_NUMBERS = ("load", "max_pressure", "total_width")
 # A relative difference of rounding.
 _NOTHING = 1e-13
 
@@ -96,66 +99,41 @@ def pressure_apart(attempt: Attempt, exact: Attempt) -> float | None:
     scale = reference.max_pressure
     if not np.isfinite(scale):
         scale = reference.load / total_width(reference)
-    ours, theirs = (s.pressure(_within(s.zones)) for s in (attempt.solution, reference))
+    ours, theirs = (s.pressure(s.zones.mean(axis=1)[:, None] + 0.5 * np.diff(s.zones) * _T) for s in (attempt.solution, reference))
     return float(np.max(np.abs(ours - theirs)) / scale)
 
 
-@dataclass(frozen=True)
-class Table:
-    """Rows of text, one for each model, and what the columns are, each in one unit."""
+def tables(attempts: list[Attempt]) -> Iterator[tuple[str, list[Column]]]:
+    """(title, columns) of what the models give, how far that is from the exact one, and the ends of the first zones; a line for each model,
+    none wider than 80 columns."""
+    exact, models = attempts[-1], ("model", [a.name for a in attempts])
 
-    title: str
-    columns: tuple[str, ...]
-    rows: list[tuple[str, ...]]
+    def column(name: str, unit: str, tell: Callable[[Answer], float | None]) -> Column:
+        return headed(name, [None if a.solution is None else tell(a.solution) for a in attempts], unit)
 
-
-def tables(attempts: list[Attempt]) -> list[Table]:
-    """What the models give, how far that is from the exact one, and the ends of the first zones; none wider than 80 columns."""
-    return [_given(attempts), _apart(attempts), *_ends(attempts)]
-
-
-def _given(attempts: list[Attempt]) -> Table:
-    columns = (
-        _column(attempts, "load", "N/m", lambda s: s.load),
-        _column(attempts, "mean\npressure", "Pa", lambda s: s.mean_pressure),
-        _column(attempts, "max\npressure", "Pa", lambda s: s.max_pressure),
-        _column(attempts, "contact\nfraction", "", lambda s: s.contact_fraction),
-        _column(attempts, "total\nwidth", "m", total_width),
-        ("zones", ["-" if a.solution is None else str(len(a.solution.zones)) if len(a.solution.zones) else "full" for a in attempts]),
-    )
-    return _table("models", attempts, columns)
-
-
-def _apart(attempts: list[Attempt]) -> Table:
-    exact = attempts[-1]
-    columns: list[tuple[str, list[str]]] = []
-    for name in ("load", "max_pressure", "total_width"):
-        columns.append((name.replace("_", "\n"), [_percent(difference(a, exact, name), "+.3g") for a in attempts]))
-    columns.append(("zone\nends", [_percent(ends_apart(a, exact)) for a in attempts]))
-    columns.append(("pressure", [_percent(pressure_apart(a, exact)) for a in attempts]))
-    columns.append(("time\n[ms]", [f"{1e3 * a.seconds:.1f}" for a in attempts]))
-    return _table("from the exact one, in %, and time", attempts, columns)
-
-
-def _ends(attempts: list[Attempt]) -> Iterator[Table]:
-    most = min(max((len(a.solution.zones) for a in attempts if a.solution is not None), default=0), _ZONES_SHOWN)
-    for first in range(0, most, _ZONES_ABREAST):
-        columns = [
-            _column(attempts, f"zone {zone + 1}\n{side}", "m", _end(zone, place))
-            for zone in range(first, min(first + _ZONES_ABREAST, most))
-            for place, side in enumerate(("left", "right"))
-        ]
-        yield _table("zone ends", attempts, columns)
-
-
-def _column(attempts: list[Attempt], name: str, unit: str, tell: Callable[[Answer], float | None]) -> tuple[str, list[str]]:
-    values = [None if a.solution is None else tell(a.solution) for a in attempts]
-    return headed(name, values, unit)
-
-
-def _table(title: str, attempts: list[Attempt], columns: Sequence[tuple[str, list[str]]]) -> Table:
-    rows = zip((a.name for a in attempts), *(values for _, values in columns), strict=True)
-    return Table(title, ("model", *(name for name, _ in columns)), list(rows))
+    zones = [None if a.solution is None else len(a.solution.zones) for a in attempts]
+    yield "models", [
+        models,
+        column("load", "N/m", attrgetter("load")),
+        column("mean\npressure", "Pa", attrgetter("mean_pressure")),
+        column("max\npressure", "Pa", attrgetter("max_pressure")),
+        column("contact\nfraction", "", attrgetter("contact_fraction")),
+        column("total\nwidth", "m", total_width),
+        ("zones", ["-" if count is None else str(count or "full") for count in zones]),
+    ]
+    yield "from the exact one, in %, and time", [
+        models,
+        *((name.replace("_", "\n"), [_percent(difference(a, exact, name), "+.3g") for a in attempts]) for name in _NUMBERS),
+        ("zone\nends", [_percent(ends_apart(a, exact)) for a in attempts]),
+        ("pressure", [_percent(pressure_apart(a, exact)) for a in attempts]),
+        ("time\n[ms]", [f"{1e3 * a.seconds:.1f}" for a in attempts]),
+    ]
+    ends = [
+        column(f"zone {zone + 1}\n{side}", "m", _end(zone, place))
+        for zone in range(min(max(count or 0 for count in zones), _ZONES_SHOWN)) for place, side in enumerate(("left", "right"))
+    ]  # fmt: skip
+    for first in range(0, len(ends), 2 * _ZONES_ABREAST):
+        yield "zone ends", [models, *ends[first : first + 2 * _ZONES_ABREAST]]
 
 
 def refusals(attempts: list[Attempt]) -> list[str]:
@@ -175,10 +153,6 @@ def _percent(value: float | None, form: str = ".3g") -> str:
     if value is None:
         return "-"
     return "0" if abs(value) < _NOTHING else f"{100.0 * value:{form}}"
-
-
-def _within(zones: np.ndarray) -> np.ndarray:
-    return np.asarray(0.5 * (zones[:, :1] + zones[:, 1:]) + 0.5 * np.diff(zones) * _T)
 
 
 def _models(own: Interaction) -> dict[str, Interaction]:

@@ -8,10 +8,8 @@ from contact.model.checks import finite_array
 from contact.model.scene import Scene
 from contact.search.topology.loop import Progress
 from contact.solver import tolerance
-from contact.sweeps.adhesive import adhesive_path
+from contact.sweeps.adhesive import VALUES, adhesive_path
 from contact.sweeps.paths import Path, growing_path
-
-CONTROLS = ("load", "mean_pressure", "approach")
 
 
 def path(
@@ -70,8 +68,8 @@ def path(
     if not isinstance(scene, Scene):
         raise SceneError.of("scene", scene, "a contact.Scene")
     tol = tolerance(tol)
-    if control not in (None, *CONTROLS):
-        raise SceneError.of("control", control, f"None, or one of {', '.join(CONTROLS)}")
+    if control not in (None, *VALUES):
+        raise SceneError.of("control", control, f"None, or one of {', '.join(VALUES)}")
     if stiffness is not None and control not in (None, "approach"):
         raise SceneError.of("stiffness", stiffness, f"left out under {control}: it is that of a spring whose far end's approach is given")
     name = control or ("load" if stiffness is None else "approach")
@@ -80,12 +78,11 @@ def path(
     if not scene.law.convex:
         raise SceneError.of("law", scene.law.name, "one under which contact only grows with the load: a path under others is not followed")
     if name == "approach":
-        given = control if stiffness is None else stiffness
-        what = "control" if stiffness is None else "stiffness"
+        what, given = ("control", control) if stiffness is None else ("stiffness", stiffness)
         raise SceneError.of(what, given, f"left out: under {scene.law.name} a path goes by the load, and no spring changes it")
-    loads = finite_array("loads" if name == "load" else "mean pressures", values)
+    loads = finite_array(VALUES[name], values)
     if np.any(loads <= 0):
-        raise SceneError.of("loads" if name == "load" else "mean pressures", values, "positive")
+        raise SceneError.of(VALUES[name], values, "positive")
     if name == "mean_pressure":
         if scene.profile.period is None:
             raise SceneError.of("control", control, "load: without a period there is no mean pressure")

@@ -35,20 +35,15 @@ _LINES = 40
 
 def plot_path(solutions: Sequence[Solution], passed: Passed, ax: Any = None) -> Any:
     """A matplotlib Figure: contact over the load, and where there is one the approach over the load."""
-    known = columns(solutions)
-    table = {name: np.array(values, dtype=float) for name, values in known.items()}
-    curves = [_contact(table)]
+    table = {name: np.array(values, dtype=float) for name, values in columns(solutions).items()}
+    fraction, width = table["contact_fraction"], table["total_width"]
+    curves = [(_FRACTION, fraction, "") if np.isfinite(fraction).all() else ("width in contact", width, "m")]
     if np.isfinite(table["approach"]).all():
         curves.append(("approach", table["approach"], "m"))
     figure, given = panels(ax, len(curves))
     for panel, (label, values, unit) in zip(given, curves, strict=False):
         _draw(panel, table["load"], passed, label, values, unit)
     return figure
-
-
-def _contact(table: dict[str, Array]) -> tuple[str, Array, str]:
-    fraction = table["contact_fraction"]
-    return (_FRACTION, fraction, "") if np.isfinite(fraction).all() else ("width in contact", table["total_width"], "m")
 
 
 def _draw(axes: Any, loads: Array, passed: Passed, label: str, values: Array, unit: str) -> None:

@@ -60,7 +60,7 @@ def to_dict(solutions: Sequence[Solution], passed: Passed) -> dict[str, Any]:
     """Columns, events, scene and units; None for what is not defined, or infinite."""
     scene = solutions[0].scene
     events = [{**_event(e), "point": point} for point, since in enumerate(passed) for e in since]
-    told = plain({
+    told: dict[str, Any] = plain({
         "points": columns(solutions),
         "events": events,
         "scene": {name: table for name, table in describe(scene).items() if name != "control"},
@@ -69,7 +69,6 @@ def to_dict(solutions: Sequence[Solution], passed: Passed) -> dict[str, Any]:
         "warnings": list(dict.fromkeys(line for solution in solutions for line in solution.warnings)),
         "version": version(),
     })
-    assert isinstance(told, dict)
     return told
 
 

@@ -14,14 +14,13 @@ not a half-plane, on which alone contact is known to grow with the load.
 """
 
 import json
-import os
 from dataclasses import dataclass, replace
 from os import PathLike
 from typing import Any
 
 import numpy as np
 
-from contact.errors import NotConverged, OutOfRange, SceneError, unwarned, warn
+from contact.errors import NotConverged, OutOfRange, unwarned, warn
 from contact.formulation.roots import maximum, smooth_root
 from contact.formulation.tables import centred_on, gaps_between
 from contact.model.scene import Scene
@@ -133,12 +132,10 @@ class Path:
         SceneError
             If the name ends otherwise, or the file is there and `overwrite` is not given.
         """
-        ending = os.path.splitext(path)[1].lower() if isinstance(path, (str, PathLike)) else ""
-        if ending not in (".csv", ".json"):
-            raise SceneError.of("path", path, "the name of a file that ends in .csv or .json")
-        csv = ending == ".csv"
+        file = new_file(path, overwrite, (".csv", ".json"))
+        csv = file.suffix.lower() == ".csv"
         text = path_table.to_csv(self.solutions, self.passed) if csv else json.dumps(self.to_dict(), allow_nan=False) + "\n"
-        new_file(path, overwrite).write_text(text, encoding="utf-8")
+        file.write_text(text, encoding="utf-8")
 
 
 def growing_path(scene: Scene, values: Array, tol: float, progress: Progress | None) -> Path:
@@ -356,13 +353,9 @@ def _moving(fields: Any) -> Array:
 
 def _scaled(fields: Any, zone: Array) -> tuple[float, float]:
     """A zone in the scaled period in which the fields' own zones stand."""
-    units, period = fields.problem.units, fields.problem.period
-    a, b = (float(v) for v in units.scaled(zone))
-    if period is not None:
-        zones = fields.density.zones
-        middle = 0.5 * float(zones.a[0] + zones.b[-1])
-        turn = np.floor((0.5 * (a + b) - middle) / period + 0.5) * period
-        a, b = a - turn, b - turn
+    zones, problem = fields.density.zones, fields.problem
+    middle = 0.5 * float(zones.a[0] + zones.b[-1])
+    a, b = centred_on(np.array([problem.units.scaled(zone)]), middle, problem.period)[0].tolist()
     return a, b
 
 

@@ -114,6 +114,11 @@ class TestSolve:
     def test_two_options_cannot_name_one_file(self, scene, tmp_path):
         assert "--fields" in stopped(2, "solve", scene(), "--csv", tmp_path / "out.csv", "--fields", tmp_path / "out.csv")
 
+    @pytest.mark.parametrize("option", ["--save", "--csv", "--fields"])
+    def test_a_file_of_numbers_whose_ending_is_none_of_its_own_is_refused_before_solving(self, scene, tmp_path, monkeypatch, option):
+        monkeypatch.setattr(cli, "solve", lambda *a, **k: pytest.fail("solved"))
+        assert option in stopped(2, "solve", scene(), option, tmp_path / "out.txt")
+
     def test_a_scene_comes_in_on_standard_input(self, scene):
         text = open(scene(), encoding="utf-8").read()
         result = CliRunner().invoke(cli.main, ["solve", "-", "--json"], input=text)

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from contact.errors import SceneError
-from contact.model.controls.base import TURNING, Control, Held, Quantity
+from contact.model.controls.base import Control, Held, Quantity
 from contact.model.registry import register_control
 
 
@@ -83,9 +83,8 @@ class HalfWidth(Control):
     def check(self, scene: Any) -> None:
         profile = scene.profile
         if scene.turned:
-            turning = next(name for name in TURNING if getattr(scene, name) is not None)
-            allowed = "0 or left out with half_width, which means one zone about x = 0"
-            raise SceneError.of(turning, getattr(scene, turning), allowed)
+            ((turning, value),) = scene.turning.items()
+            raise SceneError.of(turning, value, "0 or left out with half_width, which means one zone about x = 0")
         if not profile.symmetric:
             self._refuse(f"left out: it means one zone about x = 0, and {profile.name} is not known to be symmetric")
         if profile.period is not None and not self.value < 0.5 * profile.period:

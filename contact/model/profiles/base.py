@@ -9,6 +9,7 @@ import inspect
 import math
 from collections.abc import Mapping
 from functools import cached_property
+from operator import attrgetter
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -34,6 +35,11 @@ def onto(ends: tuple[float, float], at: Array, slack: Array | float) -> Array:
     """Places with those that rounding has put just beyond an end moved back onto it: a corner reached by arithmetic is still the body's."""
     lo, hi = ends
     return np.where((at < lo) & (at >= lo - slack), lo, np.where((at > hi) & (at <= hi + slack), hi, at))
+
+
+def told_by(name: str) -> Any:
+    """A property that is a parameter, or what a part says of itself: `told_by("width")`, `told_by("profile.support")`."""
+    return property(attrgetter(name))
 
 
 class Profile(sie.Kept):

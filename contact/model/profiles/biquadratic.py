@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from contact.errors import SceneError
 from contact.model.checks import keep, positive, positive_or_none
-from contact.model.profiles.base import Array, Profile
+from contact.model.profiles.base import Array, Profile, told_by
 from contact.model.registry import register_profile
 
 
@@ -49,14 +49,13 @@ class Biquadratic(Profile):
     period: float | None = None
     units = {"radius": "m", "spacing": "m", "period": "m"}
     symmetric = True
+    resolution = told_by("spacing")
 
     def __post_init__(self) -> None:
         keep(self, positive, "radius", "spacing")
         keep(self, positive_or_none, "period")
         if self.period is not None and self.period <= self.spacing:
-            raise SceneError.of(
-                "period", self.period, f"larger than the spacing {self.spacing!r}: both tips lie in a cell"
-            )
+            raise SceneError.of("period", self.period, f"larger than the spacing {self.spacing!r}: both tips lie in a cell")
 
     def height(self, x: ArrayLike) -> Array:
         c = self.spacing / 2
@@ -88,7 +87,3 @@ class Biquadratic(Profile):
     @property
     def summits(self) -> Array:
         return np.array([-self.spacing / 2, self.spacing / 2])
-
-    @property
-    def resolution(self) -> float:
-        return self.spacing

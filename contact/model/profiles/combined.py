@@ -5,7 +5,7 @@ The contact of two elastic bodies depends on their gap and on E* alone (K. L. Jo
 that is, heights of both bodies are counted towards the other body.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import isfinite
@@ -14,10 +14,12 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
+import sie
 from contact.errors import SceneError
 from contact.extras import require
 from contact.model.checks import finite, keep
 from contact.model.profiles.base import Array, Profile, onto
+from sie import record
 
 Window = tuple[float, float]
 
@@ -91,9 +93,18 @@ class Combined(Profile):
     def bodies(self) -> dict[str, Profile]:
         return {"profile": self.profile, "counter": self.counter}
 
-    def facing(self, x: Array) -> dict[str, Array]:
+    @cached_property
+    def _stood(self) -> "dict[str, _Stood]":
+        return {"profile": _Stood(self.profile), "counter": _Stood(self.counter, self.shift, self.mirrored)}
+
+    def facing(self, x: ArrayLike) -> dict[str, Array]:
         w = np.asarray(self.wrap(np.asarray(x, dtype=np.float64)))
-        return {"profile": _onto(self.profile, w, _EPS * 8 * (np.abs(w) + abs(self.shift))), "counter": self._beneath(w)}
+        off = 8 * _EPS * (np.abs(w) + abs(self.shift))
+        return {place: stood.beneath(w, off) for place, stood in self._stood.items()}
+
+    def _both(self, told: Callable[[Profile, Array], Any], x: ArrayLike) -> Iterator[Any]:
+        """What is told of each body where they face x."""
+        return (told(self.bodies[place], at) for place, at in self.facing(x).items())
 
     @property
     def title(self) -> str:
@@ -127,24 +138,22 @@ class Combined(Profile):
         return f"of profile and counter, {without} {'has' if without.count(' ') == 0 else 'have'} none"
 
     def counter_height(self, x: ArrayLike) -> Array:
-        return np.asarray(-np.asarray(self.counter.height(self._beneath(x))))
+        return np.asarray(-np.asarray(self.counter.height(self.facing(x)["counter"])))
 
     # their sum --------------------------------------------------------------------------------------------------------
     def height(self, x: ArrayLike) -> Array:
-        at = self.facing(np.asarray(x, dtype=np.float64))
-        return np.asarray(np.asarray(self.profile.height(at["profile"])) + np.asarray(self.counter.height(at["counter"])))
+        one, other = self._both(lambda body, at: np.asarray(body.height(at)), x)
+        return np.asarray(one + other)
 
     def slope(self, x: ArrayLike) -> Array:
-        at = self.facing(np.asarray(x, dtype=np.float64))
-        counter = np.asarray(self.counter.slope(at["counter"]))
-        return np.asarray(np.asarray(self.profile.slope(at["profile"])) + (-counter if self.mirrored else counter))
+        one, other = self._both(lambda body, at: np.asarray(body.slope(at)), x)
+        return np.asarray(one - other if self.mirrored else one + other)
 
     def slope_conjugate(self, x: ArrayLike) -> Array | None:
         """The sum of both: a longer period of which its own is a part changes no conjugate."""
         if self.period is None:
             return None
-        at = self.facing(np.asarray(x, dtype=np.float64))
-        one, other = (body.slope_conjugate(at[place]) for place, body in self.bodies.items())
+        one, other = self._both(lambda body, at: body.slope_conjugate(at), x)
         # Turned round, the slope and the kernel both change their sign.
         return None if one is None or other is None else np.asarray(one + other)
 
@@ -157,22 +166,23 @@ class Combined(Profile):
         if not (self.profile.symmetric and self.counter.symmetric):
             return False
         half = None if self.counter.period is None else 0.5 * self.counter.period
-        off = self.shift if half is None else self.shift - half * np.round(self.shift / half)
+        off = sie.nearest_image(np.array(self.shift), 0.0, half)
         ends = self.support or self.extent
         centred = ends is None or abs(ends[0] + ends[1]) <= 8 * _EPS * (ends[1] - ends[0])
         return bool(abs(off) <= 8 * _EPS * (half or 0.0)) and centred
 
-    @property
+    @cached_property
     def kinks(self) -> Array:
-        return self._merged[0]
+        return np.asarray(self._broken[self._broken[:, 1] == 1][:, [0, 2]])
 
-    @property
+    @cached_property
     def jumps(self) -> Array:
-        return self._merged[1]
+        return np.asarray(self._broken[self._broken[:, 1] > 1])
 
-    @property
+    @cached_property
     def breakpoints(self) -> Array:
-        return self._merged[2]
+        at = np.append(self._broken[:, 0], self.support or ())
+        return self._summed(np.column_stack((at, np.zeros(len(at)), np.ones(len(at)))))[:, 0]
 
     @property
     def support(self) -> Window | None:
@@ -199,10 +209,8 @@ class Combined(Profile):
             return None
         if len(one) != 1 or len(other) != 1 or self.period is None and self.extent is not None:
             return None
-        away = float(self._above(np.asarray(other))[0]) - float(one[0])
-        if self.period is not None:
-            away -= self.period * np.round(away / self.period)
-        return np.array(one) if abs(away) <= 8 * _EPS * (abs(self.shift) + (self.period or 0.0)) else None
+        away = sie.nearest_image(self._stood["counter"].above(np.asarray(other)) - one, 0.0, self.period)
+        return np.array(one) if abs(away[0]) <= 8 * _EPS * (abs(self.shift) + (self.period or 0.0)) else None
 
     @property
     def resolution(self) -> float | None:
@@ -213,28 +221,13 @@ class Combined(Profile):
         return _least(self.profile.feature, self.counter.feature)
 
     # places -----------------------------------------------------------------------------------------------------------
-    def _above(self, places: Array) -> Array:
-        """Where places of the counter body stand."""
-        return np.asarray(self.shift - places if self.mirrored else self.shift + places)
-
-    def _beneath(self, x: ArrayLike) -> Array:
-        """The place of the counter body that x faces."""
-        x = np.asarray(x, dtype=np.float64)
-        off = _EPS * 8 * (np.abs(x) + abs(self.shift))
-        return _onto(self.counter, self.shift - x if self.mirrored else x - self.shift, off)
-
-    def _window_of(self, ends: Window) -> Window:
-        """A stretch of the counter body as it stands."""
-        at = np.sort(self._above(np.array(ends)))
-        return float(at[0]), float(at[1])
-
     @cached_property
     def _faces(self) -> tuple[Window | None, Window | None]:
         """(support, extent): where sharp corners bound what faces each other, or else what is known of both."""
-        extents = [self.profile.extent, None if self.counter.extent is None else self._window_of(self.counter.extent)]
-        known = _shared([extent for extent in extents if extent is not None])
+        extents = [stood.window(stood.body.extent) for stood in self._stood.values() if stood.body.extent is not None]
+        known = (max(lo for lo, _ in extents), min(hi for _, hi in extents)) if extents else None
         if known is not None and not known[0] < known[1]:
-            told = ", ".join(f"{lo:.6g} to {hi:.6g}" for lo, hi in extents)  # type: ignore[misc]
+            told = ", ".join(f"{lo:.6g} to {hi:.6g}" for lo, hi in extents)
             raise SceneError.of("shift", self.shift, f"such that both bodies face each other (they are known from, to: {told})")
         known = known or self._told_of()
         supports = self._supports(known)
@@ -255,7 +248,8 @@ class Combined(Profile):
 
     def _told_of(self) -> Window | None:
         """Of a body with corners that repeats under one that just goes on: as many cells as have their corners told."""
-        lone, row = (self.profile, self.counter) if self.profile.period is None else (self.counter, self.profile)
+        one, other = self._stood.values()
+        (lone, row), stood = ((one.body, other.body), one) if one.body.period is None else ((other.body, one.body), other)
         if self.period is not None or row.period is None or lone.support is not None:
             return None
         places = len(row.kinks) + len(row.jumps) + len(row.breakpoints)
@@ -264,14 +258,12 @@ class Combined(Profile):
         tips = lone.kinks[lone.kinks[:, 1] > 0, 0] if lone.summits is None else np.asarray(lone.summits)
         at = float(np.mean(tips)) if len(tips) else 0.0
         reach = row.period * int(np.clip(_PLACES // (2 * places), *_CELLS))
-        return (at - reach, at + reach) if lone is self.profile else self._window_of((at - reach, at + reach))
+        return stood.window((at - reach, at + reach))
 
     def _supports(self, known: Window | None) -> list[Window] | None:
         """Stretches between sharp corners, of both at once: in a period, else all; None without any corners."""
-        found = [
-            (self._window_of(body.support) if place == "counter" else body.support, body.period)
-            for place, body in self.bodies.items() if body.support is not None
-        ]  # fmt: skip
+        bodies = [(stood, stood.body.support, stood.body.period) for stood in self._stood.values()]
+        found = [(stood.window(support), period) for stood, support, period in bodies if support is not None]
         if not found:
             return None
         looked_at = known or next((first for first, period in found if period is None), None)
@@ -297,33 +289,21 @@ class Combined(Profile):
         return [copy for copy in copies if copy[1] > start + slack and copy[0] < stop - slack]
 
     @cached_property
-    def _merged(self) -> tuple[Array, Array, Array]:
-        """Kinks, jumps and breakpoints of both, where they stand, those at one place as one."""
-        both = {place: (body.kinks, np.asarray(body.jumps), np.asarray(body.breakpoints)) for place, body in self.bodies.items()}
-        kinks = [self._placed(place, np.column_stack((of[0][:, 0], np.ones(len(of[0])), of[0][:, 1]))) for place, of in both.items()]
-        jumps = [self._placed(place, of[1]) for place, of in both.items()]
-        breaks = [self._placed(place, np.column_stack((of[2], np.zeros((len(of[2]), 2)))))[:, 0] for place, of in both.items()]
-        sharp, bent = self._summed(np.concatenate(kinks))[:, [0, 2]], self._summed(np.concatenate(jumps))
-        at = np.concatenate((sharp[:, 0], bent[:, 0], *breaks, np.array(self.support or ())))
-        return sharp, bent, self._summed(np.column_stack((at, np.zeros(len(at)), np.ones(len(at)))))[:, 0]
+    def _broken(self) -> Array:
+        """Place, order and jump of all that is broken of both, where they stand, those at one place as one; of order 0 a mere place."""
+        return self._summed(np.concatenate([self._repeated(stood.broken(), stood.body.period) for stood in self._stood.values()]))
 
-    def _placed(self, place: str, rows: Array) -> Array:
-        """Rows of place, order and jump of a body where they stand, once for each of its cells."""
-        body, rows = self.bodies[place], np.array(rows, dtype=np.float64).reshape(-1, 3)
-        if place == "counter":
-            rows[:, 0] = self._above(rows[:, 0])
-            if self.mirrored:
-                # Looked at from the other side the odd derivatives change sign, and right and left change places.
-                rows[:, 2] *= np.where(rows[:, 1] == 2, -1.0, 1.0)
+    def _repeated(self, rows: Array, period: float | None) -> Array:
+        """Rows of place, order and jump of a body, once for each of its cells."""
         ends = self.support or self.extent
-        if body.period is not None and len(rows):
+        if period is not None and len(rows):
             if self.period is not None:
-                turns = np.arange(round(self.period / body.period))
+                turns = np.arange(round(self.period / period))
             else:
                 assert ends is not None
-                first, last = (ends[0] - rows[:, 0].max()) / body.period, (ends[1] - rows[:, 0].min()) / body.period
+                first, last = (ends[0] - rows[:, 0].max()) / period, (ends[1] - rows[:, 0].min()) / period
                 turns = np.arange(np.floor(first), np.ceil(last) + 1)
-            rows = np.concatenate([rows + [turn * body.period, 0.0, 0.0] for turn in turns])
+            rows = np.concatenate([rows + [turn * period, 0.0, 0.0] for turn in turns])
         if self.period is not None and len(rows):
             rows[:, 0] = self.wrap(rows[:, 0])
             rows[rows[:, 0] >= self.x0 + self.period - self._alike(rows[:, 0]), 0] = self.x0
@@ -348,18 +328,40 @@ class Combined(Profile):
         return 16 * _EPS * (float(np.max(np.abs(places), initial=0.0)) + abs(self.shift) + (self.period or 0.0))
 
 
-def _onto(body: Profile, at: Array, off: Array) -> Array:
-    """Places of a body with those that rounding has put just beyond its end moved back onto it."""
-    ends = body.support or (body.extent if body.period is None else None)
-    if ends is None:
-        return at
-    if body.period is not None:
-        at = np.asarray(body.wrap(at))
-    return onto(ends, at, off)
+@record
+class _Stood:
+    """A body as it stands in the pair: its x = 0 is at `shift`, and its x runs backwards where it is mirrored."""
 
+    body: Profile
+    shift: float = 0.0
+    mirrored: bool = False
 
-def _shared(windows: list[Window]) -> Window | None:
-    return (max(w[0] for w in windows), min(w[1] for w in windows)) if windows else None
+    def above(self, places: Array) -> Array:
+        """Where places of the body stand."""
+        return np.asarray(self.shift - places if self.mirrored else self.shift + places)
+
+    def beneath(self, x: Array, off: Array) -> Array:
+        """The places of the body that face x, with those that rounding has put just beyond its end moved back onto it."""
+        at = np.asarray(self.shift - x if self.mirrored else x - self.shift)
+        ends = self.body.support or (self.body.extent if self.body.period is None else None)
+        return at if ends is None else onto(ends, np.asarray(self.body.wrap(at)), off)
+
+    def window(self, ends: Window) -> Window:
+        """A stretch of the body as it stands."""
+        lo, hi = np.sort(self.above(np.array(ends))).tolist()
+        return lo, hi
+
+    def broken(self) -> Array:
+        """Place, order and jump of its kinks (of order 1), its jumps and its other breakpoints (of order 0), where they stand."""
+        body = self.body
+        places = np.asarray(body.breakpoints)
+        others = np.column_stack((places, np.zeros(len(places)), np.ones(len(places))))
+        rows = np.concatenate((np.insert(body.kinks, 1, 1, axis=1), body.jumps, others))
+        rows[:, 0] = self.above(rows[:, 0])
+        if self.mirrored:
+            # Looked at from the other side the odd derivatives change sign, and right and left change places.
+            rows[rows[:, 1] == 2, 2] *= -1
+        return rows
 
 
 def _least(*lengths: float | None) -> float | None:

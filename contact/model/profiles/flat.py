@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 
 from contact.errors import SceneError
 from contact.model.checks import keep, positive, positive_or_none
-from contact.model.profiles.base import AT_ORIGIN, Array, Profile
+from contact.model.profiles.base import AT_ORIGIN, Array, Profile, told_by
 from contact.model.registry import register_profile
 
 
@@ -43,6 +43,7 @@ class Flat(Profile):
     units = {"width": "m", "period": "m"}
     symmetric = True
     summits = AT_ORIGIN
+    resolution = told_by("width")
 
     def __post_init__(self) -> None:
         keep(self, positive, "width")
@@ -67,7 +68,3 @@ class Flat(Profile):
     @property
     def breakpoints(self) -> Array:
         return np.array(self.support)
-
-    @property
-    def resolution(self) -> float:
-        return self.width

@@ -58,9 +58,7 @@ class Fourier(Profile):
             row[: values.size] = values
         used = np.flatnonzero(both.any(axis=0))
         if used.size == 0:
-            raise SceneError.of(
-                "cosine, sine", (self.cosine, self.sine), "amplitudes of which at least one is not zero"
-            )
+            raise SceneError.of("cosine, sine", (self.cosine, self.sine), "amplitudes of which at least one is not zero")
         both.setflags(write=False)
         for field, row in zip(("cosine", "sine"), both, strict=True):
             object.__setattr__(self, field, row[: used[-1] + 1])

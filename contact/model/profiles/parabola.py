@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from contact.model.checks import keep, positive, positive_or_none
-from contact.model.profiles.base import AT_ORIGIN, Array, Profile
+from contact.model.profiles.base import AT_ORIGIN, Array, Profile, told_by
 from contact.model.registry import register_profile
 
 
@@ -44,6 +44,7 @@ class Parabola(Profile):
     units = {"radius": "m", "period": "m"}
     symmetric = True
     summits = AT_ORIGIN
+    resolution = told_by("period")
 
     def __post_init__(self) -> None:
         keep(self, positive, "radius")
@@ -66,7 +67,3 @@ class Parabola(Profile):
     @property
     def kinks(self) -> Array:
         return np.empty((0, 2)) if self.period is None else np.array([[self.x0, -self.period / self.radius]])
-
-    @property
-    def resolution(self) -> float | None:
-        return self.period

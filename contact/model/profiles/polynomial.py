@@ -45,9 +45,7 @@ class Polynomial(Profile):
     def __post_init__(self) -> None:
         c = finite_array("coefficients", self.coefficients)
         if not c[1:].any():
-            raise SceneError.of(
-                "coefficients", self.coefficients, "lowest power first, with one beyond the constant not zero"
-            )
+            raise SceneError.of("coefficients", self.coefficients, "lowest power first, with one beyond the constant not zero")
         object.__setattr__(self, "coefficients", c)
         keep(self, positive_or_none, "period")
         if self.period is None:
@@ -55,11 +53,8 @@ class Polynomial(Profile):
         half = self.period / 2
         step = polyval(half, c) - polyval(-half, c)
         if abs(step) > _ROUNDING * float(polyval(half, np.abs(c) * (np.arange(c.size) > 0))):
-            raise SceneError.of(
-                "coefficients",
-                self.coefficients,
-                f"of equal height at both borders of the period (they differ by {step:.3g})",
-            )
+            allowed = f"of equal height at both borders of the period (they differ by {step:.3g})"
+            raise SceneError.of("coefficients", self.coefficients, allowed)
 
     def height(self, x: ArrayLike) -> Array:
         return np.asarray(polyval(self.wrap(x), self._c))

@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 import sie
 from contact.errors import SceneError, warn
 from contact.extras import require
-from contact.model.checks import finite_array, increasing, positive_or_none, text
+from contact.model.checks import finite_array, increasing, one_of, positive_or_none, text
 from contact.model.profiles.base import Array, Profile, onto
 from contact.model.registry import register_profile
 
@@ -189,10 +189,9 @@ class Sampled(Profile):
         if "file" not in table:
             return super().from_table(table, directory)
         rest = {key: value for key, value in table.items() if key != "file"}
-        known = ["file", *(k for k in inspect.signature(read_trace).parameters if k != "path")]
+        _, *known = inspect.signature(read_trace).parameters
         for key in rest:
-            if key not in known:
-                raise SceneError.unknown("parameter of profile 'sampled' with a file", key, known)
+            one_of("parameter of profile 'sampled' with a file", key, ("file", *known))
         return read_trace(Path(directory) / text("file", table["file"]), **rest)
 
     def __repr__(self) -> str:
@@ -252,9 +251,10 @@ class Sampled(Profile):
     def jumps(self) -> Array:
         """The jumps of the third derivative of f at the knots: between them f is a cubic."""
         third = -6.0 * self._spline.c[0]
-        at = self._knots[:-1] if self.period is not None else self._knots[1:-1]
-        jump = np.diff(third, prepend=third[-1:]) if self.period is not None else np.diff(third)
-        return np.column_stack((at, np.full(at.size, 3.0), jump))
+        # With a period the first knot has the last piece before it.
+        first, before = (0, third[-1:]) if self.period is not None else (1, third[:0])
+        at = self._knots[first:-1]
+        return np.column_stack((at, np.full(at.size, 3.0), np.diff(third, prepend=before)))
 
     @cached_property
     def resolution(self) -> float:
@@ -265,22 +265,15 @@ class Sampled(Profile):
         return float(np.quantile(np.diff(self._knots), _MOSTLY))
 
     @property
-    def _top(self) -> float:
-        return float(self.heights.max())
-
-    @property
     def _knots(self) -> Array:
         return self.x if self.period is None else np.append(self.x, self.x[0] + self.period)
 
     @cached_property
     def _spline(self) -> Any:
         # Counted from the highest point, so that an offset of the instrument's zero costs no digits.
-        depth = self.heights - self._top
-        values = depth if self.period is None else np.append(depth, depth[0])
-        kind = "not-a-knot" if self.period is None else "periodic"
-        return require("scipy.interpolate").CubicSpline(
-            self._knots, values, bc_type=kind, extrapolate=self.period is not None
-        )
+        depth, repeats = self.heights - self.heights.max(), self.period is not None
+        values, kind = (np.append(depth, depth[0]), "periodic") if repeats else (depth, "not-a-knot")
+        return require("scipy.interpolate").CubicSpline(self._knots, values, bc_type=kind, extrapolate=repeats)
 
     @cached_property
     def _conjugate(self) -> sie.PiecewiseTransform | None:
@@ -323,14 +316,9 @@ def _one_period(x: Array, heights: Array, period: float) -> tuple[Array, Array]:
     if abs(length - period) <= _SAME * period:
         step = float(heights[-1] - heights[0])
         if abs(step) > _SAME * float(np.ptp(heights)):
-            raise SceneError.of(
-                "height",
-                heights,
-                f"equal at both ends if the last point is one period after the first (off by {step:.3g})",
-            )
-        x, heights = x[:-1].copy(), heights[:-1].copy()
-        x.setflags(write=False)
-        heights.setflags(write=False)
+            allowed = f"equal at both ends if the last point is one period after the first (off by {step:.3g})"
+            raise SceneError.of("height", heights, allowed)
+        x, heights = x[:-1], heights[:-1]
     elif length > period:
         raise SceneError.of("period", period, f"at least as long as the points reach ({length!r})")
     if x.size < _FEWEST:

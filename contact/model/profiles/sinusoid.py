@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from contact.model.checks import keep, positive
-from contact.model.profiles.base import AT_ORIGIN, Array, Profile
+from contact.model.profiles.base import AT_ORIGIN, Array, Profile, told_by
 from contact.model.registry import register_profile
 
 
@@ -43,6 +43,7 @@ class Sinusoid(Profile):
     units = {"amplitude": "m", "period": "m"}
     symmetric = True
     summits = AT_ORIGIN
+    resolution = told_by("period")
 
     def __post_init__(self) -> None:
         keep(self, positive, "amplitude", "period")
@@ -62,7 +63,3 @@ class Sinusoid(Profile):
     def slope_conjugate(self, x: ArrayLike) -> Array:
         """H sin = -cos."""
         return np.asarray(-2 * pi * self.amplitude / self.period * np.cos(2 * pi * self._turns(x)))
-
-    @property
-    def resolution(self) -> float:
-        return self.period

@@ -6,7 +6,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from contact.model.profiles.base import Array, Profile
+from contact.model.profiles.base import Array, Profile, told_by
 
 
 @dataclass(frozen=True)
@@ -17,16 +17,17 @@ class Tilted(Profile):
     tilt: float
     name: ClassVar[str] = "tilted"
 
+    slope_is_derived = told_by("profile.slope_is_derived")
+    support = told_by("profile.support")
+    extent = told_by("profile.known")
+    resolution = told_by("profile.resolution")
+    feature = told_by("profile.feature")
+
     def height(self, x: ArrayLike) -> Array:
-        x = np.asarray(x)
-        return np.asarray(np.asarray(self.profile.height(x)) - self.tilt * x)
+        return np.asarray(np.asarray(self.profile.height(x)) - self.tilt * np.asarray(x))
 
     def slope(self, x: ArrayLike) -> Array:
         return np.asarray(np.asarray(self.profile.slope(x)) - self.tilt)
-
-    @property
-    def slope_is_derived(self) -> bool:
-        return self.profile.slope_is_derived
 
     @property
     def kinks(self) -> Array:
@@ -39,22 +40,6 @@ class Tilted(Profile):
     @property
     def breakpoints(self) -> Array:
         return self._within(np.asarray(self.profile.breakpoints)[:, None])[:, 0]
-
-    @property
-    def support(self) -> tuple[float, float] | None:
-        return self.profile.support
-
-    @property
-    def extent(self) -> tuple[float, float] | None:
-        return self.profile.known
-
-    @property
-    def resolution(self) -> float | None:
-        return self.profile.resolution
-
-    @property
-    def feature(self) -> float | None:
-        return self.profile.feature
 
     def _within(self, rows: Array) -> Array:
         """Those of the cell that do not stand on its border, beyond which there is another cell no more."""

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from contact.model.checks import positive, positive_or_none
-from contact.model.profiles.base import AT_ORIGIN, Array, Profile
+from contact.model.profiles.base import AT_ORIGIN, Array, Profile, told_by
 from contact.model.registry import register_profile
 
 
@@ -46,6 +46,7 @@ class Wedge(Profile):
     units = {"slope": "1", "period": "m"}
     symmetric = True
     summits = AT_ORIGIN
+    resolution = told_by("period")
 
     def __init__(self, slope: float, period: float | None = None) -> None:
         object.__setattr__(self, "tangent", positive("slope", slope))
@@ -76,7 +77,3 @@ class Wedge(Profile):
     def kinks(self) -> Array:
         tip = [0.0, 2 * self.tangent]
         return np.array([tip] if self.period is None else [[self.x0, -2 * self.tangent], tip])
-
-    @property
-    def resolution(self) -> float | None:
-        return self.period

@@ -7,6 +7,7 @@ can be told is taken; where two are possible the file is refused, with both of t
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import islice, pairwise
 from math import nan
 from pathlib import Path
 from typing import Any
@@ -139,11 +140,10 @@ def _find(path: str | Path, rows: list[Row], wanted: tuple[int | str, ...], layo
                 found.append(_Found(layout, places, first))
         if found:
             return min(found, key=lambda f: f.first)
-    if not named:
-        what = f"no header row with the names in columns {list(wanted)}"
-    else:
+    what = f"no header row with the names in columns {list(wanted)}"
+    if named:
         what = f"no two rows of numbers in a run in columns {list(wanted)}{_why_none(rows, wanted, layouts)}"
-    raise SceneError(f"file {str(path)!r}: {what}", "file", str(path))
+    raise at(path, 0, what)
 
 
 def _named(rows: list[Row], layout: Layout, names: list[str]) -> tuple[int | None, list[str]]:
@@ -159,13 +159,8 @@ def _named(rows: list[Row], layout: Layout, names: list[str]) -> tuple[int | Non
 
 
 def _first_of_two(rows: list[Row], start: int, layout: Layout, places: tuple[int, ...]) -> int | None:
-    before = False
-    for i in range(start, len(rows)):
-        now = layout.numbers(layout.cells(rows[i][1]), places) is not None
-        if before and now:
-            return i - 1
-        before = now
-    return None
+    numeric = (layout.numbers(layout.cells(line), places) is not None for _, line in islice(rows, start, None))
+    return next((i for i, both in enumerate(pairwise(numeric), start) if all(both)), None)
 
 
 def _with_dropouts(rows: list[Row], found: _Found, missing: Any) -> _Found:

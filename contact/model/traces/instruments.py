@@ -13,6 +13,7 @@ import numpy as np
 from contact.errors import SceneError
 from contact.extras import require
 from contact.model.checks import finite_array, integer, one_of
+from contact.model.traces.text import at
 from sie import Array
 
 # Endings of formats that the package reads, but those of tables of text.
@@ -47,15 +48,16 @@ def read_instrument(path: str | Path, channel: Any = None, line: Any = None, alo
     package = require("SurfaceTopography")
     try:
         reader = package.open_topography(str(path))
-        names = [found.name for found in reader.channels if found.is_height_channel]
+        channels = [found for found in reader.channels if found.is_height_channel]
+        names = [found.name for found in channels]
     except Exception as error:  # of any reader, and of formats that are none
-        raise SceneError(f"file {str(path)!r}: no reader of an instrument's format takes it ({error})", "file", str(path)) from error
-    chosen = _channel(path, reader, names, channel)
+        raise at(path, 0, f"no reader of an instrument's format takes it ({error})") from error
+    chosen = channels[_place(path, names, channel)]
     try:
         surface = chosen.topography()
         # A map or scan without lengths has no unit.
         if surface.unit is None:
-            raise SceneError(f"file {str(path)!r}: the file says no unit of its lengths: export it as text", "file", str(path))
+            raise at(path, 0, "the file says no unit of its lengths: export it as text")
         surface = surface.to_unit("m")
         # Of a line scan; nan where nothing was measured.
         positions = np.empty(0) if surface.dim == 2 else np.asarray(surface.positions(), dtype=float)
@@ -63,7 +65,7 @@ def read_instrument(path: str | Path, channel: Any = None, line: Any = None, alo
     except SceneError:
         raise
     except Exception as error:
-        raise SceneError(f"file {str(path)!r}: its channel {chosen.name!r} cannot be read ({error})", "file", str(path)) from error
+        raise at(path, 0, f"its channel {chosen.name!r} cannot be read ({error})") from error
     told = f"channel {chosen.name!r}, lengths in the file's units"
     if heights.ndim == 1:
         if line is not None or along is not None:
@@ -73,22 +75,20 @@ def read_instrument(path: str | Path, channel: Any = None, line: Any = None, alo
     return x, height, f"{told}, {where}"
 
 
-def _channel(path: str | Path, reader: Any, names: list[str], channel: Any) -> Any:
-    """The channel of a name or number; without one the only one of heights."""
+def _place(path: str | Path, names: list[str], channel: Any) -> int:
+    """The place of the channel of a name or number; without one of the only one of heights."""
     told = ", ".join(f"{place} {name!r}" for place, name in enumerate(names)) or "none"
     if channel is None and len(names) == 1:
-        channel = 0
+        return 0
     if channel is None:
         raise SceneError(f"file {str(path)!r}: its channels of heights are {told}: channel says which is meant", "channel")
     if not isinstance(channel, str):
         if integer("channel", channel) >= len(names):
             raise SceneError.of("channel", channel, f"the number or name of one of heights: {told}")
-        return [c for c in reader.channels if c.is_height_channel][channel]
-    one_of("channel", channel, names)
-    found = [c for c in reader.channels if c.name == channel and c.is_height_channel]
-    if len(found) > 1:
-        raise SceneError.of("channel", channel, f"a number, as {len(found)} channels are called that: {told}")
-    return found[0]
+        return int(channel)
+    if names.count(one_of("channel", channel, names)) > 1:
+        raise SceneError.of("channel", channel, f"a number, as {names.count(channel)} channels are called that: {told}")
+    return names.index(channel)
 
 
 def _of_map(heights: Array, sizes: tuple[float, float], line: Any, along: Any) -> tuple[Array, Array, str]:
@@ -99,13 +99,12 @@ def _of_map(heights: Array, sizes: tuple[float, float], line: Any, along: Any) -
             raise SceneError.of("along", along, "left out with a line between two points")
         return _between(heights, dx, dy, line)
     direction = one_of("along", "x" if along is None else along, ALONG)
-    most = ny if direction == "x" else nx
+    count, most, step = (nx, ny, dx) if direction == "x" else (ny, nx, dy)
     allowed = f"the number of a line along {direction}, 0 to {most - 1}, or two points [[x, y], [x, y]] [m]; the map is {nx} x {ny}"
     if line is None or isinstance(line, (str, bool, float)) or integer("line", line) >= most:
         raise SceneError.of("line", line, allowed)
-    if direction == "x":
-        return np.arange(nx) * dx, np.array(heights[:, line]), f"line {line} of {ny} along x of a map of {nx} x {ny}"
-    return np.arange(ny) * dy, np.array(heights[line, :]), f"line {line} of {nx} along y of a map of {nx} x {ny}"
+    height = np.array(heights[:, line] if direction == "x" else heights[line, :])
+    return np.arange(count) * step, height, f"line {line} of {most} along {direction} of a map of {nx} x {ny}"
 
 
 def _between(heights: Array, dx: float, dy: float, line: Any) -> tuple[Array, Array, str]:

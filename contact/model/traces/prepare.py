@@ -97,14 +97,22 @@ class Trace:
 # Keys that say how a table of text is laid out, and where in a map of an instrument's file a trace is, with what they are if left out.
 _LAYOUT = {"columns": (), **dict.fromkeys(("units", "pitch", "decimal", "delimiter", "missing"))}
 _PLACE = dict.fromkeys(("channel", "line", "along"))
+_OF_INSTRUMENTS = "a table of text has columns, and channels and lines are an instrument file's"
 
 
 def load_trace(path: str | Path, **keys: Any) -> Trace:
     """Read a file and prepare it. keys: the arguments of `contact.read_trace`, which says what each does."""
     layout, place = ({name: keys.pop(name, usual) for name, usual in known.items()} for known in (_LAYOUT, _PLACE))
     preparation = Preparation(**keys)
-    read = _instrument if is_instrument_file(path) else _table
-    return prepared(Reading(str(path), *read(path, layout, place)), preparation)
+    own_format = is_instrument_file(path)
+    others, allowed = (layout, "an instrument's own format says it") if own_format else (place, _OF_INSTRUMENTS)
+    for name, value in others.items():
+        if value is not None and not (name == "columns" and len(value) == 0):
+            raise SceneError.of(name, value, f"left out: {allowed}")
+    if not own_format:
+        return prepared(_table(path, **layout), preparation)
+    x, height, said = read_instrument(path, **place)
+    return prepared(Reading(str(path), x, height, np.zeros(x.size, dtype=np.int64), said), preparation)
 
 
 def prepared(reading: Reading, by: Preparation) -> Trace:
@@ -129,7 +137,11 @@ def prepared(reading: Reading, by: Preparation) -> Trace:
     if count is None or _pitch_behind_rounding(x) is None:
         _refuse_repeated(path, x, lines)
     if count is not None:
-        x, height, note = to_uniform(x, height, x.size if count is True else _bounded(count, x.size))
+        count, most = x.size if count is True else count, max(_MOST_REGRID, x.size)
+        if count > most:
+            allowed = f"at most {most}: between the {x.size} points of the file there are but straight lines, and nothing more to be known"
+            raise SceneError.of("regrid", count, allowed)
+        x, height, note = to_uniform(x, height, count)
         done(note)
     if by.lambda_s is not None:
         height = low_pass(x, height, by.lambda_s, "lambda_s")
@@ -140,7 +152,7 @@ def prepared(reading: Reading, by: Preparation) -> Trace:
         done(f"least-squares {by.detrend if isinstance(by.detrend, str) else f'polynomial of degree {by.detrend}'} subtracted")
     if float(np.ptp(height)) <= _ROUNDING * size:
         after = "" if by.detrend == "none" else f", once its {by.detrend} is subtracted"
-        raise SceneError(f"file {str(path)!r}: the heights are the same everywhere{after}", "file", str(path))
+        raise at(path, 0, f"the heights are the same everywhere{after}")
     if by.lambda_c is not None:
         height = height - low_pass(x, height, by.lambda_c, "lambda_c")
         done(f"waves longer than {quantity(by.lambda_c, 'm')} filtered out (Gaussian, lambda_c)")
@@ -154,29 +166,16 @@ def prepared(reading: Reading, by: Preparation) -> Trace:
     return Trace(x, height, length, tuple(history), (*holes, *doubts), tuple(stages), (reading, by))
 
 
-def _table(path: str | Path, layout: dict[str, Any], place: dict[str, Any]) -> tuple[Array, Array, NDArray[np.int64], str]:
-    """Positions, heights, the line of each and the units, of a text file."""
-    for name, value in place.items():
-        if value is not None:
-            raise SceneError.of(name, value, "left out: a table of text has columns, and channels and lines are an instrument file's")
-    step = None if layout["pitch"] is None else positive("pitch", layout["pitch"])
-    missing = layout["missing"]
+def _table(path: str | Path, columns: Any, units: Any, pitch: Any, decimal: Any, delimiter: Any, missing: Any) -> Reading:
+    """What a text file says."""
+    step = None if pitch is None else positive("pitch", pitch)
     if missing is not None and not (isinstance(missing, str) and missing):
         missing = finite("missing", missing, "a word or a number of the file")
-    table = read_table(path, layout["columns"], layout["decimal"], layout["delimiter"], 2 if step is None else 1, missing)
-    values, said = in_metres(path, table, layout["units"])
+    table = read_table(path, columns, decimal, delimiter, 2 if step is None else 1, missing)
+    values, said = in_metres(path, table, units)
     height = values[:, -1]
     x: Array = values[:, 0] if step is None else step * np.arange(height.size, dtype=float)
-    return x, height, table.lines, said
-
-
-def _instrument(path: str | Path, layout: dict[str, Any], place: dict[str, Any]) -> tuple[Array, Array, NDArray[np.int64], str]:
-    """The same of an instrument's own format, which says all about its layout."""
-    for name, value in layout.items():
-        if value is not None and not (name == "columns" and len(value) == 0):
-            raise SceneError.of(name, value, "left out: an instrument's own format says it")
-    x, height, said = read_instrument(path, **place)
-    return x, height, np.zeros(x.size, dtype=np.int64), said
+    return Reading(str(path), x, height, table.lines, said)
 
 
 def _refuse_repeated(path: str | Path, x: Array, lines: NDArray[np.int64]) -> None:
@@ -285,11 +284,3 @@ def _degree(detrend: Any) -> int:
     if isinstance(detrend, bool) or not isinstance(detrend, Integral) or not 0 <= int(detrend) <= _HIGHEST_TREND:
         raise SceneError.of("detrend", detrend, allowed)
     return int(detrend)
-
-
-def _bounded(count: int, points: int) -> int:
-    most = max(_MOST_REGRID, points)
-    if count > most:
-        allowed = f"at most {most}: between the {points} points of the file there are but straight lines, and nothing more to be known"
-        raise SceneError.of("regrid", count, allowed)
-    return count

@@ -99,9 +99,7 @@ def refuse_unclear_columns(data: Data) -> None:
         return
     i = next(i for i, row in enumerate(data.cells) if len(row) > numeric[-1])
     choices = [tuple(numeric[:wanted]), tuple(numeric[1 : 1 + wanted])]
-    readings = ", or ".join(
-        f"columns = {list(choice)} for {' and '.join(repr(names[k]) for k in choice)}" for choice in choices
-    )
+    readings = ", or ".join(f"columns = {list(choice)} for {' and '.join(repr(names[k]) for k in choice)}" for choice in choices)
     what = "positions and heights" if wanted == 2 else "the heights"
     told = f"{len(numeric)} columns of numbers, {' | '.join(data.cells[i])}: which are {what} is not to be told"
     raise at(data.path, data.rows[i][0], f"{told}; write {readings}, or as they are, counted from 0")

@@ -2,6 +2,7 @@
 
 import csv
 import re
+import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import nan
@@ -67,11 +68,11 @@ def _bytes(path: str | Path) -> bytes:
         raw = Path(path).read_bytes()
         if raw.startswith(b"\x1f\x8b"):
             raw = require("gzip").decompress(raw)
+    except zlib.error as error:
+        raise SceneError.of("file", str(path), f"a file that can be read (not a whole gzip file: {error})") from None
     except (OSError, EOFError, TypeError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise SceneError.of("file", str(path), f"a file that can be read ({reason})") from None
-    except Exception as error:  # zlib has an error of its own
-        raise SceneError.of("file", str(path), f"a file that can be read (not a whole gzip file: {error})") from None
     return raw
 
 

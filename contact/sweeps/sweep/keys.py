@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from contact.errors import SceneError
+from contact.model.checks import one_of
 from contact.model.controls import TURNING, fields_under
 from contact.model.registry import CONTROLS, parameters
 from contact.model.scene import Scene
@@ -41,8 +42,7 @@ def axes_of(scene: Scene, over: Mapping[str, Any]) -> tuple[Axis, ...]:
         raise SceneError.of("over", over, "a mapping of one or more keys, such as 'control.load' or 'profile.amplitude', to their values")
     known = keys_of(scene)
     for key in over:
-        if key not in known:
-            raise SceneError.unknown("key", key, known)
+        one_of("key", key, known)
     axes = tuple(Axis(key, _values(key, given, known[key]), _unit(scene, key)) for key, given in over.items())
     for axis in axes:
         if axis.key == BRANCH and set(axis.values) - set(BRANCHES):

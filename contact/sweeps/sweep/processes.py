@@ -18,7 +18,7 @@ from collections import deque
 from collections.abc import Generator, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from multiprocessing import connection
 from typing import Any
 
@@ -50,31 +50,24 @@ def solved_in_processes(scene: Scene, chunks: Sequence[Chunk], tol: float, worke
     _not_in_a_copy_of_the_script()
     waiting = deque(chunks)
     while waiting:
-        lost: list[Chunk] = []
         with _pool(workers) as pool:
             given, why = _sent(pool, scene)
             if why:
                 warnings.warn(f"solved in this process alone, as other processes {why}", RuntimeWarning, stacklevel=4)
                 break
             running: dict[Future[Rows], Chunk] = {}
-            broken = False
-            while (waiting or running) and not broken:
-                while waiting and len(running) < workers and not broken:
-                    chunk = waiting.popleft()
-                    try:
-                        running[_submitted(pool, solve_sent, given, chunk, tol)] = chunk
-                    except BrokenProcessPool:
-                        waiting.appendleft(chunk)
-                        broken = True
-                for future in wait(running, return_when=FIRST_COMPLETED).done:
-                    if isinstance(future.exception(), BrokenProcessPool):
-                        broken = True
-                    else:
+            with suppress(BrokenProcessPool):
+                while waiting or running:
+                    while waiting and len(running) < workers:
+                        running[_submitted(pool, solve_sent, given, waiting[0], tol)] = waiting[0]
+                        waiting.popleft()
+                    done = wait(running, return_when=FIRST_COMPLETED).done
+                    # What is solved first: one that is not may tell of a process that has ended.
+                    for future in sorted(done, key=lambda future: future.exception() is not None):
                         rows = future.result()
                         waiting.extendleft(running.pop(future).without(rows))
                         yield rows
-            lost = list(running.values())
-        yield from _point_by_point(given, lost, tol)
+        yield from _point_by_point(given, list(running.values()), tol)
     yield from solved_here(scene, waiting, tol)
 
 

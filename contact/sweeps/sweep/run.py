@@ -15,6 +15,7 @@ from contact.extras import require
 from contact.model.checks import integer, one_of
 from contact.model.scene import Scene
 from contact.search.topology.loop import Progress
+from contact.solution.export import new_file
 from contact.solver import tolerance
 from contact.sweeps.sweep.chunks import Rows, chunks_of
 from contact.sweeps.sweep.keys import BRANCHES, Axis, axes_of, varied
@@ -166,11 +167,8 @@ def _check_values(scene: Scene, axes: Sequence[Axis]) -> None:
 
 
 def _checked(out: str | PathLike[str]) -> Path:
-    if not isinstance(out, (str, PathLike)) or Path(out).suffix.lower() != ".nc":
-        raise SceneError.of("out", out, "the name of a file that ends in .nc")
-    path = Path(out)
-    if path.is_dir() or not path.parent.is_dir():
-        raise SceneError.of("out", str(path), "a file in a folder that exists")
+    # One that is there is gone on with, if it is not written over.
+    path = new_file(out, True, (".nc",), "out")
     for needed in ("h5netcdf", "h5py", "filelock"):
         require(needed)
     return path

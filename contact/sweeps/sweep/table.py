@@ -20,7 +20,7 @@ from contact.model.scene import Scene
 from contact.solution.export import plain
 from contact.sweeps.points import NUMBERS
 from contact.sweeps.sweep.chunks import Rows
-from contact.sweeps.sweep.keys import BRANCH, BRANCHES, MODULUS, Axis
+from contact.sweeps.sweep.keys import BRANCH, BRANCHES, Axis
 from contact.sweeps.sweep.keys import tables as tables_of
 from sie import Mask
 
@@ -97,15 +97,14 @@ class Table:
             raise self._other(path, f"over {', '.join(map(str, known.dims))}", f"not over {', '.join(dims)}")
         self._same_scene(path, json.loads(known.attrs["scene"]))
         known = known.transpose(*dims)
-        places = np.zeros(known["error"].shape, dtype=int)
-        for number, axis in enumerate(self.axes):
+        places = []
+        for axis in self.axes:
             there = known[axis.key].values.tolist()
             for value in there:
                 if value not in axis.values:
                     raise self._other(path, f"at {axis.key} = {value!r}", "which is not among the values given")
-            index = np.array([axis.values.index(value) for value in there])
-            places = places * len(axis.values) + index.reshape([-1 if n == number else 1 for n in range(len(dims))])
-        flat = places.ravel()
+            places.append([axis.values.index(value) for value in there])
+        flat = np.ravel_multi_index(np.ix_(*places), self.shape).ravel()
         for name, values in (*self.numbers.items(), *self.words.items()):
             values[flat] = known[name].values.ravel()
         self.failed[flat] = known["failed"].values.astype(bool).ravel()
@@ -114,10 +113,9 @@ class Table:
         for table in dict.fromkeys([*there, *self.scene]):
             old, new = there.get(table, {}), self.scene.get(table, {})
             for key in dict.fromkeys([*old, *new]):
-                if old.get(key) != new.get(key):
-                    raise self._other(
-                        path, f"with {table}.{key} = {shown(old.get(key))}", f"where the scene has {shown(new.get(key))} now"
-                    )
+                there_is, here_is = old.get(key), new.get(key)
+                if there_is != here_is:
+                    raise self._other(path, f"with {table}.{key} = {shown(there_is)}", f"where the scene has {shown(here_is)} now")
 
     def _other(self, path: Path, there: str, here: str) -> SceneError:
         allowed = f"of this scene and grid: its points are {there}, {here}; name another file, or have this one written over"
@@ -150,10 +148,7 @@ def told(scene: Scene, but: set[str]) -> dict[str, dict[str, Any]]:
             values = {**{key: value for key, value in values.items() if key not in hidden}, **({} if hidden else body.unprepared())}
         tables[table] = {**name, **{key: _short(value) for key, value in values.items()}}
     replaced = any(key.startswith("control.") and key.removeprefix("control.") not in TURNING for key in but)
-    turning = {name: value for name in TURNING if (value := getattr(scene, name)) is not None}
-    tables["control"] = turning if replaced else dict([scene.control], **turning)
-    if MODULUS in but:
-        del tables["material"]["E_star"]
+    tables["control"] = scene.turning if replaced else dict([scene.control], **scene.turning)
     return {table: {key: value for key, value in values.items() if f"{table}.{key}" not in but} for table, values in tables.items()}
 
 
