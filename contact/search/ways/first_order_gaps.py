@@ -40,7 +40,7 @@ _STEPS, _HALVED, _TRUSTED, _LARGEST = 25, 1, 0.5, 0.2
 _ROUNDS, _ON_THE_WAY, _NONE, _OVERLAP, _SAMPLES = 6, 1, 1e-6, 1e-4, 2**14
 # Of a gap or a zone that may go in a step; and what it is no farther than at the root.
 _PART, _THERE, _NEAR = 0.4, 1e-2, 0.05
-# Steps in which what is missed does not halve, after which it is given up; gaps that are so few that a step which leads astray costs little.
+# Steps in which what is missed does not halve, after which it is given up; gaps so few that a step astray costs little.
 _STALLED, _FEW_GAPS = 3, 24
 _NEWTON = 25
 # Steps by the exact profile, how long one may be after which there is none, and before which coefficients are cut off sooner, by what;
@@ -338,7 +338,7 @@ class GapClosure:
         raise Lost("the number of gaps did not settle")
 
     def _put_right(self, start: Place) -> tuple[Root, Place | None]:
-        """From gaps of which some are new: as they are, since samples may be too far apart to tell them, else with those that samples tell."""
+        """From gaps of which some are new: as they are, since samples may not tell them, else with those that samples tell."""
         try:
             return self._root(self._begun(start, False))
         except (Lost, *_OVER_EACH_OTHER):
