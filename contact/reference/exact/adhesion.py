@@ -7,16 +7,15 @@ an equilibrium is stable where approach + M load grows along the curve in the di
 (K. L. Johnson, Int. J. Solids Struct. 32 (1995) 423-430, doi 10.1016/0020-7683(94)00111-9; with a machine, derived here).
 """
 
-from collections.abc import Callable
 from math import inf, isfinite, nan
 from typing import Generic, TypeVar
 
-import numpy as np
-from scipy.optimize import brentq
-
 from contact.errors import OutOfRange, SceneError
 from contact.model.checks import finite, one_of
-from contact.reference.exact.base import FROM_LEFT, FROM_RIGHT, WEIGHT, Array, IsolatedZone, PeriodicZone, SymmetricZone
+from contact.reference.exact.base import Array, IsolatedZone, PeriodicZone, SymmetricZone, integrated
+from contact.reference.exact.parabola import HertzLine
+from contact.reference.exact.roots import root, roots
+from contact.reference.exact.sinusoid import Westergaard
 
 STABLE, NARROW, WIDE, LAST = "stable", "narrow", "wide", "last"
 
@@ -79,16 +78,16 @@ class AdhesiveZone(SymmetricZone):
     def _slope(self, r: Array) -> Array:
         return self.zone._slope(r)
 
-    def _compliance(self) -> float:
-        """d approach/d load at fixed a; SceneError where an isolated zone has no datum."""
-        compliance = self.punch_compliance
-        if compliance is None:
-            raise SceneError.of("datum", None, "a length > 0 where the approach of an isolated zone is asked for")
-        return compliance
+    def _left(self) -> float:
+        return self.zone._left()
 
     def _approach_rate(self, load: float, at_load: float) -> float:
         """Derivative of the approach, by those of the load and of the approach at a given load; nan without a datum."""
         return nan if self.punch_compliance is None else self.punch_compliance * load + at_load
+
+    def rates(self) -> tuple[float, float]:
+        """Derivatives of load and approach along the curve of equilibria of this work (approach: nan without a datum)."""
+        raise NotImplementedError
 
     @property
     def elastic_energy(self) -> float:
@@ -111,15 +110,12 @@ class AdhesiveZone(SymmetricZone):
         if self.period is None:
             return None
         half = 0.5 * self.period
-        return float(np.sum(WEIGHT * self.height(half * FROM_LEFT))) - self._approach()
+        return float(integrated(lambda x, _: self.height(x), half)) / half - self._approach()
 
 
 def frictionless_energy(zone: SymmetricZone) -> float:
-    """(1/2) int p (approach - f) of a frictionless zone, by a double-exponential rule."""
-    a, approach = zone.half_width, zone.approach
-    assert approach is not None
-    r, d = a * FROM_LEFT, a * FROM_RIGHT
-    return 0.5 * zone.load * approach - a * float(np.sum(WEIGHT * zone._pressure(r, d) * zone._height(r)))
+    """(1/2) int p (approach - f) of a frictionless zone, by the double-exponential rule."""
+    return 0.5 * zone.load * zone._approach() - float(integrated(lambda r, d: zone._pressure(r, d) * zone._height(r), zone.half_width))
 
 
 State = TypeVar("State", bound=AdhesiveZone)
@@ -132,6 +128,12 @@ class Equilibria(Generic[State]):
     part at the end of the curve.
     """
 
+    work: float
+
+    def _frictionless(self, half_width: float) -> HertzLine | Westergaard:
+        """The zone of a half width without adhesion."""
+        raise NotImplementedError
+
     def at(self, parameter: float) -> State:
         """The equilibrium of a parameter."""
         raise NotImplementedError
@@ -142,7 +144,7 @@ class Equilibria(Generic[State]):
 
     def _rates(self, parameter: float) -> tuple[float, float]:
         """Derivatives of load and approach by the parameter (approach: nan without a datum)."""
-        raise NotImplementedError
+        return self.at(parameter).rates()
 
     def _rate(self, parameter: float, machine_compliance: float) -> float:
         load, approach = self._rates(parameter)
@@ -154,7 +156,7 @@ class Equilibria(Generic[State]):
 
     def turning_points(self, machine_compliance: float = inf) -> list[float]:
         """Parameters where stability is lost or gained, ascending."""
-        return _roots(lambda s: self._rate(s, _compliance(machine_compliance)), self._samples())
+        return roots(lambda s: self._rate(s, _compliance(machine_compliance)), self._samples())
 
     def pull_off(self, machine_compliance: float = inf) -> State:
         """The state in which unloading tears the surfaces apart: the least load, or the least approach + M load.
@@ -198,7 +200,7 @@ class Equilibria(Generic[State]):
             raise OutOfRange(
                 f"{control} = {value:.6g} is out of range: the {branch} branch goes from {ends[0]:.6g} to {ends[1]:.6g}"
             )
-        return self.at(float(brentq(miss, lo, hi, xtol=1e-300, rtol=1e-15)))
+        return self.at(root(miss, lo, hi))
 
     def _stable_parts(self) -> list[tuple[float, float, float, float]]:
         """Parameters and loads at both ends of every part that is stable under a held load."""
@@ -226,7 +228,7 @@ class Equilibria(Generic[State]):
         """From the last of the parts down to the load; None (full contact) without parts."""
         for lo, hi, least, most in reversed(parts or []):
             if least <= load <= most:
-                return self.at(float(brentq(lambda s: self.at(s).load - load, lo, hi, xtol=1e-300, rtol=1e-15)))
+                return self.at(root(lambda s: self.at(s).load - load, lo, hi))
         if parts is None:
             return None
         raise OutOfRange(f"load = {load:.6g} N/m is out of range: pull-off is at {min(part[2] for part in parts):.6g} N/m")
@@ -234,7 +236,7 @@ class Equilibria(Generic[State]):
     def all_at_load(self, load: float) -> list[State]:
         """Every equilibrium at a load, stable or not, in the order of the parameter."""
         load = finite("load", load)
-        return [self.at(s) for s in _roots(lambda s: self.at(s).load - load, self._samples())]
+        return [self.at(s) for s in roots(lambda s: self.at(s).load - load, self._samples())]
 
 
 def _compliance(machine_compliance: float) -> float:
@@ -243,7 +245,23 @@ def _compliance(machine_compliance: float) -> float:
     raise SceneError.of("machine_compliance", machine_compliance, "a number >= 0, or inf for a held load")
 
 
-def _roots(function: Callable[[float], float], samples: Array) -> list[float]:
-    values = np.array([function(float(s)) for s in samples])
-    changes = np.flatnonzero(values[:-1] * values[1:] < 0.0)
-    return [float(brentq(function, samples[i], samples[i + 1], xtol=1e-300, rtol=1e-15)) for i in changes]
+class Cylinder:
+    """What curves of a parabola f = x^2/2R alone share."""
+
+    radius: float
+    E_star: float
+    datum: float | None
+
+    def _frictionless(self, half_width: float) -> HertzLine:
+        return HertzLine(self.radius, self.E_star, half_width, self.datum)
+
+
+class Wave:
+    """What curves of a row of waves f = Delta (1 - cos(2 pi x/L)) share."""
+
+    amplitude: float
+    period: float
+    E_star: float
+
+    def _frictionless(self, half_width: float) -> Westergaard:
+        return Westergaard(self.amplitude, self.period, self.E_star, half_width)

@@ -14,11 +14,9 @@ from math import pi, sqrt
 import numpy as np
 
 from contact.model.checks import keep, positive, positive_or_none
-from contact.reference.exact.adhesion import AdhesiveZone, Equilibria, frictionless_energy
-from contact.reference.exact.base import Array, IsolatedZone, PeriodicZone
+from contact.reference.exact.adhesion import AdhesiveZone, Cylinder, Equilibria, Wave, frictionless_energy
+from contact.reference.exact.base import Array, IsolatedZone, PeriodicZone, known
 from contact.reference.exact.flat import IsolatedPunch, PeriodicPunch
-from contact.reference.exact.parabola import HertzLine
-from contact.reference.exact.sinusoid import Westergaard
 
 
 @dataclass(frozen=True)
@@ -88,43 +86,39 @@ class JKRZone(AdhesiveZone):
         """(L/pi) tan(pi a/L) [m]; alone a."""
         return self._turn * self._sine() / self._cosine()
 
-    @property
-    def punch_load_rate(self) -> float:
-        """dQ/da."""
-        return 0.5 * self.punch.load / (self.tangent * self._cosine() ** 2)
-
     def _pressure(self, r: Array, d: Array) -> Array:
         return self.zone._pressure(r, d) - self.punch._pressure(r, d)
 
     def _gap(self, e: Array) -> Array:
-        punch = self.punch
-        return self.zone._gap(e) + 2.0 * punch.load / (pi * self.E_star) * punch._fall(e)
+        return self.zone._gap(e) + self.punch.fall(e)
 
     @property
     def load(self) -> float:
         return self.zone.load - self.punch.load
 
-    def _approach(self) -> float:
-        return self.zone._approach() - self.punch.load * self._compliance()
-
     @property
     def elastic_energy(self) -> float:
-        taken, compliance = self.punch.load, self._compliance()
+        taken, compliance = self.punch.load, known("the approach", self.punch_compliance)
         return frictionless_energy(self.zone) + compliance * taken * (0.5 * taken - self.zone.load)
 
     @property
     def surface_energy(self) -> float:
         return -2.0 * self.half_width * self.work
 
+    def rates(self) -> tuple[float, float]:
+        """d load/da and d approach/da (nan without a datum)."""
+        taken = self.punch.load
+        load = float(self.zone.load_rate(np.array(self.half_width))) - 0.5 * taken / (self.tangent * self._cosine() ** 2)
+        # dC/da = -2/(pi E* a) alone, -(2/E* L) cot(pi a/L) with a period.
+        return load, self._approach_rate(load, 2.0 * taken / (pi * self.E_star * self.tangent))
+
 
 class _JKREquilibria(Equilibria[JKRZone]):
     """Equilibria by their half width."""
 
-    def _rates(self, parameter: float) -> tuple[float, float]:
-        state = self.at(parameter)
-        load = float(state.zone.load_rate(np.array(parameter))) - state.punch_load_rate  # type: ignore[union-attr]
-        # dC/da = -2/(pi E* a) alone, -(2/E* L) cot(pi a/L) with a period.
-        return load, state._approach_rate(load, 2.0 * state.punch.load / (pi * state.E_star * state.tangent))
+    def at(self, parameter: float) -> JKRZone:
+        """The equilibrium of this half width."""
+        return JKRZone(self._frictionless(parameter), self.work)
 
     @property
     def jump_in(self) -> JKRZone:
@@ -133,7 +127,7 @@ class _JKREquilibria(Equilibria[JKRZone]):
 
 
 @dataclass(frozen=True)
-class JKRCylinder(_JKREquilibria):
+class JKRCylinder(Cylinder, _JKREquilibria):
     """The equilibria of f = x^2/2R alone under JKR adhesion, by their half width (Barquins 1988): P = pi E* a^2/4R - sqrt(2 pi E* a w),
 
     approach = (a^2/2R)(ln(2d/a) + 1/2) - (2/pi E*) sqrt(2 pi E* a w) ln(2d/a) with a datum d; pull-off under load control at
@@ -191,10 +185,6 @@ class JKRCylinder(_JKREquilibria):
         keep(self, positive, "radius", "E_star", "work")
         positive_or_none("datum", self.datum)
 
-    def at(self, parameter: float) -> JKRZone:
-        """The equilibrium of this half width."""
-        return JKRZone(HertzLine(self.radius, self.E_star, parameter, self.datum), self.work)
-
     @property
     def pull_off_load(self) -> float:
         """-3 (pi E* w^2 R/16)^(1/3)."""
@@ -208,7 +198,7 @@ class JKRCylinder(_JKREquilibria):
 
 
 @dataclass(frozen=True)
-class JKRWave(_JKREquilibria):
+class JKRWave(Wave, _JKREquilibria):
     """The equilibria of f = Delta (1 - cos(2 pi x/L)) in a row under JKR adhesion, by their half width (Johnson 1995).
 
     With A = pi a/L and p* = pi E* Delta/L
@@ -277,10 +267,6 @@ class JKRWave(_JKREquilibria):
 
     def __post_init__(self) -> None:
         keep(self, positive, "amplitude", "period", "E_star", "work")
-
-    def at(self, parameter: float) -> JKRZone:
-        """The equilibrium of this half width."""
-        return JKRZone(Westergaard(self.amplitude, self.period, self.E_star, parameter), self.work)
 
     @property
     def alpha(self) -> float:

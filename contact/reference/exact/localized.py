@@ -12,12 +12,13 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.optimize import brentq, minimize_scalar
+from scipy.optimize import minimize_scalar
 
 from contact.errors import OutOfRange, SceneError
 from contact.model.checks import between, one_of, positive
 from contact.reference.exact.base import Array, SymmetricZone, abel_gap
 from contact.reference.exact.parabola import HertzLine
+from contact.reference.exact.roots import root
 from contact.reference.exact.sinusoid import IsolatedSinusoid
 from contact.reference.exact.wedge import IsolatedWedge
 
@@ -276,5 +277,5 @@ def localized_at_load(
     first = 0.25 * period
     while at(first) > load:
         first *= 0.5
-    a = float(brentq(lambda w: at(w) - load, min(first, last), last, xtol=1e-300, rtol=1e-15))
+    a = root(lambda w: at(w) - load, min(first, last), last)
     return LocalizedZone(family(half_width=a, **shape), period, closure)

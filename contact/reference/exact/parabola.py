@@ -6,13 +6,13 @@ the load (28).
 """
 
 from dataclasses import dataclass
-from math import exp, expm1, log, log1p, pi, sqrt
+from math import exp, expm1, pi, sqrt
 
 import numpy as np
 from scipy.special import spence
 
 from contact.reference.exact import base
-from contact.reference.exact.base import FROM_LEFT, WEIGHT, Array, arccos1m, arcosh1p, sine, zone_potential
+from contact.reference.exact.base import Array, arccos1m, arcosh1p, log_of, sine, zone_potential
 
 
 class _Parabola(base.SymmetricZone):
@@ -97,9 +97,8 @@ class HertzLine(_Parabola, base.IsolatedZone):
     def load(self) -> float:
         return pi * self.E_star * self.half_width**2 / (4.0 * self.radius)
 
-    def _approach(self) -> float:
-        assert self.datum is not None
-        return self.half_width**2 / (2.0 * self.radius) * (log(2.0 * self.datum / self.half_width) + 0.5)
+    def _left(self) -> float:
+        return self.half_width**2 / (4.0 * self.radius)
 
 
 @dataclass(frozen=True)
@@ -157,32 +156,26 @@ class PeriodicParabola(_Parabola, base.PeriodicZone):
         y = 2.0 * pi * load * shape["radius"] / (shape["period"] ** 2 * shape["E_star"])
         return base.half_width_from_sine(sqrt(-expm1(-2.0 * y)), exp(-y), shape["period"])
 
+    def _beside(self, middle: Array, d: Array) -> Array:
+        """|cos u/cos A - 1| at the distance d from the end and (u + A)/2: 2 sin((A + u)/2) sin(|A - u|/2)/cos A."""
+        return 2.0 * sine(middle, self.period) * sine(0.5 * d, self.period) / self._cosine()
+
     def _pressure(self, r: Array, d: Array) -> Array:
-        # cos u - cos A = 2 sin((A + u)/2) sin((A - u)/2)
-        y = 2.0 * sine(0.5 * (self.half_width + r), self.period) * sine(0.5 * d, self.period) / self._cosine()
-        return self.period * self.E_star / (2.0 * pi * self.radius) * arcosh1p(y)
+        return self.period * self.E_star / (2.0 * pi * self.radius) * arcosh1p(self._beside(0.5 * (self.half_width + r), d))
 
-    def _gap(self, e: Array) -> Array:
-        # The integral of arccos(cos u/cos A) is not elementary; the rule gives it to rounding.
-        step = e[..., None] * FROM_LEFT
-        y = 2.0 * sine(self.half_width + 0.5 * step, self.period) * sine(0.5 * step, self.period) / self._cosine()
-        total = np.sum(e[..., None] * WEIGHT * arccos1m(y), axis=-1)
-        return self.period / (pi * self.radius) * total
-
-    def _log_cosine(self) -> float:
-        s, c = self._sine(), self._cosine()
-        return log(c) if c < s else 0.5 * log1p(-s * s)
+    def _gap_slope(self, e: Array) -> Array:
+        # Its integral is not elementary.
+        return self.period / (pi * self.radius) * arccos1m(self._beside(self.half_width + 0.5 * e, e))
 
     @property
     def load(self) -> float:
-        return -(self.period**2) * self.E_star / (2.0 * pi * self.radius) * self._log_cosine()
+        return -(self.period**2) * self.E_star / (2.0 * pi * self.radius) * float(log_of(self._cosine(), self._sine()))
 
-    def _approach(self) -> float:
+    def _left(self) -> float:
         square = self._sine() ** 2
         if square < 0.25:  # Li_2 by its series: scipy's loses relative accuracy for small arguments
             k = np.arange(1, 31)
             dilogarithm = float(np.sum(square**k / k**2.0))
         else:
             dilogarithm = float(spence(self._cosine() ** 2))
-        unit = (self.period / pi) ** 2 / (4.0 * self.radius)
-        return unit * (dilogarithm + 4.0 * self._log_sine() * self._log_cosine())
+        return (self.period / pi) ** 2 / (4.0 * self.radius) * dilogarithm

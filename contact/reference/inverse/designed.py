@@ -29,7 +29,7 @@ from contact.errors import SceneError
 from contact.model.checks import finite_array, keep, positive, positive_or_none
 from contact.model.profiles.base import Profile
 from contact.model.profiles.fourier import Fourier
-from contact.reference.exact.base import FROM_LEFT, FROM_RIGHT, WEIGHT, Zoned, least_value
+from contact.reference.exact.base import FROM_LEFT, FROM_RIGHT, WEIGHT, Zoned, check_number, least_value
 from contact.reference.inverse.product import CutProduct
 from sie import Array, Mask
 
@@ -190,8 +190,7 @@ class GivenZones(Zoned):
 
     def pressure_at(self, t: ArrayLike, zone: int = 0) -> Array:
         """Pressure [Pa] at the normalised position t in [-1, 1] of a zone, to rounding up to its ends."""
-        if zone not in range(len(self.zones)):
-            raise SceneError.of("zone", zone, f"0 to {len(self.zones) - 1}")
+        check_number(zone, len(self.zones))
         t = np.asarray(t, dtype=float)
         half = 0.5 * self._product.steps[2 * zone]
         return self._zone_pressure(zone, half * (1.0 + t), half * (1.0 - t))
