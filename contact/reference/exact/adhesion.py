@@ -78,8 +78,12 @@ class AdhesiveZone(SymmetricZone):
     def _slope(self, r: Array) -> Array:
         return self.zone._slope(r)
 
-    def _left(self) -> float:
-        return self.zone._left()
+    # What a tension that moves no surface leaves: only the pressure is another.
+    def _gap(self, e: Array) -> Array:
+        return self.zone._gap(e)
+
+    def _approach(self) -> float:
+        return self.zone._approach()
 
     def _approach_rate(self, load: float, at_load: float) -> float:
         """Derivative of the approach, by those of the load and of the approach at a given load; nan without a datum."""
@@ -92,7 +96,7 @@ class AdhesiveZone(SymmetricZone):
     @property
     def elastic_energy(self) -> float:
         """(1/2) int p u [J/m], per period if there is one; u as `displacement` has it."""
-        raise NotImplementedError
+        return frictionless_energy(self.zone)
 
     @property
     def surface_energy(self) -> float:

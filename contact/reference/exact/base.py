@@ -126,6 +126,12 @@ class Pressed(Zoned):
         def height(self, x: ArrayLike) -> Array: ...
         def gap(self, x: ArrayLike) -> Array: ...
 
+    def _check(self, *positives: str) -> None:
+        """Refuse by name what is not positive and finite."""
+        for name in (*positives, "E_star"):
+            positive(name, getattr(self, name))
+        positive_or_none("datum", self.datum)
+
     @property
     def punch_compliance(self) -> float | None:
         """d approach/d load at fixed a [m^2/N]: -(2/pi E*) ln sin(pi a/L), isolated (2/pi E*) ln(2d/a), and None without a datum."""
@@ -244,16 +250,12 @@ class SymmetricZone(Pressed):
         """Peak pressure [Pa], in the middle; inf where the profile has a kink or a corner in the zone."""
         return float(self._pressure(np.array(0.0), np.array(self.half_width)))
 
-    def _check(self, *positives: str, extent: float | None = None) -> None:
+    def _check(self, *positives: str) -> None:
         """Refuse by name what is not positive and finite, and a zone as wide as its cell."""
-        for name in (*positives, "E_star", "half_width"):
-            positive(name, getattr(self, name))
+        super()._check(*positives, "half_width")
         if self.period is not None:
             positive("period", self.period)
-            extent = 0.5 * self.period
-        if extent is not None:
-            between("half_width", self.half_width, 0.0, extent)
-        positive_or_none("datum", self.datum)
+            between("half_width", self.half_width, 0.0, 0.5 * self.period)
 
     # Geometry
     @property

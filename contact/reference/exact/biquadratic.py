@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from contact.errors import SceneError
-from contact.model.checks import keep, positive, positive_or_none
 from contact.reference.exact.base import Array, Pressed, arcosh1p, check_number, sinh_minus, zone_potential
 
 
@@ -88,8 +87,7 @@ class IsolatedBiquadratic(Pressed):
     period = None
 
     def __post_init__(self) -> None:
-        keep(self, positive, "radius", "spacing", "E_star", "load")
-        positive_or_none("datum", self.datum)
+        self._check("radius", "spacing", "load")
 
     @classmethod
     def from_inner_end(cls, inner_end: float, **shape: float) -> "IsolatedBiquadratic":

@@ -19,6 +19,7 @@ derived again; row of waves: derived here. As c reaches L/2 the tension acts eve
 under a uniform tension.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from math import atan2, exp, log, pi, sqrt
@@ -30,7 +31,7 @@ from scipy.optimize import brentq
 from contact.errors import OutOfRange, SceneError
 from contact.model.checks import between, keep, positive, positive_or_none
 from contact.reference.exact import base
-from contact.reference.exact.adhesion import AdhesiveZone, Cylinder, Equilibria, Wave, frictionless_energy
+from contact.reference.exact.adhesion import AdhesiveZone, Cylinder, Equilibria, Wave
 from contact.reference.exact.base import Array, arcosh1p, cosine, integrated, sine, sine_excess
 from contact.reference.exact.roots import root
 
@@ -153,7 +154,7 @@ class DugdaleZone(_DugdaleState):
         near, far = np.minimum(e, length), np.maximum(e - length, 0.0)
         before = integrated(lambda y, rest: self.opening_rate(y, (length - near)[..., None] + rest), near)
         beyond = integrated(lambda y, _: self.opening_rate(length + y, y), far)
-        return self.zone._gap(e) + self._unit * (before + beyond)
+        return super()._gap(e) + self._unit * (before + beyond)
 
     @property
     def _unit(self) -> float:
@@ -171,16 +172,14 @@ class DugdaleZone(_DugdaleState):
         return self._compliance_of(root if self.period is None else self._turn * np.arctan2(root, cosine(c, self.period)))
 
     def _approach(self) -> float:
-        return self.zone._approach() - 2.0 * self.stress * float(integrated(lambda _, q: self._compliance_behind(q), self.share))
+        return super()._approach() - 2.0 * self.stress * float(integrated(lambda _, q: self._compliance_behind(q), self.share))
 
     @property
     def elastic_energy(self) -> float:
-        energy = frictionless_energy(self.zone)
-
         def taken(share: Array, q: Array) -> Array:
             return (self.zone.load - 2.0 * self.stress * share) * self._compliance_behind(q)
 
-        return energy - 2.0 * self.stress * float(integrated(taken, self.share))
+        return super().elastic_energy - 2.0 * self.stress * float(integrated(taken, self.share))
 
     @property
     def surface_energy(self) -> float:
@@ -281,19 +280,9 @@ class MetDugdaleZone(_DugdaleState):
     def _pressure(self, r: Array, d: Array) -> Array:
         return self.zone._pressure(r, d) - self.stress
 
-    def _gap(self, e: Array) -> Array:
-        return self.zone._gap(e)
-
     @property
     def load(self) -> float:
         return self.zone.load - self.stress * self._length()
-
-    def _approach(self) -> float:
-        return self.zone._approach()
-
-    @property
-    def elastic_energy(self) -> float:
-        return frictionless_energy(self.zone)
 
     @property
     def surface_energy(self) -> float:
@@ -318,17 +307,9 @@ class _DugdaleEquilibria(Equilibria[_DugdaleState]):
         """w/s, up to which the surfaces pull."""
         return self.work / self.stress
 
-    def _miss(self, c: float, a: float) -> float:
-        return DugdaleZone(self._frictionless(a), self.stress, c).end_gap - self.end_gap
-
     def _half_width(self, c: float) -> float:
         """a at which the gap at c is w/s: it falls from its value without contact to zero at a = c."""
-
-        def miss(log_ratio: float) -> float:
-            return self._miss(c, c - c / (1.0 + exp(log_ratio)))
-
-        # From a = 1e-15 c to c - a = 1e-14 c.
-        return float(c - c / (1.0 + exp(brentq(miss, -34.0, 32.0, xtol=1e-14, rtol=1e-15))))
+        return _within(c, lambda a: DugdaleZone(self._frictionless(a), self.stress, c).end_gap - self.end_gap)
 
     def at(self, parameter: float) -> _DugdaleState:
         """The equilibrium of a parameter."""
@@ -501,16 +482,8 @@ class DugdaleWave(Wave, _DugdaleEquilibria):
         """a at which the cohesive intervals meet: the frictionless gap at L/2 is w/s; 0 if that is never reached."""
         if self.end_gap >= 2.0 * self.amplitude:
             return 0.0
-
-        def miss(log_ratio: float) -> float:
-            a = self._ratio_width(log_ratio)
-            return float(self._frictionless(a)._gap(np.array(0.5 * self.period - a))) - self.end_gap
-
-        # a/(L/2 - a) from 1e-15 to 1e15.
-        return self._ratio_width(float(brentq(miss, -34.0, 34.0, xtol=1e-14, rtol=1e-15)))
-
-    def _ratio_width(self, log_ratio: float) -> float:
-        return 0.5 * self.period / (1.0 + exp(-log_ratio))
+        half = 0.5 * self.period
+        return _within(half, lambda a: float(self._frictionless(a)._gap(np.array(half - a))) - self.end_gap)
 
     def touching_gap(self, c: float) -> float:
         """The gap at c where contact begins, a = 0: f(c) + (4s/pi E*) int_0^c ln(2 cos(pi x/L)) dx."""
@@ -542,3 +515,13 @@ class DugdaleWave(Wave, _DugdaleEquilibria):
         apart = least + (half - least) * share if least < half else np.empty(0)
         together = half + (half - met) * share
         return np.concatenate([apart, together])
+
+
+def _within(most: float, function: Callable[[float], float]) -> float:
+    """The root a between 0 and `most` of a function that falls from one to the other, by the logarithm of a/(most - a)."""
+
+    def place(log_ratio: float) -> float:
+        return most / (1.0 + exp(-log_ratio))
+
+    # From a = 1e-15 to most - a = 1e-14, of `most`.
+    return place(brentq(lambda log_ratio: function(place(log_ratio)), -34.0, 32.0, xtol=1e-14, rtol=1e-15))

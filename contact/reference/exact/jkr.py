@@ -14,7 +14,7 @@ from math import pi, sqrt
 import numpy as np
 
 from contact.model.checks import keep, positive, positive_or_none
-from contact.reference.exact.adhesion import AdhesiveZone, Cylinder, Equilibria, Wave, frictionless_energy
+from contact.reference.exact.adhesion import AdhesiveZone, Cylinder, Equilibria, Wave
 from contact.reference.exact.base import Array, IsolatedZone, PeriodicZone, known
 from contact.reference.exact.flat import IsolatedPunch, PeriodicPunch
 
@@ -90,7 +90,10 @@ class JKRZone(AdhesiveZone):
         return self.zone._pressure(r, d) - self.punch._pressure(r, d)
 
     def _gap(self, e: Array) -> Array:
-        return self.zone._gap(e) + self.punch.fall(e)
+        return super()._gap(e) + self.punch.fall(e)
+
+    def _approach(self) -> float:
+        return super()._approach() - self.punch.load * known("the approach", self.punch_compliance)
 
     @property
     def load(self) -> float:
@@ -99,7 +102,7 @@ class JKRZone(AdhesiveZone):
     @property
     def elastic_energy(self) -> float:
         taken, compliance = self.punch.load, known("the approach", self.punch_compliance)
-        return frictionless_energy(self.zone) + compliance * taken * (0.5 * taken - self.zone.load)
+        return super().elastic_energy + compliance * taken * (0.5 * taken - self.zone.load)
 
     @property
     def surface_energy(self) -> float:

@@ -22,6 +22,8 @@ from contact.reference.exact.roots import root
 from contact.reference.exact.sinusoid import IsolatedSinusoid
 from contact.reference.exact.wedge import IsolatedWedge
 
+Isolated = HertzLine | IsolatedWedge | IsolatedSinusoid
+
 FIRST_ORDER = "first-order"
 SELF_CONSISTENT = "self-consistent"
 
@@ -144,7 +146,7 @@ class LocalizedZone(SymmetricZone):
     True
     """
 
-    isolated: HertzLine | IsolatedWedge | IsolatedSinusoid
+    isolated: Isolated
     period: float
     closure: str = FIRST_ORDER
     datum = None
@@ -152,7 +154,7 @@ class LocalizedZone(SymmetricZone):
     def __post_init__(self) -> None:
         positive("period", self.period)
         one_of("closure", self.closure, (FIRST_ORDER, SELF_CONSISTENT))
-        if not isinstance(self.isolated, (HertzLine, IsolatedWedge, IsolatedSinusoid)):
+        if not isinstance(self.isolated, Isolated):
             raise SceneError.of("isolated", self.isolated, "a HertzLine, an IsolatedWedge or an IsolatedSinusoid")
         between("half_width", self.half_width, 0.0, 0.5 * self.period)
         if isinstance(self.isolated, IsolatedSinusoid) and self.isolated.wavelength != self.period:
@@ -175,9 +177,7 @@ class LocalizedZone(SymmetricZone):
 
     @property
     def load(self) -> float:
-        if self.closure == FIRST_ORDER:
-            return self.isolated.load + correction_load(self.half_width, self.period, self.isolated.load)
-        return self.isolated.load * self.period / _root(self.half_width, self.period)
+        return _load(self.isolated, self.period, self.closure)
 
     def load_rate(self, s: Array) -> Array:
         """d(load)/da at a = s with the nominal load held: the superposition's P'(s)."""
@@ -211,9 +211,13 @@ class LocalizedZone(SymmetricZone):
         return None
 
 
+def _load(isolated: Isolated, period: float, closure: str) -> float:
+    a, alone = isolated.half_width, isolated.load
+    return alone + correction_load(a, period, alone) if closure == FIRST_ORDER else alone * period / _root(a, period)
+
+
 def localized_at_load(
-    family: type[HertzLine] | type[IsolatedWedge] | type[IsolatedSinusoid], load: float, period: float,
-    closure: str = FIRST_ORDER, **shape: Any,
+    family: type[Isolated], load: float, period: float, closure: str = FIRST_ORDER, **shape: Any
 ) -> LocalizedZone:
     """The localized solution of a family at a load per period, on the branch that starts at zero load.
 
@@ -259,9 +263,7 @@ def localized_at_load(
         shape = {"wavelength": period, **shape}
 
     def at(a: float) -> float:
-        zone = family(half_width=a, **shape)
-        rest = _root(a, period) / period
-        return zone.load * (2.0 - rest) if closure == FIRST_ORDER else zone.load / rest
+        return _load(family(half_width=a, **shape), period, closure)
 
     # The samples run into the maximum from below; the bracket about the first fall is refined.
     widths = 0.5 * period * np.linspace(0.0, 1.0, 258)[1:-1]

@@ -14,18 +14,9 @@ from numpy.typing import ArrayLike
 from scipy.special import j0, j1, jn_zeros, jv
 
 from contact.errors import OutOfRange
-from contact.model.checks import keep, positive
+from contact.model.checks import between, keep, positive
 from contact.reference.exact import base
-from contact.reference.exact.base import (
-    Array,
-    abel_gap,
-    cosine,
-    half_width_from_sine,
-    refuse_load,
-    sine,
-    sine_excess,
-    zone_potential,
-)
+from contact.reference.exact.base import Array, cosine, sine, sine_excess, zone_potential
 from contact.reference.exact.roots import root
 
 
@@ -101,8 +92,8 @@ class Westergaard(_Wave, base.PeriodicZone):
     @classmethod
     def _half_width_for(cls, load: float, **shape: float) -> float:
         most = pi * shape["E_star"] * shape["amplitude"]
-        refuse_load(load, most, "contact is full (use FullContactSinusoid)")
-        return half_width_from_sine(sqrt(load / most), sqrt((most - load) / most), shape["period"])
+        base.refuse_load(load, most, "contact is full (use FullContactSinusoid)")
+        return base.half_width_from_sine(sqrt(load / most), sqrt((most - load) / most), shape["period"])
 
     def _height(self, r: Array) -> Array:
         return 2.0 * self.amplitude * sine(r, self.period) ** 2
@@ -273,8 +264,8 @@ class IsolatedSinusoid(base.IsolatedZone):
     datum: float | None = None
 
     def __post_init__(self) -> None:
-        positive("wavelength", self.wavelength)
-        self._check("amplitude", extent=0.5 * self.wavelength)
+        self._check("amplitude", "wavelength")
+        between("half_width", self.half_width, 0.0, 0.5 * self.wavelength)
 
     @property
     def _k(self) -> float:
@@ -290,7 +281,7 @@ class IsolatedSinusoid(base.IsolatedZone):
         k = 2.0 * pi / shape["wavelength"]
         unit = 0.5 * pi * shape["E_star"] * shape["amplitude"]
         ka = float(jn_zeros(0, 1)[0])
-        refuse_load(load, unit * ka * float(j1(ka)), "the load of one wave is greatest")
+        base.refuse_load(load, unit * ka * float(j1(ka)), "the load of one wave is greatest")
         return root(lambda z: unit * z * j1(z) - load, 0.0, ka) / k
 
     def _height(self, r: Array) -> Array:
@@ -313,7 +304,7 @@ class IsolatedSinusoid(base.IsolatedZone):
         return np.asarray(0.5 * pi * self.E_star * self.amplitude * self._k * z * j0(z))
 
     def _gap(self, e: Array) -> Array:
-        return abel_gap(self.load_rate, self.half_width, e, self.E_star)
+        return base.abel_gap(self.load_rate, self.half_width, e, self.E_star)
 
     @property
     def load(self) -> float:

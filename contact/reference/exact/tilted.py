@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from contact.errors import OutOfRange
-from contact.model.checks import finite, keep, positive, positive_or_none
+from contact.model.checks import finite, positive
 from contact.reference.exact.base import Array, Pressed, arcosh1p, check_number, integrated, zone_potential
 
 
@@ -67,10 +67,6 @@ class TiltedZone(Pressed):
     tilt: float
     moment: float
     period = None
-
-    def _check(self, *positives: str) -> None:
-        keep(self, positive, *positives, "E_star")
-        keep(self, positive_or_none, "datum")
 
     @property
     def middle(self) -> float:

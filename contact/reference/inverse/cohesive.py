@@ -222,27 +222,23 @@ class CohesiveDesign:
     def _conditions(self) -> tuple[Array, Array]:
         """(matrix, right side) of the coefficients of M."""
         half = self._frame[1]
-        rows, right = [], []
+        conditions = []
         for strip in self._strips:
             if strip.direction:
                 by, rest = self._risen(strip.gap, strip.end, np.array([strip.end + strip.direction * strip.width]))
-                rows.append(by[0])
-                right.append(self.reach / half - rest[0])
+                conditions.append((by[0], self.reach / half - rest[0]))
         for gap in range(1, len(self.zones)):
             by, rest = self._risen(gap, self._ends[2 * gap - 1], self._ends[2 * gap : 2 * gap + 1])
-            rows.append(by[0])
-            right.append(-rest[0])
+            conditions.append((by[0], -rest[0]))
         every = np.eye(self._degree + 1)
-        rows.append(every[-1])
-        right.append(self.rise)
+        conditions.append((every[-1], self.rise))
         if self.given_load is not None:
             # Of the last coefficient of the series, which is the load, what each of M's and the tension make.
-            rows.append(np.array([self._series_of(unit, 0.0)[-1] for unit in every]))
-            right.append(self._load_unit * self.given_load - self._series_of(0.0 * every[0], self._tension)[-1])
-        if len(rows) < len(every):
-            rows.append(every[-2])
-            right.append(0.0)
-        matrix, values = np.array(rows), np.array(right)
+            by_load = np.array([self._series_of(unit, 0.0)[-1] for unit in every])
+            conditions.append((by_load, self._load_unit * self.given_load - self._series_of(0.0 * every[0], self._tension)[-1]))
+        if len(conditions) < len(every):
+            conditions.append((every[-2], 0.0))
+        matrix, values = (np.array(part) for part in zip(*conditions, strict=True))
         size = np.abs(matrix).max(axis=1)
         return matrix / size[:, None], values / size
 
@@ -274,18 +270,12 @@ class CohesiveDesign:
 
     def _series_of(self, smooth: Array, tension: float) -> Array:
         """Coefficients of X R, of t^N, t^(N-1), ..., t^-1, of an M and a tension."""
-        n, degree = len(self.zones), len(smooth) - 1
-        count = n + degree + 2
-        power_sums = np.array([0.5 * np.sum(self._ends**k) for k in range(count)])
-        root = exp_of_power_sums(power_sums).real
-        ratio = np.zeros(count)
-        coefficients = chebyshev.cheb2poly(smooth)
-        ratio[degree + 1 - len(coefficients) : degree + 1] = coefficients[::-1]
         nodes = np.concatenate([strip.nodes for strip in self._strips])
         weights = np.concatenate([strip.weights for strip in self._strips])
-        for k in range(degree + 1, count):
-            ratio[k] += tension * float(weights @ nodes ** (k - degree - 1))
-        return np.asarray(np.convolve(root, ratio)[:count])
+        moments = weights @ np.vander(nodes, len(self.zones) + 1, increasing=True)
+        ratio = np.concatenate([chebyshev.cheb2poly(smooth)[::-1], tension * moments])
+        root = exp_of_power_sums(np.array([0.5 * np.sum(self._ends**k) for k in range(len(ratio))])).real
+        return np.asarray(np.convolve(root, ratio)[: len(ratio)])
 
     @cached_property
     def profile(self) -> Polynomial:
