@@ -7,11 +7,12 @@ an equilibrium is stable where approach + M load grows along the curve in the di
 (K. L. Johnson, Int. J. Solids Struct. 32 (1995) 423-430, doi 10.1016/0020-7683(94)00111-9; with a machine, derived here).
 """
 
+from dataclasses import dataclass
 from math import inf, isfinite, nan
 from typing import Generic, TypeVar
 
 from contact.errors import OutOfRange, SceneError
-from contact.model.checks import finite, one_of
+from contact.model.checks import finite, keep, one_of, positive, positive_or_none
 from contact.reference.exact.base import Array, IsolatedZone, PeriodicZone, SymmetricZone, integrated
 from contact.reference.exact.parabola import HertzLine
 from contact.reference.exact.roots import root, roots
@@ -134,6 +135,10 @@ class Equilibria(Generic[State]):
 
     work: float
 
+    def __post_init__(self) -> None:
+        for name in vars(self):
+            keep(self, positive_or_none if name == "datum" else positive, name)
+
     def _frictionless(self, half_width: float) -> HertzLine | Westergaard:
         """The zone of a half width without adhesion."""
         raise NotImplementedError
@@ -249,23 +254,27 @@ def _compliance(machine_compliance: float) -> float:
     raise SceneError.of("machine_compliance", machine_compliance, "a number >= 0, or inf for a held load")
 
 
+@dataclass(frozen=True)
 class Cylinder:
     """What curves of a parabola f = x^2/2R alone share."""
 
     radius: float
     E_star: float
-    datum: float | None
+    work: float
 
     def _frictionless(self, half_width: float) -> HertzLine:
-        return HertzLine(self.radius, self.E_star, half_width, self.datum)
+        # The datum may be left out: it is the last field of each curve.
+        return HertzLine(self.radius, self.E_star, half_width, self.datum)  # type: ignore[attr-defined]
 
 
+@dataclass(frozen=True)
 class Wave:
     """What curves of a row of waves f = Delta (1 - cos(2 pi x/L)) share."""
 
     amplitude: float
     period: float
     E_star: float
+    work: float
 
     def _frictionless(self, half_width: float) -> Westergaard:
         return Westergaard(self.amplitude, self.period, self.E_star, half_width)

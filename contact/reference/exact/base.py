@@ -13,6 +13,7 @@ distances to the zone's ends, so nothing cancels where a distance is small.
 """
 
 from collections.abc import Callable
+from dataclasses import dataclass, fields
 from math import atan2, inf, pi
 from typing import TYPE_CHECKING, Any, Self
 
@@ -124,11 +125,12 @@ class Pressed(Zoned):
     if TYPE_CHECKING:
 
         def height(self, x: ArrayLike) -> Array: ...
+        def slope(self, x: ArrayLike) -> Array: ...
         def gap(self, x: ArrayLike) -> Array: ...
 
     def _check(self, *positives: str) -> None:
         """Refuse by name what is not positive and finite."""
-        for name in (*positives, "E_star"):
+        for name in positives:
             positive(name, getattr(self, name))
         positive_or_none("datum", self.datum)
 
@@ -252,9 +254,8 @@ class SymmetricZone(Pressed):
 
     def _check(self, *positives: str) -> None:
         """Refuse by name what is not positive and finite, and a zone as wide as its cell."""
-        super()._check(*positives, "half_width")
+        super()._check(*positives)
         if self.period is not None:
-            positive("period", self.period)
             between("half_width", self.half_width, 0.0, 0.5 * self.period)
 
     # Geometry
@@ -313,8 +314,15 @@ class SymmetricZone(Pressed):
         return self.period
 
 
+@dataclass(frozen=True)
 class _LoadControlled(SymmetricZone):
-    """One zone whose half-width the load gives in closed form, or by one root."""
+    """One zone whose half-width the load gives in closed form, or by one root.
+
+    A family is a profile, which has the fields of the shape, and one of the two classes below, which have the others.
+    """
+
+    def __post_init__(self) -> None:
+        self._check(*(field.name for field in fields(self) if field.name != "datum"))
 
     @classmethod
     def _half_width_for(cls, load: float, **shape: float) -> float:
@@ -328,15 +336,23 @@ class _LoadControlled(SymmetricZone):
         return cls(half_width=half_width, **shape)  # type: ignore[call-arg]
 
 
+@dataclass(frozen=True)
 class IsolatedZone(_LoadControlled):
-    """Base of the solutions of one zone alone: frozen dataclasses with a field `datum` for the approach."""
+    """Base of the solutions of one zone alone, with a datum for the approach."""
 
+    E_star: float
+    half_width: float
+    datum: float | None = None
     period = None
 
 
+@dataclass(frozen=True)
 class PeriodicZone(_LoadControlled):
-    """Base of the solutions of one zone a period: frozen dataclasses with a field `period`."""
+    """Base of the solutions of one zone a period."""
 
+    period: float
+    E_star: float
+    half_width: float
     datum = None
 
     @classmethod

@@ -87,7 +87,7 @@ class IsolatedBiquadratic(Pressed):
     period = None
 
     def __post_init__(self) -> None:
-        self._check("radius", "spacing", "load")
+        self._check("radius", "spacing", "E_star", "load")
 
     @classmethod
     def from_inner_end(cls, inner_end: float, **shape: float) -> "IsolatedBiquadratic":

@@ -29,7 +29,7 @@ from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 
 from contact.errors import OutOfRange, SceneError
-from contact.model.checks import between, keep, positive, positive_or_none
+from contact.model.checks import between, positive
 from contact.reference.exact import base
 from contact.reference.exact.adhesion import AdhesiveZone, Cylinder, Equilibria, Wave
 from contact.reference.exact.base import Array, arcosh1p, cosine, integrated, sine, sine_excess
@@ -373,15 +373,8 @@ class DugdaleCylinder(Cylinder, _DugdaleEquilibria):
     (True, True)
     """
 
-    radius: float
-    E_star: float
-    work: float
     stress: float
     datum: float | None = None
-
-    def __post_init__(self) -> None:
-        keep(self, positive, "radius", "E_star", "work", "stress")
-        positive_or_none("datum", self.datum)
 
     @property
     def tabor(self) -> float:
@@ -463,14 +456,7 @@ class DugdaleWave(Wave, _DugdaleEquilibria):
     (True, True)
     """
 
-    amplitude: float
-    period: float
-    E_star: float
-    work: float
     stress: float
-
-    def __post_init__(self) -> None:
-        keep(self, positive, "amplitude", "period", "E_star", "work", "stress")
 
     @property
     def opening_mean_pressure(self) -> float:

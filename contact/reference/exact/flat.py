@@ -17,7 +17,7 @@ class _Punch(SymmetricZone):
     """What the two share: the profile, a load that the half-width does not set, and the forms, in which alone sin(pi x/L) is x."""
 
     def __post_init__(self) -> None:
-        self._check("load")
+        self._check("load", "E_star", "half_width")
 
     def _height(self, r: Array) -> Array:
         return np.where(r <= self.half_width, 0.0, inf)
@@ -35,13 +35,13 @@ class _Punch(SymmetricZone):
         with np.errstate(divide="ignore"):
             return self.load / (pi * self._turn) * cosine(self.half_width, self.period, d) / root
 
-    def fall(self, e: Array) -> Array:
+    def _fall(self, e: Array) -> Array:
         """approach - u at the distance e from the punch [m]."""
         return 2.0 * self.load / (pi * self.E_star) * arcosh1p(sine_excess(self.half_width, e, self.period))
 
     def displacement(self, x: ArrayLike) -> Array:
         """u(x) [m]: the approach in contact, falling outside."""
-        return known("u", self.approach) - self.fall(np.maximum(np.abs(self._reduced(x)) - self.half_width, 0.0))
+        return known("u", self.approach) - self._fall(np.maximum(np.abs(self._reduced(x)) - self.half_width, 0.0))
 
     def _left(self) -> float:
         return 0.0

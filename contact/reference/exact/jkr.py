@@ -13,7 +13,7 @@ from math import pi, sqrt
 
 import numpy as np
 
-from contact.model.checks import keep, positive, positive_or_none
+from contact.model.checks import positive
 from contact.reference.exact.adhesion import AdhesiveZone, Cylinder, Equilibria, Wave
 from contact.reference.exact.base import Array, IsolatedZone, PeriodicZone, known
 from contact.reference.exact.flat import IsolatedPunch, PeriodicPunch
@@ -90,7 +90,7 @@ class JKRZone(AdhesiveZone):
         return self.zone._pressure(r, d) - self.punch._pressure(r, d)
 
     def _gap(self, e: Array) -> Array:
-        return super()._gap(e) + self.punch.fall(e)
+        return super()._gap(e) + self.punch._fall(e)
 
     def _approach(self) -> float:
         return super()._approach() - self.punch.load * known("the approach", self.punch_compliance)
@@ -179,14 +179,7 @@ class JKRCylinder(Cylinder, _JKREquilibria):
     True
     """
 
-    radius: float
-    E_star: float
-    work: float
     datum: float | None = None
-
-    def __post_init__(self) -> None:
-        keep(self, positive, "radius", "E_star", "work")
-        positive_or_none("datum", self.datum)
 
     @property
     def pull_off_load(self) -> float:
@@ -260,16 +253,8 @@ class JKRWave(Wave, _JKREquilibria):
     True
     """
 
-    amplitude: float
-    period: float
-    E_star: float
-    work: float
-
     # An opening of no width has no intensity: what is closed needs a flaw to open.
     stays_closed = True
-
-    def __post_init__(self) -> None:
-        keep(self, positive, "amplitude", "period", "E_star", "work")
 
     @property
     def alpha(self) -> float:

@@ -15,13 +15,11 @@ from contact.reference.exact import base
 from contact.reference.exact.base import Array, arccos1m, arcosh1p, log_of, sine, zone_potential
 
 
+@dataclass(frozen=True)
 class _Parabola(base.SymmetricZone):
     """What the two share: the profile."""
 
     radius: float
-
-    def __post_init__(self) -> None:
-        self._check("radius")
 
     def _height(self, r: Array) -> Array:
         return r * r / (2.0 * self.radius)
@@ -31,7 +29,7 @@ class _Parabola(base.SymmetricZone):
 
 
 @dataclass(frozen=True)
-class HertzLine(_Parabola, base.IsolatedZone):
+class HertzLine(base.IsolatedZone, _Parabola):
     """A parabola alone (Hertz 1882): p = (E*/2R) sqrt(a^2 - x^2), P = pi E* a^2/4R,
 
     gap = (1/2R)(x sqrt(x^2 - a^2) - a^2 arcosh(x/a)), approach = (a^2/2R)(ln(2d/a) + 1/2) (greatest at a = 2d).
@@ -71,11 +69,6 @@ class HertzLine(_Parabola, base.IsolatedZone):
     True
     """
 
-    radius: float
-    E_star: float
-    half_width: float
-    datum: float | None = None
-
     @classmethod
     def _half_width_for(cls, load: float, **shape: float) -> float:
         return sqrt(4.0 * load * shape["radius"] / (pi * shape["E_star"]))
@@ -102,7 +95,7 @@ class HertzLine(_Parabola, base.IsolatedZone):
 
 
 @dataclass(frozen=True)
-class PeriodicParabola(_Parabola, base.PeriodicZone):
+class PeriodicParabola(base.PeriodicZone, _Parabola):
     """A parabola in a row: Kuznetsov's load (28), P = -(L^2 E*/2 pi R) ln cos A, and by the superposition of punches in closed
     form (derived here):
 
@@ -145,11 +138,6 @@ class PeriodicParabola(_Parabola, base.PeriodicZone):
     >>> bool(np.isclose(row.load, 1e-4 * 1e9 * np.log(2) / (4 * np.pi)))
     True
     """
-
-    radius: float
-    period: float
-    E_star: float
-    half_width: float
 
     @classmethod
     def _half_width_for(cls, load: float, **shape: float) -> float:

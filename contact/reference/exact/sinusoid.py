@@ -20,6 +20,7 @@ from contact.reference.exact.base import Array, cosine, sine, sine_excess, zone_
 from contact.reference.exact.roots import root
 
 
+@dataclass(frozen=True)
 class _Wave:
     """What partial and full contact of a row of waves share."""
 
@@ -34,7 +35,7 @@ class _Wave:
 
 
 @dataclass(frozen=True)
-class Westergaard(_Wave, base.PeriodicZone):
+class Westergaard(base.PeriodicZone, _Wave):
     """A wave f = Delta (1 - cos(2 pi x/L)) in partial contact (Westergaard 1939), p* = pi E* Delta/L, u = pi x/L, A = pi a/L:
 
     (18) p = sqrt2 p* cos u sqrt(cos 2u - cos 2A),   (19) mean pressure = p* sin^2 A,
@@ -80,14 +81,6 @@ class Westergaard(_Wave, base.PeriodicZone):
     >>> bool(np.isclose(wave.mean_pressure, 0.5 * wave.full_contact_pressure))
     True
     """
-
-    amplitude: float
-    period: float
-    E_star: float
-    half_width: float
-
-    def __post_init__(self) -> None:
-        self._check("amplitude")
 
     @classmethod
     def _half_width_for(cls, load: float, **shape: float) -> float:
@@ -171,9 +164,6 @@ class FullContactSinusoid(_Wave):
     True
     """
 
-    amplitude: float
-    period: float
-    E_star: float
     mean_pressure: float
 
     def __post_init__(self) -> None:
@@ -206,7 +196,15 @@ class FullContactSinusoid(_Wave):
 
 
 @dataclass(frozen=True)
-class IsolatedSinusoid(base.IsolatedZone):
+class _OneWave:
+    """The shape of a wave that does not repeat."""
+
+    amplitude: float
+    wavelength: float
+
+
+@dataclass(frozen=True)
+class IsolatedSinusoid(base.IsolatedZone, _OneWave):
     """One wave alone, Tsukanov (2018a), k = 2 pi/L, t = x/a:
 
     (20) p = (2 pi Delta E*/L) sqrt(1 - t^2) sum_j (-1)^j J_{2j+1}(ka) U_{2j}(t),
@@ -257,14 +255,8 @@ class IsolatedSinusoid(base.IsolatedZone):
     True
     """
 
-    amplitude: float
-    wavelength: float
-    E_star: float
-    half_width: float
-    datum: float | None = None
-
     def __post_init__(self) -> None:
-        self._check("amplitude", "wavelength")
+        super().__post_init__()
         between("half_width", self.half_width, 0.0, 0.5 * self.wavelength)
 
     @property

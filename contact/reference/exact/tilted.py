@@ -43,7 +43,7 @@ class TiltedZone(Pressed):
     zones : array, (1, 2)
         The ends [m]; beside them `zone_widths` [m] and `zone_loads` [N/m], both (1,).
     pressure, gap, displacement, height, slope : callable
-        p [Pa], gap [m], u [m] into the body, f [m] and f' - tilt at positions x [m] of any shape.
+        p [Pa], gap [m], u [m] into the body, f [m] of the body as it is given and f' - tilt as it stands, at positions x [m] of any shape.
     pressure_at : callable
         p [Pa] at normalised positions t in [-1, 1] of the zone.
 
@@ -77,14 +77,6 @@ class TiltedZone(Pressed):
     def max_pressure(self) -> float:
         """Peak pressure [Pa]; inf where there is a corner or a tip in the zone."""
         return inf
-
-    def height(self, x: ArrayLike) -> Array:
-        """f(x) [m] of the body as it is given, f(0) = 0."""
-        raise NotImplementedError
-
-    def slope(self, x: ArrayLike) -> Array:
-        """f'(x) - tilt, as the body stands."""
-        raise NotImplementedError
 
     def _pressure(self, left: Array, right: Array) -> Array:
         """p at distances from the ends over the half width, left + right = 2."""
@@ -171,7 +163,7 @@ class TiltedParabola(TiltedZone):
     datum: float | None = None
 
     def __post_init__(self) -> None:
-        self._check("radius", "half_width")
+        self._check("radius", "E_star", "half_width")
         finite("tilt", self.tilt)
 
     @property
@@ -260,7 +252,7 @@ class TiltedWedge(TiltedZone):
     datum: float | None = None
 
     def __post_init__(self) -> None:
-        self._check("wedge_slope", "half_width")
+        self._check("wedge_slope", "E_star", "half_width")
         finite("tilt", self.tilt)
         if abs(self.tilt) >= self.wedge_slope:
             raise OutOfRange(f"tilt = {self.tilt:.6g}: a wedge of slope {self.wedge_slope:.6g} turned so far lies on its flank")
@@ -393,7 +385,7 @@ class TiltedPunch(TiltedZone):
     datum: float | None = None
 
     def __post_init__(self) -> None:
-        self._check("corner", "load")
+        self._check("corner", "E_star", "load")
         finite("moment", self.moment)
         if not abs(self.moment) < self.load * self.corner:
             raise OutOfRange(f"moment = {self.moment:.6g} N: the load's centre is not between the corners")

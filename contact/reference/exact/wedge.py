@@ -14,13 +14,11 @@ from contact.reference.exact import base
 from contact.reference.exact.base import Array, arccos1m, arcosh1p, half_width_from_sine, sine
 
 
+@dataclass(frozen=True)
 class _Wedge(base.SymmetricZone):
     """What the two share: the profile, and the forms, in which alone sin(pi x/L) is x and cos A is 1."""
 
     wedge_slope: float
-
-    def __post_init__(self) -> None:
-        self._check("wedge_slope")
 
     def _height(self, r: Array) -> Array:
         return self.wedge_slope * r
@@ -42,7 +40,7 @@ class _Wedge(base.SymmetricZone):
 
 
 @dataclass(frozen=True)
-class IsolatedWedge(_Wedge, base.IsolatedZone):
+class IsolatedWedge(base.IsolatedZone, _Wedge):
     """A wedge f = slope |x| alone: p = (E* slope/pi) arcosh(a/|x|), P = E* slope a,
 
     gap = (2 slope/pi)(x arccos(a/x) - a arcosh(x/a)), approach = (2 slope a/pi)(ln(2d/a) + 1).
@@ -81,11 +79,6 @@ class IsolatedWedge(_Wedge, base.IsolatedZone):
     True
     """
 
-    wedge_slope: float
-    E_star: float
-    half_width: float
-    datum: float | None = None
-
     @classmethod
     def _half_width_for(cls, load: float, **shape: float) -> float:
         return load / (shape["E_star"] * shape["wedge_slope"])
@@ -103,7 +96,7 @@ class IsolatedWedge(_Wedge, base.IsolatedZone):
 
 
 @dataclass(frozen=True)
-class PeriodicWedge(_Wedge, base.PeriodicZone):
+class PeriodicWedge(base.PeriodicZone, _Wedge):
     """A wedge in a row (Block & Keer 2008), u = pi x/L, A = pi a/L:
 
     (25) p = (E* slope/pi) arcosh(tan A/tan|u|),   mean pressure = (E* slope/pi) artanh(sin A),
@@ -144,11 +137,6 @@ class PeriodicWedge(_Wedge, base.PeriodicZone):
     >>> bool(np.isclose(row.mean_pressure, 1e7 / np.pi * np.arctanh(np.sin(np.pi / 4))))
     True
     """
-
-    wedge_slope: float
-    period: float
-    E_star: float
-    half_width: float
 
     @classmethod
     def _half_width_for(cls, load: float, **shape: float) -> float:
