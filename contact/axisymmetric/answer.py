@@ -138,14 +138,14 @@ class Spot(sie.Kept):
         for strength, around in self.surface.nominal:
             flat = flat + strength / pi * np.arctan(np.sqrt(square / ((around.circle - a) * (around.circle + a))))
         if self.surface.sources:
-            nodes, weights = self._gauss
+            bend, nodes, weights = self._bend
             place = (r[:, None] ** 2 + square[:, None] * nodes**2) / a**2
-            flat = flat + np.sqrt(square) / pi * (chebyshev.chebval(2.0 * place - 1.0, self._bend) @ weights)
+            flat = flat + np.sqrt(square) / pi * (chebyshev.chebval(2.0 * place - 1.0, bend) @ weights)
         return np.asarray(self.E_star * flat)
 
     @cached_property
-    def _bend(self) -> Array:
-        """e'(x)/x as Chebyshev series in x^2/a^2; its singularity, the neighbours' rim, sets the degree."""
+    def _bend(self) -> tuple[Array, Array, Array]:
+        """e'(x)/x as Chebyshev series in x^2/a^2, of a degree set by its singularity, the neighbours' rim, and Gauss's rule on (0, 1) for it."""
         rim = 2.0 * (self.reach / self.radius) ** 2 - 1.0
         degree = min(400, 8 + int(36.0 / log(rim + sqrt(rim**2 - 1.0))))
 
@@ -153,12 +153,8 @@ class Spot(sie.Kept):
             x = self.radius * np.sqrt(0.5 * (1.0 + z))
             return self.surface.kept_slope(x) / x
 
-        return np.asarray(chebyshev.chebinterpolate(bend, degree))  # type: ignore[type-var]
-
-    @cached_property
-    def _gauss(self) -> tuple[Array, Array]:
-        nodes, weights = np.polynomial.legendre.leggauss(self._bend.size)
-        return 0.5 * (1.0 + nodes), 0.5 * weights
+        nodes, weights = np.polynomial.legendre.leggauss(degree + 1)
+        return np.asarray(chebyshev.chebinterpolate(bend, degree)), 0.5 * (1.0 + nodes), 0.5 * weights  # type: ignore[type-var]
 
     @property
     def max_pressure(self) -> float:

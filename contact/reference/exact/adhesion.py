@@ -18,8 +18,6 @@ from contact.reference.exact.parabola import HertzLine
 from contact.reference.exact.roots import root, roots
 from contact.reference.exact.sinusoid import Westergaard
 
-STABLE, NARROW, WIDE, LAST = "stable", "narrow", "wide", "last"
-
 
 class AdhesiveZone(SymmetricZone):
     """One zone |x| <= a under adhesion, made of the frictionless `zone` of the same half width; the base of its solutions.
@@ -171,7 +169,7 @@ class Equilibria(Generic[State]):
         """The state in which unloading tears the surfaces apart: the least load, or the least approach + M load.
 
         OutOfRange where no part of the curve is stable."""
-        return self.at(self._part(STABLE, machine_compliance)[0])
+        return self.at(self._part("stable", machine_compliance)[0])
 
     def _parts(self, machine_compliance: float) -> tuple[list[tuple[float, float]], list[bool]]:
         """(parts of the curve between turning points, whether each is stable)."""
@@ -181,19 +179,19 @@ class Equilibria(Generic[State]):
         return parts, [self._rate(0.5 * (lo + hi), machine_compliance) > 0.0 for lo, hi in parts]
 
     def _part(self, branch: str, machine_compliance: float) -> tuple[float, float]:
-        one_of("branch", branch, (NARROW, STABLE, WIDE, LAST))
         parts, grows = self._parts(machine_compliance)
         first = grows.index(True) if True in grows else len(parts)
-        number = {NARROW: first - 1, STABLE: first, WIDE: first + 1, LAST: len(parts) - 1}[branch]
-        if (first == len(parts) and branch != LAST) or not 0 <= number < len(parts):
+        numbers = {"narrow": first - 1, "stable": first, "wide": first + 1, "last": len(parts) - 1}
+        number = numbers[one_of("branch", branch, numbers)]
+        if (first == len(parts) and branch != "last") or not 0 <= number < len(parts):
             raise OutOfRange(f"the {branch} branch does not exist for this work of adhesion")
         return parts[number]
 
-    def at_load(self, load: float, branch: str = STABLE) -> State:
+    def at_load(self, load: float, branch: str = "stable") -> State:
         """The equilibrium at a load (per period) on one of the branches under load control; OutOfRange if none."""
         return self._solve("load", finite("load", load), branch, inf)
 
-    def at_approach(self, approach: float, branch: str = STABLE) -> State:
+    def at_approach(self, approach: float, branch: str = "stable") -> State:
         """The equilibrium at an approach on one of the branches under approach control; OutOfRange if none."""
         return self._solve("approach", finite("approach", approach), branch, 0.0)
 

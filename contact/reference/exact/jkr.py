@@ -9,6 +9,7 @@ Cylinder: M. Barquins, J. Adhesion 26 (1988) 1-12, doi 10.1080/00218468808075464
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 from math import pi, sqrt
 
 import numpy as np
@@ -74,7 +75,7 @@ class JKRZone(AdhesiveZone):
         """sqrt(E* w/pi): p ~ -intensity/sqrt(d) at the distance d from an end [Pa m^(1/2)]."""
         return sqrt(self.E_star * self.work / pi)
 
-    @property
+    @cached_property
     def punch(self) -> IsolatedPunch | PeriodicPunch:
         """The flat punch whose pressure is taken off."""
         a, modulus = self.half_width, self.E_star

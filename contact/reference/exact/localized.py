@@ -162,13 +162,8 @@ class LocalizedZone(SymmetricZone):
         if float(self.load_rate(np.array(self.half_width))) < 0.0:
             raise OutOfRange(f"half_width = {self.half_width:.6g} m is out of range: p < 0 at the ends")
 
-    @property
-    def half_width(self) -> float:  # type: ignore[override]
-        return self.isolated.half_width
-
-    @property
-    def E_star(self) -> float:  # type: ignore[override]
-        return self.isolated.E_star
+    half_width = property(lambda self: self.isolated.half_width)  # type: ignore[assignment]
+    E_star = property(lambda self: self.isolated.E_star)  # type: ignore[assignment]
 
     @property
     def nominal_load(self) -> float:
@@ -200,15 +195,9 @@ class LocalizedZone(SymmetricZone):
     def _gap(self, e: Array) -> Array:
         return abel_gap(self.load_rate, self.half_width, np.minimum(e, 0.5 * self.period - self.half_width), self.E_star)
 
-    @property
-    def approach(self) -> float | None:
-        """None: the closures do not fix a common level of u."""
-        return None
-
-    @property
-    def stiffness(self) -> float | None:
-        """None, as the approach."""
-        return None
+    # The closures do not fix a common level of u.
+    approach = property(lambda self: None)
+    stiffness = property(lambda self: None)
 
 
 def _load(isolated: Isolated, period: float, closure: str) -> float:

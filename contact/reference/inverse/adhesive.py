@@ -100,9 +100,6 @@ class AdhesiveDesign(GivenZones):
     (True, True)
     """
 
-    zones: Array
-    E_star: float
-    load: float
     work: float
     period: float | None = None
 

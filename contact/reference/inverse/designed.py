@@ -109,14 +109,13 @@ def exp_of_power_sums(q: NDArray[np.inexact]) -> NDArray[np.complexfloating]:
     return s
 
 
+@dataclass(frozen=True, eq=False)
 class GivenZones(Zoned):
     """A subclass has the profile, the loads of the zones, and the formulas in its distances dl, dr from the ends of an interval."""
 
-    # Annotations only: a subclass has them as its fields.
     zones: Array
     E_star: float
     load: float
-    period: float | None
 
     def _check(self) -> None:
         keep(self, positive_or_none, "period")
@@ -297,9 +296,6 @@ class DesignedContact(GivenZones):
     True
     """
 
-    zones: Array
-    E_star: float
-    load: float
     period: float | None = None
 
     def __post_init__(self) -> None:
