@@ -145,7 +145,7 @@ class Spot(sie.Kept):
 
     @cached_property
     def _bend(self) -> tuple[Array, Array, Array]:
-        """e'(x)/x as Chebyshev series in x^2/a^2, of a degree set by its singularity, the neighbours' rim, and Gauss's rule on (0, 1) for it."""
+        """e'(x)/x as Chebyshev series in x^2/a^2, its degree set by the neighbours' rim, where it is singular; and Gauss's rule for it."""
         rim = 2.0 * (self.reach / self.radius) ** 2 - 1.0
         degree = min(400, 8 + int(36.0 / log(rim + sqrt(rim**2 - 1.0))))
 

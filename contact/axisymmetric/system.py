@@ -119,7 +119,7 @@ class Linear:
         self.smooth = {j: (radii[j] * self.unit, 2.0 * radii[j] * self.weight) for j in self.active}
         self.rough = {j: self._rough(j) for j in self.active}
         every = np.eye(self.size + 1)
-        self.w = {j: self._displaced(j, self.smooth[j][0], every[self.at_e[j]]) for j in self.active}
+        self.w = {j: self.displaced(j, self.smooth[j][0], every[self.at_e[j]]) for j in self.active}
 
     def _rough(self, j: int) -> tuple[Array, Array]:
         """Nodes and 2 x weights x -g."""
@@ -127,7 +127,7 @@ class Linear:
         nodes, weights = panels([0.0, *(min(b, a) for b in profile.breakpoints), a])
         return nodes, -2.0 * weights * profile.line(nodes)
 
-    def _displaced(self, j: int, x: Array, e: Array) -> Array:
+    def displaced(self, j: int, x: Array, e: Array) -> Array:
         """w_j(x) but for g_j, by e_j(x): rows."""
         rows = -e
         rows[:, self.at_delta] += 1.0
@@ -136,7 +136,7 @@ class Linear:
             rows[:, self.at_force[k]] += 2.0 * self.kinds[k].density * self.kinds[j].around[k].outside(x)
         return rows
 
-    def _e(self, j: int, x: Array) -> Array:
+    def e(self, j: int, x: Array) -> Array:
         """e_j(x): rows."""
         rows = np.zeros((x.size, self.size + 1))
         for i in self.active:
@@ -146,12 +146,6 @@ class Linear:
                 rows += both_sides(kernel.value, x, t) * weights @ self.w[i] / (2.0 * pi)
                 rows[:, -1] += both_sides(kernel.value, x, s) @ rough / (2.0 * pi)
         return rows
-
-    def edge_row(self, j: int, x: float) -> tuple[Array, float]:
-        """delta - d_j - e_j(x) + nominal terms, as a row and a constant: w_j(x) but for g_j."""
-        at = np.array([x])
-        row = self._displaced(j, at, self._e(j, at))[0]
-        return row[:-1], float(row[-1])
 
     def row(self, at: Mapping[int, float]) -> Array:
         """A row over the unknowns, zero elsewhere."""
@@ -164,7 +158,7 @@ class Linear:
         for j in self.active:
             at, row, kind, a = self.at_e[j], self.at_force[j], self.kinds[j], float(self.radii[j])
             x, weights = self.smooth[j]
-            e = self._e(j, x)
+            e = self.e(j, x)
             matrix[at], right[at] = -e[:, :-1], e[:, -1]
             matrix[at, at] += np.eye(x.size)
             # P_j/E* = int w_j
@@ -224,9 +218,9 @@ def closed_edge(kind: int) -> Condition:
     """w_j(a_j) = 0 at the radius given; of a kind that carries nothing yet at its tip, which is on the deformed surface."""
 
     def row(linear: Linear) -> tuple[Array, float]:
-        a = float(linear.radii[kind])
-        value, constant = linear.edge_row(kind, a)
-        return value, (float(linear.kinds[kind].profile.line(a)) if a else 0.0) - constant
+        at = linear.radii[[kind]]
+        rows = linear.displaced(kind, at, linear.e(kind, at))[0]
+        return rows[:-1], (float(linear.kinds[kind].profile.line(at)[0]) if at[0] else 0.0) - float(rows[-1])
 
     return row
 

@@ -155,15 +155,19 @@ class Equilibria(Generic[State]):
 
     def _rate(self, parameter: float, machine_compliance: float) -> float:
         load, approach = self._rates(parameter)
-        return load if machine_compliance == inf else approach + machine_compliance * load
+        if machine_compliance == inf:
+            return load
+        if not (isfinite(machine_compliance) and machine_compliance >= 0.0):
+            raise SceneError.of("machine_compliance", machine_compliance, "a number >= 0, or inf for a held load")
+        return approach + machine_compliance * load
 
     def is_stable(self, parameter: float, machine_compliance: float = inf) -> bool:
         """Whether the equilibrium is stable (inf: under a held load, 0: under a held approach)."""
-        return self._rate(parameter, _compliance(machine_compliance)) > 0.0
+        return self._rate(parameter, machine_compliance) > 0.0
 
     def turning_points(self, machine_compliance: float = inf) -> list[float]:
         """Parameters where stability is lost or gained, ascending."""
-        return roots(lambda s: self._rate(s, _compliance(machine_compliance)), self._samples())
+        return roots(lambda s: self._rate(s, machine_compliance), self._samples())
 
     def pull_off(self, machine_compliance: float = inf) -> State:
         """The state in which unloading tears the surfaces apart: the least load, or the least approach + M load.
@@ -220,36 +224,28 @@ class Equilibria(Generic[State]):
         load = finite("load", load)
         parts = self._stable_parts()
         reached = [i for i, part in enumerate(parts) if part[3] >= max(load, 0.0)]
-        return self._lowered(parts[: reached[0] + 1], load) if reached else self._lowered(None, load)
+        return self._lowered(parts[: reached[0] + 1], load) if reached else None
 
     def receding(self, load: float) -> State | None:
         """The state reached by lowering the load from the greatest contact; None: full contact. OutOfRange past pull-off."""
         load = finite("load", load)
         parts = self._stable_parts()
-        return self._lowered(None if self.stays_closed or not parts or load > parts[-1][3] else parts, load)
+        return None if self.stays_closed or not parts or load > parts[-1][3] else self._lowered(parts, load)
 
     # Whether full contact, once reached, opens at no load.
     stays_closed = False
 
-    def _lowered(self, parts: list[tuple[float, float, float, float]] | None, load: float) -> State | None:
-        """From the last of the parts down to the load; None (full contact) without parts."""
-        for lo, hi, least, most in reversed(parts or []):
+    def _lowered(self, parts: list[tuple[float, float, float, float]], load: float) -> State:
+        """From the last of the parts down to the load."""
+        for lo, hi, least, most in reversed(parts):
             if least <= load <= most:
                 return self.at(root(lambda s: self.at(s).load - load, lo, hi))
-        if parts is None:
-            return None
         raise OutOfRange(f"load = {load:.6g} N/m is out of range: pull-off is at {min(part[2] for part in parts):.6g} N/m")
 
     def all_at_load(self, load: float) -> list[State]:
         """Every equilibrium at a load, stable or not, in the order of the parameter."""
         load = finite("load", load)
         return [self.at(s) for s in roots(lambda s: self.at(s).load - load, self._samples())]
-
-
-def _compliance(machine_compliance: float) -> float:
-    if machine_compliance == inf or (isfinite(machine_compliance) and machine_compliance >= 0.0):
-        return machine_compliance
-    raise SceneError.of("machine_compliance", machine_compliance, "a number >= 0, or inf for a held load")
 
 
 @dataclass(frozen=True)
