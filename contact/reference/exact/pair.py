@@ -159,6 +159,7 @@ class EvenPair(Pair):
         """Peak pressure [Pa]: the best of many angles, and of closer ones about it."""
         return -least_value(lambda theta: -self.at_angle(theta), 0.0, pi, 2001)
 
+
 def _values(ratio: Ratio, middle: float, half: float, limit: float) -> Array:
     """G at Chebyshev nodes, as many as its distance from y = -1, where arctan v branches, and from the limit takes."""
     nearest = min(1.0 + middle, limit - middle) / half
