@@ -194,6 +194,7 @@ class DugdaleZone(_DugdaleState):
 
     def rates(self) -> tuple[float, float]:
         """d load/dc and d approach/dc along the curve of equilibria of this work (approach: nan without a datum)."""
+        # l, r and dB/dc of the head of this file.
         a, c, length = self.half_width, self.cohesive_end, self.period
         widening = float(arcosh1p(sine_excess(a, c - a, length)))
         # tan C/tan A - 1 = sin(C - A)/(cos C sin A)
