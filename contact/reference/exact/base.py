@@ -68,8 +68,8 @@ def zone_potential(z_minus_1: ArrayLike) -> Array:
 
 def integrated(function: Callable[[Array, Array], Array], length: ArrayLike) -> Array:
     """int_0^length of a function of the distances from both ends, by the double-exponential rule; lengths of any shape."""
-    length = np.asarray(length, dtype=np.float64)[..., None]
-    return np.asarray(np.sum(length * WEIGHT * function(length * FROM_LEFT, length * FROM_RIGHT), axis=-1))
+    length = np.asarray(length, dtype=np.float64)
+    return np.asarray(length * (function(length[..., None] * FROM_LEFT, length[..., None] * FROM_RIGHT) @ WEIGHT))
 
 
 def check_number(zone: int, count: int = 1) -> None:
