@@ -7,6 +7,7 @@ r"""A solved spot: pressure, gap and displacement from the Abel transforms, and 
 p_f the profile's own, e and A as in `system`. All is the mean over the angle; displacements count from the mean plane.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import inf, isinf, log, pi, sqrt
@@ -23,7 +24,7 @@ from contact.axisymmetric.system import Surface
 from contact.errors import OutOfRange, SceneError
 from contact.model.checks import finite_array
 from contact.reference.exact.base import least_value
-from sie import Array
+from sie import Array, Mask
 
 _ROWS = 64  # radii taken together: bounds the memory of a field
 _SAMPLES = 48
@@ -128,27 +129,23 @@ class Spot(sie.Kept):
     def pressure(self, r: ArrayLike) -> Array:
         """p(r) [Pa], 0 outside the spot."""
         r = np.abs(finite_array("r", r, None))
-        inside = r < self.radius
-        total = np.zeros(r.shape)
-        if np.any(inside):
-            total[inside] = self._pressure(r[inside])
-        return total
+        return _where(r < self.radius, r, self._pressure)
 
     def _pressure(self, r: Array) -> Array:
         a = self.radius
-        flat = np.concatenate([self.profile.pressure_shape(part, a) for part in _parts(r)])
+        flat = self.profile.pressure_shape(r, a)
         square = (a - r) * (a + r)
         for strength, around in self.surface.nominal:
             flat = flat + strength / pi * np.arctan(np.sqrt(square / ((around.circle - a) * (around.circle + a))))
         if self.surface.sources:
-            nodes, weights = self._gauss
+            bend, nodes, weights = self._bend
             place = (r[:, None] ** 2 + square[:, None] * nodes**2) / a**2
-            flat = flat + np.sqrt(square) / pi * (chebyshev.chebval(2.0 * place - 1.0, self._bend) @ weights)
+            flat = flat + np.sqrt(square) / pi * (chebyshev.chebval(2.0 * place - 1.0, bend) @ weights)
         return np.asarray(self.E_star * flat)
 
     @cached_property
-    def _bend(self) -> Array:
-        """e'(x)/x as Chebyshev series in x^2/a^2; its singularity, the neighbours' rim, sets the degree."""
+    def _bend(self) -> tuple[Array, Array, Array]:
+        """e'(x)/x as Chebyshev series in x^2/a^2, its degree set by the neighbours' rim, where it is singular; and Gauss's rule for it."""
         rim = 2.0 * (self.reach / self.radius) ** 2 - 1.0
         degree = min(400, 8 + int(36.0 / log(rim + sqrt(rim**2 - 1.0))))
 
@@ -156,18 +153,13 @@ class Spot(sie.Kept):
             x = self.radius * np.sqrt(0.5 * (1.0 + z))
             return self.surface.kept_slope(x) / x
 
-        return np.asarray(chebyshev.chebinterpolate(bend, degree))  # type: ignore[type-var]
-
-    @cached_property
-    def _gauss(self) -> tuple[Array, Array]:
-        nodes, weights = np.polynomial.legendre.leggauss(self._bend.size)
-        return 0.5 * (1.0 + nodes), 0.5 * weights
+        nodes, weights = np.polynomial.legendre.leggauss(degree + 1)
+        return np.asarray(chebyshev.chebinterpolate(bend, degree)), 0.5 * (1.0 + nodes), 0.5 * weights  # type: ignore[type-var]
 
     @property
     def max_pressure(self) -> float:
         """Peak pressure [Pa]; inf under a point or an edge."""
-        edges = self.profile.breakpoints[self.profile.jumps != 0]
-        if self.profile.pointed(self.radius) or np.any(edges < self.radius):
+        if self.profile.pointed(self.radius) or self.profile.edges(self.radius):
             return inf
         return -least_value(lambda r: -self.pressure(r), 0.0, self.radius, 129)
 
@@ -176,11 +168,7 @@ class Spot(sie.Kept):
         r = np.abs(finite_array("r", r, None))
         if np.any(r > self.reach):
             raise SceneError.of("r", float(np.max(r)), f"at most {self.reach:.17g}: there the neighbours begin")
-        total = np.zeros(r.shape)
-        outside = r > self.radius
-        if np.any(outside):
-            total[outside] = np.concatenate([self._gap(part) for part in _parts(r[outside])])
-        return total
+        return _where(r > self.radius, r, self._gap)
 
     def _gap(self, r: Array) -> Array:
         breaks = [np.arcsin(np.clip(b / r, self.radius / r, 1.0)) for b in self.profile.breakpoints]
@@ -216,5 +204,9 @@ class Spot(sie.Kept):
             raise OutOfRange(f"contact is not one circle: the surfaces would meet again at r = {r[at]:.6g} m")
 
 
-def _parts(r: Array) -> list[Array]:
-    return [r[k : k + _ROWS] for k in range(0, r.size, _ROWS)]
+def _where(chosen: Mask, r: Array, function: Callable[[Array], Array]) -> Array:
+    """A function at the radii chosen, so many at a time; 0 at the others."""
+    total, some = np.zeros(r.shape), r[chosen]
+    if some.size:
+        total[chosen] = np.concatenate([function(some[k : k + _ROWS]) for k in range(0, some.size, _ROWS)])
+    return total

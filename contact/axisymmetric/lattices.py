@@ -131,24 +131,24 @@ class Lattice:
 
     def neighbours(self, rings: int) -> tuple[Array, NDArray[np.int64]]:
         """Distances [m] of the first `rings` rings, and how many spots each has."""
-        radii, counts = group(self.reaching([(0.0, 0.0)], rings))
-        return radii[:rings] * self.spacing, counts[:rings]
+        radii, counts = self._first_rings([(0.0, 0.0)], rings)
+        return radii * self.spacing, counts
 
-    def reaching(self, shifts: list[Site], rings: int) -> Array:
-        """All distances/l of the lattice's points moved by the shifts, far enough to hold that many rings."""
-        reach = 1.0 + sqrt(rings)
-        while True:
-            found = np.sort(np.concatenate([self.distances(s, reach) for s in shifts]))
-            if len(group(found)[0]) > rings:
-                return found
+    def rings(self, shifts: list[Site], reach: float) -> tuple[Array, NDArray[np.int64]]:
+        """Radius/l and number of spots of the rings up to a reach, of the lattice's points moved by all the shifts."""
+        found = np.sort(np.concatenate([self.distances(s, reach) for s in shifts]))
+        first = np.flatnonzero(np.diff(found, prepend=-1.0) > _SAME)
+        return found[first], np.diff(np.append(first, found.size))
+
+    def _first_rings(self, shifts: list[Site], count: int) -> tuple[Array, NDArray[np.int64]]:
+        reach = 1.0 + sqrt(count)
+        while len((found := self.rings(shifts, reach))[0]) <= count:
             reach *= 1.5
+        return found[0][:count], found[1][:count]
 
     def cut(self, shifts: list[Site], rings: float) -> float:
         """Distance/l of the last ring kept, rings counted over the lattice's points moved by all the shifts; inf: all are kept."""
-        if rings == 0 or isinf(rings):
-            return rings
-        radii, _ = group(self.reaching(shifts, int(rings)))
-        return float(radii[int(rings) - 1])
+        return rings if rings == 0 or isinf(rings) else float(self._first_rings(shifts, int(rings))[0][-1])
 
     def holds(self, shift: Site) -> bool:
         """Whether it is a point of the lattice, in fractions of the unit vectors."""
@@ -186,9 +186,7 @@ class Hexagonal(Lattice):
     (True, [6, 6, 6])
     """
 
-    @property
-    def unit_basis(self) -> Array:
-        return np.array([[1.0, 0.0], [0.5, 0.5 * sqrt(3.0)]])
+    unit_basis = np.array([[1.0, 0.0], [0.5, 0.5 * sqrt(3.0)]])  # type: ignore[assignment]
 
 
 @dataclass(frozen=True)
@@ -221,15 +219,7 @@ class Square(Lattice):
     (True, [4, 4, 4, 8])
     """
 
-    @property
-    def unit_basis(self) -> Array:
-        return np.eye(2)
-
-
-def group(distances: Array) -> tuple[Array, NDArray[np.int64]]:
-    """Ascending distances gathered into rings: radius and number of each."""
-    first = np.flatnonzero(np.diff(distances, prepend=-1.0) > _SAME)
-    return distances[first], np.diff(np.append(first, distances.size))
+    unit_basis = np.eye(2)  # type: ignore[assignment]
 
 
 def own_radius(density: float) -> float:

@@ -33,7 +33,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import erfc, gammaincc
 
-from contact.axisymmetric.lattices import Lattice, Site, group
+from contact.axisymmetric.lattices import Lattice, Site
 from sie import Array
 
 _NEAR = 3.5  # spacings: beyond, (x - t)^2/D^2 < 1/12
@@ -61,20 +61,16 @@ class NeighbourKernel:
 
     def value(self, y: ArrayLike) -> Array:
         y = np.asarray(y, dtype=np.float64)
-        total = np.polynomial.polynomial.polyval((y / self.spacing) ** 2, self.tail) / self.spacing
-        for radius, count in zip(self.radii, self.counts, strict=True):
-            total = total + count / np.sqrt((radius - y) * (radius + y))
-        return np.asarray(total)
+        far = np.polynomial.polynomial.polyval((y / self.spacing) ** 2, self.tail)
+        rings = zip(self.radii, self.counts, strict=True)
+        return np.asarray(sum((n / np.sqrt((r - y) * (r + y)) for r, n in rings), far / self.spacing))
 
     def slope(self, y: ArrayLike) -> Array:
         """K'(y)."""
         y = np.asarray(y, dtype=np.float64)
-        k = np.arange(1, self.tail.size)
-        series = np.polynomial.polynomial.polyval((y / self.spacing) ** 2, 2 * k * self.tail[1:])
-        total = series * y / self.spacing**3
-        for radius, count in zip(self.radii, self.counts, strict=True):
-            total = total + count * y / ((radius - y) * (radius + y)) ** 1.5
-        return np.asarray(total)
+        far = np.polynomial.polynomial.polyval((y / self.spacing) ** 2, 2 * np.arange(1, self.tail.size) * self.tail[1:])
+        rings = zip(self.radii, self.counts, strict=True)
+        return np.asarray(y * sum((n / ((r - y) * (r + y)) ** 1.5 for r, n in rings), far / self.spacing**3))
 
 
 @dataclass(frozen=True)
@@ -112,8 +108,7 @@ class Surroundings:
 def surroundings(lattice: Lattice, shifts: list[Site], cut: float) -> Surroundings:
     """Of the points of the lattice moved by the shifts: those within `cut` spacings kept, inf for all of them."""
     density = lattice.density * len(shifts)
-    kept = np.sort(np.concatenate([lattice.distances(s, min(cut, _NEAR) if isinf(cut) else cut) for s in shifts]))
-    radii, counts = group(kept)
+    radii, counts = lattice.rings(shifts, min(cut, _NEAR) if isinf(cut) else cut)
     near = radii <= _NEAR
     powers = -(2 * np.arange(_TERMS) + 1)
     if isinf(cut):
@@ -122,15 +117,14 @@ def surroundings(lattice: Lattice, shifts: list[Site], cut: float) -> Surroundin
         sums = whole - np.sum(counts * radii ** powers[:, None], axis=1)
     else:
         own = any(lattice.holds(s) for s in shifts)
-        circle = sqrt((kept.size + own) / (pi * density))
-        if not kept.size:
+        circle = sqrt((np.sum(counts) + own) / (pi * density))
+        if not radii.size:
             return Surroundings(None, circle, density)
         sums = np.sum(counts[~near] * radii[~near] ** powers[:, None], axis=1)
         # The mean 2 pi N A of the same load spread over the circle, so that no large constants meet later.
         sums[0] -= 2.0 * pi * density * circle * lattice.spacing
-    return Surroundings(
-        NeighbourKernel(radii[near] * lattice.spacing, counts[near], _BINOMIAL * sums, lattice.spacing), circle, density
-    )
+    kernel = NeighbourKernel(radii[near] * lattice.spacing, counts[near], _BINOMIAL * sums, lattice.spacing)
+    return Surroundings(kernel, circle, density)
 
 
 _REACH = 4.0  # in roots of the cell area: exp(-pi 16) is below rounding

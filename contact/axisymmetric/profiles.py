@@ -74,8 +74,7 @@ class AxisymmetricProfile(sie.Kept):
 
     def r_laplacian(self, r: ArrayLike) -> Array:
         """r times the Laplacian of f, (r f')' = f' + r f''."""
-        r = np.asarray(r, dtype=np.float64)
-        return self._octaves.derivative(r)
+        return self._octaves.derivative(np.asarray(r, dtype=np.float64))
 
     @cached_property
     def _octaves(self) -> Octaves:
@@ -98,6 +97,10 @@ class AxisymmetricProfile(sie.Kept):
         b = self.breakpoints
         return self.slope(np.nextafter(b, inf)) - self.slope(np.nextafter(b, 0.0))
 
+    def edges(self, a: float = inf) -> list[tuple[float, float]]:
+        """Breakpoints below a radius at which f' jumps, and by how much."""
+        return [(b, jump) for b, jump in zip(self.breakpoints, self.jumps, strict=True) if jump != 0 and b < a]
+
     def pointed(self, a: float) -> bool:
         """Whether f'(0+) is not 0, seen from a spot of radius a: the pressure at the tip is infinite."""
         tip, near, far = self.slope(a * np.array([1e-200, 1e-100, 0.5]))
@@ -113,7 +116,7 @@ class AxisymmetricProfile(sie.Kept):
         x = np.asarray(x, dtype=np.float64)
         r, weight = quarter(x, self.breakpoints)
         total = np.sum(weight * self.r_laplacian(r), axis=-1)
-        for b, jump in zip(self.breakpoints, self.jumps, strict=True):
+        for b, jump in self.edges():
             outside = x > b
             total = total + np.where(outside, b * jump / np.sqrt(np.where(outside, (x - b) * (x + b), 1.0)), 0.0)
         return np.asarray(total)
@@ -130,15 +133,14 @@ class AxisymmetricProfile(sie.Kept):
     def pressure_shape(self, r: ArrayLike, a: float) -> Array:
         """p(r)/E* of an isolated spot, 0 <= r <= a."""
         r = np.asarray(r, dtype=np.float64)
-        infinite = np.isin(r, self.breakpoints[(self.jumps != 0) & (self.breakpoints < a)])
-        infinite = infinite | ((r == 0) & self.pointed(a))
+        sharp = self.edges(a)
+        infinite = np.isin(r, [b for b, _ in sharp]) | ((r == 0) & self.pointed(a))
         safe = np.where(infinite, 0.5 * a, r)
         edges = np.sort(np.stack([np.broadcast_to(np.minimum(b, a), safe.shape) for b in (*self.breakpoints, safe)]), 0)
         s, weight = panels([np.zeros_like(safe), *edges, np.full_like(safe, a)])
         total = np.sum(weight * self.r_laplacian(s) * abel_kernel(safe[..., None], s, a), axis=-1)
-        for b, jump in zip(self.breakpoints, self.jumps, strict=True):
-            if b < a and jump != 0:
-                total = total + b * jump * abel_kernel(safe, np.full_like(safe, b), a)
+        for b, jump in sharp:
+            total = total + b * jump * abel_kernel(safe, b, a)
         return np.asarray(np.where(infinite, inf, total / pi))
 
 
@@ -159,29 +161,25 @@ def abel_kernel(r: ArrayLike, s: ArrayLike, a: float) -> Array:
 class Power(AxisymmetricProfile):
     """f = scale r^exponent in closed form: g = k f(x), k = sqrt(pi) Gamma(n/2 + 1)/Gamma((n + 1)/2); P = 2 E* n/(n + 1) a g(a)."""
 
-    @property
-    def _power(self) -> tuple[float, float]:
-        """(exponent n, scale)."""
-        raise NotImplementedError(f"{type(self).__name__} must define _power")
+    # Annotations only: a subclass has them as its fields or its own.
+    exponent: float
+    scale: float
 
     @property
     def _stretch(self) -> float:
-        n, _ = self._power
-        return sqrt(pi) * gamma(0.5 * n + 1.0) / gamma(0.5 * (n + 1.0))
+        return sqrt(pi) * gamma(0.5 * self.exponent + 1.0) / gamma(0.5 * (self.exponent + 1.0))
 
     def height(self, r: ArrayLike) -> Array:
-        n, scale = self._power
-        return np.asarray(scale * np.asarray(r, dtype=np.float64) ** n)
+        return np.asarray(self.scale * np.asarray(r, dtype=np.float64) ** self.exponent)
 
     def slope(self, r: ArrayLike) -> Array:
-        n, scale = self._power
-        return np.asarray(n * scale * np.asarray(r, dtype=np.float64) ** (n - 1.0))
+        return np.asarray(self.exponent * self.scale * np.asarray(r, dtype=np.float64) ** (self.exponent - 1.0))
 
     def r_laplacian(self, r: ArrayLike) -> Array:
-        return self._power[0] * self.slope(r)
+        return self.exponent * self.slope(r)
 
     def pointed(self, a: float) -> bool:
-        return self._power[0] == 1.0
+        return self.exponent == 1.0
 
     def line(self, x: ArrayLike) -> Array:
         return self._stretch * self.height(x)
@@ -190,8 +188,7 @@ class Power(AxisymmetricProfile):
         return self._stretch * self.slope(x)
 
     def load_integral(self, a: float) -> float:
-        n, _ = self._power
-        return float(2.0 * n / (n + 1.0) * a * self.line(a))
+        return float(2.0 * self.exponent / (self.exponent + 1.0) * a * self.line(a))
 
 
 @dataclass(frozen=True)
@@ -228,9 +225,8 @@ class Sphere(Power):
     def __post_init__(self) -> None:
         keep(self, positive, "radius")
 
-    @property
-    def _power(self) -> tuple[float, float]:
-        return 2.0, 0.5 / self.radius
+    exponent = 2.0
+    scale = property(lambda self: 0.5 / self.radius)  # type: ignore[assignment]
 
     def pressure_shape(self, r: ArrayLike, a: float) -> Array:
         r = np.asarray(r, dtype=np.float64)
@@ -274,9 +270,8 @@ class Cone(Power):
     def __post_init__(self) -> None:
         keep(self, positive, "steepness")
 
-    @property
-    def _power(self) -> tuple[float, float]:
-        return 1.0, self.steepness
+    exponent = 1.0
+    scale = property(lambda self: self.steepness)  # type: ignore[assignment]
 
     def pressure_shape(self, r: ArrayLike, a: float) -> Array:
         r = np.asarray(r, dtype=np.float64)
@@ -326,10 +321,6 @@ class PowerLaw(Power):
         object.__setattr__(self, "exponent", exponent)
         keep(self, positive, "scale")
 
-    @property
-    def _power(self) -> tuple[float, float]:
-        return self.exponent, self.scale
-
 
 @dataclass(frozen=True)
 class Revolved(AxisymmetricProfile):
@@ -371,20 +362,18 @@ class Revolved(AxisymmetricProfile):
     breaks: Sequence[float] = ()
 
     def __post_init__(self) -> None:
-        for field in ("height_of", "slope_of", "second"):
-            value = getattr(self, field)
-            if value is not None and not callable(value):
-                raise SceneError.of(field, value, "a callable of r, or left out")
+        given = [field for field in ("height_of", "slope_of", "second") if getattr(self, field) is not None]
+        for field in given:
+            if not callable(getattr(self, field)):
+                raise SceneError.of(field, getattr(self, field), "a callable of r, or left out")
         if self.height_of is None and self.slope_of is None:
             raise SceneError("height_of and slope_of are both left out: one of them must be given")
         breaks = tuple(sorted(positive("breaks", b) for b in self.breaks))
         if breaks and (self.slope_of is None or self.second is None):
             raise SceneError("breaks need slope_of and second: a difference across an edge is not a derivative")
         object.__setattr__(self, "breaks", breaks)
-        probe = np.array([0.25, 0.5])
-        for field in ("height_of", "slope_of", "second"):
-            if getattr(self, field) is not None:
-                self._called(field, probe)
+        for field in given:
+            self._called(field, np.array([0.25, 0.5]))
 
     def _called(self, field: str, r: Array) -> Array:
         """What the author's function makes of r, refused if it is not as many real numbers."""
@@ -411,10 +400,10 @@ class Revolved(AxisymmetricProfile):
         return np.asarray(self._octaves.r_slope(safe) / safe)
 
     def r_laplacian(self, r: ArrayLike) -> Array:
+        if self.second is None:
+            return super().r_laplacian(r)
         r = np.asarray(r, dtype=np.float64)
-        if self.second is not None:
-            return np.asarray(self.slope(r) + r * self._called("second", r))
-        return super().r_laplacian(r)
+        return np.asarray(self.slope(r) + r * self._called("second", r))
 
     @cached_property
     def _octaves(self) -> Octaves:

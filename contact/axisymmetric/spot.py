@@ -21,9 +21,10 @@ from contact.axisymmetric.answer import Spot
 from contact.axisymmetric.lattices import Density, Lattice, as_lattice, own_radius
 from contact.axisymmetric.neighbours import Surroundings, surroundings
 from contact.axisymmetric.profiles import AxisymmetricProfile, as_profile
-from contact.axisymmetric.system import Condition, Kind, Linear, State, closed_edge, force, refine_topology
+from contact.axisymmetric.system import Condition, Kind, Linear, State, closed_edge, force, refine_topology, touching
 from contact.errors import NotConverged, OutOfRange, SceneError
 from contact.model.checks import integer, positive
+from contact.reference.exact.roots import root
 from sie import Array
 
 _ALONE = Surroundings(None, 0.0, 0.0)
@@ -211,7 +212,7 @@ def settled(kinds: Sequence[Kind], start: Array, condition: Condition) -> Iterat
 def spot_of(j: int, kinds: Sequence[Kind], state: State, E_star: float, rings: float) -> Spot:
     """The spot of one kind in a solved system."""
     kind, reach = kinds[j], inf
-    for i in np.flatnonzero(state.radii > 0).tolist():
+    for i in touching(state.radii):
         seen = kind.around[i]
         if seen.kernel is not None:
             reach = min(reach, seen.kernel.nearest - float(state.radii[i]))
@@ -277,20 +278,14 @@ def first_radius(growing: Callable[[float], Any], target: float, scale: float) -
     """
     a = 1e-3 * scale
     # Of a steep flank far out rounding may leave less than nothing.
-    while not 0.0 <= growing(a) < target:
+    while not 0.0 <= growing(a) < target and a >= 1e-60 * scale:
         a *= 0.5
-        if a < 1e-60 * scale:
-            break
     last = growing(a)
     for _ in range(2000):
         new = growing(a * _GROW)
         if not np.isfinite(new) or new < last * (1.0 - 1e-9):
             raise OutOfRange(f"no spot carries this: what it carries falls beyond a radius of {a:.6g} m")
         if new >= target:
-            low, high = a, a * _GROW
-            for _ in range(40):
-                middle = 0.5 * (low + high)
-                low, high = (middle, high) if growing(middle) < target else (low, middle)
-            return 0.5 * (low + high)
+            return root(lambda radius: float(growing(radius)) - target, a, a * _GROW)
         a, last = a * _GROW, new
     raise OutOfRange("no spot of any size carries this load")

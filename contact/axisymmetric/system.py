@@ -52,14 +52,15 @@ class Source:
 
     def value(self, x: Array) -> Array:
         """Its part of e(x)."""
-        return self._sum(self.kernel.value, x)
+        return both_sides(self.kernel.value, x, self.nodes) @ self.weighted / (2.0 * pi)
 
     def slope(self, x: Array) -> Array:
-        return self._sum(self.kernel.slope, x)
+        return both_sides(self.kernel.slope, x, self.nodes) @ self.weighted / (2.0 * pi)
 
-    def _sum(self, function: Callable[[Array], Array], x: Array) -> Array:
-        both = function(x[..., None] - self.nodes) + function(x[..., None] + self.nodes)
-        return np.asarray(np.sum(self.weighted * both, axis=-1) / (2.0 * pi))
+
+def both_sides(function: Callable[[Array], Array], x: Array, t: Array) -> Array:
+    """function(x - t) + function(x + t), t along a new last axis."""
+    return np.asarray(function(x[..., None] - t) + function(x[..., None] + t))
 
 
 @dataclass(frozen=True)
@@ -71,8 +72,8 @@ class Surface:
 
     def value(self, x: ArrayLike) -> Array:
         x = np.asarray(x, dtype=np.float64)
-        kept = sum((source.value(x) for source in self.sources), np.zeros(x.shape))
-        return kept - sum((s * around.outside(x) for s, around in self.nominal), np.zeros(x.shape))
+        nominal = sum((s * around.outside(x) for s, around in self.nominal), np.zeros(x.shape))
+        return sum((source.value(x) for source in self.sources), -nominal)
 
     def slope(self, x: ArrayLike) -> Array:
         x = np.asarray(x, dtype=np.float64)
@@ -80,8 +81,7 @@ class Surface:
 
     def kept_slope(self, x: ArrayLike) -> Array:
         """That of the neighbours kept, without the nominal pressure: smooth up to D - a."""
-        x = np.asarray(x, dtype=np.float64)
-        return sum((source.slope(x) for source in self.sources), np.zeros(x.shape))
+        return sum((source.slope(np.asarray(x)) for source in self.sources), np.zeros(np.shape(x)))
 
 
 @dataclass(frozen=True)
@@ -100,11 +100,14 @@ Condition = Callable[["Linear"], tuple[Array, float]]
 
 
 class Linear:
-    """The linear system at given radii; the unknowns are e at the nodes of every touching kind, P/E*, and delta."""
+    """The linear system at given radii; the unknowns are e at the nodes of every touching kind, P/E*, and delta.
+
+    What is linear in them is kept as rows: the factors of the unknowns, and a constant last.
+    """
 
     def __init__(self, kinds: Sequence[Kind], radii: Array, n: int) -> None:
         self.kinds, self.radii = kinds, radii
-        self.active = [j for j in range(len(kinds)) if radii[j] > 0]
+        self.active = touching(radii)
         coupled = any(kind.around[i].kernel is not None for kind in kinds for i in self.active)
         self.unit, self.weight = half_gauss(n) if coupled else (np.empty(0), np.empty(0))
         m = self.unit.size
@@ -112,35 +115,37 @@ class Linear:
         self.at_force = {j: len(self.active) * m + k for k, j in enumerate(self.active)}
         self.at_delta = len(self.active) * (m + 1)
         self.size = self.at_delta + 1
-        self.smooth = {j: radii[j] * self.unit for j in self.active}
+        # w at nodes and 2 x weights: all of it but the profile's g, and that, which need not be smooth.
+        self.smooth = {j: (radii[j] * self.unit, 2.0 * radii[j] * self.weight) for j in self.active}
         self.rough = {j: self._rough(j) for j in self.active}
+        every = np.eye(self.size + 1)
+        self.w = {j: self.displaced(j, self.smooth[j][0], every[self.at_e[j]]) for j in self.active}
 
     def _rough(self, j: int) -> tuple[Array, Array]:
-        """Nodes and 2 x weights for the profile's g, which need not be smooth."""
-        a = float(self.radii[j])
-        breaks = [min(b, a) for b in self.kinds[j].profile.breakpoints]
-        nodes, weights = panels([0.0, *breaks, a])
-        return nodes, 2.0 * weights
+        """Nodes and 2 x weights x -g."""
+        a, profile = float(self.radii[j]), self.kinds[j].profile
+        nodes, weights = panels([0.0, *(min(b, a) for b in profile.breakpoints), a])
+        return nodes, -2.0 * weights * profile.line(nodes)
 
-    def displacement_rows(self, j: int, x: Array) -> tuple[Array, Array]:
-        """e_j(x) as rows over the unknowns, and a constant."""
-        rows, constant = np.zeros((x.size, self.size)), np.zeros(x.size)
+    def displaced(self, j: int, x: Array, e: Array) -> Array:
+        """w_j(x) but for g_j, by e_j(x): rows."""
+        rows = -e
+        rows[:, self.at_delta] += 1.0
+        rows[:, -1] -= self.kinds[j].depth
+        for k in self.active:
+            rows[:, self.at_force[k]] += 2.0 * self.kinds[k].density * self.kinds[j].around[k].outside(x)
+        return rows
+
+    def e(self, j: int, x: Array) -> Array:
+        """e_j(x): rows."""
+        rows = np.zeros((x.size, self.size + 1))
         for i in self.active:
             kernel = self.kinds[j].around[i].kernel
-            if kernel is None:
-                continue
-            t = self.smooth[i]
-            heavy = self.weight * self.radii[i] / pi
-            smooth = heavy * (kernel.value(x[:, None] - t) + kernel.value(x[:, None] + t))
-            rows[:, self.at_e[i]] -= smooth
-            rows[:, self.at_delta] += np.sum(smooth, axis=1)
-            for k in self.active:
-                strength = 2.0 * self.kinds[k].density
-                rows[:, self.at_force[k]] += strength * (smooth @ self.kinds[i].around[k].outside(t))
-            s, w = self.rough[i]
-            rough = w / (2.0 * pi) * (kernel.value(x[:, None] - s) + kernel.value(x[:, None] + s))
-            constant -= rough @ self.kinds[i].profile.line(s) + self.kinds[i].depth * np.sum(smooth, axis=1)
-        return rows, constant
+            if kernel is not None:
+                (t, weights), (s, rough) = self.smooth[i], self.rough[i]
+                rows += both_sides(kernel.value, x, t) * weights @ self.w[i] / (2.0 * pi)
+                rows[:, -1] += both_sides(kernel.value, x, s) @ rough / (2.0 * pi)
+        return rows
 
     def row(self, at: Mapping[int, float]) -> Array:
         """A row over the unknowns, zero elsewhere."""
@@ -148,27 +153,17 @@ class Linear:
         out[list(at)] = list(at.values())
         return out
 
-    def edge_row(self, j: int, x: float) -> tuple[Array, float]:
-        """delta - d_j - e_j(x) + nominal terms, as a row and a constant: w_j(x) but for g_j."""
-        rows, constant = self.displacement_rows(j, np.array([x]))
-        row = -rows[0]
-        row[self.at_delta] += 1.0
-        for k in self.active:
-            row[self.at_force[k]] += 2.0 * self.kinds[k].density * float(self.kinds[j].around[k].outside(x))
-        return row, -float(constant[0]) - self.kinds[j].depth
-
     def solve(self, condition: Condition) -> State:
         matrix, right = np.zeros((self.size, self.size)), np.zeros(self.size)
         for j in self.active:
-            at, a = self.at_e[j], float(self.radii[j])
-            rows, constant = self.displacement_rows(j, self.smooth[j])
-            matrix[at] = -rows
-            matrix[at, at] += np.eye(self.unit.size)
-            right[at] = constant
+            at, row, kind, a = self.at_e[j], self.at_force[j], self.kinds[j], float(self.radii[j])
+            x, weights = self.smooth[j]
+            e = self.e(j, x)
+            matrix[at], right[at] = -e[:, :-1], e[:, -1]
+            matrix[at, at] += np.eye(x.size)
             # P_j/E* = int w_j
-            row, kind = self.at_force[j], self.kinds[j]
             matrix[row, row] = 1.0
-            matrix[row, at] = 2.0 * a * self.weight
+            matrix[row, at] = weights
             matrix[row, self.at_delta] = -2.0 * a
             for k in self.active:
                 matrix[row, self.at_force[k]] -= 2.0 * self.kinds[k].density * kind.around[k].outside_integral(a)
@@ -186,29 +181,27 @@ class Linear:
 
     def _state(self, unknown: Array) -> State:
         delta = float(unknown[self.at_delta])
-        forces = np.zeros(len(self.kinds))
-        for j in self.active:
-            forces[j] = unknown[self.at_force[j]]
-        strength = [2.0 * kind.density * force for kind, force in zip(self.kinds, forces, strict=True)]
-        sources: dict[int, tuple[Array, Array]] = {}
-        for i in self.active if self.unit.size else []:
-            t, (s, w) = self.smooth[i], self.rough[i]
-            smooth = delta - self.kinds[i].depth - unknown[self.at_e[i]]
-            smooth = smooth + sum(strength[k] * self.kinds[i].around[k].outside(t) for k in self.active)
-            sources[i] = (
-                np.concatenate([t, s]),
-                np.concatenate([2.0 * self.radii[i] * self.weight * smooth, -w * self.kinds[i].profile.line(s)]),
-            )
-        surfaces, edges = [], np.zeros(len(self.kinds))
+        forces, edges = np.zeros(len(self.kinds)), np.zeros(len(self.kinds))
+        sources = {}
+        for i in self.active:
+            forces[i] = unknown[self.at_force[i]]
+            (t, weights), (s, rough) = self.smooth[i], self.rough[i]
+            sources[i] = np.concatenate([t, s]), np.concatenate([weights * (self.w[i] @ np.append(unknown, 1.0)), rough])
+        surfaces = []
         for j, kind in enumerate(self.kinds):
             seen = {i: kind.around[i] for i in self.active}
             acting = tuple(Source(*sources[i], around.kernel) for i, around in seen.items() if around.kernel is not None)
-            nominal = tuple((strength[i], around) for i, around in seen.items() if around.circle > 0)
+            nominal = tuple((2.0 * self.kinds[i].density * forces[i], around) for i, around in seen.items() if around.circle > 0)
             surfaces.append(Surface(acting, nominal))
             if j in self.active:
                 a = self.radii[j]
                 edges[j] = delta - kind.depth - float(kind.profile.line(a)) - float(surfaces[j].value(a))
         return State(self.radii.copy(), forces, edges, delta, tuple(surfaces))
+
+
+def touching(radii: Array) -> list[int]:
+    """The kinds that are in contact: of a radius."""
+    return [int(j) for j in np.flatnonzero(radii > 0)]
 
 
 def total_load(pressure_over_E: float) -> Condition:
@@ -225,9 +218,9 @@ def closed_edge(kind: int) -> Condition:
     """w_j(a_j) = 0 at the radius given; of a kind that carries nothing yet at its tip, which is on the deformed surface."""
 
     def row(linear: Linear) -> tuple[Array, float]:
-        a = float(linear.radii[kind])
-        value, constant = linear.edge_row(kind, a)
-        return value, (float(linear.kinds[kind].profile.line(a)) if a else 0.0) - constant
+        at = linear.radii[[kind]]
+        rows = linear.displaced(kind, at, linear.e(kind, at))[0]
+        return rows[:-1], (float(linear.kinds[kind].profile.line(at)[0]) if at[0] else 0.0) - float(rows[-1])
 
     return row
 
@@ -240,7 +233,7 @@ def approach(delta: float) -> Condition:
 def refine_topology(kinds: Sequence[Kind], start: Array, condition: Condition, n: int) -> State:
     """Newton's radii from a start; 0 marks a kind that does not touch."""
     radii = np.array(start, dtype=np.float64)
-    active = [int(j) for j in np.flatnonzero(radii > 0)]
+    active = touching(radii)
     trace = []
     for _ in range(_STEPS):
         state = Linear(kinds, radii, n).solve(condition)
@@ -255,13 +248,12 @@ def refine_topology(kinds: Sequence[Kind], start: Array, condition: Condition, n
         trace.append(float(np.max(np.abs(steps[active] / radii[active]))))
         if trace[-1] <= _SETTLED or rounding:
             return state
-        share = 1.0
-        while room(kinds, radii + share * steps) <= 0:
-            share *= 0.5
+        while room(kinds, radii + steps) <= 0:
+            steps *= 0.5
         # Not onto the limit itself: half of what is left, at most.
-        if room(kinds, radii + share * steps) < 0.25 * room(kinds, radii):
-            share *= 0.5
-        radii = radii + share * steps
+        if room(kinds, radii + steps) < 0.25 * room(kinds, radii):
+            steps *= 0.5
+        radii = radii + steps
         if room(kinds, radii) < 1e-7:
             raise OutOfRange("out of range: the spots would grow into their neighbours before this is reached")
     raise NotConverged(f"the radii have not settled in {_STEPS} steps (last {trace[-1]:.2e})", trace)
@@ -269,13 +261,12 @@ def refine_topology(kinds: Sequence[Kind], start: Array, condition: Condition, n
 
 def room(kinds: Sequence[Kind], radii: Array) -> float:
     """What is left, relative, before spots meet their neighbours or their circle; <= 0: they do."""
-    least = 1.0
-    active = [int(j) for j in np.flatnonzero(radii > 0)]
-    for j in active:
-        for i in active:
+    taken = [0.0]
+    for j in touching(radii):
+        for i in touching(radii):
             seen = kinds[j].around[i]
             if seen.kernel is not None:
-                least = min(least, 1.0 - (radii[j] + radii[i]) / seen.kernel.nearest)
+                taken.append((radii[j] + radii[i]) / seen.kernel.nearest)
             if seen.circle > 0:
-                least = min(least, 1.0 - radii[j] / seen.circle)
-    return float(least)
+                taken.append(radii[j] / seen.circle)
+    return float(1.0 - max(taken))

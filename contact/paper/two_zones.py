@@ -88,15 +88,10 @@ class LocalizedPair(TwoZones):
         inner, outer = self.pair.ends
         return (inner, outer) if self.centre == "pair" else (0.5 * self.period - outer, 0.5 * self.period - inner)
 
-    @property
-    def max_pressure(self) -> float:
-        """Peak pressure [Pa]."""
-        return self.pair.max_pressure
-
     def pressure(self, x: ArrayLike) -> Array:
         """p(x) [Pa] in the cell |x| < L/2; 0 outside the zones."""
         r = np.abs(np.asarray(x, dtype=float))
-        return self.pair.pressure(r if self.centre == "pair" else 0.5 * self.period - r)
+        return super().pressure(r if self.centre == "pair" else 0.5 * self.period - r)
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,10 @@ SPACINGS_A = (1.0, 0.25, 0.2)
 SPACINGS_B = (1.0, 0.5, 0.2)
 _SPHERE = Sphere(1.0)
 _COLOURS = ("#2f7fb5", "#d98e04", "#b3261e")
-_ALL = "all neighbours"
+# Rings of neighbours kept in their places, and lines.
+_FIRST, _ALL, _HERTZ = "(1)-(4)", "all neighbours", "Hertz"
+_RINGS = {_FIRST: 0, _ALL: inf}
+_LINES: dict[str, Any] = {_FIRST: "-", _ALL: "--", _HERTZ: (0, (1, 1))}
 
 
 def _solved(spacing: float, rings: float, **control: float) -> Spot | None:
@@ -28,31 +31,26 @@ def _solved(spacing: float, rings: float, **control: float) -> Spot | None:
 def figure_2a() -> Figure:
     """Pressure on one of many equal spots under a given load per spot."""
     alone = solve_spot(_SPHERE, 1.0, load=LOAD)
-    first = {s: _solved(s, 0, load=LOAD) for s in SPACINGS_A}
-    refined = {s: _solved(s, inf, load=LOAD) for s in SPACINGS_A}
-    radii = [alone.radius, *(s.radius for s in (*first.values(), *refined.values()) if s is not None)]
+    spots = {(name, s): _solved(s, rings, load=LOAD) for name, rings in _RINGS.items() for s in SPACINGS_A}
+    radii = [alone.radius, *(spot.radius for spot in spots.values() if spot is not None)]
     r = np.unique(np.concatenate([a * np.sin(np.linspace(0.0, 0.5 * pi, 81)) for a in radii]))
     columns: dict[str, Array] = {"r/R": r, "p/E* Hertz": alone.pressure(r)}
     said = [f"Hertz: a/R = {alone.radius:.6f}, peak {float(alone.pressure(0.0)):.6f} E*"]
-    for name, spots in (("(1)-(4)", first), (_ALL, refined)):
-        for spacing, spot in spots.items():
-            columns[f"p/E* {name} l/R={spacing}"] = np.full(r.shape, np.nan) if spot is None else spot.pressure(r)
-            if spot is None:
-                said.append(f"{name}, l/R = {spacing}: none, the spots would grow into one another")
-            else:
-                said.append(
-                    f"{name}, l/R = {spacing}: a/R = {spot.radius:.6f}, a/A = {spot.radius / spot.circle:.4f}, peak "
-                    f"{float(spot.pressure(0.0)):.6f} E*"
-                )
+    for (name, spacing), spot in spots.items():
+        columns[f"p/E* {name} l/R={spacing}"] = np.full(r.shape, np.nan) if spot is None else spot.pressure(r)
+        told = "none, the spots would grow into one another"
+        if spot is not None:
+            told = f"a/R = {spot.radius:.6f}, a/A = {spot.radius / spot.circle:.4f}, peak {float(spot.pressure(0.0)):.6f} E*"
+        said.append(f"{name}, l/R = {spacing}: {told}")
 
     def draw(figure: Any) -> None:
         axes = figure.subplots()
-        axes.plot(r, columns["p/E* Hertz"], color="#7a7a7a", linestyle=(0, (1, 1)), label="Hertz")
+        axes.plot(r, columns["p/E* Hertz"], color="#7a7a7a", linestyle=_LINES[_HERTZ], label=_HERTZ)
         for spacing, colour in zip(SPACINGS_A, _COLOURS, strict=True):
-            axes.plot(r, columns[f"p/E* (1)-(4) l/R={spacing}"], color=colour, label=f"(1)-(4), l/R = {spacing}")
-            if refined[spacing] is not None:
-                name = f"{_ALL}, l/R = {spacing}"
-                axes.plot(r, columns[f"p/E* {_ALL} l/R={spacing}"], color=colour, linestyle="--", label=name)
+            for name in _RINGS:
+                if spots[name, spacing] is not None:
+                    style = {"color": colour, "linestyle": _LINES[name], "label": f"{name}, l/R = {spacing}"}
+                    axes.plot(r, columns[f"p/E* {name} l/R={spacing}"], **style)
         label_panel(axes, "r/R", "p/E*", xlim=(0.0, None), ylim=(0.0, None))
 
     notes = (
@@ -69,7 +67,7 @@ def figure_2b() -> Figure:
     columns: dict[str, Array] = {"a/A": shares}
     said = []
     unit = {}
-    for name, rings in (("(1)-(4)", 0), (_ALL, inf)):
+    for name, rings in _RINGS.items():
         spots = [_solved(1.0, rings, spot_radius=float(a)) for a in shares * own_radius(Hexagonal(1.0).density)]
         unit[name] = np.array([np.nan if s is None else s.nominal_pressure for s in spots])
     for spacing in SPACINGS_B:
@@ -89,13 +87,13 @@ def figure_2b() -> Figure:
     def draw(figure: Any) -> None:
         left, right = figure.subplots(1, 2)
         for axes in (left, right):
-            for label, line in ((_ALL, "--"), ("Hertz", (0, (1, 1)))):
-                axes.plot([], [], color="black", linestyle=line, label=label)
+            for name in (_ALL, _HERTZ):
+                axes.plot([], [], color="black", linestyle=_LINES[name], label=name)
             for spacing, colour in zip(SPACINGS_B, _COLOURS, strict=True):
-                a = columns[f"a/R l/R={spacing}"]
-                axes.plot(columns[f"p/E* (1)-(4) l/R={spacing}"], a, color=colour, label=f"(1)-(4), l/R = {spacing}")
-                axes.plot(columns[f"p/E* {_ALL} l/R={spacing}"], a, color=colour, linestyle="--")
-                axes.plot(columns[f"p/E* Hertz l/R={spacing}"], a, color=colour, linestyle=(0, (1, 1)))
+                for name, line in _LINES.items():
+                    label = f"{name}, l/R = {spacing}" if name == _FIRST else None
+                    of_spacing = columns[f"p/E* {name} l/R={spacing}"], columns[f"a/R l/R={spacing}"]
+                    axes.plot(*of_spacing, color=colour, linestyle=line, label=label)
             label_panel(axes, r"$\bar p$/E*", "a/R", legend=axes is right)
         left.set(xlim=(0.0, 0.2), ylim=(0.0, 0.5))
         right.set(xscale="log", yscale="log", xlim=(1e-5, 1.0), ylim=(1e-2, 0.6))

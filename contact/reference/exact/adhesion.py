@@ -7,18 +7,16 @@ an equilibrium is stable where approach + M load grows along the curve in the di
 (K. L. Johnson, Int. J. Solids Struct. 32 (1995) 423-430, doi 10.1016/0020-7683(94)00111-9; with a machine, derived here).
 """
 
-from collections.abc import Callable
+from dataclasses import dataclass
 from math import inf, isfinite, nan
 from typing import Generic, TypeVar
 
-import numpy as np
-from scipy.optimize import brentq
-
 from contact.errors import OutOfRange, SceneError
-from contact.model.checks import finite, one_of
-from contact.reference.exact.base import FROM_LEFT, FROM_RIGHT, WEIGHT, Array, IsolatedZone, PeriodicZone, SymmetricZone
-
-STABLE, NARROW, WIDE, LAST = "stable", "narrow", "wide", "last"
+from contact.model.checks import finite, keep, one_of, positive, positive_or_none
+from contact.reference.exact.base import Array, IsolatedZone, PeriodicZone, SymmetricZone, integrated
+from contact.reference.exact.parabola import HertzLine
+from contact.reference.exact.roots import root, roots
+from contact.reference.exact.sinusoid import Westergaard
 
 
 class AdhesiveZone(SymmetricZone):
@@ -79,21 +77,25 @@ class AdhesiveZone(SymmetricZone):
     def _slope(self, r: Array) -> Array:
         return self.zone._slope(r)
 
-    def _compliance(self) -> float:
-        """d approach/d load at fixed a; SceneError where an isolated zone has no datum."""
-        compliance = self.punch_compliance
-        if compliance is None:
-            raise SceneError.of("datum", None, "a length > 0 where the approach of an isolated zone is asked for")
-        return compliance
+    # What a tension that moves no surface leaves: only the pressure is another.
+    def _gap(self, e: Array) -> Array:
+        return self.zone._gap(e)
+
+    def _approach(self) -> float:
+        return self.zone._approach()
 
     def _approach_rate(self, load: float, at_load: float) -> float:
         """Derivative of the approach, by those of the load and of the approach at a given load; nan without a datum."""
         return nan if self.punch_compliance is None else self.punch_compliance * load + at_load
 
+    def rates(self) -> tuple[float, float]:
+        """Derivatives of load and approach along the curve of equilibria of this work (approach: nan without a datum)."""
+        raise NotImplementedError
+
     @property
     def elastic_energy(self) -> float:
         """(1/2) int p u [J/m], per period if there is one; u as `displacement` has it."""
-        raise NotImplementedError
+        return frictionless_energy(self.zone)
 
     @property
     def surface_energy(self) -> float:
@@ -111,15 +113,12 @@ class AdhesiveZone(SymmetricZone):
         if self.period is None:
             return None
         half = 0.5 * self.period
-        return float(np.sum(WEIGHT * self.height(half * FROM_LEFT))) - self._approach()
+        return float(integrated(lambda x, _: self.height(x), half)) / half - self._approach()
 
 
 def frictionless_energy(zone: SymmetricZone) -> float:
-    """(1/2) int p (approach - f) of a frictionless zone, by a double-exponential rule."""
-    a, approach = zone.half_width, zone.approach
-    assert approach is not None
-    r, d = a * FROM_LEFT, a * FROM_RIGHT
-    return 0.5 * zone.load * approach - a * float(np.sum(WEIGHT * zone._pressure(r, d) * zone._height(r)))
+    """(1/2) int p (approach - f) of a frictionless zone, by the double-exponential rule."""
+    return 0.5 * zone.load * zone._approach() - float(integrated(lambda r, d: zone._pressure(r, d) * zone._height(r), zone.half_width))
 
 
 State = TypeVar("State", bound=AdhesiveZone)
@@ -132,6 +131,16 @@ class Equilibria(Generic[State]):
     part at the end of the curve.
     """
 
+    work: float
+
+    def __post_init__(self) -> None:
+        for name in vars(self):
+            keep(self, positive_or_none if name == "datum" else positive, name)
+
+    def _frictionless(self, half_width: float) -> HertzLine | Westergaard:
+        """The zone of a half width without adhesion."""
+        raise NotImplementedError
+
     def at(self, parameter: float) -> State:
         """The equilibrium of a parameter."""
         raise NotImplementedError
@@ -142,25 +151,29 @@ class Equilibria(Generic[State]):
 
     def _rates(self, parameter: float) -> tuple[float, float]:
         """Derivatives of load and approach by the parameter (approach: nan without a datum)."""
-        raise NotImplementedError
+        return self.at(parameter).rates()
 
     def _rate(self, parameter: float, machine_compliance: float) -> float:
         load, approach = self._rates(parameter)
-        return load if machine_compliance == inf else approach + machine_compliance * load
+        if machine_compliance == inf:
+            return load
+        if not (isfinite(machine_compliance) and machine_compliance >= 0.0):
+            raise SceneError.of("machine_compliance", machine_compliance, "a number >= 0, or inf for a held load")
+        return approach + machine_compliance * load
 
     def is_stable(self, parameter: float, machine_compliance: float = inf) -> bool:
         """Whether the equilibrium is stable (inf: under a held load, 0: under a held approach)."""
-        return self._rate(parameter, _compliance(machine_compliance)) > 0.0
+        return self._rate(parameter, machine_compliance) > 0.0
 
     def turning_points(self, machine_compliance: float = inf) -> list[float]:
         """Parameters where stability is lost or gained, ascending."""
-        return _roots(lambda s: self._rate(s, _compliance(machine_compliance)), self._samples())
+        return roots(lambda s: self._rate(s, machine_compliance), self._samples())
 
     def pull_off(self, machine_compliance: float = inf) -> State:
         """The state in which unloading tears the surfaces apart: the least load, or the least approach + M load.
 
         OutOfRange where no part of the curve is stable."""
-        return self.at(self._part(STABLE, machine_compliance)[0])
+        return self.at(self._part("stable", machine_compliance)[0])
 
     def _parts(self, machine_compliance: float) -> tuple[list[tuple[float, float]], list[bool]]:
         """(parts of the curve between turning points, whether each is stable)."""
@@ -170,19 +183,19 @@ class Equilibria(Generic[State]):
         return parts, [self._rate(0.5 * (lo + hi), machine_compliance) > 0.0 for lo, hi in parts]
 
     def _part(self, branch: str, machine_compliance: float) -> tuple[float, float]:
-        one_of("branch", branch, (NARROW, STABLE, WIDE, LAST))
         parts, grows = self._parts(machine_compliance)
         first = grows.index(True) if True in grows else len(parts)
-        number = {NARROW: first - 1, STABLE: first, WIDE: first + 1, LAST: len(parts) - 1}[branch]
-        if (first == len(parts) and branch != LAST) or not 0 <= number < len(parts):
+        numbers = {"narrow": first - 1, "stable": first, "wide": first + 1, "last": len(parts) - 1}
+        number = numbers[one_of("branch", branch, numbers)]
+        if (first == len(parts) and branch != "last") or not 0 <= number < len(parts):
             raise OutOfRange(f"the {branch} branch does not exist for this work of adhesion")
         return parts[number]
 
-    def at_load(self, load: float, branch: str = STABLE) -> State:
+    def at_load(self, load: float, branch: str = "stable") -> State:
         """The equilibrium at a load (per period) on one of the branches under load control; OutOfRange if none."""
         return self._solve("load", finite("load", load), branch, inf)
 
-    def at_approach(self, approach: float, branch: str = STABLE) -> State:
+    def at_approach(self, approach: float, branch: str = "stable") -> State:
         """The equilibrium at an approach on one of the branches under approach control; OutOfRange if none."""
         return self._solve("approach", finite("approach", approach), branch, 0.0)
 
@@ -198,7 +211,7 @@ class Equilibria(Generic[State]):
             raise OutOfRange(
                 f"{control} = {value:.6g} is out of range: the {branch} branch goes from {ends[0]:.6g} to {ends[1]:.6g}"
             )
-        return self.at(float(brentq(miss, lo, hi, xtol=1e-300, rtol=1e-15)))
+        return self.at(root(miss, lo, hi))
 
     def _stable_parts(self) -> list[tuple[float, float, float, float]]:
         """Parameters and loads at both ends of every part that is stable under a held load."""
@@ -211,39 +224,51 @@ class Equilibria(Generic[State]):
         load = finite("load", load)
         parts = self._stable_parts()
         reached = [i for i, part in enumerate(parts) if part[3] >= max(load, 0.0)]
-        return self._lowered(parts[: reached[0] + 1], load) if reached else self._lowered(None, load)
+        return self._lowered(parts[: reached[0] + 1], load) if reached else None
 
     def receding(self, load: float) -> State | None:
         """The state reached by lowering the load from the greatest contact; None: full contact. OutOfRange past pull-off."""
         load = finite("load", load)
         parts = self._stable_parts()
-        return self._lowered(None if self.stays_closed or not parts or load > parts[-1][3] else parts, load)
+        return None if self.stays_closed or not parts or load > parts[-1][3] else self._lowered(parts, load)
 
     # Whether full contact, once reached, opens at no load.
     stays_closed = False
 
-    def _lowered(self, parts: list[tuple[float, float, float, float]] | None, load: float) -> State | None:
-        """From the last of the parts down to the load; None (full contact) without parts."""
-        for lo, hi, least, most in reversed(parts or []):
+    def _lowered(self, parts: list[tuple[float, float, float, float]], load: float) -> State:
+        """From the last of the parts down to the load."""
+        for lo, hi, least, most in reversed(parts):
             if least <= load <= most:
-                return self.at(float(brentq(lambda s: self.at(s).load - load, lo, hi, xtol=1e-300, rtol=1e-15)))
-        if parts is None:
-            return None
+                return self.at(root(lambda s: self.at(s).load - load, lo, hi))
         raise OutOfRange(f"load = {load:.6g} N/m is out of range: pull-off is at {min(part[2] for part in parts):.6g} N/m")
 
     def all_at_load(self, load: float) -> list[State]:
         """Every equilibrium at a load, stable or not, in the order of the parameter."""
         load = finite("load", load)
-        return [self.at(s) for s in _roots(lambda s: self.at(s).load - load, self._samples())]
+        return [self.at(s) for s in roots(lambda s: self.at(s).load - load, self._samples())]
 
 
-def _compliance(machine_compliance: float) -> float:
-    if machine_compliance == inf or (isfinite(machine_compliance) and machine_compliance >= 0.0):
-        return machine_compliance
-    raise SceneError.of("machine_compliance", machine_compliance, "a number >= 0, or inf for a held load")
+@dataclass(frozen=True)
+class Cylinder:
+    """What curves of a parabola f = x^2/2R alone share."""
+
+    radius: float
+    E_star: float
+    work: float
+
+    def _frictionless(self, half_width: float) -> HertzLine:
+        # The datum may be left out: it is the last field of each curve.
+        return HertzLine(self.radius, self.E_star, half_width, self.datum)  # type: ignore[attr-defined]
 
 
-def _roots(function: Callable[[float], float], samples: Array) -> list[float]:
-    values = np.array([function(float(s)) for s in samples])
-    changes = np.flatnonzero(values[:-1] * values[1:] < 0.0)
-    return [float(brentq(function, samples[i], samples[i + 1], xtol=1e-300, rtol=1e-15)) for i in changes]
+@dataclass(frozen=True)
+class Wave:
+    """What curves of a row of waves f = Delta (1 - cos(2 pi x/L)) share."""
+
+    amplitude: float
+    period: float
+    E_star: float
+    work: float
+
+    def _frictionless(self, half_width: float) -> Westergaard:
+        return Westergaard(self.amplitude, self.period, self.E_star, half_width)

@@ -13,7 +13,8 @@ distances to the zone's ends, so nothing cancels where a distance is small.
 """
 
 from collections.abc import Callable
-from math import asin, inf, log, log1p, pi
+from dataclasses import dataclass, fields
+from math import atan2, inf, pi
 from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
@@ -65,6 +66,18 @@ def zone_potential(z_minus_1: ArrayLike) -> Array:
     return np.asarray(0.5 * sinh_minus(2.0 * arcosh1p(z_minus_1)))
 
 
+def integrated(function: Callable[[Array, Array], Array], length: ArrayLike) -> Array:
+    """int_0^length of a function of the distances from both ends, by the double-exponential rule; lengths of any shape."""
+    length = np.asarray(length, dtype=np.float64)
+    return np.asarray(length * (function(length[..., None] * FROM_LEFT, length[..., None] * FROM_RIGHT) @ WEIGHT))
+
+
+def check_number(zone: int, count: int = 1) -> None:
+    """SceneError if there is no zone of this number."""
+    if zone not in range(count):
+        raise SceneError.of("zone", zone, "0: there is one zone" if count == 1 else f"0 to {count - 1}")
+
+
 class Zoned:
     """What follows from zones and load, whatever they are: of one zone, or of several that carry the same."""
 
@@ -98,7 +111,74 @@ class Zoned:
         return None if self.period is None else float(np.sum(self.zone_widths)) / self.period
 
 
-class SymmetricZone(Zoned):
+class Pressed(Zoned):
+    """A body pressed in, and how far: as the load grows through flat punches, its approach is int (compliance of the punch) dP, that is,
+
+    P times the compliance of the flat punch on the same zones, and int P d(-compliance), which is left when the punch is taken away.
+    """
+
+    # Annotations only: a value here would become the default of a subclass's dataclass field of that name.
+    half_width: float
+    E_star: float
+    datum: float | None
+
+    if TYPE_CHECKING:
+
+        def height(self, x: ArrayLike) -> Array: ...
+        def slope(self, x: ArrayLike) -> Array: ...
+        def gap(self, x: ArrayLike) -> Array: ...
+
+    def _check(self, *positives: str) -> None:
+        """Refuse by name what is not positive and finite."""
+        for name in positives:
+            positive(name, getattr(self, name))
+        positive_or_none("datum", self.datum)
+
+    @property
+    def punch_compliance(self) -> float | None:
+        """d approach/d load at fixed a [m^2/N]: -(2/pi E*) ln sin(pi a/L), isolated (2/pi E*) ln(2d/a), and None without a datum."""
+        if self.period is None and self.datum is None:
+            return None
+        return float(self._compliance_of(self.half_width))
+
+    def _compliance_of(self, width: ArrayLike) -> Array:
+        """That of flat punches of these half widths."""
+        if self.datum is not None:
+            return np.log(2.0 * self.datum / np.asarray(width)) * 2.0 / (pi * self.E_star)
+        return log_of(sine(width, self.period), cosine(width, self.period)) * -2.0 / (pi * self.E_star)
+
+    def _left(self) -> float:
+        """The approach less load times punch compliance."""
+        raise NotImplementedError
+
+    def _approach(self) -> float:
+        """The approach; called only where there is one."""
+        return self.load * known("the approach", self.punch_compliance) + self._left()
+
+    @property
+    def approach(self) -> float | None:
+        """min f = 0 and, periodic, mean u = 0; None for an isolated body without a datum."""
+        return None if self.period is None and self.datum is None else self._approach()
+
+    @property
+    def stiffness(self) -> float | None:
+        """d load/d approach [Pa]: that of the flat punch on the same zones; None where the approach is None."""
+        compliance = self.punch_compliance
+        return None if compliance is None else (inf if compliance == 0.0 else 1.0 / compliance)
+
+    def displacement(self, x: ArrayLike) -> Array:
+        """u(x) [m] into the body; periodic: of zero mean; isolated: zero of ln|x/d| at the datum d."""
+        return known("u", self.approach) - self.height(x) + self.gap(x)
+
+
+def known(what: str, value: float | None) -> float:
+    """What a body that is alone has with a datum only; SceneError without it."""
+    if value is None:
+        raise SceneError.of("datum", None, f"a length > 0 where {what} of an isolated zone is asked for")
+    return value
+
+
+class SymmetricZone(Pressed):
     """One zone [-a, a], isolated (period None) or once in every period; the base of the exact solutions of one symmetric zone.
 
     Equations: the head of this module (J. R. Barber, Contact Mechanics, 2018, doi 10.1007/978-3-319-70939-0).
@@ -147,18 +227,6 @@ class SymmetricZone(Zoned):
     (True, True)
     """
 
-    # Annotations only: a value here would become the default of a subclass's dataclass field of that name.
-    half_width: float
-    E_star: float
-    period: float | None
-    datum: float | None
-
-    if TYPE_CHECKING:
-
-        @property
-        def load(self) -> float:
-            """P, per unit thickness [N/m]; per period if there is one."""
-
     # What a family gives: formulas of r = |x| and of the distances d = a - r inside, e = r - a outside.
     def _height(self, r: Array) -> Array:
         raise NotImplementedError
@@ -169,7 +237,14 @@ class SymmetricZone(Zoned):
     def _pressure(self, r: Array, d: Array) -> Array:
         raise NotImplementedError
 
+    def _gap_slope(self, e: Array) -> Array:
+        raise NotImplementedError
+
     def _gap(self, e: Array) -> Array:
+        return integrated(lambda y, _: self._gap_slope(y), e)
+
+    def load_rate(self, s: Array) -> Array:
+        """dP/da at a = s."""
         raise NotImplementedError
 
     @property
@@ -177,20 +252,11 @@ class SymmetricZone(Zoned):
         """Peak pressure [Pa], in the middle; inf where the profile has a kink or a corner in the zone."""
         return float(self._pressure(np.array(0.0), np.array(self.half_width)))
 
-    def _approach(self) -> float:
-        """Approach; called only where it is defined (a period, or a datum)."""
-        raise NotImplementedError
-
-    def _check(self, *positives: str, extent: float | None = None) -> None:
+    def _check(self, *positives: str) -> None:
         """Refuse by name what is not positive and finite, and a zone as wide as its cell."""
-        for name in (*positives, "E_star", "half_width"):
-            positive(name, getattr(self, name))
+        super()._check(*positives)
         if self.period is not None:
-            positive("period", self.period)
-            extent = 0.5 * self.period
-        if extent is not None:
-            between("half_width", self.half_width, 0.0, extent)
-        positive_or_none("datum", self.datum)
+            between("half_width", self.half_width, 0.0, 0.5 * self.period)
 
     # Geometry
     @property
@@ -214,8 +280,7 @@ class SymmetricZone(Zoned):
     # Fields
     def pressure_at(self, t: ArrayLike, zone: int = 0) -> Array:
         """Pressure [Pa] at the normalised position t in [-1, 1] of the zone, to rounding up to its ends."""
-        if zone != 0:
-            raise SceneError.of("zone", zone, "0: there is one zone")
+        check_number(zone)
         r: Array = np.abs(np.asarray(t, dtype=np.float64))
         return self._pressure(self.half_width * r, self.half_width * (1.0 - r))
 
@@ -231,35 +296,6 @@ class SymmetricZone(Zoned):
         e = np.abs(self._reduced(x)) - self.half_width
         return np.where(e > 0.0, self._gap(np.maximum(e, 0.0)), 0.0)
 
-    def displacement(self, x: ArrayLike) -> Array:
-        """u(x) [m] into the body; periodic: of zero mean; isolated: zero of ln|x/d| at the datum d."""
-        approach = self.approach
-        if approach is None:
-            raise SceneError.of("datum", None, "a length > 0 where u of an isolated zone is asked for")
-        return approach - self.height(x) + self.gap(x)
-
-    # Approach
-    @property
-    def approach(self) -> float | None:
-        """min f = 0 and, periodic, mean u = 0; None for an isolated zone without a datum."""
-        return None if self.period is None and self.datum is None else self._approach()
-
-    @property
-    def punch_compliance(self) -> float | None:
-        """d approach/d load at fixed a [m^2/N]: -(2/pi E*) ln sin(pi a/L), isolated (2/pi E*) ln(2d/a)."""
-        if self.period is not None:
-            return -2.0 * self._log_sine() / (pi * self.E_star)
-        if self.datum is None:
-            return None
-        return 2.0 * log(2.0 * self.datum / self.half_width) / (pi * self.E_star)
-
-    @property
-    def stiffness(self) -> float | None:
-        """d load/d approach [Pa]: that of the flat punch on the same zone; None where the approach is
-        None."""
-        compliance = self.punch_compliance
-        return None if compliance is None else (inf if compliance == 0.0 else 1.0 / compliance)
-
     # Of the half angle A = pi a/L; alone a and 1
     def _sine(self) -> float:
         return float(sine(self.half_width, self.period))
@@ -272,18 +308,21 @@ class SymmetricZone(Zoned):
         """L/pi, alone 1: what the sine of a small angle is to be multiplied by to be a length."""
         return 1.0 if self.period is None else self.period / pi
 
-    def _log_sine(self) -> float:
-        s, c = self._sine(), self._cosine()
-        return log(s) if s < c else 0.5 * log1p(-c * c)
-
     def _length(self) -> float:
         if self.period is None:
             raise SceneError.of("period", None, "a length > 0")
         return self.period
 
 
+@dataclass(frozen=True)
 class _LoadControlled(SymmetricZone):
-    """One zone whose half-width the load gives in closed form, or by one root."""
+    """One zone whose half-width the load gives in closed form, or by one root.
+
+    A family is a profile, which has the fields of the shape, and one of the two classes below, which have the others.
+    """
+
+    def __post_init__(self) -> None:
+        self._check(*(field.name for field in fields(self) if field.name != "datum"))
 
     @classmethod
     def _half_width_for(cls, load: float, **shape: float) -> float:
@@ -297,15 +336,23 @@ class _LoadControlled(SymmetricZone):
         return cls(half_width=half_width, **shape)  # type: ignore[call-arg]
 
 
+@dataclass(frozen=True)
 class IsolatedZone(_LoadControlled):
-    """Base of the solutions of one zone alone: frozen dataclasses with a field `datum` for the approach."""
+    """Base of the solutions of one zone alone, with a datum for the approach."""
 
+    E_star: float
+    half_width: float
+    datum: float | None = None
     period = None
 
 
+@dataclass(frozen=True)
 class PeriodicZone(_LoadControlled):
-    """Base of the solutions of one zone a period: frozen dataclasses with a field `period`."""
+    """Base of the solutions of one zone a period."""
 
+    period: float
+    E_star: float
+    half_width: float
     datum = None
 
     @classmethod
@@ -332,16 +379,26 @@ def cosine(x: ArrayLike, period: float | None, inward: Array | float = 0.0) -> A
     return np.ones(np.shape(inward)) if period is None else sine(0.5 * period - np.asarray(x) + inward, period)
 
 
+def sine_excess(x: ArrayLike, e: ArrayLike, period: float | None) -> Array:
+    """sin(pi (x + e)/L)/sin(pi x/L) - 1, 0 <= e and x + e up to L/2; alone e/x."""
+    half = 0.5 * np.asarray(e)
+    return np.asarray(2.0 * np.maximum(cosine(x, period, -half), 0.0) * sine(half, period) / sine(x, period))
+
+
+def log_of(s: ArrayLike, c: ArrayLike) -> Array:
+    """ln s of a sine s > 0 whose cosine is c >= 0, with its digits where s is near 1."""
+    s, c = np.asarray(s), np.asarray(c)
+    return np.asarray(np.where(s < c, np.log(s), 0.5 * np.log1p(-(np.minimum(s, c) ** 2))))
+
+
 def half_width_from_sine(s: float, c: float, period: float) -> float:
-    """a with sin(pi a/L) = s and cos = c: the inverse of the smaller of the two keeps the digits."""
-    return period / pi * (asin(s) if s < c else 0.5 * pi - asin(c))
+    """a with sin(pi a/L) = s and cos = c."""
+    return period / pi * atan2(s, c)
 
 
 def abel_gap(load_rate: Callable[[Array], Array], a: float, e: Array, E_star: float) -> Array:
-    """(2/pi E*) int_a^(a+e) P'(s) arcosh((a+e)/s) ds, by a double-exponential rule (see the head of this file)."""
-    e = np.asarray(e, dtype=float)[..., None]
-    s, rest = a + e * FROM_LEFT, e * FROM_RIGHT
-    return 2.0 / (pi * E_star) * np.sum(e * WEIGHT * load_rate(s) * arcosh1p(np.maximum(rest / s, 0.0)), axis=-1)
+    """(2/pi E*) int_a^(a+e) P'(s) arcosh((a+e)/s) ds (see the head of this file)."""
+    return 2.0 / (pi * E_star) * integrated(lambda y, rest: load_rate(a + y) * arcosh1p(rest / (a + y)), e)
 
 
 def refuse_load(load: float, most: float, why: str) -> None:

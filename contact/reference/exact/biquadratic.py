@@ -6,18 +6,17 @@ the two zones are one Hertz zone.
 """
 
 from dataclasses import dataclass
-from math import log, pi, sqrt
+from math import pi, sqrt
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from contact.errors import SceneError
-from contact.model.checks import keep, positive, positive_or_none
-from contact.reference.exact.base import Array, Zoned, arcosh1p, sinh_minus, zone_potential
+from contact.reference.exact.base import Array, Pressed, arcosh1p, check_number, sinh_minus, zone_potential
 
 
 @dataclass(frozen=True)
-class IsolatedBiquadratic(Zoned):
+class IsolatedBiquadratic(Pressed):
     """Two parabolic tips a distance 2c apart on one punch, f = (x^2 - c^2)^2/8Rc^2: two zones, or one.
 
     Zones a <= |x| <= b, a^2 + b^2 = 2c^2, h = (b^2 - a^2)/2, while the load of both P < pi E* c^2/8R:
@@ -57,8 +56,8 @@ class IsolatedBiquadratic(Zoned):
         The ends [m]; beside them `zone_widths` [m] and `zone_loads` [N/m].
     max_pressure : float
         Peak pressure [Pa].
-    approach, stiffness : float or None
-        From the height of the tips [m], and d load/d approach [Pa]; None without a datum.
+    approach, stiffness, punch_compliance : float or None
+        From the height of the tips [m], d load/d approach [Pa], and its inverse [m^2/N]; None without a datum.
     pressure, gap, displacement, height, slope : callable
         p [Pa], gap [m], u [m] into the body, f [m] and f' at positions x [m] of any shape.
     pressure_at : callable
@@ -88,8 +87,7 @@ class IsolatedBiquadratic(Zoned):
     period = None
 
     def __post_init__(self) -> None:
-        keep(self, positive, "radius", "spacing", "E_star", "load")
-        positive_or_none("datum", self.datum)
+        self._check("radius", "spacing", "E_star", "load")
 
     @classmethod
     def from_inner_end(cls, inner_end: float, **shape: float) -> "IsolatedBiquadratic":
@@ -170,8 +168,7 @@ class IsolatedBiquadratic(Zoned):
 
     def pressure_at(self, t: ArrayLike, zone: int = 0) -> Array:
         """Pressure [Pa] at the normalised position t in [-1, 1] of a zone, to rounding up to its ends."""
-        if zone not in range(len(self.zones)):
-            raise SceneError.of("zone", zone, f"0 to {len(self.zones) - 1}")
+        check_number(zone, len(self.zones))
         t = np.asarray(t, dtype=float)
         b = self.outer_end
         if self.merged:
@@ -204,29 +201,15 @@ class IsolatedBiquadratic(Zoned):
         return self._unit * h * h * zone_potential(beyond / h)
 
     @property
-    def approach(self) -> float | None:
-        """min f = 0 and u measured from the datum; None without it."""
+    def punch_compliance(self) -> float | None:
+        """d approach/d load at fixed zones [m^2/N]: of two zones (1/pi E*) ln(2d^2/h), of one (2/pi E*) ln(2d/b); None without a datum."""
         if self.datum is None:
             return None
-        c, d = self._c, self.datum
+        return float(self._compliance_of(self.outer_end if self.merged else sqrt(2.0 * self._h)))
+
+    def _left(self) -> float:
         if not self.merged:
-            return self._unit * self._h**2 * (log(2.0 * d * d / self._h) + 0.5)
-        # (2/pi E*) int_0^b P'(s) ln(2d/s) ds + f(0), P'(s) of the one-zone formula continued to s = 0
-        b = self.outer_end
-        ramp = self._unit * b * b * (3.0 * b * b - 8.0 * c * c) / 8.0
-        return 2.0 * self.load / (pi * self.E_star) * log(2.0 * d / b) + ramp + self._unit * c**4
-
-    @property
-    def stiffness(self) -> float | None:
-        """d load/d approach [Pa], that of flat punches on the same zones; None without the datum."""
-        if self.datum is None:
-            return None
-        d, b = self.datum, self.outer_end
-        return pi * self.E_star / (2.0 * log(2.0 * d / b) if self.merged else log(2.0 * d * d / self._h))
-
-    def displacement(self, x: ArrayLike) -> Array:
-        """u(x) [m] into the body."""
-        approach = self.approach
-        if approach is None:
-            raise SceneError.of("datum", None, "a length > 0 where u of an isolated zone is asked for")
-        return approach - self.height(x) + self.gap(x)
+            return 0.5 * self._unit * self._h**2
+        # int P(s) ds/s of the one-zone formula continued to s = 0, and f(0)
+        b, c = self.outer_end, self._c
+        return self._unit * (b * b * (3.0 * b * b - 8.0 * c * c) / 8.0 + c**4)

@@ -19,6 +19,7 @@ derived again; row of waves: derived here. As c reaches L/2 the tension acts eve
 under a uniform tension.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from math import atan2, exp, log, pi, sqrt
@@ -28,12 +29,11 @@ from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 
 from contact.errors import OutOfRange, SceneError
-from contact.model.checks import between, keep, positive, positive_or_none
+from contact.model.checks import between, positive
 from contact.reference.exact import base
-from contact.reference.exact.adhesion import AdhesiveZone, Equilibria, frictionless_energy
-from contact.reference.exact.base import FROM_LEFT, FROM_RIGHT, WEIGHT, Array, arcosh1p, cosine, sine
-from contact.reference.exact.parabola import HertzLine
-from contact.reference.exact.sinusoid import Westergaard
+from contact.reference.exact.adhesion import AdhesiveZone, Cylinder, Equilibria, Wave
+from contact.reference.exact.base import Array, arcosh1p, cosine, integrated, sine, sine_excess
+from contact.reference.exact.roots import root
 
 
 class _DugdaleState(AdhesiveZone):
@@ -121,25 +121,6 @@ class DugdaleZone(_DugdaleState):
             return self.root
         return self._turn * atan2(self.root, float(cosine(self.cohesive_end, self.period)))
 
-    @property
-    def share_by_end(self) -> float:
-        """dB/dc."""
-        return float(sine(self.cohesive_end, self.period)) / self.root
-
-    @property
-    def widening(self) -> float:
-        """l."""
-        a, c = self.half_width, self.cohesive_end
-        half = 0.5 * (c - a)
-        return float(arcosh1p(2.0 * cosine(a + half, self.period) * sine(half, self.period) / sine(a, self.period)))
-
-    @property
-    def logarithm(self) -> float:
-        """r."""
-        a, c = self.half_width, self.cohesive_end
-        # tan C/tan A - 1 = sin(C - A)/(cos C sin A)
-        return float(np.log1p(sine(c - a, self.period) / (cosine(c, self.period) * sine(a, self.period))))
-
     def opening_rate(self, e: Array, f: Array) -> Array:
         """artanh(X or 1/X) at x = a + e = c - f, from both distances: X^2 and |1 - X^2| without cancellation."""
         a, c, length = self.half_width, self.cohesive_end, self.period
@@ -149,13 +130,6 @@ class DugdaleZone(_DugdaleState):
         rest = np.abs(sine(f, length)) * sine(c + x, length) * cosine(a, length) ** 2 / scale
         # artanh X = asinh(X/sqrt(1 - X^2)), and artanh(1/X) = asinh(1/sqrt(X^2 - 1)).
         return np.asarray(np.arcsinh(np.sqrt(np.minimum(square, 1.0) / np.maximum(rest, 1e-300))))
-
-    def width_at(self, q: Array) -> Array:
-        """Half width s of the punch behind which the share q is still to come: B(s, c) = q."""
-        c = self.cohesive_end
-        root = np.sqrt(sine(c - q, self.period) * sine(c + q, self.period))
-        # cos S = cos C/cos(pi q/L)
-        return root if self.period is None else np.asarray(self._turn * np.arctan2(root, cosine(c, self.period)))
 
     @property
     def end_gap(self) -> float:
@@ -173,65 +147,63 @@ class DugdaleZone(_DugdaleState):
         side = self.root * cosine(a, length, d)
         return self.zone._pressure(r, d) - 2.0 * self.stress / pi * np.arctan2(side, depth)
 
-    def _opening(self, e: Array) -> Array:
-        """int_a^(a+e) artanh(X or 1/X) dx, broken at c."""
+    def _gap(self, e: Array) -> Array:
+        # The integral is broken at c.
         length = self.cohesive_end - self.half_width
-        e = np.asarray(e, dtype=float)[..., None]
+        e = np.asarray(e, dtype=float)
         near, far = np.minimum(e, length), np.maximum(e - length, 0.0)
-        before = self.opening_rate(near * FROM_LEFT, (length - near) + near * FROM_RIGHT)
-        beyond = self.opening_rate(length + far * FROM_LEFT, far * FROM_LEFT)
-        return np.asarray(np.sum(WEIGHT * (near * before + far * beyond), axis=-1))
+        before = integrated(lambda y, rest: self.opening_rate(y, (length - near)[..., None] + rest), near)
+        beyond = integrated(lambda y, _: self.opening_rate(length + y, y), far)
+        return super()._gap(e) + self._unit * (before + beyond)
 
     @property
     def _unit(self) -> float:
         return 4.0 * self.stress / (pi * self.E_star)
 
-    def _gap(self, e: Array) -> Array:
-        return self.zone._gap(e) + self._unit * self._opening(e)
-
     @property
     def load(self) -> float:
         return self.zone.load - 2.0 * self.stress * self.share
 
-    def _log_compliance(self, share: Array) -> Array:
-        """The compliance of the punches that make up the cohesive load, by the share still to come."""
-        width = self.width_at(share)
-        if self.datum is not None:
-            return np.log(2.0 * self.datum / width) * 2.0 / (pi * self.E_star)
-        return np.log(sine(width, self.period)) * -2.0 / (pi * self.E_star)
+    def _compliance_behind(self, q: Array) -> Array:
+        """Compliance of the punch of the cohesive load behind which the share q is still to come: of the half width s with B(s, c) = q."""
+        c = self.cohesive_end
+        root = np.sqrt(sine(c - q, self.period) * sine(c + q, self.period))
+        # cos S = cos C/cos(pi q/L)
+        return self._compliance_of(root if self.period is None else self._turn * np.arctan2(root, cosine(c, self.period)))
 
     def _approach(self) -> float:
-        self._compliance()  # a datum is needed
-        share = self.share
-        sum_of = float(np.sum(WEIGHT * self._log_compliance(share * FROM_RIGHT)))
-        return self.zone._approach() - 2.0 * self.stress * share * sum_of
+        return super()._approach() - 2.0 * self.stress * float(integrated(lambda _, q: self._compliance_behind(q), self.share))
 
     @property
     def elastic_energy(self) -> float:
-        self._compliance()
-        share, stress = self.share, self.stress
-        load = self.zone.load - 2.0 * stress * share * FROM_LEFT
-        work_of_load = np.sum(WEIGHT * load * self._log_compliance(share * FROM_RIGHT))
-        return frictionless_energy(self.zone) - 2.0 * stress * share * float(work_of_load)
+        def taken(share: Array, q: Array) -> Array:
+            return (self.zone.load - 2.0 * self.stress * share) * self._compliance_behind(q)
+
+        return super().elastic_energy - 2.0 * self.stress * float(integrated(taken, self.share))
 
     @property
     def surface_energy(self) -> float:
         """-2 c w + 2 stress int_a^c gap dx."""
-        length = self.cohesive_end - self.half_width
-        near, far = length * FROM_LEFT, length * FROM_RIGHT
-        # int_a^c int_a^x = int_a^c (c - x)
-        opened = self._unit * far * self.opening_rate(near, far)
-        area = length * float(np.sum(WEIGHT * (self.zone._gap(near) + opened)))
+
+        def gap(near: Array, far: Array) -> Array:
+            # int_a^c int_a^x = int_a^c (c - x)
+            return self.zone._gap(near) + self._unit * far * self.opening_rate(near, far)
+
+        area = float(integrated(gap, self.cohesive_end - self.half_width))
         return 2.0 * (self.stress * area - self.cohesive_end * self.work)
 
     def rates(self) -> tuple[float, float]:
         """d load/dc and d approach/dc along the curve of equilibria of this work (approach: nan without a datum)."""
-        stress, modulus = self.stress, self.E_star
-        slope = float(self.zone._gap_slope(np.array(self.cohesive_end - self.half_width)))  # type: ignore[union-attr]
-        opened = slope + self._unit * (self.widening * self.share_by_end - self.logarithm)
+        # l, r and dB/dc of the head of this file.
+        a, c, length = self.half_width, self.cohesive_end, self.period
+        widening = float(arcosh1p(sine_excess(a, c - a, length)))
+        # tan C/tan A - 1 = sin(C - A)/(cos C sin A)
+        logarithm = float(np.log1p(sine(c - a, length) / (cosine(c, length) * sine(a, length))))
+        share = float(sine(c, length)) / self.root
+        opened = float(self.zone._gap_slope(np.array(c - a))) + self._unit * (widening * share - logarithm)
         # What a takes back from the gap at c it adds to the load: d g/da = -(2/pi E*) l d P/da.
-        load = 0.5 * pi * modulus * opened / self.widening - 2.0 * stress * self.share_by_end
-        return load, self._approach_rate(load, 4.0 * stress * self.widening / (pi * modulus))
+        load = 0.5 * pi * self.E_star * opened / widening - 2.0 * self.stress * share
+        return load, self._approach_rate(load, self._unit * widening)
 
 
 @dataclass(frozen=True)
@@ -309,19 +281,9 @@ class MetDugdaleZone(_DugdaleState):
     def _pressure(self, r: Array, d: Array) -> Array:
         return self.zone._pressure(r, d) - self.stress
 
-    def _gap(self, e: Array) -> Array:
-        return self.zone._gap(e)
-
     @property
     def load(self) -> float:
         return self.zone.load - self.stress * self._length()
-
-    def _approach(self) -> float:
-        return self.zone._approach()
-
-    @property
-    def elastic_energy(self) -> float:
-        return frictionless_energy(self.zone)
 
     @property
     def surface_energy(self) -> float:
@@ -332,47 +294,31 @@ class MetDugdaleZone(_DugdaleState):
 
     def rates(self) -> tuple[float, float]:
         """d load/da and d approach/da."""
-        load = float(self.zone.load_rate(np.array(self.half_width)))  # type: ignore[attr-defined]
-        return load, self._compliance() * load
+        load = float(self.zone.load_rate(np.array(self.half_width)))
+        return load, self._approach_rate(load, 0.0)
 
 
 class _DugdaleEquilibria(Equilibria[_DugdaleState]):
     """Equilibria by the end c of the cohesive intervals; past L/2, where they have met, by L/2 plus what a has grown since."""
 
     stress: float
-    work: float
-    E_star: float
-
-    def _frictionless(self, half_width: float) -> HertzLine | Westergaard:
-        raise NotImplementedError
 
     @property
     def end_gap(self) -> float:
         """w/s, up to which the surfaces pull."""
         return self.work / self.stress
 
-    def _miss(self, c: float, a: float) -> float:
-        return DugdaleZone(self._frictionless(a), self.stress, c).end_gap - self.end_gap
-
     def _half_width(self, c: float) -> float:
         """a at which the gap at c is w/s: it falls from its value without contact to zero at a = c."""
-
-        def miss(log_ratio: float) -> float:
-            return self._miss(c, c - c / (1.0 + exp(log_ratio)))
-
-        # From a = 1e-15 c to c - a = 1e-14 c.
-        return float(c - c / (1.0 + exp(brentq(miss, -34.0, 32.0, xtol=1e-14, rtol=1e-15))))
+        return _within(c, lambda a: DugdaleZone(self._frictionless(a), self.stress, c).end_gap - self.end_gap)
 
     def at(self, parameter: float) -> _DugdaleState:
         """The equilibrium of a parameter."""
         return DugdaleZone(self._frictionless(self._half_width(parameter)), self.stress, parameter)
 
-    def _rates(self, parameter: float) -> tuple[float, float]:
-        return self.at(parameter).rates()  # type: ignore[attr-defined,no-any-return]
-
 
 @dataclass(frozen=True)
-class DugdaleCylinder(_DugdaleEquilibria):
+class DugdaleCylinder(Cylinder, _DugdaleEquilibria):
     """The equilibria of f = x^2/2R alone under Maugis-Dugdale adhesion, by the end c of the cohesive intervals (Baney & Hui 1997).
 
     With a in (8 R^2 w/pi E*)^(1/3), P in (pi E* w^2 R)^(1/3), m = c/a, mu = sqrt(m^2 - 1) and lambda = 4s/(pi^2 E*^2 w/R)^(1/3),
@@ -428,18 +374,8 @@ class DugdaleCylinder(_DugdaleEquilibria):
     (True, True)
     """
 
-    radius: float
-    E_star: float
-    work: float
     stress: float
     datum: float | None = None
-
-    def __post_init__(self) -> None:
-        keep(self, positive, "radius", "E_star", "work", "stress")
-        positive_or_none("datum", self.datum)
-
-    def _frictionless(self, half_width: float) -> HertzLine:
-        return HertzLine(self.radius, self.E_star, half_width, self.datum)
 
     @property
     def tabor(self) -> float:
@@ -461,7 +397,7 @@ class DugdaleCylinder(_DugdaleEquilibria):
 
 
 @dataclass(frozen=True)
-class DugdaleWave(_DugdaleEquilibria):
+class DugdaleWave(Wave, _DugdaleEquilibria):
     """The equilibria of f = Delta (1 - cos(2 pi x/L)) in a row under Maugis-Dugdale adhesion (derived), by the end c of the intervals.
 
     While the cohesive intervals are apart
@@ -521,17 +457,7 @@ class DugdaleWave(_DugdaleEquilibria):
     (True, True)
     """
 
-    amplitude: float
-    period: float
-    E_star: float
-    work: float
     stress: float
-
-    def __post_init__(self) -> None:
-        keep(self, positive, "amplitude", "period", "E_star", "work", "stress")
-
-    def _frictionless(self, half_width: float) -> Westergaard:
-        return Westergaard(self.amplitude, self.period, self.E_star, half_width)
 
     @property
     def opening_mean_pressure(self) -> float:
@@ -543,20 +469,12 @@ class DugdaleWave(_DugdaleEquilibria):
         """a at which the cohesive intervals meet: the frictionless gap at L/2 is w/s; 0 if that is never reached."""
         if self.end_gap >= 2.0 * self.amplitude:
             return 0.0
-
-        def miss(log_ratio: float) -> float:
-            a = self._ratio_width(log_ratio)
-            return float(self._frictionless(a)._gap(np.array(0.5 * self.period - a))) - self.end_gap
-
-        # a/(L/2 - a) from 1e-15 to 1e15.
-        return self._ratio_width(float(brentq(miss, -34.0, 34.0, xtol=1e-14, rtol=1e-15)))
-
-    def _ratio_width(self, log_ratio: float) -> float:
-        return 0.5 * self.period / (1.0 + exp(-log_ratio))
+        half = 0.5 * self.period
+        return _within(half, lambda a: float(self._frictionless(a)._gap(np.array(half - a))) - self.end_gap)
 
     def touching_gap(self, c: float) -> float:
         """The gap at c where contact begins, a = 0: f(c) + (4s/pi E*) int_0^c ln(2 cos(pi x/L)) dx."""
-        integral = c * float(np.sum(WEIGHT * np.log(2.0 * sine(0.5 * self.period - c + c * FROM_RIGHT, self.period))))
+        integral = float(integrated(lambda _, rest: np.log(2.0 * cosine(c, self.period, rest)), c))
         return float(self._frictionless(0.25 * self.period).height(c)) + 4.0 * self.stress / (pi * self.E_star) * integral
 
     @cached_property
@@ -568,7 +486,7 @@ class DugdaleWave(_DugdaleEquilibria):
         shares = half / (1.0 + np.geomspace(1e-9, 1e9, 400))
         gaps = np.array([self.touching_gap(float(c)) - self.end_gap for c in shares])
         i = int(np.flatnonzero(gaps < 0.0)[0])
-        return float(brentq(lambda c: self.touching_gap(c) - self.end_gap, shares[i], shares[i - 1], xtol=1e-300, rtol=1e-15))
+        return root(lambda c: self.touching_gap(c) - self.end_gap, shares[i], shares[i - 1])
 
     def at(self, parameter: float) -> _DugdaleState:
         """The equilibrium of a parameter."""
@@ -584,3 +502,13 @@ class DugdaleWave(_DugdaleEquilibria):
         apart = least + (half - least) * share if least < half else np.empty(0)
         together = half + (half - met) * share
         return np.concatenate([apart, together])
+
+
+def _within(most: float, function: Callable[[float], float]) -> float:
+    """The root a between 0 and `most` of a function that falls from one to the other, by the logarithm of a/(most - a)."""
+
+    def place(log_ratio: float) -> float:
+        return most / (1.0 + exp(-log_ratio))
+
+    # From a = 1e-15 to most - a = 1e-14, of `most`.
+    return place(brentq(lambda log_ratio: function(place(log_ratio)), -34.0, 32.0, xtol=1e-14, rtol=1e-15))

@@ -10,14 +10,14 @@ from math import inf, pi
 import numpy as np
 from numpy.typing import ArrayLike
 
-from contact.reference.exact.base import Array, SymmetricZone, arcosh1p, cosine, sine
+from contact.reference.exact.base import Array, SymmetricZone, arcosh1p, cosine, known, sine, sine_excess
 
 
 class _Punch(SymmetricZone):
     """What the two share: the profile, a load that the half-width does not set, and the forms, in which alone sin(pi x/L) is x."""
 
     def __post_init__(self) -> None:
-        self._check("load")
+        self._check("load", "E_star", "half_width")
 
     def _height(self, r: Array) -> Array:
         return np.where(r <= self.half_width, 0.0, inf)
@@ -36,21 +36,15 @@ class _Punch(SymmetricZone):
             return self.load / (pi * self._turn) * cosine(self.half_width, self.period, d) / root
 
     def _fall(self, e: Array) -> Array:
-        """(approach - u) pi E*/2P at the distance e from the punch."""
-        # sin u/sin A - 1 = 2 cos((u + A)/2) sin((u - A)/2)/sin A
-        valley = np.maximum(cosine(self.half_width, self.period, -0.5 * e), 0.0)
-        return arcosh1p(2.0 * valley * sine(0.5 * e, self.period) / self._sine())
+        """approach - u at the distance e from the punch [m]."""
+        return 2.0 * self.load / (pi * self.E_star) * arcosh1p(sine_excess(self.half_width, e, self.period))
 
     def displacement(self, x: ArrayLike) -> Array:
         """u(x) [m]: the approach in contact, falling outside."""
-        approach = self.approach
-        if approach is None:
-            return super().displacement(x)
-        e = np.maximum(np.abs(self._reduced(x)) - self.half_width, 0.0)
-        return approach - 2.0 * self.load / (pi * self.E_star) * self._fall(e)
+        return known("u", self.approach) - self._fall(np.maximum(np.abs(self._reduced(x)) - self.half_width, 0.0))
 
-    def _approach(self) -> float:
-        return self.load * (self.punch_compliance or 0.0)
+    def _left(self) -> float:
+        return 0.0
 
 
 @dataclass(frozen=True)

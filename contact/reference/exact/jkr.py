@@ -9,16 +9,15 @@ Cylinder: M. Barquins, J. Adhesion 26 (1988) 1-12, doi 10.1080/00218468808075464
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 from math import pi, sqrt
 
 import numpy as np
 
-from contact.model.checks import keep, positive, positive_or_none
-from contact.reference.exact.adhesion import AdhesiveZone, Equilibria, frictionless_energy
-from contact.reference.exact.base import Array, IsolatedZone, PeriodicZone
+from contact.model.checks import positive
+from contact.reference.exact.adhesion import AdhesiveZone, Cylinder, Equilibria, Wave
+from contact.reference.exact.base import Array, IsolatedZone, PeriodicZone, known
 from contact.reference.exact.flat import IsolatedPunch, PeriodicPunch
-from contact.reference.exact.parabola import HertzLine
-from contact.reference.exact.sinusoid import Westergaard
 
 
 @dataclass(frozen=True)
@@ -76,7 +75,7 @@ class JKRZone(AdhesiveZone):
         """sqrt(E* w/pi): p ~ -intensity/sqrt(d) at the distance d from an end [Pa m^(1/2)]."""
         return sqrt(self.E_star * self.work / pi)
 
-    @property
+    @cached_property
     def punch(self) -> IsolatedPunch | PeriodicPunch:
         """The flat punch whose pressure is taken off."""
         a, modulus = self.half_width, self.E_star
@@ -88,43 +87,42 @@ class JKRZone(AdhesiveZone):
         """(L/pi) tan(pi a/L) [m]; alone a."""
         return self._turn * self._sine() / self._cosine()
 
-    @property
-    def punch_load_rate(self) -> float:
-        """dQ/da."""
-        return 0.5 * self.punch.load / (self.tangent * self._cosine() ** 2)
-
     def _pressure(self, r: Array, d: Array) -> Array:
         return self.zone._pressure(r, d) - self.punch._pressure(r, d)
 
     def _gap(self, e: Array) -> Array:
-        punch = self.punch
-        return self.zone._gap(e) + 2.0 * punch.load / (pi * self.E_star) * punch._fall(e)
+        return super()._gap(e) + self.punch._fall(e)
+
+    def _approach(self) -> float:
+        return super()._approach() - self.punch.load * known("the approach", self.punch_compliance)
 
     @property
     def load(self) -> float:
         return self.zone.load - self.punch.load
 
-    def _approach(self) -> float:
-        return self.zone._approach() - self.punch.load * self._compliance()
-
     @property
     def elastic_energy(self) -> float:
-        taken, compliance = self.punch.load, self._compliance()
-        return frictionless_energy(self.zone) + compliance * taken * (0.5 * taken - self.zone.load)
+        taken, compliance = self.punch.load, known("the approach", self.punch_compliance)
+        return super().elastic_energy + compliance * taken * (0.5 * taken - self.zone.load)
 
     @property
     def surface_energy(self) -> float:
         return -2.0 * self.half_width * self.work
 
+    def rates(self) -> tuple[float, float]:
+        """d load/da and d approach/da (nan without a datum)."""
+        taken = self.punch.load
+        load = float(self.zone.load_rate(np.array(self.half_width))) - 0.5 * taken / (self.tangent * self._cosine() ** 2)
+        # dC/da = -2/(pi E* a) alone, -(2/E* L) cot(pi a/L) with a period.
+        return load, self._approach_rate(load, 2.0 * taken / (pi * self.E_star * self.tangent))
+
 
 class _JKREquilibria(Equilibria[JKRZone]):
     """Equilibria by their half width."""
 
-    def _rates(self, parameter: float) -> tuple[float, float]:
-        state = self.at(parameter)
-        load = float(state.zone.load_rate(np.array(parameter))) - state.punch_load_rate  # type: ignore[union-attr]
-        # dC/da = -2/(pi E* a) alone, -(2/E* L) cot(pi a/L) with a period.
-        return load, state._approach_rate(load, 2.0 * state.punch.load / (pi * state.E_star * state.tangent))
+    def at(self, parameter: float) -> JKRZone:
+        """The equilibrium of this half width."""
+        return JKRZone(self._frictionless(parameter), self.work)
 
     @property
     def jump_in(self) -> JKRZone:
@@ -133,7 +131,7 @@ class _JKREquilibria(Equilibria[JKRZone]):
 
 
 @dataclass(frozen=True)
-class JKRCylinder(_JKREquilibria):
+class JKRCylinder(Cylinder, _JKREquilibria):
     """The equilibria of f = x^2/2R alone under JKR adhesion, by their half width (Barquins 1988): P = pi E* a^2/4R - sqrt(2 pi E* a w),
 
     approach = (a^2/2R)(ln(2d/a) + 1/2) - (2/pi E*) sqrt(2 pi E* a w) ln(2d/a) with a datum d; pull-off under load control at
@@ -182,18 +180,7 @@ class JKRCylinder(_JKREquilibria):
     True
     """
 
-    radius: float
-    E_star: float
-    work: float
     datum: float | None = None
-
-    def __post_init__(self) -> None:
-        keep(self, positive, "radius", "E_star", "work")
-        positive_or_none("datum", self.datum)
-
-    def at(self, parameter: float) -> JKRZone:
-        """The equilibrium of this half width."""
-        return JKRZone(HertzLine(self.radius, self.E_star, parameter, self.datum), self.work)
 
     @property
     def pull_off_load(self) -> float:
@@ -208,7 +195,7 @@ class JKRCylinder(_JKREquilibria):
 
 
 @dataclass(frozen=True)
-class JKRWave(_JKREquilibria):
+class JKRWave(Wave, _JKREquilibria):
     """The equilibria of f = Delta (1 - cos(2 pi x/L)) in a row under JKR adhesion, by their half width (Johnson 1995).
 
     With A = pi a/L and p* = pi E* Delta/L
@@ -267,20 +254,8 @@ class JKRWave(_JKREquilibria):
     True
     """
 
-    amplitude: float
-    period: float
-    E_star: float
-    work: float
-
     # An opening of no width has no intensity: what is closed needs a flaw to open.
     stays_closed = True
-
-    def __post_init__(self) -> None:
-        keep(self, positive, "amplitude", "period", "E_star", "work")
-
-    def at(self, parameter: float) -> JKRZone:
-        """The equilibrium of this half width."""
-        return JKRZone(Westergaard(self.amplitude, self.period, self.E_star, parameter), self.work)
 
     @property
     def alpha(self) -> float:

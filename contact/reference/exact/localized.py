@@ -12,14 +12,17 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.optimize import brentq, minimize_scalar
+from scipy.optimize import minimize_scalar
 
 from contact.errors import OutOfRange, SceneError
 from contact.model.checks import between, one_of, positive
 from contact.reference.exact.base import Array, SymmetricZone, abel_gap
 from contact.reference.exact.parabola import HertzLine
+from contact.reference.exact.roots import root
 from contact.reference.exact.sinusoid import IsolatedSinusoid
 from contact.reference.exact.wedge import IsolatedWedge
+
+Isolated = HertzLine | IsolatedWedge | IsolatedSinusoid
 
 FIRST_ORDER = "first-order"
 SELF_CONSISTENT = "self-consistent"
@@ -143,7 +146,7 @@ class LocalizedZone(SymmetricZone):
     True
     """
 
-    isolated: HertzLine | IsolatedWedge | IsolatedSinusoid
+    isolated: Isolated
     period: float
     closure: str = FIRST_ORDER
     datum = None
@@ -151,7 +154,7 @@ class LocalizedZone(SymmetricZone):
     def __post_init__(self) -> None:
         positive("period", self.period)
         one_of("closure", self.closure, (FIRST_ORDER, SELF_CONSISTENT))
-        if not isinstance(self.isolated, (HertzLine, IsolatedWedge, IsolatedSinusoid)):
+        if not isinstance(self.isolated, Isolated):
             raise SceneError.of("isolated", self.isolated, "a HertzLine, an IsolatedWedge or an IsolatedSinusoid")
         between("half_width", self.half_width, 0.0, 0.5 * self.period)
         if isinstance(self.isolated, IsolatedSinusoid) and self.isolated.wavelength != self.period:
@@ -159,13 +162,8 @@ class LocalizedZone(SymmetricZone):
         if float(self.load_rate(np.array(self.half_width))) < 0.0:
             raise OutOfRange(f"half_width = {self.half_width:.6g} m is out of range: p < 0 at the ends")
 
-    @property
-    def half_width(self) -> float:  # type: ignore[override]
-        return self.isolated.half_width
-
-    @property
-    def E_star(self) -> float:  # type: ignore[override]
-        return self.isolated.E_star
+    half_width = property(lambda self: self.isolated.half_width)  # type: ignore[assignment]
+    E_star = property(lambda self: self.isolated.E_star)  # type: ignore[assignment]
 
     @property
     def nominal_load(self) -> float:
@@ -174,9 +172,7 @@ class LocalizedZone(SymmetricZone):
 
     @property
     def load(self) -> float:
-        if self.closure == FIRST_ORDER:
-            return self.isolated.load + correction_load(self.half_width, self.period, self.isolated.load)
-        return self.isolated.load * self.period / _root(self.half_width, self.period)
+        return _load(self.isolated, self.period, self.closure)
 
     def load_rate(self, s: Array) -> Array:
         """d(load)/da at a = s with the nominal load held: the superposition's P'(s)."""
@@ -199,20 +195,18 @@ class LocalizedZone(SymmetricZone):
     def _gap(self, e: Array) -> Array:
         return abel_gap(self.load_rate, self.half_width, np.minimum(e, 0.5 * self.period - self.half_width), self.E_star)
 
-    @property
-    def approach(self) -> float | None:
-        """None: the closures do not fix a common level of u."""
-        return None
+    # The closures do not fix a common level of u.
+    approach = property(lambda self: None)
+    stiffness = property(lambda self: None)
 
-    @property
-    def stiffness(self) -> float | None:
-        """None, as the approach."""
-        return None
+
+def _load(isolated: Isolated, period: float, closure: str) -> float:
+    a, alone = isolated.half_width, isolated.load
+    return alone + correction_load(a, period, alone) if closure == FIRST_ORDER else alone * period / _root(a, period)
 
 
 def localized_at_load(
-    family: type[HertzLine] | type[IsolatedWedge] | type[IsolatedSinusoid], load: float, period: float,
-    closure: str = FIRST_ORDER, **shape: Any,
+    family: type[Isolated], load: float, period: float, closure: str = FIRST_ORDER, **shape: Any
 ) -> LocalizedZone:
     """The localized solution of a family at a load per period, on the branch that starts at zero load.
 
@@ -258,9 +252,7 @@ def localized_at_load(
         shape = {"wavelength": period, **shape}
 
     def at(a: float) -> float:
-        zone = family(half_width=a, **shape)
-        rest = _root(a, period) / period
-        return zone.load * (2.0 - rest) if closure == FIRST_ORDER else zone.load / rest
+        return _load(family(half_width=a, **shape), period, closure)
 
     # The samples run into the maximum from below; the bracket about the first fall is refined.
     widths = 0.5 * period * np.linspace(0.0, 1.0, 258)[1:-1]
@@ -276,5 +268,5 @@ def localized_at_load(
     first = 0.25 * period
     while at(first) > load:
         first *= 0.5
-    a = float(brentq(lambda w: at(w) - load, min(first, last), last, xtol=1e-300, rtol=1e-15))
+    a = root(lambda w: at(w) - load, min(first, last), last)
     return LocalizedZone(family(half_width=a, **shape), period, closure)

@@ -20,11 +20,11 @@ from math import atan, ceil, exp, inf, log, pi, sqrt
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.fft import dct
-from scipy.optimize import brentq
 
 from contact.errors import OutOfRange, SceneError
 from contact.model.checks import keep, positive
-from contact.reference.exact.base import Array, least_value
+from contact.reference.exact.base import Array, check_number, least_value
+from contact.reference.exact.roots import root
 
 # The terms of a series that falls as rho^n: up to rounding, and what that takes where a zone all but ends at a singularity.
 _DIGITS = 38.0
@@ -33,8 +33,23 @@ _FEWEST, _MOST = 32, 8192
 Ratio = Callable[[Array, float, float], Array]
 
 
+class Pair:
+    """Two zones a <= |x| <= b, known by their ends."""
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """a and b [m]."""
+        raise NotImplementedError
+
+    @property
+    def zones(self) -> Array:
+        """Ends of both zones [m], (2, 2)."""
+        a, b = self.ends
+        return np.array([[-b, -a], [a, b]])
+
+
 @dataclass(frozen=True, eq=False)
-class EvenPair:
+class EvenPair(Pair):
     """Two zones a <= |x| <= b under an even pressure, alone or once in every period, as one zone in y = v^2 = m + h cos(theta).
 
     p = (E*/2)|v| sum g_n sin(n theta), P = pi E* h g_1/4 alone, v = x, or v = tan(pi x/L) with a period: see the head of this module.
@@ -92,7 +107,8 @@ class EvenPair:
         cls, middle: float, half: float, ratio: Ratio, E_star: float, limit: float, period: float | None = None
     ) -> "EvenPair":
         """The pair whose G is ratio(y, m, h), by its values at the Chebyshev nodes; G is singular at y = limit."""
-        g = dct(_values(ratio, middle, half, limit), type=2) / _nodes(middle, half, limit)
+        values = _values(ratio, middle, half, limit)
+        g = dct(values, type=2) / len(values)
         g[0] *= 0.5
         return cls(middle, half, g, E_star, period)
 
@@ -103,11 +119,6 @@ class EvenPair:
         if self.period is None:
             return inner, outer
         return self.period / pi * atan(inner), self.period / pi * atan(outer)
-
-    @property
-    def zones(self) -> Array:
-        """Ends of both zones [m], (2, 2)."""
-        return _both(self.ends)
 
     @cached_property
     def load(self) -> float:
@@ -126,14 +137,11 @@ class EvenPair:
 
     def angle(self, x: ArrayLike) -> Array:
         """theta at positions in a zone; 0 and pi outside."""
-        v = self._variable(x)
+        r = np.abs(np.asarray(x, dtype=float))
+        v = r if self.period is None else np.abs(np.tan(pi / self.period * (r - self.period * np.round(r / self.period))))
         inner, outer = np.sqrt(self.middle - self.half), np.sqrt(self.middle + self.half)
-        share = (outer - v) * (outer + v) / (2.0 * self.half)
-        from_inner = (v - inner) * (v + inner) / (2.0 * self.half)
-        # The smaller of the two distances keeps the digits.
-        by_outer = 2.0 * np.arcsin(np.sqrt(np.clip(share, 0.0, 1.0)))
-        by_inner = pi - 2.0 * np.arcsin(np.sqrt(np.clip(from_inner, 0.0, 1.0)))
-        return np.asarray(np.where(share < 0.5, by_outer, by_inner))
+        from_outer, from_inner = np.maximum((outer - v) * (outer + v), 0.0), np.maximum((v - inner) * (v + inner), 0.0)
+        return np.asarray(2.0 * np.arctan2(np.sqrt(from_outer), np.sqrt(from_inner)))
 
     def pressure(self, x: ArrayLike) -> Array:
         """p(x) [Pa], 0 outside the zones."""
@@ -141,8 +149,7 @@ class EvenPair:
 
     def pressure_at(self, t: ArrayLike, zone: int = 0) -> Array:
         """p at the normalised position t in [-1, 1] of a zone."""
-        if zone not in (0, 1):
-            raise SceneError.of("zone", zone, "0 or 1")
+        check_number(zone, 2)
         a, b = self.ends
         outward = np.asarray(t, dtype=float) * (1.0 if zone == 1 else -1.0)
         return self.pressure(0.5 * (a + b) + 0.5 * (b - a) * outward)
@@ -152,27 +159,12 @@ class EvenPair:
         """Peak pressure [Pa]: the best of many angles, and of closer ones about it."""
         return -least_value(lambda theta: -self.at_angle(theta), 0.0, pi, 2001)
 
-    def _variable(self, x: ArrayLike) -> Array:
-        r = np.abs(np.asarray(x, dtype=float))
-        if self.period is None:
-            return np.asarray(r)
-        return np.asarray(np.abs(np.tan(pi / self.period * (r - self.period * np.round(r / self.period)))))
-
-
-def _both(ends: tuple[float, float]) -> Array:
-    a, b = ends
-    return np.array([[-b, -a], [a, b]])
-
-
-def _nodes(middle: float, half: float, limit: float) -> int:
-    """How many Chebyshev nodes G takes: by its distance from y = -1, where arctan v branches, and from the limit."""
-    nearest = min(1.0 + middle, limit - middle) / half
-    rate = log(nearest + sqrt(max((nearest - 1.0) * (nearest + 1.0), 0.0))) if nearest > 1.0 else 0.0
-    return _MOST if rate * _MOST < _DIGITS else max(_FEWEST, ceil(_DIGITS / rate))
-
 
 def _values(ratio: Ratio, middle: float, half: float, limit: float) -> Array:
-    n = _nodes(middle, half, limit)
+    """G at Chebyshev nodes, as many as its distance from y = -1, where arctan v branches, and from the limit takes."""
+    nearest = min(1.0 + middle, limit - middle) / half
+    rate = log(nearest + sqrt(max((nearest - 1.0) * (nearest + 1.0), 0.0))) if nearest > 1.0 else 0.0
+    n = _MOST if rate * _MOST < _DIGITS else max(_FEWEST, ceil(_DIGITS / rate))
     # y from the inner end: m - h is small where the zones are close to merging.
     y = (middle - half) + 2.0 * half * np.cos(0.5 * pi * (np.arange(n) + 0.5) / n) ** 2
     return ratio(y, middle, half)
@@ -198,7 +190,7 @@ def bounded_middle(ratio: Ratio, half: float, limit: float) -> float | None:
         high = 2.0 * half
         while miss(high) <= 0.0:
             high *= 2.0
-    return float(brentq(miss, half, high, xtol=1e-300, rtol=1e-15))
+    return root(miss, half, high)
 
 
 def pair_at_load(ratio: Ratio, load: float, E_star: float, limit: float, period: float | None = None) -> EvenPair:
@@ -227,7 +219,7 @@ def pair_at_load(ratio: Ratio, load: float, E_star: float, limit: float, period:
             low += step
         if step < 1e-13:
             raise OutOfRange(f"load = {load:.6g} N/m is out of range: the two zones have merged")
-    pair = at(exp(float(brentq(miss, low, low + step, xtol=1e-15, rtol=1e-15))))
+    pair = at(exp(root(miss, low, low + step)))
     assert pair is not None
     return pair
 
@@ -239,9 +231,9 @@ def tips_slope(x: Array, radius: float, spacing: float) -> Array:
 
 
 @dataclass(frozen=True)
-class PairRow:
+class PairRow(Pair):
     """Two tips a distance 2c = `spacing` apart, once in every period, each with its own zone; the mean pressure is the load of both
-    over the period. A solution says where the zones end."""
+    over the period. A solution has its `pair`, or says where the zones end and what the pressure is."""
 
     radius: float
     spacing: float
@@ -255,19 +247,28 @@ class PairRow:
             raise SceneError.of("spacing", self.spacing, f"below the period {self.period:.17g}")
 
     @property
-    def ends(self) -> tuple[float, float]:
-        """a and b [m]."""
-        raise NotImplementedError
-
-    @property
-    def zones(self) -> Array:
-        """Ends of both zones [m], (2, 2)."""
-        return _both(self.ends)
-
-    @property
     def load(self) -> float:
         """Of both zones [N/m]."""
         return self.mean_pressure * self.period
+
+    @cached_property
+    def pair(self) -> EvenPair:
+        """The solution in another variable."""
+        raise NotImplementedError
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """a and b [m]."""
+        return self.pair.ends
+
+    @property
+    def max_pressure(self) -> float:
+        """Peak pressure [Pa]."""
+        return self.pair.max_pressure
+
+    def pressure(self, x: ArrayLike) -> Array:
+        """p(x) [Pa], 0 outside the zones."""
+        return self.pair.pressure(x)
 
 
 @dataclass(frozen=True)
@@ -335,10 +336,7 @@ class PeriodicBiquadratic(PairRow):
 
     zone_widths = property(lambda self: np.diff(self.zones, axis=1)[:, 0])
     zone_loads = property(lambda self: np.full(2, 0.5 * self.load))
-    max_pressure = property(lambda self: self.pair.max_pressure)
     contact_fraction = property(lambda self: float(np.sum(self.zone_widths)) / self.period)
-
-    ends = property(lambda self: self.pair.ends)  # type: ignore[assignment]
     inner_end = property(lambda self: self.ends[0])
     outer_end = property(lambda self: self.ends[1])
 
@@ -346,10 +344,6 @@ class PeriodicBiquadratic(PairRow):
         """f'(x)."""
         x = np.asarray(x, dtype=float)
         return tips_slope(x - self.period * np.round(x / self.period), self.radius, self.spacing)
-
-    def pressure(self, x: ArrayLike) -> Array:
-        """p(x) [Pa], 0 outside the zones."""
-        return self.pair.pressure(x)
 
     def pressure_at(self, t: ArrayLike, zone: int = 0) -> Array:
         """Pressure [Pa] at the normalised position t in [-1, 1] of a zone."""

@@ -6,22 +6,20 @@ the load (28).
 """
 
 from dataclasses import dataclass
-from math import exp, expm1, log, log1p, pi, sqrt
+from math import exp, expm1, pi, sqrt
 
 import numpy as np
 from scipy.special import spence
 
 from contact.reference.exact import base
-from contact.reference.exact.base import FROM_LEFT, WEIGHT, Array, arccos1m, arcosh1p, sine, zone_potential
+from contact.reference.exact.base import Array, arccos1m, arcosh1p, log_of, sine, zone_potential
 
 
+@dataclass(frozen=True)
 class _Parabola(base.SymmetricZone):
     """What the two share: the profile."""
 
     radius: float
-
-    def __post_init__(self) -> None:
-        self._check("radius")
 
     def _height(self, r: Array) -> Array:
         return r * r / (2.0 * self.radius)
@@ -31,7 +29,7 @@ class _Parabola(base.SymmetricZone):
 
 
 @dataclass(frozen=True)
-class HertzLine(_Parabola, base.IsolatedZone):
+class HertzLine(base.IsolatedZone, _Parabola):
     """A parabola alone (Hertz 1882): p = (E*/2R) sqrt(a^2 - x^2), P = pi E* a^2/4R,
 
     gap = (1/2R)(x sqrt(x^2 - a^2) - a^2 arcosh(x/a)), approach = (a^2/2R)(ln(2d/a) + 1/2) (greatest at a = 2d).
@@ -71,11 +69,6 @@ class HertzLine(_Parabola, base.IsolatedZone):
     True
     """
 
-    radius: float
-    E_star: float
-    half_width: float
-    datum: float | None = None
-
     @classmethod
     def _half_width_for(cls, load: float, **shape: float) -> float:
         return sqrt(4.0 * load * shape["radius"] / (pi * shape["E_star"]))
@@ -97,13 +90,12 @@ class HertzLine(_Parabola, base.IsolatedZone):
     def load(self) -> float:
         return pi * self.E_star * self.half_width**2 / (4.0 * self.radius)
 
-    def _approach(self) -> float:
-        assert self.datum is not None
-        return self.half_width**2 / (2.0 * self.radius) * (log(2.0 * self.datum / self.half_width) + 0.5)
+    def _left(self) -> float:
+        return self.half_width**2 / (4.0 * self.radius)
 
 
 @dataclass(frozen=True)
-class PeriodicParabola(_Parabola, base.PeriodicZone):
+class PeriodicParabola(base.PeriodicZone, _Parabola):
     """A parabola in a row: Kuznetsov's load (28), P = -(L^2 E*/2 pi R) ln cos A, and by the superposition of punches in closed
     form (derived here):
 
@@ -147,42 +139,31 @@ class PeriodicParabola(_Parabola, base.PeriodicZone):
     True
     """
 
-    radius: float
-    period: float
-    E_star: float
-    half_width: float
-
     @classmethod
     def _half_width_for(cls, load: float, **shape: float) -> float:
         y = 2.0 * pi * load * shape["radius"] / (shape["period"] ** 2 * shape["E_star"])
         return base.half_width_from_sine(sqrt(-expm1(-2.0 * y)), exp(-y), shape["period"])
 
+    def _beside(self, middle: Array, d: Array) -> Array:
+        """|cos u/cos A - 1| at the distance d from the end and (u + A)/2: 2 sin((A + u)/2) sin(|A - u|/2)/cos A."""
+        return 2.0 * sine(middle, self.period) * sine(0.5 * d, self.period) / self._cosine()
+
     def _pressure(self, r: Array, d: Array) -> Array:
-        # cos u - cos A = 2 sin((A + u)/2) sin((A - u)/2)
-        y = 2.0 * sine(0.5 * (self.half_width + r), self.period) * sine(0.5 * d, self.period) / self._cosine()
-        return self.period * self.E_star / (2.0 * pi * self.radius) * arcosh1p(y)
+        return self.period * self.E_star / (2.0 * pi * self.radius) * arcosh1p(self._beside(0.5 * (self.half_width + r), d))
 
-    def _gap(self, e: Array) -> Array:
-        # The integral of arccos(cos u/cos A) is not elementary; the rule gives it to rounding.
-        step = e[..., None] * FROM_LEFT
-        y = 2.0 * sine(self.half_width + 0.5 * step, self.period) * sine(0.5 * step, self.period) / self._cosine()
-        total = np.sum(e[..., None] * WEIGHT * arccos1m(y), axis=-1)
-        return self.period / (pi * self.radius) * total
-
-    def _log_cosine(self) -> float:
-        s, c = self._sine(), self._cosine()
-        return log(c) if c < s else 0.5 * log1p(-s * s)
+    def _gap_slope(self, e: Array) -> Array:
+        # Its integral is not elementary.
+        return self.period / (pi * self.radius) * arccos1m(self._beside(self.half_width + 0.5 * e, e))
 
     @property
     def load(self) -> float:
-        return -(self.period**2) * self.E_star / (2.0 * pi * self.radius) * self._log_cosine()
+        return -(self.period**2) * self.E_star / (2.0 * pi * self.radius) * float(log_of(self._cosine(), self._sine()))
 
-    def _approach(self) -> float:
+    def _left(self) -> float:
         square = self._sine() ** 2
         if square < 0.25:  # Li_2 by its series: scipy's loses relative accuracy for small arguments
             k = np.arange(1, 31)
             dilogarithm = float(np.sum(square**k / k**2.0))
         else:
             dilogarithm = float(spence(self._cosine() ** 2))
-        unit = (self.period / pi) ** 2 / (4.0 * self.radius)
-        return unit * (dilogarithm + 4.0 * self._log_sine() * self._log_cosine())
+        return (self.period / pi) ** 2 / (4.0 * self.radius) * dilogarithm

@@ -6,22 +6,36 @@ H. M. Westergaard, "Bearing pressures and cracks", J. Appl. Mech. 6 (1939) A49-A
 """
 
 from dataclasses import dataclass
-from math import inf, log, pi, sqrt
+from math import inf, pi, sqrt
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.optimize import brentq
 from scipy.special import j0, j1, jn_zeros, jv
 
 from contact.errors import OutOfRange
-from contact.model.checks import keep, positive
+from contact.model.checks import between, keep, positive
 from contact.reference.exact import base
-from contact.reference.exact.base import Array, abel_gap, half_width_from_sine, refuse_load, sine, zone_potential
+from contact.reference.exact.base import Array, cosine, sine, sine_excess, zone_potential
+from contact.reference.exact.roots import root
 
 
 @dataclass(frozen=True)
-class Westergaard(base.PeriodicZone):
+class _Wave:
+    """What partial and full contact of a row of waves share."""
+
+    amplitude: float
+    period: float
+    E_star: float
+
+    @property
+    def full_contact_pressure(self) -> float:
+        """p* = pi E* Delta/L [Pa], the smallest mean pressure of full contact."""
+        return pi * self.E_star * self.amplitude / self.period
+
+
+@dataclass(frozen=True)
+class Westergaard(base.PeriodicZone, _Wave):
     """A wave f = Delta (1 - cos(2 pi x/L)) in partial contact (Westergaard 1939), p* = pi E* Delta/L, u = pi x/L, A = pi a/L:
 
     (18) p = sqrt2 p* cos u sqrt(cos 2u - cos 2A),   (19) mean pressure = p* sin^2 A,
@@ -68,24 +82,11 @@ class Westergaard(base.PeriodicZone):
     True
     """
 
-    amplitude: float
-    period: float
-    E_star: float
-    half_width: float
-
-    def __post_init__(self) -> None:
-        self._check("amplitude")
-
-    @property
-    def full_contact_pressure(self) -> float:
-        """p*, the smallest mean pressure of full contact."""
-        return pi * self.E_star * self.amplitude / self.period
-
     @classmethod
     def _half_width_for(cls, load: float, **shape: float) -> float:
         most = pi * shape["E_star"] * shape["amplitude"]
-        refuse_load(load, most, "contact is full (use FullContactSinusoid)")
-        return half_width_from_sine(sqrt(load / most), sqrt((most - load) / most), shape["period"])
+        base.refuse_load(load, most, "contact is full (use FullContactSinusoid)")
+        return base.half_width_from_sine(sqrt(load / most), sqrt((most - load) / most), shape["period"])
 
     def _height(self, r: Array) -> Array:
         return 2.0 * self.amplitude * sine(r, self.period) ** 2
@@ -94,36 +95,31 @@ class Westergaard(base.PeriodicZone):
         return 2.0 * pi * self.amplitude / self.period * sine(2.0 * r, self.period)
 
     def _pressure(self, r: Array, d: Array) -> Array:
-        # cos 2u - cos 2A = 2 sin(A - u) sin(A + u); cos u from the distance to L/2.
-        cosine = sine(0.5 * self.period - self.half_width + d, self.period)
+        # cos 2u - cos 2A = 2 sin(A - u) sin(A + u)
         root = np.sqrt(sine(d, self.period) * sine(self.half_width + r, self.period))
-        return 2.0 * self.full_contact_pressure * cosine * root
+        return 2.0 * self.full_contact_pressure * cosine(self.half_width, self.period, d) * root
 
     def load_rate(self, s: ArrayLike) -> Array:
         """dP/da at a = s."""
         return pi * self.full_contact_pressure * sine(2.0 * np.asarray(s), self.period)
 
     def _gap_slope(self, e: Array) -> Array:
-        valley = sine(0.5 * self.period - self.half_width - e, self.period)
         root = np.sqrt(sine(e, self.period) * sine(2.0 * self.half_width + e, self.period))
-        return 4.0 * pi * self.amplitude / self.period * valley * root
+        return 4.0 * pi * self.amplitude / self.period * cosine(self.half_width, self.period, -e) * root
 
     def _gap(self, e: Array) -> Array:
-        s, half = self._sine(), 0.5 * e
-        # sin u/sin A - 1 = 2 cos((u + A)/2) sin((u - A)/2)/sin A
-        z = 2.0 * sine(0.5 * self.period - self.half_width - half, self.period) * sine(half, self.period) / s
-        return 2.0 * self.amplitude * s * s * zone_potential(np.maximum(z, 0.0))
+        return 2.0 * self.amplitude * self._sine() ** 2 * zone_potential(sine_excess(self.half_width, e, self.period))
 
     @property
     def load(self) -> float:
         return pi * self.E_star * self.amplitude * self._sine() ** 2
 
-    def _approach(self) -> float:
-        return self.amplitude * self._sine() ** 2 * (1.0 - 2.0 * self._log_sine())
+    def _left(self) -> float:
+        return self.amplitude * self._sine() ** 2
 
 
 @dataclass(frozen=True)
-class FullContactSinusoid:
+class FullContactSinusoid(_Wave):
     """Full contact of the wave f = Delta (1 - cos(2 pi x/L)), mean pressure >= p* = pi E* Delta/L: p = mean + p* cos(2 pi x/L).
 
     H. M. Westergaard, J. Appl. Mech. 6 (1939) A49-A53, doi 10.1115/1.4008919.
@@ -168,9 +164,6 @@ class FullContactSinusoid:
     True
     """
 
-    amplitude: float
-    period: float
-    E_star: float
     mean_pressure: float
 
     def __post_init__(self) -> None:
@@ -180,11 +173,6 @@ class FullContactSinusoid:
                 f"mean_pressure = {self.mean_pressure:.6g} Pa is out of range: full contact begins at "
                 f"{self.full_contact_pressure:.6g} Pa"
             )
-
-    @property
-    def full_contact_pressure(self) -> float:
-        """p* = pi E* Delta/L [Pa], the smallest mean pressure of full contact."""
-        return pi * self.E_star * self.amplitude / self.period
 
     zones = property(lambda self: np.empty((0, 2)))
     contact_fraction = property(lambda self: 1.0)
@@ -208,7 +196,15 @@ class FullContactSinusoid:
 
 
 @dataclass(frozen=True)
-class IsolatedSinusoid(base.IsolatedZone):
+class _OneWave:
+    """The shape of a wave that does not repeat."""
+
+    amplitude: float
+    wavelength: float
+
+
+@dataclass(frozen=True)
+class IsolatedSinusoid(base.IsolatedZone, _OneWave):
     """One wave alone, Tsukanov (2018a), k = 2 pi/L, t = x/a:
 
     (20) p = (2 pi Delta E*/L) sqrt(1 - t^2) sum_j (-1)^j J_{2j+1}(ka) U_{2j}(t),
@@ -259,15 +255,9 @@ class IsolatedSinusoid(base.IsolatedZone):
     True
     """
 
-    amplitude: float
-    wavelength: float
-    E_star: float
-    half_width: float
-    datum: float | None = None
-
     def __post_init__(self) -> None:
-        positive("wavelength", self.wavelength)
-        self._check("amplitude", extent=0.5 * self.wavelength)
+        super().__post_init__()
+        between("half_width", self.half_width, 0.0, 0.5 * self.wavelength)
 
     @property
     def _k(self) -> float:
@@ -283,8 +273,8 @@ class IsolatedSinusoid(base.IsolatedZone):
         k = 2.0 * pi / shape["wavelength"]
         unit = 0.5 * pi * shape["E_star"] * shape["amplitude"]
         ka = float(jn_zeros(0, 1)[0])
-        refuse_load(load, unit * ka * float(j1(ka)), "the load of one wave is greatest")
-        return float(brentq(lambda z: unit * z * j1(z) - load, 0.0, ka, xtol=1e-300, rtol=1e-15)) / k
+        base.refuse_load(load, unit * ka * float(j1(ka)), "the load of one wave is greatest")
+        return root(lambda z: unit * z * j1(z) - load, 0.0, ka) / k
 
     def _height(self, r: Array) -> Array:
         return 2.0 * self.amplitude * sine(r, self.wavelength) ** 2
@@ -306,19 +296,16 @@ class IsolatedSinusoid(base.IsolatedZone):
         return np.asarray(0.5 * pi * self.E_star * self.amplitude * self._k * z * j0(z))
 
     def _gap(self, e: Array) -> Array:
-        return abel_gap(self.load_rate, self.half_width, e, self.E_star)
+        return base.abel_gap(self.load_rate, self.half_width, e, self.E_star)
 
     @property
     def load(self) -> float:
         ka = self._k * self.half_width
         return 0.5 * pi * self.E_star * self.amplitude * ka * float(j1(ka))
 
-    def _approach(self) -> float:
-        # (2/pi E*) int P'(s) ln(2d/s) ds, with int_0^a P/s ds = (pi E* Delta/2)(1 - J_0(ka))
-        assert self.datum is not None
-        ka = self._k * self.half_width
-        decay = 2.0 * self.load / (pi * self.E_star) * log(2.0 * self.datum / self.half_width)
-        return decay + self.amplitude * (1.0 - float(j0(ka)))
+    def _left(self) -> float:
+        # int_0^a P/s ds = (pi E* Delta/2)(1 - J_0(ka))
+        return self.amplitude * (1.0 - float(j0(self._k * self.half_width)))
 
 
 def sinusoid(mean_pressure: float, **shape: Any) -> Westergaard | FullContactSinusoid:

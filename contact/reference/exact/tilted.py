@@ -7,18 +7,17 @@ phi of its tip, cos phi = -sin(pi tilt / 2 slope), makes both ends free.
 """
 
 from dataclasses import dataclass
-from math import atan, cos, inf, log, pi, sin, tan
-from typing import TYPE_CHECKING
+from math import atan, cos, inf, pi, sin, tan
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from contact.errors import OutOfRange, SceneError
-from contact.model.checks import finite, keep, positive, positive_or_none
-from contact.reference.exact.base import FROM_LEFT, WEIGHT, Array, Zoned, arcosh1p, zone_potential
+from contact.errors import OutOfRange
+from contact.model.checks import finite, positive
+from contact.reference.exact.base import Array, Pressed, arcosh1p, check_number, integrated, zone_potential
 
 
-class TiltedZone(Zoned):
+class TiltedZone(Pressed):
     """One zone under a turned punch, the gap at no load being f(x) - tilt x; the base of its solutions.
 
     M = int p x dx is the moment about the middle of the body, e = M/P the centre of the load. Derived here, see the head of this module.
@@ -36,20 +35,22 @@ class TiltedZone(Zoned):
     datum : float or None
         Distance at which the far field of u is zero [m].
     approach : float or None
-        By how much the body has come down at x = 0 [m]; None without a datum.
+        By how much the body has come down at x = 0, from f(0) = 0 on [m]; None without a datum.
+    stiffness, punch_compliance : float or None
+        d load/d approach at a given tilt [Pa], that of a flat punch on the same zone, and its inverse [m^2/N].
     max_pressure : float
         Peak pressure [Pa]; inf where there is a corner or a tip in the zone.
     zones : array, (1, 2)
         The ends [m]; beside them `zone_widths` [m] and `zone_loads` [N/m], both (1,).
-    pressure, gap, height, slope : callable
-        p [Pa], gap [m], f [m] and f' - tilt at positions x [m] of any shape.
+    pressure, gap, displacement, height, slope : callable
+        p [Pa], gap [m], u [m] into the body, f [m] of the body as it is given and f' - tilt as it stands, at positions x [m] of any shape.
     pressure_at : callable
         p [Pa] at normalised positions t in [-1, 1] of the zone.
 
     Raises
     ------
     SceneError
-        From `pressure_at`, if the zone is not 0.
+        From `pressure_at`, if the zone is not 0; from `displacement`, without a datum.
 
     Examples
     --------
@@ -62,24 +63,10 @@ class TiltedZone(Zoned):
     (True, True)
     """
 
-    # Annotations only: a value here would become the default of a subclass's dataclass field of that name.
-    E_star: float
-    datum: float | None
+    # Annotations only, as in `Pressed`.
+    tilt: float
+    moment: float
     period = None
-
-    if TYPE_CHECKING:
-
-        @property
-        def half_width(self) -> float: ...
-        @property
-        def tilt(self) -> float: ...
-        @property
-        def load(self) -> float:
-            """P [N/m]."""
-
-        @property
-        def moment(self) -> float:
-            """M = int p x dx [N]."""
 
     @property
     def middle(self) -> float:
@@ -90,17 +77,6 @@ class TiltedZone(Zoned):
     def max_pressure(self) -> float:
         """Peak pressure [Pa]; inf where there is a corner or a tip in the zone."""
         return inf
-
-    def height(self, x: ArrayLike) -> Array:
-        """f(x) [m] of the body as it is given, f(0) = 0."""
-        raise NotImplementedError
-
-    def slope(self, x: ArrayLike) -> Array:
-        """f'(x) - tilt, as the body stands."""
-        raise NotImplementedError
-
-    def _approach(self, datum: float) -> float:
-        raise NotImplementedError
 
     def _pressure(self, left: Array, right: Array) -> Array:
         """p at distances from the ends over the half width, left + right = 2."""
@@ -115,15 +91,9 @@ class TiltedZone(Zoned):
         """Ends of the zone [m], (1, 2)."""
         return np.array([[self.middle - self.half_width, self.middle + self.half_width]])
 
-    @property
-    def approach(self) -> float | None:
-        """By how much the body has come down at x = 0, from f(0) = 0 on; None without a datum."""
-        return None if self.datum is None else self._approach(self.datum)
-
     def pressure_at(self, t: ArrayLike, zone: int = 0) -> Array:
         """Pressure [Pa] at the normalised position t in [-1, 1] of the zone."""
-        if zone != 0:
-            raise SceneError.of("zone", zone, "0: there is one zone")
+        check_number(zone)
         t = np.asarray(t, dtype=float)
         with np.errstate(divide="ignore", invalid="ignore"):
             return self._pressure(1.0 + t, 1.0 - t)
@@ -140,6 +110,10 @@ class TiltedZone(Zoned):
         beyond = np.maximum(np.abs(z) - 1.0, 0.0)
         right, left = self._gap(beyond, 1), self._gap(beyond, -1)
         return np.where(beyond > 0.0, np.where(z > 0.0, right, left), 0.0)
+
+    def displacement(self, x: ArrayLike) -> Array:
+        """u(x) [m] into the body, zero of ln|x/d| at the datum d."""
+        return super().displacement(x) + self.tilt * np.asarray(x, dtype=float)
 
 
 @dataclass(frozen=True)
@@ -189,9 +163,8 @@ class TiltedParabola(TiltedZone):
     datum: float | None = None
 
     def __post_init__(self) -> None:
-        keep(self, positive, "radius", "E_star", "half_width")
+        self._check("radius", "E_star", "half_width")
         finite("tilt", self.tilt)
-        positive_or_none("datum", self.datum)
 
     @property
     def middle(self) -> float:
@@ -202,7 +175,7 @@ class TiltedParabola(TiltedZone):
         return pi * self.E_star * self.half_width**2 / (4.0 * self.radius)
 
     @property
-    def moment(self) -> float:
+    def moment(self) -> float:  # type: ignore[override]
         return self.load * self.middle
 
     @property
@@ -221,9 +194,8 @@ class TiltedParabola(TiltedZone):
     def _gap(self, beyond: Array, side: int) -> Array:
         return self.half_width**2 / (2.0 * self.radius) * zone_potential(beyond)
 
-    def _approach(self, datum: float) -> float:
-        a = self.half_width
-        return a**2 / (2.0 * self.radius) * (log(2.0 * datum / a) + 0.5) - 0.5 * self.radius * self.tilt**2
+    def _left(self) -> float:
+        return self.half_width**2 / (4.0 * self.radius) - 0.5 * self.radius * self.tilt**2
 
 
 @dataclass(frozen=True)
@@ -280,9 +252,8 @@ class TiltedWedge(TiltedZone):
     datum: float | None = None
 
     def __post_init__(self) -> None:
-        keep(self, positive, "wedge_slope", "E_star", "half_width")
+        self._check("wedge_slope", "E_star", "half_width")
         finite("tilt", self.tilt)
-        positive_or_none("datum", self.datum)
         if abs(self.tilt) >= self.wedge_slope:
             raise OutOfRange(f"tilt = {self.tilt:.6g}: a wedge of slope {self.wedge_slope:.6g} turned so far lies on its flank")
 
@@ -321,7 +292,7 @@ class TiltedWedge(TiltedZone):
         return self.E_star * self.wedge_slope * self.half_width * self._cos_alpha
 
     @property
-    def moment(self) -> float:
+    def moment(self) -> float:  # type: ignore[override]
         return 0.5 * self.load * self.middle
 
     @property
@@ -344,13 +315,15 @@ class TiltedWedge(TiltedZone):
         # The gap opens with the slope (4 slope/pi) arctan((1 - rho) / ((1 + rho) tan(phi/2))), by the angle phi of the tip from
         # the end it opens at and rho = z - sqrt(z^2 - 1), z = 1 + s.
         turn = tan(0.25 * pi + 0.5 * side * self._alpha)
-        s = beyond[..., None] * FROM_LEFT
-        root = np.sqrt(s * (s + 2.0))
-        opening = np.arctan2(s + root, (2.0 + s + root) * turn)
-        return 4.0 * self.wedge_slope / pi * self.half_width * np.sum(beyond[..., None] * WEIGHT * opening, axis=-1)
 
-    def _approach(self, datum: float) -> float:
-        return 2.0 * self.load / (pi * self.E_star) * (log(2.0 * datum / self.half_width) + 1.0)
+        def opening(s: Array, _: Array) -> Array:
+            root = np.sqrt(s * (s + 2.0))
+            return np.arctan2(s + root, (2.0 + s + root) * turn)
+
+        return 4.0 * self.wedge_slope / pi * self.half_width * integrated(opening, beyond)
+
+    def _left(self) -> float:
+        return 2.0 * self.load / (pi * self.E_star)
 
 
 @dataclass(frozen=True)
@@ -412,9 +385,8 @@ class TiltedPunch(TiltedZone):
     datum: float | None = None
 
     def __post_init__(self) -> None:
-        keep(self, positive, "corner", "E_star", "load")
+        self._check("corner", "E_star", "load")
         finite("moment", self.moment)
-        positive_or_none("datum", self.datum)
         if not abs(self.moment) < self.load * self.corner:
             raise OutOfRange(f"moment = {self.moment:.6g} N: the load's centre is not between the corners")
 
@@ -424,7 +396,7 @@ class TiltedPunch(TiltedZone):
         return abs(self.moment) > 0.5 * self.load * self.corner
 
     @property
-    def half_width(self) -> float:
+    def half_width(self) -> float:  # type: ignore[override]
         return 2.0 * (self.corner - abs(self.moment) / self.load) if self.lifted else self.corner
 
     @property
@@ -432,7 +404,7 @@ class TiltedPunch(TiltedZone):
         return float(np.sign(self.moment)) * (self.corner - self.half_width)
 
     @property
-    def tilt(self) -> float:
+    def tilt(self) -> float:  # type: ignore[override]
         if self.lifted:
             return float(np.sign(self.moment)) * 2.0 * self.load / (pi * self.E_star * self.half_width)
         return 4.0 * self.moment / (pi * self.E_star * self.corner**2)
@@ -463,6 +435,5 @@ class TiltedPunch(TiltedZone):
         gap = 2.0 * self.half_width * abs(self.tilt) * (np.sqrt(y * (y + 1.0)) - np.arcsinh(np.sqrt(y)))
         return np.where(beyond * self.half_width <= 2.0 * (self.corner - self.half_width), gap, inf)
 
-    def _approach(self, datum: float) -> float:
-        sunk = 2.0 * self.load / (pi * self.E_star) * log(2.0 * datum / self.half_width)
-        return sunk - abs(self.tilt * self.middle) if self.lifted else sunk
+    def _left(self) -> float:
+        return -abs(self.tilt * self.middle)

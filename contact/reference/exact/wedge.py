@@ -5,22 +5,20 @@ Alone: K. L. Johnson, Contact Mechanics (1985), sec. 5.2, doi 10.1017/CBO9781139
 """
 
 from dataclasses import dataclass
-from math import asinh, atanh, log, pi, tanh
+from math import asinh, pi, tanh
 
 import numpy as np
 from scipy.special import spence
 
 from contact.reference.exact import base
-from contact.reference.exact.base import FROM_LEFT, WEIGHT, Array, arccos1m, arcosh1p, half_width_from_sine, sine
+from contact.reference.exact.base import Array, arccos1m, arcosh1p, half_width_from_sine, sine
 
 
+@dataclass(frozen=True)
 class _Wedge(base.SymmetricZone):
     """What the two share: the profile, and the forms, in which alone sin(pi x/L) is x and cos A is 1."""
 
     wedge_slope: float
-
-    def __post_init__(self) -> None:
-        self._check("wedge_slope")
 
     def _height(self, r: Array) -> Array:
         return self.wedge_slope * r
@@ -34,16 +32,15 @@ class _Wedge(base.SymmetricZone):
             y = sine(d, self.period) / (self._cosine() * sine(r, self.period))
         return self.E_star * self.wedge_slope / pi * arcosh1p(y)
 
-    def _gap(self, e: Array) -> Array:
-        # By the rule: in a row the integral is a dilogarithm, and alone its closed form cancels for small e.
+    def _gap_slope(self, e: Array) -> Array:
+        # In a row the integral is a dilogarithm, and alone its closed form cancels for small e.
         # 1 - tan A/tan u = sin(u - A)/(cos A sin u)
-        step = e[..., None] * FROM_LEFT
-        y = sine(step, self.period) / (self._cosine() * sine(self.half_width + step, self.period))
-        return 2.0 * self.wedge_slope / pi * np.sum(e[..., None] * WEIGHT * arccos1m(y), axis=-1)
+        y = sine(e, self.period) / (self._cosine() * sine(self.half_width + e, self.period))
+        return 2.0 * self.wedge_slope / pi * arccos1m(y)
 
 
 @dataclass(frozen=True)
-class IsolatedWedge(_Wedge, base.IsolatedZone):
+class IsolatedWedge(base.IsolatedZone, _Wedge):
     """A wedge f = slope |x| alone: p = (E* slope/pi) arcosh(a/|x|), P = E* slope a,
 
     gap = (2 slope/pi)(x arccos(a/x) - a arcosh(x/a)), approach = (2 slope a/pi)(ln(2d/a) + 1).
@@ -82,11 +79,6 @@ class IsolatedWedge(_Wedge, base.IsolatedZone):
     True
     """
 
-    wedge_slope: float
-    E_star: float
-    half_width: float
-    datum: float | None = None
-
     @classmethod
     def _half_width_for(cls, load: float, **shape: float) -> float:
         return load / (shape["E_star"] * shape["wedge_slope"])
@@ -99,13 +91,12 @@ class IsolatedWedge(_Wedge, base.IsolatedZone):
     def load(self) -> float:
         return self.E_star * self.wedge_slope * self.half_width
 
-    def _approach(self) -> float:
-        assert self.datum is not None
-        return 2.0 * self.wedge_slope * self.half_width / pi * (log(2.0 * self.datum / self.half_width) + 1.0)
+    def _left(self) -> float:
+        return 2.0 * self.wedge_slope * self.half_width / pi
 
 
 @dataclass(frozen=True)
-class PeriodicWedge(_Wedge, base.PeriodicZone):
+class PeriodicWedge(base.PeriodicZone, _Wedge):
     """A wedge in a row (Block & Keer 2008), u = pi x/L, A = pi a/L:
 
     (25) p = (E* slope/pi) arcosh(tan A/tan|u|),   mean pressure = (E* slope/pi) artanh(sin A),
@@ -147,11 +138,6 @@ class PeriodicWedge(_Wedge, base.PeriodicZone):
     True
     """
 
-    wedge_slope: float
-    period: float
-    E_star: float
-    half_width: float
-
     @classmethod
     def _half_width_for(cls, load: float, **shape: float) -> float:
         y = pi * load / (shape["E_star"] * shape["wedge_slope"] * shape["period"])
@@ -159,14 +145,11 @@ class PeriodicWedge(_Wedge, base.PeriodicZone):
 
     @property
     def load(self) -> float:
-        s, c = self._sine(), self._cosine()
         # artanh s = arsinh(s/c): no loss near full contact
-        return self.period * self.E_star * self.wedge_slope / pi * (atanh(s) if s < c else asinh(s / c))
+        return self.period * self.E_star * self.wedge_slope / pi * asinh(self._sine() / self._cosine())
 
-    def _approach(self) -> float:
-        s, c = self._sine(), self._cosine()
-        unit = 2.0 * self.period * self.wedge_slope / pi**2
-        return unit * (legendre_chi(s) - (atanh(s) if s < c else asinh(s / c)) * self._log_sine())
+    def _left(self) -> float:
+        return 2.0 * self.period * self.wedge_slope / pi**2 * legendre_chi(self._sine())
 
 
 def legendre_chi(s: float) -> float:

@@ -28,6 +28,7 @@ from math import pi, sqrt
 from typing import Any
 
 import numpy as np
+from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike, NDArray
 
 from contact.model.checks import finite, keep, positive
@@ -99,9 +100,6 @@ class AdhesiveDesign(GivenZones):
     (True, True)
     """
 
-    zones: Array
-    E_star: float
-    load: float
     work: float
     period: float | None = None
 
@@ -119,16 +117,19 @@ class AdhesiveDesign(GivenZones):
         """Sign of X on the gap i, or of p over |X| R on the zone i: + on the last."""
         return -1.0 if (len(self.zones) - (i // 2 + 1)) % 2 else 1.0
 
+    @property
+    def _signs(self) -> Array:
+        """Of X in the gap beside every end."""
+        return np.array([self._side(e if e % 2 else e - 1) for e in range(2 * len(self.zones))])
+
     # R
     @cached_property
     def _poles(self) -> NDArray[np.floating]:
         """q_e."""
-        product, n = self._long, len(self.zones)
+        product = self._long
         per_length = 1.0 / product._unit if self.period is None else 2.0 * product._turn
-        # The gap beside a left end has the sign opposite to that beside the right end of its zone.
-        signs = np.array([self._side(k) * (-1.0) ** (k % 2 == 0) for k in range(2 * n)])
         size = 2.0 * np.sqrt(np.longdouble(self.work) / (product.pi * self.E_star))
-        return np.asarray(signs * size * np.sqrt(per_length / product.end_factors()))
+        return np.asarray(self._signs * size * np.sqrt(per_length / product.end_factors()))
 
     def _modes(self, product: CutProduct, i: int, dl: Any, dr: Any) -> Any:
         """The functions of which M is made, (..., count)."""
@@ -137,14 +138,9 @@ class AdhesiveDesign(GivenZones):
             # The local coordinate from the nearer end of the hull: x itself is rounded, but M is smooth.
             half = 2.0 * product._unit
             x = ends[0] - dr if i < 0 else ends[i] + dl
-            t = ((x - ends[0]) - (ends[-1] - x)) / (2.0 * half)
-            modes = [np.ones_like(t), t]
-            while len(modes) < n:
-                modes.append(2.0 * t * modes[-1] - modes[-2])
-            return np.stack(modes[:n], axis=-1)
+            return chebyshev.chebvander(((x - ends[0]) - (ends[-1] - x)) / (2.0 * half), n - 1)
         x = product._turn * (ends[i] + dl)
-        orders = range(n, 0, -2)
-        modes = [f(k * x) for k in orders for f in (np.cos, np.sin)]
+        modes = [f(k * x) for k in range(n, 0, -2) for f in (np.cos, np.sin)]
         return np.stack(modes if n % 2 else [*modes, np.ones_like(x)], axis=-1)
 
     def _integrals(self, i: int) -> tuple[Any, Any]:
@@ -191,9 +187,8 @@ class AdhesiveDesign(GivenZones):
             phi = 2.0 * np.arctan2(np.sqrt(ends[-1] - ends), np.sqrt(ends - ends[0]))
             root = exp_of_power_sums(np.array([np.sum(np.cos(k * phi)) for k in range(2 * n)])).real
             ratio = np.zeros(2 * n, dtype=np.longdouble)  # of v^(n-1), .., v^-n
-            for k, c in enumerate(self._smooth):
-                ratio[n - 1 - k] += 0.5 * c
-                ratio[n - 1 + k] += 0.5 * c
+            ratio[n - 1 :: -1] += 0.5 * self._smooth
+            ratio[n - 1 : -1] += 0.5 * self._smooth
             # unit/(x - e) = sum U_k(cos phi) v^(-k-1)
             second, older = np.ones_like(phi), np.zeros_like(phi)
             for k in range(n):
@@ -207,14 +202,14 @@ class AdhesiveDesign(GivenZones):
         power_sums = np.array([0.5 * np.sum(np.exp(-2j * k * angle)) for k in range(n + 1)])
         root = np.exp(0.5j * (np.sum(angle) + n * self._long.pi)) * exp_of_power_sums(power_sums)
         ratio = np.zeros(n + 1, dtype=np.clongdouble)  # of e^{i pi z (2j - n)/L}
-        for j in range((n + 1) // 2):
-            cosine, sine = self._smooth[2 * j], self._smooth[2 * j + 1]
-            ratio[j] += 0.5 * (cosine + 1j * sine)
-            ratio[n - j] += 0.5 * (cosine - 1j * sine)
+        count = (n + 1) // 2
+        cosine, sine = self._smooth[: 2 * count].reshape(count, 2).T
+        ratio[:count] = 0.5 * (cosine + 1j * sine)
+        ratio[: n - count : -1] = 0.5 * (cosine - 1j * sine)
         if n % 2 == 0:
-            ratio[n // 2] += self._smooth[-1] - 0.5j * np.sum(self._poles)
-        for j in range(n // 2 + 1, n + 1):
-            ratio[j] += -1j * np.sum(self._poles * np.exp(-1j * (2 * j - n) * angle))
+            ratio[count] = self._smooth[-1] - 0.5j * np.sum(self._poles)
+        above = np.arange(n // 2 + 1, n + 1)
+        ratio[above] -= 1j * (np.exp(-1j * np.outer(2 * above - n, angle)) @ self._poles)
         return self._of_slope(np.convolve(root, ratio)[:n][::-1])
 
     @cached_property
@@ -223,14 +218,13 @@ class AdhesiveDesign(GivenZones):
         modes, poles = self._zone_integrals
         return np.asarray(modes @ self._smooth + poles, dtype=float)
 
-    def _zone_pressure(self, zone: int, dl: Array, dr: Array) -> Array:
-        i = 2 * zone
+    def _zone_pressure(self, i: int, dl: Array, dr: Array) -> Array:
         with np.errstate(invalid="ignore"):
-            p = 0.5 * self.E_star * self._side(i) * self._product.root(i, dl, dr) * self._ratio(i, dl, dr)
+            p = 0.5 * self.E_star * self._opening(i, dl, dr)
         return np.asarray(np.where(np.isnan(p), -np.inf, p), dtype=float)
 
     def _opening(self, i: int, dl: Array, dr: Array) -> Array:
-        """Slope of the gap in the gap i (-1: left of all zones)."""
+        """Slope of the gap in the gap i (-1: left of all zones), or p/(E*/2) on a zone."""
         return np.asarray(self._side(i) * self._product.root(i, dl, dr) * self._ratio(i, dl, dr))
 
     def _from_left(self, i: int, dl: Array, dr: Array) -> Mask:
@@ -253,12 +247,10 @@ class AdhesiveDesign(GivenZones):
             rise = np.sin(phi) * self._opening(g, h * np.sin(0.5 * phi) ** 2, h * np.cos(0.5 * phi) ** 2)
             if min(np.min(np.cumsum(rise[:200])), np.min(np.cumsum(-rise[:199:-1]))) <= 0.0:
                 return False
-        if self.period is None:
-            hull = float(ends[-1] - ends[0])
-            beyond = hull * np.geomspace(1e-9, 1e6, 400)
-            out = self.gap_slope(ends[-1] + beyond) > 0.0, self.gap_slope(ends[0] - beyond) < 0.0
-            return bool(np.all(out[0]) and np.all(out[1]))
-        return True
+        if self.period is not None:
+            return True
+        beyond = float(ends[-1] - ends[0]) * np.geomspace(1e-9, 1e6, 400)
+        return bool(np.all(self.gap_slope(ends[-1] + beyond) > 0.0) and np.all(self.gap_slope(ends[0] - beyond) < 0.0))
 
 
 def adhesive_design(
@@ -331,10 +323,7 @@ def second_variation(design: AdhesiveDesign) -> Array:
     (True, True)
     """
     product, m, q = design._product, 2 * len(design.zones), design._poles.astype(float)
-    right = np.arange(m) % 2 == 1
-    outward = np.where(right, 1.0, -1.0)
-    side = np.array([design._side(i) for i in range(-1, m)])  # of X on the interval i at [i + 1]
-    sigma = np.where(right, side[np.arange(m) + 1], side[np.arange(m)])
+    outward, sigma = np.where(np.arange(m) % 2, 1.0, -1.0), design._signs
     unit = float(product._unit) if design.period is None else design.period / (2.0 * pi)
     others = product.end_factors()
     root = np.sqrt(others)

@@ -23,14 +23,13 @@ from math import pi
 
 import numpy as np
 from numpy.polynomial import chebyshev
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from contact.errors import SceneError
 from contact.model.checks import finite_or_none, keep, positive
 from contact.model.profiles.polynomial import Polynomial
 from contact.reference.inverse.designed import exp_of_power_sums
-
-Array = NDArray[np.float64]
+from sie import Array, Mask
 
 # Gauss's nodes on a strip, on a way to the gap at a place, and places at which signs are looked at.
 _NODES, _WAY, _LOOKS, _FEW_LOOKS = 64, 90, 200, 12
@@ -40,13 +39,22 @@ _BEYOND = np.geomspace(1e-3, 30.0, 60)
 
 @dataclass(frozen=True)
 class _Strip:
-    """A strip from a zone's end outward (direction +-1), or a whole gap between two zones (0), in scaled coordinates. side: of which
-    gap (0: left of all zones)."""
+    """A strip from a zone's end outward (direction +-1), or a whole gap between two zones (0), in scaled coordinates. gap: in which
+    (0: left of all zones); ends: those of zones that it is at; nodes, weights: of 1/X on it; h: 1/X there times the roots of the
+    distances from its ends."""
 
     end: float
     width: float
     direction: int
     gap: int
+    ends: tuple[float, ...]
+    nodes: Array
+    weights: Array
+    h: Array
+
+    def far(self, t: Array) -> Array:
+        """int d xi/(X (t - xi)) at places away from it."""
+        return np.asarray((1.0 / (t[..., None] - self.nodes)) @ self.weights)
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,20 +156,29 @@ class CohesiveDesign:
 
     @cached_property
     def _strips(self) -> list[_Strip]:
-        ends, n = self._ends, len(self.zones)
         intervals = self._scaled(self.cohesive)
+        beyond = [-np.inf, *self._ends, np.inf]
         found = []
-        for gap in range(n + 1):
-            left = None if gap == 0 else ends[2 * gap - 1]
-            right = None if gap == n else ends[2 * gap]
-            if left is not None and right is not None and any(a < left and right < b for a, b in intervals):
-                found.append(_Strip(left, right - left, 0, gap))
+        for gap in range(len(self.zones) + 1):
+            left, right = beyond[2 * gap : 2 * gap + 2]
+            if np.any((intervals[:, 0] < left) & (right < intervals[:, 1])):
+                found.append(self._strip((left, right), right - left, 0, gap))
                 continue
-            if left is not None:
-                found.append(_Strip(left, min(b for b in intervals[:, 1] if b > left) - left, 1, gap))
-            if right is not None:
-                found.append(_Strip(right, right - max(a for a in intervals[:, 0] if a < right), -1, gap))
+            if gap > 0:
+                found.append(self._strip((left,), min(b for b in intervals[:, 1] if b > left) - left, 1, gap))
+            if gap < len(self.zones):
+                found.append(self._strip((right,), right - max(a for a in intervals[:, 0] if a < right), -1, gap))
         return found
+
+    def _strip(self, ends: tuple[float, ...], width: float, direction: int, gap: int) -> _Strip:
+        if direction:
+            tau, weights = _gauss(_NODES)
+            nodes, weights = ends[0] + direction * width * tau**2, 2 * np.sqrt(width) * weights
+        else:
+            nodes = ends[0] + 0.5 * width * (1 - np.cos((np.arange(_WAY) + 0.5) * pi / _WAY))
+            weights = np.full(_WAY, pi / _WAY)
+        h = 1.0 / self._root(nodes, ends)
+        return _Strip(ends[0], width, direction, gap, ends, nodes, weights * h, h)
 
     def _root(self, t: Array, without: tuple[float, ...] = ()) -> Array:
         """X off the zones, but for the roots of the distances from some ends."""
@@ -169,45 +186,21 @@ class CohesiveDesign:
         factors = [np.ones(t.shape), *(np.abs(t - end) for end in self._ends if end not in without)]
         return np.sqrt(np.prod(factors, axis=0)) * np.where((past + 1) // 2 % 2, -1.0, 1.0)
 
-    def _of_strip(self, strip: _Strip, t: Array) -> Array:
-        """h at places beside the zones: 1/X times the roots of the distances from the ends that the strip is at."""
-        if strip.direction:
-            return 1.0 / self._root(t, (strip.end,))
-        return 1.0 / self._root(t, (strip.end, self._ends[2 * strip.gap]))
-
-    def _nodes(self, strip: _Strip) -> tuple[Array, Array, Array]:
-        """(places on a strip, weights of 1/X there, h)."""
-        if strip.direction:
-            tau, weight = _gauss(_NODES)
-            xi = strip.end + strip.direction * strip.width * tau**2
-            h = self._of_strip(strip, xi)
-            return xi, 2 * np.sqrt(strip.width) * weight * h, h
-        xi = strip.end + 0.5 * strip.width * (1 - np.cos((np.arange(_WAY) + 0.5) * pi / _WAY))
-        h = self._of_strip(strip, xi)
-        return xi, pi / _WAY * h, h
-
-    def _far(self, strip: _Strip, t: Array) -> Array:
-        """int d xi/(X (t - xi)) at places of other gaps, or on zones."""
-        xi, weight, _ = self._nodes(strip)
-        return np.asarray((1.0 / (t[..., None] - xi)) @ weight)
-
     def _near(self, strip: _Strip, t: Array) -> Array:
         """X times the same in the strip's own gap, but for 2 direction artanh."""
-        xi, weight, h = self._nodes(strip)
-        away = (h - self._of_strip(strip, t)[..., None]) / h
-        return self._root(t) * np.asarray((away / (t[..., None] - xi)) @ weight)
+        away = 1.0 - 1.0 / (self._root(t, strip.ends)[..., None] * strip.h)
+        return self._root(t) * np.asarray((away / (t[..., None] - strip.nodes)) @ strip.weights)
 
     @cached_property
     def _count(self) -> int:
         """Conditions on M, one less than its coefficients."""
-        shared = sum(strip.direction == 0 for strip in self._strips)
-        return 2 * len(self.cohesive) + len(self.cohesive) - 1 + shared
+        return 3 * len(self.cohesive) - 1 + sum(strip.direction == 0 for strip in self._strips)
 
     def _smooth_slope(self, gap: int, t: Array) -> tuple[Array, Array]:
         """Slope of the gap but for the artanh of strips in the same gap: (by the coefficients of M, by the tension)."""
         by_tension = np.zeros(t.shape)
         for strip in self._strips:
-            by_tension += self._near(strip, t) if strip.gap == gap else self._root(t) * self._far(strip, t)
+            by_tension += self._near(strip, t) if strip.gap == gap else self._root(t) * strip.far(t)
         modes = chebyshev.chebvander(t, self._degree) * self._root(t)[..., None]
         return modes, self._tension * by_tension
 
@@ -229,27 +222,23 @@ class CohesiveDesign:
     def _conditions(self) -> tuple[Array, Array]:
         """(matrix, right side) of the coefficients of M."""
         half = self._frame[1]
-        rows, right = [], []
+        conditions = []
         for strip in self._strips:
             if strip.direction:
                 by, rest = self._risen(strip.gap, strip.end, np.array([strip.end + strip.direction * strip.width]))
-                rows.append(by[0])
-                right.append(self.reach / half - rest[0])
+                conditions.append((by[0], self.reach / half - rest[0]))
         for gap in range(1, len(self.zones)):
             by, rest = self._risen(gap, self._ends[2 * gap - 1], self._ends[2 * gap : 2 * gap + 1])
-            rows.append(by[0])
-            right.append(-rest[0])
+            conditions.append((by[0], -rest[0]))
         every = np.eye(self._degree + 1)
-        rows.append(every[-1])
-        right.append(self.rise)
+        conditions.append((every[-1], self.rise))
         if self.given_load is not None:
             # Of the last coefficient of the series, which is the load, what each of M's and the tension make.
-            rows.append(np.array([self._series_of(unit, 0.0)[-1] for unit in every]))
-            right.append(self._load_unit * self.given_load - self._series_of(0.0 * every[0], self._tension)[-1])
-        if len(rows) < len(every):
-            rows.append(every[-2])
-            right.append(0.0)
-        matrix, values = np.array(rows), np.array(right)
+            by_load = np.array([self._series_of(unit, 0.0)[-1] for unit in every])
+            conditions.append((by_load, self._load_unit * self.given_load - self._series_of(0.0 * every[0], self._tension)[-1]))
+        if len(conditions) < len(every):
+            conditions.append((every[-2], 0.0))
+        matrix, values = (np.array(part) for part in zip(*conditions, strict=True))
         size = np.abs(matrix).max(axis=1)
         return matrix / size[:, None], values / size
 
@@ -281,17 +270,12 @@ class CohesiveDesign:
 
     def _series_of(self, smooth: Array, tension: float) -> Array:
         """Coefficients of X R, of t^N, t^(N-1), ..., t^-1, of an M and a tension."""
-        n, degree = len(self.zones), len(smooth) - 1
-        count = n + degree + 2
-        power_sums = np.array([0.5 * np.sum(self._ends**k) for k in range(count)])
-        root = exp_of_power_sums(power_sums).real
-        ratio = np.zeros(count)
-        coefficients = chebyshev.cheb2poly(smooth)
-        ratio[degree + 1 - len(coefficients) : degree + 1] = coefficients[::-1]
-        nodes, weights = (np.concatenate(parts) for parts in zip(*(self._nodes(strip)[:2] for strip in self._strips), strict=True))
-        for k in range(degree + 1, count):
-            ratio[k] += tension * float(weights @ nodes ** (k - degree - 1))
-        return np.asarray(np.convolve(root, ratio)[:count])
+        nodes = np.concatenate([strip.nodes for strip in self._strips])
+        weights = np.concatenate([strip.weights for strip in self._strips])
+        moments = weights @ np.vander(nodes, len(self.zones) + 1, increasing=True)
+        ratio = np.concatenate([chebyshev.cheb2poly(smooth)[::-1], tension * moments])
+        root = exp_of_power_sums(np.array([0.5 * np.sum(self._ends**k) for k in range(len(ratio))])).real
+        return np.asarray(np.convolve(root, ratio)[: len(ratio)])
 
     @cached_property
     def profile(self) -> Polynomial:
@@ -308,9 +292,8 @@ class CohesiveDesign:
     def pressure(self, x: ArrayLike) -> Array:
         """p [Pa]."""
         t = self._scaled(x)
-        zone, x = np.searchsorted(self._ends, t), np.asarray(x, dtype=float)
-        held = np.any((x[..., None] >= self.cohesive[:, 0]) & (x[..., None] <= self.cohesive[:, 1]), axis=-1)
-        out, on = np.where(held, -self.stress, 0.0), zone % 2 == 1
+        zone = np.searchsorted(self._ends, t)
+        out, on = np.where(self._pulled(x), -self.stress, 0.0), zone % 2 == 1
         if on.any():
             inner = t[on]
             size = np.sqrt(np.prod(np.abs(inner[:, None] - self._ends), axis=1))
@@ -319,20 +302,25 @@ class CohesiveDesign:
             out[on] = 0.5 * self.E_star * sign * size * ratio
         return out
 
+    def _pulled(self, x: ArrayLike) -> Mask:
+        """Whether places are on the intervals."""
+        x = np.asarray(x, dtype=float)[..., None]
+        return np.any((x >= self.cohesive[:, 0]) & (x <= self.cohesive[:, 1]), axis=-1)
+
     def _beside(self, strip: _Strip, t: Array) -> Array:
         """int d xi/(X (t - xi)) on zones, however near to the strip."""
-        xi, weight, h = self._nodes(strip)
-        low, high = sorted((strip.end, strip.end + (strip.direction or 1) * strip.width))
-        ends = (strip.end,) if strip.direction else (strip.end, float(self._ends[2 * strip.gap]))
-        away = np.min([np.abs(t - end) for end in ends], axis=0)
+        away = np.min([np.abs(t - end) for end in strip.ends], axis=0)
+        low, high = np.sort([strip.end, strip.end + (strip.direction or 1) * strip.width])
         near = (away < 0.5 * strip.width) & ((t > high) | (t < low))
         if strip.direction:
             near &= (t - strip.end) * strip.direction < 0
-        out = np.asarray((1.0 / (t[:, None] - xi)) @ weight)
+        out = strip.far(t)
         if near.any():
             at = t[near]
-            value = self._continued(strip, ends, at)
-            out[near] = ((1 - value[:, None] / h) / (at[:, None] - xi)) @ weight
+            # h, continued from the strip onto the zones that it begins at.
+            others = np.prod([np.abs(at - end) for end in self._ends if end not in strip.ends], axis=0)
+            value = np.sign(strip.h[0]) / np.sqrt(others)
+            out[near] = ((1 - value[:, None] / strip.h) / (at[:, None] - strip.nodes)) @ strip.weights
             if strip.direction:
                 # zeta is imaginary: the same form, an arcus tangens.
                 eta = np.sqrt(away[near] / strip.width)
@@ -340,12 +328,6 @@ class CohesiveDesign:
             else:
                 out[near] += np.sign(at - low) * pi * value / np.sqrt(np.abs((at - low) * (at - high)))
         return out
-
-    def _continued(self, strip: _Strip, ends: tuple[float, ...], t: Array) -> Array:
-        """h, from the strip onto the zones that it begins at."""
-        within = np.array([strip.end + 0.5 * (strip.direction or 1) * strip.width])
-        size = np.prod([np.abs(t - end) for end in self._ends if end not in ends], axis=0)
-        return np.asarray(np.sign(self._of_strip(strip, within)[0]) / np.sqrt(size))
 
     def gap(self, x: ArrayLike) -> Array:
         """The gap [m], from the end of the nearest zone on."""
@@ -378,9 +360,8 @@ class CohesiveDesign:
         ends = self.zones.ravel()
         for a, b in zip(ends[1:-1:2], ends[2::2], strict=True):
             x = a + (b - a) * u
-            held = np.any((x[:, None] >= self.cohesive[:, 0]) & (x[:, None] <= self.cohesive[:, 1]), axis=1)
             gap = self.gap(x)
-            if not (np.all(gap > 0) and np.all((gap < self.reach) == held)):
+            if not (np.all(gap > 0) and np.all((gap < self.reach) == self._pulled(x))):
                 return False
         strips = np.concatenate((lo + (ends[0] - lo) * u, hi - (hi - ends[-1]) * u))
         gap = self.gap(strips)

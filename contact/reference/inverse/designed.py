@@ -17,6 +17,7 @@ end.
 The shape of a designed contact that is alone is a Chebyshev series of f'.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -29,7 +30,7 @@ from contact.errors import SceneError
 from contact.model.checks import finite_array, keep, positive, positive_or_none
 from contact.model.profiles.base import Profile
 from contact.model.profiles.fourier import Fourier
-from contact.reference.exact.base import FROM_LEFT, FROM_RIGHT, WEIGHT, Zoned, least_value
+from contact.reference.exact.base import FROM_LEFT, FROM_RIGHT, WEIGHT, Zoned, check_number, least_value
 from contact.reference.inverse.product import CutProduct
 from sie import Array, Mask
 
@@ -104,18 +105,17 @@ def exp_of_power_sums(q: NDArray[np.inexact]) -> NDArray[np.complexfloating]:
     s = np.zeros(len(q), dtype=np.result_type(q, np.complex64))
     s[0] = 1.0
     for m in range(1, len(q)):
-        s[m] = -np.dot(q[1 : m + 1], s[m - 1 :: -1] if m > 0 else s[:0]) / m
+        s[m] = -np.dot(q[1 : m + 1], s[m - 1 :: -1]) / m
     return s
 
 
+@dataclass(frozen=True, eq=False)
 class GivenZones(Zoned):
     """A subclass has the profile, the loads of the zones, and the formulas in its distances dl, dr from the ends of an interval."""
 
-    # Annotations only: a subclass has them as its fields.
     zones: Array
     E_star: float
     load: float
-    period: float | None
 
     def _check(self) -> None:
         keep(self, positive_or_none, "period")
@@ -146,7 +146,8 @@ class GivenZones(Zoned):
         cosine, sine = -2.0 * harmonics.imag / wave, 2.0 * harmonics.real / wave
         return Fourier(self._long.period, cosine.astype(float), sine.astype(float))  # type: ignore[arg-type]
 
-    def _zone_pressure(self, zone: int, dl: Array, dr: Array) -> Array:
+    def _zone_pressure(self, i: int, dl: Array, dr: Array) -> Array:
+        """p on the interval i, a zone."""
         raise NotImplementedError
 
     def _opening(self, i: int, dl: Array, dr: Array) -> Array:
@@ -157,22 +158,29 @@ class GivenZones(Zoned):
         """Whether the gap at places of the gap i is integrated from the left."""
         raise NotImplementedError
 
-    def gap(self, x: ArrayLike) -> Array:
-        """u + f - approach [m], 0 in the zones: the slope integrated from an end of the gap."""
+    def _on(self, odd: bool, x: ArrayLike, function: Callable[[int, Array, Array], Array]) -> Array:
+        """A function of gaps (odd) or of zones, by their numbers and the distances of places from their ends; 0 elsewhere."""
         x = np.asarray(x, dtype=float)
         interval, dl, dr = self._product.locate(x)
-        gap = np.zeros_like(x)
-        outside = (interval % 2 == 1) & ((dl != 0.0) | (interval < 0)) & (dr != 0.0)
-        for i in np.unique(interval[outside]):
-            here = outside & (interval == i)
-            left, right = dl[here][:, None], dr[here][:, None]
-            rightward = self._from_left(int(i), left, right)
-            way, rest = np.where(rightward, left, right), np.where(rightward, right, left)
-            # From the end, way s^2: the slope may be as 1/s there.
-            near, far = way * FROM_LEFT**2, rest + way * FROM_RIGHT * (1.0 + FROM_LEFT)
-            values = self._opening(int(i), np.where(rightward, near, far), np.where(rightward, far, near))
-            gap[here] = np.sum(np.where(rightward, 2.0, -2.0) * way * FROM_LEFT * WEIGHT * values, axis=-1)
-        return gap
+        values = np.zeros_like(x)
+        for i in np.unique(interval[interval % 2 == odd]):
+            here = interval == i
+            values[here] = function(int(i), dl[here], dr[here])
+        return values
+
+    def gap(self, x: ArrayLike) -> Array:
+        """u + f - approach [m], 0 in the zones: the slope integrated from an end of the gap."""
+        return self._on(True, x, self._opened)
+
+    def _opened(self, i: int, dl: Array, dr: Array) -> Array:
+        left, right = dl[:, None], dr[:, None]
+        rightward = self._from_left(i, left, right)
+        way, rest = np.where(rightward, left, right), np.where(rightward, right, left)
+        safe = np.where(way == 0.0, 1.0, way)  # the slope may be infinite at an end
+        # From the end, way s^2: the slope may be as 1/s there.
+        near, far = safe * FROM_LEFT**2, rest + safe * FROM_RIGHT * (1.0 + FROM_LEFT)
+        values = self._opening(i, np.where(rightward, near, far), np.where(rightward, far, near))
+        return np.asarray(np.sum(np.where(rightward, 2.0, -2.0) * way * FROM_LEFT * WEIGHT * values, axis=-1))
 
     def height(self, x: ArrayLike) -> Array:
         """f(x) [m], up to a constant."""
@@ -190,31 +198,18 @@ class GivenZones(Zoned):
 
     def pressure_at(self, t: ArrayLike, zone: int = 0) -> Array:
         """Pressure [Pa] at the normalised position t in [-1, 1] of a zone, to rounding up to its ends."""
-        if zone not in range(len(self.zones)):
-            raise SceneError.of("zone", zone, f"0 to {len(self.zones) - 1}")
+        check_number(zone, len(self.zones))
         t = np.asarray(t, dtype=float)
         half = 0.5 * self._product.steps[2 * zone]
-        return self._zone_pressure(zone, half * (1.0 + t), half * (1.0 - t))
+        return self._zone_pressure(2 * zone, half * (1.0 + t), half * (1.0 - t))
 
     def pressure(self, x: ArrayLike) -> Array:
         """p(x) [Pa], 0 outside the zones."""
-        x = np.asarray(x, dtype=float)
-        interval, dl, dr = self._product.locate(x)
-        p = np.zeros_like(x)
-        for zone in range(len(self.zones)):
-            here = interval == 2 * zone
-            p[here] = self._zone_pressure(zone, dl[here], dr[here])
-        return p
+        return self._on(False, x, self._zone_pressure)
 
     def gap_slope(self, x: ArrayLike) -> Array:
         """(u + f)' between the zones, 0 in them."""
-        x = np.asarray(x, dtype=float)
-        interval, dl, dr = self._product.locate(x)
-        slope = np.zeros_like(x)
-        for i in np.unique(interval[interval % 2 == 1]):
-            here = interval == i
-            slope[here] = self._opening(int(i), dl[here], dr[here])
-        return slope
+        return self._on(True, x, self._opening)
 
     def displacement(self, x: ArrayLike) -> Array:
         """u(x) [m] into the body, of zero mean; periodic only."""
@@ -237,11 +232,8 @@ class GivenZones(Zoned):
         """Mean of the gap over the period, -(1/L) sum int_gap x g' dx; None without a period."""
         if self.period is None:
             return None
-        total = 0.0
-        for g in self._product.gaps:
-            dl, dr, weight = self._product.nodes(g)
-            total -= float(np.sum(weight * dl * self._opening(g, dl, dr)))
-        return total / self.period
+        nodes = [(g, *self._product.nodes(g)) for g in self._product.gaps]
+        return -sum(float(np.sum(weight * dl * self._opening(g, dl, dr))) for g, dl, dr, weight in nodes) / self.period
 
     @property
     def approach(self) -> float | None:
@@ -304,9 +296,6 @@ class DesignedContact(GivenZones):
     True
     """
 
-    zones: Array
-    E_star: float
-    load: float
     period: float | None = None
 
     def __post_init__(self) -> None:
@@ -364,8 +353,8 @@ class DesignedContact(GivenZones):
         """Load of every zone [N/m]; they add up to the load."""
         return np.asarray(self.load * self._raw_loads / np.sum(self._raw_loads), dtype=float)
 
-    def _zone_pressure(self, zone: int, dl: Array, dr: Array) -> Array:
-        return np.asarray(0.5 * self.E_star * self._scale * self._product.magnitude(2 * zone, dl, dr), dtype=float)
+    def _zone_pressure(self, i: int, dl: Array, dr: Array) -> Array:
+        return np.asarray(0.5 * self.E_star * self._scale * self._product.magnitude(i, dl, dr), dtype=float)
 
     def _opening(self, i: int, dl: Array, dr: Array) -> Array:
         return self._scale * self._product.side(i, dl, dr) * self._product.magnitude(i, dl, dr)

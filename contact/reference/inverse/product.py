@@ -74,9 +74,16 @@ class CutProduct:
 
     @cached_property
     def _leftward(self) -> Array:
-        """[i, j]: the way left from end i to end j."""
+        """[i, j]: the way left from end i to end j; alone nan where there is none, and before the first end and behind the last."""
         m = 2 * len(self.zones)
-        return np.array([[self._sum(j, i) if self.period or j <= i else np.nan for j in range(m)] for i in range(m)])
+        ways = np.array([[self._sum(j, i) if self.period or j <= i else np.nan for j in range(m)] for i in range(m)])
+        return ways if self.period else np.pad(ways, (0, 1), constant_values=np.nan)
+
+    def _ways(self, i: int, dl: Array, dr: Array) -> tuple[Array, Array]:
+        """Ways left and right to every end, (..., 2n), from points of interval i, `dl` from its left and `dr` from its right end."""
+        m = 2 * len(self.zones)
+        after = (i + 1) % m if self.period else i + 1
+        return dl[..., None] + self._leftward[i, :m], dr[..., None] + self._leftward[:m, after]
 
     def _factors(self, left: Array, right: Array, positive_side: Mask) -> Array:
         """Signed factors (x - e)/unit or 2 sin(pi (x - e)/L), cut at e + L: e is `left` behind x, or `right`
@@ -86,42 +93,21 @@ class CutProduct:
         return 2.0 * np.sin(self._turn * np.minimum(left, right))
 
     def _end_factors(self, i: int, dl: Array, dr: Array) -> Array:
-        """|factors| of all ends at points of interval i, `dl` from its left and `dr` from its right end:
-        (..., 2n)."""
-        m = 2 * len(self.zones)
-        j = np.arange(m)
-        if self.period is None:
-            with np.errstate(invalid="ignore"):
-                left = dl[..., None] + (self._leftward[i] if i >= 0 else np.full(m, np.nan))
-                right = dr[..., None] + (self._leftward[:, i + 1] if i + 1 < m else np.full(m, np.nan))
-            return np.abs(self._factors(left, right, j <= i))
-        left = dl[..., None] + self._leftward[i]
-        right = dr[..., None] + self._leftward[:, (i + 1) % m]
-        return self._factors(left, right, j <= i)
+        """|factors| of all ends at points of interval i, (..., 2n)."""
+        return np.abs(self._factors(*self._ways(i, dl, dr), np.arange(2 * len(self.zones)) <= i))
 
     def _root_distances(self, i: int, dl: Array, dr: Array, offsets: Array) -> tuple[Array, Array, Mask]:
         """Ways left and right to all roots, (..., roots), and whether each lies behind; `offsets` (roots, 2)
         from the ends of their gaps. The way left to the root of the point's own gap carries the sign of x - r, that right is none."""
-        m = 2 * len(self.zones)
-        left, right, behind = [], [], []
-        for g, (s, rest) in zip(self.gaps, offsets, strict=True):
-            if g == i:
-                near = np.where(dl < dr, dl - s, rest - dr)
-                left.append(near)
-                right.append(np.full_like(near, np.inf))
-                behind.append(True)
-                continue
-            to_right_end = self._leftward[i, (g + 1) % m] if i >= 0 else np.nan
-            to_left_end = self._leftward[g, (i + 1) % m] if i + 1 < m or self.period else np.nan
-            left.append(dl + to_right_end + rest)
-            right.append(dr + to_left_end + s)
-            behind.append(g < i)
-        shape = (*dl.shape, len(offsets))
-        return (
-            np.stack(left, axis=-1) if left else np.empty(shape),
-            np.stack(right, axis=-1) if right else np.empty(shape),
-            np.array(behind, dtype=bool),
-        )
+        gaps = np.array(self.gaps, dtype=int)
+        left, right = self._ways(i, dl, dr)
+        left, right = left[..., (gaps + 1) % left.shape[-1]] + offsets[:, 1], right[..., gaps] + offsets[:, 0]
+        if i in self.gaps:
+            own = self.gaps.index(i)
+            s, rest = offsets[own]
+            left[..., own] = np.where(dl < dr, dl - s, rest - dr)
+            right[..., own] = np.inf
+        return left, right, gaps <= i
 
     @cached_property
     def roots(self) -> Array:
@@ -214,8 +200,7 @@ class CutProduct:
         """+1 where the gap grows with x: left of the root of M in a gap; right of all zones."""
         if i < 0:
             return np.full_like(dl, -1.0)
-        gaps = list(self.gaps)
-        return np.where(dl < self.roots[gaps.index(i), 0], 1.0, -1.0) if i in gaps else np.ones_like(dl)
+        return np.where(dl < self.roots[self.gaps.index(i), 0], 1.0, -1.0) if i in self.gaps else np.ones_like(dl)
 
     def locate(self, x: Array) -> tuple[Index, Array, Array]:
         """Interval of every point (-1: left of all zones) and its distances to the ends of it."""

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from contact.reference.exact.roots import root
 from contact.reference.inverse.adhesive import AdhesiveDesign, is_stable
 from contact.reference.inverse.cohesive import CohesiveDesign
 from contact.reference.inverse.designed import DesignedContact
@@ -190,12 +191,11 @@ def random_cohesive_problem(
     (4, True)
     """
     count = int(rng.integers(1, 7)) if zones is None else zones
-    free = random_problem(rng, count, None, **shape)  # type: ignore[arg-type]
+    free = random_problem(rng, count, **shape)  # type: ignore[arg-type]
     # The shape is a polynomial of x: about the middle of the zones it keeps the most digits.
     ends = free.zones - 0.5 * (free.zones[0, 0] + free.zones[-1, 1])
     free = DesignedContact(ends, free.E_star, free.load)
-    gaps = ends[1:, 0] - ends[:-1, 1]
-    width = strip * float(min(np.diff(ends, axis=1).min(), gaps.min(initial=np.inf)))
+    width = strip * float(np.diff(ends.ravel()).min())
     beside = np.concatenate((ends[:, 0] - width, ends[:, 1] + width))
     reach = float(np.median(free.gap(beside)))
     before, after = [2 * ends[0, 0] - ends[-1, 1], *ends[:-1, 1]], [*ends[1:, 0], 2 * ends[-1, 1] - ends[0, 0]]
@@ -223,8 +223,5 @@ def _where(free: DesignedContact, start: float, stop: float, reach: float) -> fl
     above = np.flatnonzero(free.gap(x) > reach)
     if len(above) == 0:
         return stop
-    lo, hi = (start if above[0] == 0 else float(x[above[0] - 1])), float(x[above[0]])
-    for _ in range(60):
-        middle = 0.5 * (lo + hi)
-        lo, hi = (lo, middle) if float(free.gap(np.array([middle]))[0]) > reach else (middle, hi)
-    return hi
+    before = start if above[0] == 0 else x[above[0] - 1]
+    return root(lambda place: float(free.gap(np.array(place))) - reach, before, x[above[0]])
