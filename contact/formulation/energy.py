@@ -13,7 +13,7 @@ import numpy as np
 from contact.formulation.fields import ZoneFields
 from contact.formulation.full import ApartFields, FullFields
 from contact.formulation.gaps import GapFields
-from contact.formulation.quadrature import panels
+from contact.formulation.quadrature import panels, sides
 from sie import Array
 
 if TYPE_CHECKING:  # loaded by the scenes whose law pulls at a distance
@@ -50,7 +50,7 @@ def _of_zones(fields: ZoneFields | GapFields) -> float:
         half = 0.5 * (b - a)
 
         def bears(angle: Array, zone: int = zone, a: float = a, b: float = b, half: float = half) -> Array:
-            left, right = 2 * np.cos(angle / 2) ** 2, 2 * np.sin(angle / 2) ** 2
+            left, right = sides(angle)
             x = np.where(left <= right, a + half * left, b - half * right)
             return np.asarray(pressure(zone, left, right) * shape(x) * np.sqrt(left * right))
 

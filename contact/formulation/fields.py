@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 import sie
 from contact.formulation.controls import Load
 from contact.formulation.problem import Problem
-from contact.formulation.quadrature import over_period, panels
+from contact.formulation.quadrature import over_period, panels, sides
 from contact.formulation.roots import maximum, reaches
 from contact.model.profiles.derive import detail_of
 from sie import Array, Index, Mask, nearest_image, record, wrapped
@@ -430,17 +430,14 @@ class ZoneFields(sie.Kept):
         for n in np.unique(counts):
             group = np.flatnonzero(counts == n)
             theta = (np.arange(n) + 0.5) * np.pi / n
-            values = density.at(group[:, None], 2 * np.cos(theta / 2) ** 2, 2 * np.sin(theta / 2) ** 2)
+            values = density.at(group[:, None], *sides(theta))
             reach[group], peak = reaches(values).max(axis=1), max(peak, float(values.max()))
         zones = np.argsort(reach)[-_PEAKS:]
         highest = max(self._highest_on(int(zone), int(counts[zone])) for zone in zones[reach[zones] >= peak])
         return highest * self.problem.units.pressure
 
     def _highest_on(self, zone: int, count: int) -> float:
-        def pressure(angle: Array) -> Array:
-            return self.density.at(zone, 2 * np.cos(angle / 2) ** 2, 2 * np.sin(angle / 2) ** 2)
-
-        return maximum(pressure, np.linspace(0, np.pi, count + 1), levels=7)[1]
+        return maximum(lambda angle: self.density.at(zone, *sides(angle)), np.linspace(0, np.pi, count + 1), levels=7)[1]
 
     def pressure(self, x: ArrayLike) -> Array:
         return self.density(self._scaled(x)) * self.problem.units.pressure

@@ -20,6 +20,11 @@ def crowded() -> tuple[Array, Array]:
     return nodes, 0.5 * weight * 630 * (u * (1 - u)) ** 4
 
 
+def sides(angle: Array) -> tuple[Array, Array]:
+    """Distances of middle + half cos(angle) from the left and the right end of an interval, over its half width."""
+    return 2 * np.cos(angle / 2) ** 2, 2 * np.sin(angle / 2) ** 2
+
+
 def gauss(cuts: Array, count: int) -> tuple[Array, Array]:
     """So many of Gauss's nodes between each two ascending cuts, and their weights."""
     t, weights = np.polynomial.legendre.leggauss(count)

@@ -102,3 +102,9 @@ def maximum(
     if value[top[-1]] > highest:
         return float(x[top[-1]]), float(value[top[-1]])
     return found, highest
+
+
+def minimum(function: Callable[[Array], Array], x: Array) -> tuple[float, float]:
+    """(position, value) of the minimum, likewise."""
+    place, value = maximum(lambda at: -np.asarray(function(at)), x)
+    return place, -value

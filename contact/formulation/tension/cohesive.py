@@ -24,6 +24,7 @@ from contact.formulation.controls import Control
 from contact.formulation.equilibria import HELD, Equilibria, Point
 from contact.formulation.fields import ZoneFields
 from contact.formulation.problem import Problem
+from contact.formulation.tables import outward
 from contact.formulation.tension.contact import (
     TIGHT,
     Covered,
@@ -195,8 +196,7 @@ class Cohesive(Equilibria):
         zones = before.zones
         if len(before.table) != len(table):
             return self.fitted(zones, table)
-        outward = np.concatenate((before.table[:, 0] - table[:, 0], table[:, 1] - before.table[:, 1]))
-        move = before.by_ends @ np.append(outward, value - before.value)
+        move = before.by_ends @ np.append(outward(before.table, table), value - before.value)
         count = len(zones)
         width = np.diff(zones, axis=1)[:, 0]
         i = interval_of(zones, before.table)
@@ -445,6 +445,6 @@ class Cohesive(Equilibria):
         # The slope that all other ends make there; of its own and of its motion nothing is left together.
         slopes = self.stress / np.pi * tension.logs(at) * np.concatenate((np.ones(count), -np.ones(count)))
         np.fill_diagonal(slopes, 0.0)
-        outward = np.concatenate((-np.ones(count), np.ones(count)))
-        np.fill_diagonal(between, outward * (pulled.own_slope(at) - transform + slopes.sum(axis=1)))
+        away = np.concatenate((-np.ones(count), np.ones(count)))
+        np.fill_diagonal(between, away * (pulled.own_slope(at) - transform + slopes.sum(axis=1)))
         return between

@@ -15,8 +15,9 @@ from contact.errors import NotConverged
 from contact.formulation.controls import Control
 from contact.formulation.equilibria import NoState
 from contact.formulation.fields import ZoneFields
+from contact.formulation.quadrature import sides
 from contact.formulation.roots import reaches
-from contact.formulation.tables import joined_where, runs_of
+from contact.formulation.tables import gaps_between, joined_where, runs_of
 from contact.formulation.tension.intervals import fitted, interval_of, places
 from contact.formulation.tension.pulled import Pulled
 from sie import Array, Index, Mask, record
@@ -220,9 +221,7 @@ def _released(pulled: Pulled, k: Array, step: Array) -> Array:
 
 def _beside_corners(pulled: Pulled, zones: Array) -> Mask:
     """Which ends (2, n) have a sharp corner next to them, not the end of an interval or nothing."""
-    table, corners = pulled.pulling.table, np.array(pulled.corners)
-    own = table[interval_of(zones, table)] if len(table) else np.broadcast_to(corners, zones.shape)
-    return np.asarray((own == corners).T)
+    return np.asarray((_own(pulled, zones) == np.array(pulled.corners)).T)
 
 
 def _reaches(pulled: Pulled, zones: Array, k: Array, step: Array, room: Array, shared: Mask) -> Mask:
@@ -241,7 +240,7 @@ def _reaches(pulled: Pulled, zones: Array, k: Array, step: Array, room: Array, s
 
 def _searched(pulled: Pulled, control: Callable[[Pulled], Control], zones: Array, tolerances: Tolerances) -> tuple[Pulled, sie.AnyState]:
     """The same by the engine's search, of zones that stay within their intervals."""
-    equation, table, everywhere = pulled.equation(control(pulled)), pulled.pulling.table, pulled.pulling.everywhere
+    equation = pulled.equation(control(pulled))
     for _ in range(_ROUNDS):
         free = sie.find_ends(equation, sie.Zones.of(zones, pulled.end, pulled.end), 1e-10)
         ended = free.density.zones.table
@@ -252,30 +251,24 @@ def _searched(pulled: Pulled, control: Callable[[Pulled], Control], zones: Array
         elif len(free.met):
             zones = joined_where(ended, np.isin(np.arange(len(ended) - 1), free.met))
         else:
-            i = interval_of(ended, table) if len(table) else np.zeros(len(ended), dtype=np.intp)
-            within = everywhere or len(table) == 0 or bool(np.all((ended[:, 0] > table[i, 0]) & (ended[:, 1] < table[i, 1])))
+            own = _own(pulled, ended)
+            within = bool(np.all((ended[:, 0] > own[:, 0]) & (ended[:, 1] < own[:, 1])))
             return (pulled, free.state) if free.converged and within else _settled(pulled, control, zones, tolerances)
     raise NotConverged("the number of zones under a given tension did not settle")
 
 
 def _room(pulled: Pulled, zones: Array) -> tuple[Array, Mask]:
     """(how far each end (2, n) is from what is next to it, whether that is another zone: else the end of its interval)."""
-    period, tension, (lo, hi) = pulled.round, pulled.pulling, pulled.corners
-    if period is None:
-        gaps = np.concatenate(([np.inf], zones[1:, 0] - zones[:-1, 1], [np.inf]))
-    else:
-        inner = zones[1:, 0] - zones[:-1, 1]
-        around = zones[0, 0] + period - zones[-1, 1]
-        gaps = np.concatenate(([around], inner, [around]))
-    beside = np.array([gaps[:-1], gaps[1:]])
-    if len(tension.table) == 0 and np.isfinite(lo):
-        away = np.array([zones[:, 0] - lo, hi - zones[:, 1]])
-        return np.minimum(beside, away), beside < away
-    if tension.everywhere or len(tension.table) == 0:
-        return beside, np.ones(beside.shape, dtype=bool)
-    i = interval_of(zones, tension.table)
-    away = np.array([zones[:, 0] - tension.table[i, 0], tension.table[i, 1] - zones[:, 1]])
-    return np.minimum(beside, away), beside < away
+    right = np.diff(gaps_between(zones, pulled.round))[:, 0]
+    beside, own = np.array([np.roll(right, 1), right]), _own(pulled, zones)
+    away = np.array([zones[:, 0] - own[:, 0], own[:, 1] - zones[:, 1]])
+    return np.minimum(beside, away), beside <= away
+
+
+def _own(pulled: Pulled, zones: Array) -> Array:
+    """The interval of tension that each zone lies in (n, 2), or what is between sharp corners."""
+    table = pulled.pulling.table
+    return table[interval_of(zones, table)] if len(table) else np.broadcast_to(pulled.corners, zones.shape)
 
 
 def _joined(zones: Array, first: Array, step: Array) -> tuple[Array, Array]:
@@ -379,7 +372,7 @@ def _corrected(fields: ZoneFields, look: tuple[Array, Array]) -> Array | None:
     counts = np.minimum(density.sampling, np.maximum(_SIGNS, 8 * zones.half / varies).astype(np.intp))
     at = [(np.arange(n) + 0.5) * np.pi / n for n in counts]
     theta, zone = np.concatenate(at), np.repeat(np.arange(len(zones)), counts)
-    left, right = 2 * np.cos(theta / 2) ** 2, 2 * np.sin(theta / 2) ** 2
+    left, right = sides(theta)
     borne = fields.problem.bearing(density, zone, left, right) / np.sqrt(left * right)
     for i, (q, far) in enumerate(zip(_by_zone(borne, counts), _by_zone(left, counts), strict=True)):
         q, place = q[::-1], zones.a[i] + zones.half[i] * far[::-1]

@@ -16,6 +16,7 @@ import numpy as np
 import sie
 from contact.formulation.conjugate import clausen2
 from contact.formulation.quadrature import gauss
+from contact.formulation.tables import located
 from contact.formulation.tension.end_sums import Cells, EndSum
 from contact.formulation.tension.spread import Spread
 from sie import Array, Index, Mask, nearest_image, record, wrapped
@@ -80,7 +81,7 @@ class Tension(sie.Kept):
         if len(self.table) == 0:
             return np.zeros(np.shape(x), dtype=bool)
         x = wrapped(np.asarray(x, dtype=float), float(self.table[0, 0]), self.period)
-        i = np.maximum(np.searchsorted(self.table[:, 0], x, side="right") - 1, 0)
+        i = located(self.table, x)[0]
         return np.asarray((x >= self.table[i, 0]) & (x <= self.table[i, 1]))
 
     def slope(self, x: Array) -> Array:
@@ -153,22 +154,20 @@ class Tension(sie.Kept):
         """Lambda, of the distance from a line load."""
         kernel, period = self.kernel, self.period
         lag = nearest_image(np.asarray(lag, dtype=float), 0.0, period)
-        if period is not None:
-            with np.errstate(divide="ignore"):
-                out = np.log(np.abs(2 * np.sin(np.pi * lag / period)))
-            return np.asarray(out if self.plain else out + self._rest(lag))
         with np.errstate(divide="ignore"):
-            out = sum((np.log(np.abs(lag - pole) / kernel.datum) for pole in kernel.poles), np.zeros(np.shape(lag)))
+            if period is not None:
+                out = np.log(np.abs(2 * np.sin(np.pi * lag / period)))
+            else:
+                out = sum((np.log(np.abs(lag - pole) / kernel.datum) for pole in kernel.poles), np.zeros(np.shape(lag)))
         return np.asarray(out if self.plain else out + self._rest(lag))
 
     def _rest(self, lag: Array) -> Array:
         """Lambda less its poles, or less all of Hilbert's."""
-        assert self.kernel.regular_potential is not None
-        rest = self.kernel.regular_potential(lag, np.zeros(1))
-        if self.period is not None:
-            hilbert = sie.hilbert(self.period)
-            assert hilbert.regular_potential is not None
-            rest = rest - hilbert.regular_potential(lag, np.zeros(1))
+        whole = self.kernel.regular_potential
+        assert whole is not None
+        rest = whole(lag, np.zeros(1))
+        if self.period is not None and (hilbert := sie.hilbert(self.period).regular_potential) is not None:
+            rest = rest - hilbert(lag, np.zeros(1))
         return np.asarray(rest)
 
     def _primitive(self, lag: Array) -> Array:
