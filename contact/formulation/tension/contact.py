@@ -198,12 +198,9 @@ def _moved(pulled: Pulled, zones: Array, moved: Array, reaches: Mask) -> Array:
 def edge_slopes(pulled: Pulled, state: sie.AnyState) -> Array:
     """A at the ends (2, Z) of p + s, of which K is told by a motion of the end: where the other end is held at a corner q has less."""
     slope, zones = np.array(state.density.edge_slopes), state.density.zones
-    left, right = pulled.pulling.spread
     more = 2 * pulled.pulling.stress / np.pi / np.sqrt(2 * zones.half)
-    if left is not None:
-        slope[1, 0] += more[0]
-    if right is not None:
-        slope[0, -1] += more[-1]
+    for end, _ in pulled.pulling.spreads:
+        slope[0 if end else 1, end] += more[end]
     return slope
 
 
@@ -313,20 +310,18 @@ def look_around(pulled: Pulled, zones: Array) -> Array:
     both = np.concatenate((table.ravel(), zones.ravel()))
     if period is not None:
         marks = np.concatenate((table.ravel(), table.ravel() + period, table.ravel() - period))
-        first = float(both[0]) if len(both) else 0.0
-        edges = [(first, first + period)]
-        if len(zones):
-            edges = [(float(b), float(a)) for b, a in zip(zones[:, 1], [*zones[1:, 0], zones[0, 0] + period], strict=True)]
+        first = both[0] if len(both) else 0.0
+        edges = gaps_between(zones, period) if len(zones) else np.array([[first, first + period]])
     else:
         span = float(both.max() - both.min())
         marks = np.concatenate((table.ravel(), both.min() - span * _CUTS, both.max() + span * _CUTS))
         left, right = max(lo, both.min() - _FAR * span), min(hi, both.max() + _FAR * span)
-        edges = [(float(b), float(a)) for b, a in zip([left, *zones[:, 1]], [*zones[:, 0], right], strict=True) if b < a]
+        edges = np.column_stack((np.append(left, zones[:, 1]), np.append(zones[:, 0], right)))
+        edges = edges[edges[:, 0] < edges[:, 1]]
     found = []
-    for begin, end in edges:
-        cuts = np.concatenate(([begin], np.sort(marks[(marks > begin) & (marks < end)]), [end]))
-        for a, b in zip(cuts[:-1], cuts[1:], strict=True):
-            found.append(places(float(a), float(b), 0.25 * pulled.detail))
+    for begin, end in edges.tolist():
+        cuts = [begin, *np.sort(marks[(marks > begin) & (marks < end)]).tolist(), end]
+        found += [places(a, b, 0.25 * pulled.detail) for a, b in zip(cuts[:-1], cuts[1:], strict=True)]
     kinks = pulled.forcing.kinks[0]
     if period is not None and len(kinks):
         kinks = np.concatenate((kinks - period, kinks, kinks + period))
