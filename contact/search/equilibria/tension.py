@@ -80,7 +80,7 @@ def receded(curve: Cohesive, table: Array, value: float, guide: GridTension | No
     """The greatest equilibrium within these intervals, of which all ends are driven inward; None where contact is lost."""
     try:
         start = None if guide is None else guided(curve, guide, table, value, -1.0)
-        return _flowed(curve, _held(curve, table, value) if start is None else start.table, value, -1.0)
+        return _flowed(curve, table if start is None else start.table, value, -1.0)
     except Lost:
         return None
 
@@ -122,20 +122,6 @@ def guided(curve: Cohesive, guide: GridTension, table: Array | None, value: floa
         if driven.min() > 0.0 and driven.max() < 2 * margin and (_parted if sign > 0 else _grown)(curve, here) is None:
             return here
     return None
-
-
-def _held(curve: Cohesive, table: Array, value: float) -> Array:
-    """The intervals, with ends that contact covers taken back to where they come from."""
-    before = curve.nearest(table, value).table if curve.known else table
-    for _ in range(_TRIES):
-        try:
-            curve.at(table, value, flow.ROUGH)
-            break
-        except Covered as covered:
-            if len(before) != len(table):
-                raise
-            table = np.where(covered.ends.reshape(2, -1).T, 0.5 * (table + before), table)
-    return table
 
 
 def _flowed(curve: Cohesive, table: Array, value: float, sign: float) -> CohesivePoint | None:
