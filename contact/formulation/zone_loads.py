@@ -37,7 +37,7 @@ def loads(mean: float, relief: ScaledRelief, zones: Array, rise: Array) -> Array
     zone = np.searchsorted(zones[:, 0], cuts[:-1], side="right") - 1
     inside = cuts[:-1] < zones[zone, 1]
     x, weight = (part.reshape(-1, IN_PANEL)[inside] for part in panels(cuts))
-    taken = np.bincount(zone[inside], (weight * relief.smooth(x.ravel()).reshape(x.shape)).sum(axis=1), len(zones))
+    smooth = np.bincount(zone[inside], (weight * relief.smooth(x.ravel()).reshape(x.shape)).sum(axis=1), len(zones))
     factor = -relief.heights * period / (2 * pi**2)
-    taken += np.diff(over_jumps(zones, relief.at, factor, period, clausen2), axis=1)[:, 0]
-    return np.asarray(mean * (zones[:, 1] - zones[:, 0]) - taken + rise)
+    sharp = np.diff(over_jumps(zones, relief.at, factor, period, clausen2), axis=1)[:, 0]
+    return np.asarray(mean * (zones[:, 1] - zones[:, 0]) - (smooth + sharp) + rise)
