@@ -13,8 +13,8 @@ import numpy as np
 from contact.formulation.fields import ZoneFields
 from contact.formulation.full import ApartFields, FullFields
 from contact.formulation.gaps import GapFields
-from contact.formulation.quadrature import panels
-from sie import Array
+from contact.formulation.quadrature import panels, sides
+from sie import Array, wrapped
 
 if TYPE_CHECKING:  # loaded by the scenes whose law pulls at a distance
     from contact.formulation.tension.loose import LooseFields
@@ -50,11 +50,11 @@ def _of_zones(fields: ZoneFields | GapFields) -> float:
         half = 0.5 * (b - a)
 
         def bears(angle: Array, zone: int = zone, a: float = a, b: float = b, half: float = half) -> Array:
-            left, right = 2 * np.cos(angle / 2) ** 2, 2 * np.sin(angle / 2) ** 2
+            left, right = sides(angle)
             x = np.where(left <= right, a + half * left, b - half * right)
             return np.asarray(pressure(zone, left, right) * shape(x) * np.sqrt(left * right))
 
-        turned = breaks if problem.period is None else a + np.mod(breaks - a, problem.period)
+        turned = wrapped(breaks, a, problem.period)
         inside = np.sort(turned[(turned > a) & (turned < b)])
         inner = np.arccos(np.clip((inside - 0.5 * (a + b)) / half, -1.0, 1.0))[::-1]
         total += half * _integral(bears, np.concatenate(([0.0], inner, [np.pi])), smooth=len(inner) == 0)

@@ -19,7 +19,7 @@ from contact.errors import NotConverged, OutOfRange
 from contact.formulation.controls import Control, Load
 from contact.formulation.fields import ZoneFields
 from contact.formulation.problem import Problem
-from contact.formulation.tables import centred_on, gaps_between, room_beside
+from contact.formulation.tables import ascending, centred_on, gaps_between, room_beside
 from sie import Array, Index, Mask, record
 
 # Newton's steps to an equilibrium near by, and the last one's size over the widths; one so large is of another.
@@ -245,11 +245,16 @@ class Equilibria:
         if not np.isfinite([lo, hi]).all():
             return table
         if (period := self.problem.period) is not None:
-            table = centred_on(table, 0.5 * (lo + hi), period)
-            table = table[np.argsort(table[:, 0])]
+            table = ascending(centred_on(table, 0.5 * (lo + hi), period))
         table, snap = np.clip(table, lo, hi), _SNAP * (hi - lo)
         table[:, 0], table[:, 1] = np.where(table[:, 0] <= lo + snap, lo, table[:, 0]), np.where(table[:, 1] >= hi - snap, hi, table[:, 1])
         return np.asarray(table)
+
+    def to_corners(self, table: Array) -> Array:
+        """How far ends are from the sharp corners next to them, without end where there is none (2n,)."""
+        away, (lo, hi) = np.full(table.size, np.inf), self.problem.corners
+        away[0], away[-1] = table[0, 0] - lo, hi - table[-1, 1]
+        return away
 
     def settled(self, here: Point) -> Point:
         """The equilibrium near by, tightly."""

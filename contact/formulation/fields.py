@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 import sie
 from contact.formulation.controls import Load
 from contact.formulation.problem import Problem
-from contact.formulation.quadrature import over_period, panels
+from contact.formulation.quadrature import cuts_between, over_period, panels, sides
 from contact.formulation.roots import maximum, reaches
 from contact.model.profiles.derive import detail_of
 from sie import Array, Index, Mask, nearest_image, record, wrapped
@@ -26,6 +26,8 @@ _OF_STIFFNESS = 1e-10
 # How far from the zones a half-line is looked at closely, and at all, in units of what the zones span.
 _FAR, _FARTHEST = 1e3, 1e12
 _FAR_POINTS = 512
+# Panels of a gap at the most.
+_MOST_PANELS = 4000
 # Of rates for a guess: the tolerance of an iteration; zones of which the level is read.
 ROUGHLY, _STANDING = 1e-4, 16
 # Over what the error of a density makes of the gap on its zones; and over the shape, what nobody takes for a contradiction.
@@ -176,9 +178,9 @@ class ZoneFields(sie.Kept):
             return np.inf
         if not self.problem.interaction.strip:
             return (mean_shape(self.problem) + self.mean_displacement + self.level) * units.height
-        total = 0.0
+        total, kinks = 0.0, self.problem.forcing.kinks[0]
         for lo, hi, _, _ in self.open_intervals():
-            x, weights = panels(self._cuts(lo, hi))
+            x, weights = panels(cuts_between(lo, hi, max(0.5 * self.spacing, (hi - lo) / _MOST_PANELS), kinks))
             total += float(self.scaled_gap(x) @ weights)
         return total / self.problem.repeat_length * units.height
 
@@ -186,12 +188,6 @@ class ZoneFields(sie.Kept):
     def mean_displacement(self) -> float:
         """Scaled, of all periods: by the compression of a substrate with a base; else 0."""
         return self.problem.compression * self.density.total / self.problem.repeat_length
-
-    def _cuts(self, lo: float, hi: float) -> Array:
-        kinks = self.problem.forcing.kinks[0]
-        inner = kinks[(kinks > lo) & (kinks < hi)]
-        count = int(np.clip((hi - lo) / self.spacing * 2, 1, 4000))
-        return np.unique(np.concatenate((np.linspace(lo, hi, count + 1), inner)))
 
     def cut_off(self, table: Array, order: Index) -> Array | None:
         """What rounding has cut off the ends [m] that the rows of a table are, of the zones in this order; None where they have no more
@@ -430,17 +426,14 @@ class ZoneFields(sie.Kept):
         for n in np.unique(counts):
             group = np.flatnonzero(counts == n)
             theta = (np.arange(n) + 0.5) * np.pi / n
-            values = density.at(group[:, None], 2 * np.cos(theta / 2) ** 2, 2 * np.sin(theta / 2) ** 2)
+            values = density.at(group[:, None], *sides(theta))
             reach[group], peak = reaches(values).max(axis=1), max(peak, float(values.max()))
         zones = np.argsort(reach)[-_PEAKS:]
         highest = max(self._highest_on(int(zone), int(counts[zone])) for zone in zones[reach[zones] >= peak])
         return highest * self.problem.units.pressure
 
     def _highest_on(self, zone: int, count: int) -> float:
-        def pressure(angle: Array) -> Array:
-            return self.density.at(zone, 2 * np.cos(angle / 2) ** 2, 2 * np.sin(angle / 2) ** 2)
-
-        return maximum(pressure, np.linspace(0, np.pi, count + 1), levels=7)[1]
+        return maximum(lambda angle: self.density.at(zone, *sides(angle)), np.linspace(0, np.pi, count + 1), levels=7)[1]
 
     def pressure(self, x: ArrayLike) -> Array:
         return self.density(self._scaled(x)) * self.problem.units.pressure

@@ -58,9 +58,7 @@ class Problem(sie.Kept):
     @property
     def period(self) -> float | None:
         """Scaled period of the solution, None where nothing repeats."""
-        if not self.interaction.needs_period or self.profile.period is None:
-            return None
-        return self.profile.period / self.units.length
+        return self.cell if self.interaction.needs_period else None
 
     @property
     def repeat_length(self) -> float:
@@ -207,24 +205,20 @@ class Problem(sie.Kept):
     def _intensity(self) -> float:
         return self.law.intensity(self.units.E_star) / self.units.intensity
 
-    @property
-    def _turning(self) -> tuple[sie.Forcing, ...]:
-        """The column of the tilt that is missing, in units of the slope; none where the tilt is given."""
-        if self.moment is None:
-            return ()
-        return (sie.Forcing(minus_one, self.units.minus_place, modes=1),)
-
     def equation(self, control: Control) -> sie.Equation:
         """The integral equation with the side conditions of the control."""
         closure: tuple[sie.Condition, ...] = ()
+        columns = self.unknown_columns
         if self.amplitude is None and self.interaction.follows_isolated:
             closure = (sie.Amplitude(0, 0.0),)
         elif self.amplitude is None:
             closure = self.interaction.placed_conditions(self.period, self.units.scaled)
         conditions, ends = control.conditions()
         if self.moment is not None:
+            # The tilt that is missing, in units of the slope.
             closure = (*closure, sie.moment(self.moment, about=-self.units.lever))
-        return sie.Equation(self.kernel, self.forcing, (*conditions, *closure), (*self.unknown_columns, *self._turning), ends)
+            columns = (*columns, sie.Forcing(minus_one, self.units.minus_place, modes=1))
+        return sie.Equation(self.kernel, self.forcing, (*conditions, *closure), columns, ends)
 
     def with_amplitude(self, amplitude: float) -> Problem:
         return replace(self, amplitude=amplitude)

@@ -1,5 +1,6 @@
 """Gauss's rule over a period, and with nodes that crowd at both ends of a panel, so that logarithms and powers there cost no digits."""
 
+import math
 from functools import lru_cache
 
 import numpy as np
@@ -20,11 +21,22 @@ def crowded() -> tuple[Array, Array]:
     return nodes, 0.5 * weight * 630 * (u * (1 - u)) ** 4
 
 
+def sides(angle: Array) -> tuple[Array, Array]:
+    """Distances of middle + half cos(angle) from the left and the right end of an interval, over its half width."""
+    return 2 * np.cos(angle / 2) ** 2, 2 * np.sin(angle / 2) ** 2
+
+
 def gauss(cuts: Array, count: int) -> tuple[Array, Array]:
     """So many of Gauss's nodes between each two ascending cuts, and their weights."""
     t, weights = np.polynomial.legendre.leggauss(count)
     half, middle = 0.5 * np.diff(cuts)[:, None], 0.5 * (cuts[1:] + cuts[:-1])[:, None]
     return np.asarray((middle + half * t).ravel()), np.asarray((half * weights).ravel())
+
+
+def cuts_between(a: float, b: float, spacing: float, breaks: Array) -> Array:
+    """From a to b, no farther apart than the spacing, those of the breaks that lie between among them."""
+    even = np.linspace(a, b, max(1, math.ceil((b - a) / spacing)) + 1)
+    return np.unique(np.concatenate((even, breaks[(breaks > a) & (breaks < b)])))
 
 
 def panels(cuts: Array, count: int = 1) -> tuple[Array, Array]:

@@ -78,8 +78,9 @@ def maximum(
     top = np.flatnonzero(reach >= value.max())
     top = top[np.argsort(reach[top], kind="stable")][-peaks:]
     top = top[np.argsort(value[top], kind="stable")]
-    if not np.isfinite(value[top[-1]]):
-        return float(x[top[-1]]), float(value[top[-1]])
+    sampled = float(x[top[-1]]), float(value[top[-1]])
+    if not np.isfinite(sampled[1]):
+        return sampled
     lo, hi = x[np.maximum(top - 1, 0)], x[np.minimum(top + 1, len(x) - 1)]
     fine, here = x[top][:, None], value[top][:, None]
     for _ in range(levels):
@@ -99,6 +100,10 @@ def maximum(
         bend = 2 * highest - before - after
         # A parabola with its top between the neighbours rises above the middle sample by an eighth of the bend at most.
         highest += min((after - before) ** 2 / (8 * bend), 0.125 * bend) if bend > 0 else 0.0
-    if value[top[-1]] > highest:
-        return float(x[top[-1]]), float(value[top[-1]])
-    return found, highest
+    return sampled if sampled[1] > highest else (found, highest)
+
+
+def minimum(function: Callable[[Array], Array], x: Array) -> tuple[float, float]:
+    """(position, value) of the minimum, likewise."""
+    place, value = maximum(lambda at: -np.asarray(function(at)), x)
+    return place, -value

@@ -4,7 +4,7 @@ and runs of samples that are alike.
 
 import numpy as np
 
-from sie import Array, Mask
+from sie import Array, Index, Mask
 
 # Of the widest gap.
 _WIDE = 0.1
@@ -15,15 +15,30 @@ def begun_from(table: Array, start: float, period: float | None) -> Array:
     return table if period is None else np.asarray(table - np.floor((table[:, :1] - start) / period) * period)
 
 
-def in_cell(table: Array, start: float, period: float | None) -> Array:
-    """The same, ascending."""
-    table = begun_from(table, start, period)
+def ascending(table: Array) -> Array:
+    """The rows from left to right."""
     return np.asarray(table[np.argsort(table[:, 0])])
+
+
+def in_cell(table: Array, start: float, period: float | None) -> Array:
+    """Rows that begin in [start, start + period), ascending."""
+    return ascending(begun_from(table, start, period))
 
 
 def centred_on(table: Array, centre: float, period: float | None) -> Array:
     """Rows moved to have their middles within half a period of a centre."""
     return table if period is None else np.asarray(table - np.round((table.mean(axis=1) - centre) / period)[:, None] * period)
+
+
+def outward(before: Array, after: Array) -> Array:
+    """How far ends have moved out of their rows, the left and then the right ones (2n,)."""
+    return np.concatenate((before[:, 0] - after[:, 0], after[:, 1] - before[:, 1]))
+
+
+def located(table: Array, x: Array) -> tuple[Index, Mask]:
+    """(the last row that begins at or before each place, the first one where none does; whether the place lies in it)."""
+    row = np.maximum(np.searchsorted(table[:, 0], x, side="right") - 1, 0)
+    return row, np.asarray((x > table[row, 0]) & (x < table[row, 1]))
 
 
 def gaps_between(table: Array, period: float | None) -> Array:

@@ -28,11 +28,6 @@ _SAME = 1e-6
 
 def loads(mean: float, relief: ScaledRelief, zones: Array, rise: Array) -> Array:
     """Scaled loads of zones (n, 2), which follow each other within a period; rise: V(b) - V(a) of each."""
-    return np.asarray(mean * (zones[:, 1] - zones[:, 0]) - integrals(relief, zones) + rise)
-
-
-def integrals(relief: ScaledRelief, zones: Array) -> Array:
-    """int R over each zone."""
     start, period = float(zones[0, 0]), relief.period
     breaks = np.unique(np.concatenate((wrapped(relief.breakpoints, start, period), zones.ravel())))
     # Knots of a trace, as far apart as it varies, are cuts enough.
@@ -42,6 +37,7 @@ def integrals(relief: ScaledRelief, zones: Array) -> Array:
     zone = np.searchsorted(zones[:, 0], cuts[:-1], side="right") - 1
     inside = cuts[:-1] < zones[zone, 1]
     x, weight = (part.reshape(-1, IN_PANEL)[inside] for part in panels(cuts))
-    out = np.bincount(zone[inside], (weight * relief.smooth(x.ravel()).reshape(x.shape)).sum(axis=1), len(zones))
+    smooth = np.bincount(zone[inside], (weight * relief.smooth(x.ravel()).reshape(x.shape)).sum(axis=1), len(zones))
     factor = -relief.heights * period / (2 * pi**2)
-    return np.asarray(out + np.diff(over_jumps(zones, relief.at, factor, period, clausen2), axis=1)[:, 0])
+    sharp = np.diff(over_jumps(zones, relief.at, factor, period, clausen2), axis=1)[:, 0]
+    return np.asarray(mean * (zones[:, 1] - zones[:, 0]) - (smooth + sharp) + rise)

@@ -17,6 +17,8 @@ import sie
 from contact.formulation.fields import ZoneFields, moved_ends
 from contact.formulation.gaps import GapFields
 from contact.formulation.problem import Problem
+from contact.formulation.quadrature import sides
+from contact.formulation.tables import located
 from contact.verify.certificate import ROUNDING, Solved
 from sie import Array, record, wrapped
 
@@ -48,31 +50,24 @@ class Found(Solved):
 
     @cached_property
     def error(self) -> float:
-        return _stated(self)
+        fields, state, ends = self.fields, self.fields.state, self.ends
+        density, problem, units = state.density, fields.problem, fields.problem.units
+        _, by_left, by_right = density.sensitivity
+        singular, peak = _is_singular(density), reference(density, problem.end, problem.borne(density))
+        moved = float((ends[:, 0] * by_left + ends[:, 1] * by_right).max(initial=0.0)) / peak
+        on_zones = (_SINGULAR if singular else 1) * (state.density_error * state.size / peak + ROUNDING) + _of_jumps(density) / peak
+        error = max(float(ends.max(initial=0.0)) + ROUNDING, of_positions(self) + ROUNDING, moved + on_zones) + _of_body(self)
+        if self.control.approach is None:
+            return error
+        # A stiff contact turns the rounding of its level into load.
+        assert fields.stiffness is not None
+        rounding = fields.gap_rounding / 16 + 4e-16 * abs(density.total)
+        return error + abs(rounding * fields.stiffness * units.height / (units.load * fields.load_size))
 
     @property
     def limit_beside(self) -> str:
         """What a law adds, in words, where that is most of the error; else empty."""
         return ""
-
-
-def _stated(found: Found) -> float:
-    state = found.fields.state
-    density = state.density
-    ends = found.ends
-    _, by_left, by_right = density.sensitivity
-    problem = found.fields.problem
-    singular, peak = _is_singular(density), reference(density, problem.end, problem.borne(density))
-    moved = float((ends[:, 0] * by_left + ends[:, 1] * by_right).max(initial=0.0)) / peak
-    on_zones = (_SINGULAR if singular else 1) * (state.density_error * state.size / peak + ROUNDING) + _of_jumps(density) / peak
-    error = max(float(ends.max(initial=0.0)) + ROUNDING, of_positions(found) + ROUNDING, moved + on_zones) + _of_body(found)
-    if found.control.approach is None:
-        return error
-    # A stiff contact turns the rounding of its level into load.
-    fields, units = found.fields, found.fields.problem.units
-    assert fields.stiffness is not None
-    rounding = fields.gap_rounding / 16 + 4e-16 * abs(density.total)
-    return error + abs(rounding * fields.stiffness * units.height / (units.load * fields.load_size))
 
 
 def _of_body(found: Found) -> float:
@@ -127,8 +122,7 @@ def reference(density: sie.AnyDensity, free: sie.End, borne: float | None = None
     all zones, where that is not the density's total."""
     if free.intensity is not None and free.intensity < 0.0:
         angle = (np.arange(_LOOKS) + 0.5) * np.pi / _LOOKS
-        left, right = 2 * np.cos(angle / 2) ** 2, 2 * np.sin(angle / 2) ** 2
-        highest = float(np.abs(density.at(np.arange(len(density.zones))[:, None], left, right) * np.sin(angle)).max())
+        highest = float(np.abs(density.at(np.arange(len(density.zones))[:, None], *sides(angle)) * np.sin(angle)).max())
         return max(highest, abs(free.intensity) * float(np.sqrt(2 / density.zones.half).max()))
     if _is_singular(density) or np.any((density.jumps.height > 0) & (density.jumps.order == 0)):
         return abs(density.total if borne is None else borne) / float((density.zones.b - density.zones.a).sum())
@@ -244,7 +238,7 @@ class FoundByGaps(Solved):
         fields = self.fields
         zones, convex = fields.zones, fields.relief.heights > 0
         at, heights = fields.relief.at[convex], fields.relief.heights[convex]
-        zone = np.maximum(np.searchsorted(zones[:, 0], wrapped(at, zones[0, 0], fields.period), side="right") - 1, 0)
+        zone = located(zones, wrapped(at, zones[0, 0], fields.period))[0]
         count, largest = np.bincount(zone, minlength=len(zones)), np.zeros(len(zones))
         np.maximum.at(largest, zone, heights)
         nearest = np.minimum(_BESIDE_TIPS, 0.25 / np.maximum(count, 1)) * 0.5 * (zones[:, 1] - zones[:, 0])

@@ -16,6 +16,7 @@ import sie
 from contact.formulation.controls import Control
 from contact.formulation.fields import ZoneFields
 from contact.formulation.full import NARROWEST
+from contact.formulation.quadrature import sides
 from contact.formulation.tables import runs_of
 from contact.verify.minima import DIP_ROUNDING, Signs, lowest, signs_on
 from sie import Array, Index, Mask, record
@@ -195,7 +196,7 @@ def _pressures(fields: ZoneFields) -> Signs:
     density, noise = fields.density, fields.state.noise
 
     def over_root(zone: Index, angle: Array) -> Array:
-        right, left = 2 * np.sin(angle / 2) ** 2, 2 * np.cos(angle / 2) ** 2
+        left, right = sides(angle)
         return np.asarray(fields.problem.bearing(density, zone, left, right) / np.sqrt(left * right))
 
     def sampled(group: Index, theta: Array) -> tuple[Array, Array, Array]:

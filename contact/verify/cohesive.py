@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from contact.formulation.fields import ZoneFields
-from contact.formulation.tables import gaps_between
+from contact.formulation.tables import gaps_between, located
 from contact.formulation.tension.cohesive import Cohesive, CohesivePoint
 from contact.formulation.tension.contact import look_at
 from contact.formulation.tension.fields import PulledFields, scaled_second_variation
@@ -62,8 +62,7 @@ def certified(plain: Certificate, curve: Cohesive, here: CohesivePoint | None, f
         return replace(plain, smallest_pressure=least, holds=held and inside, note=note if inside else "the gap is above the reach")
     (x, gap), table, period = here.look, here.table, curve.problem.round
     place = wrapped(x, table[0, 0], period)
-    i = np.maximum(np.searchsorted(table[:, 0], place, side="right") - 1, 0)
-    within = (place > table[i, 0]) & (place < table[i, 1])
+    i, within = located(table, place)
     next_one = gaps_between(table, period)[:, 1]
     away = np.minimum(np.minimum(np.abs(place - table[i, 0]), np.abs(place - table[i, 1])), np.abs(next_one[i] - place))
     told = away > _BESIDE * (table[i, 1] - table[i, 0])

@@ -4,7 +4,8 @@ import numpy as np
 
 from contact.formulation.full import NARROWEST
 from contact.formulation.gaps import GapFields
-from contact.formulation.tables import runs_of
+from contact.formulation.quadrature import sides
+from contact.formulation.tables import located, runs_of
 from contact.verify.certificate import Certificate, told_of_left_out
 from contact.verify.minima import DIP_ROUNDING, Signs, follow, lowest, may_be_negative, signs_on
 from sie import Array, Index, record
@@ -75,7 +76,7 @@ def _pressures(fields: GapFields) -> tuple[float, list[tuple[float, float]], flo
 
     def over_root(i: Index, angles: Array) -> Array:
         zone, angle = np.repeat(i.ravel(), angles.shape[1]), angles.ravel()
-        return np.asarray(_pressure_at(fields, zone, angle) / np.sin(angle)).reshape(angles.shape)
+        return np.asarray(fields.pressure_in(zone, *sides(angle)) / np.sin(angle)).reshape(angles.shape)
 
     before, after = sampled.angle(places - 1), sampled.angle(places + 1)
     dips = follow(over_root, zone[places], before, after, scale[zone[places]], rough[places])
@@ -108,7 +109,7 @@ def _sampled(fields: GapFields) -> _Samples:
     is_wide = half > _WIDE * spacing
     wide = np.flatnonzero(is_wide)
     x, known = fields.samples
-    inside = np.maximum(np.searchsorted(zones[:, 0], x, side="right") - 1, 0)
+    inside = located(zones, x)[0]
     from_left, from_right = x - zones[inside, 0], zones[inside, 1] - x
     inner = np.flatnonzero(is_wide[inside] & (np.minimum(from_left, from_right) > _BESIDE_ENDS * spacing))
     # Beside the ends of wide zones, some steps into their inner samples.
@@ -121,7 +122,7 @@ def _sampled(fields: GapFields) -> _Samples:
     run = np.repeat(np.arange(len(of_run)), lengths)
     place = np.arange(len(run)) - np.repeat(np.cumsum(lengths) - lengths - first, lengths)
     zone = of_run[run]
-    left, right = _sides((place + 0.5) * np.pi / counts[zone])
+    left, right = sides((place + 0.5) * np.pi / counts[zone])
     # From right to left, as angles grow.
     inner = inner[::-1]
     pressure, zone = np.concatenate((fields.pressure_in(zone, left, right), known[inner])), np.concatenate((zone, inside[inner]))
@@ -132,15 +133,6 @@ def _sampled(fields: GapFields) -> _Samples:
     size = abs(fields.mean) + float(np.abs(pressure[np.isfinite(pressure)]).max(initial=0.0))
     over_sine = 1 / np.sqrt(left * right)
     return _Samples(run, zone, left, right, pressure * over_sine, 64 * _EPS * size * over_sine)
-
-
-def _sides(angle: Array) -> tuple[Array, Array]:
-    """Distances from both ends of a zone over its half width."""
-    return 2 * np.cos(angle / 2) ** 2, 2 * np.sin(angle / 2) ** 2
-
-
-def _pressure_at(fields: GapFields, zone: Index, angle: Array) -> Array:
-    return fields.pressure_in(zone, *_sides(angle))
 
 
 def _valleys(fields: GapFields) -> tuple[list[tuple[float, float]], int]:

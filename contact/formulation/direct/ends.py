@@ -12,11 +12,12 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
 from contact.formulation.direct.maps import Map, Value, largest
-from contact.formulation.direct.series import Table, orders, powers, table
+from contact.formulation.direct.series import orders, powers, table
 from contact.model.profiles.base import Profile
 from sie import Array, Index, Mask, record
 
@@ -230,7 +231,10 @@ def _settled(sheet: Sheet, middle: float, half: float, step: _Step) -> Ends:
             steps += 1
             ended = last <= _EPS * (_RESOLVED + wide / half) * scale
             if ended and (rests or abs(move) <= 4.0 * rounding):
-                return _of_series(sheet, middle, half, nodal.coefficients(values), last / scale, abs(move) + rounding, steps)
+                series = nodal.coefficients(values)
+                count, left = _without_last(np.abs(series).tolist())
+                nodes = 2 * size if odd else size
+                return _ends(sheet, middle, half, series[:count], last / scale + left, abs(move) + rounding, steps, nodes)
             rests, (middle, half) = abs(move) <= _AT_REST, to
             if not ended and not abs(move) > _ABOUT:
                 slowest = max(last / scale, _EPS)
@@ -283,12 +287,10 @@ def _pair_load(sheet: Sheet, load: float) -> Ends:
     top, wanted = sheet.top, load / (sheet.map.load_factor * 0.5 * math.pi)
 
     def step(middle: float, half: float, sums: list[float]) -> tuple[float, float, float, float] | None:
-        first, upper, _, _, lower, mean = sums
-        missed, odd, even = half * first - wanted, 0.5 * (upper + lower), 0.5 * (upper - lower)
-        if not (math.isfinite(missed) and upper * lower != 0.0 and 0.0 < half < min(middle, top - middle)):
+        missed, scale, by_middle, by_half = _of_pair(half, sums, wanted)
+        if not (math.isfinite(missed) and scale != 0.0 and 0.0 < half < min(middle, top - middle)):
             return None
-        by_middle = (0.5 * even * missed - odd * mean * half) / (upper * lower)
-        by_half = (even * mean * half - 0.5 * odd * missed) / (upper * lower)
+        by_middle, by_half = by_middle / scale, by_half / scale
         # Within the half of the period, and not past the middle.
         ahead = max((by_half - by_middle) / (middle - half), (by_middle + by_half) / (top - middle - half), -by_half / half)
         cut = min(1.0, _CUT / max(ahead, 1e-300))
@@ -299,20 +301,29 @@ def _pair_load(sheet: Sheet, load: float) -> Ends:
     return _settled(sheet, float(middle), float(half), step)
 
 
+def _of_pair(half: Value, sums: Any, wanted: Value) -> tuple[Value, Value, Value, Value]:
+    """(what the load is off by, a factor, and times it by how much Newton moves the middle and the half length): the solution of
+
+    [odd / h, even / h; 2 even, 2 odd] (dm, dh) = -(mean, missed)."""
+    first, upper, _, _, lower, mean = sums
+    missed, odd, even = half * first - wanted, 0.5 * (upper + lower), 0.5 * (upper - lower)
+    return missed, upper * lower, 0.5 * even * missed - odd * mean * half, even * mean * half - 0.5 * odd * missed
+
+
 def _wider(size: int, slowest: float) -> int:
     """How many nodes bring coefficients to rounding, of which the last were so large: they fall as a geometric series."""
     wanted = math.log(_EPS) / math.log(min(slowest, _SLOW))
     return size * int(2 ** max(1, math.ceil(math.log2(wanted) - _NEARLY)))
 
 
-def _of_series(sheet: Sheet, middle: float, half: float, series: Array, tail: float, off: float, steps: int) -> Ends:
+def _ends(sheet: Sheet, middle: Value, half: Value, g: Array, tail: Value, off: Value, steps: Value, nodes: Value) -> Ends:
     way = sheet.map
-    count, left = _without_last(np.abs(series).tolist())
-    outer = float(way.x(middle + half))
-    inner = float(way.x(middle - half)) if way.pair else -outer
-    found = outer < sheet.limit and off < 1e-6 and half > _SMALLEST and not (way.pair and half >= _MERGED * middle)
-    nodes = len(series) * (1 if way.pair else 2) + way.pair
-    return Ends(sheet, inner, outer, middle, half, series[:count], tail + left, off, steps, nodes, 0.0, found)
+    outer = way.x(middle + half)
+    inner = way.x(middle - half) if way.pair else -outer
+    found = (outer < sheet.limit) & (off < 1e-6) & (half > _SMALLEST) & np.isfinite(tail)
+    if way.pair:
+        found = found & (half < _MERGED * middle)
+    return Ends(sheet, inner, outer, middle, half, g, tail, off, steps, nodes, 0.0 * half, found)
 
 
 def _not_found(sheet: Sheet) -> Ends:
@@ -320,115 +331,81 @@ def _not_found(sheet: Sheet) -> Ends:
 
 
 # Several loads at once ------------------------------------------------------------------------------------------------
+# As `_Step`, of rows: which they are, their middles, half lengths and sums (6, rows).
+_Steps = Callable[[Index, Array, Array, Array], tuple[Array, Array, Array, Array]]
+
+
 def _one(sheet: Sheet, loads: Array) -> Ends:
     """One zone."""
     top, factor = sheet.top, sheet.map.load_factor * math.pi
-    book = _Book(len(loads), 0.25 * top if math.isfinite(top) else 1.0)
 
-    def step(rows: Index, nodal: Table) -> tuple[Array, Array, Array]:
-        half = book.half[rows]
-        values = _slopes(sheet, half[:, None] * nodal.t)
+    def step(rows: Index, middle: Array, half: Array, sums: Array) -> tuple[Array, Array, Array, Array]:
         kinked, kinked_rate = _kink_load(sheet, half)
-        total = (0.5 * factor) * half * (values @ nodal.first) + kinked
-        rate = half * (factor * (values @ nodal.edge) + kinked_rate) / total
+        total = (0.5 * factor) * half * sums[0] + kinked
+        rate = half * (factor * sums[1] + kinked_rate) / total
         move = np.log(loads[rows] / total) / rate
         moved = half * np.exp(np.clip(move, -40.0, 40.0))
-        book.next_half[rows] = np.where(moved >= top, 0.5 * (half + top), moved)
-        return values, move, 4.0 * _EPS * (1.0 + 1.0 / np.abs(rate))
+        return move, 4.0 * _EPS * (1.0 + 1.0 / np.abs(rate)), middle, np.where(moved >= top, 0.5 * (half + top), moved)
 
-    book.settle(step, True, abs(sheet.kink), np.zeros(len(loads)))
-    outer = np.asarray(sheet.map.x(book.half))
-    return book.ends(sheet, -outer, outer, np.zeros(len(loads)), book.came_out & (outer < sheet.limit))
+    return _settled_rows(sheet, np.zeros(len(loads)), np.full(len(loads), 0.25 * top if math.isfinite(top) else 1.0), step)
 
 
 def _pair(sheet: Sheet, loads: Array) -> Ends:
     """Two zones."""
-    tip, top = sheet.tip_at, sheet.top
-    wanted_of = loads / (sheet.map.load_factor * 0.5 * math.pi)
-    middles, halves = _first_pair(sheet, wanted_of)
-    book = _Book(len(loads), halves)
-    book.middle, book.next_middle = middles, middles.copy()
+    top, wanted = sheet.top, loads / (sheet.map.load_factor * 0.5 * math.pi)
 
-    def step(rows: Index, nodal: Table) -> tuple[Array, Array, Array]:
-        middle, half = book.middle[rows], book.half[rows]
-        values = _slopes(sheet, middle[:, None] + half[:, None] * nodal.t)
-        mean = values.mean(axis=1)
-        missed = half * (values @ nodal.first) - wanted_of[rows]
-        upper, lower = values @ nodal.edge, values @ nodal.far_edge
-        odd, even = 0.5 * (upper + lower), 0.5 * (upper - lower)
-        # [odd / h, even / h; 2 even, 2 odd] (dm, dh) = -(mean, missed)
-        scale = upper * lower
-        by_middle = (0.5 * even * missed - odd * mean * half) / scale
-        by_half = (even * mean * half - 0.5 * odd * missed) / scale
-        up, down = by_middle + by_half, by_half - by_middle
-        ahead = np.maximum(np.maximum(down / (middle - half), up / (top - middle - half)), -by_half / half)
-        cut = np.minimum(1.0, _CUT / np.maximum(ahead, 1e-300))
-        book.next_middle[rows], book.next_half[rows] = middle + cut * by_middle, half + cut * by_half
-        return values, (np.abs(by_middle) + np.abs(by_half)) / half, _EPS * (_RESOLVED + 4.0 * middle / half)
+    def step(rows: Index, middle: Array, half: Array, sums: Array) -> tuple[Array, Array, Array, Array]:
+        _, scale, by_middle, by_half = _of_pair(half, sums, wanted[rows])
+        by_middle, by_half = by_middle / scale, by_half / scale
+        ahead = np.maximum((by_half - by_middle) / (middle - half), (by_middle + by_half) / (top - middle - half))
+        cut = np.minimum(1.0, _CUT / np.maximum(np.maximum(ahead, -by_half / half), 1e-300))
+        move, rounding = (np.abs(by_middle) + np.abs(by_half)) / half, _EPS * (_RESOLVED + 4.0 * middle / half)
+        return move, rounding, middle + cut * by_middle, half + cut * by_half
 
-    book.settle(step, False, 0.0, np.full(len(loads), 4.0 * tip))
-    low, middle, half = book.middle - book.half, book.middle, book.half
-    inner, outer = np.asarray(sheet.map.x(low)), np.asarray(sheet.map.x(middle + half))
-    return book.ends(sheet, inner, outer, middle, book.came_out & (outer < sheet.limit) & (half < _MERGED * middle) & (low > 0.0))
+    return _settled_rows(sheet, *_first_pair(sheet, wanted), step)
 
 
-class _Book:
-    """Rows on their way: Newton on each with few nodes first, and with twice as many where the series has not come to its end."""
-
-    def __init__(self, rows: int, half: float | Array) -> None:
-        self.half = np.full(rows, half) if isinstance(half, float) else half
-        self.next_half = self.half.copy()
-        self.middle = self.next_middle = np.zeros(rows)
-        self.rests, self.came_out = np.zeros(rows, dtype=bool), np.zeros(rows, dtype=bool)
-        self.off, self.tail = np.full(rows, np.inf), np.full(rows, np.inf)
-        self.steps, self.nodes = np.zeros(rows, dtype=np.intp), np.zeros(rows, dtype=np.intp)
-        self.series: list[tuple[Index, Array]] = []
-
-    def settle(self, step: Callable[[Index, Table], tuple[Array, Array, Array]], odd: bool, kink: float, rounded: Array) -> None:
-        """step: of rows with the nodes of a table, (values, how far it goes over the half length, its rounding), which leaves the next half
-        lengths and middles. rounded: places over half lengths, to whose rounding values are known."""
-        pending, size = np.arange(len(self.half)), _FIRST if odd else 2 * _FIRST
-        while len(pending) and size <= _LARGEST:
-            nodal, wider, slowest = table(size, odd), [], _EPS
-            for _ in range(_STEPS):
-                values, move, rounding = step(pending, nodal)
-                scale = np.abs(values).max(axis=1) + kink
-                last = np.abs(values @ nodal.last).max(axis=1)
-                self.steps[pending] += 1
-                far = ~(np.abs(move) <= _AT_REST)
-                ended = last <= _EPS * (_RESOLVED + rounded[pending] / self.half[pending]) * scale
-                # As many nodes as the series asks for are taken where it is about known.
-                coarse = ~ended & ~(np.abs(move) > _ABOUT)
-                done = ended & (self.rests[pending] | (np.abs(move) <= 4.0 * rounding))
-                if done.any():
-                    rows = pending[done]
-                    self.series.append((rows, nodal.coefficients(values[done])))
-                    self.off[rows], self.tail[rows] = np.abs(move[done]) + rounding[done], last[done] / scale[done]
-                    self.nodes[rows], self.came_out[rows] = 2 * size if odd else size, True
-                going = pending[~done]
-                self.half[going], self.middle[going] = self.next_half[going], self.next_middle[going]
-                self.rests[going] = ~far[~done]
-                wider.append(pending[coarse & np.isfinite(move)])
-                if coarse.any():
-                    slowest = max(slowest, float((last[coarse] / scale[coarse]).max()))
-                pending = pending[~done & ~coarse & np.isfinite(move)]
-                if not len(pending):
-                    break
-            pending, size = np.concatenate(wider), _wider(size, slowest)
-
-    def ends(self, sheet: Sheet, inner: Array, outer: Array, middle: Array, found: Mask) -> Ends:
-        most = max((block.shape[1] for _, block in self.series), default=0)
-        series = np.zeros((len(self.half), most))
-        for rows, block in self.series:
-            series[rows, : block.shape[1]] = block
-        # As many as some load needs.
-        size = np.abs(series)
-        size /= np.maximum(size.max(axis=1, initial=0.0), _SMALLEST)[:, None]
-        count, _ = _without_last(size.max(axis=0, initial=0.0).tolist())
-        tail = self.tail + size[:, count:].sum(axis=1)
-        found = found & np.isfinite(self.tail) & (self.off < 1e-6) & (self.half > _SMALLEST)
-        none = np.zeros(len(self.half))
-        return Ends(sheet, inner, outer, middle, self.half, series[:, :count], tail, self.off, self.steps, self.nodes, none, found)
+def _settled_rows(sheet: Sheet, middle: Array, half: Array, step: _Steps) -> Ends:
+    """Newton on each of the rows from its first interval, which is written over, those together that have come as far."""
+    odd, kink, wide, count = not sheet.map.pair, abs(sheet.kink), 4.0 * sheet.tip_at, len(half)
+    rests, off, tail = np.zeros(count, dtype=bool), np.full(count, np.inf), np.full(count, np.inf)
+    steps, nodes = np.zeros(count, dtype=np.intp), np.zeros(count, dtype=np.intp)
+    series: list[tuple[Index, Array]] = []
+    pending, size = np.arange(count), _FIRST if odd else 2 * _FIRST
+    while len(pending) and size <= _LARGEST:
+        nodal, wider, slowest = table(size, odd), [], _EPS
+        for _ in range(_STEPS):
+            values = _slopes(sheet, middle[pending, None] + half[pending, None] * nodal.t)
+            sums = (values @ nodal.sums).T
+            scale, last = np.abs(values).max(axis=1) + kink, np.abs(sums[2:4]).max(axis=0)
+            move, rounding, *to = step(pending, middle[pending], half[pending], sums)
+            steps[pending] += 1
+            ended = last <= _EPS * (_RESOLVED + wide / half[pending]) * scale
+            # As many nodes as the series asks for are taken where it is about known.
+            coarse, goes = ~ended & ~(np.abs(move) > _ABOUT), np.isfinite(move)
+            done = ended & (rests[pending] | (np.abs(move) <= 4.0 * rounding))
+            if done.any():
+                rows = pending[done]
+                series.append((rows, nodal.coefficients(values[done])))
+                off[rows], tail[rows] = np.abs(move[done]) + rounding[done], last[done] / scale[done]
+                nodes[rows] = 2 * size if odd else size
+            going = pending[~done]
+            middle[going], half[going] = (ahead[~done] for ahead in to)
+            rests[going] = np.abs(move[~done]) <= _AT_REST
+            wider.append(pending[coarse & goes])
+            if coarse.any():
+                slowest = max(slowest, float((last[coarse] / scale[coarse]).max()))
+            pending = pending[~done & ~coarse & goes]
+            if not len(pending):
+                break
+        pending, size = np.concatenate(wider), _wider(size, slowest)
+    g = np.zeros((count, max((block.shape[1] for _, block in series), default=0)))
+    for rows, block in series:
+        g[rows, : block.shape[1]] = block
+    # As many as some load needs.
+    part = np.abs(g) / np.maximum(np.abs(g).max(axis=1, initial=0.0), _SMALLEST)[:, None]
+    kept, _ = _without_last(part.max(axis=0, initial=0.0).tolist())
+    return _ends(sheet, middle, half, g[:, :kept], tail + part[:, kept:].sum(axis=1), off, steps, nodes)
 
 
 def _without_last(size: list[float]) -> tuple[int, float]:
@@ -446,6 +423,6 @@ def _first_pair(sheet: Sheet, wanted: Value) -> tuple[Value, Value]:
     over, for the room beside the tip."""
     tip, top = sheet.tip_at, sheet.top
     near, nodal = 0.01 * min(tip, top - tip), table(_FIRST, False)
-    slope = float(_slopes(sheet, tip + near * nodal.t).dot(nodal.first)) / near
+    slope = float(_slopes(sheet, tip + near * nodal.t).dot(nodal.sums[:, 0])) / near
     half = np.minimum(np.sqrt(wanted / slope), 0.45 * top)
     return np.minimum(np.maximum(tip, half / _WITHIN), top - half / _WITHIN), half

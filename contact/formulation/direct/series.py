@@ -26,16 +26,12 @@ WIDENED = 1.0 / np.cos(0.5 * np.pi / _DENSER) - 1.0
 class Table:
     """Nodes t and what is made of values there. odd: of an odd G, on the right half alone.
 
-    first: of g_1; edge, far_edge: of q(1) and q(-1); last: of the last two coefficients; sums: of g_1,
-    q(1), those two, q(-1) and the mean at once. The angles at which q is looked at are given by their sines and cosines.
+    sums: of g_1, q(1), the last two coefficients, q(-1) and the mean (nodes, 6). The angles at which q is looked at are given by their
+    sines and cosines.
     """
 
     odd: bool
     t: Array
-    first: Array
-    edge: Array
-    far_edge: Array
-    last: Array
     sums: Array
     sines: Array
     cosines: Array
@@ -81,10 +77,8 @@ def table(size: int, odd: bool) -> Table:
     looks = _DENSER * degree // (2 if odd else 1)
     at = (np.arange(looks) + 0.5) * (np.pi / (_DENSER * degree))
     far_edge = matrix @ (k * (2.0 * (k % 2) - 1.0))
-    last = np.ascontiguousarray(matrix[:, -2:])
-    first, edge = matrix[:, 0].copy(), matrix @ k
-    sums = np.column_stack((first, edge, last, far_edge, np.full(size, 1.0 / size)))
-    return Table(odd, np.cos(angle), first, edge, far_edge, last, sums, np.sin(at), np.cos(at))
+    sums = np.column_stack((matrix[:, 0], matrix @ k, matrix[:, -2:], far_edge, np.full(size, 1.0 / size)))
+    return Table(odd, np.cos(angle), sums, np.sin(at), np.cos(at))
 
 
 @lru_cache(maxsize=8)

@@ -24,6 +24,7 @@ from contact.formulation.controls import Control
 from contact.formulation.equilibria import HELD, Equilibria, Point
 from contact.formulation.fields import ZoneFields
 from contact.formulation.problem import Problem
+from contact.formulation.tables import outward
 from contact.formulation.tension.contact import (
     TIGHT,
     Covered,
@@ -195,8 +196,7 @@ class Cohesive(Equilibria):
         zones = before.zones
         if len(before.table) != len(table):
             return self.fitted(zones, table)
-        outward = np.concatenate((before.table[:, 0] - table[:, 0], table[:, 1] - before.table[:, 1]))
-        move = before.by_ends @ np.append(outward, value - before.value)
+        move = before.by_ends @ np.append(outward(before.table, table), value - before.value)
         count = len(zones)
         width = np.diff(zones, axis=1)[:, 0]
         i = interval_of(zones, before.table)
@@ -241,11 +241,7 @@ class Cohesive(Equilibria):
         if point is None or (not self.formal and point.look[1].min() < -_TOUCHING * self.reach):
             try:
                 tolerances = Tolerances(tolerance) if asked <= TIGHT else Tolerances.on_the_way(tolerance)
-                fields, look = self._contact_under(pulled, value, zones, tolerances)
-                if alike is not None and len(fields.density.zones) == len(alike.zones):
-                    point = self._with_rates_of(alike, table, value, fields, look)
-                else:
-                    point = self._point(table, value, fields, look, of_rates)
+                point = self._point(table, value, *self._contact_under(pulled, value, zones, tolerances), of_rates, alike)
             except Lost:
                 if not self._may_be_loose:
                     raise
@@ -355,15 +351,25 @@ class Cohesive(Equilibria):
         return self.at(here.table, here.value)
 
     def _point(
-        self, table: Array, value: float, fields: ZoneFields, look: tuple[Array, Array] | None, of_rates: float
+        self, table: Array, value: float, fields: ZoneFields, look: tuple[Array, Array] | None, of_rates: float, alike: CohesivePoint | None
     ) -> CohesivePoint:
+        """alike: a state whose intervals are so near that all follows their ends as there, if it has as many zones."""
         pulled, state = fields.problem, fields.state.whole
         assert isinstance(pulled, Pulled)
+        zones, load, level = fields.density.zones.table, fields.density.total - pulled.pulling.total, float(fields.level)
+        # An end that zones cover is held at its corner.
+        at = table.T.ravel()
+        beside, residual = ~np.isin(at, zones), np.ones(len(at))
+        residual[beside] -= fields.formal_gap(at[beside]) / self.reach
+        if alike is not None and len(zones) == len(alike.zones):
+            whole = alike.whole
+            return self._at_corners(CohesivePoint(
+                table, value, residual, whole.rates, whole.by_value, load, level, zones, fields, alike.by_ends, alike.level_rates, look
+            ))
         if state.iteration is not None:
             # There are as many right sides as ends: a matrix once, not an iteration for each.
             state = sie.solve_fixed(pulled.equation(self.control(pulled, value)), state.density.zones, of_rates, direct=True)
-        tension, density, count = pulled.pulling, state.density, len(table)
-        at, beside, residual = self._driven(table, fields, density.zones.table)
+        density, count = state.density, len(table)
         free, open_ = at[beside], np.flatnonzero(beside)
         strengths = np.hstack((self.stress * np.eye(len(free)), np.zeros((len(free), 1))))
         values = np.zeros((len(state.condition_scale), len(free) + 1))
@@ -374,45 +380,23 @@ class Cohesive(Equilibria):
             # Minus the value stands in the row of every zone.
             values[first : first + len(density.zones)] = np.append(np.full(len(free), -self.yields * self.stress), -1.0)
         answers = sie.answers(state, free, strengths, values, free)
-        level = np.append(np.zeros(len(free)), -1.0) if self.held.approach is not None else answers.levels.mean(axis=0)
-        change = level - answers.potentials
+        of_level = np.append(np.zeros(len(free)), -1.0) if self.held.approach is not None else answers.levels.mean(axis=0)
+        change = of_level - answers.potentials
         transform = np.zeros(2 * count)
         transform[beside] = density.transform(free)
         matrix, by_value = np.zeros((2 * count, 2 * count)), np.zeros(2 * count)
         matrix[np.ix_(open_, open_)], by_value[beside] = change[:, :-1], change[:, -1]
         by_all = np.append(open_, 2 * count)
         levels, moved = np.zeros(2 * count + 1), np.zeros((2 * len(density.zones), 2 * count + 1))
-        levels[by_all] = level
+        levels[by_all] = of_level
         with np.errstate(divide="ignore"):
             moves = 2 * answers.intensities / edge_slopes(pulled, state)[:, :, None]
-        corners = np.array(pulled.corners)
-        moves[(density.zones.table == corners).T] = 0.0
+        moves[(zones == np.array(pulled.corners)).T] = 0.0
         moved[:, by_all] = moves.reshape(-1, len(by_all))
         rates = -(matrix + self.explicit(pulled, at, transform)) / self.reach
         rates[~beside], rates[:, ~beside] = 0.0, 0.0
-        here = CohesivePoint(
-            table, value, residual, rates, -by_value / self.reach, density.total - tension.total, float(fields.level),
-            density.zones.table, fields, moved, levels, look,
-        )
-        return self._at_corners(here)
-
-    def _driven(self, table: Array, fields: ZoneFields, zones: Array) -> tuple[Array, Mask, Array]:
-        """(the ends, those that zones do not cover, by what all are driven): a covered end is held at its corner."""
-        at = table.T.ravel()
-        beside, residual = ~np.isin(at, zones), np.ones(len(at))
-        residual[beside] -= fields.formal_gap(at[beside]) / self.reach
-        return at, beside, residual
-
-    def _with_rates_of(
-        self, alike: CohesivePoint, table: Array, value: float, fields: ZoneFields, look: tuple[Array, Array] | None
-    ) -> CohesivePoint:
-        """The state on a table so near to that of another state that all follows its ends as there."""
-        assert isinstance(fields.problem, Pulled)
-        residual, whole = self._driven(table, fields, fields.density.zones.table)[2], alike.whole
-        return self._at_corners(CohesivePoint(
-            table, value, residual, whole.rates, whole.by_value, fields.density.total - fields.problem.pulling.total, float(fields.level),
-            fields.density.zones.table, fields, alike.by_ends, alike.level_rates, look,
-        ))
+        by_value = -by_value / self.reach
+        return self._at_corners(CohesivePoint(table, value, residual, rates, by_value, load, level, zones, fields, moved, levels, look))
 
     def _at_corners(self, here: CohesivePoint) -> CohesivePoint:
         """With ends held that are at sharp corners and not driven inward."""
@@ -445,6 +429,6 @@ class Cohesive(Equilibria):
         # The slope that all other ends make there; of its own and of its motion nothing is left together.
         slopes = self.stress / np.pi * tension.logs(at) * np.concatenate((np.ones(count), -np.ones(count)))
         np.fill_diagonal(slopes, 0.0)
-        outward = np.concatenate((-np.ones(count), np.ones(count)))
-        np.fill_diagonal(between, outward * (pulled.own_slope(at) - transform + slopes.sum(axis=1)))
+        away = np.concatenate((-np.ones(count), np.ones(count)))
+        np.fill_diagonal(between, away * (pulled.own_slope(at) - transform + slopes.sum(axis=1)))
         return between

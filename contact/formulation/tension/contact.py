@@ -15,8 +15,9 @@ from contact.errors import NotConverged
 from contact.formulation.controls import Control
 from contact.formulation.equilibria import NoState
 from contact.formulation.fields import ZoneFields
+from contact.formulation.quadrature import sides
 from contact.formulation.roots import reaches
-from contact.formulation.tables import joined_where, runs_of
+from contact.formulation.tables import gaps_between, joined_where, runs_of
 from contact.formulation.tension.intervals import fitted, interval_of, places
 from contact.formulation.tension.pulled import Pulled
 from sie import Array, Index, Mask, record
@@ -197,12 +198,9 @@ def _moved(pulled: Pulled, zones: Array, moved: Array, reaches: Mask) -> Array:
 def edge_slopes(pulled: Pulled, state: sie.AnyState) -> Array:
     """A at the ends (2, Z) of p + s, of which K is told by a motion of the end: where the other end is held at a corner q has less."""
     slope, zones = np.array(state.density.edge_slopes), state.density.zones
-    left, right = pulled.pulling.spread
     more = 2 * pulled.pulling.stress / np.pi / np.sqrt(2 * zones.half)
-    if left is not None:
-        slope[1, 0] += more[0]
-    if right is not None:
-        slope[0, -1] += more[-1]
+    for end, _ in pulled.pulling.spreads:
+        slope[0 if end else 1, end] += more[end]
     return slope
 
 
@@ -220,9 +218,7 @@ def _released(pulled: Pulled, k: Array, step: Array) -> Array:
 
 def _beside_corners(pulled: Pulled, zones: Array) -> Mask:
     """Which ends (2, n) have a sharp corner next to them, not the end of an interval or nothing."""
-    table, corners = pulled.pulling.table, np.array(pulled.corners)
-    own = table[interval_of(zones, table)] if len(table) else np.broadcast_to(corners, zones.shape)
-    return np.asarray((own == corners).T)
+    return np.asarray((_own(pulled, zones) == np.array(pulled.corners)).T)
 
 
 def _reaches(pulled: Pulled, zones: Array, k: Array, step: Array, room: Array, shared: Mask) -> Mask:
@@ -241,7 +237,7 @@ def _reaches(pulled: Pulled, zones: Array, k: Array, step: Array, room: Array, s
 
 def _searched(pulled: Pulled, control: Callable[[Pulled], Control], zones: Array, tolerances: Tolerances) -> tuple[Pulled, sie.AnyState]:
     """The same by the engine's search, of zones that stay within their intervals."""
-    equation, table, everywhere = pulled.equation(control(pulled)), pulled.pulling.table, pulled.pulling.everywhere
+    equation = pulled.equation(control(pulled))
     for _ in range(_ROUNDS):
         free = sie.find_ends(equation, sie.Zones.of(zones, pulled.end, pulled.end), 1e-10)
         ended = free.density.zones.table
@@ -252,30 +248,24 @@ def _searched(pulled: Pulled, control: Callable[[Pulled], Control], zones: Array
         elif len(free.met):
             zones = joined_where(ended, np.isin(np.arange(len(ended) - 1), free.met))
         else:
-            i = interval_of(ended, table) if len(table) else np.zeros(len(ended), dtype=np.intp)
-            within = everywhere or len(table) == 0 or bool(np.all((ended[:, 0] > table[i, 0]) & (ended[:, 1] < table[i, 1])))
+            own = _own(pulled, ended)
+            within = bool(np.all((ended[:, 0] > own[:, 0]) & (ended[:, 1] < own[:, 1])))
             return (pulled, free.state) if free.converged and within else _settled(pulled, control, zones, tolerances)
     raise NotConverged("the number of zones under a given tension did not settle")
 
 
 def _room(pulled: Pulled, zones: Array) -> tuple[Array, Mask]:
     """(how far each end (2, n) is from what is next to it, whether that is another zone: else the end of its interval)."""
-    period, tension, (lo, hi) = pulled.round, pulled.pulling, pulled.corners
-    if period is None:
-        gaps = np.concatenate(([np.inf], zones[1:, 0] - zones[:-1, 1], [np.inf]))
-    else:
-        inner = zones[1:, 0] - zones[:-1, 1]
-        around = zones[0, 0] + period - zones[-1, 1]
-        gaps = np.concatenate(([around], inner, [around]))
-    beside = np.array([gaps[:-1], gaps[1:]])
-    if len(tension.table) == 0 and np.isfinite(lo):
-        away = np.array([zones[:, 0] - lo, hi - zones[:, 1]])
-        return np.minimum(beside, away), beside < away
-    if tension.everywhere or len(tension.table) == 0:
-        return beside, np.ones(beside.shape, dtype=bool)
-    i = interval_of(zones, tension.table)
-    away = np.array([zones[:, 0] - tension.table[i, 0], tension.table[i, 1] - zones[:, 1]])
-    return np.minimum(beside, away), beside < away
+    right = np.diff(gaps_between(zones, pulled.round))[:, 0]
+    beside, own = np.array([np.roll(right, 1), right]), _own(pulled, zones)
+    away = np.array([zones[:, 0] - own[:, 0], own[:, 1] - zones[:, 1]])
+    return np.minimum(beside, away), beside <= away
+
+
+def _own(pulled: Pulled, zones: Array) -> Array:
+    """The interval of tension that each zone lies in (n, 2), or what is between sharp corners."""
+    table = pulled.pulling.table
+    return table[interval_of(zones, table)] if len(table) else np.broadcast_to(pulled.corners, zones.shape)
 
 
 def _joined(zones: Array, first: Array, step: Array) -> tuple[Array, Array]:
@@ -320,20 +310,18 @@ def look_around(pulled: Pulled, zones: Array) -> Array:
     both = np.concatenate((table.ravel(), zones.ravel()))
     if period is not None:
         marks = np.concatenate((table.ravel(), table.ravel() + period, table.ravel() - period))
-        first = float(both[0]) if len(both) else 0.0
-        edges = [(first, first + period)]
-        if len(zones):
-            edges = [(float(b), float(a)) for b, a in zip(zones[:, 1], [*zones[1:, 0], zones[0, 0] + period], strict=True)]
+        first = both[0] if len(both) else 0.0
+        edges = gaps_between(zones, period) if len(zones) else np.array([[first, first + period]])
     else:
         span = float(both.max() - both.min())
         marks = np.concatenate((table.ravel(), both.min() - span * _CUTS, both.max() + span * _CUTS))
         left, right = max(lo, both.min() - _FAR * span), min(hi, both.max() + _FAR * span)
-        edges = [(float(b), float(a)) for b, a in zip([left, *zones[:, 1]], [*zones[:, 0], right], strict=True) if b < a]
+        edges = np.column_stack((np.append(left, zones[:, 1]), np.append(zones[:, 0], right)))
+        edges = edges[edges[:, 0] < edges[:, 1]]
     found = []
-    for begin, end in edges:
-        cuts = np.concatenate(([begin], np.sort(marks[(marks > begin) & (marks < end)]), [end]))
-        for a, b in zip(cuts[:-1], cuts[1:], strict=True):
-            found.append(places(float(a), float(b), 0.25 * pulled.detail))
+    for begin, end in edges.tolist():
+        cuts = [begin, *np.sort(marks[(marks > begin) & (marks < end)]).tolist(), end]
+        found += [places(a, b, 0.25 * pulled.detail) for a, b in zip(cuts[:-1], cuts[1:], strict=True)]
     kinks = pulled.forcing.kinks[0]
     if period is not None and len(kinks):
         kinks = np.concatenate((kinks - period, kinks, kinks + period))
@@ -379,7 +367,7 @@ def _corrected(fields: ZoneFields, look: tuple[Array, Array]) -> Array | None:
     counts = np.minimum(density.sampling, np.maximum(_SIGNS, 8 * zones.half / varies).astype(np.intp))
     at = [(np.arange(n) + 0.5) * np.pi / n for n in counts]
     theta, zone = np.concatenate(at), np.repeat(np.arange(len(zones)), counts)
-    left, right = 2 * np.cos(theta / 2) ** 2, 2 * np.sin(theta / 2) ** 2
+    left, right = sides(theta)
     borne = fields.problem.bearing(density, zone, left, right) / np.sqrt(left * right)
     for i, (q, far) in enumerate(zip(_by_zone(borne, counts), _by_zone(left, counts), strict=True)):
         q, place = q[::-1], zones.a[i] + zones.half[i] * far[::-1]

@@ -78,9 +78,8 @@ class PulledFields(ZoneFields):
         """Of the zones of contact; the tension beside them is not in it."""
         zones = self.density.zones
         own = self.tension.stress * (zones.b - zones.a)
-        for side, zone in ((0, 0), (-1, -1)):
-            if self.tension.spread[side] is not None:
-                own[zone] -= self.tension.stress * zones.half[zone]
+        for end, _ in self.tension.spreads:
+            own[end] -= self.tension.stress * zones.half[end]
         return (self.density.totals - own) * self.problem.units.load
 
     def pressure_at(self, zone: int, t: ArrayLike) -> Array:
@@ -106,15 +105,15 @@ class PulledFields(ZoneFields):
     def borne_beside(self) -> float:  # type: ignore[override]
         stress, zones = self.tension.stress, self.density.zones.table
         apart = beside(lambda x: self.standing_shape(x) - self.scaled_gap(x), self.pulled, zones, self.spacing)
-        return -stress * (apart + on_zones(self.standing_shape, self.pulled, zones, self.spacing) - self._not_pulled(zones))
+        return -stress * (apart + on_zones(self.standing_shape, self.pulled, zones, self.spacing) - self._not_pulled)
 
-    def _not_pulled(self, zones: Array) -> float:
+    @property
+    def _not_pulled(self) -> float:
         """int (1 - eta) F dx on zones that are held at sharp corners."""
         out, breaks = 0.0, np.asarray(self.pulled.forcing.jumps_at)
-        for side, zone in enumerate(self.tension.spread):
-            if zone is not None:
-                places, weights = zone.lacking(side, int(np.ceil(4 * zone.half / self.spacing)), breaks)
-                out += float(self.standing_shape(places) @ weights)
+        for end, zone in self.tension.spreads:
+            places, weights = zone.lacking(end, int(np.ceil(4 * zone.half / self.spacing)), breaks)
+            out += float(self.standing_shape(places) @ weights)
         return out
 
     @cached_property

@@ -4,7 +4,7 @@ import numpy as np
 
 from contact.errors import OutOfRange
 from contact.formulation.equilibria import Closed
-from contact.formulation.tables import begun_from, joined_where, runs_of, united
+from contact.formulation.tables import ascending, begun_from, joined_where, located, runs_of, united
 from sie import Array, Index, Mask, wrapped
 
 # Points between two zones, or in a part of an interval, at the least, and at the most.
@@ -17,16 +17,17 @@ def places(a: float, b: float, spacing: float) -> Array:
     return a + (b - a) * np.sin(0.5 * np.pi * (np.arange(count) + 0.5) / count) ** 2
 
 
-def within(x: Array, a: float, b: float, period: float | None) -> Index:
-    """Which places lie in (a, b), from left to right."""
+def within(x: Array, a: float, b: float, period: float | None) -> tuple[Index, Array]:
+    """(which places lie in (a, b), from left to right; where they do)."""
     place = wrapped(x, a, period)
     inner = np.flatnonzero((place > a) & (place < b))
-    return np.asarray(inner[np.argsort(place[inner])])
+    inner = inner[np.argsort(place[inner])]
+    return inner, np.asarray(place[inner])
 
 
 def interval_of(zones: Array, table: Array) -> Index:
     """The interval that each zone lies in."""
-    return np.maximum(np.searchsorted(table[:, 0], zones.mean(axis=1), side="right") - 1, 0)
+    return located(table, zones.mean(axis=1))[0]
 
 
 def fitted(
@@ -34,23 +35,14 @@ def fitted(
 ) -> Array:
     """Zones moved by periods into intervals, and cut to lie within; up to sharp corners they may reach."""
     if everywhere or len(table) == 0:
-        return zones[np.argsort(zones[:, 0])]
-    out = []
-    for a, b in zones:
-        middle = 0.5 * (a + b)
-        shift = 0.0 if period is None else -np.floor((middle - table[0, 0]) / period) * period
-        a, b, middle = a + shift, b + shift, middle + shift
-        i = max(int(np.searchsorted(table[:, 0], middle, side="right")) - 1, 0)
-        lo, hi = table[i]
-        if middle >= hi or middle <= lo:
-            continue
-        slack = 1e-2 * (hi - lo)
-        a = a if a > lo else lo if lo == corners[0] else lo + slack
-        b = b if b < hi else hi if hi == corners[1] else hi - slack
-        if a < b:
-            out.append((a, b))
-    found = np.array(out).reshape(-1, 2)
-    return np.asarray(found[np.argsort(found[:, 0])])
+        return ascending(zones)
+    zones = zones if period is None else zones - np.floor((zones.mean(axis=1) - table[0, 0]) / period)[:, None] * period
+    row, inside = located(table, zones.mean(axis=1))
+    (lo, hi), (a, b) = table[row].T, zones.T
+    slack = 1e-2 * (hi - lo)
+    a = np.where(a > lo, a, np.where(lo == corners[0], lo, lo + slack))
+    b = np.where(b < hi, b, np.where(hi == corners[1], hi, hi - slack))
+    return ascending(np.column_stack((a, b))[inside & (a < b)])
 
 
 def below(
@@ -93,8 +85,7 @@ def joined(table: Array, joins: Mask, new: list[tuple[float, float]], period: fl
         joins = np.roll(joins, -start)
     table = joined_where(table, joins[:-1])
     if new:
-        table = np.concatenate((table, begun_from(np.array(new), float(table[0, 0]), period)))
-        table = table[np.argsort(table[:, 0])]
+        table = ascending(np.concatenate((table, begun_from(np.array(new), float(table[0, 0]), period))))
     return np.asarray(table)
 
 

@@ -8,10 +8,10 @@ from numpy.typing import ArrayLike
 
 from contact.formulation.fields import NoZones, mean_shape
 from contact.formulation.problem import Problem
-from contact.formulation.quadrature import panels
+from contact.formulation.quadrature import cuts_between, panels
 from contact.formulation.tension.pulled import Pulled
 from contact.formulation.tension.tension import Tension
-from sie import Array, record
+from sie import Array, record, wrapped
 
 
 def beside(function: Callable[[Array], Array], pulled: Pulled, zones: Array, spacing: float) -> float:
@@ -46,11 +46,8 @@ def _intervals(tension: Tension, zones: Array) -> list[tuple[float, float]]:
 
 
 def _integral(function: Callable[[Array], Array], pulled: Pulled, a: float, b: float, spacing: float) -> float:
-    breaks = np.asarray(pulled.forcing.jumps_at)
-    if pulled.period is not None:
-        breaks = a + np.mod(breaks - a, pulled.period)
-    even = np.linspace(a, b, max(1, int(np.ceil((b - a) / spacing))) + 1)
-    x, weight = panels(np.unique(np.concatenate((even, breaks[(breaks > a) & (breaks < b)]))))
+    breaks = wrapped(np.asarray(pulled.forcing.jumps_at), a, pulled.period)
+    x, weight = panels(cuts_between(a, b, spacing, breaks))
     return float(function(x) @ weight)
 
 

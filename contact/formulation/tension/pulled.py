@@ -60,7 +60,7 @@ class Pulled(Problem):
 
     def borne(self, density: sie.AnyDensity) -> float:
         tension = self.pulling
-        return density.total + tension.stress * sum(zone.half for zone in tension.spread if zone is not None)
+        return density.total + tension.stress * sum(zone.half for _, zone in tension.spreads)
 
     @property
     def pulling(self) -> Tension:

@@ -80,12 +80,12 @@ class Spread:
 
         return of_poles(x, self.primitive) + rate * (x - self.middle) + self.mean(left, x)
 
-    def lacking(self, side: int, panels: int, breaks: Array) -> tuple[Array, Array]:
-        """(places, weights) of a rule for int (1 - eta) on the zone, the left (0) or the right one, by parts between breaks."""
+    def lacking(self, end: int, panels: int, breaks: Array) -> tuple[Array, Array]:
+        """(places, weights) of a rule for int (1 - eta) on the zone, the left (0) or the right one (-1), by parts between breaks."""
         inner = breaks[(breaks > self.a) & (breaks < self.b)]
         cuts = np.unique(np.append(np.linspace(0.0, np.pi, max(panels, 2) + 1), np.arccos((inner - self.middle) / self.half)))
         angle, weight = gauss(cuts, _PANEL)
-        part = angle / np.pi if side == 0 else 1 - angle / np.pi
+        part = 1 - angle / np.pi if end else angle / np.pi
         return self.middle + self.half * np.cos(angle), self.half * weight * np.sin(angle) * part
 
 

@@ -16,6 +16,7 @@ import numpy as np
 import sie
 from contact.formulation.conjugate import clausen2
 from contact.formulation.quadrature import gauss
+from contact.formulation.tables import located
 from contact.formulation.tension.end_sums import Cells, EndSum
 from contact.formulation.tension.spread import Spread
 from sie import Array, Index, Mask, nearest_image, record, wrapped
@@ -42,6 +43,11 @@ class Tension(sie.Kept):
         return self.kernel.period
 
     @property
+    def spreads(self) -> list[tuple[int, Spread]]:
+        """(0 for the first end or -1 for the last one, the zone), of those that are spread."""
+        return [(end, zone) for end, zone in zip((0, -1), self.spread, strict=True) if zone is not None]
+
+    @property
     def width(self) -> float:
         """Of all intervals together."""
         if self.everywhere:
@@ -52,25 +58,24 @@ class Tension(sie.Kept):
     @property
     def total(self) -> float:
         """Of the tension in q - p."""
-        return self.stress * (self.width - sum(zone.half for zone in self.spread if zone is not None))
+        return self.stress * (self.width - sum(zone.half for _, zone in self.spreads))
 
     def lacks(self, zone: Index | int, last: int, left: Array, right: Array) -> Array:
         """1 - eta on zones, at distances from their ends over the half width; last: index of the last zone."""
         out = np.zeros(np.broadcast_shapes(np.shape(zone), np.shape(left)))
-        for side, at, far, near in ((0, 0, left, right), (1, last, right, left)):
-            if self.spread[side] is not None:
-                angle = 2 / np.pi * np.arctan2(np.sqrt(np.maximum(near, 0.0)), np.sqrt(np.maximum(far, 0.0)))
-                out = out + np.where(np.asarray(zone) == at, angle, 0.0)
+        for end, _ in self.spreads:
+            at, far, near = (last, right, left) if end else (0, left, right)
+            angle = 2 / np.pi * np.arctan2(np.sqrt(np.maximum(near, 0.0)), np.sqrt(np.maximum(far, 0.0)))
+            out = out + np.where(np.asarray(zone) == at, angle, 0.0)
         return out
 
     def share(self, x: Array) -> Array:
         """eta on the intervals, else 0."""
         out = self.holds(x).astype(float)
-        for side, zone in enumerate(self.spread):
-            if zone is not None:
-                t = nearest_image(x - zone.middle, 0.0, self.period) / zone.half
-                angle = np.arccos(np.clip(t if side == 0 else -t, -1.0, 1.0)) / np.pi
-                out -= np.where(np.abs(t) <= 1.0, angle, 0.0)
+        for end, zone in self.spreads:
+            t = nearest_image(x - zone.middle, 0.0, self.period) / zone.half
+            angle = np.arccos(np.clip(-t if end else t, -1.0, 1.0)) / np.pi
+            out -= np.where(np.abs(t) <= 1.0, angle, 0.0)
         return out
 
     def holds(self, x: Array) -> Mask:
@@ -80,7 +85,7 @@ class Tension(sie.Kept):
         if len(self.table) == 0:
             return np.zeros(np.shape(x), dtype=bool)
         x = wrapped(np.asarray(x, dtype=float), float(self.table[0, 0]), self.period)
-        i = np.maximum(np.searchsorted(self.table[:, 0], x, side="right") - 1, 0)
+        i = located(self.table, x)[0]
         return np.asarray((x >= self.table[i, 0]) & (x <= self.table[i, 1]))
 
     def slope(self, x: Array) -> Array:
@@ -101,9 +106,8 @@ class Tension(sie.Kept):
     def logs(self, x: Array) -> Array:
         """Lambda at places (P,) of unit loads at all left and then all right ends (P, 2 m)."""
         values = self.log(x[:, None] - self.table.ravel())
-        for column, zone in zip((0, -1), self.spread, strict=True):
-            if zone is not None:
-                values[:, column] = self._spread_log(x, zone)
+        for end, zone in self.spreads:
+            values[:, end] = self._spread_log(x, zone)
         return np.hstack((values[:, ::2], values[:, 1::2]))
 
     @cached_property
@@ -122,18 +126,16 @@ class Tension(sie.Kept):
     def _signs(self) -> Array:
         """Of the ends; none of those that are spread."""
         signs = np.tile((1.0, -1.0), len(self.table))
-        for column, zone in zip((0, -1), self.spread, strict=True):
-            if zone is not None:
-                signs[column] = 0.0
+        signs[[end for end, _ in self.spreads]] = 0.0
         return signs
 
     def _between(self, of_ends: EndSum, spread: Callable[[Array, Spread], Array], x: Array) -> Array:
         """Sum of the differences of a function of the distance from both ends of the intervals."""
         x = np.asarray(x, dtype=float)
         out = of_ends(x) if len(self.table) else np.zeros(x.shape)
-        for sign, zone in zip((1.0, -1.0), self.spread, strict=True):
-            if zone is not None:
-                out = out + sign * spread(x.ravel(), zone).reshape(x.shape)
+        for end, zone in self.spreads:
+            one = spread(x.ravel(), zone).reshape(x.shape)
+            out = out - one if end else out + one
         return out
 
     def _spread_log(self, x: Array, zone: Spread) -> Array:
@@ -153,22 +155,20 @@ class Tension(sie.Kept):
         """Lambda, of the distance from a line load."""
         kernel, period = self.kernel, self.period
         lag = nearest_image(np.asarray(lag, dtype=float), 0.0, period)
-        if period is not None:
-            with np.errstate(divide="ignore"):
-                out = np.log(np.abs(2 * np.sin(np.pi * lag / period)))
-            return np.asarray(out if self.plain else out + self._rest(lag))
         with np.errstate(divide="ignore"):
-            out = sum((np.log(np.abs(lag - pole) / kernel.datum) for pole in kernel.poles), np.zeros(np.shape(lag)))
+            if period is not None:
+                out = np.log(np.abs(2 * np.sin(np.pi * lag / period)))
+            else:
+                out = sum((np.log(np.abs(lag - pole) / kernel.datum) for pole in kernel.poles), np.zeros(np.shape(lag)))
         return np.asarray(out if self.plain else out + self._rest(lag))
 
     def _rest(self, lag: Array) -> Array:
         """Lambda less its poles, or less all of Hilbert's."""
-        assert self.kernel.regular_potential is not None
-        rest = self.kernel.regular_potential(lag, np.zeros(1))
-        if self.period is not None:
-            hilbert = sie.hilbert(self.period)
-            assert hilbert.regular_potential is not None
-            rest = rest - hilbert.regular_potential(lag, np.zeros(1))
+        whole = self.kernel.regular_potential
+        assert whole is not None
+        rest = whole(lag, np.zeros(1))
+        if self.period is not None and (hilbert := sie.hilbert(self.period).regular_potential) is not None:
+            rest = rest - hilbert(lag, np.zeros(1))
         return np.asarray(rest)
 
     def _primitive(self, lag: Array) -> Array:
@@ -196,9 +196,8 @@ class Tension(sie.Kept):
     def _panels(self) -> tuple[Array, Array]:
         length = min(self.kernel.length, 1.0 if self.period is None else 0.25 * self.period)
         rules = [gauss(np.linspace(a, b, int(np.ceil(_PER_LENGTH * (b - a) / length)) + 1), _NODES) for a, b in self.table]
-        for side, zone in enumerate(self.spread):
-            if zone is not None:
-                places, lacking = zone.lacking(side, int(np.ceil(_PER_LENGTH * 2 * zone.half / length)), np.zeros(0))
-                rules.append((places, -lacking))
+        for end, zone in self.spreads:
+            places, lacking = zone.lacking(end, int(np.ceil(_PER_LENGTH * 2 * zone.half / length)), np.zeros(0))
+            rules.append((places, -lacking))
         at, weights = zip(*rules, strict=True)
         return np.concatenate(at), np.concatenate(weights)

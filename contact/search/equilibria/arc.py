@@ -17,6 +17,7 @@ import numpy as np
 from contact.errors import NotConverged
 from contact.formulation.equilibria import NEUTRAL, Equilibria, NoState, Point
 from contact.formulation.roots import smooth_root
+from contact.formulation.tables import outward
 from sie import Array, record
 
 # First and longest step, Newton's steps in one, how small its last one is, and how many steps; a step so small is none.
@@ -61,12 +62,11 @@ _ROUGH, _ROUGHLY, ABOUT, _OFF = 1e-9, 1e-9, 1e-3, 1e-5
 
 @record
 class Place:
-    """An equilibrium on the curve: widths that motions are counted in (2n,), the unit of the control, the unit tangent (2n + 1,), and about
-    how the curve leaves it, over the square and the cube of the length (2, 2n + 1)."""
+    """An equilibrium on the curve: what motions of its ends, their zones' widths, and the control are counted in (2n + 1,), the unit
+    tangent (2n + 1,), and about how the curve leaves it, over the square and the cube of the length (2, 2n + 1)."""
 
     at: Point
-    widths: Array
-    unit: float
+    scales: Array
     tangent: Array
     leaves: Array
 
@@ -79,6 +79,14 @@ class Place:
     def rises(self) -> float:
         """Of the control, along the arc."""
         return float(self.tangent[-1])
+
+    def moved(self, to: Point) -> Array:
+        """How far another equilibrium is, in what the tangent is told in (2n + 1,)."""
+        return np.append(outward(self.at.table, to.table), to.value - self.at.value) / self.scales
+
+    def length(self, to: Point) -> float:
+        """How far along the tangent another equilibrium is."""
+        return float(self.tangent @ self.moved(to))
 
 
 @record
@@ -114,7 +122,7 @@ class Step:
         for node in sorted(self.known, key=lambda k: abs(k - length)):
             if len(nodes) < _NODES and min(abs(node - one) for one in (0.0, self.length, *nodes)) > _SEPARATE * abs(node - length):
                 nodes.append(node)
-        off = [(_moved(self.start, self.known[node][0]) - self._cubic(node)) / (node * (self.length - node)) ** 2 for node in nodes]
+        off = [(self.start.moved(self.known[node][0]) - self._cubic(node)) / (node * (self.length - node)) ** 2 for node in nodes]
         for level in range(1, len(nodes)):
             for i in range(len(nodes) - level):
                 here, there = nodes[i], nodes[i + level]
@@ -127,7 +135,7 @@ class Step:
 
     @cached_property
     def _leaves(self) -> Array:
-        return _leaving(self.start.tangent, _moved(self.start, self.end.at), self.end.tangent * _scales(self.end, self.start))
+        return _leaving(self.start.tangent, self.start.moved(self.end.at), self.end.tangent * (self.end.scales / self.start.scales))
 
     @property
     def lets_go(self) -> bool:
@@ -160,7 +168,7 @@ class Step:
 
     def _rising(self, at: Point) -> float:
         """Of the control, by the length."""
-        tangent = _tangent(at, self.start.widths, self.start.unit)
+        tangent = _tangent(at, self.start.scales)
         return float(tangent[-1] / (tangent @ self.start.tangent))
 
     def where(
@@ -177,7 +185,7 @@ class Step:
     def arriving(self, value: float) -> Point | None:
         """The equilibrium in this step under a value of the control; None if Newton does not come to it at once."""
         start, rises, (bend, twist) = self.start, self.start.rises, self._leaves[:, -1]
-        wanted = (value - start.at.value) / start.unit
+        wanted = (value - start.at.value) / start.scales[-1]
         if start.at.corners is not None:
             return None
         roots = np.roots((twist, bend, rises, -wanted))
@@ -187,11 +195,9 @@ class Step:
         guess, normal = self._about(float(roots.min())), np.zeros(len(start.tangent))
         guess[-1], normal[-1] = wanted, 1.0
         found = _corrected(self.curve, start, guess, normal, True)
-        return None if found is None or not 0.0 <= self.how_far(found) <= self.length else replace(found, value=value)
+        return None if found is None or not 0.0 <= start.length(found) <= self.length else replace(found, value=value)
 
-    def how_far(self, at: Point) -> float:
-        """Along the tangent at its start."""
-        return _length(self.start, at)
+
 
 
 def steps(curve: Equilibria, here: Point, sense: float, tight: bool = True) -> Iterator[Step]:
@@ -209,12 +215,12 @@ def steps(curve: Equilibria, here: Point, sense: float, tight: bool = True) -> I
                 unstable = place, length
                 if length < _NO_TURN and not vanishing:
                     break
-            short = curve.vanishes(place.at, _motion(place))
+            short = curve.vanishes(place.at, place.tangent * place.scales)
             length, vanishing = (_OF_VANISHING * short, True) if short < length else (_SHORTER * length, vanishing)
             if length < _NO_STEP:
                 break
             continue
-        step = _to_change(Step(curve, place, _length(place, end.at) if reached is not None else length, end))
+        step = _to_change(Step(curve, place, place.length(end.at) if reached is not None else length, end))
         if step.turns and not step.turns_once:
             length *= _SHORTER
             continue
@@ -230,7 +236,7 @@ def steps(curve: Equilibria, here: Point, sense: float, tight: bool = True) -> I
         place = step.end if step.after is None else _stood_by(curve, step.after, step.end.rises)
         length = min(min(_LONGER, _TURN / max(step.turned, _TURN / _LONGER)) * length, _LONGEST)
         if vanishing:
-            short = curve.vanishes(place.at, _motion(place))
+            short = curve.vanishes(place.at, place.tangent * place.scales)
             part = _PAST_VANISHING if len(place.at.contact) > 1 else _OF_VANISHING
             length, vanishing = min(length, part * short), short < _LONGEST
             if length < _NO_STEP:
@@ -282,40 +288,17 @@ def _corner_within(curve: Equilibria, here: Place, length: float) -> int | None:
     """The end that reaches a sharp corner first within a step along the tangent; None if none does."""
     if here.at.corners is None:
         return None
-    moves = here.tangent[:-1] * here.widths
-    distance = np.full(len(moves), np.inf)
-    lo, hi = curve.problem.corners
-    distance[0], distance[-1] = here.at.table[0, 0] - lo, hi - here.at.table[-1, 1]
+    moves = (here.tangent * here.scales)[:-1]
     with np.errstate(divide="ignore", invalid="ignore"):
-        away = np.where(moves > 0.0, distance / moves, np.inf)
+        away = np.where(moves > 0.0, curve.to_corners(here.at.table) / moves, np.inf)
     end = int(np.argmin(away))
     return end if away[end] <= length else None
 
 
 def _to_corner(curve: Equilibria, here: Place, end: int) -> Point | None:
     """The equilibrium at which an end is at its corner."""
-    corner = curve.problem.corners[0 if end == 0 else 1]
-    distance = abs(corner - float(here.at.table[0, 0] if end == 0 else here.at.table[-1, 1])) / here.widths[end]
-    normal = np.zeros(len(here.tangent))
-    normal[end] = 1.0
-    return _corrected(curve, here, distance / here.tangent[end] * here.tangent, normal, True)
-
-
-def _motion(here: Place) -> Array:
-    """Of the ends and of the control along the arc (2n + 1,)."""
-    return np.asarray(here.tangent * np.append(here.widths, here.unit))
-
-
-def _length(start: Place, end: Point) -> float:
-    """How far along the tangent another equilibrium is."""
-    return float(start.tangent @ _moved(start, end))
-
-
-def _moved(start: Place, end: Point) -> Array:
-    """How far another equilibrium is, in what a tangent is told in (2n + 1,)."""
-    moved = end.table - start.at.table
-    outward = np.concatenate((-moved[:, 0], moved[:, 1])) / start.widths
-    return np.append(outward, (end.value - start.at.value) / start.unit)
+    distance = curve.to_corners(here.at.table)[end] / here.scales[end]
+    return _corrected(curve, here, distance / here.tangent[end] * here.tangent, np.eye(len(here.tangent))[end], True)
 
 
 def _to_change(step: Step) -> Step:
@@ -332,9 +315,7 @@ def _to_change(step: Step) -> Step:
         step = replace(step, length=length, end=onward(step.curve, step.start, at))
         held = held & (at.whole.residual > _TOGETHER)
     else:
-        gap = np.full(len(held), np.inf)
-        lo, hi = step.curve.problem.corners
-        gap[0], gap[-1] = at.table[0, 0] - lo, hi - at.table[-1, 1]
+        gap = step.curve.to_corners(at.table)
         at_corner = gap < _TOGETHER * at.widths
         if not np.any(gap[~held] == 0.0) or step.length < _NO_STEP:
             return step
@@ -368,21 +349,21 @@ def _stood_by(curve: Equilibria, here: Point, sense: float) -> Place:
 
 
 def _begun(curve: Equilibria, here: Point, sense: float) -> Place:
-    unit = _unit(curve, here)
-    tangent = _tangent(here, here.widths, unit)
-    return Place(here, here.widths, unit, tangent if tangent[-1] * sense >= 0.0 else -tangent, np.zeros((2, len(tangent))))
+    scales = np.append(here.widths, _unit(curve, here))
+    tangent = _tangent(here, scales)
+    return Place(here, scales, tangent if tangent[-1] * sense >= 0.0 else -tangent, np.zeros((2, len(tangent))))
 
 
 def onward(curve: Equilibria, before: Place, ahead: Point) -> Place:
     """The same sense of the curve at another equilibrium of it."""
     # At a turning point motions are without bound: the unit follows by and by, or the turn would be all too sharp in it.
-    unit = max(_unit(curve, ahead), _SLOWER * before.unit)
-    tangent, scales = _tangent(ahead, ahead.widths, unit), np.append(ahead.widths / before.widths, unit / before.unit)
-    tangent = tangent if before.tangent @ (tangent * scales) >= 0.0 else -tangent
-    here = Place(ahead, ahead.widths, unit, tangent, np.zeros((2, len(tangent))))
-    moved = _moved(here, before.at)
+    scales = np.append(ahead.widths, max(_unit(curve, ahead), _SLOWER * before.scales[-1]))
+    tangent, carried = _tangent(ahead, scales), scales / before.scales
+    tangent = tangent if before.tangent @ (tangent * carried) >= 0.0 else -tangent
+    here = Place(ahead, scales, tangent, np.zeros((2, len(tangent))))
+    moved = here.moved(before.at)
     # On as it has come from the one before.
-    return replace(here, leaves=_leaving(tangent, moved, before.tangent / scales)) if moved.any() else here
+    return replace(here, leaves=_leaving(tangent, moved, before.tangent / carried)) if moved.any() else here
 
 
 def _leaving(tangent: Array, moved: Array, there: Array) -> Array:
@@ -395,14 +376,12 @@ def _leaving(tangent: Array, moved: Array, there: Array) -> Array:
     return np.array((3 * off - turned, (turned - 2 * off) / length))
 
 
-def _scales(place: Place, other: Place) -> Array:
-    """What the motions and the control of one place are counted in, over those of another (2n + 1,)."""
-    return np.append(place.widths / other.widths, place.unit / other.unit)
+
 
 
 def _alike(before: Place, ahead: Place) -> float:
     """Cosine of the angle between the tangents of two places."""
-    carried = ahead.tangent * _scales(ahead, before)
+    carried = ahead.tangent * (ahead.scales / before.scales)
     return float(before.tangent @ carried) / float(np.linalg.norm(carried))
 
 
@@ -431,10 +410,9 @@ def _unit(curve: Equilibria, at: Point) -> float:
     return max(least, 1.0 / most) if most > 0.0 else least
 
 
-def _tangent(at: Point, widths: Array, unit: float) -> Array:
-    """Unit vector along the curve: motions over widths, and of the control over its unit."""
-    matrix = np.column_stack((at.rates * widths, at.by_value * unit))
-    return np.asarray(np.linalg.svd(matrix)[2][-1])
+def _tangent(at: Point, scales: Array) -> Array:
+    """Unit vector along the curve: motions of the ends and of the control over what they are counted in."""
+    return np.asarray(np.linalg.svd(np.column_stack((at.rates, at.by_value)) * scales)[2][-1])
 
 
 def along(curve: Equilibria, here: Place, length: float, tight: bool = True) -> Point | None:
@@ -458,26 +436,26 @@ def _newton(
 ) -> tuple[Point | None, Array | None]:
     """(the same, how far Newton's steps have come (2n + 1,), None where it is no use to go on from there). formal: of as many zones of
     contact as there are at the start, or of none."""
-    scales, at_start, length = np.append(here.widths, here.unit), here.at, float(np.linalg.norm(start))
+    at_start, length, widths, unit = here.at, float(np.linalg.norm(start)), here.scales[:-1], float(here.scales[-1])
     how: dict[str, Any] = {} if tight else {"tolerance": _ROUGH}
     if at_start.corners is not None:
         how["held"] = at_start.held
     before = np.inf
     for k in range(_CORRECTIONS):
-        table = at_start.moved(start[:-1] * here.widths)
+        table = at_start.moved(start[:-1] * widths)
         if at_start.corners is not None:
             table, start = curve.within(table), start.copy()
-            start[:-1] = np.concatenate((at_start.table[:, 0] - table[:, 0], table[:, 1] - at_start.table[:, 1])) / here.widths
+            start[:-1] = outward(at_start.table, table) / widths
         if np.any(np.diff(table.ravel()) <= 0) or curve.gaps(table)[-1] <= 0.0:
             return None, None
         try:
-            at = curve.at(table, at_start.value + start[-1] * here.unit, **how)
+            at = curve.at(table, at_start.value + start[-1] * unit, **how)
         except (NoState, NotConverged):
             return None, start
         if formal and len(at.contact) != len(at_start.contact):
             return None, start
         try:
-            matrix = np.vstack((np.column_stack((at.rates, at.by_value)) * scales, normal))
+            matrix = np.vstack((np.column_stack((at.rates, at.by_value)) * here.scales, normal))
             step = np.linalg.solve(matrix, np.append(-at.residual, 0.0))
         except np.linalg.LinAlgError:
             # Of zones on a level stretch.
@@ -494,6 +472,6 @@ def _newton(
         # more.
         if size * min(size / before if k else 1.0, 1.0) < _TIGHT or rounded:
             how.pop("tolerance", None)
-            return curve.at(at_start.moved(start[:-1] * here.widths), at_start.value + start[-1] * here.unit, **how), start
+            return curve.at(at_start.moved(start[:-1] * widths), at_start.value + start[-1] * unit, **how), start
         before = size
     return None, start

@@ -68,18 +68,27 @@ class _End:
 
 
 def _end(curve: Equilibria, here: Point, torn: Callable[[Point], float]) -> _End:
-    step, turns = _ending(curve, curve.settled(here), torn)
-    # Of those before the last it is enough to know where they are about.
-    length = step.turning(False) if step.turns else step.length
+    """As the control falls: by a turn of the curve, as ends let go, or where it is torn."""
+    for step in steps(curve, curve.settled(here), -1.0, False):
+        # Of those before the last it is enough to know where they are about.
+        length = step.turning(False) if step.turns else step.length
+        last = step.at(length, False) if step.turns else step.end.at
+        if step.turns or step.lets_go or torn(step.start.at) < 0.0 < torn(last):
+            return _end_in(curve, step, length, last, torn)
+    raise NotConverged("the curve of equilibria ended")
+
+
+def _end_in(curve: Equilibria, step: Step, length: float, last: Point, torn: Callable[[Point], float]) -> _End:
+    """That in a step; last: the equilibrium at the length."""
     if step.lets_go and not step.turns:
-        return _End(step.end.at, let_go(step), lambda: step.end.at)
-    if turns:
-        last = step.at(length, False)
+        return _End(last, let_go(step), lambda: last)
+    first = torn(step.start.at)
+    if not first < 0.0 < torn(last):
         return _End(last, beyond(curve, last, -1.0), lambda: step.at(step.turning()))
-    until = step.where(torn, torn(step.start.at), torn(step.at(length, False)), length, ABOUT, False)
+    until = step.where(torn, first, torn(last), length, ABOUT, False)
     length = min(until + 2 * ABOUT * length, length)
-    last = step.at(length, False)
-    return _End(last, last.table, lambda: step.at(step.where(torn, torn(step.start.at), torn(last), length)))
+    about = step.at(length, False)
+    return _End(about, about.table, lambda: step.at(step.where(torn, first, torn(about), length)))
 
 
 def above(least: float, value: float) -> tuple[float, ...]:
@@ -107,15 +116,3 @@ def _apart(curve: Equilibria, here: Point, recede: Recede) -> tuple[Point, float
             return here, here.value - step
         here, step = rest, 2.0 * step
     raise NotConverged("the surfaces do not come apart as the control falls")
-
-
-def _ending(curve: Equilibria, here: Point, torn: Callable[[Point], float]) -> tuple[Step, bool]:
-    """(the step in which an equilibrium ceases to be as the control falls, whether by a turn of the curve or as ends let go, else where it
-    is torn)."""
-    for step in steps(curve, here, -1.0, False):
-        last = step.at(step.turning(False), False) if step.turns else step.end.at
-        if torn(step.start.at) < 0.0 < torn(last):
-            return step, False
-        if step.turns or step.lets_go:
-            return step, True
-    raise NotConverged("the curve of equilibria ended")

@@ -138,9 +138,8 @@ def limits(curve: Equilibria, here: Point, sign: float) -> tuple[Array, Array]:
     inward, outward = inward_and_outward(curve, here)
     if here.corners is not None:
         # At a sharp corner it rests; one that is held there asks for no step.
-        lo, hi = curve.problem.corners
-        beside = np.maximum([here.table[0, 0] - lo, hi - here.table[-1, 1]], REST * here.widths[[0, -1]])
-        outward[[0, -1]] = np.where(here.held[[0, -1]], outward[[0, -1]], np.minimum(outward[[0, -1]], beside))
+        beside = np.maximum(curve.to_corners(here.table), REST * here.widths)
+        outward = np.where(here.held, outward, np.minimum(outward, beside))
     onward, back = (outward, inward) if sign > 0 else (inward, outward)
     return onward, np.minimum(back, _NEAR * here.widths)
 

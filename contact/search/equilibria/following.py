@@ -10,7 +10,7 @@ import numpy as np
 
 from contact.errors import NotConverged
 from contact.formulation.equilibria import Closed, Equilibria, Point
-from contact.formulation.roots import maximum
+from contact.formulation.roots import minimum
 from contact.search.equilibria.arc import Step
 from contact.search.equilibria.flow import ROUGH, receded
 from contact.search.equilibria.growth import grown, touched
@@ -86,13 +86,10 @@ class Following:
         """Where surfaces that are closed over the whole period open as the control falls to a value; None if they stay closed."""
         return None
 
-    def apart_from_curve(self, here: Point) -> bool:
-        """Whether an equilibrium is none of the curve that is followed by the motions of ends."""
-        return False
-
-    def beside_curve(self, here: Point, value: float) -> Iterator[Jump | Standing]:
-        """What happens on the way of such an equilibrium to a value, up to a jump, or the standing there."""
-        raise NotImplementedError
+    def beside_curve(self, here: Point, value: float) -> Iterator[Jump | Standing] | None:
+        """Of an equilibrium that is none of the curve that is followed by the motions of ends: what happens on its way to a value, up to a
+        jump, or the standing there. None of others."""
+        return None
 
     def grown(self, table: Array, value: float) -> Standing:
         """What ends that advance from these places come to."""
@@ -133,6 +130,11 @@ class Following:
             return "full"
         return ("merge" if rises else "death") if after.count < before.count else "jump"
 
+    def jump(self, here: Point, place: float, after: Standing, rises: bool) -> Jump:
+        """From an equilibrium past a turning point."""
+        before = Standing(here.value, here)
+        return Jump(self.kind(before, after, rises), place, before, after)
+
     def gone(self, here: Point, sense: float) -> Jump | None:
         """The end of a curve that is none of its turning points, beside an equilibrium; None if there is none."""
         return None
@@ -150,9 +152,7 @@ class Following:
         curve = self.curve
 
         def least(at: Point, lo: float, hi: float) -> tuple[float, float]:
-            fields = curve.fields(at, ROUGH)
-            x, depth = maximum(lambda x: -fields.formal_gap(x), np.linspace(lo, hi, 17))
-            return x, -depth
+            return minimum(curve.fields(at, ROUGH).formal_gap, np.linspace(lo, hi, 17))
 
         length, place, width = first_of(step, length, last, overlaps, least, lambda at: openings(curve.fields(at, ROUGH)).overlaps)
         here = step.at(length)

@@ -8,13 +8,14 @@ surfaces open from there where their tension comes to the stress.
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
 from contact.errors import NotConverged
 from contact.formulation.equilibria import Closed, NoState, Point
-from contact.formulation.roots import maximum, smooth_root
-from contact.formulation.tables import runs_of
+from contact.formulation.roots import maximum, minimum, smooth_root
+from contact.formulation.tables import ascending, located, runs_of
 from contact.formulation.tension.cohesive import Cohesive, CohesivePoint, Known
 from contact.formulation.tension.contact import Covered, Lost
 from contact.formulation.tension.intervals import interval_of, joined
@@ -88,24 +89,17 @@ class FollowingUnderTension(Following):
     # where a tension begins or lets go -------------------------------------------------------------------------------
     def interrupted(self, step: Step, length: float, last: Point, sense: float) -> Jump | None:
         """The first place within a step at which the gap comes to the reach away from the ends of the tension."""
-        found: tuple[float, float, float, bool] | None = None
+        found: list[tuple[float, float, float, bool]] = []
         for outside in (True, False):
             seen = self._wrong(last, outside)
-            if len(seen) == 0:
-                continue
-            def least(at: Point, lo: float, hi: float, outside: bool = outside) -> tuple[float, float]:
-                return self._least(at, lo, hi, outside)
-
-            here = first_of(step, length, last, seen, least, lambda at, o=outside: self._wrong(at, o))  # type: ignore[misc]
-            if found is None or here[0] < found[0]:
-                found = (*here, outside)
-        if found is None:
+            if len(seen):
+                least, others = partial(self._least, outside=outside), partial(self._wrong, outside=outside)
+                found.append((*first_of(step, length, last, seen, least, others), outside))
+        if not found:
             return None
-        length, place, width, outside = found
-        here_at = step.at(length)
-        after = self._changed(here_at, place, width, outside)
-        before = Standing(here_at.value, here_at)
-        return Jump(self.kind(before, after, outside), place, before, after)
+        length, place, width, outside = min(found, key=lambda one: one[0])
+        here = step.at(length)
+        return self.jump(here, place, self._changed(here, place, width, outside), outside)
 
     def _changed(self, here: Point, place: float, width: float, begins: bool) -> Standing:
         """What an interval of tension that begins at a place comes to, or one that is cut there."""
@@ -115,7 +109,10 @@ class FollowingUnderTension(Following):
         assert isinstance(here, CohesivePoint)
         sign = 1.0 if begins else -1.0
         while True:
-            table = (_with_interval if begins else _cut)(here.table, place, half, period)
+            if begins:
+                table = joined(here.table, np.zeros(len(here.table), dtype=bool), [(place - half, place + half)], period)
+            else:
+                table = _cut(here.table, place, half)
             at = curve.from_zones(table, here.value, curve.fitted(here.zones, table))
             # The ends that are new are driven, all others at rest.
             new = np.abs(np.append(table[:, 0], table[:, 1]) - place) < 2 * half
@@ -132,8 +129,7 @@ class FollowingUnderTension(Following):
         x = wrapped(x, float(table[0, 0]), period)
         order = np.argsort(x)
         x, gap = x[order], gap[order]
-        i = np.maximum(np.searchsorted(table[:, 0], x, side="right") - 1, 0)
-        inside = (x > table[i, 0]) & (x < table[i, 1])
+        inside = located(table, x)[1]
         wrong = (~inside & (gap < curve.reach)) if outside else (inside & (gap > curve.reach))
         ends = np.append(table.ravel(), table[0, 0] + (period or np.inf))
         for s, e in runs_of(wrong):
@@ -174,15 +170,14 @@ class FollowingUnderTension(Following):
         else:
             return None
         places, state = touch
-        before = Standing(state.value, replace(state, zones=_with_points(state.zones, places)))
+        touching = replace(state, zones=ascending(np.concatenate((state.zones, np.column_stack((places, places))))))
         place = float(places[0])
         if state.growth < 0.0:
-            return Jump("death", place, before, Standing(state.value, state), smooth=True)
+            return Jump("death", place, Standing(state.value, touching), Standing(state.value, state), smooth=True)
         width = float(np.diff(state.table[i[k]])[0])
         table = state.table.copy()
         table[i[k]] += np.array([_PUSH, -_PUSH]) * width
-        after = self.shrunk(table, state.value)
-        return Jump(self.kind(before, after, False), place, before, after)
+        return self.jump(touching, place, self.shrunk(table, state.value), False)
 
     def _without(self, here: CohesivePoint, gone: Index) -> tuple[Array, CohesivePoint] | None:
         """(places, equilibrium) in which the surfaces just touch where zones are about to vanish; None if it was not found."""
@@ -301,9 +296,6 @@ class FollowingUnderTension(Following):
             return Standing(value, closed=True)
         return Standing(value, self.curve.under_all(value, self.pressed(value)))
 
-    def apart_from_curve(self, here: Point) -> bool:
-        return isinstance(here, CohesivePoint) and here.everywhere
-
     def opened(self, here: Standing, value: float) -> Jump | None:
         if value >= self.full:
             return None
@@ -315,8 +307,10 @@ class FollowingUnderTension(Following):
         (x, gap) = here.look
         return float(x[int(np.argmax(gap))])
 
-    def beside_curve(self, here: Point, value: float) -> Iterator[Jump | Standing]:
-        assert isinstance(here, CohesivePoint)
+    def beside_curve(self, here: Point, value: float) -> Iterator[Jump | Standing] | None:
+        return self._under_all_to(here, value) if isinstance(here, CohesivePoint) and here.everywhere else None
+
+    def _under_all_to(self, here: CohesivePoint, value: float) -> Iterator[Jump | Standing]:
         rises = value > here.value
         end = min(value, self.full - _SHORT * self.size) if rises else value
         # Seen from full contact on, the first value lies short of it.
@@ -371,10 +365,9 @@ class FollowingUnderTension(Following):
             place, height = maximum(lambda y: curve.gap(at, np.asarray(y)), at.look[0])
             return at, place, height - curve.reach
 
-        first = most(here.value)[2]
-        value = here.value
+        value, first = here.value, most(here.value)[2]
         if first < 0.0:
-            value = smooth_root(lambda v: most(v)[2], {here.value: first, new.value: most(new.value)[2]})
+            value = smooth_root(lambda v: most(v)[2], {value: first, new.value: most(new.value)[2]})
         at, place, _ = most(value)
         half = 0.5 * NEW * period
         while True:
@@ -387,35 +380,19 @@ class FollowingUnderTension(Following):
                 if half < LEAST:
                     break
             half *= 0.1
-        after = self.shrunk(table, value)
-        before = Standing(value, at)
-        return Jump(self.kind(before, after, False), place, before, after)
+        return self.jump(at, place, self.shrunk(table, value), False)
 
     def _lost(self, here: CohesivePoint) -> Jump:
         """Under a held load, where the last contact under tension everywhere shrinks to a point."""
-        curve = self.curve
-        pulled = curve.everywhere
-        place, lowest = maximum(lambda y: -pulled.shape(np.asarray(y)), np.sort(here.look[0]))
-        for a, b in here.zones:
-            inner, deep = maximum(lambda y: -pulled.shape(np.asarray(y)), np.linspace(a, b, 65))
-            if deep > lowest:
-                place, lowest = inner, deep
+        pulled = self.curve.everywhere
+        looks = [np.sort(here.look[0]), *(np.linspace(a, b, 65) for a, b in here.zones)]
+        place, lowest = min((minimum(pulled.shape, x) for x in looks), key=lambda found: found[1])
         value = -pulled.pulling.total
-        touch = CohesivePoint.under_all(value, value, lowest, np.array([[place, place]]), None, (np.zeros(0), np.zeros(0)))
+        touch = CohesivePoint.under_all(value, value, -lowest, np.array([[place, place]]), None, (np.zeros(0), np.zeros(0)))
         return Jump("pull-off", place, Standing(value, touch), Standing(value))
 
 
-def _with_points(zones: Array, places: Array) -> Array:
-    """The zones, and contact in points."""
-    both = np.concatenate((zones, np.column_stack((places, places))))
-    return np.asarray(both[np.argsort(both[:, 0])])
-
-
-def _with_interval(table: Array, place: float, half: float, period: float | None) -> Array:
-    return joined(np.asarray(table), np.zeros(len(table), dtype=bool), [(place - half, place + half)], period)
-
-
-def _cut(table: Array, place: float, half: float, period: float | None) -> Array:
+def _cut(table: Array, place: float, half: float) -> Array:
     """The intervals, the one about a place without what lies about it."""
     i = int(interval_of(np.array([[place, place]]), table)[0])
     return np.concatenate((table[:i], [[table[i, 0], place - half], [place + half, table[i, 1]]], table[i + 1 :]))

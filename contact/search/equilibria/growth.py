@@ -4,13 +4,14 @@ Within intervals of tension zones change on the way from one state to another: w
 """
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from contact.errors import NotConverged
 from contact.formulation.equilibria import Equilibria, Point
-from contact.formulation.roots import maximum
-from contact.formulation.tables import centred_on, runs_of
+from contact.formulation.roots import minimum
+from contact.formulation.tables import ascending, centred_on, runs_of
 from contact.formulation.tension.cohesive import Cohesive, CohesivePoint
 from contact.search.equilibria.flow import REST, ROUGH, advanced
 from contact.verify.certificate import openings
@@ -50,8 +51,7 @@ def _driven_outward(curve: Equilibria, here: Point, overlaps: Array) -> Array:
 def with_new(table: Array, overlaps: Array) -> Array:
     """The zones with narrow ones in the middle of overlaps."""
     middle, half = overlaps.mean(axis=1), 0.5 * _NEW * np.diff(overlaps, axis=1)[:, 0]
-    new = np.concatenate((table, np.column_stack((middle - half, middle + half))))
-    return np.asarray(new[np.argsort(new[:, 0])])
+    return ascending(np.concatenate((table, np.column_stack((middle - half, middle + half)))))
 
 
 def touched(curve: Equilibria, cell: tuple[float, float], value: float = 0.0) -> Array:
@@ -80,8 +80,7 @@ def touched(curve: Equilibria, cell: tuple[float, float], value: float = 0.0) ->
     tips = []
     for i in low[f[low] - least <= 0.05 * np.ptp(f)]:
         around = np.clip(np.linspace(x[i] - 2 * step, x[i] + 2 * step, 65), *problem.corners)
-        place, depth = maximum(lambda at: -problem.shape(np.asarray(at)), around)
-        tips.append((float(place), -depth))
+        tips.append(minimum(problem.shape, around))
     lowest = min([depth for _, depth in tips] + [float(least)] * bool(level))
     chosen = sorted(place for place, depth in tips if depth - lowest <= together)
     places = [p for k, p in enumerate(chosen) if k == 0 or p - chosen[k - 1] > step]
@@ -133,8 +132,7 @@ def _alike(before: Array, after: Array, period: float | None) -> bool:
 def _held(zones: Array, a: float, b: float, period: float | None) -> Array:
     """Those of the zones, moved by periods, that overlap one (k, 2)."""
     zones = centred_on(zones, 0.5 * (a + b), period)
-    held = zones[(zones[:, 0] < b) & (zones[:, 1] > a)]
-    return np.asarray(held[np.argsort(held[:, 0])])
+    return ascending(zones[(zones[:, 0] < b) & (zones[:, 1] > a)])
 
 
 def _between(
@@ -167,19 +165,15 @@ def condition(curve: Cohesive, here: CohesivePoint, change: Change) -> tuple[flo
     """(place, value) of the least gap where a zone begins, or of the least q where two meet."""
     x = np.linspace(*change.where, _PLACES)
     if change.of_gap:
-        place, value = maximum(lambda at: -curve.gap(here, np.asarray(at)), x)
-    else:
-        assert here.q is not None
-        density = here.q.density
-        place, value = maximum(lambda at: -np.asarray(density(np.asarray(at))), x)
-    return place, -value
+        return minimum(partial(curve.gap, here), x)
+    assert here.q is not None
+    return minimum(here.q.density, x)
 
 
 def with_change(zones: Array, change: Change, place: float) -> Array:
     """The zones just on the other side of a change, from those with which its condition is smooth."""
     if change.of_gap:
-        new = np.concatenate((zones, [[place, place]]))
-        return np.asarray(new[np.argsort(new[:, 0])])
+        return ascending(np.concatenate((zones, [[place, place]])))
     out = []
     for a, b in zones:
         out += [(a, place), (place, b)] if a < place < b else [(a, b)]

@@ -54,12 +54,13 @@ class History:
             return replace(here, value=value) if jump is None else jump
         if here.value == value:
             return Standing(value, here.point)
-        return (yield from (self._beside if law.apart_from_curve(here.point) else self._along)(here.point, value, sense))
+        beside = law.beside_curve(here.point, value)
+        return (yield from self._along(here.point, value, sense) if beside is None else self._noted(beside))
 
-    def _beside(self, here: Point, value: float, sense: float) -> Generator[Jump | Standing, None, Jump | Standing]:
+    def _noted(self, beside: Iterator[Jump | Standing]) -> Generator[Jump | Standing, None, Jump | Standing]:
         """Of an equilibrium that is none of the curve."""
         last: Jump | Standing | None = None
-        for found in self.law.beside_curve(here, value):
+        for found in beside:
             if last is not None:
                 yield last
             last = found
@@ -106,7 +107,7 @@ class History:
             length = step.where(lambda at: at.value - value, step.start.at.value - value, last.value - value, length, _ROUGHLY, False)
             found = self.law.curve.settled(replace(step.at(length), value=value))
         else:
-            length = step.how_far(found)
+            length = step.start.length(found)
         return length, found
 
     def _ended(self, failure: NotConverged, here: Point, value: float, sense: float) -> Jump:
@@ -121,12 +122,11 @@ class History:
 
     def _aside(self, lost: SymmetryLost) -> Jump:
         """From where a symmetry is lost on, one of the two ways: the other one is its mirror image."""
-        law, before = self.law, Standing(lost.at.value, lost.at)
         try:
-            after = law.shrunk(beside(lost.at), lost.at.value)
+            after = self.law.shrunk(beside(lost.at), lost.at.value)
         except NotConverged:
             raise lost from None
-        return Jump(law.kind(before, after, False), float(lost.at.contact.mean()), before, after)
+        return self.law.jump(lost.at, float(lost.at.contact.mean()), after, False)
 
     def _at_corner(self, step: Step, after: Point) -> Jump:
         """An end that has reached a sharp corner, or leaves it, without a jump."""
@@ -137,19 +137,16 @@ class History:
 
     def _let_go(self, step: Step) -> Jump:
         """From where ends let go of sharp corners on."""
-        law, last = self.law, step.end.at
+        last = step.end.at
         assert step.after is not None
-        before, after = Standing(last.value, last), law.shrunk(let_go(step), last.value)
-        return Jump(law.kind(before, after, False), _place(last, step.after), before, after)
+        return self.law.jump(last, _place(last, step.after), self.law.shrunk(let_go(step), last.value), False)
 
     def _turn(self, last: Point, sense: float) -> Jump:
         """From a turning point on."""
-        law, before = self.law, Standing(last.value, last)
+        law, rises = self.law, sense > 0.0
         table = beyond(law.curve, last, sense)
-        moves = np.abs(np.column_stack(np.split(np.concatenate((last.table[:, 0] - table[:, 0], table[:, 1] - last.table[:, 1])), 2)))
-        place = float(last.table.ravel()[int(np.argmax(moves))])
-        after = (law.grown if sense > 0.0 else law.shrunk)(table, last.value)
-        return Jump(law.kind(before, after, sense > 0.0), place, before, after)
+        place = float(last.table.ravel()[int(np.argmax(np.abs(table - last.table)))])
+        return law.jump(last, place, (law.grown if rises else law.shrunk)(table, last.value), rises)
 
 
 def _place(before: Point, after: Point) -> float:

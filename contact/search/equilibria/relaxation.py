@@ -30,16 +30,11 @@ def relaxed(curve: Equilibria, table: Array, value: float) -> Point | None:
     widest = np.diff(here.table, axis=1)[:, 0]
     for _ in range(flow.MOST_STEPS):
         changed = _changed(curve, here, widest)
-        if changed is not None:
-            if len(changed) == 0:
-                return None
-            widest = _carried(here.table, widest, changed)
-            here = curve.at(changed, value, flow.ROUGH)
-            continue
-        here, step = _step(curve, here)
-        width = np.diff(here.table, axis=1)[:, 0]
-        widest = np.maximum(widest, width)
-        if float(np.abs(step / here.widths).max()) <= flow.REST and float(np.abs(here.residual).max()) <= flow.SLIGHT:
+        if changed is None:
+            here, step = _step(curve, here)
+            widest = np.maximum(widest, np.diff(here.table, axis=1)[:, 0])
+            if float(np.abs(step / here.widths).max()) > flow.REST or float(np.abs(here.residual).max()) > flow.SLIGHT:
+                continue
             # Looked for here alone: what overlaps on the way costs as much as many steps to see, and may part again.
             overlaps = curve.within(openings(curve.fields(here, flow.ROUGH)).overlaps)
             if len(overlaps) == 0:
@@ -47,8 +42,10 @@ def relaxed(curve: Equilibria, table: Array, value: float) -> Point | None:
                     return here
                 break
             changed = with_new(here.table, overlaps)
-            widest = _carried(here.table, widest, changed)
-            here = curve.at(changed, value, flow.ROUGH)
+        if len(changed) == 0:
+            return None
+        widest = _carried(here.table, widest, changed)
+        here = curve.at(changed, value, flow.ROUGH)
     raise NotConverged("the ends of zones did not come to rest under a held control")
 
 

@@ -9,13 +9,13 @@ import numpy as np
 
 from contact.errors import NotConverged
 from contact.formulation.equilibria import Closed, NoState, Point
-from contact.formulation.tables import gaps_between, runs_of
+from contact.formulation.tables import ascending, gaps_between, runs_of
 from contact.formulation.tension.cohesive import Cohesive, CohesivePoint
 from contact.formulation.tension.contact import Covered, Lost
 from contact.formulation.tension.intervals import below, interval_of, joined, within
 from contact.search.equilibria import flow, without_range
 from contact.search.grid.tension import GridTension
-from sie import Array, wrapped
+from sie import Array
 
 # Of the part of a gap below the reach, as wide a new interval begins.
 _NEW = 0.5
@@ -80,7 +80,7 @@ def receded(curve: Cohesive, table: Array, value: float, guide: GridTension | No
     """The greatest equilibrium within these intervals, of which all ends are driven inward; None where contact is lost."""
     try:
         start = None if guide is None else guided(curve, guide, table, value, -1.0)
-        return _flowed(curve, _held(curve, table, value) if start is None else start.table, value, -1.0)
+        return _flowed(curve, table if start is None else start.table, value, -1.0)
     except Lost:
         return None
 
@@ -122,20 +122,6 @@ def guided(curve: Cohesive, guide: GridTension, table: Array | None, value: floa
         if driven.min() > 0.0 and driven.max() < 2 * margin and (_parted if sign > 0 else _grown)(curve, here) is None:
             return here
     return None
-
-
-def _held(curve: Cohesive, table: Array, value: float) -> Array:
-    """The intervals, with ends that contact covers taken back to where they come from."""
-    before = curve.nearest(table, value).table if curve.known else table
-    for _ in range(_TRIES):
-        try:
-            curve.at(table, value, flow.ROUGH)
-            break
-        except Covered as covered:
-            if len(before) != len(table):
-                raise
-            table = np.where(covered.ends.reshape(2, -1).T, 0.5 * (table + before), table)
-    return table
 
 
 def _flowed(curve: Cohesive, table: Array, value: float, sign: float) -> CohesivePoint | None:
@@ -185,8 +171,7 @@ def _filled(curve: Cohesive, zones: Array, table: Array) -> Array:
     empty = np.ones(len(table), dtype=bool)
     empty[interval_of(zones, table)] = False
     new = table[empty & (np.diff(table, axis=1)[:, 0] > _WIDE * curve.strip)] + curve.strip * np.array((1.0, -1.0))
-    found = np.concatenate((zones, new))
-    return np.asarray(found[np.argsort(found[:, 0])])
+    return ascending(np.concatenate((zones, new)))
 
 
 def _about_to_rest(curve: Cohesive, here: CohesivePoint) -> bool:
@@ -324,13 +309,12 @@ def _grown(curve: Cohesive, here: CohesivePoint) -> Array | None:
         return closed
     new, joins = [], np.zeros(len(table), dtype=bool)
     for i, (a, b) in enumerate(_outside(curve, table)):
-        inner = within(x, a, b, period)
+        inner, place = within(x, a, b, period)
         reached = gap[inner] < curve.reach
         if len(inner) and reached.all() and np.isfinite(a) and np.isfinite(b):
             joins[i - (period is None)] = True
             continue
         for s, e in runs_of(reached):
-            place = wrapped(x[inner], a, period)
             if place[s] == curve.problem.corners[0] and e < len(inner) - 1:
                 new.append((place[s], place[s] + 0.5 * _NEW * (place[e + 1] - place[s])))
             elif place[e] == curve.problem.corners[1] and s > 0:
@@ -352,23 +336,19 @@ def _parted(curve: Cohesive, here: CohesivePoint) -> Array | None:
     out: list[tuple[float, float]] = []
     changed = False
     for a, b in table:
-        inner = within(x, a, b, period)
+        inner, place = within(x, a, b, period)
         above = gap[inner] > curve.reach
-        if len(inner) and above.all() and not np.any(interval_of(here.zones, table) == len(out)) and not _holds(here, a, b):
+        holds = (here.zones[:, 0] > a) & (here.zones[:, 1] < b)
+        if len(inner) and above.all() and not np.any(interval_of(here.zones, table) == len(out)) and not holds.any():
             changed = True
             continue
         left = a
-        place = wrapped(x[inner], a, period)
         for s, e in runs_of(above):
             if s > 0 and e < len(inner) - 1:
                 out.append((left, place[s - 1]))
                 left, changed = place[e + 1], True
         out.append((left, b))
     return np.array(out).reshape(-1, 2) if changed else None
-
-
-def _holds(here: CohesivePoint, a: float, b: float) -> bool:
-    return bool(np.any((here.zones[:, 0] > a) & (here.zones[:, 1] < b)))
 
 
 def _outside(curve: Cohesive, table: Array) -> list[tuple[float, float]]:

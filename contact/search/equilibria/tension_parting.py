@@ -1,19 +1,17 @@
 """Where contact under a tension comes apart as its control falls: at a turning point, or where the last zone has shrunk to a point."""
 
-from collections.abc import Callable
-
 import numpy as np
 
 from contact.errors import NotConverged
 from contact.formulation.equilibria import Equilibria, NoState, Point
-from contact.formulation.roots import maximum
+from contact.formulation.roots import maximum, minimum
 from contact.formulation.tension.cohesive import Cohesive, CohesivePoint, Loose
 from contact.formulation.tension.contact import Covered, Lost
 from contact.formulation.tension.intervals import within
 from contact.formulation.tension.pulled import Pulled
 from contact.search.equilibria import coming_apart, without_range
 from contact.search.equilibria.tension import FEW, TOO_NARROW, guide_down, guide_of, guided, left_of_all, receded
-from sie import Array, wrapped
+from sie import Array
 
 # Newton's steps of a state without contact.
 _STEPS = 80
@@ -56,8 +54,8 @@ def _highest_within(curve: Cohesive, here: Point) -> float:
     assert isinstance(here, CohesivePoint)
     (x, gap), period, highest = here.look, curve.problem.round, 0.0
     for a, b in here.table:
-        inner = within(x, a, b, period)
-        place, value = wrapped(x[inner], a, period), gap[inner]
+        inner, place = within(x, a, b, period)
+        value = gap[inner]
         nearer = np.flatnonzero(value < curve.reach)
         if len(nearer) < 2:
             continue
@@ -148,12 +146,12 @@ def _open_and_about_to_part(curve: Cohesive, zones: Array, value: float) -> Poin
 def touching(curve: Cohesive, table: Array, at: float) -> Loose:
     """The equilibrium in which the surfaces touch in one point, without pressure, beside one of hardly any contact there."""
     half = 0.02 * float(np.diff(table, axis=1).max())
-    height = 0.0
+    lowest = 0.0
     for _ in range(_STEPS):
         pulled = Pulled.of(curve.problem, curve.stress, table)
-        at, height = maximum(_risen(pulled), np.linspace(at - half, at + half, 65))
+        at, lowest = minimum(pulled.shape, np.linspace(at - half, at + half, 65))
         ends, tension = np.concatenate((table[:, 0], table[:, 1])), pulled.pulling
-        gap = pulled.shape(ends) + height
+        gap = pulled.shape(ends) - lowest
         rates = curve.explicit(pulled, ends, np.zeros(len(ends))) - curve.stress / np.pi * tension.log(at - ends)
         free = (table != np.array(curve.problem.corners)).T.ravel() | (gap > curve.reach)
         step = np.zeros(len(ends))
@@ -164,9 +162,8 @@ def touching(curve: Cohesive, table: Array, at: float) -> Loose:
         if float(np.abs(step).max()) < 1e-14 * float(np.diff(table, axis=1).min()):
             break
     load = -Pulled.of(curve.problem, curve.stress, table).pulling.total
-    value = load if curve.held.load is not None else curve.yields * load - height
-    return Loose.of(table, value, load, height, np.array([[at, at]]))
+    value = load if curve.held.load is not None else curve.yields * load + lowest
+    return Loose.of(table, value, load, -lowest, np.array([[at, at]]))
 
 
-def _risen(pulled: Pulled) -> Callable[[Array], Array]:
-    return lambda x: -pulled.shape(np.asarray(x))
+

@@ -113,23 +113,20 @@ def zones_of(state: GridState, x: ArrayLike, between_points: bool = False) -> Ar
     h, n, E = state.influence.h, state.influence.n, state.influence.E
     if state.full:
         return np.empty((0, 2))
-    runs = runs_of(state.contact, state.influence.is_periodic)
-    x0 = float(points[0])
-    wraps = state.influence.is_periodic
+    wraps, x0 = state.influence.is_periodic, float(points[0])
+    runs = runs_of(state.contact, wraps)
     zones = np.empty((len(runs), 2))
     for k, (first, last) in enumerate(runs):
         cells = np.arange(first, last + 1) % n
         p = state.pressure[cells]
         left, right = x0 + h * first, x0 + h * last
-        if last - first + 1 < NARROW:
+        if len(cells) < NARROW:
             centre, half = _hertz(state, cells, first, E)
-            zones[k] = x0 + h * centre - half, x0 + h * centre + half
+            a, b = x0 + h * centre - half, x0 + h * centre + half
         else:
-            zones[k] = left - h * float(_beyond(p[0], p[1])), right + h * float(_beyond(p[-1], p[-2]))
+            a, b = left - h * float(_beyond(p[0], p[1])), right + h * float(_beyond(p[-1], p[-2]))
         # The first free point on each side is outside: within this fence zones neither overlap nor invert.
-        margin = 0.999 * h
-        zones[k, 0] = max(zones[k, 0], left - margin)
-        zones[k, 1] = min(zones[k, 1], right + margin)
+        zones[k] = max(a, left - 0.999 * h), min(b, right + 0.999 * h)
     if between_points:
         gaps = _gaps_between(points, state)
         zones = without(zones, np.concatenate((gaps, gaps + n * h)) if wraps else gaps)

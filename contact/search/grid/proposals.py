@@ -11,7 +11,7 @@ import numpy as np
 from contact.extras import require
 from contact.formulation.controls import Control, Load
 from contact.formulation.problem import Problem
-from contact.formulation.tables import centred_on, gaps_between
+from contact.formulation.tables import ascending, centred_on, gaps_between
 from contact.model.interactions.periodic import Periodic
 from contact.model.profiles.derive import detail_of
 from contact.search.grid.coarse import Proposal, grid_height, propose
@@ -178,8 +178,7 @@ def placed(problem: Problem, zones: Array) -> Array:
     if problem.profile.symmetric or bounded:
         # About the origin, so that mirror images stand together; of a body between sharp corners there where these are.
         middle = 0.5 * sum(problem.corners) if bounded else 0.0
-        scaled = centred_on(scaled, middle, period)
-        scaled = scaled[np.argsort(scaled[:, 0])]
+        scaled = ascending(centred_on(scaled, middle, period))
     if problem.interaction.strip and len(scaled) and not bounded:
         gaps = np.diff(gaps_between(scaled, period))[:, 0]
         if gaps[-1] < (1 - 1e-6) * gaps.max():

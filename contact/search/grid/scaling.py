@@ -89,12 +89,11 @@ def _frame_of(scene: Scene, profile: Profile, window: Window) -> ScaledScene:
 
 def _window(scene: Scene, profile: Tilted) -> Window:
     """A window that holds the contact at the given tilt."""
-    load, datum, fixed = scene.given_load, scene.operator.datum or 1.0, held_by(profile)
-    find = partial(find_window, response=response_of(scene, datum), start_scale=profile.resolution, limits=profile.extent)
+    load, fixed, find = scene.given_load, held_by(profile), _finder(scene, profile)
     try:
         if load is not None:
             return window_at_load(scene, profile, load)
-        first = fixed or find(profile.height, load=1e-3 * scene.E_star * datum)
+        first = fixed or find(profile.height, load=_light(scene))
         level, deepest = _lowest_unturned(scene), lowest(profile, first)
         value = scene.held(Quantity.APPROACH)
         assert value is not None
@@ -113,10 +112,19 @@ def _lowest_unturned(scene: Scene) -> float:
     profile = scene.profile
     cell = profile.support or profile.extent
     if cell is None and profile.period is None and profile.summits is None:
-        datum = scene.operator.datum or 1.0
-        find = partial(find_window, response=response_of(scene, datum), start_scale=profile.resolution)
-        cell = _about_lowest(profile, find, 1e-3 * scene.E_star * datum, _dip(profile))
+        cell = _about_lowest(profile, _finder(scene, profile), _light(scene), _dip(profile))
     return lowest(profile, cell)
+
+
+def _finder(scene: Scene, profile: Profile) -> Callable[..., Window]:
+    """`find_window` of a body alone."""
+    response = response_of(scene, scene.operator.datum or 1.0)
+    return partial(find_window, response=response, start_scale=profile.resolution, limits=profile.extent)
+
+
+def _light(scene: Scene) -> float:
+    """A load that is light over the datum."""
+    return 1e-3 * scene.E_star * (scene.operator.datum or 1.0)
 
 
 def _about_lowest(profile: Profile, find: Callable[..., Window], load: float, start: Window | None) -> Window:
@@ -146,15 +154,14 @@ def _isolated_origin(scene: Scene, single: bool) -> tuple[float, float, Window]:
         rough = Problem(profile, scene.interaction, scene.substrate, scene.law, plain, float(profile.height(0.0)))
         a = guess_half_width(rough, scaled_control(scene, rough.units))
         return 0.0, a, (-2 * a, 2 * a)
-    datum = scene.operator.datum
-    find = partial(find_window, response=response_of(scene, datum or 1.0), start_scale=profile.resolution, limits=profile.extent)
+    find = _finder(scene, profile)
     if load is not None:
         window = _about_lowest(profile, find, load, _dip(profile))
     else:
         # The lowest point is in contact at any load: a window of any contact holds it.
         dip, value = _dip(profile), scene.held(Quantity.APPROACH)
         assert value is not None
-        light = 1e-3 * scene.E_star * (datum or 1.0) if dip is None else value * scene.E_star * _LIGHT
+        light = _light(scene) if dip is None else value * scene.E_star * _LIGHT
         first = _about_lowest(profile, find, light, dip)
         window = find(profile.height, level=lowest(profile, first) + value, start=first, light=light)
     origin = 0.0 if profile.symmetric else _middle_or_tip(profile, window)

@@ -82,11 +82,12 @@ def tilt_search(scene: Scene, guess: float) -> AtTilt:
         search = _Tilting(scene, load, known or (-reach, reach), known is not None, first)
         best = balanced(search, centre, tilts, _FEW_TILTS)
         missed = abs(best.centre - centre) > best.fineness
-        if missed and known is None and best.window != search.limits and not _holds(_hull(search.windows.values()), centre):
+        lo, hi = _hull(search.windows.values() or [search.limits])
+        if missed and known is None and best.window != search.limits and not lo <= centre <= hi:
             break  # the centre of a load lies between places of contact, and none came near it
         if missed and len(search.windows) > 1:
             # A window about one asperity hid another: look at all places of contact at once, however far apart.
-            search = replace(search, whole=_hull(search.windows.values()))
+            search = replace(search, whole=(lo, hi))
             best = balanced(search, centre, (best.tilt, resting), _MOST_TILTS)
         if known is not None or best.window != search.limits:
             return best
@@ -127,10 +128,6 @@ class _Tilting:
         above = [t for t in self.windows if t >= tilt]
         near = [self.windows[t] for t in (max(below, default=None), min(above, default=None)) if t is not None]
         return _hull(near) if near else self.first
-
-
-def _holds(window: Window, place: float) -> bool:
-    return window[0] <= place <= window[1]
 
 
 def _hull(windows: Iterable[Window]) -> Window:

@@ -49,11 +49,7 @@ class ByGaps:
         return sie.Zones.of(table)
 
     def moved(self, control: Control, zones: sie.Zones, how: Newton) -> sie.Free:
-        steps = how.steps or self.most_steps
-        return sie.find_ends(
-            self.equation(control), zones, how.tolerance, steps, value=how.value, signs=(1.0, -1.0), near=how.near, off=how.off,
-            few=how.few, patient=how.patient, drops=how.drops,
-        )
+        return how.ends(self.equation(control), zones, self.most_steps, signs=(1.0, -1.0))
 
     def formal(self, load: float, table: Array, tolerance: float, decay: float | None = None) -> GapFields:
         """Fields with this number of gaps at a load, whatever the signs. decay: see `sie.find_ends`."""

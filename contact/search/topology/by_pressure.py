@@ -52,11 +52,9 @@ class ByPressure:
         return parted_at_wide(table, problem.period)
 
     def moved(self, control: Control, zones: sie.Zones, how: Newton) -> sie.Free:
-        equation, problem = self.problem.equation(control), self.problem
-        steps = how.steps or self.most_steps
-        return sie.find_ends(
-            equation, zones, how.tolerance, steps, value=how.value, limits=problem.corners, near=how.near, decay=how.decay, off=how.off,
-            like=how.like, limited=problem.end, few=how.few, patient=how.patient, drops=how.drops,
+        problem = self.problem
+        return how.ends(
+            problem.equation(control), zones, self.most_steps, limits=problem.corners, limited=problem.end, decay=how.decay, like=how.like
         )
 
     def formal(self, load: float, table: Array, tolerance: float, decay: float | None = None) -> ZoneFields:
@@ -85,8 +83,7 @@ class ByPressure:
         if control.load is not None:
             return ZoneFields(problem, free.state)
         total = free.density.total if free.value is None else free.value
-        left = [problem.end if end == problem.held_end else end for end in zones.left]
-        right = [problem.end if end == problem.held_end else end for end in zones.right]
+        left, right = ([problem.end if end == problem.held_end else end for end in side] for side in (zones.left, zones.right))
         ends = replace(zones, left=left, right=right)
         # On about the same zones: with their modes, and by iteration from their solution.
         sizes = replace(free.state.sizes, value=0.0)

@@ -17,9 +17,9 @@ import sie
 from contact.formulation.fields import ZoneFields
 from contact.formulation.gaps import GapFields
 from contact.formulation.problem import Problem
-from contact.formulation.tables import gaps_between
+from contact.formulation.tables import gaps_between, united
 from contact.model.controls import Quantity
-from contact.search.topology.intervals import merged, united
+from contact.search.topology.intervals import merged
 from contact.solution.solution import Solution
 from sie import Array, Index, Mask, record
 
@@ -209,7 +209,7 @@ def _kept(left: Array, right: Array, lost: Mask, closed: Mask, period: float | N
     if lost.all() or (period is not None and closed.all() and not lost.any()):
         return np.zeros((0, 2))
     zones = merged(np.column_stack((left, right))[~lost], np.flatnonzero(closed[~lost]), period)
-    return united(zones, None, False, "zone")
+    return united(zones)
 
 
 def _with_new(zones: Array, last: Passed, away: float) -> Array:
@@ -227,4 +227,4 @@ def _with_new(zones: Array, last: Passed, away: float) -> Array:
     room = _CLEAR * np.minimum(place - low, high - place)
     new = np.flatnonzero((depth > 0.0) & (bend > 0.0) & (room > 0.0))
     half = np.minimum(half, room)[new]
-    return united(np.concatenate((zones, np.column_stack((place[new] - half, place[new] + half)))), None, False, "zone")
+    return united(np.concatenate((zones, np.column_stack((place[new] - half, place[new] + half)))))

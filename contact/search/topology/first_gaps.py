@@ -51,7 +51,10 @@ class FirstGaps:
             apart = np.abs((seen.mean(axis=1)[:, None] - valleys.mean(axis=1) + half) % self.period - half)
             unseen = (apart < 2 * self.step).any(axis=1) & (seen[:, 1] - seen[:, 0] < 2 * _UNSEEN * self.step)
             return united(np.concatenate((self._placed(seen[~unseen], mean), valleys)), self.period, True, "gap")
-        return united(valleys, self.period, True, "gap") if len(valleys) else self._last(mean)
+        if len(valleys):
+            return united(valleys, self.period, True, "gap")
+        # The gap about the highest R, narrower than the samples.
+        return self._about(*maximum(self.relief, np.append(self.x, self.x[0] + self.period)), mean)
 
     def mean_of(self, width: float) -> float:
         """The mean pressure whose first guess leaves about this width in contact, by bisection."""
@@ -70,10 +73,6 @@ class FirstGaps:
         except WrongTopology:
             return self.period
         return float(np.sum(table[:, 1] - table[:, 0]))
-
-    def _last(self, mean: float) -> Array:
-        """The gap about the highest R, narrower than the samples."""
-        return self._about(*maximum(self.relief, np.append(self.x, self.x[0] + self.period)), mean)
 
     def _about(self, place: float, highest: float, mean: float) -> Array:
         """The gap about a top of R that is a parabola between the samples: (1, 2), or none."""

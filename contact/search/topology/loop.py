@@ -51,16 +51,13 @@ _BESIDE = 2
 
 class Formulation(Protocol[Kind]):
     """What is unknown, and on which intervals: the pressure on zones (contact.search.topology.by_pressure), or the slope of the gap on gaps
-    (contact.search.topology.by_gaps). what: "zone" or "gap"; most_steps: of Newton's in a round."""
+    (contact.search.topology.by_gaps). what: "zone" or "gap"."""
 
     @property
     def problem(self) -> Problem: ...
 
     @property
     def what(self) -> str: ...
-
-    @property
-    def most_steps(self) -> int: ...
 
     def intervals(self, control: Control, table: Array) -> sie.Zones:
         """The proposed intervals with the kinds of their ends; WrongTopology where they cannot be those of a contact."""
@@ -106,6 +103,13 @@ class Newton:
     patient: int = 0
     drops: bool = False
     decay: float | None = None
+
+    def ends(self, equation: sie.Equation, zones: sie.Zones, most_steps: int, **own: Any) -> sie.Free:
+        """Those of the intervals of an equation. own: what else a formulation tells `sie.find_ends`."""
+        return sie.find_ends(
+            equation, zones, self.tolerance, self.steps or most_steps, value=self.value, near=self.near, off=self.off, few=self.few,
+            patient=self.patient, drops=self.drops, **own,
+        )
 
 
 def refine_topology(
