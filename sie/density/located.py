@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from sie.basis.data import Array, Complex, Index, Kept, Mask, nearest_image, wrapped
-from sie.basis.interval import What, by_angle
+from sie.basis.interval import What, by_angle, edge_scale
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
 
@@ -22,6 +22,8 @@ class Located(Kept):
         def zones(self) -> Zones: ...
         @property
         def kernel(self) -> Kernel: ...
+        @property
+        def edge_slopes(self) -> tuple[Array, Array]: ...
         @property
         def plane(self) -> Callable[[Complex, What], Complex]:
             """The density at complex points."""
@@ -47,6 +49,13 @@ class Located(Kept):
     def by_angle(self, zone: ArrayLike, angle: Array) -> tuple[Array, Array]:
         """(density, its derivative by the angle) at angles of zones, t = cos(angle), by close differences."""
         return by_angle(lambda left, right: self.at(zone, left, right), angle)
+
+    def following(self, zone: Any, angle: Array) -> tuple[Array, Array, Array]:
+        """Sizes of the density at angles of zones, and of what motions of their left, of their right ends change it by there: see
+        `Density.sensitivity`."""
+        (value, slope), half = self.by_angle(zone, angle), np.tan(0.5 * angle)
+        at_left, at_right = (one[zone] * edge_scale(self.zones.half[zone]) for one in self.edge_slopes)
+        return np.abs(value), np.abs((slope + at_left) * half), np.abs((slope - at_right) / half)
 
     def locate(self, x: ArrayLike) -> tuple[Array, Index, Mask]:
         """(x moved by periods to lie right of the first zone's left end, index of the last zone that starts before it,

@@ -1,6 +1,6 @@
 """A density zone by zone: its coefficients and jumps, what they make of it on its zones, and what sums over zones read of it."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -21,8 +21,6 @@ _BESIDE = 0.01
 _MOST_PLACES = 2**14
 # Most angles of a zone at which it is looked how the density follows the ends, and kinks beside which it is.
 LOOKS, _KINKS = 256, 32
-# Of all that the coefficients of a zone's density bend it by, what the last ones may be left out with.
-_TOLD = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,37 +103,19 @@ class Series(Located):
 
             eps (1 + t) phi'(t) + K's part = -eps cot(theta/2) (phi_theta(theta) - phi_theta(0)).
         """
-        peak, by_left, by_right = np.zeros((3, len(self.zones)))
-        alpha, beta, u = self.bounded
-        counts = np.minimum(self.sampling, LOOKS)
-        edge_left, edge_right = self.jumps.edge_slopes(self.zones)
+        none, out = np.zeros(len(self.zones)), np.zeros((3, len(self.zones)))
+        bounded, counts = replace(self, edges=(none, none)), np.minimum(self.sampling, LOOKS)
         for n in np.unique(counts):
-            group = np.flatnonzero(counts == n)
-            theta = (np.arange(n) + 0.5) * np.pi / n
-            bends = np.abs(u[group]).max(axis=0) * np.arange(1, u.shape[1] + 1)
-            left = np.cumsum(bends[::-1])[::-1]
-            k = np.arange(1, 1 + np.count_nonzero(left > _TOLD * left[:1]))
-            angle, sums = theta[:, None] * k, u[group][:, : len(k)].T
-            value, slope = np.sin(angle) @ sums, np.cos(angle) @ (k[:, None] * sums)
-            at_left = -(k * (1.0 - 2.0 * (k % 2))) @ sums + edge_left[group]
-            at_right = k @ sums + edge_right[group]
-            half = np.tan(0.5 * theta)[:, None]
-            peak[group] = np.abs(value).max(axis=0)
-            by_right[group] = np.abs((slope - at_right) / half).max(axis=0)
-            by_left[group] = np.abs((slope + at_left) * half).max(axis=0)
-            for column, i in enumerate(group.tolist()):
-                if i not in self.jumps.by_zone:
-                    continue
-                peak[i] = np.abs(value[:, column] + self.jumps.density(i, 1 + np.cos(theta), 1 - np.cos(theta))).max()
-                beside = beside_kinks(*self.jumps.sharpest(i), theta)
-                left, right = 2 * np.cos(0.5 * beside) ** 2, 2 * np.sin(0.5 * beside) ** 2
-                bent = np.cos(beside[:, None] * k) @ (k * sums[:, column]) + self.jumps.angular_slope(i, left, right)
-                tangent = np.tan(0.5 * beside)
-                by_right[i] = np.abs((bent - at_right[column]) / tangent).max(initial=0.0)
-                by_left[i] = np.abs((bent + at_left[column]) * tangent).max(initial=0.0)
+            group, theta = np.flatnonzero(counts == n), (np.arange(n) + 0.5) * np.pi / n
+            out[:, group] = [each.max(axis=1) for each in bounded.following(group[:, None], theta[None])]
+            for i in group.tolist() if len(self.jumps) else ():
+                if i in self.jumps.by_zone:
+                    beside = beside_kinks(*self.jumps.sharpest(i), theta)
+                    out[1:, i] = [each.max(initial=0.0) for each in bounded.following(i, beside)[1:]]
         # A zone held at one end spreads its load over another width as the other end moves.
-        edge = (np.abs(alpha) + np.abs(beta)) / np.sqrt(_BESIDE * (2 - _BESIDE))
-        return peak, by_left + edge, by_right + edge
+        alpha, beta = self.singular
+        out[1:] += (np.abs(alpha) + np.abs(beta)) / np.sqrt(_BESIDE * (2 - _BESIDE))
+        return out[0], out[1], out[2]
 
     # evaluation -----------------------------------------------------------------------------------------------------
     def at(self, zone: ArrayLike, left: ArrayLike, right: ArrayLike) -> Array:

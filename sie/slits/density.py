@@ -238,14 +238,10 @@ class SlitDensity(Located):
     @cached_property
     def sensitivity(self) -> tuple[Array, Array, Array]:
         """See `Density.sensitivity`, of the pieces; the slope by differences, since a piece has no series of its own."""
-        zones = self.zones
-        at_left, at_right = (slope * edge_scale(zones.half) for slope in self.edge_slopes)
         angles = [self._looked_at(piece, count) for piece, count in enumerate(self._counts.tolist())]
-        piece, first = np.repeat(np.arange(len(zones)), [len(one) for one in angles]), np.cumsum([0, *map(len, angles[:-1])])
-        theta = np.concatenate(angles)
-        (value, slope), half = self.by_angle(piece, theta), np.tan(0.5 * theta)
-        by_right, by_left = np.abs((slope - at_right[piece]) / half), np.abs((slope + at_left[piece]) * half)
-        return tuple(np.maximum.reduceat(each, first) for each in (np.abs(value), by_left, by_right))  # type: ignore[return-value]
+        piece, first = np.repeat(np.arange(len(angles)), [len(one) for one in angles]), np.cumsum([0, *map(len, angles[:-1])])
+        parts = self.following(piece, np.concatenate(angles))
+        return tuple(np.maximum.reduceat(each, first) for each in parts)  # type: ignore[return-value]
 
     @cached_property
     def _counts(self) -> Index:
