@@ -461,7 +461,7 @@ def _solve_iterated(
     sizes.kernel_evaluations += solver.iterations * system.sums.size
     solver.tolerance = 0.0
     state = _state(system, solver, folded, solver.equations, np.ones(solver.size - solver.equations), samples, sizes)
-    sizes.carried = Carried.of(coarse, system, state.unknowns)
+    sizes.carried = Carried.of(coarse, system, state.unknowns, {})
     return state
 
 

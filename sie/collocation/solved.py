@@ -77,17 +77,17 @@ class Carried:
     amplitudes: Array
 
     @classmethod
-    def of(cls, coarse: CoarseOperator | None, system: System, y: Array, slits: tuple[tuple[int, Array], ...] = ()) -> Carried:
-        """slits: zones that have some, and what these add to their coefficients."""
+    def of(cls, coarse: CoarseOperator | None, system: System, y: Array, slits: dict[int, Array]) -> Carried:
+        """slits: what those of zones that have some add to their coefficients."""
         coupled, zones = system.layout, system.zones
         m = coupled.m.copy()
-        for zone, s in slits:
+        for zone, s in slits.items():
             m[zone] = max(m[zone], len(s) - 1)
         layout, totals = Layout(m, 0), zones.half * (y[coupled.offset] + system.known[:, 0])
         at = np.repeat(layout.offset - coupled.offset, coupled.m + 1) + np.arange(coupled.coefficients)
         field = np.zeros(layout.size)
         field[at] = (coupled.flat(system.lowest) + y)[: coupled.coefficients]
-        for zone, s in slits:
+        for zone, s in slits.items():
             first = int(layout.offset[zone])
             field[first + coupled.m[zone] + 1 : first + len(s)] = s[coupled.m[zone] + 1 :]
         return cls(coarse, zones.middle, zones.half, totals, field, layout, y[coupled.coefficients :])

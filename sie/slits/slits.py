@@ -187,34 +187,23 @@ class Slits(Kept):
         if self.zone not in jumps.by_zone:
             return np.zeros(self.offset[-1])
         # Those of other zones have no part in it.
-        keep = np.setdiff1d(np.flatnonzero(jumps.zone == self.zone), self._inside, assume_unique=True)
-        rest = jumps.chosen(keep)
-        out = self._of_kinks()
-        if self.zone not in rest.by_zone:
-            return out
+        rest = jumps.chosen(np.setdiff1d(np.flatnonzero(jumps.zone == self.zone), self._inside, assume_unique=True))
 
         def values(slit: Slit, left: Array, right: Array) -> Array:
             from_left, from_right = slit.start + slit.half * left, slit.rest + slit.half * right
             density = rest.density(self.zone, from_left, from_right)
             if len(self._knots):
                 density -= self._knots.density(self.zone, from_left, from_right)
-            return (slit.root(left, right) * density)[:, None]
+            out = slit.root(left, right) * density
+            for _, kink in self.kinks:
+                z = 0.5 * (left - right) if slit.start == kink.start else (from_left - kink.start) / kink.half - 1
+                out += kink.in_slit(from_left, from_right, z)
+            return out[:, None]
 
-        return out + self._rows(values)[:, 0]
-
-    def _of_kinks(self) -> Array:
-        """Right sides of the slits' rows by the jumps in them, and what their psi leaves to the integrals of s."""
-        out = np.zeros(self.offset[-1])
+        out = self._rows(values)[:, 0]
         for i, kink in self.kinks:
+            # What its psi leaves to the integral of s.
             out[self.offset[i]] -= kink.total
-
-            def values(slit: Slit, left: Array, right: Array, kink: SlitKink = kink) -> Array:
-                from_left, from_right = slit.start + slit.half * left, slit.rest + slit.half * right
-                own = slit.start == kink.start
-                z = 0.5 * (left - right) if own else (from_left - kink.start) / kink.half - 1
-                return kink.in_slit(from_left, from_right, z)[:, None]
-
-            out += self._rows(values)[:, 0]
         return out
 
     def _rows(self, values) -> Array:  # type: ignore[no-untyped-def]
