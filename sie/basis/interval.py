@@ -50,11 +50,6 @@ def nearer_angle(left: Array, right: Array) -> Array:
     return theta(np.maximum(left, right), np.minimum(left, right))
 
 
-def root_on(left: Array, right: Array) -> Array:
-    """X = sqrt(1 - t^2), on the interval."""
-    return np.sqrt(left * right)
-
-
 def fall(excess: Any) -> Array:
     """-log|rho| at |zeta| = 1 + excess: by so much does rho^l fall from each l to the next."""
     return np.asarray(2 * np.arcsinh(np.sqrt(0.5 * excess)))
@@ -65,17 +60,14 @@ class Seen:
 
     rho: Array
     root: Array
-
-    @property
-    def _away(self) -> Array:
-        """|zeta| - 1."""
-        raise NotImplementedError
+    excess: Array
+    """|zeta| - 1."""
 
     @property
     def from_ends(self) -> tuple[Array, Array]:
         """(1 + rho, 1 - rho)."""
         past, size = self.rho > 0, np.abs(self.rho)
-        small, large = (self._away + np.abs(self.root)) * size, 1 + size
+        small, large = (self.excess + np.abs(self.root)) * size, 1 + size
         return np.where(past, large, small), np.where(past, small, large)
 
     def first(self, width: Number) -> Array:
@@ -130,10 +122,6 @@ class Outside(Seen):
     def rho(self) -> Array:  # type: ignore[override]
         return np.asarray(self.sign / (1 + self.excess + self._size))
 
-    @property
-    def _away(self) -> Array:
-        return self.excess
-
     @cached_property
     def log(self) -> Array:
         """-log|rho|."""
@@ -164,7 +152,7 @@ class OnLine(Seen):
         return cls(left, right, sign * size, rho, on, any_on)
 
     @property
-    def _away(self) -> Array:
+    def excess(self) -> Array:  # type: ignore[override]
         return np.maximum(-self.left, -self.right)
 
     @property
@@ -289,7 +277,7 @@ def transform_slope_of(alpha: Array, beta: Array, u: Array, seen: InPlane, row: 
 def values_on(alpha: Array, beta: Array, u: Array, row: Index, left: Array, right: Array, vanishing: Mask) -> Array:
     """(alpha + beta t) / X + X sum u_k U_k; vanishing: whether it is zero at the left, at the right end of each, whatever rounding has
     left of alpha and beta."""
-    root = root_on(left, right)
+    root = np.sqrt(left * right)
     with np.errstate(divide="ignore", invalid="ignore"):
         a, b = alpha[row], beta[row]
         edge = _edge(a, b, left, right) / root

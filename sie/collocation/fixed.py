@@ -302,8 +302,9 @@ def residual_error(residuals: Array, size: float, coupled: Index, rounding: Arra
     return float((beyond + high + 5e-16 * coupled).max())
 
 
-def first_sizes(equation: Equation, zones: Zones) -> Sizes:
-    """Modes to begin with: a few to resolve columns and regular kernels, else as many as the distances ask for."""
+def first_sizes(equation: Equation, zones: Zones, tolerance: float = 0.0) -> Sizes:
+    """Modes to begin with: a few to resolve columns and regular kernels, else as many as the distances ask for; and the tolerance, where
+    nothing but that is asked for, which an iteration need not go far below."""
     least: int | Index
     panels = panels_over(equation.kernel, zones)
     if panels is not None and all(column.modes is not None for column in equation.columns):
@@ -312,12 +313,8 @@ def first_sizes(equation: Equation, zones: Zones) -> Sizes:
         least = modes.least(zones, equation.kernel)
     else:
         least = max((column.modes or 0 for column in equation.columns), default=0)
-    return Sizes(modes.own_at_first(zones, equation.forcing.singular_at, equation.kernel.period), least)
-
-
-def sizes_for(equation: Equation, zones: Zones, tolerance: float) -> Sizes:
-    """The same where nothing but a tolerance is asked for, which an iteration need not go far below."""
-    return replace(first_sizes(equation, zones), linear=_OF_ITERATION * tolerance)
+    own = modes.own_at_first(zones, equation.forcing.singular_at, equation.kernel.period)
+    return Sizes(own, least, linear=_OF_ITERATION * tolerance)
 
 
 def sizes_of(sizes: Sizes, equation: Equation, zones: Zones) -> Sizes:
@@ -376,7 +373,7 @@ def solve_fixed(
     """
     equation.check_count(zones)
     if sizes is None:
-        sizes = sizes_for(equation, zones, tolerance)
+        sizes = first_sizes(equation, zones, tolerance)
     if sizes.solves == 0:
         look_at(equation, zones)
     kernel = equation.kernel

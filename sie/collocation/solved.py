@@ -224,7 +224,7 @@ class Solved(Answered):
     @property
     def levels(self) -> Array:
         """Level of each solved zone: mean of potential minus the primitive of the right side."""
-        return self.system.level_values(self.unknowns)
+        return self.system.level_changes(self.unknowns) + self.system.level_constants
 
     def level_rates(self, values: Array) -> Array:
         """Change of the levels by unit changes of the side conditions' values."""

@@ -23,7 +23,7 @@ from sie.basis.kernels import Kernel, regular_size
 from sie.basis.zones import Zones
 from sie.collocation.spline_moments import coefficients as coefficients_between
 from sie.collocation.spline_moments import many_jumps
-from sie.density.moments import moments_of
+from sie.density.series import moments_of
 from sie.equation.conditions import Linear, Rows, asked, multiplicity, speaks_of_levels
 from sie.equation.equation import Equation
 from sie.fast.panels import TERMS, Panels, Spread, panels_over
@@ -392,10 +392,6 @@ class System:
     def wants_levels(self) -> bool:
         """Whether a condition speaks of levels."""
         return any(speaks_of_levels(c, self.zones) for c in self.equation.conditions)
-
-    def level_values(self, y: Array) -> Array:
-        """Levels of the zones for unknowns y."""
-        return self.level_changes(y) + self.level_constants
 
     @property
     def level_constants(self) -> Array:

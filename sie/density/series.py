@@ -8,11 +8,10 @@ from numpy.typing import ArrayLike
 
 from sie.basis import chebyshev, interval
 from sie.basis.data import Array, Index, widened
-from sie.basis.kernels import Kernel
+from sie.basis.kernels import Kernel, regular_size
 from sie.basis.zones import Zones
 from sie.density.located import Located, real_of
-from sie.density.moments import moments_of, quadrature
-from sie.fast.panels import Panels, panels_over
+from sie.fast.panels import Panels, Spread, panels_over
 from sie.jumps.forcing import ForcingJumps
 
 # Distance from a singular end, over the half width, within which errors of the density are not asked for.
@@ -195,3 +194,27 @@ def beside_kinks(left: Array, height: Array, theta: Array) -> Array:
     place = np.searchsorted(s, t)
     distance = np.minimum(np.abs(t - s[np.maximum(place - 1, 0)]), np.abs(t - s[np.minimum(place, len(s) - 1)]))
     return np.asarray(np.arccos(t[(distance > 0.999 * away) & (np.abs(t) < 1)]))
+
+
+def moments_of(panels: Panels, zones: Zones, kernel: Kernel, table: Array, jumps: ForcingJumps) -> Array:
+    """Moments of the panels of a density, see `quadrature`."""
+    nodes, weights = (np.concatenate(parts) for parts in zip(*quadrature(zones, kernel, table, jumps), strict=True))
+    return panels.moments(Spread.of(panels, nodes), weights)
+
+
+def quadrature(zones: Zones, kernel: Kernel, table: Array, jumps: ForcingJumps) -> list[tuple[Array, Array]]:
+    """(nodes, weights times density) for the regular part, of T coefficients (zones, n + 1) and jumps; zones of equal size together."""
+    m, panels = table.shape[1] - 1, panels_over(kernel, zones)
+    sizes = np.array([regular_size(kernel, w, m) for w in zones.half]) if panels is None else panels.modes(zones.half) + 2
+    found = []
+    for q in np.unique(sizes):
+        group = np.flatnonzero(sizes == q)
+        count = min(int(q), m + 1)
+        xi = zones.middle[group][:, None] + zones.half[group][:, None] * chebyshev.gauss(int(q))
+        c = table[group, :count]
+        if len(jumps):
+            count = int(q)
+            c = widened(c, count) + jumps.t_coefficients(zones, count)[group]
+        weights = chebyshev.t_values(c, int(q)) * (zones.half[group] / q)[:, None]
+        found.append((xi.ravel(), weights.ravel()))
+    return found

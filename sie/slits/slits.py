@@ -20,7 +20,7 @@ import numpy as np
 
 from sie.basis import chebyshev
 from sie.basis.data import Array, Index, Kept, Mask, record
-from sie.basis.interval import Outside, fall, root_on, theta, transform_of
+from sie.basis.interval import Outside, fall, theta, transform_of
 from sie.collocation.factored import Factored
 from sie.jumps.forcing import ForcingJumps
 from sie.jumps.formulas import HIGHEST
@@ -52,7 +52,7 @@ class Slit(Kept):
 
     def root(self, left: Array, right: Array) -> Array:
         """X = sqrt(1 - t^2) there."""
-        return root_on(self.start + self.half * left, self.rest + self.half * right)
+        return np.sqrt((self.start + self.half * left) * (self.rest + self.half * right))
 
     @cached_property
     def nodes(self) -> int:

@@ -391,7 +391,7 @@ def solve_zones(equation: Equation, zones: Zones, tolerance: float = 1e-14, size
     [0.5, 0.5]
     """
     equation.check_count(zones)
-    sizes = fixed.sizes_for(equation, zones, tolerance) if sizes is None else sizes
+    sizes = fixed.first_sizes(equation, zones, tolerance) if sizes is None else sizes
     found = merge(equation, zones, sizes.joined)
     if found is None:
         return fixed.solve_fixed(equation, zones, tolerance, sizes)
