@@ -21,7 +21,7 @@ from sie.collocation.fixed import SingularSystem, State, first_sizes, sizes_afte
 from sie.collocation.iterative import Iterative
 from sie.collocation.solved import Sizes
 from sie.equation.equation import Equation
-from sie.free_ends.motions import STEP, DirectMotions, IteratedMotions, motions_of, spread
+from sie.free_ends.motions import STEP, DirectMotions, IteratedMotions, motions_of
 from sie.free_ends.near_steps import bent_steps, corner_distances, gap_steps, tips_between
 from sie.free_ends.progress import Motion, Progress, Rest, Step, Turn
 from sie.free_ends.single import far_off, moved_singly
@@ -517,10 +517,9 @@ def _full_newton(
     The rates are those of `end_rates`; of a mirrored pair of ends, the right one stands for both.
     """
     motions = motions_of(state)
-    at_ends, change = (motions.side, motions.zone), 0.0
-    delta, noise = spread(state, motions.ends, motions.meeting(-residual[at_ends])), motions.local(noise_k)
+    delta, noise, change = motions.spread(motions.meeting(-motions.of(residual))), motions.local(noise_k), 0.0
     if unit is not None:
-        slope = spread(state, motions.ends, motions.meeting(-np.array(unit.intensities)[at_ends]))
+        slope = motions.spread(motions.meeting(-motions.of(np.array(unit.intensities))))
         delta, change = _bordered(equation, state.density.zones, delta, slope)
     return delta, noise, change, math.nan if state.iterated else _growth(motions, signs, unit)
 
@@ -529,7 +528,6 @@ def _growth(motions: DirectMotions | IteratedMotions, signs: Array, unit: AnyDen
     """How a push of the ends grows; with a condition on the ends, which the unknown value keeps: of motions along it."""
     if unit is None:
         return motions.growth(signs[:, 0])
-    at_ends, state = (motions.side, motions.zone), motions.state
-    _, by_left, by_right = state.equation.end_conditions[0].residual(state.density.zones)
-    by_value = signs[at_ends[0], 0] * np.array(unit.intensities)[at_ends]
-    return motions.growth(signs[:, 0], np.array([by_left, by_right])[at_ends], by_value)
+    _, by_left, by_right = motions.state.equation.end_conditions[0].residual(motions.zones)
+    by_value = motions.of(signs * np.array(unit.intensities))
+    return motions.growth(signs[:, 0], motions.of(np.array([by_left, by_right])), by_value)
