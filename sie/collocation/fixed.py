@@ -118,11 +118,6 @@ class State(Solved):
         return intensity_rounding(self)
 
     @cached_property
-    def coefficient_noise(self) -> Array:
-        """Rounding of what each zone's coefficients add up to."""
-        return np.asarray(self.intensity_noise.max(axis=0) / edge_scale(self.density.zones.half))
-
-    @cached_property
     def size(self) -> float:
         """The largest coefficient of all zones."""
         return float(self.zone_sizes.max())
@@ -182,7 +177,8 @@ class State(Solved):
         """The same, but not more than ten times the residual, which would show them: a series may fall faster towards its end."""
         missing = self.left_out.copy()
         solved = self.density.zones.solved
-        missing[solved] = np.minimum(missing[solved], 10 * np.maximum(self._residual, self._beside_ends))
+        beside = beside_ends(self.kept[solved], lambda places, theta: self._residuals_at(solved[places], theta))
+        missing[solved] = np.minimum(missing[solved], 10 * np.maximum(self._residual, beside))
         if self.density.zones.symmetric:
             missing[: len(missing) // 2] = missing[::-1][: len(missing) // 2]
         return missing
@@ -250,12 +246,6 @@ class State(Solved):
     def _residuals(self) -> Array:
         """Residual of the equation times sqrt(1 - t^2) at a few points of every solved zone, no nodes."""
         return self._residuals_at(self.density.zones.solved, np.broadcast_to(THETA, (len(self.density.zones.solved), LOOKS)))
-
-    @cached_property
-    def _beside_ends(self) -> Array:
-        """See `beside_ends`, of the solved zones."""
-        solved = self.density.zones.solved
-        return beside_ends(self.kept[solved], lambda places, theta: self._residuals_at(solved[places], theta))
 
     def _residuals_at(self, solved: Index, theta: Array) -> Array:
         """Residual of the equation times sqrt(1 - t^2) on zones (n,) at angles (n, points)."""

@@ -19,7 +19,7 @@ from sie.collocation import modes
 from sie.collocation.modes import felt
 from sie.collocation.system import System, condition_rows
 from sie.collocation.zone_sums import ZoneSums
-from sie.equation.conditions import ByZone, Linear, by_zone, speaks_of_levels
+from sie.equation.conditions import ByZone, Linear, Rows, by_zone, speaks_of_levels
 from sie.equation.equation import Equation
 from sie.fast.far import reaches
 from sie.fast.hierarchical import Inverse
@@ -147,14 +147,16 @@ class IterativeSystem(System):
 
     @cached_property
     def level_constants(self) -> Array:  # type: ignore[override]
-        known = self._with_own(self.layout.flat(self.known), self.known_field[2])
-        return self.known_field[1] + known - self._forcing_means()
+        return self.known_field[1] + self._known_rest - self._forcing_means()
 
     @cached_property
     def step_constants(self) -> Array:
         """Differences of `level_constants` between neighbours, with the digits that the values have lost."""
-        known = self._with_own(self.layout.flat(self.known), self.known_field[2])
-        return np.diff(self.known_field[1]) + np.diff(known) - self._forcing_differences()
+        return np.diff(self.known_field[1]) + np.diff(self._known_rest) - self._forcing_differences()
+
+    @property
+    def _known_rest(self) -> Array:
+        return self._with_own(self.layout.flat(self.known), self.known_field[2])
 
     @property
     def integrated(self) -> bool:
@@ -237,7 +239,7 @@ class IterativeSystem(System):
 
 
 @record
-class Applied:
+class Applied(Rows):
     """What conditions may ask for (`conditions.Rows`), with rows already applied to one set of unknowns: one column. edges: K at both ends
     of the solved zones (2, n), where the unknowns do not tell it."""
 
@@ -252,7 +254,7 @@ class Applied:
         return self.middle + self.rest
 
     @property
-    def zones(self) -> Zones:
+    def zones(self) -> Zones:  # type: ignore[override]
         return self.system.zones
 
     def totals(self) -> Linear:
@@ -286,9 +288,6 @@ class Applied:
 
     def amplitude(self, k: int) -> Linear:
         return self.y[[[self.system.layout.amplitude(k)]]], np.zeros(1)
-
-    def multiplicity(self) -> Array:
-        return self.system.multiplicity()
 
 
 class CoarseOperator:

@@ -24,7 +24,7 @@ from sie.basis.zones import Zones
 from sie.collocation.spline_moments import coefficients as coefficients_between
 from sie.collocation.spline_moments import many_jumps
 from sie.density.series import moments_of
-from sie.equation.conditions import Linear, Rows, asked, multiplicity, speaks_of_levels
+from sie.equation.conditions import Linear, Rows, asked, speaks_of_levels
 from sie.equation.equation import Equation
 from sie.fast.panels import TERMS, Panels, Spread, panels_over
 from sie.jumps.forcing import ForcingJumps
@@ -194,7 +194,7 @@ def _panel_moments(zones: Zones, panels: Panels, layout: Layout, over_width: boo
     return out
 
 
-class System:
+class System(Rows):
     """The rows of the equation over the unknowns, for given zones, and what side conditions ask for (see `Rows`).
 
     coefficients: smooth part of the right side, U coefficients g_k at [:, k], for all zones.
@@ -306,9 +306,6 @@ class System:
         return MirrorSymmetry.of(self.zones, self.layout)
 
     # what conditions ask for ----------------------------------------------------------------------------------------
-    def multiplicity(self) -> Array:
-        return multiplicity(self.zones)
-
     def _zero_rows(self) -> Array:
         return np.zeros((len(self.zones.solved), self.layout.size))
 
@@ -400,11 +397,6 @@ class System:
     def level_changes(self, y: Array) -> Array:
         """What unknowns y add to the levels."""
         return np.asarray(self.levels()[0] @ y)
-
-    def level_steps(self) -> Linear:
-        """See `Rows`."""
-        matrix, constants = self.levels()
-        return np.diff(matrix, axis=0), np.diff(constants)
 
     @property
     def integrated(self) -> bool:

@@ -10,7 +10,7 @@ from sie.basis import chebyshev, interval
 from sie.basis.data import Array, Index, widened
 from sie.basis.kernels import Kernel, regular_size
 from sie.basis.zones import Zones
-from sie.density.located import Located, real_of
+from sie.density.located import Located
 from sie.fast.panels import Panels, Spread, panels_over
 from sie.jumps.forcing import ForcingJumps
 
@@ -120,7 +120,7 @@ class Series(Located):
     def at(self, zone: ArrayLike, left: ArrayLike, right: ArrayLike) -> Array:
         """Density at points given by zone index and the distances from the zone's ends over its half width
         (left + right = 2): no digit is lost near the ends."""
-        zone, left, right = np.broadcast_arrays(np.asarray(zone, dtype=np.intp), *map(real_of, (left, right)))
+        zone, left, right = np.broadcast_arrays(np.asarray(zone, dtype=np.intp), np.asarray(left, dtype=float), np.asarray(right, dtype=float))
         # At an end where the density is bounded, the rounding of its intensity is not divided by zero.
         out = interval.values_on(*self.bounded, zone, left, right, self.zones.bounded)
         if len(self.jumps):
@@ -130,7 +130,7 @@ class Series(Located):
     def integral_at(self, zone: ArrayLike, angle: ArrayLike) -> Array:
         """Integral of the density from a zone's left end to the angle theta (t = cos theta), of densities with jumps of their own or
         none."""
-        zone, angle = np.broadcast_arrays(np.asarray(zone, dtype=np.intp), real_of(angle))
+        zone, angle = np.broadcast_arrays(np.asarray(zone, dtype=np.intp), np.asarray(angle, dtype=float))
         w, out = self.zones.half[zone], interval.integral_on(self.coefficients, zone, angle)
         if len(self.jumps):
             left, right = 2 * np.cos(angle.ravel() / 2) ** 2, 2 * np.sin(angle.ravel() / 2) ** 2

@@ -278,7 +278,9 @@ class SlitState(Answered):
     def intensity_noise(self) -> Array:
         """See `State.intensity_noise`."""
         rest = self.rest * row_sizes(self.whole.density.coefficients).max()
-        return self._intensities_of(self.whole.coefficient_noise + rest, _SAFETY)
+        # What rounding makes of the sums of the wide zones' coefficients.
+        noise = self.whole.intensity_noise.max(axis=0) / edge_scale(self.merged.wide.half)
+        return self._intensities_of(noise + rest, _SAFETY)
 
     @cached_property
     def _tails(self) -> Array:
