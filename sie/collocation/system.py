@@ -167,18 +167,11 @@ def _add_regular(out: Array, zones: Zones, kernel: Kernel, x: Array, layout: Lay
         moments = _panel_moments(zones, panels, layout, potential)
         out[:, : layout.coefficients] += panels.at(Spread.of(panels, x), moments, potential)
         return
-    sizes = np.array([regular_size(kernel, w, int(m)) for w, m in zip(zones.half, layout.m, strict=True)])
-    for m in np.unique(layout.m):
-        for q in np.unique(sizes[layout.m == m]):
-            sources = np.flatnonzero((layout.m == m) & (sizes == q))
-            xi = zones.middle[sources][:, None] + zones.half[sources][:, None] * chebyshev.gauss(int(q))
-            values = regular(x[:, None, None], xi)
-            count = min(int(m), int(q) - 1) + 1
-            block = chebyshev.t_means(values, count)
-            if not potential:
-                block *= zones.half[sources][:, None]
-            columns = layout.offset[sources][:, None] + np.arange(count)
-            out[:, columns] += block
+    for middle, w, m, first in zip(zones.middle, zones.half, layout.m.tolist(), layout.offset, strict=True):
+        q = regular_size(kernel, w, m)
+        count = min(m, q - 1) + 1
+        block = chebyshev.t_means(regular(x[:, None], middle + w * chebyshev.gauss(q)), count)
+        out[:, first : first + count] += block if potential else w * block
 
 
 def _panel_moments(zones: Zones, panels: Panels, layout: Layout, over_width: bool) -> Array:

@@ -117,8 +117,12 @@ class Plane:
         for here in pair_blocks(len(near), max(1, len(k))):
             some = seen[near[here]]
             value = of_jumps(jumps, k, some, what) + jumps.near.in_plane(jumps.near.of(zone), some, what)
-            if zone in jumps.splines:
-                value = value + self._spline(zone, some, what)
+            spline = jumps.splines.get(zone)
+            if spline is not None and what == "potential":
+                c, row = spline.t_coefficients(min(_OF_SPLINES * len(spline.knots), 1 << 15))[None], np.zeros(len(value), dtype=np.intp)
+                value = value + of_t(c, some, np.ones(len(row)), 1.0, row, what)
+            elif spline is not None:
+                value = value + spline.in_plane(some, what)
             out[near[here]] = value
         if what == "potential":
             # Of T_l series the logarithm of w is in already.
@@ -130,14 +134,6 @@ class Plane:
     @cached_property
     def _of_jumps(self) -> Array:
         return self.density.jumps.t_coefficients(self.density.zones, _OF_JUMPS)
-
-    def _spline(self, zone: int, seen: InPlane, what: What) -> Complex:
-        spline = self.density.jumps.splines[zone]
-        if what == "potential":
-            c = spline.t_coefficients(min(_OF_SPLINES * len(spline.knots), 1 << 15))[None]
-            row = np.zeros(len(seen.left), dtype=np.intp)
-            return of_t(c, seen, np.ones(len(row)), 1.0, row, what)
-        return spline.in_plane(seen, what)
 
     # the rest of the kernel -----------------------------------------------------------------------------------------
     def _regular(self, z: Complex, what: What) -> Complex | None:

@@ -14,6 +14,7 @@ in a few moments each: the integrals are sums over some hundred nodes, whatever 
 """
 
 from collections.abc import Callable
+from dataclasses import field
 from functools import cached_property
 
 import numpy as np
@@ -38,6 +39,7 @@ class ZoneSpline(Kept):
     """spline: g by distance from the zone's left end over its half width, from one end to the other; zero there, and its slope too."""
 
     spline: LocalSpline
+    known: dict[str, Array] = field(default_factory=dict)
 
     @classmethod
     def inside(cls, knots: Array, jumps: Array, g: Callable[[Array], Array]) -> "tuple[ZoneSpline, Array, Array] | None":
@@ -122,18 +124,14 @@ class ZoneSpline(Kept):
 
     def t_coefficients(self, count: int) -> Array:
         """First `count` coefficients of the density as a sum of T_l / sqrt(1 - t^2)."""
-        known = self._coefficients.get("c")
-        if known is None or len(known) < count:
+        known = self.known.get("c", np.zeros(0))
+        if len(known) < count:
             panels = int(np.ceil(np.pi * (count + 1) / _TURN)) + 1
             phi, weight = self._moments(np.linspace(0.0, np.pi, panels + 1))
             known = 0.5 * waves((2 / np.pi) * weight, phi, count + 2).real[1:]
             known[2:] -= known[:-2].copy()
-            self._coefficients["c"] = known = known[:count]
+            self.known["c"] = known = known[:count]
         return known[:count]
-
-    @cached_property
-    def _coefficients(self) -> dict[str, Array]:
-        return {}
 
     @cached_property
     def edge_slopes(self) -> tuple[float, float]:

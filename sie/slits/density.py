@@ -185,11 +185,9 @@ class SlitDensity(Located):
                 past = begin >= b
                 away = np.where(past, begin - b + lf[on] * half[on], a - end + rt[on] * half[on])
                 added += off_slit(away / slit.width, np.where(past, 1.0, -1.0), d)
+                for kink in (kink for k, kink in self.kinks_of(here) if here.slits[k] is slit):
+                    out[on] += kink.beside(from_left[on], from_right[on], away / slit.width, past)
             out[on] += np.sqrt(from_left[on] * from_right[on]) * added
-            for k, kink in self.kinks_of(here):
-                past = begin >= here.stop[k]
-                away = np.where(past, begin - here.stop[k] + lf[on] * half[on], here.start[k] - end + rt[on] * half[on])
-                out[on] += kink.beside(from_left[on], from_right[on], away / here.slits[k].width, past)
         if self.bounded_ends:
             at_left, at_right = self.zones.bounded[:, piece]
             out[at_left & (lf == 0) | at_right & (rt == 0)] = 0.0
@@ -218,7 +216,7 @@ class SlitDensity(Located):
         # 1 / X changes along the piece: K / (X sqrt(d)) has a share in A.
         k_left, k_right = self.intensities
         before, after = self.merged.slit_before, self.merged.slit_after
-        by_left, by_right = self._root_rates
+        by_left, by_right = (0.5 / from_end - 0.5 / to_end for from_end, to_end in zip(*self._beside_ends, strict=True))  # d log X / dx
         slopes_left = slopes_left - np.where(before < 0, 0.0, (k_left * by_right[before]))
         slopes_right = slopes_right + np.where(after < 0, 0.0, (k_right * by_left[after]))
         return slopes_left, slopes_right
@@ -269,19 +267,16 @@ class SlitDensity(Located):
         return left, right
 
     @cached_property
-    def slit_roots(self) -> tuple[Array, Array]:
-        """X at the left and right end of each slit."""
-        merged = self.merged
-        w = merged.wide.half[merged.slit_zone]
-        lo, hi = merged.wide.a[merged.slit_zone], merged.wide.b[merged.slit_zone]
-        return tuple(np.sqrt((x - lo) * (hi - x)) / w for x in (merged.slits.a, merged.slits.b))  # type: ignore[return-value]
+    def _beside_ends(self) -> tuple[Array, Array]:
+        """Distances of the left and right ends of all slits (2, slits) from the left, from the right end of their wide zones."""
+        merged, ends = self.merged, self.merged.slits.table.T
+        return ends - merged.wide.a[merged.slit_zone], merged.wide.b[merged.slit_zone] - ends
 
     @cached_property
-    def _root_rates(self) -> tuple[Array, Array]:
-        """d log X / dx at the left and right end of each slit."""
-        merged = self.merged
-        lo, hi = merged.wide.a[merged.slit_zone], merged.wide.b[merged.slit_zone]
-        return tuple(0.5 / (x - lo) - 0.5 / (hi - x) for x in (merged.slits.a, merged.slits.b))  # type: ignore[return-value]
+    def slit_roots(self) -> Array:
+        """X at the left and right end of each slit (2, slits)."""
+        from_left, from_right = self._beside_ends
+        return np.asarray(np.sqrt(from_left * from_right) / self.merged.wide.half[self.merged.slit_zone])
 
     # totals -----------------------------------------------------------------------------------------------------------
     @property
