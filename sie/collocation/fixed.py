@@ -307,19 +307,17 @@ def first_sizes(equation: Equation, zones: Zones, tolerance: float = 0.0) -> Siz
     return Sizes(own, least, linear=_OF_ITERATION * tolerance)
 
 
-def sizes_of(sizes: Sizes, equation: Equation, zones: Zones) -> Sizes:
-    """Modes to begin with, from those of a solution on about the same zones; of no more than the first ones, if these are others."""
-    if len(sizes.own) != len(zones):
+def sizes_like(left: Sizes, equation: Equation, zones: Zones, last: bool) -> Sizes:
+    """Modes to begin with, from those of a solution on about the same zones, of no more than the first ones, if these are others. last: it
+    was the last one with these, and what it has left is taken on, on zones most of which are about the same."""
+    alike = len(left.own) == len(zones)
+    if last:
+        # Which gaps were slits is counted by zones.
+        kept = {name: getattr(left, name) for name in ("carried", "solves", "primitive_rounding")}
+        return replace(first_sizes(equation, zones), joined=left.joined if alike else None, **kept)
+    if not alike:
         return first_sizes(equation, zones)
-    return Sizes(sizes.own, sizes.least, primitive_rounding=sizes.primitive_rounding, wide=sizes.wide and replace(sizes.wide, carried=None))
-
-
-def sizes_after(sizes: Sizes, equation: Equation, zones: Zones) -> Sizes:
-    """Modes to begin with, and what the last solve has left, on zones most of which are about the same."""
-    kept = {name: getattr(sizes, name) for name in ("carried", "solves", "primitive_rounding")}
-    # Which gaps were slits is counted by zones.
-    joined = sizes.joined if len(sizes.own) == len(zones) else None
-    return replace(first_sizes(equation, zones), joined=joined, **kept)
+    return Sizes(left.own, left.least, primitive_rounding=left.primitive_rounding, wide=left.wide and replace(left.wide, carried=None))
 
 
 def solve_fixed(
@@ -463,7 +461,7 @@ def _state(
     tail = np.maximum(field_tails(system, y, density), system.source_tails)
     if system.zones.symmetric:
         tail = np.maximum(tail, tail[::-1])
-    left_over = solver.iteration.error if solver.iteration is not None else np.zeros(len(system.zones))
+    left_over = solver.error if isinstance(solver, Iterative) else np.zeros(len(system.zones))
     return State(density, system, solver, y, folded, conditions_from, scale, truncation, tail, left_over, sizes)
 
 

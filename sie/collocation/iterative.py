@@ -454,12 +454,6 @@ class Iterative:
         self.error = np.zeros(len(system.zones))
         self.iterations = 0
 
-    direct = None
-
-    @property
-    def iteration(self) -> "Iterative":
-        return self
-
     @property
     def size(self) -> int:
         return self.system.symmetry.size

@@ -124,7 +124,7 @@ class Carried:
         return np.where(place >= 0, self.totals[place], np.bincount(within, self.totals, minlength=len(middle) + 1)[:-1])
 
 
-# What solves the assembled rows for further right sides: by their factors, or by iteration. direct, iteration: itself, where it does so.
+# What solves the assembled rows for further right sides: by their factors, or by iteration.
 Solver = Factored | Iterative
 
 
@@ -238,12 +238,12 @@ class Solved(Answered):
     @property
     def direct(self) -> Factored | None:
         """The solver, where it has a matrix."""
-        return self.solver.direct
+        return self.solver if isinstance(self.solver, Factored) else None
 
     @property
     def iteration(self) -> Iterative | None:
         """The solver, where it iterates."""
-        return self.solver.iteration
+        return self.solver if isinstance(self.solver, Iterative) else None
 
     @property
     def field_tail(self) -> float:

@@ -17,7 +17,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from sie.basis.data import Array, Index, Mask
 from sie.basis.zones import FREE, SINGULAR, End, Zones
 from sie.collocation import modes
-from sie.collocation.fixed import SingularSystem, State, first_sizes, sizes_after, sizes_of
+from sie.collocation.fixed import SingularSystem, State, first_sizes, sizes_like
 from sie.collocation.iterative import Iterative
 from sie.collocation.solved import Sizes
 from sie.equation.equation import Equation
@@ -197,7 +197,8 @@ def find_ends(
     keeps = equation.forcing.cornered or equation.forcing.exact
     off = min(off, _STEP_NEAR) if near else off
     progress = Progress(tolerance, zones.b - zones.a, modes.gaps(zones, equation.kernel)[1], off, few, patient, drops)
-    sizes, unit = _begun(like, equation, zones), None
+    left, unit = like if like is None or isinstance(like, Sizes) else like.sizes, None
+    sizes = first_sizes(equation, zones) if left is None else sizes_like(left, equation, zones, left is like)
     while True:
         # Where that saves a solution of its own, the value at hand is in the right side.
         sizes.linear, sizes.value = progress.linear, value
@@ -392,19 +393,12 @@ def _held_at(zones: Zones, limits: tuple[float, float]) -> Zones:
     return replace(zones, a=a, b=b, rest=rest, left=left, right=right)
 
 
-def _begun(like: AnyState | Sizes | None, equation: Equation, zones: Zones) -> Sizes:
-    """Sizes of series to begin with."""
-    if isinstance(like, Sizes):
-        return sizes_after(like, equation, zones)
-    return first_sizes(equation, zones) if like is None else sizes_of(like.sizes, equation, zones)
-
-
 def _let_go(zones: Zones, limits: tuple[float, float], density: AnyDensity, limited: End) -> tuple[Zones, bool]:
     """Ends held at a limit where the intensity is below that of free ones (negative, the density pulls) become free; whether any did."""
     if not np.isfinite(limits).any():
         return zones, False
     k_left, k_right = density.intensities
-    least = _intensity(limited)
+    least = limited.intensity if limited.moves and limited.intensity is not None else 0.0
     low = zones.left[0] == SINGULAR and zones.a[0] == limits[0] and k_left[0] < least
     high = zones.right[-1] == SINGULAR and zones.b[-1] == limits[1] and k_right[-1] < least
     if not (low or high):
@@ -413,14 +407,9 @@ def _let_go(zones: Zones, limits: tuple[float, float], density: AnyDensity, limi
     return replace(zones, left=left, right=right), True
 
 
-def _intensity(end: End) -> float:
-    return end.intensity if end.moves and end.intensity is not None else 0.0
-
-
 def _newton(state: AnyState, zones: Zones, signs: tuple[float, float], unit: AnyDensity | None) -> Motion:
     """The next step of ends of these kinds. unit: what a unit of the open condition's value makes, if there is one."""
     moves = zones.moves
-    target = np.array([[_intensity(end) for end in zones.left], [_intensity(end) for end in zones.right]])
     equation = state.equation
     density = state.density
     k = np.array(density.intensities)
@@ -429,7 +418,7 @@ def _newton(state: AnyState, zones: Zones, signs: tuple[float, float], unit: Any
     side = np.array(signs)[:, None]
     natural = state.natural
     noise_k = state.intensity_noise
-    residual = np.where(moves, k - target, 0.0)
+    residual = np.where(moves, k - zones.intensities, 0.0)
     if zones.follow_ends:
         whole = state.whole  # no slits where intensities are prescribed
         delta, noise, change, growth = _full_newton(equation, whole, residual, noise_k, unit, side)
