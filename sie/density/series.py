@@ -120,7 +120,8 @@ class Series(Located):
     def at(self, zone: ArrayLike, left: ArrayLike, right: ArrayLike) -> Array:
         """Density at points given by zone index and the distances from the zone's ends over its half width
         (left + right = 2): no digit is lost near the ends."""
-        zone, left, right = np.broadcast_arrays(np.asarray(zone, dtype=np.intp), np.asarray(left, dtype=float), np.asarray(right, dtype=float))
+        left, right = np.asarray(left, dtype=float), np.asarray(right, dtype=float)
+        zone, left, right = np.broadcast_arrays(np.asarray(zone, dtype=np.intp), left, right)
         # At an end where the density is bounded, the rounding of its intensity is not divided by zero.
         out = interval.values_on(*self.bounded, zone, left, right, self.zones.bounded)
         if len(self.jumps):
@@ -133,8 +134,7 @@ class Series(Located):
         zone, angle = np.broadcast_arrays(np.asarray(zone, dtype=np.intp), np.asarray(angle, dtype=float))
         w, out = self.zones.half[zone], interval.integral_on(self.coefficients, zone, angle)
         if len(self.jumps):
-            left, right = 2 * np.cos(angle.ravel() / 2) ** 2, 2 * np.sin(angle.ravel() / 2) ** 2
-            out = out + self.jumps.integral(zone.ravel(), left, right).reshape(out.shape)
+            out = out + self.jumps.integral(zone.ravel(), *interval.sides(angle.ravel())).reshape(out.shape)
         return np.asarray(w * out)
 
     def integral(self, x: ArrayLike) -> Array:

@@ -29,7 +29,7 @@ from functools import cached_property
 
 import numpy as np
 
-from sie.basis.data import Array, Index, record
+from sie.basis.data import Array, record
 from sie.basis.interval import edge_scale
 from sie.collocation.factored import Factored
 from sie.collocation.fixed import SingularSystem, State, rows_of

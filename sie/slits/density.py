@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from sie.basis import chebyshev
 from sie.basis.data import Array, Index, Mask, widened, wrapped
-from sie.basis.interval import Outside, edge_scale, slope_scale
+from sie.basis.interval import Outside, sides, slope_scale
 from sie.basis.interval import theta as theta_of
 from sie.basis.kernels import Kernel, cauchy
 from sie.basis.zones import Zones
@@ -105,7 +105,7 @@ class SlitDensity(Located):
     @cached_property
     def series(self) -> list[list[Array]]:
         """d of each slit, without the traces of K where they are taken out."""
-        split = [here.split(d) for here, d in zip(self.slits, self.d, strict=True)]
+        split = [np.split(d, here.offset[1:-1]) for here, d in zip(self.slits, self.d, strict=True)]
         return [[_closed(one) for one in row] for row in split] if self.bounded_ends else split
 
     def _of_slits(self, power: int) -> list[list[Array]]:
@@ -299,7 +299,7 @@ class SlitDensity(Located):
             last, n, here = np.inf, 64, 0.0
             while n <= 16384:
                 theta = (np.arange(n) + 0.5) * np.pi / n
-                left, right = 2 * np.cos(theta / 2) ** 2, 2 * np.sin(theta / 2) ** 2
+                left, right = sides(theta)
                 value = self.at(piece, left, right)
                 if zone in kinks.by_zone:
                     value = value - kinks.density(zone, (before + half * left) / w, (after + half * right) / w)

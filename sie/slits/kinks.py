@@ -28,7 +28,7 @@ import numpy as np
 
 from sie.basis import chebyshev
 from sie.basis.data import Array, Kept, Mask, legendre, record
-from sie.basis.interval import Outside, theta
+from sie.basis.interval import Outside, sides, theta
 from sie.jumps.formulas import HIGHEST
 
 # Of those of order 2: beyond so many half widths of the slit its psi is summed up; there the closed forms cancel.
@@ -101,7 +101,7 @@ class SlitKink(Kept):
         border = float(theta(*self._beside[::-1]))
         beta, weights = legendre(np.array([0.0, border, np.pi]), _LEGENDRE)
         weight = weights * np.sin(beta)
-        left, right = 2 * np.sin(beta / 2) ** 2, 2 * np.cos(beta / 2) ** 2
+        right, left = sides(beta)
         from_left, from_right = self.start + self.half * left, self.rest + self.half * right
         angle = theta(from_left, from_right)
         return from_left, from_right, angle, self.half * weight * self.slope(left, right)

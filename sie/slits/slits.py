@@ -60,18 +60,13 @@ class Slit(Kept):
         return 2 * self.modes + 16
 
     @cached_property
-    def gauss(self) -> tuple[Array, Array]:
-        """(1 + z, 1 - z) at the Gauss nodes."""
-        return chebyshev.gauss_sides(self.nodes)
-
-    @cached_property
     def theta(self) -> Array:
         """Angles in the wide zone of the Gauss nodes."""
-        return self.angle(*self.gauss)
+        return self.angle(*chebyshev.gauss_sides(self.nodes))
 
     @cached_property
     def x_root(self) -> Array:
-        return self.root(*self.gauss)
+        return self.root(*chebyshev.gauss_sides(self.nodes))
 
     def means(self, values: Array) -> Array:
         """Means of values (..., nodes) times T_l, l = 0 ... modes, with the weight 1 / sqrt(1 - z^2)."""
@@ -173,9 +168,6 @@ class Slits(Kept):
         self.modes = modes
         nodes = (chebyshev.lobatto(slit.modes) for slit in self.slits)
         self._angles = [(left[1:-1], right[1:-1]) for _, right, left in nodes]
-
-    def split(self, d: Array) -> list[Array]:
-        return [d[s:e] for s, e in zip(self.offset[:-1], self.offset[1:], strict=True)]
 
     @cached_property
     def by_coefficients(self) -> Array:
