@@ -152,18 +152,11 @@ class SlitDensity(Located):
                 beta[here.zone] += kink.edge[1]
         return replace(self.smooth, edges=(alpha, beta), bounded_ends=self.bounded_ends)
 
-    @cached_property
-    def _beside_slits(self) -> Mask:
-        """Pieces of wide zones with slits."""
-        zone = self.merged.piece_zone
-        return np.asarray(np.bincount(zone)[zone] > 1)
-
     # per piece --------------------------------------------------------------------------------------------------------
     def at(self, zone: ArrayLike, left: ArrayLike, right: ArrayLike) -> Array:
         """Density at points given by piece and the distances from its ends over its half width."""
         zone = np.asarray(zone, dtype=np.intp)
-        beside = self._beside_slits[zone]
-        if not beside.any():  # a piece alone is its wide zone
+        if not self.merged.beside_slits[zone].any():  # a piece alone is its wide zone
             return self._edged.at(self.merged.piece_zone[zone], left, right)
         merged, wide = self.merged, self.merged.wide
         piece, lf, rt = np.broadcast_arrays(zone, np.asarray(left, float), np.asarray(right, float))
@@ -292,7 +285,7 @@ class SlitDensity(Located):
         logarithms of kinks in closed form."""
         out = self.whole.totals[self.merged.piece_zone].copy()
         wide, kinks = self.merged.wide, replace(self.jumps.chosen(self.jumps.order == 0), splines={})
-        for piece in np.flatnonzero((self.merged.slit_before >= 0) | (self.merged.slit_after >= 0)):
+        for piece in np.flatnonzero(self.merged.beside_slits):
             zone = int(self.merged.piece_zone[piece])
             before, after = self.zones.a[piece] - wide.a[zone], wide.b[zone] - self.zones.b[piece]
             half, w = self.zones.half[piece], wide.half[zone]
