@@ -54,7 +54,7 @@ class Plane:
         """At points z (n,) that `Density.into_period` has not seen yet."""
         x, y = z.real, np.abs(z.imag)
         place = self.density.into_period(x)
-        out = self._poles(place, y, what)
+        out = self.poles(place, y, what)
         regular = self._regular(complex_of(place, y), what)
         out = out if regular is None else out + regular
         if what == "potential":
@@ -65,8 +65,8 @@ class Plane:
         return np.where(z.imag < 0, np.conj(out), out)
 
     # the poles ------------------------------------------------------------------------------------------------------
-    def _poles(self, x: Array, y: Array, what: What) -> Complex:
-        """By the tree: from its root down to where a node is far, or one zone."""
+    def poles(self, x: Array, y: Array, what: What) -> Complex:
+        """What those of the kernel do at x + i y, by the tree: from its root down to where a node is far, or one zone."""
         tree, datum = self.nested.tree, self.density.kernel.datum
         lo, hi, half = tree.lo, tree.hi, tree.half
         out = np.zeros(len(x), dtype=complex)
