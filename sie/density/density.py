@@ -8,9 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from sie.basis.data import Array, Mask, by_rows
-from sie.density.field import CHUNK, from_zones, regular_at
 from sie.density.plane import Plane
-from sie.density.series import Series
+from sie.density.series import CHUNK, Series, from_zones, regular_at
 from sie.density.treecode import Treecode
 from sie.fast.far import reaches
 

@@ -22,8 +22,7 @@ from sie.basis.data import Array, Index
 from sie.basis.interval import Complex, InPlane, Outside, What, complex_of, of_t, transform_of, transform_slope_of
 from sie.basis.kernels import Regular
 from sie.basis.sums import Grouped, pair_blocks
-from sie.density.field import by_quadrature
-from sie.density.series import Series
+from sie.density.series import Series, by_quadrature
 from sie.fast.far import Nested
 from sie.fast.tree import SEPARATION, TERMS, Tree
 from sie.jumps.forcing import ForcingJumps

@@ -1,14 +1,20 @@
-"""A density zone by zone: its coefficients and jumps, what they make of it on its zones, and what sums over zones read of it."""
+"""A density zone by zone: its coefficients and jumps, what they make of it on its zones, and what zones and their images do on the line.
 
+What a zone, or one moved by one of the kernel's poles, does on itself and off it `sie.basis.interval` knows. The rest of the kernel is
+finished by quadrature.
+"""
+
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from sie.basis import chebyshev, interval
 from sie.basis.data import Array, Index, widened
-from sie.basis.kernels import Kernel, regular_size
+from sie.basis.kernels import Kernel, Regular, regular_size
 from sie.basis.zones import Zones
 from sie.density.located import Located
 from sie.fast.panels import Panels, Spread, panels_over
@@ -20,6 +26,8 @@ _BESIDE = 0.01
 _MOST_PLACES = 2**14
 # Most angles of a zone at which it is looked how the density follows the ends, and kinks beside which it is.
 LOOKS, _KINKS = 256, 32
+# Largest number of (point, source) pairs handled at once: bounds the memory of an evaluation.
+CHUNK = 16_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,10 +166,6 @@ class Series(Located):
         panels = panels_over(self.kernel, self.zones)
         return None if panels is None else (panels, moments_of(panels, self.zones, self.kernel, self.coefficients, self.jumps))
 
-    def own_transform(self, zone: Index, seen: interval.OnLine) -> Array:
-        """What the series of zones are transformed to on these, pair by pair."""
-        return interval.own_transform(self.coefficients, zone, seen.left, seen.right)
-
     @cached_property
     def potential_coefficients(self) -> Array:
         """Coefficients of all but `ForcingJumps.sharp_potential`, those over l = 1, 2, ... divided by l: for potentials."""
@@ -169,11 +173,6 @@ class Series(Located):
         table = widened(c, high.shape[1]) + widened(high, c.shape[1])
         table[:, 1:] /= np.arange(1, table.shape[1])
         return table
-
-    def own_potential(self, zone: Index, seen: interval.OnLine) -> Array:
-        """Potential of zones at points on them, all but `ForcingJumps.sharp_potential`, pair by pair."""
-        w = self.zones.half[zone]
-        return w * interval.own_potential(self.potential_coefficients, zone, seen.left, seen.right, w / self.kernel.datum)
 
     @cached_property
     def sharp_totals(self) -> Array:
@@ -194,6 +193,54 @@ def beside_kinks(left: Array, height: Array, theta: Array) -> Array:
     place = np.searchsorted(s, t)
     distance = np.minimum(np.abs(t - s[np.maximum(place - 1, 0)]), np.abs(t - s[np.minimum(place, len(s) - 1)]))
     return np.asarray(np.arccos(t[(distance > 0.999 * away) & (np.abs(t) < 1)]))
+
+
+def from_zones(density: Series, x: Array, zone: Index, shift: Array | float, potential: bool) -> Array:
+    """What zones moved by `shift` do at points by the poles of the kernel: pair by pair, all (n,), or, x (n, 1), at every point."""
+    zones, w, jumps = density.zones, density.zones.half[zone], density.jumps
+    seen = interval.OnLine.of(zones.beyond_a(x - shift, zone) / w, zones.before_b(x - shift, zone) / w)
+    if potential:
+        value = interval.potential_of(density.potential_coefficients, seen, w, density.kernel.datum, zone)
+    else:
+        value = interval.transform_of(*density.bounded, seen, zone)
+    if seen.any_on:
+        own = np.nonzero(seen.on)
+        of, half, left, right = zone[own[-1]], zones.half[zone[own[-1]]], seen.left[own], seen.right[own]
+        if potential:
+            value[own] = half * interval.own_potential(density.potential_coefficients, of, left, right, half / density.kernel.datum)
+        else:
+            value[own] = interval.own_transform(density.coefficients, of, left, right)
+    named = list(jumps.by_zone)
+    if named:
+        carried = np.zeros(len(zones), dtype=bool)
+        carried[named] = True
+        pairs = np.nonzero(np.broadcast_to(carried[zone], value.shape))
+        of, there = zone[pairs[-1]], seen[pairs]
+        if potential:
+            sharp = jumps.sharp_potential(of, there)
+            value[pairs] += zones.half[of] * (sharp + density.sharp_totals[of] * np.log(zones.half[of] / density.kernel.datum))
+        else:
+            value[pairs] += jumps.transform(of, there)
+    return np.asarray(value)
+
+
+def regular_at(density: Series, x: Array, regular: Regular) -> Array:
+    """The regular part of the kernel (or of its potential): through its panels, where it has some, else by Gauss-Chebyshev quadrature on
+    every zone."""
+    if density.panel_moments is not None:
+        panels, moments = density.panel_moments
+        return panels.at(Spread.of(panels, x), moments, regular is not density.kernel.regular)
+    return by_quadrature(density.quadrature, x, regular)
+
+
+def by_quadrature(parts: list[tuple[Array, Array]], x: NDArray[Any], regular: Callable[..., NDArray[Any]]) -> NDArray[Any]:
+    """Sums over nodes with weights, at real or complex points."""
+    out = np.zeros(x.shape, dtype=x.dtype)
+    for xi, weights in parts:
+        block = max(1, CHUNK // weights.size)
+        for s in range(0, len(x), block):
+            out[s : s + block] += regular(x[s : s + block, None], xi[None, :]) @ weights
+    return out
 
 
 def moments_of(panels: Panels, zones: Zones, kernel: Kernel, table: Array, jumps: ForcingJumps) -> Array:

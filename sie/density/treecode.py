@@ -13,9 +13,8 @@ from numpy.polynomial.chebyshev import chebint
 from sie.basis.data import Array, numbered
 from sie.basis.sums import stretches
 from sie.basis.zones import Zones
-from sie.density.field import from_zones
 from sie.density.plane import Plane
-from sie.density.series import Series
+from sie.density.series import Series, from_zones
 from sie.fast.far import FarSum, Nested
 from sie.fast.piecewise import clenshaw
 from sie.fast.tree import TERMS, Tree

@@ -14,9 +14,8 @@ from sie.basis.interval import theta as theta_of
 from sie.basis.kernels import Kernel, cauchy
 from sie.basis.zones import Zones
 from sie.density.density import Density
-from sie.density.field import from_zones
 from sie.density.located import Located
-from sie.density.series import LOOKS, beside_kinks
+from sie.density.series import LOOKS, beside_kinks, from_zones
 from sie.jumps.forcing import ForcingJumps
 from sie.slits.kinks import SlitKink
 from sie.slits.merged import Merged
