@@ -112,12 +112,14 @@ class Series(Located):
         """
         none, out = np.zeros(len(self.zones)), np.zeros((3, len(self.zones)))
         bounded, counts = replace(self, edges=(none, none)), np.minimum(self.sampling, LOOKS)
+        plain = replace(bounded, jumps=ForcingJumps.none()) if len(self.jumps) else bounded
         for n in np.unique(counts):
             group, theta = np.flatnonzero(counts == n), (np.arange(n) + 0.5) * np.pi / n
-            out[:, group] = [each.max(axis=1) for each in bounded.following(group[:, None], theta[None])]
+            out[:, group] = [each.max(axis=1) for each in plain.following(group[:, None], theta[None])]
             for i in group.tolist() if len(self.jumps) else ():
                 if i in self.jumps.by_zone:
                     beside = beside_kinks(*self.jumps.sharpest(i), theta)
+                    out[0, i] = np.abs(bounded.at(i, *interval.sides(theta))).max()
                     out[1:, i] = [each.max(initial=0.0) for each in bounded.following(i, beside)[1:]]
         # A zone held at one end spreads its load over another width as the other end moves.
         alpha, beta = self.singular

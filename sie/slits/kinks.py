@@ -20,7 +20,7 @@ one makes up for; with D = phi - phi(.), y = t - m, that is
     -(h/pi) X (bar(sin(phi) - sin(phi(.))) - 2 (s - m) bar(D) - 2 r bar(c D) + (y - m) bar(D)),   c = cos over the slit. (Derived here.)
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from functools import cached_property
 from typing import Any
 
@@ -192,11 +192,16 @@ class SlitKink(Kept):
         sums = 2 * np.log(np.sqrt(from_right[..., None] * l) + np.sqrt(from_left[..., None] * r)) - np.log(2.0)
         seen = Outside(np.sign(z), np.maximum(np.abs(z) - 1, 0.0))
         u, constant = seen.log, np.log(0.5 * self.half)
-        fall, on = np.exp(-u), z * z * (constant + 1.5) + 0.25 + 0.5 * constant
-        off = (z * z + 0.5) * (constant + u) + (2 * np.abs(z) - 0.25 * fall) * fall
-        logs = constant + u, z * (constant + 1 + u) - seen.root, np.where(np.abs(z) > 1, off, on)
-        away = z[..., None] - nodes
-        return np.asarray(self.mixed((sums * away**j).mean(axis=-1) - log for j, log in enumerate(logs)))
+
+        def means() -> Iterator[Array]:
+            yield sums.mean(axis=-1) - (constant + u)
+            away = z[..., None] - nodes
+            yield (sums * away).mean(axis=-1) - (z * (constant + 1 + u) - seen.root)
+            fall, on = np.exp(-u), z * z * (constant + 1.5) + 0.25 + 0.5 * constant
+            off = (z * z + 0.5) * (constant + u) + (2 * np.abs(z) - 0.25 * fall) * fall
+            yield (sums * away**2).mean(axis=-1) - np.where(np.abs(z) > 1, off, on)
+
+        return np.asarray(self.mixed(means()))
 
     @cached_property
     def edge_slopes(self) -> tuple[float, float]:
