@@ -1,6 +1,7 @@
 """One call for fixed and free ends alike: the density, the zones and one stated error, or the reason why there is none."""
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -139,7 +140,7 @@ def solve(
     _look_at(equation, zones, tol, value, signs, max_steps)
     moving = any(end.moves for end in (*zones.left, *zones.right))
     try:
-        found = _free(equation, zones, tol, value, signs, max_steps) if moving else _fixed(equation, zones, tol)
+        found = _best(_free(equation, zones, tol, value, signs, max_steps) if moving else _fixed(equation, zones, tol), tol)
     except SingularSystem as error:
         if moving and _solvable(equation, zones):
             raise NotConverged(f"the search for the ends came to zones on which there is no solution: {error}") from error
@@ -178,33 +179,31 @@ def _solvable(equation: Equation, zones: Zones) -> bool:
     return True
 
 
-def _fixed(equation: Equation, zones: Zones, tol: float) -> Solution:
-    """Solve on zones whose ends stay; once more with all the modes that rounding allows, if the first are too few."""
-    found: Solution | None = None
+def _best(solutions: Iterator[Solution], tol: float) -> Solution:
+    """The first of ever closer solutions that is good enough, or else the best one."""
+    best = next(solutions)
+    while best.error > tol and (found := next(solutions, None)) is not None:
+        best = found if found.error < best.error else best
+    return best
+
+
+def _fixed(equation: Equation, zones: Zones, tol: float) -> Iterator[Solution]:
+    """On zones whose ends stay; once more with all the modes that rounding allows, if the first are too few."""
     for decay in (max(_DECAY * tol, _LEAST), _LEAST):
         state = solve_zones(equation, zones, decay)
-        if found is None or state.density_error < found.error:
-            found = Solution(state.density, zones, _of_density(state) + _EPS, state=state)
-        if found.error <= tol:
-            break
-    assert found is not None
-    return found
+        yield Solution(state.density, zones, _of_density(state) + _EPS, state=state)
 
 
 def _free(
     equation: Equation, zones: Zones, tol: float, value: float, signs: tuple[float, float], max_steps: int
-) -> Solution:
-    """Find the ends, to more digits if those asked for first turn out to be too few."""
-    best: Solution | None = None
+) -> Iterator[Solution]:
+    """With the ends that are found, to more digits if those asked for first turn out to be too few."""
     for part in _ENDS:
         free = find_ends(equation, zones, max(part * tol, _LEAST), max_steps, value=value, signs=signs)
-        found = _told(free)
-        best = found if best is None or found.error < best.error else best
-        if best.error <= tol or not free.converged:
+        yield _told(free)
+        if not free.converged:
             break
         zones, value = free.density.zones, free.value or 0.0
-    assert best is not None
-    return best
 
 
 def _told(free: Free) -> Solution:

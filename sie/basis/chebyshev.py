@@ -84,24 +84,13 @@ def project_rows(values: Array) -> Array:
     return u_coefficients(values.T).T
 
 
-@lru_cache(maxsize=64)
-def _slope_matrix(n: int) -> Array:
-    theta = angles(n)[1:-1]
-    k = np.arange(1, n + 1)[:, None]
-    sine, cosine = np.sin(theta), np.cos(theta)
-    # dU_{k-1}/dt = (U_{k-1} t - k T_k) / (1 - t^2)
-    slopes = (np.sin(k * theta) * cosine / sine - k * np.cos(k * theta)) / sine**2
-    return np.ascontiguousarray(_sine_matrix(n).T @ slopes)
-
-
 def slopes(values: Array) -> Array:
     """d/dt at the n zeros of U_n of the polynomial through values there (along the last axis)."""
     n = values.shape[-1]
-    if n <= LARGEST_MATRIX:
-        return np.asarray(values @ _slope_matrix(n))
-    theta, k_g = angles(n)[1:-1], np.arange(1, n + 1) * u_coefficients(values)
-    with_ends = np.concatenate((np.zeros((*values.shape[:-1], 1)), k_g, np.zeros((*values.shape[:-1], 1))), axis=-1)
-    cosines = 0.5 * fft.dct(with_ends, type=1, axis=-1)[..., 1:-1]
+    theta, k_g = angles(n)[1:-1], np.zeros((*values.shape[:-1], n + 2))
+    k_g[..., 1:-1] = np.arange(1, n + 1) * u_coefficients(values)
+    # dU_{k-1}/dt = (U_{k-1} t - k T_k) / (1 - t^2)
+    cosines = 0.5 * fft.dct(k_g, type=1, axis=-1)[..., 1:-1]
     return np.asarray((values * np.cos(theta) - cosines) / np.sin(theta) ** 2)
 
 

@@ -136,12 +136,12 @@ def numbered(counts: Index) -> Index:
     return np.arange(int(counts.sum())) - np.repeat(np.cumsum(counts) - counts, counts)
 
 
-def by_rows(of: Callable[..., Array], *tables: Array) -> Array:
-    """What `of` makes of the rows of tables, some thousands of rows at a time: what it makes on the way of very many would not fit into
-    the cache, and be asked of the system each time."""
-    if len(tables[0]) <= _ROWS:
+def by_rows(of: Callable[..., Any], *tables: NDArray[Any], most: int = _ROWS) -> Any:
+    """What `of` makes of the rows of tables, some thousands of rows at a time, or so many at the most: what it makes on the way of very
+    many would not fit into the cache, and be asked of the system each time."""
+    if len(tables[0]) <= most:
         return of(*tables)
-    return np.concatenate([of(*(table[s : s + _ROWS] for table in tables)) for s in range(0, len(tables[0]), _ROWS)])
+    return np.concatenate([of(*(table[s : s + most] for table in tables)) for s in range(0, len(tables[0]), max(1, most))])
 
 
 def row_sizes(table: Array) -> Array:

@@ -28,8 +28,8 @@ Number = NDArray[Any]
 What = Literal["transform", "derivative", "potential"]
 
 LOG2 = float(np.log(2.0))
-# Of the angle: by which derivatives are found.
-_STEP = 1e-5
+# Of the angle: by which derivatives are found, and so small that it is its sine, as multiples of it are theirs.
+_STEP, _TINY = 1e-5, 1e-150
 
 
 # places -----------------------------------------------------------------------------------------------------------------
@@ -38,21 +38,21 @@ def theta(left: Any, right: Any) -> Array:
     return np.asarray(2 * np.arctan2(np.sqrt(right), np.sqrt(left)))
 
 
+def sides(angle: Array) -> tuple[Array, Array]:
+    """(1 + t, 1 - t), the distances from both ends over w, at angles."""
+    return 2 * np.cos(0.5 * angle) ** 2, 2 * np.sin(0.5 * angle) ** 2
+
+
 def by_angle(of: Callable[[Array, Array], Array], angle: Array) -> tuple[Array, Array]:
     """(value, derivative by the angle) of a function of the distances from both ends over w, at angles, by close differences."""
     step = np.minimum(_STEP, 0.5 * np.minimum(angle, np.pi - angle))
-    before, after = (of(2 * np.cos(at / 2) ** 2, 2 * np.sin(at / 2) ** 2) for at in (angle - step, angle + step))
+    before, after = (of(*sides(at)) for at in (angle - step, angle + step))
     return 0.5 * (before + after), (after - before) / (2 * step)
 
 
 def nearer_angle(left: Array, right: Array) -> Array:
     """Angle from the nearer end."""
     return theta(np.maximum(left, right), np.minimum(left, right))
-
-
-def root_on(left: Array, right: Array) -> Array:
-    """X = sqrt(1 - t^2), on the interval."""
-    return np.sqrt(left * right)
 
 
 def fall(excess: Any) -> Array:
@@ -65,17 +65,14 @@ class Seen:
 
     rho: Array
     root: Array
-
-    @property
-    def _away(self) -> Array:
-        """|zeta| - 1."""
-        raise NotImplementedError
+    excess: Array
+    """|zeta| - 1."""
 
     @property
     def from_ends(self) -> tuple[Array, Array]:
         """(1 + rho, 1 - rho)."""
         past, size = self.rho > 0, np.abs(self.rho)
-        small, large = (self._away + np.abs(self.root)) * size, 1 + size
+        small, large = (self.excess + np.abs(self.root)) * size, 1 + size
         return np.where(past, large, small), np.where(past, small, large)
 
     def first(self, width: Number) -> Array:
@@ -130,10 +127,6 @@ class Outside(Seen):
     def rho(self) -> Array:  # type: ignore[override]
         return np.asarray(self.sign / (1 + self.excess + self._size))
 
-    @property
-    def _away(self) -> Array:
-        return self.excess
-
     @cached_property
     def log(self) -> Array:
         """-log|rho|."""
@@ -164,7 +157,7 @@ class OnLine(Seen):
         return cls(left, right, sign * size, rho, on, any_on)
 
     @property
-    def _away(self) -> Array:
+    def excess(self) -> Array:  # type: ignore[override]
         return np.maximum(-self.left, -self.right)
 
     @property
@@ -289,7 +282,7 @@ def transform_slope_of(alpha: Array, beta: Array, u: Array, seen: InPlane, row: 
 def values_on(alpha: Array, beta: Array, u: Array, row: Index, left: Array, right: Array, vanishing: Mask) -> Array:
     """(alpha + beta t) / X + X sum u_k U_k; vanishing: whether it is zero at the left, at the right end of each, whatever rounding has
     left of alpha and beta."""
-    root = root_on(left, right)
+    root = np.sqrt(left * right)
     with np.errstate(divide="ignore", invalid="ignore"):
         a, b = alpha[row], beta[row]
         edge = _edge(a, b, left, right) / root
@@ -304,14 +297,9 @@ def values_on(alpha: Array, beta: Array, u: Array, row: Index, left: Array, righ
 
 def own_transform(c: Array, row: Index, left: Array, right: Array) -> Array:
     """-sum c_l U_{l-1}(t), the transform of sum c_l T_l / X, pair by pair."""
-    flip, angle, of = left < right, nearer_angle(left, right), c[:, 1:]
-    with np.errstate(invalid="ignore"):
-        out = -sine_sum(of, row, angle, flip) / np.sin(angle)
-    for place in np.flatnonzero(angle == 0):
-        l = np.arange(1, of.shape[1] + 1)
-        sign = 2.0 * (l % 2) - 1.0 if flip[place] else 1.0
-        out[place] = -of[row[place]] @ (l * sign)
-    return np.asarray(out)
+    # At an end itself the limit.
+    angle = np.maximum(nearer_angle(left, right), _TINY)
+    return np.asarray(-sine_sum(c[:, 1:], row, angle, left < right) / np.sin(angle))
 
 
 def own_potential(divided: Array, row: Index, left: Array, right: Array, width: Array) -> Array:

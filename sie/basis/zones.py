@@ -228,9 +228,14 @@ class Zones(Kept):
         return np.array([[end.moves for end in ends] for ends in (self.left, self.right)])
 
     @cached_property
+    def intensities(self) -> Array:
+        """Those asked for at the left and at the right ends (2, n), not a number where none is."""
+        return np.array([[np.nan if end.intensity is None else end.intensity for end in ends] for ends in (self.left, self.right)])
+
+    @property
     def bounded(self) -> Mask:
         """At which left and at which right ends the intensity asked for is zero (2, n)."""
-        return np.array([[end.intensity == 0.0 for end in ends] for ends in (self.left, self.right)])
+        return np.asarray(self.intensities == 0.0)
 
     @property
     def follow_ends(self) -> bool:

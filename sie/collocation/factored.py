@@ -24,15 +24,9 @@ class Factored:
     size_of_rows: Array = field(default_factory=lambda: np.zeros(0))
     rows: Array | None = field(default=None, repr=False)
 
-    iteration = None
-
     @staticmethod
     def of(matrix: Array) -> Factored:
         return Factored(*lu_factor(matrix, check_finite=False))
-
-    @property
-    def direct(self) -> Factored:
-        return self
 
     @property
     def size(self) -> int:

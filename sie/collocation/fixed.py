@@ -118,11 +118,6 @@ class State(Solved):
         return intensity_rounding(self)
 
     @cached_property
-    def coefficient_noise(self) -> Array:
-        """Rounding of what each zone's coefficients add up to."""
-        return np.asarray(self.intensity_noise.max(axis=0) / edge_scale(self.density.zones.half))
-
-    @cached_property
     def size(self) -> float:
         """The largest coefficient of all zones."""
         return float(self.zone_sizes.max())
@@ -182,7 +177,8 @@ class State(Solved):
         """The same, but not more than ten times the residual, which would show them: a series may fall faster towards its end."""
         missing = self.left_out.copy()
         solved = self.density.zones.solved
-        missing[solved] = np.minimum(missing[solved], 10 * np.maximum(self._residual, self._beside_ends))
+        beside = beside_ends(self.kept[solved], lambda places, theta: self._residuals_at(solved[places], theta))
+        missing[solved] = np.minimum(missing[solved], 10 * np.maximum(self._residual, beside))
         if self.density.zones.symmetric:
             missing[: len(missing) // 2] = missing[::-1][: len(missing) // 2]
         return missing
@@ -251,12 +247,6 @@ class State(Solved):
         """Residual of the equation times sqrt(1 - t^2) at a few points of every solved zone, no nodes."""
         return self._residuals_at(self.density.zones.solved, np.broadcast_to(THETA, (len(self.density.zones.solved), LOOKS)))
 
-    @cached_property
-    def _beside_ends(self) -> Array:
-        """See `beside_ends`, of the solved zones."""
-        solved = self.density.zones.solved
-        return beside_ends(self.kept[solved], lambda places, theta: self._residuals_at(solved[places], theta))
-
     def _residuals_at(self, solved: Index, theta: Array) -> Array:
         """Residual of the equation times sqrt(1 - t^2) on zones (n,) at angles (n, points)."""
         system, zones = self.system, self.density.zones
@@ -302,8 +292,9 @@ def residual_error(residuals: Array, size: float, coupled: Index, rounding: Arra
     return float((beyond + high + 5e-16 * coupled).max())
 
 
-def first_sizes(equation: Equation, zones: Zones) -> Sizes:
-    """Modes to begin with: a few to resolve columns and regular kernels, else as many as the distances ask for."""
+def first_sizes(equation: Equation, zones: Zones, tolerance: float = 0.0) -> Sizes:
+    """Modes to begin with: a few to resolve columns and regular kernels, else as many as the distances ask for; and the tolerance, where
+    nothing but that is asked for, which an iteration need not go far below."""
     least: int | Index
     panels = panels_over(equation.kernel, zones)
     if panels is not None and all(column.modes is not None for column in equation.columns):
@@ -312,27 +303,21 @@ def first_sizes(equation: Equation, zones: Zones) -> Sizes:
         least = modes.least(zones, equation.kernel)
     else:
         least = max((column.modes or 0 for column in equation.columns), default=0)
-    return Sizes(modes.own_at_first(zones, equation.forcing.singular_at, equation.kernel.period), least)
+    own = modes.own_at_first(zones, equation.forcing.singular_at, equation.kernel.period)
+    return Sizes(own, least, linear=_OF_ITERATION * tolerance)
 
 
-def sizes_for(equation: Equation, zones: Zones, tolerance: float) -> Sizes:
-    """The same where nothing but a tolerance is asked for, which an iteration need not go far below."""
-    return replace(first_sizes(equation, zones), linear=_OF_ITERATION * tolerance)
-
-
-def sizes_of(sizes: Sizes, equation: Equation, zones: Zones) -> Sizes:
-    """Modes to begin with, from those of a solution on about the same zones; of no more than the first ones, if these are others."""
-    if len(sizes.own) != len(zones):
+def sizes_like(left: Sizes, equation: Equation, zones: Zones, last: bool) -> Sizes:
+    """Modes to begin with, from those of a solution on about the same zones, of no more than the first ones, if these are others. last: it
+    was the last one with these, and what it has left is taken on, on zones most of which are about the same."""
+    alike = len(left.own) == len(zones)
+    if last:
+        # Which gaps were slits is counted by zones.
+        kept = {name: getattr(left, name) for name in ("carried", "solves", "primitive_rounding")}
+        return replace(first_sizes(equation, zones), joined=left.joined if alike else None, **kept)
+    if not alike:
         return first_sizes(equation, zones)
-    return Sizes(sizes.own, sizes.least, primitive_rounding=sizes.primitive_rounding, wide=sizes.wide and replace(sizes.wide, carried=None))
-
-
-def sizes_after(sizes: Sizes, equation: Equation, zones: Zones) -> Sizes:
-    """Modes to begin with, and what the last solve has left, on zones most of which are about the same."""
-    kept = {name: getattr(sizes, name) for name in ("carried", "solves", "primitive_rounding")}
-    # Which gaps were slits is counted by zones.
-    joined = sizes.joined if len(sizes.own) == len(zones) else None
-    return replace(first_sizes(equation, zones), joined=joined, **kept)
+    return Sizes(left.own, left.least, primitive_rounding=left.primitive_rounding, wide=left.wide and replace(left.wide, carried=None))
 
 
 def solve_fixed(
@@ -376,7 +361,7 @@ def solve_fixed(
     """
     equation.check_count(zones)
     if sizes is None:
-        sizes = sizes_for(equation, zones, tolerance)
+        sizes = first_sizes(equation, zones, tolerance)
     if sizes.solves == 0:
         look_at(equation, zones)
     kernel = equation.kernel
@@ -461,7 +446,7 @@ def _solve_iterated(
     sizes.kernel_evaluations += solver.iterations * system.sums.size
     solver.tolerance = 0.0
     state = _state(system, solver, folded, solver.equations, np.ones(solver.size - solver.equations), samples, sizes)
-    sizes.carried = Carried.of(coarse, system, state.unknowns)
+    sizes.carried = Carried.of(coarse, system, state.unknowns, {})
     return state
 
 
@@ -476,7 +461,7 @@ def _state(
     tail = np.maximum(field_tails(system, y, density), system.source_tails)
     if system.zones.symmetric:
         tail = np.maximum(tail, tail[::-1])
-    left_over = solver.iteration.error if solver.iteration is not None else np.zeros(len(system.zones))
+    left_over = solver.error if isinstance(solver, Iterative) else np.zeros(len(system.zones))
     return State(density, system, solver, y, folded, conditions_from, scale, truncation, tail, left_over, sizes)
 
 

@@ -19,7 +19,7 @@ from sie.collocation import modes
 from sie.collocation.modes import felt
 from sie.collocation.system import System, condition_rows
 from sie.collocation.zone_sums import ZoneSums
-from sie.equation.conditions import ByZone, Linear, by_zone, speaks_of_levels
+from sie.equation.conditions import ByZone, Linear, Rows, by_zone, speaks_of_levels
 from sie.equation.equation import Equation
 from sie.fast.far import reaches
 from sie.fast.hierarchical import Inverse
@@ -147,14 +147,16 @@ class IterativeSystem(System):
 
     @cached_property
     def level_constants(self) -> Array:  # type: ignore[override]
-        known = self._with_own(self.layout.flat(self.known), self.known_field[2])
-        return self.known_field[1] + known - self._forcing_means()
+        return self.known_field[1] + self._known_rest - self._forcing_means()
 
     @cached_property
     def step_constants(self) -> Array:
         """Differences of `level_constants` between neighbours, with the digits that the values have lost."""
-        known = self._with_own(self.layout.flat(self.known), self.known_field[2])
-        return np.diff(self.known_field[1]) + np.diff(known) - self._forcing_differences()
+        return np.diff(self.known_field[1]) + np.diff(self._known_rest) - self._forcing_differences()
+
+    @property
+    def _known_rest(self) -> Array:
+        return self._with_own(self.layout.flat(self.known), self.known_field[2])
 
     @property
     def integrated(self) -> bool:
@@ -237,7 +239,7 @@ class IterativeSystem(System):
 
 
 @record
-class Applied:
+class Applied(Rows):
     """What conditions may ask for (`conditions.Rows`), with rows already applied to one set of unknowns: one column. edges: K at both ends
     of the solved zones (2, n), where the unknowns do not tell it."""
 
@@ -252,7 +254,7 @@ class Applied:
         return self.middle + self.rest
 
     @property
-    def zones(self) -> Zones:
+    def zones(self) -> Zones:  # type: ignore[override]
         return self.system.zones
 
     def totals(self) -> Linear:
@@ -286,9 +288,6 @@ class Applied:
 
     def amplitude(self, k: int) -> Linear:
         return self.y[[[self.system.layout.amplitude(k)]]], np.zeros(1)
-
-    def multiplicity(self) -> Array:
-        return self.system.multiplicity()
 
 
 class CoarseOperator:
@@ -376,33 +375,28 @@ class TwoLevelPreconditioner:
 
     def _responses(self) -> Array:
         """Folded unknowns that a unit of the constant and of each amplitude bring along, in columns."""
-        system = self.system
-        columns, with_constant = system.layout.columns, self.levels
-        out = np.zeros((system.symmetry.size, columns + with_constant))
+        system, with_constant = self.system, int(self.levels)
+        out = np.zeros((system.symmetry.size, system.layout.columns + with_constant))
         if with_constant:
-            out[self.first, 0] = self._from_levels(np.ones(len(self.first)))
-        for k in range(columns):
-            place = k + with_constant
-            out[self.amplitudes[k], place] = 1.0
-            out[self.rest, place] = -system.column_rows[k][system.kept]
-            if self.levels:
-                out[self.first, place] = self._from_levels(system.column_means[k])
-            else:
-                self._close(out[:, place], np.zeros(len(self.first)))
+            self._close(out[:, 0], np.ones(len(self.first)))
+        for k, column in enumerate(out.T[with_constant:]):
+            column[self.amplitudes[k]] = 1.0
+            column[self.rest] = -system.column_rows[k][system.kept]
+            self._close(column, system.column_means[k] if self.levels else np.zeros(len(self.first)))
         return out
 
     def _close(self, folded: Array, wanted: Array) -> None:
-        """Sets c_0 of every zone so that what the zone has of its own, which is no level, is as wanted."""
+        """Sets c_0 of every zone so that its level, or what else it has of its own, is as wanted."""
         system = self.system
+        if self.levels:
+            assert self.coarse is not None
+            folded[self.first] = self.coarse.inverse(wanted)
+            return
         view = Applied(system, system.symmetry.unfold(folded), np.zeros(0), np.zeros(0))
         if self.own is not None and self.closed is not None:
             folded[self.first] = (wanted - self.closed.rows(view)[0][:, 0]) / self.own.first
             return
         folded[self.first[self.held]] = (wanted - view.held()[0][:, 0]) / edge_scale(system.zones.half[system.zones.solved[self.held]])
-
-    def _from_levels(self, levels: Array) -> Array:
-        assert self.coarse is not None
-        return self.coarse.inverse(levels)
 
     def _scalars(self, folded: Array) -> Array:
         """The conditions that are single rows, and what ties the constant where levels are absolute."""
@@ -426,10 +420,8 @@ class TwoLevelPreconditioner:
         out = np.zeros(system.symmetry.size)
         out[self.rest] = -right[:equations]
         if self.own is not None and self.levels:
-            levels = here / self.own.levels
-            out[self.first] = self._from_levels(levels if self.absolute else np.concatenate(([0.0], np.cumsum(levels))))
-        else:
-            self._close(out, here)
+            here = here / self.own.levels if self.absolute else np.concatenate(([0.0], np.cumsum(here / self.own.levels)))
+        self._close(out, here)
         if self._basis.shape[1]:
             small, wanted = self._small.copy(), conditions[self.other_rows]
             missing = self._scalars(out)
@@ -454,12 +446,6 @@ class Iterative:
         self.equations = len(system.diagonal)
         self.error = np.zeros(len(system.zones))
         self.iterations = 0
-
-    direct = None
-
-    @property
-    def iteration(self) -> "Iterative":
-        return self
 
     @property
     def size(self) -> int:

@@ -12,6 +12,7 @@ from sie.basis.chebyshev import bounded_part
 from sie.basis.data import Array, by_rows
 from sie.basis.interval import edge_scale
 from sie.basis.zones import Zones
+from sie.collocation.factored import Factored
 from sie.collocation.modes import conformal_radius, gaps
 from sie.collocation.solved import Solved
 from sie.equation.conditions import speaks_of_levels
@@ -93,16 +94,19 @@ def _through_rows(state: Solved) -> Array:
     (left, _), (right, _) = system.intensities()
     rows = system.symmetry.fold(np.concatenate((left, right)))
     effect = solver.transposed(rows.T)
-    rounding, of_levels = EPS * solver.size_of_rows, state.level_rows.any(axis=1)
-    squares = np.zeros(len(rows))
-    if of_levels.any():
-        rounding[state.conditions_from :][of_levels] = 0.0
-        levels = np.broadcast_to(_level_noise(state), (len(zones.solved),))
-        squares += levels**2 @ (state.level_rows.T @ effect[state.conditions_from :]) ** 2
-    squares += rounding**2 @ effect**2
+    rounding, levels = _of_rows(state, solver)
+    squares = rounding**2 @ effect**2 + levels**2 @ (state.level_rows.T @ effect[state.conditions_from :]) ** 2
     out = np.zeros((2, len(zones)))
     out[:, zones.solved] = np.sqrt(squares).reshape(2, -1)
     return np.maximum(out, out[::-1, ::-1]) if zones.symmetric else out
+
+
+def _of_rows(state: Solved, solver: Factored) -> tuple[Array, Array]:
+    """Rounding of the rows, but for those that speak of levels, and of the levels of the solved zones, from which these have theirs."""
+    rounding, of_levels = EPS * solver.size_of_rows, state.level_rows.any(axis=1)
+    rounding[state.conditions_from :][of_levels] = 0.0
+    count = len(state.density.zones.solved)
+    return rounding, np.broadcast_to(_level_noise(state), (count,)) if of_levels.any() else np.zeros(count)
 
 
 def density_rounding(state: Solved) -> float:
@@ -117,12 +121,9 @@ def density_rounding(state: Solved) -> float:
     if solver is None:
         return float(np.max(_of_levels(state) / edge_scale(zones.half)))
     chance = np.random.default_rng(0)
-    shaken = EPS * solver.size_of_rows[:, None] * chance.standard_normal((solver.size, _SHAKEN))
-    of_levels = state.level_rows.any(axis=1)
-    if of_levels.any():
-        levels = chance.standard_normal((_SHAKEN, len(zones.solved))).T
-        levels *= np.broadcast_to(_level_noise(state), (len(zones.solved),))[:, None]
-        shaken[state.conditions_from :][of_levels] = state.level_rows[of_levels] @ levels
+    rounding, levels = _of_rows(state, solver)
+    shaken = rounding[:, None] * chance.standard_normal((solver.size, _SHAKEN))
+    shaken[state.conditions_from :] += state.level_rows @ (levels[:, None] * chance.standard_normal((_SHAKEN, len(levels))).T)
     changes = [system.layout.padded(state.symmetry.unfold(change)) for change in solver(shaken).T]
     largest = _largest(np.concatenate(changes)).reshape(_SHAKEN, -1).max(axis=1)
     return SAFETY * float(np.sqrt(np.mean(largest**2)))

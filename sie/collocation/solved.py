@@ -77,17 +77,17 @@ class Carried:
     amplitudes: Array
 
     @classmethod
-    def of(cls, coarse: CoarseOperator | None, system: System, y: Array, slits: tuple[tuple[int, Array], ...] = ()) -> Carried:
-        """slits: zones that have some, and what these add to their coefficients."""
+    def of(cls, coarse: CoarseOperator | None, system: System, y: Array, slits: dict[int, Array]) -> Carried:
+        """slits: what those of zones that have some add to their coefficients."""
         coupled, zones = system.layout, system.zones
         m = coupled.m.copy()
-        for zone, s in slits:
+        for zone, s in slits.items():
             m[zone] = max(m[zone], len(s) - 1)
         layout, totals = Layout(m, 0), zones.half * (y[coupled.offset] + system.known[:, 0])
         at = np.repeat(layout.offset - coupled.offset, coupled.m + 1) + np.arange(coupled.coefficients)
         field = np.zeros(layout.size)
         field[at] = (coupled.flat(system.lowest) + y)[: coupled.coefficients]
-        for zone, s in slits:
+        for zone, s in slits.items():
             first = int(layout.offset[zone])
             field[first + coupled.m[zone] + 1 : first + len(s)] = s[coupled.m[zone] + 1 :]
         return cls(coarse, zones.middle, zones.half, totals, field, layout, y[coupled.coefficients :])
@@ -124,7 +124,7 @@ class Carried:
         return np.where(place >= 0, self.totals[place], np.bincount(within, self.totals, minlength=len(middle) + 1)[:-1])
 
 
-# What solves the assembled rows for further right sides: by their factors, or by iteration. direct, iteration: itself, where it does so.
+# What solves the assembled rows for further right sides: by their factors, or by iteration.
 Solver = Factored | Iterative
 
 
@@ -224,7 +224,7 @@ class Solved(Answered):
     @property
     def levels(self) -> Array:
         """Level of each solved zone: mean of potential minus the primitive of the right side."""
-        return self.system.level_values(self.unknowns)
+        return self.system.level_changes(self.unknowns) + self.system.level_constants
 
     def level_rates(self, values: Array) -> Array:
         """Change of the levels by unit changes of the side conditions' values."""
@@ -238,12 +238,12 @@ class Solved(Answered):
     @property
     def direct(self) -> Factored | None:
         """The solver, where it has a matrix."""
-        return self.solver.direct
+        return self.solver if isinstance(self.solver, Factored) else None
 
     @property
     def iteration(self) -> Iterative | None:
         """The solver, where it iterates."""
-        return self.solver.iteration
+        return self.solver if isinstance(self.solver, Iterative) else None
 
     @property
     def field_tail(self) -> float:

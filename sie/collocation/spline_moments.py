@@ -13,6 +13,7 @@ coefficients of the jumps' parts included.
 import numpy as np
 
 from sie.basis.data import Array, Index, legendre
+from sie.basis.interval import sides
 from sie.basis.sums import waves
 from sie.basis.zones import Zones
 from sie.equation.equation import Forcing
@@ -45,7 +46,7 @@ def coefficients(forcing: Forcing, zones: Zones, jumps: ForcingJumps, chosen: In
     rules = [rule(jumps, int(zone), int(m[zone])) for zone in chosen]
     first = np.cumsum([0, *(len(theta) for theta, _ in rules)])
     theta, weights = (np.concatenate(parts) for parts in zip(*rules, strict=True))
-    left, right = 2 * np.cos(0.5 * theta) ** 2, 2 * np.sin(0.5 * theta) ** 2
+    left, right = sides(theta)
     zone = np.repeat(chosen, np.diff(first))
     x = np.where(left <= right, zones.a[zone] + zones.half[zone] * left, zones.b[zone] - zones.half[zone] * right)
     turned = (2 / np.pi) * np.asarray(forcing.value(x), dtype=float) * np.sin(theta) * weights

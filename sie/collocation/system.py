@@ -23,8 +23,8 @@ from sie.basis.kernels import Kernel, regular_size
 from sie.basis.zones import Zones
 from sie.collocation.spline_moments import coefficients as coefficients_between
 from sie.collocation.spline_moments import many_jumps
-from sie.density.moments import moments_of
-from sie.equation.conditions import Linear, Rows, asked, multiplicity, speaks_of_levels
+from sie.density.series import moments_of
+from sie.equation.conditions import Linear, Rows, asked, speaks_of_levels
 from sie.equation.equation import Equation
 from sie.fast.panels import TERMS, Panels, Spread, panels_over
 from sie.jumps.forcing import ForcingJumps
@@ -167,18 +167,11 @@ def _add_regular(out: Array, zones: Zones, kernel: Kernel, x: Array, layout: Lay
         moments = _panel_moments(zones, panels, layout, potential)
         out[:, : layout.coefficients] += panels.at(Spread.of(panels, x), moments, potential)
         return
-    sizes = np.array([regular_size(kernel, w, int(m)) for w, m in zip(zones.half, layout.m, strict=True)])
-    for m in np.unique(layout.m):
-        for q in np.unique(sizes[layout.m == m]):
-            sources = np.flatnonzero((layout.m == m) & (sizes == q))
-            xi = zones.middle[sources][:, None] + zones.half[sources][:, None] * chebyshev.gauss(int(q))
-            values = regular(x[:, None, None], xi)
-            count = min(int(m), int(q) - 1) + 1
-            block = chebyshev.t_means(values, count)
-            if not potential:
-                block *= zones.half[sources][:, None]
-            columns = layout.offset[sources][:, None] + np.arange(count)
-            out[:, columns] += block
+    for middle, w, m, first in zip(zones.middle, zones.half, layout.m.tolist(), layout.offset, strict=True):
+        q = regular_size(kernel, w, m)
+        count = min(m, q - 1) + 1
+        block = chebyshev.t_means(regular(x[:, None], middle + w * chebyshev.gauss(q)), count)
+        out[:, first : first + count] += block if potential else w * block
 
 
 def _panel_moments(zones: Zones, panels: Panels, layout: Layout, over_width: bool) -> Array:
@@ -194,7 +187,7 @@ def _panel_moments(zones: Zones, panels: Panels, layout: Layout, over_width: boo
     return out
 
 
-class System:
+class System(Rows):
     """The rows of the equation over the unknowns, for given zones, and what side conditions ask for (see `Rows`).
 
     coefficients: smooth part of the right side, U coefficients g_k at [:, k], for all zones.
@@ -306,9 +299,6 @@ class System:
         return MirrorSymmetry.of(self.zones, self.layout)
 
     # what conditions ask for ----------------------------------------------------------------------------------------
-    def multiplicity(self) -> Array:
-        return multiplicity(self.zones)
-
     def _zero_rows(self) -> Array:
         return np.zeros((len(self.zones.solved), self.layout.size))
 
@@ -393,10 +383,6 @@ class System:
         """Whether a condition speaks of levels."""
         return any(speaks_of_levels(c, self.zones) for c in self.equation.conditions)
 
-    def level_values(self, y: Array) -> Array:
-        """Levels of the zones for unknowns y."""
-        return self.level_changes(y) + self.level_constants
-
     @property
     def level_constants(self) -> Array:
         return self.levels()[1]
@@ -404,11 +390,6 @@ class System:
     def level_changes(self, y: Array) -> Array:
         """What unknowns y add to the levels."""
         return np.asarray(self.levels()[0] @ y)
-
-    def level_steps(self) -> Linear:
-        """See `Rows`."""
-        matrix, constants = self.levels()
-        return np.diff(matrix, axis=0), np.diff(constants)
 
     @property
     def integrated(self) -> bool:

@@ -1,16 +1,15 @@
 """The answer: a density on zones that evaluates anywhere, on and off the zones, as accurately as at its nodes."""
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from sie.basis.data import Array, Mask
-from sie.density.field import CHUNK, from_zones, regular_at
+from sie.basis.data import Array, Mask, by_rows
 from sie.density.plane import Plane
-from sie.density.series import Series
+from sie.density.series import CHUNK, Series, from_zones, regular_at
 from sie.density.treecode import Treecode
 from sie.fast.far import reaches
 
@@ -86,9 +85,8 @@ class Density(Series):
             # The far sums of such a kernel have its regular part.
             regular = None if self.kernel.sure else regular
         else:
-            out, block = np.zeros(flat.shape), max(1, CHUNK // len(zone))
-            for s in range(0, len(flat), block):
-                out[s : s + block] = from_zones(self, flat[s : s + block, None], zone, shift, potential).sum(axis=1)
+            every = partial(from_zones, self, zone=zone, shift=shift, potential=potential)
+            out = by_rows(lambda some: every(some[:, None]).sum(axis=1), flat, most=max(1, CHUNK // len(zone)))
         return (out if regular is None else out + regular_at(self, flat, regular)).reshape(x.shape)
 
     @cached_property

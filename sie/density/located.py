@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from sie.basis.data import Array, Complex, Index, Kept, Mask, nearest_image, wrapped
-from sie.basis.interval import What, by_angle
+from sie.basis.interval import What, by_angle, edge_scale
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
 
@@ -22,6 +22,8 @@ class Located(Kept):
         def zones(self) -> Zones: ...
         @property
         def kernel(self) -> Kernel: ...
+        @property
+        def edge_slopes(self) -> tuple[Array, Array]: ...
         @property
         def plane(self) -> Callable[[Complex, What], Complex]:
             """The density at complex points."""
@@ -41,18 +43,25 @@ class Located(Kept):
 
     def at_t(self, zone: ArrayLike, t: ArrayLike) -> Array:
         """Density at normalised positions t in [-1, 1] of zones."""
-        t = real_of(t)
+        t = np.asarray(t, dtype=float)
         return self.at(zone, 1 + t, 1 - t)
 
     def by_angle(self, zone: ArrayLike, angle: Array) -> tuple[Array, Array]:
         """(density, its derivative by the angle) at angles of zones, t = cos(angle), by close differences."""
         return by_angle(lambda left, right: self.at(zone, left, right), angle)
 
+    def following(self, zone: Any, angle: Array) -> tuple[Array, Array, Array]:
+        """Sizes of the density at angles of zones, and of what motions of their left, of their right ends change it by there: see
+        `Density.sensitivity`."""
+        (value, slope), half = self.by_angle(zone, angle), np.tan(0.5 * angle)
+        at_left, at_right = (one[zone] * edge_scale(self.zones.half[zone]) for one in self.edge_slopes)
+        return np.abs(value), np.abs((slope + at_left) * half), np.abs((slope - at_right) / half)
+
     def locate(self, x: ArrayLike) -> tuple[Array, Index, Mask]:
         """(x moved by periods to lie right of the first zone's left end, index of the last zone that starts before it,
         whether it is inside that zone)."""
         zones = self.zones
-        place = wrapped(real_of(x), zones.a[0], self.kernel.period)
+        place = wrapped(np.asarray(x, dtype=float), zones.a[0], self.kernel.period)
         i = np.asarray(np.maximum(np.searchsorted(zones.a, place, side="right") - 1, 0))
         return place, i, np.asarray((place >= zones.a[i]) & (place <= zones.b[i]))
 
@@ -71,7 +80,7 @@ class Located(Kept):
     def transform(self, x: ArrayLike) -> NDArray[Any]:
         """(1/pi) PV int phi K dxi at x (any shape), on and off the zones; infinite at a singular end. At complex x what it is
         continued to, F(x) (see `plane`); there a zero imaginary part is the upper side of the line."""
-        return self._in_plane(x, "transform") if np.iscomplexobj(x) else self._on_line(real_of(x), False)
+        return self._in_plane(x, "transform") if np.iscomplexobj(x) else self._on_line(np.asarray(x, dtype=float), False)
 
     def potential(self, x: ArrayLike) -> NDArray[Any]:
         """(1/pi) int phi Lambda dxi at x (any shape), on and off the zones. At complex x the complex potential W, W' = F, whose real part
@@ -81,7 +90,7 @@ class Located(Kept):
             return self._in_plane(x, "potential")
         if self.kernel.regular is not None and self.kernel.regular_potential is None:
             raise ValueError("the regular kernel has no potential")
-        return self._on_line(real_of(x), True)
+        return self._on_line(np.asarray(x, dtype=float), True)
 
     def _on_line(self, x: Array, potential: bool) -> Array:
         """Transform or potential at real x."""
@@ -96,7 +105,3 @@ class Located(Kept):
         out, finite = np.full(points.shape, complex(np.nan, np.nan)), np.isfinite(points)
         out[finite] = self.plane(points[finite], what)
         return out
-
-
-def real_of(x: ArrayLike) -> Array:
-    return np.asarray(x, dtype=float)

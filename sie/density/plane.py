@@ -22,8 +22,7 @@ from sie.basis.data import Array, Index
 from sie.basis.interval import Complex, InPlane, Outside, What, complex_of, of_t, transform_of, transform_slope_of
 from sie.basis.kernels import Regular
 from sie.basis.sums import Grouped, pair_blocks
-from sie.density.field import by_quadrature
-from sie.density.series import Series
+from sie.density.series import Series, by_quadrature
 from sie.fast.far import Nested
 from sie.fast.tree import SEPARATION, TERMS, Tree
 from sie.jumps.forcing import ForcingJumps
@@ -54,7 +53,7 @@ class Plane:
         """At points z (n,) that `Density.into_period` has not seen yet."""
         x, y = z.real, np.abs(z.imag)
         place = self.density.into_period(x)
-        out = self._poles(place, y, what)
+        out = self.poles(place, y, what)
         regular = self._regular(complex_of(place, y), what)
         out = out if regular is None else out + regular
         if what == "potential":
@@ -65,8 +64,8 @@ class Plane:
         return np.where(z.imag < 0, np.conj(out), out)
 
     # the poles ------------------------------------------------------------------------------------------------------
-    def _poles(self, x: Array, y: Array, what: What) -> Complex:
-        """By the tree: from its root down to where a node is far, or one zone."""
+    def poles(self, x: Array, y: Array, what: What) -> Complex:
+        """What those of the kernel do at x + i y, by the tree: from its root down to where a node is far, or one zone."""
         tree, datum = self.nested.tree, self.density.kernel.datum
         lo, hi, half = tree.lo, tree.hi, tree.half
         out = np.zeros(len(x), dtype=complex)
@@ -117,8 +116,12 @@ class Plane:
         for here in pair_blocks(len(near), max(1, len(k))):
             some = seen[near[here]]
             value = of_jumps(jumps, k, some, what) + jumps.near.in_plane(jumps.near.of(zone), some, what)
-            if zone in jumps.splines:
-                value = value + self._spline(zone, some, what)
+            spline = jumps.splines.get(zone)
+            if spline is not None and what == "potential":
+                c, row = spline.t_coefficients(min(_OF_SPLINES * len(spline.knots), 1 << 15))[None], np.zeros(len(value), dtype=np.intp)
+                value = value + of_t(c, some, np.ones(len(row)), 1.0, row, what)
+            elif spline is not None:
+                value = value + spline.in_plane(some, what)
             out[near[here]] = value
         if what == "potential":
             # Of T_l series the logarithm of w is in already.
@@ -130,14 +133,6 @@ class Plane:
     @cached_property
     def _of_jumps(self) -> Array:
         return self.density.jumps.t_coefficients(self.density.zones, _OF_JUMPS)
-
-    def _spline(self, zone: int, seen: InPlane, what: What) -> Complex:
-        spline = self.density.jumps.splines[zone]
-        if what == "potential":
-            c = spline.t_coefficients(min(_OF_SPLINES * len(spline.knots), 1 << 15))[None]
-            row = np.zeros(len(seen.left), dtype=np.intp)
-            return of_t(c, seen, np.ones(len(row)), 1.0, row, what)
-        return spline.in_plane(seen, what)
 
     # the rest of the kernel -----------------------------------------------------------------------------------------
     def _regular(self, z: Complex, what: What) -> Complex | None:

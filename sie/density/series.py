@@ -1,18 +1,23 @@
-"""A density zone by zone: its coefficients and jumps, what they make of it on its zones, and what sums over zones read of it."""
+"""A density zone by zone: its coefficients and jumps, what they make of it on its zones, and what zones and their images do on the line.
 
-from dataclasses import dataclass
+What a zone, or one moved by one of the kernel's poles, does on itself and off it `sie.basis.interval` knows. The rest of the kernel is
+finished by quadrature.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from sie.basis import chebyshev, interval
 from sie.basis.data import Array, Index, widened
-from sie.basis.kernels import Kernel
+from sie.basis.kernels import Kernel, Regular, regular_size
 from sie.basis.zones import Zones
-from sie.density.located import Located, real_of
-from sie.density.moments import moments_of, quadrature
-from sie.fast.panels import Panels, panels_over
+from sie.density.located import Located
+from sie.fast.panels import Panels, Spread, panels_over
 from sie.jumps.forcing import ForcingJumps
 
 # Distance from a singular end, over the half width, within which errors of the density are not asked for.
@@ -21,8 +26,8 @@ _BESIDE = 0.01
 _MOST_PLACES = 2**14
 # Most angles of a zone at which it is looked how the density follows the ends, and kinks beside which it is.
 LOOKS, _KINKS = 256, 32
-# Of all that the coefficients of a zone's density bend it by, what the last ones may be left out with.
-_TOLD = 1e-6
+# Largest number of (point, source) pairs handled at once: bounds the memory of an evaluation.
+CHUNK = 16_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,43 +110,28 @@ class Series(Located):
 
             eps (1 + t) phi'(t) + K's part = -eps cot(theta/2) (phi_theta(theta) - phi_theta(0)).
         """
-        peak, by_left, by_right = np.zeros((3, len(self.zones)))
-        alpha, beta, u = self.bounded
-        counts = np.minimum(self.sampling, LOOKS)
-        edge_left, edge_right = self.jumps.edge_slopes(self.zones)
+        none, out = np.zeros(len(self.zones)), np.zeros((3, len(self.zones)))
+        bounded, counts = replace(self, edges=(none, none)), np.minimum(self.sampling, LOOKS)
+        plain = replace(bounded, jumps=ForcingJumps.none()) if len(self.jumps) else bounded
         for n in np.unique(counts):
-            group = np.flatnonzero(counts == n)
-            theta = (np.arange(n) + 0.5) * np.pi / n
-            bends = np.abs(u[group]).max(axis=0) * np.arange(1, u.shape[1] + 1)
-            left = np.cumsum(bends[::-1])[::-1]
-            k = np.arange(1, 1 + np.count_nonzero(left > _TOLD * left[:1]))
-            angle, sums = theta[:, None] * k, u[group][:, : len(k)].T
-            value, slope = np.sin(angle) @ sums, np.cos(angle) @ (k[:, None] * sums)
-            at_left = -(k * (1.0 - 2.0 * (k % 2))) @ sums + edge_left[group]
-            at_right = k @ sums + edge_right[group]
-            half = np.tan(0.5 * theta)[:, None]
-            peak[group] = np.abs(value).max(axis=0)
-            by_right[group] = np.abs((slope - at_right) / half).max(axis=0)
-            by_left[group] = np.abs((slope + at_left) * half).max(axis=0)
-            for column, i in enumerate(group.tolist()):
-                if i not in self.jumps.by_zone:
-                    continue
-                peak[i] = np.abs(value[:, column] + self.jumps.density(i, 1 + np.cos(theta), 1 - np.cos(theta))).max()
-                beside = beside_kinks(*self.jumps.sharpest(i), theta)
-                left, right = 2 * np.cos(0.5 * beside) ** 2, 2 * np.sin(0.5 * beside) ** 2
-                bent = np.cos(beside[:, None] * k) @ (k * sums[:, column]) + self.jumps.angular_slope(i, left, right)
-                tangent = np.tan(0.5 * beside)
-                by_right[i] = np.abs((bent - at_right[column]) / tangent).max(initial=0.0)
-                by_left[i] = np.abs((bent + at_left[column]) * tangent).max(initial=0.0)
+            group, theta = np.flatnonzero(counts == n), (np.arange(n) + 0.5) * np.pi / n
+            out[:, group] = [each.max(axis=1) for each in plain.following(group[:, None], theta[None])]
+            for i in group.tolist() if len(self.jumps) else ():
+                if i in self.jumps.by_zone:
+                    beside = beside_kinks(*self.jumps.sharpest(i), theta)
+                    out[0, i] = np.abs(bounded.at(i, *interval.sides(theta))).max()
+                    out[1:, i] = [each.max(initial=0.0) for each in bounded.following(i, beside)[1:]]
         # A zone held at one end spreads its load over another width as the other end moves.
-        edge = (np.abs(alpha) + np.abs(beta)) / np.sqrt(_BESIDE * (2 - _BESIDE))
-        return peak, by_left + edge, by_right + edge
+        alpha, beta = self.singular
+        out[1:] += (np.abs(alpha) + np.abs(beta)) / np.sqrt(_BESIDE * (2 - _BESIDE))
+        return out[0], out[1], out[2]
 
     # evaluation -----------------------------------------------------------------------------------------------------
     def at(self, zone: ArrayLike, left: ArrayLike, right: ArrayLike) -> Array:
         """Density at points given by zone index and the distances from the zone's ends over its half width
         (left + right = 2): no digit is lost near the ends."""
-        zone, left, right = np.broadcast_arrays(np.asarray(zone, dtype=np.intp), *map(real_of, (left, right)))
+        left, right = np.asarray(left, dtype=float), np.asarray(right, dtype=float)
+        zone, left, right = np.broadcast_arrays(np.asarray(zone, dtype=np.intp), left, right)
         # At an end where the density is bounded, the rounding of its intensity is not divided by zero.
         out = interval.values_on(*self.bounded, zone, left, right, self.zones.bounded)
         if len(self.jumps):
@@ -151,11 +141,10 @@ class Series(Located):
     def integral_at(self, zone: ArrayLike, angle: ArrayLike) -> Array:
         """Integral of the density from a zone's left end to the angle theta (t = cos theta), of densities with jumps of their own or
         none."""
-        zone, angle = np.broadcast_arrays(np.asarray(zone, dtype=np.intp), real_of(angle))
+        zone, angle = np.broadcast_arrays(np.asarray(zone, dtype=np.intp), np.asarray(angle, dtype=float))
         w, out = self.zones.half[zone], interval.integral_on(self.coefficients, zone, angle)
         if len(self.jumps):
-            left, right = 2 * np.cos(angle.ravel() / 2) ** 2, 2 * np.sin(angle.ravel() / 2) ** 2
-            out = out + self.jumps.integral(zone.ravel(), left, right).reshape(out.shape)
+            out = out + self.jumps.integral(zone.ravel(), *interval.sides(angle.ravel())).reshape(out.shape)
         return np.asarray(w * out)
 
     def integral(self, x: ArrayLike) -> Array:
@@ -179,10 +168,6 @@ class Series(Located):
         panels = panels_over(self.kernel, self.zones)
         return None if panels is None else (panels, moments_of(panels, self.zones, self.kernel, self.coefficients, self.jumps))
 
-    def own_transform(self, zone: Index, seen: interval.OnLine) -> Array:
-        """What the series of zones are transformed to on these, pair by pair."""
-        return interval.own_transform(self.coefficients, zone, seen.left, seen.right)
-
     @cached_property
     def potential_coefficients(self) -> Array:
         """Coefficients of all but `ForcingJumps.sharp_potential`, those over l = 1, 2, ... divided by l: for potentials."""
@@ -190,11 +175,6 @@ class Series(Located):
         table = widened(c, high.shape[1]) + widened(high, c.shape[1])
         table[:, 1:] /= np.arange(1, table.shape[1])
         return table
-
-    def own_potential(self, zone: Index, seen: interval.OnLine) -> Array:
-        """Potential of zones at points on them, all but `ForcingJumps.sharp_potential`, pair by pair."""
-        w = self.zones.half[zone]
-        return w * interval.own_potential(self.potential_coefficients, zone, seen.left, seen.right, w / self.kernel.datum)
 
     @cached_property
     def sharp_totals(self) -> Array:
@@ -215,3 +195,75 @@ def beside_kinks(left: Array, height: Array, theta: Array) -> Array:
     place = np.searchsorted(s, t)
     distance = np.minimum(np.abs(t - s[np.maximum(place - 1, 0)]), np.abs(t - s[np.minimum(place, len(s) - 1)]))
     return np.asarray(np.arccos(t[(distance > 0.999 * away) & (np.abs(t) < 1)]))
+
+
+def from_zones(density: Series, x: Array, zone: Index, shift: Array | float, potential: bool) -> Array:
+    """What zones moved by `shift` do at points by the poles of the kernel: pair by pair, all (n,), or, x (n, 1), at every point."""
+    zones, w, jumps = density.zones, density.zones.half[zone], density.jumps
+    seen = interval.OnLine.of(zones.beyond_a(x - shift, zone) / w, zones.before_b(x - shift, zone) / w)
+    if potential:
+        value = interval.potential_of(density.potential_coefficients, seen, w, density.kernel.datum, zone)
+    else:
+        value = interval.transform_of(*density.bounded, seen, zone)
+    if seen.any_on:
+        own = np.nonzero(seen.on)
+        of, half, left, right = zone[own[-1]], zones.half[zone[own[-1]]], seen.left[own], seen.right[own]
+        if potential:
+            value[own] = half * interval.own_potential(density.potential_coefficients, of, left, right, half / density.kernel.datum)
+        else:
+            value[own] = interval.own_transform(density.coefficients, of, left, right)
+    named = list(jumps.by_zone)
+    if named:
+        carried = np.zeros(len(zones), dtype=bool)
+        carried[named] = True
+        pairs = np.nonzero(np.broadcast_to(carried[zone], value.shape))
+        of, there = zone[pairs[-1]], seen[pairs]
+        if potential:
+            sharp = jumps.sharp_potential(of, there)
+            value[pairs] += zones.half[of] * (sharp + density.sharp_totals[of] * np.log(zones.half[of] / density.kernel.datum))
+        else:
+            value[pairs] += jumps.transform(of, there)
+    return np.asarray(value)
+
+
+def regular_at(density: Series, x: Array, regular: Regular) -> Array:
+    """The regular part of the kernel (or of its potential): through its panels, where it has some, else by Gauss-Chebyshev quadrature on
+    every zone."""
+    if density.panel_moments is not None:
+        panels, moments = density.panel_moments
+        return panels.at(Spread.of(panels, x), moments, regular is not density.kernel.regular)
+    return by_quadrature(density.quadrature, x, regular)
+
+
+def by_quadrature(parts: list[tuple[Array, Array]], x: NDArray[Any], regular: Callable[..., NDArray[Any]]) -> NDArray[Any]:
+    """Sums over nodes with weights, at real or complex points."""
+    out = np.zeros(x.shape, dtype=x.dtype)
+    for xi, weights in parts:
+        block = max(1, CHUNK // weights.size)
+        for s in range(0, len(x), block):
+            out[s : s + block] += regular(x[s : s + block, None], xi[None, :]) @ weights
+    return out
+
+
+def moments_of(panels: Panels, zones: Zones, kernel: Kernel, table: Array, jumps: ForcingJumps) -> Array:
+    """Moments of the panels of a density, see `quadrature`."""
+    nodes, weights = (np.concatenate(parts) for parts in zip(*quadrature(zones, kernel, table, jumps), strict=True))
+    return panels.moments(Spread.of(panels, nodes), weights)
+
+
+def quadrature(zones: Zones, kernel: Kernel, table: Array, jumps: ForcingJumps) -> list[tuple[Array, Array]]:
+    """(nodes, weights times density) for the regular part, of T coefficients (zones, n + 1) and jumps; zones of equal size together."""
+    m, panels = table.shape[1] - 1, panels_over(kernel, zones)
+    sizes = np.array([regular_size(kernel, w, m) for w in zones.half]) if panels is None else panels.modes(zones.half) + 2
+    found = []
+    for q in np.unique(sizes):
+        group = np.flatnonzero(sizes == q)
+        count = min(int(q), m + 1)
+        xi = zones.middle[group][:, None] + zones.half[group][:, None] * chebyshev.gauss(int(q))
+        c = table[group, :count]
+        if len(jumps):
+            count = int(q)
+            c = widened(c, count) + jumps.t_coefficients(zones, count)[group]
+        weights = chebyshev.t_values(c, int(q)) * (zones.half[group] / q)[:, None]
+        found.append((xi.ravel(), weights.ravel()))
+    return found

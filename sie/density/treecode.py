@@ -11,14 +11,13 @@ import numpy as np
 from numpy.polynomial.chebyshev import chebint
 
 from sie.basis.data import Array, numbered
-from sie.basis.interval import Outside, of_t
 from sie.basis.sums import stretches
 from sie.basis.zones import Zones
-from sie.density.field import from_zones
-from sie.density.series import Series
+from sie.density.plane import Plane
+from sie.density.series import Series, from_zones
 from sie.fast.far import FarSum, Nested
 from sie.fast.piecewise import clenshaw
-from sie.fast.tree import SEPARATION, TERMS, Tree
+from sie.fast.tree import TERMS, Tree
 
 # Largest number of (point, near zone) pairs handled at once.
 _BLOCK = 400_000
@@ -37,20 +36,13 @@ class Treecode:
         reach = 0.5 * period if period is not None else 1.5 * (last - first)
         self.ends = ends = _cells(zones, min(middle - reach, first), max(middle + reach, last))
         self.middle, self.half = 0.5 * (ends[1:] + ends[:-1]), 0.5 * np.diff(ends)
-        self.sources = sources = Nested(Tree.over(zones.a, zones.b, zones.rest), kept=False)
+        sources = Nested(Tree.over(zones.a, zones.b, zones.rest), kept=False)
         far = FarSum(sources, Nested(Tree.over(ends[:-1], ends[1:]), kept=False), density.kernel)
         near = far.near
         self.source, self.shift = near.source, near.shift
         self.start = np.searchsorted(near.target, np.arange(len(self.middle) + 1))
-        self.moments = density.first(TERMS) * zones.half[:, None] * np.where(np.arange(TERMS), 0.5, 1.0)
-        self.series, value, rest = far(self.moments)
+        self.series, value, rest = far(density.first(TERMS) * zones.half[:, None] * np.where(np.arange(TERMS), 0.5, 1.0))
         self.value = value + rest
-
-    @cached_property
-    def whole(self) -> Array:
-        """Coefficients of a density on the hull of all zones that does the same far away."""
-        twice = np.where(np.arange(TERMS), 2.0, 1.0)
-        return np.asarray(self.sources.upward(self.moments)[:1] * twice / self.sources.tree.half[0])
 
     @cached_property
     def potential_series(self) -> Array:
@@ -73,7 +65,9 @@ class Treecode:
         outside = ((cell < 0) | (x[order] > self.ends[-1])) & (self.density.kernel.period is None)
         beyond = order[outside]
         if len(beyond):
-            out[beyond] = self._beyond(x[beyond], potential)
+            # From the moments of all zones, but near an image one by one.
+            plane: Plane = self.density.plane  # type: ignore[assignment]
+            out[beyond] = plane.poles(x[beyond], np.zeros(len(beyond)), "potential" if potential else "transform").real
         order, cell = order[~outside], np.clip(cell[~outside], 0, len(self.middle) - 1)
         table = np.ascontiguousarray(series.T)
         for here in stretches(self.start[cell + 1] - self.start[cell] + 4, _BLOCK):
@@ -87,22 +81,6 @@ class Treecode:
             pair = numbered(count) + np.repeat(self.start[cells], count)
             near = from_zones(self.density, part[row], self.source[pair], self.shift[pair], potential)
             out[places] = value + np.bincount(row, near, minlength=len(part))
-        return out
-
-    def _beyond(self, x: Array, potential: bool) -> Array:
-        """Outside the cells of a kernel that has no period: from the moments of all zones, but near an image one by one."""
-        zones, datum = self.density.zones, self.density.kernel.datum
-        half = 0.5 * (zones.b[-1] - zones.a[0])
-        out = np.zeros(len(x))
-        for shift in self.density.kernel.poles:
-            left, right = x - (zones.a[0] + shift), (zones.b[-1] + shift) - x
-            e = np.maximum(-left, -right) / half
-            for k in np.flatnonzero(e < SEPARATION):
-                out[k] += from_zones(self.density, x[k, None, None], np.arange(len(zones)), shift, potential).sum()
-            far = np.flatnonzero(e >= SEPARATION)
-            seen = Outside(np.where(left[far] > 0, 1.0, -1.0), e[far])
-            widths, row = np.full(len(far), half), np.zeros(len(far), dtype=np.intp)
-            out[far] += of_t(self.whole, seen, widths, datum, row, "potential" if potential else "transform")
         return out
 
 

@@ -48,9 +48,8 @@ class Rows(Protocol):
     [0.25, 0.75]
     """
 
-    @property
-    def zones(self) -> Zones:
-        """The zones the system is assembled for."""
+    zones: Zones
+    """The zones the system is assembled for."""
 
     def totals(self) -> Linear:
         """Integral of the density over each zone."""
@@ -60,6 +59,8 @@ class Rows(Protocol):
 
     def level_steps(self) -> Linear:
         """Differences of the levels of neighbouring zones."""
+        matrix, constants = self.levels()
+        return np.diff(matrix, axis=0), np.diff(constants)
 
     def integrals(self, weight: Callable[[Array], Array], degree: int | None = None) -> Linear:
         """Integral of weight times density over each zone; degree: of a weight that is a polynomial on each."""
@@ -72,6 +73,10 @@ class Rows(Protocol):
 
     def multiplicity(self) -> Array:
         """How many zones each solved zone stands for: 2 for a mirrored pair, else 1."""
+        weight = np.ones(len(self.zones.solved))
+        if self.zones.symmetric:
+            weight[1 if self.zones.central else 0 :] = 2.0
+        return weight
 
 
 class Condition:
@@ -171,7 +176,7 @@ class ByZone:
 
 
 @record
-class Trial:
+class Trial(Rows):
     """What conditions may ask of c_0 / sqrt(1 - t^2) on every solved zone, and of levels that have nothing to do with it, all else being
     nothing; first, level: what unknowns make of both (solved zones, unknowns)."""
 
@@ -190,10 +195,6 @@ class Trial:
     def levels(self) -> Linear:
         return self.level, np.zeros(len(self.level))
 
-    def level_steps(self) -> Linear:
-        matrix, constants = self.levels()
-        return np.diff(matrix, axis=0), np.diff(constants)
-
     def integrals(self, weight: Callable[[Array], Array], degree: int | None = None) -> Linear:
         solved = self.zones.solved
         x = self.zones.middle[solved][:, None] + self.zones.half[solved][:, None] * chebyshev.gauss(_TRIED)
@@ -206,9 +207,6 @@ class Trial:
 
     def amplitude(self, k: int) -> Linear:
         return np.zeros((1, self.first.shape[1])), np.zeros(1)
-
-    def multiplicity(self) -> Array:
-        return multiplicity(self.zones)
 
 
 def by_zone(condition: Condition, zones: Zones) -> ByZone | None:
@@ -239,14 +237,6 @@ def by_zone(condition: Condition, zones: Zones) -> ByZone | None:
     if differences and not (every and np.abs(of_first).max() == 0.0 == np.abs(same).max()):
         return None
     return found if every or np.all(found.first != 0.0) else None
-
-
-def multiplicity(zones: Zones) -> Array:
-    """How many zones each solved zone stands for: 2 for a mirrored pair, else 1."""
-    weight = np.ones(len(zones.solved))
-    if zones.symmetric:
-        weight[1 if zones.central else 0 :] = 2.0
-    return weight
 
 
 def summed(system: Rows, of_zones: Linear, value: float) -> tuple[Array, Array, Array]:

@@ -62,25 +62,22 @@ class Nested:
         return self._all[:, :, nodes] if self.kept else self._made(nodes)
 
     def _made(self, nodes: slice) -> Array:
-        alpha, beta = self._place[0][nodes], self._place[1][nodes]
-        a = np.zeros((TERMS, TERMS, len(alpha)))
-        for start in range(0, len(alpha), _BLOCK):
-            here = slice(start, start + _BLOCK)
-            self._fill(a[:, :, here], alpha[here], beta[here])
-        return a
-
-    @staticmethod
-    def _fill(a: Array, alpha: Array, beta: Array) -> None:
         """By the recurrence of T_j(alpha + beta s), which has no powers above j."""
-        a[0, 0], a[1, 0], a[1, 1] = 1.0, alpha, beta
-        for j in range(1, len(a) - 1):
-            row, new = a[j, : j + 1], a[j + 1, : j + 2]
-            np.multiply(row, 2 * alpha, out=new[: j + 1])
-            new[:j] -= a[j - 1, :j]
-            moved = row * beta
-            new[1:] += moved
-            new[1] += moved[0]
-            new[:j] += moved[1:]
+        every = self._place[0][nodes], self._place[1][nodes]
+        a = np.zeros((TERMS, TERMS, len(every[0])))
+        a[0, 0], a[1, 0], a[1, 1] = 1.0, *every
+        for start in range(0, len(every[0]), _BLOCK):
+            here = slice(start, start + _BLOCK)
+            (alpha, beta), part = (one[here] for one in every), a[:, :, here]
+            for j in range(1, TERMS - 1):
+                row, new = part[j, : j + 1], part[j + 1, : j + 2]
+                np.multiply(row, 2 * alpha, out=new[: j + 1])
+                new[:j] -= part[j - 1, :j]
+                moved = row * beta
+                new[1:] += moved
+                new[1] += moved[0]
+                new[:j] += moved[1:]
+        return a
 
     @cached_property
     def rises(self) -> Array:

@@ -20,7 +20,7 @@ import numpy as np
 from scipy import fft
 
 from sie.basis import chebyshev
-from sie.basis.data import Array, Complex, Index, Kept, record
+from sie.basis.data import Array, Complex, Index, Kept, by_rows, record
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
 
@@ -183,11 +183,7 @@ class Panels(Kept):
         nodes = (middles[:, None] + 0.5 * self.step * chebyshev.gauss(TERMS)).ravel()
         weights = np.einsum("jl,pl...->pj...", chebyshev.to_series(TERMS), moments.reshape(self.count, TERMS, *moments.shape[1:]))
         weights = weights.reshape(self.count * TERMS, *moments.shape[1:])
-        out = np.empty((len(x), *moments.shape[1:]))
-        block = max(1, _BLOCK // len(nodes))
-        for s in range(0, len(x), block):
-            out[s : s + block] = np.asarray(function(x[s : s + block, None], nodes)) @ weights
-        return out
+        return np.asarray(by_rows(lambda some: function(some[:, None], nodes) @ weights, x, most=max(1, _BLOCK // len(nodes))))
 
 
 @record

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from sie.basis import chebyshev
-from sie.basis.data import Array, Index
+from sie.basis.data import Array, Index, by_rows
 from sie.basis.interval import Outside
 from sie.basis.kernels import Kernel
 from sie.fast.far import FarSum, Nested
@@ -157,11 +157,7 @@ class PiecewiseTransform:
     def __call__(self, x: ArrayLike) -> Array:
         """The transform at points from the first end to the last."""
         x = np.asarray(x, dtype=float)
-        flat = x.ravel()
-        out = np.empty(flat.size)
-        for s in range(0, flat.size, _BLOCK):
-            out[s : s + _BLOCK] = self._at_points(flat[s : s + _BLOCK])
-        return out.reshape(x.shape)
+        return np.reshape(by_rows(self._at_points, x.ravel(), most=_BLOCK), x.shape)
 
     def _at_points(self, x: Array) -> Array:
         cell = np.clip(np.searchsorted(self.ends, x, side="right") - 1, 0, len(self) - 1)

@@ -29,7 +29,7 @@ from functools import cached_property
 
 import numpy as np
 
-from sie.basis.data import Array, Index, record
+from sie.basis.data import Array, record
 from sie.basis.interval import edge_scale
 from sie.collocation.factored import Factored
 from sie.collocation.fixed import SingularSystem, State, rows_of
@@ -64,28 +64,28 @@ class Moved:
         return cls(coefficients, -w * strength.sum(axis=0), 0.25 * root + 0.5 * root[::-1] - 0.5 * slope * d)
 
 
-def free_ends(state: State) -> list[tuple[int, int]]:
-    """(side, zone) of the ends that move, of mirrored pairs the right one."""
-    zones = state.density.zones
-    mirrored = int(zones.solved[0]) if zones.central else -1
-    return [(side, int(i)) for side in (0, 1) for i in zones.solved if zones.moves[side, i] and (side, i) != (0, mirrored)]
+class FreeEnds:
+    """The ends of a state that move, (side, zone) each, of mirrored pairs the right one."""
 
+    def __init__(self, state: State) -> None:
+        zones = state.density.zones
+        mirrored = int(zones.solved[0]) if zones.central else -1
+        self.state, self.zones = state, zones
+        self.ends = [(side, int(i)) for side in (0, 1) for i in zones.solved if zones.moves[side, i] and (side, i) != (0, mirrored)]
+        self.side, self.zone = np.array(self.ends, dtype=np.intp).reshape(-1, 2).T
+        self.at = np.searchsorted(zones.solved, self.zone)
 
-def _sides(ends: list[tuple[int, int]]) -> tuple[Index, Index]:
-    """(side, zone) of ends (E,)."""
-    side, zone = np.array(ends, dtype=np.intp).reshape(-1, 2).T
-    return side, zone
+    def of(self, values: Array) -> Array:
+        """Of values at all ends (2, Z, ...) those at these (E, ...)."""
+        return np.asarray(values[self.side, self.zone])
 
-
-def spread(state: State, ends: list[tuple[int, int]], values: Array) -> Array:
-    """Values of ends (E, ...) as (2, Z, ...), mirrored ones filled in."""
-    zones = state.density.zones
-    out = np.zeros((2, len(zones), *values.shape[1:]))
-    side, zone = _sides(ends)
-    out[side, zone] = values
-    if zones.symmetric:
-        out[1 - side, len(zones) - 1 - zone] = values
-    return out
+    def spread(self, values: Array) -> Array:
+        """Values of these (E, ...) as (2, Z, ...), mirrored ones filled in."""
+        out = np.zeros((2, len(self.zones), *values.shape[1:]))
+        out[self.side, self.zone] = values
+        if self.zones.symmetric:
+            out[1 - self.side, len(self.zones) - 1 - self.zone] = values
+        return out
 
 
 # Steps of Arnoldi's method for the growth of a push, between two looks and at the most; it is known when it changes by less than a part.
@@ -96,22 +96,19 @@ STEP, _RESPONSE = 1e-6, 1e-4
 _LOST = 1e-3
 
 
-class IteratedMotions:
+class IteratedMotions(FreeEnds):
     """At a state that was found by iteration."""
 
     def __init__(self, state: State, solver: Iterative) -> None:
-        self.state, self.solver, self.system = state, solver, solver.system
-        self.zones = state.density.zones
-        self.ends = free_ends(state)
-        self.side, self.zone = _sides(self.ends)
-        self.at = np.searchsorted(self.zones.solved, self.zone)
+        super().__init__(state)
+        self.solver, self.system = solver, solver.system
         self.scale = solver.scale_of(state.folded_unknowns)
         self.width = self.zones.half[self.zone]
 
     def _applied(self, folded: Array, d: Array) -> tuple[Array, Array]:
         """(rows of the equation and of its conditions, K at the ends) by a response and by motions of the ends."""
         system: IterativeSystem = self.system
-        moved = Moved.of(self.state, spread(self.state, self.ends, d))
+        moved = Moved.of(self.state, self.spread(d))
         y = system.symmetry.unfold(folded)
         rows, plain = system.applied(y + moved.coefficients)
         # The rows hold what coefficients do to their own zone, which singular densities do not.
@@ -129,7 +126,7 @@ class IteratedMotions:
             d = np.zeros((2, len(self.zones)))
             d[side] = 1.0
             out[:, :, side] = Moved.of(self.state, d).own.T
-        moves = spread(self.state, self.ends, np.ones(len(self.ends))) > 0
+        moves = self.spread(np.ones(len(self.ends))) > 0
         for side in (0, 1):
             held = ~moves[side]
             out[held, side], out[held, :, side] = 0.0, 0.0
@@ -146,8 +143,7 @@ class IteratedMotions:
 
     def _by_zone(self, k: Array) -> Array:
         """Motions of the ends by which each zone alone changes K like this."""
-        both = np.einsum("zab,bz->az", self._local, spread(self.state, self.ends, k))
-        return np.asarray(both[self.side, self.zone])
+        return self.of(np.einsum("zab,bz->az", self._local, self.spread(k)))
 
     def local(self, k: Array) -> Array:
         """The same by the sizes of both (2, Z): how far K known to this leaves the ends uncertain."""
@@ -160,7 +156,7 @@ class IteratedMotions:
         _, at_ends = self._applied(folded, d)
         levels = np.zeros(0)
         if self.system.wants_levels:
-            moved = Moved.of(self.state, spread(self.state, self.ends, d))
+            moved = Moved.of(self.state, self.spread(d))
             y = self.system.symmetry.unfold(folded)
             levels = self.system.level_changes(y + moved.coefficients) + moved.own_level[self.zones.solved]
         return at_ends, levels
@@ -293,14 +289,15 @@ def end_rates(state: State) -> EndRates:
     True
     """
     system, zones, layout = state.system, state.density.zones, state.system.layout
-    solved, ends, iteration = zones.solved, free_ends(state), state.iteration
-    if iteration is not None and layout.size > _MANY:
-        motions = IteratedMotions(state, iteration)
-        columns = [motions.rates(one) for one in np.eye(len(ends))]
-        told = iteration.system.wants_levels and len(ends) > 0
-        levels = np.column_stack([levels for _, levels in columns]) if told else np.zeros((len(solved), 0))
-        return EndRates(ends, np.array([k for k, _ in columns]).reshape(len(ends), len(ends)).T, levels)
-    moved = Moved.of(state, spread(state, ends, np.eye(len(ends))))
+    free, solved, levels = FreeEnds(state), zones.solved, np.zeros((len(zones.solved), 0))
+    each = np.eye(len(free.ends))
+    if state.iteration is not None and layout.size > _MANY:
+        motions = IteratedMotions(state, state.iteration)
+        columns = [motions.rates(one) for one in each]
+        if system.wants_levels and len(columns):
+            levels = np.column_stack([levels for _, levels in columns])
+        return EndRates(free.ends, np.array([k for k, _ in columns]).reshape(each.shape).T, levels)
+    moved = Moved.of(state, free.spread(each))
     singular, own_level, own = moved.coefficients, moved.own_level, moved.own
     matrix = rows_of(state)
     right = matrix @ singular[state.symmetry.keep]
@@ -312,13 +309,11 @@ def end_rates(state: State) -> EndRates:
         right[-len(held) :] = np.array(held) / state.condition_scale[-len(held) :, None]
     factors = state.direct or Factored.of(matrix)
     answer = np.asarray(factors(-right))
-    unknowns = np.column_stack([state.symmetry.unfold(column) for column in answer.T]) if len(ends) else np.zeros((layout.size, 0))
-    side, zone = _sides(ends)
-    intensities = (np.array([part @ unknowns for part, _ in system.intensities()]) + own[:, solved])[side, np.searchsorted(solved, zone)]
-    levels = np.zeros((len(solved), 0))
+    unknowns = np.column_stack([state.symmetry.unfold(column) for column in answer.T]) if len(each) else np.zeros((layout.size, 0))
+    intensities = (np.array([part @ unknowns for part, _ in system.intensities()]) + own[:, solved])[free.side, free.at]
     if system.wants_levels:
         levels = system.levels()[0] @ (unknowns + singular) + own_level[solved]
-    return EndRates(ends, intensities, levels)
+    return EndRates(free.ends, intensities, levels)
 
 
 def end_motions(state: State, change: Array) -> tuple[Array, Array]:
@@ -359,19 +354,18 @@ def end_motions(state: State, change: Array) -> tuple[Array, Array]:
     [0.01, 0.01]
     """
     motions = motions_of(state)
-    found = motions.meeting(change[motions.side, motions.zone], 0.0)
+    found = motions.meeting(motions.of(change), 0.0)
     if not np.isfinite(found).all():
         raise SingularSystem("some motion of the ends leaves the intensities as they are")
-    return spread(state, motions.ends, found), motions.rates(found)[1]
+    return motions.spread(found), motions.rates(found)[1]
 
 
-class DirectMotions:
+class DirectMotions(FreeEnds):
     """What `IteratedMotions` tells, by the matrix of the rates."""
 
     def __init__(self, state: State) -> None:
-        self.state, self._rates = state, end_rates(state)
-        self.ends = self._rates.ends
-        self.side, self.zone = _sides(self.ends)
+        super().__init__(state)
+        self._rates = end_rates(state)
         # Rounding alone keeps the rates of a motion that changes nothing from being zero.
         neutral = len(self.ends) > 0 and not np.linalg.cond(self._rates.intensities) < _NEUTRAL_FROM
         self._inverse = np.full_like(self._rates.intensities, np.nan) if neutral else np.linalg.inv(self._rates.intensities)
@@ -380,7 +374,7 @@ class DirectMotions:
         return np.asarray(self._inverse @ change)
 
     def local(self, k: Array) -> Array:
-        return spread(self.state, self.ends, np.abs(self._inverse) @ k[self.side, self.zone])
+        return self.spread(np.abs(self._inverse) @ self.of(k))
 
     def rates(self, d: Array, tolerance: float = 0.0) -> tuple[Array, Array]:
         levels = self._rates.levels

@@ -17,11 +17,11 @@ from numpy.lib.stride_tricks import sliding_window_view
 from sie.basis.data import Array, Index, Mask
 from sie.basis.zones import FREE, SINGULAR, End, Zones
 from sie.collocation import modes
-from sie.collocation.fixed import SingularSystem, State, first_sizes, sizes_after, sizes_of
+from sie.collocation.fixed import SingularSystem, State, first_sizes, sizes_like
 from sie.collocation.iterative import Iterative
 from sie.collocation.solved import Sizes
 from sie.equation.equation import Equation
-from sie.free_ends.motions import STEP, DirectMotions, IteratedMotions, motions_of, spread
+from sie.free_ends.motions import STEP, DirectMotions, IteratedMotions, motions_of
 from sie.free_ends.near_steps import bent_steps, corner_distances, gap_steps, tips_between
 from sie.free_ends.progress import Motion, Progress, Rest, Step, Turn
 from sie.free_ends.single import far_off, moved_singly
@@ -197,7 +197,8 @@ def find_ends(
     keeps = equation.forcing.cornered or equation.forcing.exact
     off = min(off, _STEP_NEAR) if near else off
     progress = Progress(tolerance, zones.b - zones.a, modes.gaps(zones, equation.kernel)[1], off, few, patient, drops)
-    sizes, unit = _begun(like, equation, zones), None
+    left, unit = like if like is None or isinstance(like, Sizes) else like.sizes, None
+    sizes = first_sizes(equation, zones) if left is None else sizes_like(left, equation, zones, left is like)
     while True:
         # Where that saves a solution of its own, the value at hand is in the right side.
         sizes.linear, sizes.value = progress.linear, value
@@ -392,19 +393,12 @@ def _held_at(zones: Zones, limits: tuple[float, float]) -> Zones:
     return replace(zones, a=a, b=b, rest=rest, left=left, right=right)
 
 
-def _begun(like: AnyState | Sizes | None, equation: Equation, zones: Zones) -> Sizes:
-    """Sizes of series to begin with."""
-    if isinstance(like, Sizes):
-        return sizes_after(like, equation, zones)
-    return first_sizes(equation, zones) if like is None else sizes_of(like.sizes, equation, zones)
-
-
 def _let_go(zones: Zones, limits: tuple[float, float], density: AnyDensity, limited: End) -> tuple[Zones, bool]:
     """Ends held at a limit where the intensity is below that of free ones (negative, the density pulls) become free; whether any did."""
     if not np.isfinite(limits).any():
         return zones, False
     k_left, k_right = density.intensities
-    least = _intensity(limited)
+    least = limited.intensity if limited.moves and limited.intensity is not None else 0.0
     low = zones.left[0] == SINGULAR and zones.a[0] == limits[0] and k_left[0] < least
     high = zones.right[-1] == SINGULAR and zones.b[-1] == limits[1] and k_right[-1] < least
     if not (low or high):
@@ -413,14 +407,9 @@ def _let_go(zones: Zones, limits: tuple[float, float], density: AnyDensity, limi
     return replace(zones, left=left, right=right), True
 
 
-def _intensity(end: End) -> float:
-    return end.intensity if end.moves and end.intensity is not None else 0.0
-
-
 def _newton(state: AnyState, zones: Zones, signs: tuple[float, float], unit: AnyDensity | None) -> Motion:
     """The next step of ends of these kinds. unit: what a unit of the open condition's value makes, if there is one."""
     moves = zones.moves
-    target = np.array([[_intensity(end) for end in zones.left], [_intensity(end) for end in zones.right]])
     equation = state.equation
     density = state.density
     k = np.array(density.intensities)
@@ -429,7 +418,7 @@ def _newton(state: AnyState, zones: Zones, signs: tuple[float, float], unit: Any
     side = np.array(signs)[:, None]
     natural = state.natural
     noise_k = state.intensity_noise
-    residual = np.where(moves, k - target, 0.0)
+    residual = np.where(moves, k - zones.intensities, 0.0)
     if zones.follow_ends:
         whole = state.whole  # no slits where intensities are prescribed
         delta, noise, change, growth = _full_newton(equation, whole, residual, noise_k, unit, side)
@@ -517,10 +506,9 @@ def _full_newton(
     The rates are those of `end_rates`; of a mirrored pair of ends, the right one stands for both.
     """
     motions = motions_of(state)
-    at_ends, change = (motions.side, motions.zone), 0.0
-    delta, noise = spread(state, motions.ends, motions.meeting(-residual[at_ends])), motions.local(noise_k)
+    delta, noise, change = motions.spread(motions.meeting(-motions.of(residual))), motions.local(noise_k), 0.0
     if unit is not None:
-        slope = spread(state, motions.ends, motions.meeting(-np.array(unit.intensities)[at_ends]))
+        slope = motions.spread(motions.meeting(-motions.of(np.array(unit.intensities))))
         delta, change = _bordered(equation, state.density.zones, delta, slope)
     return delta, noise, change, math.nan if state.iterated else _growth(motions, signs, unit)
 
@@ -529,7 +517,6 @@ def _growth(motions: DirectMotions | IteratedMotions, signs: Array, unit: AnyDen
     """How a push of the ends grows; with a condition on the ends, which the unknown value keeps: of motions along it."""
     if unit is None:
         return motions.growth(signs[:, 0])
-    at_ends, state = (motions.side, motions.zone), motions.state
-    _, by_left, by_right = state.equation.end_conditions[0].residual(state.density.zones)
-    by_value = signs[at_ends[0], 0] * np.array(unit.intensities)[at_ends]
-    return motions.growth(signs[:, 0], np.array([by_left, by_right])[at_ends], by_value)
+    _, by_left, by_right = motions.state.equation.end_conditions[0].residual(motions.zones)
+    by_value = motions.of(signs * np.array(unit.intensities))
+    return motions.growth(signs[:, 0], motions.of(np.array([by_left, by_right])), by_value)

@@ -67,12 +67,9 @@ def far_off(state: AnyState, moves: Mask, delta: Array) -> Index:
     return np.flatnonzero(off & alone & smooth[place] & moves.all(axis=0))
 
 
-def _by_others(state: AnyState, chosen: Index, added: Added | None) -> Array:
-    """E_k on chosen zones (n, _FIELD)."""
-    whole, place = state.wide_of(chosen)
-    parts = [(whole.density.coefficients, 1.0), (whole.system.g, 1.0)]
-    parts += [] if added is None else [(added[0].coefficients, added[1])]
-    return np.asarray(sum(times * widened(table[place, 1 : _FIELD + 1], _FIELD) for table, times in parts))
+def _first(table: Array) -> Array:
+    """Coefficients 1 ... _FIELD."""
+    return widened(table[:, 1 : _FIELD + 1], _FIELD)
 
 
 class Moving:
@@ -80,7 +77,7 @@ class Moving:
 
     def __init__(self, state: AnyState, chosen: Index, added: Added | None = None) -> None:
         self.equation, density = state.equation, state.density
-        self.zones, self.chosen, self.by_others = density.zones, chosen, _by_others(state, chosen, added)
+        self.zones, self.chosen = density.zones, chosen
         zones = self.zones
         self.first = middle, half = zones.middle[chosen], zones.half[chosen]
         left_gap, right_gap = (gap[chosen] for gap in modes.gaps(zones, self.equation.kernel))
@@ -89,8 +86,11 @@ class Moving:
         self.lowest = np.maximum(zones.a[chosen] - _INTO_GAP * left_gap, middle - reach)
         self.highest = np.minimum(zones.b[chosen] + _INTO_GAP * right_gap, middle + reach)
         whole, place = state.wide_of(chosen)
+        # E_k, and what the zones hold.
+        self.by_others = _first(whole.density.coefficients[place]) + _first(whole.system.g[place])
         self.total = whole.density.totals[place] / np.pi
         if added is not None:
+            self.by_others = self.by_others + added[1] * _first(added[0].coefficients[place])
             self.total = self.total + added[1] * added[0].totals[place] / np.pi
         # Level plus the mean of the primitive of h, and the zones and coefficients to which it belongs.
         self.level = self.total * self._log(half)

@@ -131,7 +131,7 @@ class ExteriorLogarithms(Kept):
     def log(self, k: Index, seen: InPlane) -> Complex:
         """2 log(1 - rho rho_z) of parts k, (points, k): (1 - rho_z) + rho_z (1 - rho), or the same from the left end."""
         rho, z = self.rho[k], seen.rho[:, None]
-        from_right, from_left = (2 * part[:, None] / (seen.p + seen.m)[:, None] for part in (seen.m, seen.p))
+        from_left, from_right = (part[:, None] for part in seen.from_ends)
         return np.asarray(2 * np.log(np.where(rho > 0, from_right + z * (1 - rho), from_left - z * (1 + rho))))
 
     def in_plane(self, k: Index, seen: InPlane, what: What) -> Complex:

@@ -30,7 +30,7 @@ from typing import Self
 import numpy as np
 
 from sie.basis.data import Array, Index, Mask, record
-from sie.basis.interval import Complex, InPlane, OnLine, by_angle, of_t, theta
+from sie.basis.interval import Complex, InPlane, OnLine, of_t, theta
 from sie.basis.sums import Grouped
 from sie.basis.zones import Zones
 from sie.jumps.exterior import NOWHERE, ExteriorLogarithms
@@ -309,10 +309,6 @@ class ForcingJumps(Jumps):
         """Those of each jump: kappa ~ theta cot(phi/2)."""
         cot, scale = np.sqrt(self.left / self.right), self.height / np.pi
         return scale * (-self.left) ** self.order / cot, scale * self.right**self.order * cot
-
-    def angular_slope(self, zone: int, left: Array, right: Array) -> Array:
-        """d/dtheta of `density` at points that are no jumps, by differences."""
-        return by_angle(lambda near, far: self.density(zone, near, far), theta(left, right))[1]
 
     def sharpest(self, zone: int) -> tuple[Array, Array]:
         """(distances from the left end over w, heights) of a zone's jumps beside which its density is steepest: the kinks, without any

@@ -12,7 +12,7 @@ from functools import cached_property
 import numpy as np
 
 from sie.basis.data import Array, Index, Kept, Mask, legendre, record
-from sie.basis.interval import Complex, InPlane, Outside, What, of_t
+from sie.basis.interval import Complex, InPlane, Outside, What, of_t, sides
 from sie.basis.kernels import cauchy
 from sie.basis.sums import pair_blocks, waves
 from sie.fast.piecewise import PiecewiseTransform
@@ -155,7 +155,7 @@ class LocalSpline(Kept):
         parts = np.maximum(np.ceil(-np.diff(angle) * (count / _TURN)), 1.0).astype(np.intp)
         # From the right end to the left: the angles fall.
         theta, weights = legendre(angle, _NODES, parts)
-        out = waves((-2 / np.pi) * weights * np.sin(theta) * self(2 * np.cos(0.5 * theta) ** 2), theta, count).real
+        out = waves((-2 / np.pi) * weights * np.sin(theta) * self(sides(theta)[0]), theta, count).real
         out[:1] *= 0.5
         return out
 

@@ -14,13 +14,14 @@ in a few moments each: the integrals are sums over some hundred nodes, whatever 
 """
 
 from collections.abc import Callable
+from dataclasses import field
 from functools import cached_property
 
 import numpy as np
 
 from sie.basis import chebyshev
 from sie.basis.data import Array, Kept, legendre, record
-from sie.basis.interval import Complex, InPlane, What, theta
+from sie.basis.interval import Complex, InPlane, What, sides, theta
 from sie.basis.sums import pair_blocks, waves
 from sie.fast.piecewise import clenshaw
 from sie.jumps.local_spline import NEAREST, LocalSpline, same_jumps
@@ -38,6 +39,7 @@ class ZoneSpline(Kept):
     """spline: g by distance from the zone's left end over its half width, from one end to the other; zero there, and its slope too."""
 
     spline: LocalSpline
+    known: dict[str, Array] = field(default_factory=dict)
 
     @classmethod
     def inside(cls, knots: Array, jumps: Array, g: Callable[[Array], Array]) -> "tuple[ZoneSpline, Array, Array] | None":
@@ -96,7 +98,7 @@ class ZoneSpline(Kept):
         ends = np.unique(np.concatenate((self.spline.knots, 1 + np.cos(cuts[1:-1]))))
         phi, weights = legendre(theta(ends, 2 - ends), _NODES)
         # From the left end to the right the angles fall.
-        values = -weights * self.spline(2 * np.cos(0.5 * phi) ** 2)
+        values = -weights * self.spline(sides(phi)[0])
         panel = np.clip(np.searchsorted(cuts, phi, side="right") - 1, 0, len(cuts) - 2)
         half, middle = 0.5 * np.diff(cuts), 0.5 * (cuts[1:] + cuts[:-1])
         u = (phi - middle[panel]) / half[panel]
@@ -122,24 +124,21 @@ class ZoneSpline(Kept):
 
     def t_coefficients(self, count: int) -> Array:
         """First `count` coefficients of the density as a sum of T_l / sqrt(1 - t^2)."""
-        known = self._coefficients.get("c")
-        if known is None or len(known) < count:
+        known = self.known.get("c", np.zeros(0))
+        if len(known) < count:
             panels = int(np.ceil(np.pi * (count + 1) / _TURN)) + 1
             phi, weight = self._moments(np.linspace(0.0, np.pi, panels + 1))
             known = 0.5 * waves((2 / np.pi) * weight, phi, count + 2).real[1:]
             known[2:] -= known[:-2].copy()
-            self._coefficients["c"] = known = known[:count]
+            self.known["c"] = known = known[:count]
         return known[:count]
-
-    @cached_property
-    def _coefficients(self) -> dict[str, Array]:
-        return {}
 
     @cached_property
     def edge_slopes(self) -> tuple[float, float]:
         """Coefficient of the angle from the left and from the right end."""
         phi, weight = self._nodes
-        return float((weight / (2 * np.cos(0.5 * phi) ** 2)).sum() / np.pi), -float((weight / (2 * np.sin(0.5 * phi) ** 2)).sum() / np.pi)
+        left, right = (float((weight / side).sum() / np.pi) for side in sides(phi))
+        return left, -right
 
     @cached_property
     def mean_offset(self) -> float:
@@ -188,7 +187,7 @@ class ZoneSpline(Kept):
         """Beside the left and the right end the density is a series of odd powers of the angle from there: coefficient of the second."""
         cuts = self._cells[0]
         theta, angle = cuts[[-1, 0]], np.array([np.pi - cuts[-1], cuts[0]])
-        value = self._on_cells(theta, 2 * np.cos(0.5 * theta) ** 2)
+        value = self._on_cells(theta, sides(theta)[0])
         left, right = (value / angle - np.array(self.edge_slopes)) / angle**2
         return float(left), float(right)
 
@@ -196,9 +195,9 @@ class ZoneSpline(Kept):
     def transform_off(self, z: Array, rho: Array) -> Array:
         """What the kernel makes of the density off the zone."""
         out = np.empty(rho.shape)
-        phi, weight = self._nodes
+        (phi, weight), (left, right) = self._nodes, sides(self._nodes[0])
         for here in pair_blocks(len(rho), len(phi)):
-            near = np.where(rho[here, None] > 0, 2 * np.sin(0.5 * phi) ** 2, 2 * np.cos(0.5 * phi) ** 2)
+            near = np.where(rho[here, None] > 0, right, left)
             size = np.abs(rho[here])[:, None]
             # rho (cos(phi) - rho) = |rho| (1 - |rho| - near), near the distance of cos(phi) from the end on that side.
             out[here] = (size * ((1 - size) - near) / ((1 - size) ** 2 + 2 * size * near)) @ weight * (2 / np.pi)

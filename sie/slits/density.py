@@ -9,14 +9,13 @@ from numpy.typing import ArrayLike
 
 from sie.basis import chebyshev
 from sie.basis.data import Array, Index, Mask, widened, wrapped
-from sie.basis.interval import Outside, edge_scale, slope_scale
+from sie.basis.interval import Outside, sides, slope_scale
 from sie.basis.interval import theta as theta_of
 from sie.basis.kernels import Kernel, cauchy
 from sie.basis.zones import Zones
 from sie.density.density import Density
-from sie.density.field import from_zones
 from sie.density.located import Located
-from sie.density.series import LOOKS, beside_kinks
+from sie.density.series import LOOKS, beside_kinks, from_zones
 from sie.jumps.forcing import ForcingJumps
 from sie.slits.kinks import SlitKink
 from sie.slits.merged import Merged
@@ -105,7 +104,7 @@ class SlitDensity(Located):
     @cached_property
     def series(self) -> list[list[Array]]:
         """d of each slit, without the traces of K where they are taken out."""
-        split = [here.split(d) for here, d in zip(self.slits, self.d, strict=True)]
+        split = [np.split(d, here.offset[1:-1]) for here, d in zip(self.slits, self.d, strict=True)]
         return [[_closed(one) for one in row] for row in split] if self.bounded_ends else split
 
     def _of_slits(self, power: int) -> list[list[Array]]:
@@ -152,18 +151,11 @@ class SlitDensity(Located):
                 beta[here.zone] += kink.edge[1]
         return replace(self.smooth, edges=(alpha, beta), bounded_ends=self.bounded_ends)
 
-    @cached_property
-    def _beside_slits(self) -> Mask:
-        """Pieces of wide zones with slits."""
-        zone = self.merged.piece_zone
-        return np.asarray(np.bincount(zone)[zone] > 1)
-
     # per piece --------------------------------------------------------------------------------------------------------
     def at(self, zone: ArrayLike, left: ArrayLike, right: ArrayLike) -> Array:
         """Density at points given by piece and the distances from its ends over its half width."""
         zone = np.asarray(zone, dtype=np.intp)
-        beside = self._beside_slits[zone]
-        if not beside.any():  # a piece alone is its wide zone
+        if not self.merged.beside_slits[zone].any():  # a piece alone is its wide zone
             return self._edged.at(self.merged.piece_zone[zone], left, right)
         merged, wide = self.merged, self.merged.wide
         piece, lf, rt = np.broadcast_arrays(zone, np.asarray(left, float), np.asarray(right, float))
@@ -185,11 +177,9 @@ class SlitDensity(Located):
                 past = begin >= b
                 away = np.where(past, begin - b + lf[on] * half[on], a - end + rt[on] * half[on])
                 added += off_slit(away / slit.width, np.where(past, 1.0, -1.0), d)
+                for kink in (kink for k, kink in self.kinks_of(here) if here.slits[k] is slit):
+                    out[on] += kink.beside(from_left[on], from_right[on], away / slit.width, past)
             out[on] += np.sqrt(from_left[on] * from_right[on]) * added
-            for k, kink in self.kinks_of(here):
-                past = begin >= here.stop[k]
-                away = np.where(past, begin - here.stop[k] + lf[on] * half[on], here.start[k] - end + rt[on] * half[on])
-                out[on] += kink.beside(from_left[on], from_right[on], away / here.slits[k].width, past)
         if self.bounded_ends:
             at_left, at_right = self.zones.bounded[:, piece]
             out[at_left & (lf == 0) | at_right & (rt == 0)] = 0.0
@@ -218,7 +208,7 @@ class SlitDensity(Located):
         # 1 / X changes along the piece: K / (X sqrt(d)) has a share in A.
         k_left, k_right = self.intensities
         before, after = self.merged.slit_before, self.merged.slit_after
-        by_left, by_right = self._root_rates
+        by_left, by_right = (0.5 / from_end - 0.5 / to_end for from_end, to_end in zip(*self._beside_ends, strict=True))  # d log X / dx
         slopes_left = slopes_left - np.where(before < 0, 0.0, (k_left * by_right[before]))
         slopes_right = slopes_right + np.where(after < 0, 0.0, (k_right * by_left[after]))
         return slopes_left, slopes_right
@@ -238,14 +228,10 @@ class SlitDensity(Located):
     @cached_property
     def sensitivity(self) -> tuple[Array, Array, Array]:
         """See `Density.sensitivity`, of the pieces; the slope by differences, since a piece has no series of its own."""
-        zones = self.zones
-        at_left, at_right = (slope * edge_scale(zones.half) for slope in self.edge_slopes)
         angles = [self._looked_at(piece, count) for piece, count in enumerate(self._counts.tolist())]
-        piece, first = np.repeat(np.arange(len(zones)), [len(one) for one in angles]), np.cumsum([0, *map(len, angles[:-1])])
-        theta = np.concatenate(angles)
-        (value, slope), half = self.by_angle(piece, theta), np.tan(0.5 * theta)
-        by_right, by_left = np.abs((slope - at_right[piece]) / half), np.abs((slope + at_left[piece]) * half)
-        return tuple(np.maximum.reduceat(each, first) for each in (np.abs(value), by_left, by_right))  # type: ignore[return-value]
+        piece, first = np.repeat(np.arange(len(angles)), [len(one) for one in angles]), np.cumsum([0, *map(len, angles[:-1])])
+        parts = self.following(piece, np.concatenate(angles))
+        return tuple(np.maximum.reduceat(each, first) for each in parts)  # type: ignore[return-value]
 
     @cached_property
     def _counts(self) -> Index:
@@ -273,19 +259,16 @@ class SlitDensity(Located):
         return left, right
 
     @cached_property
-    def slit_roots(self) -> tuple[Array, Array]:
-        """X at the left and right end of each slit."""
-        merged = self.merged
-        w = merged.wide.half[merged.slit_zone]
-        lo, hi = merged.wide.a[merged.slit_zone], merged.wide.b[merged.slit_zone]
-        return tuple(np.sqrt((x - lo) * (hi - x)) / w for x in (merged.slits.a, merged.slits.b))  # type: ignore[return-value]
+    def _beside_ends(self) -> tuple[Array, Array]:
+        """Distances of the left and right ends of all slits (2, slits) from the left, from the right end of their wide zones."""
+        merged, ends = self.merged, self.merged.slits.table.T
+        return ends - merged.wide.a[merged.slit_zone], merged.wide.b[merged.slit_zone] - ends
 
     @cached_property
-    def _root_rates(self) -> tuple[Array, Array]:
-        """d log X / dx at the left and right end of each slit."""
-        merged = self.merged
-        lo, hi = merged.wide.a[merged.slit_zone], merged.wide.b[merged.slit_zone]
-        return tuple(0.5 / (x - lo) - 0.5 / (hi - x) for x in (merged.slits.a, merged.slits.b))  # type: ignore[return-value]
+    def slit_roots(self) -> Array:
+        """X at the left and right end of each slit (2, slits)."""
+        from_left, from_right = self._beside_ends
+        return np.asarray(np.sqrt(from_left * from_right) / self.merged.wide.half[self.merged.slit_zone])
 
     # totals -----------------------------------------------------------------------------------------------------------
     @property
@@ -301,14 +284,14 @@ class SlitDensity(Located):
         logarithms of kinks in closed form."""
         out = self.whole.totals[self.merged.piece_zone].copy()
         wide, kinks = self.merged.wide, replace(self.jumps.chosen(self.jumps.order == 0), splines={})
-        for piece in np.flatnonzero((self.merged.slit_before >= 0) | (self.merged.slit_after >= 0)):
+        for piece in np.flatnonzero(self.merged.beside_slits):
             zone = int(self.merged.piece_zone[piece])
             before, after = self.zones.a[piece] - wide.a[zone], wide.b[zone] - self.zones.b[piece]
             half, w = self.zones.half[piece], wide.half[zone]
             last, n, here = np.inf, 64, 0.0
             while n <= 16384:
                 theta = (np.arange(n) + 0.5) * np.pi / n
-                left, right = 2 * np.cos(theta / 2) ** 2, 2 * np.sin(theta / 2) ** 2
+                left, right = sides(theta)
                 value = self.at(piece, left, right)
                 if zone in kinks.by_zone:
                     value = value - kinks.density(zone, (before + half * left) / w, (after + half * right) / w)

@@ -20,13 +20,15 @@ one makes up for; with D = phi - phi(.), y = t - m, that is
     -(h/pi) X (bar(sin(phi) - sin(phi(.))) - 2 (s - m) bar(D) - 2 r bar(c D) + (y - m) bar(D)),   c = cos over the slit. (Derived here.)
 """
 
+from collections.abc import Iterable, Iterator
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
 from sie.basis import chebyshev
 from sie.basis.data import Array, Kept, Mask, legendre, record
-from sie.basis.interval import Outside, theta
+from sie.basis.interval import Outside, sides, theta
 from sie.jumps.formulas import HIGHEST
 
 # Of those of order 2: beyond so many half widths of the slit its psi is summed up; there the closed forms cancel.
@@ -66,29 +68,32 @@ class SlitKink(Kept):
         return chebyshev.gauss(_MEANS), self.start + self.half * left, self.rest + self.half * right
 
     # psi ------------------------------------------------------------------------------------------------------------
+    @cached_property
+    def _weights(self) -> tuple[float, ...]:
+        """e_0 ... e_q of `mixed`."""
+        return ((1.0,), (-self.zeta, 1.0), (self.zeta**2 - 0.5, -2 * self.zeta, 1.0))[self.order]
+
+    def mixed(self, of_powers: Iterable[Any]) -> Any:
+        """r^q sum e_j of_powers[j]: psi is h r^q (z - zeta)_+^q less this of b_j, and so with what is made of it; no more is taken of
+        the powers than q + 1."""
+        return self.half**self.order * sum(e * part for e, part in zip(self._weights, of_powers, strict=False))
+
     def slope(self, left: Array, right: Array) -> Array:
         """psi at distances from the slit's ends over its half width; the mean of both sides at a kink."""
-        place, zeta, (step, first, second, _) = left - self._beside[0], self.zeta, _spread_powers(left, right)
-        if self.order == 0:
-            return np.asarray(self.jump * (np.heaviside(place, 0.5) - step))
-        if self.order == 1:
-            return np.asarray(self.jump * self.half * (np.maximum(place, 0.0) - first + zeta * step))
-        spread = second - 2 * zeta * first + (zeta * zeta - 0.5) * step
-        return np.asarray(self.jump * self.half**2 * (np.maximum(place, 0.0) ** 2 - spread))
+        place = left - self._beside[0]
+        own = np.heaviside(place, 0.5) * (self.half * place) ** self.order
+        return np.asarray(self.jump * (own - self.mixed(_spread_powers(left, right))))
 
     def opening(self, left: Array, right: Array) -> Array:
         """Integral of psi from the slit's left end, over its half width."""
-        place, zeta, (_, first, second, third) = np.maximum(left - self._beside[0], 0.0), self.zeta, _spread_powers(left, right)
-        if self.order == 0:
-            return np.asarray(self.jump * (place - first))
-        if self.order == 1:
-            return np.asarray(self.jump * self.half * 0.5 * (place**2 - second + 2 * zeta * first))
-        return np.asarray(self.jump * self.half**2 * ((place**3 - third) / 3 + zeta * second - (zeta * zeta - 0.5) * first))
+        place, q = np.maximum(left - self._beside[0], 0.0), self.order
+        integrals = (b / k for k, b in enumerate(_spread_powers(left, right)) if k)
+        return np.asarray(self.jump * (self.half**q * place ** (q + 1) / (q + 1) - self.mixed(integrals)))
 
     @property
     def at_ends(self) -> float:
         """J of psi = -+(J/pi) sqrt(2 delta) at the slit's ends, delta the distance over its half width."""
-        return self.jump * self.half**self.order * (1.0, -self.zeta, self.zeta**2 - 0.5)[self.order]
+        return self.jump * self.half**self.order * self._weights[0]
 
     @cached_property
     def seen(self) -> tuple[Array, Array, Array, Array]:
@@ -96,7 +101,7 @@ class SlitKink(Kept):
         border = float(theta(*self._beside[::-1]))
         beta, weights = legendre(np.array([0.0, border, np.pi]), _LEGENDRE)
         weight = weights * np.sin(beta)
-        left, right = 2 * np.sin(beta / 2) ** 2, 2 * np.cos(beta / 2) ** 2
+        right, left = sides(beta)
         from_left, from_right = self.start + self.half * left, self.rest + self.half * right
         angle = theta(from_left, from_right)
         return from_left, from_right, angle, self.half * weight * self.slope(left, right)
@@ -182,24 +187,21 @@ class SlitKink(Kept):
         return np.asarray(np.sqrt(from_left * from_right) * ((1 / away) @ self._over_root))
 
     def _spread(self, from_left: Array, from_right: Array, z: Array) -> Array:
-        """bar(kappa); for q = 1 bar((t - .) kappa) + (m - s) bar(kappa); for q = 2 see the head of this file."""
+        """What (t - s)^q kappa is spread as, by bar((t - .)^j kappa): see the head of this file."""
         nodes, l, r = self.mean_places
         sums = 2 * np.log(np.sqrt(from_right[..., None] * l) + np.sqrt(from_left[..., None] * r)) - np.log(2.0)
         seen = Outside(np.sign(z), np.maximum(np.abs(z) - 1, 0.0))
         u, constant = seen.log, np.log(0.5 * self.half)
-        plain = sums.mean(axis=-1) - constant - u
-        if self.order == 0:
-            return np.asarray(plain)
-        moment = (sums * (z[..., None] - nodes)).mean(axis=-1)
-        log = z * (constant + 1 + u) - seen.root
-        if self.order == 1:
-            return np.asarray(self.half * (moment - log - self.zeta * plain))
-        square = (sums * (z[..., None] - nodes) ** 2).mean(axis=-1)
-        on = z * z * (constant + 1.5) + 0.25 + 0.5 * constant
-        fall = np.exp(-u)
-        off = (z * z + 0.5) * (constant + u) + (2 * np.abs(z) - 0.25 * fall) * fall
-        square -= np.where(np.abs(z) > 1, off, on)
-        return np.asarray(self.half**2 * (square - 2 * self.zeta * (moment - log) + (self.zeta**2 - 0.5) * plain))
+
+        def means() -> Iterator[Array]:
+            yield sums.mean(axis=-1) - (constant + u)
+            away = z[..., None] - nodes
+            yield (sums * away).mean(axis=-1) - (z * (constant + 1 + u) - seen.root)
+            fall, on = np.exp(-u), z * z * (constant + 1.5) + 0.25 + 0.5 * constant
+            off = (z * z + 0.5) * (constant + u) + (2 * np.abs(z) - 0.25 * fall) * fall
+            yield (sums * away**2).mean(axis=-1) - np.where(np.abs(z) > 1, off, on)
+
+        return np.asarray(self.mixed(means()))
 
     @cached_property
     def edge_slopes(self) -> tuple[float, float]:
@@ -212,9 +214,7 @@ class SlitKink(Kept):
         sides = ((-1.0, l, r, self.from_left, self.from_right), (1.0, r, l, self.from_right, self.from_left))
         for sign, near, far, own_near, own_far in sides:
             own = (sign * own_near) ** self.order * np.sqrt(own_far / own_near)
-            spread = float(np.mean((sign * near) ** self.order * np.sqrt(far / near)))
-            if self.order == 1:
-                spread -= self.half * self.zeta * float(np.mean(np.sqrt(far / near)))
+            spread = float(self.mixed(np.mean((sign * near / self.half) ** j * np.sqrt(far / near)) for j in range(HIGHEST)))
             out.append(-self.jump / np.pi * (own - spread) - self.polynomial[0])
         return out[0], out[1]
 

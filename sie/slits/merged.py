@@ -65,6 +65,11 @@ class Merged(Kept):
         """The slit that begins where a piece ends, -1 without."""
         return self._beside(self.slits.a, self.pieces.b + self.shift)
 
+    @cached_property
+    def beside_slits(self) -> Mask:
+        """Which pieces have slits beside them."""
+        return (self.slit_before >= 0) | (self.slit_after >= 0)
+
     def _beside(self, ends: Array, at: Array) -> Index:
         place = np.minimum(np.searchsorted(ends, at), len(ends) - 1)
         return np.where(ends[place] == at, place, -1)

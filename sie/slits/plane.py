@@ -16,12 +16,15 @@ of (zeta - s') log(zeta - s') is r (zeta_slit (log(r/2) + 1 + arcosh(zeta_slit))
 The potential is carried down from where the coefficients of the wide zones tell all of it, along the vertical: W(z) = W(z + i Y) - i int F.
 """
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from sie.basis import chebyshev
 from sie.basis.data import Array, legendre, record
 from sie.basis.interval import Complex, InPlane, What, complex_of, transform_of, transform_slope_of
 from sie.density.density import Density
+from sie.jumps.formulas import HIGHEST
 from sie.slits.kinks import SlitKink
 from sie.slits.merged import Merged
 from sie.slits.slits import Slits
@@ -107,47 +110,36 @@ def _of_series(here: Slits, row: list[Array], x: Array, y: Array) -> tuple[Compl
 def _of_kink(kink: SlitKink, seen: InPlane, inner: InPlane, what: What) -> Complex:
     """What P[psi] of a jump in a slit does off the wide zone; its derivative by zeta. inner: seen from the slit."""
     _, l, r = kink.mean_places
-    zeta, rho, root = seen.zeta, seen.rho, seen.root
-    log_b = seen.turned(np.sqrt(0.5 * l), np.sqrt(0.5 * r))
-    half, a_0, a_1 = kink.half, *kink.edge
-    sine = np.sqrt(kink.from_left * kink.from_right)
-    away = seen.left - kink.from_left
-    c, s = np.sqrt(0.5 * kink.from_left), np.sqrt(0.5 * kink.from_right)
-    scale, (turn, bend) = kink.jump / np.pi, kink.polynomial
-    log_rho = np.log(2.0) - seen.log
-    mean_log = np.log(0.5 * half) + inner.log
-    bar = -1j * (2 * log_b.mean(axis=-1) - log_rho - mean_log)
-    own = -1j * np.log((c - 1j * s) ** 2 * (c * seen.m + 1j * s * seen.p) ** 2 / away)
-    moves = seen.left[:, None] - l  # zeta - s' at the nodes
-    # For q = 2 the sines of all nodes, and the polynomial of which X times it is the transform's.
-    sines, nodes, middle = np.sqrt(l * r), 0.5 * (l - r), 0.5 * (kink.start - kink.rest)
-    s_own, shift = 0.5 * (kink.from_left - kink.from_right), half * kink.zeta
-    constant, second = turn - bend * middle, half**2 * (kink.zeta**2 - 0.5)
-    first = half * (inner.zeta * (mean_log + 1) - inner.root)
-    if what == "transform":
-        edge = (a_0 + a_1 * rho) / root
-        if kink.order == 0:
-            return np.asarray(scale * (bar - own) + edge)
-        moment = -1j * (2 * (moves * log_b).mean(axis=-1) - half * inner.zeta * log_rho - first)
-        if kink.order == 1:
-            return np.asarray(scale * (moment - sines.mean() - shift * bar - away * own + sine) - turn * rho + edge)
+    zeta, rho, root, half, q = seen.zeta, seen.rho, seen.root, kink.half, kink.order
+    (a_0, a_1), (turn, bend), scale = kink.edge, kink.polynomial, kink.jump / np.pi
+    constant = turn - bend * 0.5 * (kink.start - kink.rest)
+    log_b, log_rho, mean_log = seen.turned(np.sqrt(0.5 * l), np.sqrt(0.5 * r)), np.log(2.0) - seen.log, np.log(0.5 * half) + inner.log
+    away, c, s = seen.left - kink.from_left, np.sqrt(0.5 * kink.from_left), np.sqrt(0.5 * kink.from_right)
+    own, sine = -1j * np.log((c - 1j * s) ** 2 * (c * seen.m + 1j * s * seen.p) ** 2 / away), 2 * c * s
+    sines, nodes, moves = np.sqrt(l * r), 0.5 * (l - r), (seen.left[:, None] - l) / half  # moves: zeta - s' at the nodes
+    first = inner.zeta * (mean_log + 1) - inner.root
+
+    def means() -> Iterator[Complex]:
+        """bar(G), bar((zeta - .) G - sin) / r and that of q = 2 over r^2."""
+        yield -1j * (2 * log_b.mean(axis=-1) - log_rho - mean_log)
+        yield -1j * (2 * (moves * log_b).mean(axis=-1) - inner.zeta * log_rho - first) - sines.mean() / half
         fall = np.exp(-inner.log)
-        square = half**2 * ((inner.zeta**2 + 0.5) * (mean_log + log_rho) + (2 * inner.zeta - 0.25 * fall) * fall)
-        spread = -1j * (2 * (moves**2 * log_b).mean(axis=-1) - square) - zeta * sines.mean() + 1.5 * (nodes * sines).mean()
-        spread = spread - 2 * shift * (moment - sines.mean()) + second * bar
-        rest = spread - away**2 * own + (zeta - 1.5 * s_own) * sine
-        return np.asarray(scale * rest - (constant + 0.5 * bend * rho) * rho + edge)
+        square = (inner.zeta**2 + 0.5) * (mean_log + log_rho) + (2 * inner.zeta - 0.25 * fall) * fall
+        line = zeta * sines.mean() - 1.5 * (nodes * sines).mean()
+        yield -1j * (2 * (moves**2 * log_b).mean(axis=-1) - square) - line / half**2
+
+    def mean_slopes() -> Iterator[Complex]:
+        """Their derivatives."""
+        b_slope = 0.5 * ((zeta[:, None] + nodes) / (root[:, None] + 1j * sines) - 1) / root[:, None]
+        yield -1j * (2 * b_slope.mean(axis=-1) + 1 / root - 1 / (half * inner.root))
+        slope = 2 * (log_b / half + moves * b_slope).mean(axis=-1) - (log_rho + mean_log + 1) / half
+        yield -1j * (slope + inner.zeta / root)
+        square = 2 * (moves * (2 * log_b / half + moves * b_slope)).mean(axis=-1) + (inner.zeta**2 + 0.5) / root
+        yield -1j * (square - (2 * inner.zeta * log_rho + 2 * first + inner.zeta) / half) - sines.mean() / half**2
+
+    if what == "transform":
+        its = away**q * own - (0.0, sine, (zeta - 1.5 * 0.5 * (kink.from_left - kink.from_right)) * sine)[q]
+        return np.asarray(scale * (kink.mixed(means()) - its) - (constant + 0.5 * bend * rho) * rho + (a_0 + a_1 * rho) / root)
+    its = -(away ** (q - 1.0)) * sine / root + q * away ** max(q - 1, 0) * own - (sine if q == HIGHEST else 0.0)
     edge = -(a_1 * rho / root + (a_0 + a_1 * rho) * zeta / root**2) / root
-    b_slope = 0.5 * ((zeta[:, None] + nodes) / (root[:, None] + 1j * sines) - 1) / root[:, None]
-    bar_slope = -1j * (2 * b_slope.mean(axis=-1) + 1 / root - 1 / (half * inner.root))
-    own_slope = -sine / (away * root)
-    if kink.order == 0:
-        return np.asarray(scale * (bar_slope - own_slope) + edge)
-    moment = -1j * (2 * (log_b + moves * b_slope).mean(axis=-1) - log_rho + half * inner.zeta / root - (mean_log + 1))
-    if kink.order == 1:
-        return np.asarray(scale * (moment - shift * bar_slope - own - away * own_slope) + turn * rho / root + edge)
-    spread = 2 * (moves * (2 * log_b + moves * b_slope)).mean(axis=-1) - 2 * half * inner.zeta * log_rho
-    spread = -1j * (spread + half**2 * (inner.zeta**2 + 0.5) / root - 2 * first - half * inner.zeta) - sines.mean()
-    spread = spread - 2 * shift * moment + second * bar_slope
-    rest = spread - away * (2 * own + away * own_slope) + sine
-    return np.asarray(scale * rest + (constant + bend * rho) * rho / root + edge)
+    return np.asarray(scale * (kink.mixed(mean_slopes()) - its) + (constant + bend * rho) * rho / root + edge)

@@ -20,7 +20,7 @@ import numpy as np
 
 from sie.basis import chebyshev
 from sie.basis.data import Array, Index, Kept, Mask, record
-from sie.basis.interval import Outside, fall, root_on, theta, transform_of
+from sie.basis.interval import Outside, fall, theta, transform_of
 from sie.collocation.factored import Factored
 from sie.jumps.forcing import ForcingJumps
 from sie.jumps.formulas import HIGHEST
@@ -52,7 +52,7 @@ class Slit(Kept):
 
     def root(self, left: Array, right: Array) -> Array:
         """X = sqrt(1 - t^2) there."""
-        return root_on(self.start + self.half * left, self.rest + self.half * right)
+        return np.sqrt((self.start + self.half * left) * (self.rest + self.half * right))
 
     @cached_property
     def nodes(self) -> int:
@@ -60,18 +60,13 @@ class Slit(Kept):
         return 2 * self.modes + 16
 
     @cached_property
-    def gauss(self) -> tuple[Array, Array]:
-        """(1 + z, 1 - z) at the Gauss nodes."""
-        return chebyshev.gauss_sides(self.nodes)
-
-    @cached_property
     def theta(self) -> Array:
         """Angles in the wide zone of the Gauss nodes."""
-        return self.angle(*self.gauss)
+        return self.angle(*chebyshev.gauss_sides(self.nodes))
 
     @cached_property
     def x_root(self) -> Array:
-        return self.root(*self.gauss)
+        return self.root(*chebyshev.gauss_sides(self.nodes))
 
     def means(self, values: Array) -> Array:
         """Means of values (..., nodes) times T_l, l = 0 ... modes, with the weight 1 / sqrt(1 - z^2)."""
@@ -174,9 +169,6 @@ class Slits(Kept):
         nodes = (chebyshev.lobatto(slit.modes) for slit in self.slits)
         self._angles = [(left[1:-1], right[1:-1]) for _, right, left in nodes]
 
-    def split(self, d: Array) -> list[Array]:
-        return [d[s:e] for s, e in zip(self.offset[:-1], self.offset[1:], strict=True)]
-
     @cached_property
     def by_coefficients(self) -> Array:
         """Right sides of the slits' rows by the zone's smooth coefficients c_0 ... c_modes."""
@@ -187,34 +179,23 @@ class Slits(Kept):
         if self.zone not in jumps.by_zone:
             return np.zeros(self.offset[-1])
         # Those of other zones have no part in it.
-        keep = np.setdiff1d(np.flatnonzero(jumps.zone == self.zone), self._inside, assume_unique=True)
-        rest = jumps.chosen(keep)
-        out = self._of_kinks()
-        if self.zone not in rest.by_zone:
-            return out
+        rest = jumps.chosen(np.setdiff1d(np.flatnonzero(jumps.zone == self.zone), self._inside, assume_unique=True))
 
         def values(slit: Slit, left: Array, right: Array) -> Array:
             from_left, from_right = slit.start + slit.half * left, slit.rest + slit.half * right
             density = rest.density(self.zone, from_left, from_right)
             if len(self._knots):
                 density -= self._knots.density(self.zone, from_left, from_right)
-            return (slit.root(left, right) * density)[:, None]
+            out = slit.root(left, right) * density
+            for _, kink in self.kinks:
+                z = 0.5 * (left - right) if slit.start == kink.start else (from_left - kink.start) / kink.half - 1
+                out += kink.in_slit(from_left, from_right, z)
+            return out[:, None]
 
-        return out + self._rows(values)[:, 0]
-
-    def _of_kinks(self) -> Array:
-        """Right sides of the slits' rows by the jumps in them, and what their psi leaves to the integrals of s."""
-        out = np.zeros(self.offset[-1])
+        out = self._rows(values)[:, 0]
         for i, kink in self.kinks:
+            # What its psi leaves to the integral of s.
             out[self.offset[i]] -= kink.total
-
-            def values(slit: Slit, left: Array, right: Array, kink: SlitKink = kink) -> Array:
-                from_left, from_right = slit.start + slit.half * left, slit.rest + slit.half * right
-                own = slit.start == kink.start
-                z = 0.5 * (left - right) if own else (from_left - kink.start) / kink.half - 1
-                return kink.in_slit(from_left, from_right, z)[:, None]
-
-            out += self._rows(values)[:, 0]
         return out
 
     def _rows(self, values) -> Array:  # type: ignore[no-untyped-def]

@@ -42,9 +42,9 @@ _SAFETY = 3.0
 @record
 class Opened(Trial):
     """What an opening s changes in the quantities that side conditions speak of (`conditions.Rows`): constants only. table: s_k of every
-    wide zone, for a condition that asks for them."""
+    wide zone that has slits, for a condition that asks for them."""
 
-    table: Callable[[], Array]
+    told: dict[int, Array]
     mean_opening: Array
     system: System
 
@@ -53,11 +53,12 @@ class Opened(Trial):
 
     def integrals(self, weight: Callable[[Array], Array], degree: int | None = None) -> Linear:
         """Beyond the coupled modes, whose coefficients are unknowns, s adds to those of the density."""
-        out, s = np.zeros(len(self.zones.solved)), self.table()
-        for place, i in enumerate(self.zones.solved):
-            values = self.system.moments(weight, int(i), s.shape[1], degree)
-            beyond = np.arange(self.system.layout.m[i] + 1, min(s.shape[1], len(values)))
-            out[place] = np.pi * self.zones.half[i] * (values[beyond] @ s[i, beyond])
+        out = np.zeros(len(self.zones.solved))
+        for place, i in enumerate(self.zones.solved.tolist()):
+            if i in self.told:
+                values = self.system.moments(weight, i, len(self.told[i]), degree)
+                beyond = np.arange(self.system.layout.m[i] + 1, min(len(self.told[i]), len(values)))
+                out[place] = np.pi * self.zones.half[i] * (values[beyond] @ self.told[i][beyond])
         return self.level, out
 
 
@@ -120,71 +121,45 @@ class SlitSystem(Kept):
         that is more than the one at hand.
         """
         base, homogeneous, iteration = self.base, values is not None, self.base.iteration
+
+        def bends(folded: Array) -> Array:
+            """What the slits' answer to the wide zones adds to the right side of these."""
+            return self._right(self._series(folded, True), True)
+
+        given = self._right(tuple(np.zeros_like(one) if homogeneous else one for _, one in self._answers), homogeneous)
         if iteration is not None:
             # The slits' answer is part of the rows: what is iterated on is both at once.
-            nothing = tuple(np.zeros(here.offset[-1]) for here in self.slits)
-            given = nothing if homogeneous else tuple(one for _, one in self._answers)
-            near = None if homogeneous else base.folded_unknowns
-            right = iteration.right() if values is None else base.right_of(values)
-            folded = iteration(
-                right + self._right(given, homogeneous), near, max(self.linear, loose),
-                lambda y: self._right(self._series(y, True), True),
-            )
+            right, near = (iteration.right(), base.folded_unknowns) if values is None else (base.right_of(values), None)
+            folded = iteration(right + given, near, max(self.linear, loose), bends)
             return folded, self._series(folded, homogeneous), 0.0
-        first = base.folded_unknowns if values is None else base.solver(base.right_of(values))
-        bounds = np.cumsum([here.offset[-1] for here in self.slits])[:-1]
+        start = (base.folded_unknowns if values is None else base.solver(base.right_of(values))) + base.solver(given)
 
-        def answer(series: Array, homogeneous: bool, start: Array | float) -> tuple[Array, Array]:
-            folded = start + base.solver(self._right(tuple(np.split(series, bounds)), homogeneous))
-            return folded, np.concatenate(self._series(folded, homogeneous))
+        def apart(folded: Array) -> Array:
+            return np.asarray(folded - base.solver(bends(folded)))
 
         # A slit bends its surroundings by the square of its width over its distance: a few steps are enough.
-        series = np.concatenate(self._series(first, homogeneous))
-        folded, again = answer(series, homogeneous, first)
+        folded = start + base.solver(bends(start))
         for _ in range(_CORRECTIONS):
-            missing, rounding = again - series, _ROUNDING * float(np.linalg.norm(again))
-            series = series + gmres(lambda v: v - answer(v, True, 0.0)[1], missing, rounding).x
-            folded, again = answer(series, homogeneous, first)
-        change = float(np.abs(again - series).max()) / max(float(np.abs(folded).max()), 1e-300)
+            folded = folded + gmres(apart, start - apart(folded), _ROUNDING * float(np.linalg.norm(folded))).x
+        change = float(np.abs(start - apart(folded)).max()) / max(float(np.abs(folded).max()), 1e-300)
         if not change <= max(_SETTLED, 10 * self.linear):
             raise SlitsNotConverged("the slits of a wide zone do not come to rest")
-        return folded, tuple(np.split(series, bounds)), change
+        return folded, self._series(folded, homogeneous), change
 
-    def s_table(self, d: tuple[Array, ...], homogeneous: bool) -> Array:
-        """s_k of every wide zone."""
-        out = np.zeros((len(self.merged.wide), self._count))
-        out[self._zones] = self._rows(d, homogeneous)
-        return out
-
-    @property
-    def _zones(self) -> Index:
-        """The wide zones that have slits."""
-        return np.array([here.zone for here in self.slits])
-
-    @property
-    def _count(self) -> int:
-        """Coefficients of s that are told, of all zones."""
-        return max(int(self.system.layout.m.max()), max(here.modes for here in self.slits), TOLD) + 1
-
-    def _rows(self, d: tuple[Array, ...], homogeneous: bool) -> Array:
-        """s_k of the zones that have slits: of many zones these are few."""
-        out = np.zeros((len(self.slits), self._count))
-        for row, told in zip(out, self.told(d, homogeneous), strict=True):
-            row[: len(told)] = told
-        return out
-
-    def _among_unknowns(self, d: tuple[Array, ...], homogeneous: bool) -> Array:
+    def _among_unknowns(self, told: dict[int, Array]) -> Array:
         """s_k where the coefficients that they are added to stand among the unknowns."""
         layout = self.system.layout
         s = np.zeros(layout.size)
-        for here, told in zip(self.slits, self.told(d, homogeneous), strict=True):
-            count, first = min(int(layout.m[here.zone]) + 1, len(told)), int(layout.offset[here.zone])
-            s[first : first + count] = told[:count]
+        for zone, one in told.items():
+            count, first = min(int(layout.m[zone]) + 1, len(one)), int(layout.offset[zone])
+            s[first : first + count] = one[:count]
         return s
 
-    def told(self, d: tuple[Array, ...], homogeneous: bool) -> list[Array]:
+    def told(self, d: tuple[Array, ...], homogeneous: bool) -> dict[int, Array]:
         """s_k of every wide zone with slits."""
-        return [here.told @ one + (0.0 if homogeneous else here.told_by_kinks) for here, one in zip(self.slits, d, strict=True)]
+        return {
+            here.zone: here.told @ one + (0.0 if homogeneous else here.told_by_kinks) for here, one in zip(self.slits, d, strict=True)
+        }
 
     def mean_openings(self, d: tuple[Array, ...], homogeneous: bool) -> Array:
         out = np.zeros(len(self.merged.wide))
@@ -194,10 +169,9 @@ class SlitSystem(Kept):
 
     def _right(self, d: tuple[Array, ...], homogeneous: bool) -> Array:
         """What s adds to the right side of the wide zones' rows."""
-        system, base = self.system, self.base
-        rows = -self._among_unknowns(d, homogeneous)[system.diagonal]
-        nothing = np.zeros((len(system.zones.solved), 0))
-        view = Opened(system.zones, nothing, nothing, lambda: self.s_table(d, homogeneous), self.mean_openings(d, homogeneous), system)
+        system, base, told = self.system, self.base, self.told(d, homogeneous)
+        rows, nothing = -self._among_unknowns(told)[system.diagonal], np.zeros((len(system.zones.solved), 0))
+        view = Opened(system.zones, nothing, nothing, told, self.mean_openings(d, homogeneous), system)
         constants = [asked(condition, view, 0)[1] for condition in system.equation.conditions]
         conditions = -np.concatenate(constants) / base.condition_scale if constants else np.zeros(0)
         return np.concatenate((rows, conditions))
@@ -207,13 +181,15 @@ class SlitSystem(Kept):
         base, system = self.base, self.system
         y = self.base.symmetry.unfold(folded)
         whole = base.homogeneous(y) if homogeneous else density_of(system, y)
-        table, some, s = whole.coefficients, self._zones, self._rows(d, homogeneous)
-        count = max(s.shape[1], table.shape[1])
-        table, s = widened(table, count), widened(s, count)
-        within = np.arange(count) <= system.layout.m[some, None]
-        with_slits, without = table.copy(), table
-        without[some] -= np.where(within, s, 0.0)
-        with_slits[some] += np.where(within, 0.0, s)
+        told = self.told(d, homogeneous)
+        # As many of s are told, of all zones.
+        count = max(int(system.layout.m.max()) + 1, TOLD + 1, *map(len, told.values()), whole.coefficients.shape[1])
+        without = widened(whole.coefficients, count)
+        with_slits = without.copy()
+        for zone, s in told.items():
+            coupled = int(system.layout.m[zone]) + 1
+            without[zone, : len(s)][:coupled] -= s[:coupled]
+            with_slits[zone, coupled : len(s)] += s[coupled:]
         whole, smooth = replace(whole, coefficients=with_slits), replace(whole, coefficients=without)
         left_over = base.linear_error if base.iteration is None else base.iteration.error
         state = replace(base, folded_unknowns=folded, unknowns=y, density=whole, linear_error=left_over)
@@ -221,18 +197,18 @@ class SlitSystem(Kept):
 
     def tails(self, wide: State, d: tuple[Array, ...]) -> Array:
         """See `State.tails`, of what stands in the rows beside s."""
-        return fixed.field_tails(self.system, wide.unknowns - self._among_unknowns(d, False), wide.density)
+        return fixed.field_tails(self.system, wide.unknowns - self._among_unknowns(self.told(d, False)), wide.density)
 
 
 @record
 class SlitState(Answered):
     """The solution on zones beside narrow gaps: what `State` tells of zones, told of the pieces between the slits.
 
-    wide: state of the wide zones, slits included; rest: what solving both together left, over the largest coefficient.
+    whole: state of the wide zones, slits included; rest: what solving both together left, over the largest coefficient.
     """
 
     slit_system: SlitSystem
-    wide: State
+    whole: State
     density: SlitDensity
     series: tuple[Array, ...]
     rest: float
@@ -244,24 +220,19 @@ class SlitState(Answered):
 
     @property
     def solver(self) -> Solver:
-        return self.wide.solver
+        return self.whole.solver
 
     @property
     def condition_scale(self) -> Array:
-        return self.wide.condition_scale
+        return self.whole.condition_scale
 
     @property
     def linear_error(self) -> Array:
-        return self.wide.linear_error[self.merged.piece_zone]
-
-    @property
-    def whole(self) -> State:
-        """The state of the wide zones, without slits."""
-        return self.wide
+        return self.whole.linear_error[self.merged.piece_zone]
 
     def wide_of(self, zones: Index) -> tuple[State, Index]:
         """The state of the wide zones, and the places of zones among these."""
-        return self.wide, self.merged.piece_zone[zones]
+        return self.whole, self.merged.piece_zone[zones]
 
     # further right sides --------------------------------------------------------------------------------------------
     def response(self, values: Array, tolerance: float = 0.0) -> SlitDensity:
@@ -272,28 +243,28 @@ class SlitState(Answered):
         """See `State.with_value`."""
         folded, series, _ = self.slit_system.solve(self.values(condition, change))
         both = tuple(one + other for one, other in zip(self.series, series, strict=True))
-        wide, density = self.slit_system.density(self.wide.folded_unknowns + folded, both)
-        return replace(self, wide=wide, density=density, series=both)
+        wide, density = self.slit_system.density(self.whole.folded_unknowns + folded, both)
+        return replace(self, whole=wide, density=density, series=both)
 
     @property
     def levels(self) -> Array:
         """Level of each solved wide zone."""
         opened = self.slit_system.mean_openings(self.series, False)
-        return self.wide.levels + opened[self.merged.wide.solved]
+        return self.whole.levels + opened[self.merged.wide.solved]
 
     def level_rates(self, values: Array) -> Array:
         folded, series, _ = self.slit_system.solve(values)
         opened = self.slit_system.mean_openings(series, True)
-        return self.wide.system.level_changes(self.wide.symmetry.unfold(folded)) + opened[self.merged.wide.solved]
+        return self.whole.system.level_changes(self.whole.symmetry.unfold(folded)) + opened[self.merged.wide.solved]
 
     # errors ---------------------------------------------------------------------------------------------------------
     @property
     def natural(self) -> Array:
-        return self.wide.natural[self.merged.piece_zone]
+        return self.whole.natural[self.merged.piece_zone]
 
     @cached_property
     def noise(self) -> Array:
-        return self.wide.noise[self.merged.piece_zone]
+        return self.whole.noise[self.merged.piece_zone]
 
     def _intensities_of(self, of_coefficients: Array, at_slits: float = 1.0) -> Array:
         """K at the left and right ends of the pieces (2, n) for errors of the wide zones' coefficients, in sum; at_slits:
@@ -306,8 +277,10 @@ class SlitState(Answered):
     @cached_property
     def intensity_noise(self) -> Array:
         """See `State.intensity_noise`."""
-        rest = self.rest * row_sizes(self.wide.density.coefficients).max()
-        return self._intensities_of(self.wide.coefficient_noise + rest, _SAFETY)
+        rest = self.rest * row_sizes(self.whole.density.coefficients).max()
+        # What rounding makes of the sums of the wide zones' coefficients.
+        noise = self.whole.intensity_noise.max(axis=0) / edge_scale(self.merged.wide.half)
+        return self._intensities_of(noise + rest, _SAFETY)
 
     @cached_property
     def _tails(self) -> Array:
@@ -324,18 +297,18 @@ class SlitState(Answered):
     @property
     def size(self) -> float:
         """See `State.size`."""
-        return self.wide.size
+        return self.whole.size
 
     @cached_property
     def _neglected(self) -> Array:
         """Sum of the coefficients that each wide zone neglects, as in `State`."""
-        beside = fixed.beside_ends(self.wide.kept, self._wide_residuals)
-        return np.asarray(np.minimum(self.wide.left_out, 10 * np.maximum(self._residual, beside)))
+        beside = fixed.beside_ends(self.whole.kept, self._wide_residuals)
+        return np.asarray(np.minimum(self.whole.left_out, 10 * np.maximum(self._residual, beside)))
 
     @cached_property
     def missing(self) -> Array:
         """What is neglected of each wide zone's coefficients and of the equation between its nodes, in all."""
-        rounding = 2e-15 * self.wide.zone_sizes + self.wide.jumps_rounding
+        rounding = 2e-15 * self.whole.zone_sizes + self.whole.jumps_rounding
         return np.asarray(self._neglected + 3 * np.maximum(self._residual - rounding, 0.0) + self._tails)
 
     @cached_property
@@ -369,7 +342,7 @@ class SlitState(Answered):
     @cached_property
     def density_error(self) -> float:
         """See `State.density_error`."""
-        wide, peak = self.wide, self.size
+        wide, peak = self.whole, self.size
         if peak == 0.0:
             return 0.0
         coupled = wide.system.layout.m
@@ -420,7 +393,7 @@ def solve_zones(equation: Equation, zones: Zones, tolerance: float = 1e-14, size
     [0.5, 0.5]
     """
     equation.check_count(zones)
-    sizes = fixed.sizes_for(equation, zones, tolerance) if sizes is None else sizes
+    sizes = fixed.first_sizes(equation, zones, tolerance) if sizes is None else sizes
     found = merge(equation, zones, sizes.joined)
     if found is None:
         return fixed.solve_fixed(equation, zones, tolerance, sizes)
@@ -452,7 +425,7 @@ def solve_zones(equation: Equation, zones: Zones, tolerance: float = 1e-14, size
             break
         inner.least = least
     if inner.carried is not None:
-        told = tuple((here.zone, s) for here, s in zip(slit_system.slits, slit_system.told(series, False), strict=True))
+        told = slit_system.told(series, False)
         inner.carried = sizes.carried = Carried.of(inner.carried.coarse, wide.system, wide.unknowns, told)
     sizes.wide = inner
     sizes.solves += 1
