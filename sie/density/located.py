@@ -57,6 +57,13 @@ class Located(Kept):
         at_left, at_right = (one[zone] * edge_scale(self.zones.half[zone]) for one in self.edge_slopes)
         return np.abs(value), np.abs((slope + at_left) * half), np.abs((slope - at_right) / half)
 
+    def followed(self, zones: Index, angles: list[Array]) -> Array:
+        """The largest of these sizes in zones at angles of each (3, Z), zero in the others."""
+        zone, out = np.repeat(zones, [len(one) for one in angles]), np.zeros((3, len(self.zones)))
+        for largest, size in zip(out, self.following(zone, np.concatenate(angles)), strict=True):
+            np.maximum.at(largest, zone, size)
+        return out
+
     def locate(self, x: ArrayLike) -> tuple[Array, Index, Mask]:
         """(x moved by periods to lie right of the first zone's left end, index of the last zone that starts before it,
         whether it is inside that zone)."""

@@ -112,15 +112,17 @@ class Series(Located):
         """
         none, out = np.zeros(len(self.zones)), np.zeros((3, len(self.zones)))
         bounded, counts = replace(self, edges=(none, none)), np.minimum(self.sampling, LOOKS)
-        plain = replace(bounded, jumps=ForcingJumps.none()) if len(self.jumps) else bounded
-        for n in np.unique(counts):
-            group, theta = np.flatnonzero(counts == n), (np.arange(n) + 0.5) * np.pi / n
-            out[:, group] = [each.max(axis=1) for each in plain.following(group[:, None], theta[None])]
-            for i in group.tolist() if len(self.jumps) else ():
-                if i in self.jumps.by_zone:
-                    beside = beside_kinks(*self.jumps.sharpest(i), theta)
-                    out[0, i] = np.abs(bounded.at(i, *interval.sides(theta))).max()
-                    out[1:, i] = [each.max(initial=0.0) for each in bounded.following(i, beside)[1:]]
+        bent = np.array(sorted(self.jumps.by_zone), dtype=np.intp)
+        straight = np.delete(np.arange(len(self.zones)), bent)
+        for n in np.unique(counts[straight]):
+            group = straight[counts[straight] == n]
+            out[:, group] = [each.max(axis=1) for each in bounded.following(group[:, None], even_angles(n)[None])]
+        if len(bent):
+            even = [even_angles(n) for n in counts[bent]]
+            zone = np.repeat(bent, counts[bent])
+            np.maximum.at(out[0], zone, np.abs(bounded.at(zone, *interval.sides(np.concatenate(even)))))
+            beside = [beside_kinks(*self.jumps.sharpest(i), theta) for i, theta in zip(bent.tolist(), even, strict=True)]
+            out[1:] += bounded.followed(bent, beside)[1:]
         # A zone held at one end spreads its load over another width as the other end moves.
         alpha, beta = self.singular
         out[1:] += (np.abs(alpha) + np.abs(beta)) / np.sqrt(_BESIDE * (2 - _BESIDE))
@@ -181,6 +183,10 @@ class Series(Located):
         """c_0 of the jumps of `ForcingJumps.sharp_potential`, per zone."""
         high = self.jumps.high_coefficients(self.zones)[:, :1]
         return np.asarray(self.jumps.t_coefficients(self.zones, 1)[:, 0] - high.sum(axis=1))
+
+
+def even_angles(count: int) -> Array:
+    return (np.arange(count) + 0.5) * np.pi / count
 
 
 def beside_kinks(left: Array, height: Array, theta: Array) -> Array:

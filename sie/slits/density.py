@@ -15,7 +15,7 @@ from sie.basis.kernels import Kernel, cauchy
 from sie.basis.zones import Zones
 from sie.density.density import Density
 from sie.density.located import Located
-from sie.density.series import LOOKS, beside_kinks, from_zones
+from sie.density.series import LOOKS, beside_kinks, even_angles, from_zones
 from sie.jumps.forcing import ForcingJumps
 from sie.slits.kinks import SlitKink
 from sie.slits.merged import Merged
@@ -229,9 +229,8 @@ class SlitDensity(Located):
     def sensitivity(self) -> tuple[Array, Array, Array]:
         """See `Density.sensitivity`, of the pieces; the slope by differences, since a piece has no series of its own."""
         angles = [self._looked_at(piece, count) for piece, count in enumerate(self._counts.tolist())]
-        piece, first = np.repeat(np.arange(len(angles)), [len(one) for one in angles]), np.cumsum([0, *map(len, angles[:-1])])
-        parts = self.following(piece, np.concatenate(angles))
-        return tuple(np.maximum.reduceat(each, first) for each in parts)  # type: ignore[return-value]
+        peak, by_left, by_right = self.followed(np.arange(len(angles)), angles)
+        return peak, by_left, by_right
 
     @cached_property
     def _counts(self) -> Index:
@@ -244,7 +243,7 @@ class SlitDensity(Located):
         """So many angles of a piece, and some beside kinks."""
         merged, zone = self.merged, int(self.merged.piece_zone[piece])
         w, half, start = merged.wide.half[zone], self.zones.half[piece], merged.start[piece]
-        theta = (np.arange(count) + 0.5) * np.pi / count
+        theta = even_angles(count)
         left, height = self.jumps.sharpest(zone)
         left = (left * w - start) / half
         inside = (left > 0) & (left < 2)
