@@ -14,7 +14,7 @@ not a half-plane, on which alone contact is known to grow with the load.
 """
 
 import json
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from os import PathLike
 from typing import Any
 
@@ -27,6 +27,7 @@ from contact.model.scene import Scene
 from contact.search.topology.by_gaps import ByGaps
 from contact.search.topology.by_pressure import ByPressure
 from contact.search.topology.carried import Passed
+from contact.search.topology.changes import Change, changes
 from contact.search.topology.loop import Progress
 from contact.search.topology.missed import WrongTopology
 from contact.solution.export import new_file
@@ -159,19 +160,6 @@ def growing_path(scene: Scene, values: Array, tol: float, progress: Progress | N
     return Path(tuple(solutions), tuple(passed))
 
 
-@dataclass(frozen=True)
-class _Change:
-    """What must happen between two solutions: the kind, and the indices it is about in the lower and the higher one.
-
-    back: it happens on the way from the higher load to the lower one, which then stand for each other.
-    """
-
-    kind: str
-    lower: tuple[int, ...]
-    higher: int
-    back: bool = False
-
-
 class _Path:
     def __init__(self, scene: Scene, tol: float, progress: Progress | None = None) -> None:
         self.scene, self.curve, self.progress, self.found = scene, Curve(scene, "load", tol), progress, 0
@@ -195,22 +183,19 @@ class _Path:
         return [Event(_REVERSED[e.kind], e.load, e.position, e.after, e.before) for e in reversed(events)]
 
     def _events(self, low: Solution, high: Solution) -> list[Event]:
-        changes = _changes(low, high)
-        if changes and changes[0].kind == "full":
-            assert low.scene.period is not None
-            load = self.curve.shared.full.relieved * low.scene.period
-            # Other gaps close before the last one does.
-            last = self.on_the_way(max(low.load, load * (1 - _BEFORE_FULL)), low)
-            return [*self._events(low, last), *_full_event(load, high, last)]
+        if len(high.zones) == 0:
+            return self._to_full(low, high) if len(low.zones) else []
+        turns = low.scene.turned and low.scene.moment is not None
+        found = changes(low.zones, high.zones, low.scene.period, low.scene.operator.is_plain and not turns, _SHARED)
         apart = high.load - low.load > _CLOSE * high.load
         hides = high.load > _FAR * low.load or (high.load - low.load > _SEEN * high.load and may_hide(low, high))
-        if not changes and not hides:
+        if not found and not hides:
             return []
-        if apart and (hides or len(changes) > 1):
+        if apart and (hides or len(found) > 1):
             middle = self.on_the_way(float(np.sqrt(low.load * high.load)), low)
             return self._events(low, middle) + self._events(middle, high)
         events = []
-        for change in changes:
+        for change in found:
             event = self._event(change, low, high, beyond=() if apart else _BEYOND)
             if event is None and apart:
                 middle = self.on_the_way(0.5 * (low.load + high.load), low)
@@ -223,12 +208,19 @@ class _Path:
                 self.progress("events", self.found, None)
         return events
 
-    def _event(self, change: _Change, low: Solution, high: Solution, beyond: tuple[float, ...] = ()) -> Event | None:
+    def _to_full(self, low: Solution, full: Solution) -> list[Event]:
+        """The events up to full contact."""
+        assert low.scene.period is not None
+        load = self.curve.shared.full.relieved * low.scene.period
+        # Other gaps close before the last one does.
+        last = self.on_the_way(max(low.load, load * (1 - _BEFORE_FULL)), low)
+        return [*self._events(low, last), *_full_event(load, full, last)]
+
+    def _event(self, change: Change, low: Solution, high: Solution, beyond: tuple[float, ...] = ()) -> Event | None:
         """The event of one change; None if its condition does not change sign between the two loads, nor where it is looked for beyond
         them, by these parts of the loads: signs within their rounding pass a certificate on either side of the event."""
-        first, second = (high, low) if change.back else (low, high)
-        side, other = (first, second) if change.kind == "birth" else (second, first)
-        condition = _Condition(side.fields, first, second, change)
+        side, other = (low, high) if change.ahead else (high, low)
+        condition = _Condition(side.fields, change)
         load = condition.problem.units.load
         try:
             # Each state starts from the zones of the last: close to a zero its sign may depend on the way there.
@@ -239,55 +231,28 @@ class _Path:
             for ends in tried:
                 known |= {end / load: condition(end / load) for end in ends if end / load not in known}
                 if min(known.values()) < 0.0 < max(known.values()):
-                    kind = _REVERSED[change.kind] if change.back else change.kind
                     root = smooth_root(condition, known)
-                    return Event(kind, root * load, condition.position, low.zones, high.zones)
+                    return Event(change.kind, root * load, condition.position, low.zones, high.zones)
         except WrongTopology:
             pass
         return None
 
 
-def _changes(low: Solution, high: Solution) -> list[_Change]:
-    """Births and merges that lead from the zones of the lower load to those of the higher one."""
-    if len(high.zones) == 0:
-        return [] if len(low.zones) == 0 else [_Change("full", tuple(range(len(low.zones))), 0)]
-    changes = _grown(low, high)
-    if (low.scene.turned and low.scene.moment is not None) or not low.scene.operator.is_plain:
-        changes += [replace(change, back=True) for change in _grown(high, low)]
-    return changes
-
-
-def _grown(low: Solution, high: Solution) -> list[_Change]:
-    """Births and merges by the zones that overlap."""
-    changes, period = [], low.scene.period
-    for k, (a, b) in enumerate(high.zones):
-        # The copy of each zone whose middle is nearest.
-        zones = centred_on(low.zones, 0.5 * (a + b), period)
-        shared = np.minimum(zones[:, 1], b) - np.maximum(zones[:, 0], a)
-        held = np.flatnonzero(shared > _SHARED * np.minimum(zones[:, 1] - zones[:, 0], b - a))
-        held = held[np.argsort(zones[held, 0])]
-        if len(held) == 0:
-            changes.append(_Change("birth", (), k))
-        changes += [_Change("merge", (int(i), int(j)), k) for i, j in zip(held[:-1], held[1:], strict=True)]
-    return changes
-
-
-def _just_beyond(change: _Change, side: Solution, other: Solution) -> float | None:
+def _just_beyond(change: Change, side: Solution, other: Solution) -> float | None:
     """A load a little beyond the event, seen from the solution that the condition begins with; None where the other one does not tell.
 
     It tells when nothing is left of its zone that is born, or of its gap that closes: squared widths go evenly with the logarithm of the
     load.
     """
-    zone = change.higher if change.kind == "birth" else change.lower[0]
     told, period = ends_and_rates(other), other.scene.period
     if told is None:
         return None
     table, outward = told
-    k = int(np.argmin(np.abs(nearest_image(table.mean(axis=1) - other.zones[zone].mean(), 0.0, period))))
-    if change.kind == "birth":
-        (a, b), grows = table[k], outward[k].sum()
-    else:
-        (a, b), grows = gaps_between(table, period)[k], -outward[k, 1] - outward[(k + 1) % len(table), 0]
+    grows = outward.sum(axis=1)
+    if not change.of_gap:
+        table, grows = gaps_between(table, period), -outward[:, 1] - np.roll(outward[:, 0], -1)
+    k = int(np.argmin(np.abs(nearest_image(table.mean(axis=1) - np.mean(change.where), 0.0, period))))
+    (a, b), grows = table[k], grows[k]
     if grows == 0.0:
         return None
     load = other.load * float(np.exp((_MARGIN - 1.0) * (b - a) / (2 * grows)))
@@ -305,27 +270,18 @@ class _Condition:
     def of(self, fields: Any) -> float:
         """Of a state with the zones that the condition is about: the least gap about the place where the higher load has a zone of its own,
         or the least pressure between two zones that have become one."""
-        function = fields.formal_gap if self.kind == "birth" else fields.formal_pressure
+        function = fields.formal_gap if self.of_gap else fields.formal_pressure
         place, value = maximum(lambda x: -function(x), np.linspace(*self.where, 33), levels=_ZOOMS, peaks=1)
         self.position = float(self.problem.units.x(np.array(place)))
         return -value
 
-    def __init__(self, fields: Any, low: Solution, high: Solution, change: _Change) -> None:
-        self.problem, self.kind = fields.problem, change.kind
+    def __init__(self, fields: Any, change: Change) -> None:
+        self.problem, self.of_gap = fields.problem, change.of_gap
         self.form = ByPressure(self.problem) if fields.relief is None else ByGaps(self.problem, fields.relief)
         # Of the loads at which it was evaluated, and of one right beside the first: the zones (or gaps) found there.
         load, table = fields.load / fields.problem.units.load, fields.density.zones.table
         self.tables: dict[float, Array] = {load: table, load * (1 + _RIGHT_BESIDE): table + _RIGHT_BESIDE * _moving(fields)}
-        if change.kind == "birth":
-            self.where = _scaled(fields, high.zones[change.higher])
-        else:
-            i, j = change.lower
-            left, right = _scaled(fields, low.zones[i]), _scaled(fields, low.zones[j])
-            gap = right[0] - left[1]
-            if fields.problem.period is not None:
-                gap %= fields.problem.period
-            # The pressure is least between where the two zones ended, or a little beside.
-            self.where = left[1] - 0.25 * gap, left[1] + 1.25 * gap
+        self.where = _scaled(fields, change.where)
 
     def start(self, load: float) -> Array:
         """Zones to begin with: by the polynomial through those of the nearest loads, where that keeps them and their gaps about as wide."""
@@ -351,11 +307,11 @@ def _moving(fields: Any) -> Array:
     return np.column_stack((np.roll(outward[:, 1], 1), -outward[:, 0]))
 
 
-def _scaled(fields: Any, zone: Array) -> tuple[float, float]:
-    """A zone in the scaled period in which the fields' own zones stand."""
+def _scaled(fields: Any, places: tuple[float, float]) -> tuple[float, float]:
+    """Two places in the scaled period in which the fields' own zones stand."""
     zones, problem = fields.density.zones, fields.problem
     middle = 0.5 * float(zones.a[0] + zones.b[-1])
-    a, b = centred_on(np.array([problem.units.scaled(zone)]), middle, problem.period)[0].tolist()
+    a, b = centred_on(np.array([problem.units.scaled(np.array(places))]), middle, problem.period)[0].tolist()
     return a, b
 
 

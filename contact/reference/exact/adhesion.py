@@ -145,6 +145,10 @@ class Equilibria(Generic[State]):
         """The equilibrium of a parameter."""
         raise NotImplementedError
 
+    def _carrying(self, load: float, parameter: float) -> State:
+        """The equilibrium of a parameter that is that of a load."""
+        return self.at(parameter)
+
     def _samples(self) -> Array:
         """Parameters from end to end of the curve, close enough to tell its turning points apart."""
         raise NotImplementedError
@@ -193,13 +197,13 @@ class Equilibria(Generic[State]):
 
     def at_load(self, load: float, branch: str = "stable") -> State:
         """The equilibrium at a load (per period) on one of the branches under load control; OutOfRange if none."""
-        return self._solve("load", finite("load", load), branch, inf)
+        return self._carrying(load, self._solve("load", finite("load", load), branch, inf))
 
     def at_approach(self, approach: float, branch: str = "stable") -> State:
         """The equilibrium at an approach on one of the branches under approach control; OutOfRange if none."""
-        return self._solve("approach", finite("approach", approach), branch, 0.0)
+        return self.at(self._solve("approach", finite("approach", approach), branch, 0.0))
 
-    def _solve(self, control: str, value: float, branch: str, machine_compliance: float) -> State:
+    def _solve(self, control: str, value: float, branch: str, machine_compliance: float) -> float:
         lo, hi = self._part(branch, machine_compliance)
 
         def miss(s: float) -> float:
@@ -211,7 +215,7 @@ class Equilibria(Generic[State]):
             raise OutOfRange(
                 f"{control} = {value:.6g} is out of range: the {branch} branch goes from {ends[0]:.6g} to {ends[1]:.6g}"
             )
-        return self.at(root(miss, lo, hi))
+        return root(miss, lo, hi)
 
     def _stable_parts(self) -> list[tuple[float, float, float, float]]:
         """Parameters and loads at both ends of every part that is stable under a held load."""
@@ -239,13 +243,13 @@ class Equilibria(Generic[State]):
         """From the last of the parts down to the load."""
         for lo, hi, least, most in reversed(parts):
             if least <= load <= most:
-                return self.at(root(lambda s: self.at(s).load - load, lo, hi))
+                return self._carrying(load, root(lambda s: self.at(s).load - load, lo, hi))
         raise OutOfRange(f"load = {load:.6g} N/m is out of range: pull-off is at {min(part[2] for part in parts):.6g} N/m")
 
     def all_at_load(self, load: float) -> list[State]:
         """Every equilibrium at a load, stable or not, in the order of the parameter."""
         load = finite("load", load)
-        return [self.at(s) for s in roots(lambda s: self.at(s).load - load, self._samples())]
+        return [self._carrying(load, s) for s in roots(lambda s: self.at(s).load - load, self._samples())]
 
 
 @dataclass(frozen=True)

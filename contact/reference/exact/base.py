@@ -69,7 +69,8 @@ def zone_potential(z_minus_1: ArrayLike) -> Array:
 def integrated(function: Callable[[Array, Array], Array], length: ArrayLike) -> Array:
     """int_0^length of a function of the distances from both ends, by the double-exponential rule; lengths of any shape."""
     length = np.asarray(length, dtype=np.float64)
-    return np.asarray(length * (function(length[..., None] * FROM_LEFT, length[..., None] * FROM_RIGHT) @ WEIGHT))
+    # Summed in pairs, which rounds less than a product of vectors.
+    return np.asarray(length * np.sum(WEIGHT * function(length[..., None] * FROM_LEFT, length[..., None] * FROM_RIGHT), axis=-1))
 
 
 def check_number(zone: int, count: int = 1) -> None:

@@ -164,6 +164,13 @@ class DugdaleZone(_DugdaleState):
     def load(self) -> float:
         return self.zone.load - 2.0 * self.stress * self.share
 
+    @property
+    def load_by_half_width(self) -> float:
+        """d load/da at fixed c; dB/da = -cos C sin A/(cos A sqrt(sin(C - A) sin(C + A)))."""
+        a, c, length = self.half_width, self.cohesive_end, self.period
+        share = float(cosine(c, length) * sine(a, length) / cosine(a, length)) / self.root
+        return float(self.zone.load_rate(np.array(a))) + 2.0 * self.stress * share
+
     def _compliance_behind(self, q: Array) -> Array:
         """Compliance of the punch of the cohesive load behind which the share q is still to come: of the half width s with B(s, c) = q."""
         c = self.cohesive_end
@@ -315,6 +322,14 @@ class _DugdaleEquilibria(Equilibria[_DugdaleState]):
     def at(self, parameter: float) -> _DugdaleState:
         """The equilibrium of a parameter."""
         return DugdaleZone(self._frictionless(self._half_width(parameter)), self.stress, parameter)
+
+    def _carrying(self, load: float, parameter: float) -> _DugdaleState:
+        # Beside wide intervals the gap at c hardly tells a, which the load does to all digits.
+        found = self.at(parameter)
+        if not isinstance(found, DugdaleZone):
+            return found
+        a = found.half_width + (load - found.load) / found.load_by_half_width
+        return DugdaleZone(self._frictionless(a), self.stress, parameter)
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,8 @@ from contact.formulation.tension.intervals import interval_of, joined
 from contact.search.equilibria import arc, tension, tension_parting
 from contact.search.equilibria.arc import Step
 from contact.search.equilibria.following import LEAST, NEW, SLIGHT, Following, Jump, Standing, first_of
-from contact.search.equilibria.growth import Change, about, changes, condition, touched, with_change
+from contact.search.equilibria.growth import about, changes_between, condition, touched, with_change
+from contact.search.topology.changes import Change
 from sie import Array, Index, wrapped
 
 At = Callable[[float], CohesivePoint]
@@ -183,7 +184,7 @@ class FollowingUnderTension(Following):
         """(places, equilibrium) in which the surfaces just touch where zones are about to vanish; None if it was not found."""
         count, period = len(here.zones), self.curve.problem.round
         others = np.delete(here.zones, gone, axis=0)
-        each = [Change("death", False, about(others, float(a), float(b), period)) for a, b in here.zones[gone]]
+        each = [Change("death", about(others, float(a), float(b), period)) for a, b in here.zones[gone]]
         known = Known(here.table, here.value, others, np.delete(here.by_ends, np.append(gone, gone + count), axis=0))
         formal = replace(self.curve, formal=True, known=[known])
 
@@ -248,7 +249,7 @@ class FollowingUnderTension(Following):
         high: tuple[float, CohesivePoint], parts: int,
     ) -> Iterator[Jump]:
         """Changes of the zones between two states. beside: from a state on, ahead or back so far at 1, with the zones that it has."""
-        found = changes(low[1], high[1], self.curve.problem.round)
+        found = changes_between(low[1], high[1], self.curve.problem.round)
         if not found:
             return
         if len(found) > 1 and parts:

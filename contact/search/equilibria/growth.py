@@ -3,7 +3,7 @@
 Within intervals of tension zones change on the way from one state to another: without a jump, where a gap or a pressure is zero.
 """
 
-from dataclasses import dataclass
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -11,9 +11,10 @@ import numpy as np
 from contact.errors import NotConverged
 from contact.formulation.equilibria import Equilibria, Point
 from contact.formulation.roots import minimum
-from contact.formulation.tables import ascending, centred_on, runs_of
+from contact.formulation.tables import ascending, runs_of
 from contact.formulation.tension.cohesive import Cohesive, CohesivePoint
 from contact.search.equilibria.flow import REST, ROUGH, advanced
+from contact.search.topology.changes import Change, changes, held
 from contact.verify.certificate import openings
 from sie import Array
 
@@ -101,52 +102,15 @@ def touched(curve: Equilibria, cell: tuple[float, float], value: float = 0.0) ->
 _PLACES = 33
 
 
-@dataclass(frozen=True)
-class Change:
-    """kind: birth or merge, and death or split, the same on the way back; ahead: the state before it has the zones with which its condition
-    is a smooth one, without the zone that begins, or with the two as one; where: its place lies between."""
-
-    kind: str
-    ahead: bool
-    where: tuple[float, float]
-
-    @property
-    def of_gap(self) -> bool:
-        return self.kind in ("birth", "death")
-
-
-def changes(before: CohesivePoint, after: CohesivePoint, period: float | None) -> list[Change]:
-    if len(before.zones) == len(after.zones) and _alike(before.zones, after.zones, period):
+def changes_between(before: CohesivePoint, after: CohesivePoint, period: float | None) -> list[Change]:
+    """What changes between two states, and about where zones that are not there yet are looked for."""
+    if len(before.zones) == len(after.zones) and all(len(held(before.zones, a, b, period)) == 1 for a, b in after.zones):
         return []
+    without = {"birth": before.zones, "death": after.zones}
     return [
-        *_between(before.zones, after.zones, period, ("birth", True), ("merge", False)),
-        *_between(after.zones, before.zones, period, ("death", False), ("split", True)),
+        replace(change, where=about(without[change.kind], *change.where, period)) if change.of_gap else change
+        for change in changes(before.zones, after.zones, period, only_grows=False)
     ]
-
-
-def _alike(before: Array, after: Array, period: float | None) -> bool:
-    """Whether each zone overlaps the one that stands for it."""
-    return all(len(_held(before, a, b, period)) == 1 for a, b in after)
-
-
-def _held(zones: Array, a: float, b: float, period: float | None) -> Array:
-    """Those of the zones, moved by periods, that overlap one (k, 2)."""
-    zones = centred_on(zones, 0.5 * (a + b), period)
-    return ascending(zones[(zones[:, 0] < b) & (zones[:, 1] > a)])
-
-
-def _between(
-    low: Array, high: Array, period: float | None, new: tuple[str, bool], met: tuple[str, bool]
-) -> list[Change]:
-    """What is new among the zones `high` beside those of `low`, and which of these have met."""
-    found = []
-    for a, b in high:
-        held = _held(low, a, b, period)
-        if len(held) == 0:
-            found.append(Change(*new, about(low, a, b, period)))
-        for left, right in zip(held[:-1, 1], held[1:, 0], strict=True):
-            found.append(Change(*met, (float(left - 0.25 * (right - left)), float(right + 0.25 * (right - left)))))
-    return found
 
 
 def about(zones: Array, a: float, b: float, period: float | None) -> tuple[float, float]:

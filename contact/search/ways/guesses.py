@@ -115,8 +115,8 @@ def _one_zone(task: Task, scaled: ScaledScene, start: Array | None) -> Outcome |
         if full := full_under(task, control, but_for_kinks=True):
             return full
     by_branch = control.load is not None or control.approach is not None
-    if by_branch and problem.interaction.strip and guess > _WIDEST * widest(problem):
-        # A first guess knows of full contact, which a strip never comes to: the branch tells the width, or that there is none.
+    if by_branch and problem.interaction.neighbours and guess > _WIDEST * widest(problem):
+        # A first guess knows of full contact, which such a strip never comes to: the branch tells the width, or that there is none.
         guess = _on_branch(task, problem, control)
     found = task.refine_topology(problem, control, np.array([[-guess, guess]]))
     if isinstance(found, Found) or not by_branch:
@@ -131,14 +131,14 @@ def _one_zone(task: Task, scaled: ScaledScene, start: Array | None) -> Outcome |
 
 def _on_branch(task: Task, problem: Problem, control: Control) -> float:
     """About the half width of one zone under a control, along the branch from zero load: there the controlled quantity grows with the
-    width up to its maximum, or in a strip to its border, as the logarithm of the gap there. Raises OutOfRange beyond it."""
+    width up to its maximum, or in a strip with neighbours to its border, as the logarithm of the gap there. Raises OutOfRange beyond."""
     with task.plan.timed("zone ends"):
         half_widths, values = single_branch(problem, control)
     highest, units = float(values[-1]), problem.units
     if control.value <= highest:
         return float(np.interp(control.value, values, half_widths))
     told, at_most = control.told(units), f"{highest * control.unit(units):.6g} at half width {half_widths[-1] * units.length:.6g} m"
-    if problem.interaction.strip and half_widths[-1] == widest(problem):
+    if problem.interaction.neighbours and half_widths[-1] == widest(problem):
         border = 0.5 * problem.repeat_length
         before, last = border - half_widths[-2:]
         gap = last * np.exp((highest - control.value) / (highest - values[-2]) * np.log(before / last))
