@@ -70,12 +70,16 @@ _HOMES = {
     "contact.sweeps.sweep.run": "sweep",
 }
 _HOME = {name: module for module, names in _HOMES.items() for name in names.split()}
+# As `contact.testing` after `import contact`.
+_MODULES = ("axisymmetric", "exact", "inverse", "paper", "testing")
 
 if not TYPE_CHECKING:  # to a type checker, a name that is not among these is none
 
     def __getattr__(name: str) -> Any:
         if name == "__version__":  # what is installed says it, and saying it takes time
             return version()
+        if name in _MODULES:
+            return require(f"contact.{name}")
         if name not in _HOME:
             raise AttributeError(f"module 'contact' has no attribute {name!r}")
         found = globals()[name] = getattr(require(_HOME[name]), name)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+import subprocess
+import sys
 import tomllib
 from pathlib import Path
 from types import SimpleNamespace
@@ -97,6 +99,12 @@ def readme_as_shown(**changes: object) -> str:
 
 def without_code(text: str) -> str:
     return re.sub(r"^```.*?^```", "", text, flags=re.MULTILINE | re.DOTALL)
+
+
+def test_its_modules_for_users_are_there_once_it_is_imported() -> None:
+    names = "contact.testing.check_profile, contact.exact.HertzLine, contact.inverse.design, contact.paper, contact.axisymmetric"
+    code = f"import contact; print({names})"
+    subprocess.run([sys.executable, "-c", code], check=True, timeout=60, stdout=subprocess.DEVNULL)
 
 
 def test_the_readme_of_an_index_has_no_link_that_leads_nowhere_and_names_files_that_are_there() -> None:
