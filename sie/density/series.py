@@ -186,6 +186,7 @@ class Series(Located):
 
 
 def even_angles(count: int) -> Array:
+    """So many angles between 0 and pi, half a step from either."""
     return (np.arange(count) + 0.5) * np.pi / count
 
 

@@ -289,7 +289,7 @@ class SlitDensity(Located):
             half, w = self.zones.half[piece], wide.half[zone]
             last, n, here = np.inf, 64, 0.0
             while n <= 16384:
-                theta = (np.arange(n) + 0.5) * np.pi / n
+                theta = even_angles(n)
                 left, right = sides(theta)
                 value = self.at(piece, left, right)
                 if zone in kinks.by_zone:

@@ -115,7 +115,8 @@ def _one_zone(task: Task, scaled: ScaledScene, start: Array | None) -> Outcome |
         if full := full_under(task, control, but_for_kinks=True):
             return full
     by_branch = control.load is not None or control.approach is not None
-    if by_branch and problem.interaction.neighbours and guess > _WIDEST * widest(problem):
+    told = by_branch and problem.interaction.neighbours and guess > _WIDEST * widest(problem)
+    if told:
         # A first guess knows of full contact, which such a strip never comes to: the branch tells the width, or that there is none.
         guess = _on_branch(task, problem, control)
     found = task.refine_topology(problem, control, np.array([[-guess, guess]]))
@@ -125,7 +126,8 @@ def _one_zone(task: Task, scaled: ScaledScene, start: Array | None) -> Outcome |
         raise task.error(found, problem)
     if task.scene.interaction.exact and (task.operator.is_periodic or not task.operator.is_plain):
         return found
-    _on_branch(task, problem, control)
+    if not told:
+        _on_branch(task, problem, control)
     return found
 
 
