@@ -29,7 +29,6 @@ class Unrest(Enum):
     JUMP = "no strip is centred on its zones, since one beside its border comes or goes as it is moved there"
     ASIDE = "no strip that is cut about the widest gap of the period is centred on its zones"
     LOST = "no strip is centred on its zones where grids have one, since zones come and go beside it"
-    MANY = "the strip and its profile alone have more zones than the 48 together with which nearly full contact is solved"
 
 
 class Strip(Protocol):

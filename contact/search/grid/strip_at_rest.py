@@ -1,6 +1,5 @@
 """A strip at rest on grids: where its centre stays, on ever finer grids until they tell the gaps beside its borders.
 
-Under a nominal pressure beyond the strip that is given (`PressedStrip`), or one that goes with the strip (contact.search.grid.closure).
 """
 
 from __future__ import annotations
@@ -14,7 +13,6 @@ from typing import Generic, TypeVar
 import numpy as np
 
 from contact.formulation.problem import Problem
-from contact.formulation.strip_turn import StripTurn
 from contact.search.grid.centring import Unrest, rests, settled
 from contact.search.grid.coarse import grid_height
 from contact.search.grid.conjugate_gradient import Response
@@ -78,7 +76,7 @@ class StripsOnGrids(Generic[Kind]):
         assert problem.period is not None and profile.period is not None
         self.period = problem.period
         response = Response(units.E_star, False, neighbours, rest=problem.operator.strip_rest)
-        self.grid = StripGrid(response, profile.period, profile.feature, StripTurn.serves(problem) and not neighbours)
+        self.grid = StripGrid(response, profile.period, profile.feature, even_in_angle(problem) and not neighbours)
         features = 0.0 if profile.feature is None else profile.period / profile.feature
         self.points, self.finest = (
             2 ** int(np.clip(np.ceil(np.log2(max(cells * features, 1.0))), math.log2(_FEWEST), math.log2(most)))
@@ -136,6 +134,12 @@ class PressedStrip(StripsOnGrids[AtCentre]):
 
     def look(self, centre: float, near: AtCentre) -> AtCentre:
         return self.about(centre, self.points, ROUGHLY, near.strip)
+
+
+def even_in_angle(problem: Problem) -> bool:
+    """Whether grids even in the angle serve: a strip of a half-plane, and a profile without corners."""
+    profile = problem.profile
+    return problem.operator.strip_rest is None and profile.support is None and len(profile.kinks) == 0
 
 
 def pressed(problem: Problem, nominal: float, column: Callable[[Array], Array], x: Array) -> Array:

@@ -15,7 +15,7 @@ from contact.formulation.problem import Problem
 from contact.formulation.tables import parted_at_wide
 from contact.search.topology.intervals import united, without
 from contact.search.topology.loop import Newton, off
-from contact.search.topology.missed import WrongTopology
+from contact.search.topology.missed import EXACT, WrongTopology
 from contact.verify.accuracy import HOPELESS, Found, too_thin
 from contact.verify.certificate import Certificate, Solved, certify
 from sie import Array, record, wrapped
@@ -156,7 +156,7 @@ def _within_strip(problem: Problem, table: Array) -> None:
     """What the nominal pressure does beyond a strip has no meaning there."""
     if problem.interaction.strip and problem.period is not None and not problem.reference:
         if float(np.abs(table - problem.centre).max()) >= 0.5 * problem.period:
-            raise WrongTopology("a contact zone reaches the border of the strip", None, beyond=True)
+            raise WrongTopology(f"a contact zone reaches the border of the strip; {EXACT}", None, beyond=True)
 
 
 def _within_borders(problem: Problem, zones: sie.Zones) -> None:

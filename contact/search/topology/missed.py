@@ -11,6 +11,9 @@ import sie
 from contact.errors import NotConverged, OutOfRange
 from sie import Array, record
 
+# Said with every refusal of a strip.
+EXACT = "interaction = Periodic() needs no strip"
+
 
 class WrongTopology(Exception):
     """Corrections do not lead to zones that pass; free: the last Newton result. Within a search only: it hands out a Missed."""

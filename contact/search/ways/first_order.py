@@ -19,8 +19,8 @@ from contact.errors import NotConverged, OutOfRange
 from contact.formulation.controls import Control, HalfWidth, Load, Width
 from contact.formulation.problem import Problem
 from contact.model.interactions.isolated import Isolated
+from contact.search.topology.missed import EXACT
 from contact.search.ways.first_order_contacts import At, Rates, table_of
-from contact.search.ways.guesses import EXACT
 from contact.verify.accuracy import Found
 from sie import Array, record
 
@@ -93,7 +93,7 @@ class FirstOrder:
         problem = self.problem if self.together is None else self.together.fields.problem
         strip = self.together = self.strip(problem.with_amplitude(pressure), of_width, start)
         at = At(np.array([strip.fields.problem.centre, pressure, strip.fields.density.total]), strip, alone)
-        rates = Rates.of(at, 0.0)
+        rates = Rates(at)
         grows = rates.following
         has, by_load = float(at.unknowns[2]), 1.0
         if control.approach is not None:

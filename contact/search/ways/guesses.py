@@ -23,7 +23,7 @@ from contact.search.grid.proposals import about, placed, proposed
 from contact.search.grid.scaling import ScaledScene
 from contact.search.grid.tilt import known_part
 from contact.search.task import Task
-from contact.search.topology.missed import NOT_MINE, Missed
+from contact.search.topology.missed import EXACT, NOT_MINE, Missed
 from contact.search.ways.full_contact import Full, full_under, no_inverse, refuse_full_approach
 from contact.search.ways.gaps import by_gaps, worth_gaps
 from contact.search.ways.loads import by_fraction
@@ -44,7 +44,7 @@ _WIDEST = 0.999
 # Gap beside the border of a strip over that beside the widest zone of a branch: modes tell none much narrower.
 _NARROWER = 0.1
 
-EXACT = "interaction = Periodic() needs no strip"
+INSTEAD = "Localized('self-consistent', neighbours=4) and Periodic() are nearer to the exact contact and reach farther"
 _AT_BORDER = "a contact zone reaches the border of the part of the profile that is known"
 _AT_STRIP = f"a contact zone reaches the border of the strip that the localized model solves; {EXACT}"
 
@@ -199,8 +199,8 @@ def from_grid(task: Task, scaled: ScaledScene, held: bool = False, points: int |
 
 def no_rest(problem: Problem, control: Control, why: Unrest) -> OutOfRange:
     """What to say where no centre of a strip stays."""
-    closure = "first-order" if problem.interaction.follows_isolated else "self-consistent"
-    return OutOfRange(f"{control.told(problem.units)}: under the {closure} closure {why.value}; {EXACT}")
+    closure, instead = ("first-order", INSTEAD) if problem.interaction.follows_isolated else ("self-consistent", EXACT)
+    return OutOfRange(f"{control.told(problem.units)}: under the {closure} closure {why.value}; {instead}")
 
 
 def _wider(task: Task, scaled: ScaledScene) -> ScaledScene | None:

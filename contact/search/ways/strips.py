@@ -13,17 +13,16 @@ from contact.formulation.problem import Problem
 from contact.formulation.single import guess_half_width
 from contact.model.interactions.periodic import Periodic
 from contact.search.grid.centring import Unrest
-from contact.search.grid.closure import AtPressure, ClosureGrid
 from contact.search.grid.proposals import about, proposed
 from contact.search.grid.scaling import ScaledScene
 from contact.search.task import Task
 from contact.search.topology.by_pressure import ByPressure
 from contact.search.topology.loop import Newton, refine_topology
-from contact.search.topology.missed import Missed, attempted
-from contact.search.ways.first_order import FirstOrder, Search
-from contact.search.ways.first_order_several import Closed, FirstOrderOfSeveral
-from contact.search.ways.guesses import EXACT, from_grid, no_rest, search
-from contact.search.ways.loads import NEAR_LOAD, at_approach
+from contact.search.topology.missed import EXACT, Missed, attempted
+from contact.search.ways.first_order import FirstOrder
+from contact.search.ways.first_order_contacts import table_of
+from contact.search.ways.first_order_several import SeveralZones
+from contact.search.ways.guesses import from_grid, no_rest, search
 from contact.verify.accuracy import Found
 from sie import Array, record
 
@@ -32,6 +31,8 @@ from sie import Array, record
 _CENTRINGS, _LONGER, _LONGER_AGAIN, _SHORTENED = 30, 16.0, 4.0, 3
 # In how many steps of it the miss must halve, and how often zones may come or go meanwhile.
 _STALLED, _CHANGES = 4, 3
+# Samples of one zone in which the lowest places are counted; a missed one costs a longer search.
+LOOKS = 2**10
 
 
 @record
@@ -125,9 +126,7 @@ def _in_strip(task: Task, scaled: ScaledScene, start: Array | None) -> Found:
 
 
 def first_order(task: Task, scaled: ScaledScene, found: Found | None = None) -> Found:
-    """Closure by the isolated load of the same total width. found: the same, to be found more tightly."""
-    if isinstance(found, Closed):
-        return FirstOrderOfSeveral(task, scaled).closer(found)
+    """Closure by the isolated load of the same total width; `found`: the same less tightly."""
 
     def strip(problem: Problem, control: Control, start: Array | None) -> Found:
         return centred(task, replace(scaled, problem=problem, control=control), start)
@@ -138,38 +137,36 @@ def first_order(task: Task, scaled: ScaledScene, found: Found | None = None) -> 
     elif task.single:
         guess = 2 * guess_half_width(scaled.problem, scaled.control)
     else:
-        return _from_grids(task, scaled, strip, alone)
-    with task.plan.timed("isolated reference"):
-        return FirstOrder(scaled.problem, strip, alone, None).found(scaled.control, guess)
-
-
-def _from_grids(task: Task, scaled: ScaledScene, strip: Search, alone: Search) -> Found:
-    """Zones of unknown places: one by its width, where grids see one that grew from one asperity; else two contacts under their loads."""
-    with task.plan.timed("coarse search"):
-        # The lowest place of a grid may lie above the profile's by more than an approach: then loads tell which has it.
-        load = _about_load(scaled) or at_approach(task, NEAR_LOAD).load / scaled.problem.units.load
-        grid = ClosureGrid(scaled, scaled.problem, load)
-        rough = grid.first()
-    if _is_asperity(grid, rough):
-        first = scaled.problem.units.scaled(rough.strip.zones)
-        one = FirstOrder(scaled.problem, strip, alone, first)
+        several = SeveralZones(task, scaled, strip)
+        if found is not None:
+            pressure = found.fields.problem.amplitude
+            assert pressure is not None
+            return several.found(pressure, found.free.density.zones.table)
+        with task.plan.timed("coarse search"):
+            pressure = _about_load(scaled) / scaled.problem.repeat_length
+        zones = table_of(strip(scaled.problem.with_amplitude(pressure), scaled.control, None))
+        if not _is_asperity(scaled.problem, zones):
+            return several.found(pressure, zones)
+        one = FirstOrder(scaled.problem, strip, alone, zones)
         with task.plan.timed("isolated reference"):
-            outcome: Found | Missed = attempted(lambda: one.found(scaled.control, float(first[0, 1] - first[0, 0])))
+            outcome: Found | Missed = attempted(lambda: one.found(scaled.control, float(np.ptp(zones))))
         if not isinstance(outcome, Missed):
             return outcome
         if isinstance(outcome.refusal, OutOfRange):
             raise outcome.refusal
-        # Beside it others may come into contact: a width is then that of several zones.
+        # Other zones may come into contact; the width is then that of several.
         task.left("one zone by its width", outcome)
-    return FirstOrderOfSeveral(task, scaled).found(grid, rough)
+        return several.found(pressure, zones)
+    with task.plan.timed("isolated reference"):
+        return FirstOrder(scaled.problem, strip, alone, None).found(scaled.control, guess)
 
 
-def _is_asperity(grid: ClosureGrid, rough: AtPressure) -> bool:
-    """Whether the strip's contact is one zone with one lowest place of the profile in it, which it grew from."""
-    if len(rough.strip.zones) != 1:
+def _is_asperity(problem: Problem, zones: Array) -> bool:
+    """Whether the contact is one zone with one lowest place of the profile in it, which it grew from."""
+    if len(zones) != 1:
         return False
-    inside = np.linspace(float(rough.strip.zones[0, 0]), float(rough.strip.zones[0, 1]), grid.points)
-    height = np.asarray(grid.problem.profile.height(inside))
+    inside = np.linspace(float(zones[0, 0]), float(zones[0, 1]), LOOKS)
+    height = problem.shape(inside)
     return int(np.sum((height[1:-1] < height[:-2]) & (height[1:-1] <= height[2:]))) <= 1
 
 
@@ -178,7 +175,8 @@ def _about_load(scaled: ScaledScene) -> float:
     problem, control = scaled.problem, scaled.control
     if control.load is not None:
         return control.load
-    return proposed(scaled, replace(problem, interaction=Periodic()), control, None).load / problem.units.load
+    exact = replace(problem, interaction=Periodic())
+    return proposed(scaled, exact, control, None).load / problem.units.load
 
 
 def _reference(task: Task, problem: Problem, control: Control, start: Array | None) -> Found:
