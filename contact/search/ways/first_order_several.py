@@ -23,11 +23,11 @@ from contact.formulation.problem import Problem
 from contact.model.interactions.isolated import Isolated
 from contact.search.grid.coarse import grid_height
 from contact.search.grid.scaling import ScaledScene
-from contact.search.grid.strip_at_rest import ROUGHLY, StripsOnGrids
+from contact.search.grid.strip_at_rest import ROUGHLY, AtCentre, StripsOnGrids
 from contact.search.task import Task
 from contact.search.topology.by_pressure import ByPressure
 from contact.search.topology.loop import Newton, refine_topology
-from contact.search.topology.missed import Missed
+from contact.search.topology.missed import NOT_MINE, Missed
 from contact.search.ways.first_order_contacts import At, Rates, aside, spread, table_of, width_of
 from contact.search.ways.guesses import INSTEAD
 from contact.verify.accuracy import Found
@@ -83,6 +83,7 @@ class SeveralZones:
             part = (there - pressure) / float(step[1]) if step[1] else 0.0
             start = spread(table_of(at.strip), rates.of_strip(part * step), self.options.max_fraction_closed)
             pressure = there
+        assert at is not None
         reason = f"the nominal pressure of the first-order closure did not settle; {INSTEAD}"
         raise self.task.error(Missed(reason, at.strip.free), at.strip.fields.problem)
 
@@ -131,19 +132,20 @@ class SeveralZones:
         starts = [partial(self._from_grid, problem, load)]
         if last is not None:
             starts.insert(0, partial(_moved, last, problem))
+        missed = NOT_MINE
         for start in starts:
-            table = start()
             found = refine_topology(
-                ByPressure(problem), Load(load), table, Newton(self.task.tolerance), self.task.progress,
+                ByPressure(problem), Load(load), start(), Newton(self.task.tolerance), self.task.progress,
                 timed=self.task.plan.timed,
             )
             if isinstance(found, Found):
                 return found
-        reason = f"the profile alone, which the first-order closure refers to: {found.reason}; {INSTEAD}"
-        raise self.task.error(replace(found, reason=reason), problem)
+            missed = found
+        reason = f"the profile alone, which the first-order closure refers to: {missed.reason}; {INSTEAD}"
+        raise self.task.error(replace(missed, reason=reason), problem)
 
     def _from_grid(self, problem: Problem, load: float) -> Array:
-        strips = StripsOnGrids(self.scaled.problem, load)
+        strips: StripsOnGrids[AtCentre] = StripsOnGrids(self.scaled.problem, load)
         height = partial(grid_height, problem.profile)
         grid = strips.proposed(height, load, problem.centre, strips.finest, ROUGHLY, None)
         return np.asarray(problem.units.scaled(grid.zones))
