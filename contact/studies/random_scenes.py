@@ -17,7 +17,7 @@ import sys
 import time
 import warnings
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
@@ -55,6 +55,13 @@ class Drawn:
         name = self.scene.interaction.name
         closure = getattr(self.scene.interaction, "closure", None)
         return name if closure is None else f"{name}, {closure}"
+
+    def fault(self, solution: contact.Solution, tol: float) -> str:
+        """What is wrong with a solution; empty if nothing is."""
+        return unsound(self.scene, solution, tol) or (
+            "" if solution.certificate.undecided
+            else _against_tighter(self.scene, solution, tol) or _against_grid(self.scene, solution)
+        )
 
 
 def draw(seed: int) -> Drawn | contact.ContactError:
@@ -147,7 +154,7 @@ def judged(drawn: Drawn, tol: float, limit: float = np.inf) -> dict[str, Any]:
             row["outcome"], row["reason"] = "solved", "undecided" if solution.certificate.undecided else ""
             row["zones"], row["error"] = len(solution.zones), solution.error
             with limited(limit):
-                row["detail"] = _fault(drawn.scene, solution, tol)
+                row["detail"] = drawn.fault(solution, tol)
             if row["detail"]:
                 row["outcome"] = "FAULT"
         except OutOfTime:
@@ -176,15 +183,11 @@ def _reason(error: contact.ContactError) -> str:
     return next((one for one in known if one in text), text[:60])
 
 
-def _fault(scene: contact.Scene, solution: contact.Solution, tol: float) -> str:
-    """What is wrong with a solution; empty if nothing is."""
+def unsound(scene: contact.Scene, solution: contact.Solution, tol: float) -> str:
+    """What a solution itself says is wrong with it; empty if nothing is."""
     if not solution.certificate.holds and scene.interaction.exact:
         return f"not certified: {solution.certificate.note}"
-    if not solution.error <= tol:
-        return f"stated error {solution.error:.2g}"
-    if solution.certificate.undecided:
-        return ""
-    return _against_tighter(scene, solution, tol) or _against_grid(scene, solution)
+    return "" if solution.error <= tol else f"stated error {solution.error:.2g}"
 
 
 def _against_tighter(scene: contact.Scene, solution: contact.Solution, tol: float) -> str:
@@ -248,15 +251,18 @@ def table(rows: list[dict[str, Any]]) -> list[str]:
     return [f"{count:6d}  {outcome:14s} {reason}" for (outcome, reason), count in counts.most_common()]
 
 
-def _row(seed: int, tol: float, limit: float) -> dict[str, Any]:
-    drawn = draw(seed)
+def _row(drawn: Drawn | contact.ContactError, seed: int, tol: float, limit: float) -> dict[str, Any]:
     if isinstance(drawn, contact.ContactError):
         return dict.fromkeys(COLUMNS, "") | dict(seed=seed, outcome=type(drawn).__name__, reason="the scene itself", detail=drawn)
     return judged(drawn, tol, limit)
 
 
-def main(arguments: list[str] | None = None) -> int:
-    parser = argparse.ArgumentParser(description=__doc__)
+def main(
+    arguments: list[str] | None = None, draw: Callable[[int], Drawn | contact.ContactError] = draw,
+    description: str | None = __doc__,
+) -> int:
+    """Judge the scenes of some seeds and print what became of them; 3 if one has a fault."""
+    parser = argparse.ArgumentParser(description=description)
     parser.add_argument("first", type=int)
     parser.add_argument("count", type=int)
     parser.add_argument("--tol", type=float, default=1e-8)
@@ -269,7 +275,7 @@ def main(arguments: list[str] | None = None) -> int:
         if writer is not None:
             writer.writeheader()
         for seed in range(options.first, options.first + options.count):
-            rows.append(_row(seed, options.tol, options.limit))
+            rows.append(_row(draw(seed), seed, options.tol, options.limit))
             if rows[-1]["outcome"] == "FAULT":
                 print({key: rows[-1][key] for key in COLUMNS if rows[-1][key] != ""}, flush=True)
             if writer is not None and stream is not None:

@@ -1,0 +1,396 @@
+"""Profiles of a user's own, true and false, judged by answers that do not come from the solver.
+
+python -m contact.studies.own_profiles FIRST COUNT [--tol 1e-8] [--limit 60] [--out FILE.csv]
+
+A scene has a shape with a known answer: an inverse-designed contact of any number of zones, a
+Fourier series in full contact, or a closed form. The solver gets the shape as a user might write
+it: heights alone, with a constant of up to 1e6 amplitudes, far from x = 0, or with a claim that is
+false. A solution must be within its stated error of the known answer; a false claim may be refused.
+Two families have no known answer: ripples on a parabola, which heights alone must solve as heights
+and slope do, and flat tops, which an approach must solve as the load of that approach does.
+"""
+
+from __future__ import annotations
+
+import sys
+import warnings
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+import contact
+from contact.reference import exact
+from contact.reference.inverse import random_problem
+from contact.studies.random_scenes import Drawn, main, unsound
+
+Array = NDArray[np.float64]
+
+# Angles at which pressures are compared; the ends themselves carry no pressure.
+ANGLES = np.linspace(0.02, np.pi - 0.02, 160)
+
+
+@dataclass(frozen=True, eq=False)
+class Told(contact.Profile):
+    """A shape told by its heights alone: moved by `offset`, raised by `constant`."""
+
+    shape: Any
+    constant: float = 0.0
+    offset: float = 0.0
+    period: float | None = None
+
+    def height(self, x: ArrayLike) -> Array:
+        """The heights of the shape [m]."""
+        return np.asarray(self.constant + self.shape.height(np.asarray(x) - self.offset))
+
+
+@dataclass(frozen=True, eq=False)
+class Sloped(Told):
+    """Heights and slopes; the slopes are wrong by a factor other than 1."""
+
+    factor: float = 1.0
+
+    def slope(self, x: ArrayLike) -> Array:
+        """The slopes of the shape, times the factor."""
+        return np.asarray(self.factor * self.shape.slope(np.asarray(x) - self.offset))
+
+
+@dataclass(frozen=True, eq=False)
+class Phantom(Sloped):
+    """Heights and slopes, and a kink that is not there."""
+
+    kink: tuple[float, float] = (0.0, 0.0)
+
+    @property
+    def kinks(self) -> Array:
+        """One kink."""
+        return np.array([self.kink])
+
+
+@dataclass(frozen=True, eq=False)
+class Conjugate(Sloped):
+    """Heights, slopes and a conjugate that is wrong by a factor other than 1."""
+
+    conjugate: float = 1.0
+
+    def slope_conjugate(self, x: ArrayLike) -> Array:
+        """H f' of the Fourier series, times the factor."""
+        return self.conjugate * conjugate(self.shape, np.asarray(x) - self.offset)
+
+
+@dataclass(frozen=True, eq=False)
+class Even(Sloped):
+    """Heights and slopes, said to be symmetric."""
+
+    symmetric = True  # type: ignore[assignment]
+
+
+def conjugate(series: contact.Fourier, x: Array) -> Array:
+    """H f' of f = sum a_k cos kqx + b_k sin kqx: sum kq (a_k cos kqx + b_k sin kqx)."""
+    k = np.arange(1, len(series.cosine) + 1)
+    angle = 2 * np.pi / series.period * np.asarray(x)[..., None] * k
+    wave = 2 * np.pi * k / series.period
+    return np.asarray(np.cos(angle) @ (wave * series.cosine) + np.sin(angle) @ (wave * series.sine))
+
+
+class Answer(Protocol):
+    """A known contact: its zones, and the pressure in each."""
+
+    @property
+    def zones(self) -> Array: ...
+    def pressure_at(self, t: Array, zone: int = 0) -> Array: ...
+
+
+@dataclass(frozen=True)
+class Known(Drawn):
+    """A scene and what must be true of its solution."""
+
+    judge: Callable[[contact.Solution, float], str] = field(default=lambda solution, tol: "")
+
+    def fault(self, solution: contact.Solution, tol: float) -> str:
+        """What is wrong with a solution; empty if nothing is."""
+        return unsound(self.scene, solution, tol) or self.judge(solution, tol)
+
+
+def against(answer: Answer, offset: float = 0.0, known_to: float = 1e-13) -> Callable[[contact.Solution, float], str]:
+    """A judge by known zones and pressures, which are themselves good to `known_to`."""
+
+    def judge(solution: contact.Solution, tol: float) -> str:
+        if solution.certificate.undecided:
+            return ""
+        if len(solution.zones) != len(answer.zones):
+            return f"{len(solution.zones)} zones for {len(answer.zones)}"
+        widths, right = solution.zone_widths, np.diff(answer.zones)[:, 0]
+        period = solution.scene.period or np.inf
+        # A zone at the border of the cell may be the first or the last.
+        turn = min(range(len(right)), key=lambda k: float(np.abs(widths - np.roll(right, -k)).max()))
+        order = np.roll(np.arange(len(right)), -turn)
+        away = solution.zones - offset - answer.zones[order]
+        away = away - (np.round(away / period) * period if np.isfinite(period) else 0.0)
+        # The positions of the ends are numbers of double precision.
+        spacing = 2 * np.spacing(np.abs(solution.zones).max() + abs(offset))
+        ends = float(((np.abs(away) - spacing) / right[order, None]).max())
+        t = np.cos(ANGLES)
+        pairs = [(solution.pressure_at(t, k), answer.pressure_at(t, int(order[k]))) for k in range(len(right))]
+        peak = max(float(np.abs(q).max()) for _, q in pairs)
+        pressure = max(float(np.abs(p - q).max()) for p, q in pairs) / peak
+        off = max(ends, pressure)
+        return f"ends off by {ends:.1e}, pressure by {pressure:.1e}, stated {solution.error:.1e}" if off > solution.error + known_to else ""
+
+    return judge
+
+
+def against_full(series: contact.Fourier, offset: float) -> Callable[[contact.Solution, float], str]:
+    """A judge by p = mean p - (E*/2) H f'."""
+
+    def judge(solution: contact.Solution, tol: float) -> str:
+        if len(solution.zones):
+            return f"{len(solution.zones)} zones for full contact"
+        x = series.period * np.linspace(-0.5, 0.5, 777)
+        right = solution.mean_pressure - 0.5 * solution.scene.E_star * conjugate(series, x)
+        off = float(np.abs(solution.pressure(x + offset) - right).max() / np.abs(right).max())
+        return f"pressure off by {off:.1e}, stated {solution.error:.1e}" if off > solution.error + 1e-13 else ""
+
+    return judge
+
+
+def against_twin(twin: contact.Scene) -> Callable[[contact.Solution, float], str]:
+    """A judge by the same shape, fully declared, or under another control."""
+
+    def judge(solution: contact.Solution, tol: float) -> str:
+        try:
+            other = contact.solve(twin, tol=max(0.1 * tol, 1e-12))
+        except contact.ContactError:
+            return ""
+        return against(other, known_to=other.error)(solution, tol)
+
+    return judge
+
+
+def _disguise(rng: np.random.Generator, shape: Any, period: float | None, length: float, span: float) -> tuple[str, Told]:
+    """A shape as a user might write it, and what is told of it."""
+    constant = float(rng.choice([0.0, span * 10 ** rng.uniform(-1, 6)]))
+    offset = float(rng.choice([0.0, 0.0, length * np.round(10 ** rng.uniform(0, 6)) + length * rng.uniform(-0.5, 0.5)]))
+    plain: dict[str, Any] = dict(shape=shape, constant=constant, offset=offset, period=period)
+    off = float(rng.choice([-1, 1])) * 10 ** rng.uniform(-9, 0)
+    at = offset + length * rng.uniform(-0.5, 0.5)
+    kinds: dict[str, Callable[[], Told]] = {
+        "heights": lambda: Told(**plain),
+        "slope": lambda: Sloped(**plain),
+        "slope false": lambda: Sloped(**plain, factor=1 + off),
+        "kink undeclared": lambda: Told(**{**plain, "shape": Kinked(shape, span * abs(off), at - offset, length)}),
+        "kink false": lambda: Phantom(**plain, kink=(at, off * span / length)),
+        "symmetric false": lambda: Even(**plain),
+    }
+    if period is not None:
+        kinds |= {"conjugate": lambda: Conjugate(**plain), "conjugate false": lambda: Conjugate(**plain, conjugate=1 + off)}
+    share = {"heights": 6.0, "slope": 2.0}
+    weight = np.array([share.get(kind, 1.0) for kind in kinds])
+    kind = str(rng.choice(list(kinds), p=weight / weight.sum()))
+    name = kind + (", constant" if constant else "") + (", far" if offset else "")
+    return name, kinds[kind]()
+
+
+@dataclass(frozen=True, eq=False)
+class Kinked:
+    """A shape and a triangle wave that nobody declares."""
+
+    shape: Any
+    size: float
+    at: float
+    length: float
+
+    def height(self, x: ArrayLike) -> Array:
+        """Heights of both [m]."""
+        away = (np.asarray(x) - self.at) / self.length
+        return np.asarray(self.shape.height(x) + self.size * np.abs(away - np.round(away)))
+
+    def slope(self, x: ArrayLike) -> Array:
+        """Slopes of both."""
+        away = (np.asarray(x) - self.at) / self.length
+        return np.asarray(self.shape.slope(x) + self.size / self.length * np.sign(away - np.round(away)))
+
+
+def designed(rng: np.random.Generator, seed: int, length: float, modulus: float) -> Drawn:
+    """An inverse-designed contact of one to eight zones."""
+    period = length if rng.random() < 0.7 else None
+    fraction = float(rng.choice([rng.uniform(0.05, 0.8), 1 - 10 ** rng.uniform(-3, -0.7)]))
+    problem = random_problem(
+        rng, int(rng.integers(1, 9)), period, E_star=modulus, strain=10 ** rng.uniform(-4, -1),
+        spread=float(rng.choice([3, 10])), fraction=fraction, length=length,
+    )
+    shape: Any = problem.profile
+    x = problem.zones.ravel()
+    span = float(np.ptp(shape.height(np.linspace(x.min(), x.max(), 500))))
+    name, profile = _disguise(rng, shape, period, length, span)
+    controls: dict[str, Any] = {"load": problem.load}
+    if period is not None:
+        controls |= {"mean_pressure": problem.mean_pressure, "contact_fraction": problem.contact_fraction, "approach": problem.approach}
+    kind = str(rng.choice(list(controls)))
+    interaction = contact.Isolated() if period is None else contact.Periodic()
+    scene = contact.Scene(profile, modulus, interaction, **{kind: controls[kind]})
+    judge = against_twin(replace(scene, profile=_declared(profile))) if "undeclared" in name else against(problem, profile.offset)
+    return Known(seed, f"designed, {name}", scene, judge)
+
+
+@dataclass(frozen=True, eq=False)
+class Declared(Sloped):
+    """Heights, slopes and the kinks of the triangle wave."""
+
+    @property
+    def kinks(self) -> Array:
+        """The two kinks in the cell."""
+        s = self.shape
+        at = self.offset + s.at + s.length * np.array([0.0, 0.5])
+        jump = 2 * s.size / s.length
+        if self.period is None:
+            at = self.offset + s.at + s.length * np.arange(-6, 6.5, 0.5)
+        else:
+            at = np.asarray(self.wrap(at))
+        return np.column_stack((at, np.where(np.arange(len(at)) % 2 == 0, jump, -jump)))
+
+
+def _declared(profile: Told) -> Declared:
+    return Declared(profile.shape, profile.constant, profile.offset, profile.period)
+
+
+def full(rng: np.random.Generator, seed: int, length: float, modulus: float) -> Drawn:
+    """A Fourier series in full contact."""
+    n = int(rng.integers(1, 13))
+    k = np.arange(1, n + 1)
+    size = length * 10 ** rng.uniform(-5, -2) * rng.normal(size=(2, n)) / k**1.5
+    series = contact.Fourier(length, size[0], size[1])
+    x = length * np.arange(4096) / 4096
+    span = float(np.ptp(series.height(x)))
+    least = 0.5 * modulus * float(conjugate(series, x).max())
+    name, profile = _disguise(rng, series, length, length, span)
+    scene = contact.Scene(profile, modulus, contact.Periodic(), mean_pressure=least * (1 + 10 ** rng.uniform(-3, 2)))
+    if "undeclared" in name:
+        return Known(seed, f"full, {name}", scene, against_twin(replace(scene, profile=_declared(profile))))
+    return Known(seed, f"full, {name}", scene, against_full(series, profile.offset))
+
+
+def closed(rng: np.random.Generator, seed: int, length: float, modulus: float) -> Drawn:
+    """One zone of a wave, a wedge or a parabola, of any width."""
+    half = length * 0.5 * float(rng.choice([10 ** rng.uniform(-5, -0.1), 1 - 10 ** rng.uniform(-5, -0.5)]))
+    slope = 10 ** rng.uniform(-4, -1)
+    answer: Any
+    shape: Any
+    if rng.random() < 0.6:
+        answer = exact.Westergaard(amplitude=slope * length, period=length, E_star=modulus, half_width=half)
+        shape, period = contact.Sinusoid(slope * length, length), length
+    else:
+        answer = exact.HertzLine(radius=length / slope, E_star=modulus, half_width=half)
+        shape, period = contact.Parabola(length / slope), None
+    name, profile = _disguise(rng, shape, period, length, slope * length)
+    if "conjugate" in name or "undeclared" in name:
+        return designed(rng, seed, length, modulus)
+    interaction = contact.Isolated() if period is None else contact.Periodic()
+    return Known(seed, f"closed, {name}", contact.Scene(profile, modulus, interaction, load=answer.load), against(_At(answer), profile.offset))
+
+
+@dataclass(frozen=True)
+class _At:
+    """A closed form whose one zone is asked by normalised positions."""
+
+    answer: Any
+
+    @property
+    def zones(self) -> Array:
+        return np.asarray(self.answer.zones)
+
+    def pressure_at(self, t: Array, zone: int = 0) -> Array:
+        return np.asarray(self.answer.pressure_at(t))
+
+
+@dataclass(frozen=True, eq=False)
+class Rippled(contact.Profile):
+    """x^2/2R + A (1 - cos 2 pi x/l) + C."""
+
+    radius: float
+    amplitude: float
+    wave: float
+    constant: float = 0.0
+
+    def height(self, x: ArrayLike) -> Array:
+        """f [m]."""
+        x = np.asarray(x)
+        return np.asarray(self.constant + x**2 / (2 * self.radius) + self.amplitude * (1 - np.cos(2 * np.pi * x / self.wave)))
+
+
+@dataclass(frozen=True, eq=False)
+class RippledSlope(Rippled):
+    """The same with its slope."""
+
+    def slope(self, x: ArrayLike) -> Array:
+        """f'."""
+        x, q = np.asarray(x), 2 * np.pi / self.wave
+        return np.asarray(x / self.radius + self.amplitude * q * np.sin(q * x))
+
+
+def rippled(rng: np.random.Generator, seed: int, length: float, modulus: float) -> Drawn:
+    """Ripples on a parabola: from one zone to some thirty."""
+    radius, wave = length * 10 ** rng.uniform(0, 2), length * 10 ** rng.uniform(-3, -1)
+    amplitude = wave * 10 ** rng.uniform(-3.5, -1.5)
+    # Hertz's zone of this load holds up to thirty waves.
+    half = wave * 10 ** rng.uniform(-1, 1.2)
+    load = np.pi * modulus * half**2 / (4 * radius)
+    plain = radius, amplitude, wave
+    scene = contact.Scene(Rippled(*plain), modulus, contact.Isolated(), load=load)
+    return Known(seed, "rippled, heights", scene, against_twin(replace(scene, profile=RippledSlope(*plain))))
+
+
+def flat_top(rng: np.random.Generator, seed: int, length: float, modulus: float) -> Drawn:
+    """A few of forty samples stand equally high; the approach of a load must lead back to it."""
+    heights = np.zeros(40)
+    start, count = int(rng.integers(40)), int(rng.integers(1, 12))
+    heights[(start + np.arange(count)) % 40] = length * 10 ** rng.uniform(-6, -2)
+    if rng.random() < 0.4:
+        heights[int(rng.integers(40))] = heights.max() * rng.uniform(0.2, 1)
+    profile = contact.Sampled(length * np.arange(40) / 40, heights, period=length)
+    plain = contact.Scene(profile, modulus, contact.Periodic(), contact_fraction=1.0)
+    load = contact.solve(plain).load * 10 ** rng.uniform(-3, 0)
+    loaded = contact.Scene(profile, modulus, contact.Periodic(), load=load)
+    approach = contact.solve(loaded, tol=1e-10).approach
+    scene = contact.Scene(profile, modulus, contact.Periodic(), approach=approach)
+    return Known(seed, "flat top, approach", scene, against_twin(loaded))
+
+
+def power(rng: np.random.Generator, seed: int, length: float, modulus: float) -> Drawn:
+    """A power-law indenter, and one whose author does not say so."""
+    if not hasattr(exact, 'IsolatedPower'):
+        return flat_top(rng, seed, length, modulus)
+    exponent, half = float(rng.choice([rng.uniform(1.05, 8), 1.5, 2.5, 3.0])), length * 10 ** rng.uniform(-3, 0)
+    coefficient = 10 ** rng.uniform(-3, -1) * length ** (1 - exponent)
+    answer = exact.IsolatedPower(half, modulus, coefficient, exponent)
+    profile: Any = contact.Power(coefficient, exponent)
+    name = "power"
+    if rng.random() < 0.3:
+        profile, name = Told(profile), "power, heights"
+    scene = contact.Scene(profile, modulus, contact.Isolated(), load=answer.load)
+    return Known(seed, name, scene, against(_At(answer), known_to=1e-12))
+
+
+FAMILIES: tuple[tuple[float, Callable[[np.random.Generator, int, float, float], Drawn]], ...] = (
+    (0.35, designed), (0.15, full), (0.15, closed), (0.12, rippled), (0.12, flat_top), (0.11, power),
+)
+
+
+def draw(seed: int) -> Drawn | contact.ContactError:
+    """The scene of a seed; the error where the drawn parts do not make one."""
+    rng = np.random.default_rng([4, seed])
+    length, modulus = 10.0 ** rng.uniform(-6, 1), 10.0 ** rng.uniform(5, 12)
+    share = [share for share, _ in FAMILIES]
+    family = FAMILIES[int(rng.choice(len(FAMILIES), p=share))][1]
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", contact.ModelWarning)
+            return family(rng, seed, length, modulus)
+    except contact.ContactError as error:
+        return error
+
+
+if __name__ == "__main__":
+    sys.exit(main(draw=draw, description=__doc__))
