@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from math import nan
 from pathlib import Path
 
-from contact.errors import SceneError
+from contact.errors import SceneError, shown
 from contact.extras import require
 
 Row = tuple[int, str]
@@ -107,4 +107,4 @@ def _is_decimals(line: str) -> bool:
 def at(path: str | Path, line: int, what: str) -> SceneError:
     """The error of one line of a file; 0 where it has no lines."""
     place = f", line {int(line)}" if line else ""
-    return SceneError(f"file {str(path)!r}{place}: {what}", "file", str(path))
+    return SceneError(f"file {shown(str(path))}{place}: {what}", "file", str(path))
