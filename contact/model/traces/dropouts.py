@@ -27,9 +27,9 @@ _NO_NUMBER = re.compile(
 _COMMENT = re.compile(rf"\s*(?!{_ERRORS})#", re.IGNORECASE)
 # Spikes and marks are warned of; factors of two change none of the cases that were seen.
 _SPIKE = 10  # times what the rest spans, its straight line taken off
-_SPIKE_POINTS = 5  # of the running median: spikes are narrower than half of them
+_SPIKE_POINTS = 9  # of the running median: spikes are narrower than half of them
 _JUMP = 10  # times a usual step (that of three in four points): so far are marks from neighbours
-# A larger part of heights that were not measured is warned about.
+# A larger part of heights that were not measured is warned of; of spikes it is the surface.
 _MANY = 0.1
 _EQUAL = 1e-9  # relative to the highest: differences below it are rounding
 
@@ -74,7 +74,7 @@ def filled(
         first = int(np.flatnonzero(lost)[0])
         more = f" here and at {count - 1} more of {x.size} points" if count > 1 else ""
         choices = 'fill = "linear" puts straight lines there, fill = "drop" leaves the points out'
-        raise at(path, lines[first], f"no finite height{more}, it is missing: {choices}")
+        raise at(path, lines[first], f"no finite height{more}; for missing ones {choices}")
     kept = np.flatnonzero(~lost)
     if kept.size < FEWEST:
         raise at(path, lines[0], f"from here on {kept.size} of {x.size} points have a height, at least {FEWEST} are needed")
@@ -103,21 +103,23 @@ def too_many(height: Array) -> bool:
 def marks(height: Array) -> str:
     """What is said of heights that may stand for none, as 0 and -32768 do; empty without any.
 
-    The value is 0, the lowest or the highest, stands there more than once, and is left and
-    reached by jumps, where other heights go on by steps.
+    The value is 0, the lowest or the highest, and stands there more than once. It is far from all
+    others, or reached and left by jumps where other heights go on by steps.
     """
     for value in dict.fromkeys((0.0, float(height.min()), float(height.max()))):
         here = height == value
         count = int(here.sum())
         if not 1 < count < height.size - FEWEST:
             continue
+        others = height[~here]
+        off, span = float(np.min(np.abs(others - value))), float(np.ptp(others))
         steps = np.abs(np.diff(height))
-        inner = ~here[1:] & ~here[:-1]
-        jumps = steps[here[1:] != here[:-1]]
+        inner = steps[~here[1:] & ~here[:-1]]
+        jump = float(steps[here[1:] != here[:-1]].min())
         # Where most other steps are none, equal heights are no sign of anything.
-        if not inner.any() or float(np.median(steps[inner])) == 0.0:
-            continue
-        if float(jumps.min()) > _JUMP * float(np.quantile(steps[inner], 0.75)):
+        steps_on = inner.size > 0 and float(np.median(inner)) > 0
+        jumps = steps_on and jump > _JUMP * float(np.quantile(inner, 0.75))
+        if jumps or off > _SPIKE * span > 0:
             told = f"the height {quantity(value, 'm')} stands {count} times, far from all beside it"
             return f"{told}: missing names what stands for no height"
     return ""
@@ -125,14 +127,13 @@ def marks(height: Array) -> str:
 
 def spikes(x: Array, height: Array) -> str:
     """What is said of single points far from all others; empty without any."""
-    if height.size < 2 * _SPIKE_POINTS:
-        return ""
-    median = require("scipy.ndimage").median_filter(height, _SPIKE_POINTS, mode="mirror")
+    points = min(_SPIKE_POINTS, height.size // 4 | 1)
+    median = require("scipy.ndimage").median_filter(height, points, mode="mirror")
     level = np.polynomial.Polynomial.fit(x, median, 1)(x)
     off = np.abs(height - median)
     rest = float(np.ptp(median - level))
     far = off > _SPIKE * rest + _EQUAL * float(np.max(np.abs(height)))
-    if not far.any():
+    if not 0 < np.mean(far) < _MANY:
         return ""
     i = int(np.argmax(off))
     told = f"the height {quantity(height[i], 'm')} at x = {quantity(x[i], 'm')}"

@@ -333,16 +333,18 @@ def _header(data: Data) -> Header:
     named = [(line, [fields[place] for place in data.places]) for line, fields in data.headers()]
     depth = next((cells[-1] for _, cells in named if is_depth(cells[-1])), "")
     said: Header | None = None
-    unknown_counts = True
+    past_names = False
     for i, (line, cells) in enumerate(named):
         above = next((other for upper, other in named[i + 1 :] if upper != line), [])
-        units = units_row(cells, above) or tuple(unit_of(cell) for cell in cells)
+        # Above the names of the columns stand titles, and words in brackets are parts of them.
+        units = units_row(cells, above)
+        if units is None:
+            units = tuple(None if past_names else unit_of(cell) for cell in cells)
         if any(unit is not None and unit.scale is not None for unit in units):
             return Header(line, units, depth)
-        if any(units) and said is None and unknown_counts:
+        if any(units) and said is None and not past_names:
             said = Header(line, units, depth)
-        # Words in brackets above a row of names are titles.
-        unknown_counts = unknown_counts and not any(is_name(cell) for cell in cells)
+        past_names = past_names or any(is_name(cell) for cell in cells)
     if said is not None:
         return said
     # Units may stand in the rows of the data too, as in "0.5 um  1.2 um".

@@ -14,6 +14,7 @@ from contact.extras import require
 Row = tuple[int, str]
 
 _COMMA_NUMBER = re.compile(r"[+-]?(\d+|\d*,\d+)([eE][+-]?\d+)?")
+_FORTRAN = re.compile(r"^([+-]?[\d.]+)[dD]([+-]?\d+)$")
 _COMMA_DECIMALS = re.compile(r"[+-]?\d+,\d+(?:[eE][+-]?\d+)?")
 
 
@@ -45,7 +46,7 @@ class Layout:
                 return nan if cell.lower() == "nan" else None
             cell = cell.replace(",", ".")
         try:
-            return None if "_" in cell else float(cell.replace("\u2212", "-"))
+            return None if "_" in cell else float(_written_elsewhere(cell))
         except ValueError:
             return None
 
@@ -55,6 +56,11 @@ class Layout:
             return None
         found = [self.number(cells[place]) for place in places]
         return None if None in found else [value for value in found if value is not None]
+
+
+def _written_elsewhere(number: str) -> str:
+    """A number with the minus sign of typesetters, or the exponent of Fortran, as Python reads it."""
+    return _FORTRAN.sub(r"\1e\2", number.replace("\u2212", "-"))
 
 
 def rows_of(path: str | Path) -> list[Row]:
