@@ -49,8 +49,9 @@ def read_trace(
 ) -> Sampled:
     """A measured trace from a file, a table of text or an instrument's own format, prepared as asked.
 
-    The arguments are the keys of a scene's [profile] with a `file`. They act in this order: read, sort, invert, fill, regrid, lambda_s, detrend,
-    lambda_c, taper, period; the profile's `history` says what was done. What a file can be read as in two ways is refused, with both.
+    The arguments are the keys of a scene's [profile] with a `file`. They act in this order: read,
+    sort, invert, fill, regrid, lambda_s, detrend, lambda_c, taper, period; the profile's `history`
+    says what was done. What a file can be read as in two ways is refused, with both.
 
     Parameters
     ----------

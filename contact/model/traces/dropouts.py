@@ -112,17 +112,27 @@ def marks(height: Array) -> str:
         if not 1 < count < height.size - FEWEST:
             continue
         others = height[~here]
-        off, span = float(np.min(np.abs(others - value))), float(np.ptp(others))
-        steps = np.abs(np.diff(height))
-        inner = steps[~here[1:] & ~here[:-1]]
-        jump = float(steps[here[1:] != here[:-1]].min())
-        # Where most other steps are none, equal heights are no sign of anything.
-        steps_on = inner.size > 0 and float(np.median(inner)) > 0
-        jumps = steps_on and jump > _JUMP * float(np.quantile(inner, 0.75))
-        if jumps or off > _SPIKE * span > 0:
+        far = float(np.min(np.abs(others - value))) > _SPIKE * float(np.ptp(others)) > 0
+        if far or _left_by_jumps(height, here):
             told = f"the height {quantity(value, 'm')} stands {count} times, far from all beside it"
             return f"{told}: missing names what stands for no height"
     return ""
+
+
+def _left_by_jumps(height: Array, here: NDArray[np.bool_]) -> bool:
+    """Whether all steps between marked heights and others are much larger than usual ones."""
+    steps = np.abs(np.diff(height))
+    border = here[1:] != here[:-1]
+    inner = ~here[1:] & ~here[:-1]
+    # Where most other steps are none, equal heights are no sign of anything.
+    if not inner.any() or float(np.median(steps[inner])) == 0:
+        return False
+    usual = float(np.quantile(steps[inner], 0.75))
+    # The top of a narrow bump is left by large steps, and the next ones are as large.
+    following = inner & (np.append(border[1:], False) | np.append(False, border[:-1]))
+    if following.any():
+        usual = max(usual, float(np.median(steps[following])))
+    return float(steps[border].min()) > _JUMP * usual
 
 
 def spikes(x: Array, height: Array) -> str:

@@ -18,13 +18,29 @@ from numpy.typing import NDArray
 from contact.errors import SceneError, shown
 from contact.model.checks import integer
 from contact.model.traces.dropouts import (
-    is_comment, missing_number, no_height, without_phrases,
+    is_comment,
+    missing_number,
+    no_height,
+    without_phrases,
 )  # fmt: skip
 from contact.model.traces.header import (
-    Unit, bare_name, header_fields, is_depth, is_name, mentioned, scales, unit_of, units_row, written,
+    Unit,
+    bare_name,
+    header_fields,
+    is_depth,
+    is_name,
+    mentioned,
+    scales,
+    units_of,
+    units_row,
+    written,
 )  # fmt: skip
 from contact.model.traces.readings import (
-    Data, refuse_count, refuse_sideways, refuse_unclear_columns, refuse_unclear_commas,
+    Data,
+    refuse_count,
+    refuse_sideways,
+    refuse_unclear_columns,
+    refuse_unclear_commas,
 )  # fmt: skip
 from contact.model.traces.text import Layout, Row, at, rows_of
 from sie import Array
@@ -139,9 +155,10 @@ def in_metres(path: str | Path, table: Table, units: Any) -> tuple[Array, str]:
         told = f"line {line} of the file {shown(str(path))} speaks of {word!r}, but of no column"
         raise SceneError(f"units must be given: {told}; m if they are metres", "units")
     source = "the header's units" if any(said) else "no units being given"
-    known = [1.0 if unit is None else unit.scale for unit in said]
-    names = tuple("m" if unit is None else unit.word for unit in said)
-    return table.values * known, f"{written(names)}, {source}"
+    metre = Unit("m", 1.0)
+    known = [unit or metre for unit in said]
+    lengths = np.array([unit.scale for unit in known], dtype=float)
+    return table.values * lengths, f"{written([unit.word for unit in known])}, {source}"
 
 
 # What is asked for ------------------------------------------------------------------------------------------------------------
@@ -222,6 +239,15 @@ def _with_dropouts(rows: list[Row], found: _Found, missing: Any) -> _Found:
         if not no_height(cell, missing):
             break
         first -= 1
+    # Points above a row whose height is another word: that row is refused by name.
+    above = first
+    while others and above > 0:
+        cells = found.layout.cells(rows[above - 1][1])
+        if len(cells) <= last or found.layout.numbers(cells, others) is None:
+            break
+        above -= 1
+        if found.layout.numbers(cells, found.places) is not None:
+            first = above
     return replace(found, first=first)
 
 
@@ -337,9 +363,9 @@ def _header(data: Data) -> Header:
     for i, (line, cells) in enumerate(named):
         above = next((other for upper, other in named[i + 1 :] if upper != line), [])
         # Above the names of the columns stand titles, and words in brackets are parts of them.
-        units = units_row(cells, above)
+        units: tuple[Unit | None, ...] | None = units_row(cells, above)
         if units is None:
-            units = tuple(None if past_names else unit_of(cell) for cell in cells)
+            units = (None,) * len(cells) if past_names else units_of(cells)
         if any(unit is not None and unit.scale is not None for unit in units):
             return Header(line, units, depth)
         if any(units) and said is None and not past_names:

@@ -102,20 +102,23 @@ class Unit:
         return f"{shown(self.word)}, which is no unit of lengths" if isnan(self.scale) else ""
 
 
+_WIDE = str.maketrans("（）［］｛｝〔〕【】／：，", "()[]{}()[]/:,")
 _BRACKETS = re.compile(r"[\[(<{]\s*([^\[\](){}<>]+?)\s*[\])>}]")
 _BRACKETS_LAST = re.compile(_BRACKETS.pattern + r"\s*$")
 _MARKED = re.compile(r"(?:[/,:=]|\s(?:in|en|в)\s)\s*(\S+)$")
-_LAST_WORD = re.compile(r"(?:^.*[\s_.-]|^[xyzXYZ])(\S+?)$")
+_LAST_WORD = re.compile(r"(?:^.*[^\d\s][\s_.-]+|^[xyzXYZ])(\S+?)$")  # "0.5 um" is a value
 _WORDS = re.compile(r"[^\W\d_]+")
 _NUMBER_FIRST = re.compile(r"[+-]?[\d.,]*\d")
 
 
-def unit_of(field: str) -> Unit | None:
+def unit_of(field: str, short: bool = False) -> Unit | None:
     """The unit in a field of a header; None without one.
 
     A unit stands in brackets or behind a slash, a comma, a colon or "in": "x [um]", "Weg/mm",
-    "X, мм". The last word of other fields may be one: "Lateral um", "height_nm", "Zmm".
+    "X, мм". The last word of other fields may be one: "Lateral um", "height_nm", "Zmm". short: so
+    may a single letter, which is mostly a part of the name, as in "Height A".
     """
+    field = field.translate(_WIDE)
     for found in _BRACKETS.finditer(field):
         if scale_of(found[1]) is not None:
             return Unit(found[1], scale_of(found[1]))
@@ -126,12 +129,19 @@ def unit_of(field: str) -> Unit | None:
         no_unit = unit.scale is None and folded(unit.word).lower() in _NAMES
         number = bracketed is None and _NUMBER_FIRST.match(unit.word)
         return None if no_unit or number else unit
-    found = _LAST_WORD.match(field)
-    scale = None if found is None else scale_of(found[1])
-    # Shorter words, and "in", may as well be part of the name, as in "Height A".
-    if found is None or scale is None or len(folded(found[1])) < 2 or found[1].lower() == "in":
+    last = _LAST_WORD.match(field)
+    scale = None if last is None else scale_of(last[1])
+    if last is None or scale is None or not (short or len(last[1]) > 1 or last[1] in "ÅÅ"):
         return None
-    return Unit(found[1], scale)
+    return Unit(last[1], scale)
+
+
+def units_of(cells: Sequence[str]) -> tuple[Unit | None, ...]:
+    """The units in the fields of a header: single letters behind names where all fields have one."""
+    letters = tuple(unit_of(cell, short=True) for cell in cells)
+    if all(unit is not None and len(unit.word) == 1 for unit in letters):
+        return letters
+    return tuple(unit_of(cell) for cell in cells)
 
 
 def units_row(cells: Sequence[str], above: Sequence[str]) -> tuple[Unit, ...] | None:

@@ -131,7 +131,7 @@ def load_trace(path: str | Path, **keys: Any) -> Trace:
 def prepared(reading: Reading, by: Preparation) -> Trace:
     """Points that were read, put in order, filled, filtered and levelled as asked."""
     path, x, height, lines, said = reading.path, reading.x, reading.height, reading.lines, reading.said
-    count, length = by.regrid or None, by.period or None
+    length = by.period or None
     history = [f"{x.size} points of {Path(path).name}, read in {said}"]
     stages: list[tuple[str, Array, Array]] = []
 
@@ -143,26 +143,15 @@ def prepared(reading: Reading, by: Preparation) -> Trace:
     x, height, lines, note = in_order(path, x, height, lines, by.sort)
     stages.append(("as read", x, height))
     done(note)
-    if reading.depth and by.invert is None:
-        told = f"the heights are called {shown(reading.depth)}"
-        choices = "invert = true if they grow into the body, invert = false if they grow out of it"
-        raise at(path, 0, f"{told}: {choices}")
-    if by.invert:
+    if _upside_down(reading, by):
         height = -height
         done("turned upside down (invert)")
     many = too_many(height)
     x, height, lines, note = filled(path, x, height, lines, by.fill)
     holes = _doubtful_heights(Path(path).name, x, height, note if many else "")
     done(note)
-    if count is None or _pitch_behind_rounding(x) is None:
-        _refuse_repeated(path, x, lines)
-    if count is not None:
-        count, most = x.size if count is True else count, max(_MOST_REGRID, x.size)
-        if count > most:
-            allowed = f"at most {most}: between the {x.size} points of the file there are but straight lines, and nothing more to be known"
-            raise SceneError.of("regrid", count, allowed)
-        x, height, note = to_uniform(x, height, count)
-        done(note)
+    x, height, note = _at_places(path, x, height, lines, by.regrid or None)
+    done(note)
     if by.lambda_s is not None:
         height = low_pass(x, height, by.lambda_s, "lambda_s")
         done(f"waves shorter than {quantity(by.lambda_s, 'm')} filtered out (Gaussian, lambda_s)")
@@ -186,6 +175,31 @@ def prepared(reading: Reading, by: Preparation) -> Trace:
     return Trace(x, height, length, tuple(history), doubts, tuple(stages), (reading, by))
 
 
+def _upside_down(reading: Reading, by: Preparation) -> bool:
+    """Whether heights are to be turned; refused where the file calls them depths and nobody says."""
+    if reading.depth and by.invert is None:
+        told = f"the heights are called {shown(reading.depth)}"
+        choices = "invert = true if they grow into the body, invert = false if they grow out of it"
+        raise at(reading.path, 0, f"{told}: {choices}")
+    return bool(by.invert)
+
+
+def _at_places(
+    path: str, x: Array, height: Array, lines: NDArray[np.int64], count: bool | int | None
+) -> tuple[Array, Array, str]:
+    """Points at their own positions, none of which is repeated, or at `count` even ones."""
+    if count is None or _pitch_behind_rounding(x) is None:
+        _refuse_repeated(path, x, lines)
+    if count is None:
+        return x, height, ""
+    count, most = x.size if count is True else count, max(_MOST_REGRID, x.size)
+    if count > most:
+        between = f"between the {x.size} points of the file there are but straight lines"
+        allowed = f"at most {most}: {between}, and nothing more to be known"
+        raise SceneError.of("regrid", count, allowed)
+    return to_uniform(x, height, count)
+
+
 def _table(
     path: str | Path, columns: Any, units: Any, pitch: Any, decimal: Any, delimiter: Any, missing: Any
 ) -> Reading:
@@ -197,7 +211,7 @@ def _table(
     values, said = in_metres(path, table, units)
     height = values[:, -1]
     x: Array = values[:, 0] if step is None else step * np.arange(height.size, dtype=float)
-    doubts = ()
+    doubts: tuple[str, ...] = ()
     if table.counts:
         what = "the positions are whole numbers, one after another, and may count the points"
         choice = "of heights alone write columns = [1] and pitch, their distance [m]"

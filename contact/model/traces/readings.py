@@ -18,6 +18,7 @@ _COUNTS = (
 _REMARKS = 3  # rows before heights alone that may be about them: any remark has one field, as they
 _THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(,\d{3})+")
 _NUMBER = re.compile(r"[+-]?[\d.,]")
+_FREE_NUMBER = re.compile(r"(?<!\w)\d")
 _LONG = 20  # rows: in a shorter table a whole number is its length by chance
 _SIDEWAYS = 8  # numbers in a row that make it one of a table on its side
 
@@ -52,7 +53,9 @@ class Data:
 
         They have as many fields as the data have columns; rows of other numbers end the search.
         """
-        near = self.before if self.width > 1 else self.before[-_REMARKS:]
+        near = self.before
+        if self.width == 1:
+            near = [row for row in near[-_REMARKS:] if not _FREE_NUMBER.search(row[1])]
         for line, text in reversed(near):
             if self.layout.numbers(self.layout.cells(text), self.places) is not None:
                 return
@@ -65,7 +68,7 @@ class Data:
     def names(self) -> list[str]:
         """Names of the columns, of the nearest row that looks like names."""
         found = [fields for _, fields in self.headers()]
-        usual = (f for f in found if any(is_name(n) or is_count(n) or unit_of(n) for n in f))
+        usual = (f for f in found if any(is_name(n) or n and is_count(n) or unit_of(n) for n in f))
         return next(usual, found[0] if found else [f"column {k}" for k in range(self.width)])
 
 
