@@ -171,7 +171,7 @@ def prepared(reading: Reading, by: Preparation) -> Trace:
     if length is True:
         length = _measured_length(x, height)
         history.append(f"period {length:.9g} m, the measured length")
-    doubts = (*reading.doubts, *holes, *_doubts(reading, x, height, length))
+    doubts = (*holes, *(_doubts(reading, x, height, length) or reading.doubts))
     return Trace(x, height, length, tuple(history), doubts, tuple(stages), (reading, by))
 
 
