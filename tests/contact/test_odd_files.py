@@ -105,6 +105,7 @@ def test_a_word_that_is_no_unit_of_lengths_is_refused(
         ("x;z\num;nm\n40\n", (1e-6, 1e-9)),
         ("x_mm;z_um\n", (1e-3, 1e-6)), ("Xmm;Zum\n", (1e-3, 1e-6)), ("x-mm;z.um\n", (1e-3, 1e-6)),
         ("X, мм;Z, мкм\n", (1e-3, 1e-6)), ("Weg in mm;Höhe in µm\n", (1e-3, 1e-6)),
+        ("x;z\num;nm\n", (1e-6, 1e-9)), ("Position um,Profile 1 nm\n", (1e-6, 1e-9)),
         ("x: mm;z: um\n", (1e-3, 1e-6)), ("[um] x;[nm] z\n", (1e-6, 1e-9)),
         ("x [um] raw;z [nm] raw\n", (1e-6, 1e-9)), ("x / mm;z / um\n", (1e-3, 1e-6)),
         ("位置（ｍｍ）;高さ（μｍ）\n", (1e-3, 1e-6)),
@@ -129,10 +130,13 @@ def test_units_are_found_wherever_headers_have_them(
         ("t s;z V\n" + table(), "'s'"),
         ("X (мм);Z (мм)\n".encode("cp1251") + table().encode(), "ìì"),
         ("# Units: mm\nx;z\n" + table(), "'mm'"),
-        ("# Position um Height nm\n" + table(between=" "), "'um'"),
+        ("# Position um Profile 1 nm\n" + table(between=" "), "'um'"),
+        ("Position/smoot Profile 1/smoot\n" + table(between=" "), "smoot"),
+        ("x;z\nsmoot;\n" + table(), "smoot"),
+        ("x_smoot;z_smoot\n" + table(), "smoot"),
         ("Speed;0.5 mm/s\nx;z\n" + table(), "'mm'"),
         ("Ra [um];Rz [um]\n0.3;2.1\nx;z\n" + table(), "'um'"),
-        ("x;z\n;um\n" + table(), "'um'"),
+        ("x;z\n;um\n" + table(), '["?", "um"]'),
         ("All lengths in 微米\n" + table(), "微米"),
     ],
 )
@@ -141,6 +145,22 @@ def test_units_of_no_column_are_not_passed_over(
 ) -> None:
     """Nothing else being said, the numbers would be taken for metres."""
     refused(tmp_path, content, "units must be given", word)
+
+
+@pytest.mark.parametrize(
+    "header",
+    [
+        "Position um Height nm", "Position / um   Height / nm", "Position, um  Height, nm",
+        "[um] Position  [nm] Height", "Position in um Height in nm", "x_um z_nm", "um nm",
+        "Position [um] Height [nm]", "Position 1[um] Height 2[nm]", "Position: um Height: nm",
+    ],
+)  # fmt: skip
+@pytest.mark.parametrize("between", [" ", "   "])
+@pytest.mark.parametrize("start", ["", "# ", "Begin of scan\n", "Date: 3/4/2024\n"])
+def test_units_between_blanks_stay_with_their_names(
+    tmp_path: Path, header: str, between: str, start: str
+) -> None:
+    same(read(tmp_path, f"{start}{header}\n{table(between=between)}"), (1e-6, 1e-9))
 
 
 def test_units_between_the_numbers_are_not_passed_over(tmp_path: Path) -> None:

@@ -31,6 +31,7 @@ from contact.model.traces.header import (
     is_name,
     mentioned,
     scales,
+    unit_words,
     units_of,
     units_row,
     written,
@@ -47,6 +48,7 @@ from sie import Array
 
 FEWEST = 4  # points
 _HEAD = 500  # rows in which nearly all files have begun
+_REMARKS = 3  # rows before the data that may be their header though it cannot be divided
 _DELIMITERS = {";": ";", "\t": "\t", "tab": "\t", ",": ",", " ": None, "blank": None}  # None: white space
 _DECIMALS = (".", ",")
 _QUOTED = re.compile(r'"[+-]?\d*,\d+([eE][+-]?\d+)?"')
@@ -376,4 +378,8 @@ def _header(data: Data) -> Header:
     # Units may stand in the rows of the data too, as in "0.5 um  1.2 um".
     spoken = ((line, mentioned(text)) for line, text in [*data.before, data.rows[0]])
     remark = next(((line, word) for line, word in spoken if word), None)
+    if remark is None and not named:
+        # A header of other words between blanks than there are columns, a unit for each column.
+        words = ((line, unit_words(text)) for line, text in data.before[-_REMARKS:])
+        remark = next(((line, w[0]) for line, w in words if len(w) == data.width > 1), None)
     return Header(0, (None,) * len(data.places), depth, remark)

@@ -105,8 +105,15 @@ class Unit:
 _WIDE = str.maketrans("（）［］｛｝〔〕【】／：，", "()[]{}()[]/:,")
 _BRACKETS = re.compile(r"[\[(<{]\s*([^\[\](){}<>]+?)\s*[\])>}]")
 _BRACKETS_LAST = re.compile(_BRACKETS.pattern + r"\s*$")
+_WHOLLY = re.compile(rf"^{_BRACKETS.pattern}$")
+_BRACKETS_FIRST = re.compile(r"^\s*" + _BRACKETS.pattern)
+_NAME_BRACKET = re.compile(r"(?<=[^\s\])>}])\s+(?=[\[(<{][^\])>}]*[\])>}])")
+_BRACKET_NAME = re.compile(r"(?<=[\])>}])\s+(?=[^\s\[(<{])")
+_TO_BRACKET = re.compile(r"[^\[(<{\])>}]+[\[(<{][^\])>}]*[\])>}]")
+_NAME_MARK = re.compile(r"\s*([/:,])\s+(\S)|\s(in|en|в)\s+(\S)")
 _MARKED = re.compile(r"(?:[/,:=]|\s(?:in|en|в)\s)\s*(\S+)$")
-_LAST_WORD = re.compile(r"(?:^.*[^\d\s][\s_.-]+|^[xyzXYZ])(\S+?)$")  # "0.5 um" is a value
+_LAST_WORD = re.compile(r"(?:^.*[\s_.-]|^[xyzXYZ])(\S+?)$")
+_VALUE = re.compile(r"([.,]\d+|[=:]\s*\d+)[\s_]*\D+$")  # "pitch 0.5 um" is no name
 _WORDS = re.compile(r"[^\W\d_]+")
 _NUMBER_FIRST = re.compile(r"[+-]?[\d.,]*\d")
 
@@ -122,14 +129,14 @@ def unit_of(field: str, short: bool = False) -> Unit | None:
     for found in _BRACKETS.finditer(field):
         if scale_of(found[1]) is not None:
             return Unit(found[1], scale_of(found[1]))
-    bracketed = _BRACKETS_LAST.search(field)
+    bracketed = _BRACKETS_LAST.search(field) or _BRACKETS_FIRST.search(field)
     marked = bracketed or _MARKED.search(field)
     if marked is not None:
         unit = Unit(marked[1], scale_of(marked[1]))
         no_unit = unit.scale is None and folded(unit.word).lower() in _NAMES
         number = bracketed is None and _NUMBER_FIRST.match(unit.word)
         return None if no_unit or number else unit
-    last = _LAST_WORD.match(field)
+    last = None if _VALUE.search(field) else _LAST_WORD.match(field)
     scale = None if last is None else scale_of(last[1])
     if last is None or scale is None or not (short or len(last[1]) > 1 or last[1] in "ÅÅ"):
         return None
@@ -137,22 +144,30 @@ def unit_of(field: str, short: bool = False) -> Unit | None:
 
 
 def units_of(cells: Sequence[str]) -> tuple[Unit | None, ...]:
-    """The units in the fields of a header: single letters behind names where all fields have one."""
+    """The units in the fields of a header.
+
+    A single letter behind a name is one where all fields have one; so is any word behind all names.
+    """
+    units = tuple(unit_of(cell) for cell in cells)
+    ends = {last[1] if (last := _LAST_WORD.match(cell)) else "" for cell in cells}
+    word = ends.pop()
+    if len(cells) > 1 and not (any(units) or ends or is_name(word) or re.search(r"\d|^$", word)):
+        return (Unit(word, scale_of(word)),) * len(cells)
     letters = tuple(unit_of(cell, short=True) for cell in cells)
     if all(unit is not None and len(unit.word) == 1 for unit in letters):
         return letters
-    return tuple(unit_of(cell) for cell in cells)
+    return units
 
 
-def units_row(cells: Sequence[str], above: Sequence[str]) -> tuple[Unit, ...] | None:
+def units_row(cells: Sequence[str], above: Sequence[str]) -> tuple[Unit | None, ...] | None:
     """The units in a row of nothing but units; None for another row. above: the row before it."""
     words = [_BRACKETS.sub(r"\1", cell).strip(' "') for cell in cells]
-    units = tuple(Unit(word, scale_of(word)) for word in words)
+    units = tuple(Unit(word, scale_of(word)) if word else None for word in words)
     named = any(is_name(cell) for cell in above) and not any(is_name(word) for word in words)
     # Two columns do not have one name: a word that stands in both is a unit.
     unit_twice = len(words) > 1 and len(set(words)) == 1 and not is_name(words[0])
-    known = all(unit.scale is not None for unit in units)
-    return units if words and all(words) and (known or unit_twice or named) else None
+    known = all(unit is not None and unit.scale is not None for unit in units)
+    return units if any(units) and (known or unit_twice or named) else None
 
 
 def is_name(field: str) -> bool:
@@ -178,6 +193,13 @@ def mentioned(line: str) -> str | None:
     return None
 
 
+def unit_words(line: str) -> list[str]:
+    """The words of a line that stand where units stand, whatever they belong to."""
+    words = _NAME_MARK.sub(_with_mark, line).split()
+    found = [unit_of(word) for word in words]
+    return [unit.word for unit in found if unit is not None]
+
+
 def bare_name(field: str) -> str:
     """A field of a header without its unit."""
     if unit_of(field) is None:
@@ -188,16 +210,41 @@ def bare_name(field: str) -> str:
 def header_fields(line: str, delimiter: str | None) -> Iterator[list[str]]:
     """The fields of a header, split as the data are and in other ways.
 
-    Units in brackets stay with their names.
+    Units stay with their names: in brackets, behind a slash, a comma, a colon or "in".
     """
     line = line.strip().lstrip("#%!*/").strip()
-    joined = re.sub(r"(?<=[^\s\])>}])\s+(?=[\[(<{][^\])>}]*[\])>}])", "\0", line)
-    for between in dict.fromkeys((delimiter, ",", ";", "\t", None)):
+    before = line[:1] in tuple("[(<{")
+    joined = (_BRACKET_NAME if before else _NAME_BRACKET).sub("\0", line)
+    for between in dict.fromkeys((delimiter, ",", ";", "\t", None, "  ")):
         parts = joined.split(between)
-        if '"' in line:
+        if '"' in line and between != "  ":
             parts = unquoted(line, between)
+        elif between is None:
+            parts = _NAME_MARK.sub(_with_mark, joined).split()
+        elif between == "  ":
+            parts = re.split(r"\s{2,}", line)
         parts = [part.replace("\0", " ") for part in parts]
         fields = [part.strip().strip('"').strip() for part in parts]
         while fields and not fields[-1]:
             fields.pop()
         yield fields
+    if not before:
+        yield [part.strip() for part in _TO_BRACKET.findall(line)]
+
+
+def _with_mark(found: re.Match[str]) -> str:
+    return f"{found[1]}{found[2]}" if found[1] else f"/{found[4]}"
+
+
+def in_pairs(fields: Sequence[str]) -> list[str]:
+    """Names and units that were split apart, as in "Lateral um Raw nm", put together again.
+
+    Empty unless all units are known or the same, or all names are usual ones.
+    """
+    names, words = fields[::2], [_WHOLLY.sub(r"\1", word) for word in fields[1::2]]
+    if any(re.search(r"[\[(<{\])>}]", part) for part in (*names, *words)):
+        return []
+    known = all(scale_of(word) is not None for word in words)
+    if len(names) == len(words) and (known or len(set(words)) == 1 or all(map(is_name, names))):
+        return [f"{name} [{word}]" for name, word in zip(names, words, strict=True)]
+    return []

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from contact.errors import shown
-from contact.model.traces.header import header_fields, is_name, unit_of
+from contact.model.traces.header import header_fields, in_pairs, is_name, unit_of
 from contact.model.traces.text import Layout, Row, at
 
 _WHOLE = re.compile(r"[+-]?\d+([eE][+-]?\d+)?")
@@ -60,6 +60,11 @@ class Data:
             if self.layout.numbers(self.layout.cells(text), self.places) is not None:
                 return
             for fields in header_fields(text, self.layout.delimiter):
+                if len(fields) == 2 * self.width:
+                    fields = in_pairs(fields)
+                # The last columns may have no name, or no unit.
+                if len(fields) < self.width == text.count(self.layout.delimiter or "\n") + 1:
+                    fields = [*fields, *[""] * (self.width - len(fields))]
                 # What begins with a number, as "1500.0 um", is no name of a column.
                 if len(fields) == self.width and not any(_NUMBER.match(field) for field in fields):
                     yield line, fields
