@@ -103,15 +103,17 @@ class Unit:
 
 
 _WIDE = str.maketrans("（）［］｛｝〔〕【】／：，", "()[]{}()[]/:,")
+# A word in brackets: anywhere, first, last, or alone in a field.
 _BRACKETS = re.compile(r"[\[(<{]\s*([^\[\](){}<>]+?)\s*[\])>}]")
-_BRACKETS_LAST = re.compile(_BRACKETS.pattern + r"\s*$")
-_WHOLLY = re.compile(rf"^{_BRACKETS.pattern}$")
-_BRACKETS_FIRST = re.compile(r"^\s*" + _BRACKETS.pattern)
+_BRACKETS_FIRST = re.compile(rf"^\s*{_BRACKETS.pattern}")
+_BRACKETS_LAST = re.compile(rf"{_BRACKETS.pattern}\s*$")
+_BRACKETS_ALONE = re.compile(rf"^{_BRACKETS.pattern}$")
+# The blanks between a name and brackets behind it, and behind brackets before a name.
 _NAME_BRACKET = re.compile(r"(?<=[^\s\])>}])\s+(?=[\[(<{][^\])>}]*[\])>}])")
 _BRACKET_NAME = re.compile(r"(?<=[\])>}])\s+(?=[^\s\[(<{])")
-_TO_BRACKET = re.compile(r"[^\[(<{\])>}]+[\[(<{][^\])>}]*[\])>}]")
-_NAME_MARK = re.compile(r"\s*([/:,])\s+(\S)|\s(in|en|в)\s+(\S)")
-_MARKED = re.compile(r"(?:[/,:=]|\s(?:in|en|в)\s)\s*(\S+)$")
+_TO_BRACKET = re.compile(r"[^\[(<{\])>}]+[\[(<{][^\])>}]*[\])>}]")  # words up to brackets
+_NAME_MARK = re.compile(r"\s*([/:,])\s+(\S)|\s(in|en|в)\s+(\S)")  # between a name and a word
+_MARKED = re.compile(r"(?:[/,:=]|\s(?:in|en|в)\s)\s*(\S+)$")  # the word behind a mark
 _LAST_WORD = re.compile(r"(?:^.*[\s_.-]|^[xyzXYZ])(\S+?)$")
 _VALUE = re.compile(r"([.,]\d+|[=:]\s*\d+)[\s_]*\D+$")  # "pitch 0.5 um" is no name
 _WORDS = re.compile(r"[^\W\d_]+")
@@ -241,7 +243,7 @@ def in_pairs(fields: Sequence[str]) -> list[str]:
 
     Empty unless all units are known or the same, or all names are usual ones.
     """
-    names, words = fields[::2], [_WHOLLY.sub(r"\1", word) for word in fields[1::2]]
+    names, words = fields[::2], [_BRACKETS_ALONE.sub(r"\1", word) for word in fields[1::2]]
     if any(re.search(r"[\[(<{\])>}]", part) for part in (*names, *words)):
         return []
     known = all(scale_of(word) is not None for word in words)

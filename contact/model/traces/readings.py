@@ -59,11 +59,12 @@ class Data:
         for line, text in reversed(near):
             if self.layout.numbers(self.layout.cells(text), self.places) is not None:
                 return
-            for fields in header_fields(text, self.layout.delimiter):
+            for i, fields in enumerate(header_fields(text, self.layout.delimiter)):
                 if len(fields) == 2 * self.width:
                     fields = in_pairs(fields)
-                # The last columns may have no name, or no unit.
-                if len(fields) < self.width == text.count(self.layout.delimiter or "\n") + 1:
+                # Divided as the data are, the last columns may have no name, or no unit.
+                columns = text.count(self.layout.delimiter or "\n") + 1
+                if i == 0 and len(fields) < columns == self.width:
                     fields = [*fields, *[""] * (self.width - len(fields))]
                 # What begins with a number, as "1500.0 um", is no name of a column.
                 if len(fields) == self.width and not any(_NUMBER.match(field) for field in fields):
