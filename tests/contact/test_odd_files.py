@@ -128,6 +128,7 @@ def test_units_are_found_wherever_headers_have_them(
         ("X/smoot;Z/µm\n" + table(), "smoot"),
         ("Weg in Ellen;Höhe in Ellen\n" + table(), "Ellen"),
         ("t s;z V\n" + table(), "'s'"),
+        ("Weg;Höhe V\n" + table(), "'V'"),
         ("X (мм);Z (мм)\n".encode("cp1251") + table().encode(), "ìì"),
         ("# Units: mm\nx;z\n" + table(), "'mm'"),
         ("# Position um Profile 1 nm\n" + table(between=" "), "'um'"),
@@ -298,6 +299,15 @@ def test_the_same_is_missing_in_a_scene_and_in_the_command(tmp_path: Path, word:
     assert contact.load_scene(scene).profile.x.size == N - 3
 
 
+def test_heights_above_one_that_is_missing_are_heights(tmp_path: Path) -> None:
+    content = "z [um]\n" + column([Z[0], "#N/A", *Z[2:]])
+    keys = {"pitch": 2.5e-7, "fill": "drop"}
+    assert read(tmp_path, content, **keys).heights == pytest.approx(1e-6 * np.delete(Z, 1))
+    other = "z [um]\n" + column([0.1, "OVR", *Z[2:]])
+    warned(tmp_path, other, "line 2", "missing says so", pitch=2.5e-7)
+    assert read(tmp_path, other, missing="OVR", **keys).x.size == N - 1
+
+
 def test_among_heights_alone_no_line_is_lost(tmp_path: Path) -> None:
     lost = "z [um]\n" + column([*Z[:7], "#N/A", *Z[8:]])
     refused(tmp_path, lost, "line 9", "missing", pitch=1e-6)
@@ -312,6 +322,7 @@ SPIKE = 40 * float(np.ptp(Z))
     ("offset", "changed"),
     [
         (12.0, {5: 0.0, 6: 0.0, 20: 0.0}),
+        (12.0, {7: 0.0}),
         (3.0, {10: 0.0, 11: 0.0, 12: 0.0, 13: 0.0}),
         (0.0, {5: -32768.0, 6: 32767.0, 20: -32768.0}),
         (0.0, {17: SPIKE}),

@@ -103,18 +103,19 @@ def too_many(height: Array) -> bool:
 def marks(height: Array) -> str:
     """What is said of heights that may stand for none, as 0 and -32768 do; empty without any.
 
-    The value is 0, the lowest or the highest, and stands there more than once. It is far from all
+    The value is 0, or the lowest or highest and stands there more than once. It is far from all
     others, or reached and left by jumps where other heights go on by steps.
     """
     for value in dict.fromkeys((0.0, float(height.min()), float(height.max()))):
         here = height == value
         count = int(here.sum())
-        if not 1 < count < height.size - FEWEST:
+        if not (value != 0) < count < height.size - FEWEST:
             continue
         others = height[~here]
         far = float(np.min(np.abs(others - value))) > _SPIKE * float(np.ptp(others)) > 0
         if far or _left_by_jumps(height, here):
-            told = f"the height {quantity(value, 'm')} stands {count} times, far from all beside it"
+            often = f"stands {count} times" if count > 1 else "stands once"
+            told = f"the height {quantity(value, 'm')} {often}, far from all beside it"
             return f"{told}: missing names what stands for no height"
     return ""
 

@@ -79,6 +79,8 @@ class Table:
     header: Header
     counts: bool = False
     """Whether the positions are 0, 1, 2, ... or 1, 2, 3, ..., as they stand."""
+    number_above: int = 0
+    """The line of a number among the remarks above heights alone."""
 
 
 @dataclass(frozen=True)
@@ -126,7 +128,7 @@ def read_table(
         raise at(path, lines[-1], least)
     header = _header(data)
     counts = not given and wanted == 2 and header.line == 0 and _counts(data, values)
-    return Table(values, lines, header, counts)
+    return Table(values, lines, header, counts, _number_above(data) if wanted == 1 else 0)
 
 
 def in_metres(path: str | Path, table: Table, units: Any) -> tuple[Array, str]:
@@ -227,29 +229,28 @@ def _first_of_two(rows: list[Row], start: int, layout: Layout, places: tuple[int
 
 
 def _with_dropouts(rows: list[Row], found: _Found, missing: Any) -> _Found:
-    """The same, begun with the rows before that lack nothing but a height: they are data, and no header."""
+    """The same, begun with the first of the rows above that are points, too.
+
+    They are no two in a run: others between them lack a height, or have another word for it, which
+    is refused by name. Of heights alone such a word may as well be the header.
+    """
     *others, last = found.places
-    first = found.first
-    while first > 0:
-        text = rows[first - 1][1]
-        cells = found.layout.cells(text)
-        # A lone number between blanks may be anything, such as the number of points.
-        lone = last >= len(cells) and (found.layout.delimiter or "\n") not in text
-        cell = cells[last] if last < len(cells) else ""
-        if (others and found.layout.numbers(cells, others) is None) or lone:
-            break
-        if not no_height(cell, missing):
-            break
-        first -= 1
-    # Points above a row whose height is another word: that row is refused by name.
-    above = first
-    while others and above > 0:
-        cells = found.layout.cells(rows[above - 1][1])
-        if len(cells) <= last or found.layout.numbers(cells, others) is None:
-            break
+    first = above = found.first
+    while above > 0:
         above -= 1
+        text = rows[above][1]
+        cells = found.layout.cells(text)
         if found.layout.numbers(cells, found.places) is not None:
             first = above
+            continue
+        # A lone number between blanks may be anything, such as the number of points.
+        lone = last >= len(cells) and (found.layout.delimiter or "\n") not in text
+        if lone or (others and found.layout.numbers(cells, others) is None):
+            break
+        if no_height(cells[last] if last < len(cells) else "", missing):
+            first = above
+        elif not others or last >= len(cells):
+            break
     return replace(found, first=first)
 
 
@@ -354,6 +355,18 @@ def _counts(data: Data, values: Array) -> bool:
     x = values[:, 0]
     heights_too = np.all(values[:, 1] == np.rint(values[:, 1]))
     return bool(whole and not heights_too and x[0] in (0, 1) and np.all(np.diff(x) == 1))
+
+
+def _number_above(data: Data) -> int:
+    """The line of a number just above heights alone, behind which is a word; 0 without one.
+
+    A whole number, of points or for the units, is no height.
+    """
+    for line, text in data.before[-_REMARKS:]:
+        cells = data.layout.cells(text)
+        if len(cells) == 1 and "." in cells[0] and data.layout.number(cells[0]) is not None:
+            return line
+    return 0
 
 
 def _header(data: Data) -> Header:

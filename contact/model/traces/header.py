@@ -148,7 +148,8 @@ def unit_of(field: str, short: bool = False) -> Unit | None:
 def units_of(cells: Sequence[str]) -> tuple[Unit | None, ...]:
     """The units in the fields of a header.
 
-    A single letter behind a name is one where all fields have one; so is any word behind all names.
+    A single letter behind a name is one where all fields have one, or where it is a volt; so is
+    any word that stands behind all names.
     """
     units = tuple(unit_of(cell) for cell in cells)
     ends = {last[1] if (last := _LAST_WORD.match(cell)) else "" for cell in cells}
@@ -156,7 +157,8 @@ def units_of(cells: Sequence[str]) -> tuple[Unit | None, ...]:
     if len(cells) > 1 and not (any(units) or ends or is_name(word) or re.search(r"\d|^$", word)):
         return (Unit(word, scale_of(word)),) * len(cells)
     letters = tuple(unit_of(cell, short=True) for cell in cells)
-    if all(unit is not None and len(unit.word) == 1 for unit in letters):
+    no_length = any(unit is not None and unit.why_not for unit in letters) and not any(units)
+    if no_length or all(unit is not None and len(unit.word) == 1 for unit in letters):
         return letters
     return units
 

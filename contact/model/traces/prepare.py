@@ -216,6 +216,9 @@ def _table(
         what = "the positions are whole numbers, one after another, and may count the points"
         choice = "of heights alone write columns = [1] and pitch, their distance [m]"
         doubts = (f"{Path(path).name}: {what}: {choice}",)
+    if table.number_above:
+        what = f"the number in line {table.number_above} is taken for a remark, as a word follows it"
+        doubts = (f"{Path(path).name}: {what}; if that stands for no height, missing says so",)
     sure = units is not None or table.header.line > 0
     return Reading(str(path), x, height, table.lines, said, table.header.depth, sure, doubts)
 
