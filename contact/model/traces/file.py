@@ -111,7 +111,7 @@ def read_table(
     places = given or tuple(range(wanted))
     found = _with_dropouts(rows, _find(path, rows, places, layouts), missing)
     data = _data(path, rows, found, layouts)
-    if not given or len(data.rows) < FEWEST:
+    if len(data.rows) < (FEWEST if given else data.width):
         refuse_sideways(path, rows, layouts)
     if decimal is None:
         refuse_unclear_commas(data)

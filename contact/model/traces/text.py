@@ -46,9 +46,9 @@ class Layout:
                 return nan if cell.lower() == "nan" else None
             cell = cell.replace(",", ".")
         try:
-            return None if "_" in cell else float(_written_elsewhere(cell))
+            return None if "_" in cell else float(cell)
         except ValueError:
-            return None
+            return _written_elsewhere(cell)
 
     def numbers(self, cells: list[str], places: Sequence[int]) -> list[float] | None:
         """The numbers in some places of a row; None if one of them has none."""
@@ -58,9 +58,12 @@ class Layout:
         return None if None in found else [value for value in found if value is not None]
 
 
-def _written_elsewhere(number: str) -> str:
-    """A number with the minus sign of typesetters, or the exponent of Fortran, as Python reads it."""
-    return _FORTRAN.sub(r"\1e\2", number.replace("\u2212", "-"))
+def _written_elsewhere(number: str) -> float | None:
+    """A number with the minus sign of typesetters, or the exponent of Fortran; None if it is none."""
+    try:
+        return float(_FORTRAN.sub(r"\1e\2", number.replace("\u2212", "-")))
+    except ValueError:
+        return None
 
 
 def rows_of(path: str | Path) -> list[Row]:
