@@ -45,11 +45,13 @@ def read_trace(
     delimiter: str | None = None, fill: str | None = None, missing: str | float | None = None, sort: bool = False,
     lambda_s: float | None = None, lambda_c: float | None = None, channel: str | int | None = None,
     line: int | Sequence[Sequence[float]] | None = None, along: str | None = None,
+    invert: bool | None = None,
 ) -> Sampled:
     """A measured trace from a file, a table of text or an instrument's own format, prepared as asked.
 
-    The arguments are the keys of a scene's [profile] with a `file`. They act in this order: read, sort, fill, regrid, lambda_s, detrend,
-    lambda_c, taper, period; the profile's `history` says what was done. What a file can be read as in two ways is refused, with both.
+    The arguments are the keys of a scene's [profile] with a `file`. They act in this order: read,
+    sort, invert, fill, regrid, lambda_s, detrend, lambda_c, taper, period; the profile's `history`
+    says what was done. What a file can be read as in two ways is refused, with both.
 
     Parameters
     ----------
@@ -59,7 +61,7 @@ def read_trace(
     columns : sequence of int or str
         Columns of positions and heights, from 0 or by name; may be left out where no others hold numbers.
     units : str or two of them, or None
-        m, cm, mm, um, nm, A, pm or in, of both or of positions and heights; None: the header's, else m.
+        m, cm, mm, um, nm, A, pm, in, mil and others, of both or of positions and heights; None: the header's, else m.
     detrend : str or int
         "none", "line", "quadratic", or the degree of the least-squares polynomial that is subtracted (the form).
     regrid : bool, int or None
@@ -75,7 +77,7 @@ def read_trace(
     fill : str or None
         What is done where a height is missing: "linear", straight lines; "drop", the points are left out; None: it is refused.
     missing : str, float or None
-        What stands in the file for a missing height, besides empty cells, nan and the like.
+        What stands in the file for a missing height, besides empty cells, nan, #N/A, No Data and the like; "-32768" is the number.
     sort : bool
         Whether points out of order are sorted by position; positions that descend throughout are turned round without it.
     lambda_s, lambda_c : float or None
@@ -86,6 +88,8 @@ def read_trace(
         The line of a map: its number from 0, or [[x, y], [x, y]] [m] from where to where.
     along : str or None
         "x" (as if left out) or "y": the direction of a numbered line.
+    invert : bool or None
+        Whether heights are turned upside down. None: they are not; they are refused where the header calls them depths.
 
     Returns
     -------
@@ -101,7 +105,8 @@ def read_trace(
     Warns
     -----
     ModelWarning
-        If length, pitch or heights are not those of a surface, or more than a tenth of the heights is missing.
+        If length, pitch or heights are not those of a surface, positions may be a count, a height may stand for none or is a spike,
+        or more than a tenth of the heights is missing.
 
     Examples
     --------

@@ -17,15 +17,38 @@ from numpy.typing import NDArray
 
 from contact.errors import SceneError, shown
 from contact.model.checks import integer
-from contact.model.traces.dropouts import no_height
-from contact.model.traces.header import UNITS, bare_name, header_fields, known, scales, unit_of, written
-from contact.model.traces.readings import Data, refuse_unclear_columns, refuse_unclear_commas
+from contact.model.traces.dropouts import (
+    is_comment,
+    missing_number,
+    no_height,
+    without_phrases,
+)  # fmt: skip
+from contact.model.traces.header import (
+    Unit,
+    bare_name,
+    header_fields,
+    is_depth,
+    is_name,
+    mentioned,
+    scales,
+    unit_words,
+    units_of,
+    units_row,
+    written,
+)  # fmt: skip
+from contact.model.traces.readings import (
+    Data,
+    refuse_count,
+    refuse_sideways,
+    refuse_unclear_columns,
+    refuse_unclear_commas,
+)  # fmt: skip
 from contact.model.traces.text import Layout, Row, at, rows_of
 from sie import Array
 
 FEWEST = 4  # points
 _HEAD = 500  # rows in which nearly all files have begun
-_LAST = 2  # rows before the data that may be about its columns: names, and units below them
+_REMARKS = 3  # rows before the data that may be their header though it cannot be divided
 _DELIMITERS = {";": ";", "\t": "\t", "tab": "\t", ",": ",", " ": None, "blank": None}  # None: white space
 _DECIMALS = (".", ",")
 _QUOTED = re.compile(r'"[+-]?\d*,\d+([eE][+-]?\d+)?"')
@@ -33,13 +56,31 @@ _GROUPED = re.compile(r"(?<![\d.,])\d{1,3}([.,' \xa0\u202f])\d{3}(\1\d{3})*[.,]\
 
 
 @dataclass(frozen=True)
+class Header:
+    """What stands before the data about the wanted columns.
+
+    units: those of the columns, None where none is said, and the line that says them. depth: the
+    name of the heights where it says that they grow into the body. remark: the line and the word of
+    a unit that belongs to no column.
+    """
+
+    line: int
+    units: tuple[Unit | None, ...]
+    depth: str = ""
+    remark: tuple[int, str] | None = None
+
+
+@dataclass(frozen=True)
 class Table:
-    """The wanted columns as in the file (n, 1 or 2), the line of each row, and the units that the header says, on one of its lines."""
+    """The wanted columns as in the file (n, 1 or 2), the line of each row, and the header."""
 
     values: Array
     lines: NDArray[np.int64]
-    header: tuple[str | None, ...]
-    header_line: int
+    header: Header
+    counts: bool = False
+    """Whether the positions are 0, 1, 2, ... or 1, 2, 3, ..., as they stand."""
+    number_above: int = 0
+    """The line of a number among the remarks above heights alone."""
 
 
 @dataclass(frozen=True)
@@ -52,53 +93,76 @@ class _Found:
 
 
 def read_table(
-    path: str | Path, columns: Any = (), decimal: Any = None, delimiter: Any = None, wanted: int = 2, missing: Any = None
-) -> Table:
+    path: str | Path, columns: Any = (), decimal: Any = None, delimiter: Any = None, wanted: int = 2,
+    missing: Any = None,
+) -> Table:  # fmt: skip
     """The numbers of a file's `wanted` columns: 2, positions and heights, or 1, heights alone.
 
-    The data begin with the first two rows in a run whose columns are numbers, and go on to the end of the file; empty lines and
-    comments (#) are passed over. columns: indices from 0, or names of the header; left out, the file must have no more than these.
-    missing: what stands, besides the usual words, where there is no height; heights there are nan.
+    The data begin with the first two rows in a run whose columns are numbers, and go on to the end
+    of the file; empty lines and comments (#) are passed over. columns: indices from 0, or names of
+    the header; left out, the file must have no more than these. missing: what stands, besides the
+    usual words, where there is no height; heights there are nan.
     """
     given = _columns(columns, wanted)
     between, marks = _asked(decimal, delimiter)
-    rows = rows_of(path)
+    rows = without_phrases(rows_of(path), missing)
     quoted = any(_QUOTED.search(line) for _, line in rows)
     layouts = [Layout(delimiter, mark, quoted) for delimiter in between for mark in marks]
-    found = _with_dropouts(rows, _find(path, rows, given or tuple(range(wanted)), layouts), missing)
+    places = given or tuple(range(wanted))
+    found = _with_dropouts(rows, _find(path, rows, places, layouts), missing)
     data = _data(path, rows, found, layouts)
+    if len(data.rows) < (FEWEST if given else data.width):
+        refuse_sideways(path, rows, layouts)
     if decimal is None:
         refuse_unclear_commas(data)
     if not given:
         refuse_unclear_columns(data)
+    refuse_count(data)
     values = np.array([_numbers(data, i, missing) for i in range(len(data.rows))])
-    if missing is not None and not isinstance(missing, str):
-        values[values[:, -1] == missing, -1] = nan
+    values[values[:, -1] == missing_number(missing), -1] = nan
     lines = np.array([line for line, _ in data.rows])
     if wanted == 1:
-        _refuse_empty_lines(path, lines[0], rows)
+        _refuse_lost_lines(path, lines)
     if len(values) < FEWEST:
-        raise at(path, lines[-1], f"only {len(values)} rows of numbers, at least {FEWEST} are needed")
-    header_line, header = _header_units(data)
-    return Table(values, lines, header, header_line)
+        least = f"only {len(values)} rows of numbers, at least {FEWEST} are needed"
+        raise at(path, lines[-1], least)
+    header = _header(data)
+    counts = not given and wanted == 2 and header.line == 0 and _counts(data, values)
+    return Table(values, lines, header, counts, _number_above(data) if wanted == 1 else 0)
 
 
 def in_metres(path: str | Path, table: Table, units: Any) -> tuple[Array, str]:
-    """The numbers of a table in metres, and the units; those of the header unless others are given, which must not contradict it."""
-    count, said = table.values.shape[1], table.header
-    place = f"line {table.header_line} of the file {str(path)!r}"
-    both = tuple(name or "?" for name in said)
+    """The numbers of a table in metres, and the units.
+
+    They are those of the header unless others are given, which must not contradict it.
+    """
+    count, said, line = table.values.shape[1], table.header.units, table.header.line
+    place = f"line {line} of the file {shown(str(path))}"
+    both = tuple("?" if unit is None else unit.word for unit in said)
     if units is not None:
         given = scales(units)[-count:]
-        if any(name is not None and UNITS[name] != scale for name, scale in zip(said, given, strict=True)):
-            allowed = f"left out or {written(both)}, as {place} says (or the header put right)"
-            raise SceneError.of("units", units, allowed)
-        return table.values * given, written((units, units) if isinstance(units, str) else tuple(units))
+        for unit, scale in zip(said, given, strict=True):
+            if unit is not None and unit.scale is not None and unit.scale != scale:
+                allowed = f"left out or {written(both)}, as {place} says (or the header put right)"
+                if unit.why_not:
+                    allowed = f"left out: {place} says {unit.why_not}: convert the numbers"
+                raise SceneError.of("units", units, allowed)
+        return table.values * given, written((units, units) if isinstance(units, str) else units)
+    for unit in said:
+        if unit is not None and unit.why_not:
+            raise SceneError(f"units must be given: {place} says {unit.why_not}", "units")
     if None in said and any(said):
-        raise SceneError(f"units must be given: {place} says them of one column only, {written(both)}", "units")
-    names = tuple(name or "m" for name in said)
+        told = f"{place} says them of one column only, {written(both)}"
+        raise SceneError(f"units must be given: {told}", "units")
+    if table.header.remark is not None and not any(said):
+        line, word = table.header.remark
+        told = f"line {line} of the file {shown(str(path))} speaks of {word!r}, but of no column"
+        raise SceneError(f"units must be given: {told}; m if they are metres", "units")
     source = "the header's units" if any(said) else "no units being given"
-    return table.values * [UNITS[name] for name in names], f"{written(names)}, {source}"
+    metre = Unit("m", 1.0)
+    known = [unit or metre for unit in said]
+    lengths = np.array([unit.scale for unit in known], dtype=float)
+    return table.values * lengths, f"{written([unit.word for unit in known])}, {source}"
 
 
 # What is asked for ------------------------------------------------------------------------------------------------------------
@@ -140,10 +204,11 @@ def _find(path: str | Path, rows: list[Row], wanted: tuple[int | str, ...], layo
                 found.append(_Found(layout, places, first))
         if found:
             return min(found, key=lambda f: f.first)
-    what = f"no header row with the names in columns {list(wanted)}"
-    if named:
-        what = f"no two rows of numbers in a run in columns {list(wanted)}{_why_none(rows, wanted, layouts)}"
-    raise at(path, 0, what)
+    asked = f"columns {shown(list(wanted))}"
+    if not named:
+        raise at(path, 0, f"no header row with the names in {asked}{_no_names(rows, layouts)}")
+    why = _why_none(path, rows, wanted, layouts)
+    raise at(path, 0, f"no two rows of numbers in a run in {asked}{why}")
 
 
 def _named(rows: list[Row], layout: Layout, names: list[str]) -> tuple[int | None, list[str]]:
@@ -164,30 +229,80 @@ def _first_of_two(rows: list[Row], start: int, layout: Layout, places: tuple[int
 
 
 def _with_dropouts(rows: list[Row], found: _Found, missing: Any) -> _Found:
-    """The same, begun with the rows before that lack nothing but a height: they are data, and no header."""
+    """The same, begun with the first of the rows above that are points, too.
+
+    They are no two in a run: others between them lack a height, or have another word for it, which
+    is refused by name. Of heights alone such a word may as well be the header.
+    """
     *others, last = found.places
-    first = found.first
-    while first > 0:
-        cells = found.layout.cells(rows[first - 1][1])
-        if (others and found.layout.numbers(cells, others) is None) or not no_height(cells[last] if last < len(cells) else "", missing):
+    first = above = found.first
+    while above > 0:
+        above -= 1
+        text = rows[above][1]
+        cells = found.layout.cells(text)
+        if found.layout.numbers(cells, found.places) is not None:
+            first = above
+            continue
+        # A lone number between blanks may be anything, such as the number of points.
+        lone = last >= len(cells) and (found.layout.delimiter or "\n") not in text
+        if lone or (others and found.layout.numbers(cells, others) is None):
             break
-        first -= 1
+        if no_height(cells[last] if last < len(cells) else "", missing):
+            first = above
+        elif not others or last >= len(cells):
+            break
     return replace(found, first=first)
 
 
-def _why_none(rows: list[Row], wanted: tuple[int | str, ...], layouts: list[Layout]) -> str:
+def _why_none(
+    path: str | Path, rows: list[Row], wanted: tuple[int | str, ...], layouts: list[Layout]
+) -> str:
+    """What to do about a file without two rows of numbers in the wanted columns."""
+    refuse_sideways(path, rows, layouts)
     if any(_GROUPED.search(line) for _, line in rows):
         return ": numbers with separators of thousands are not read, write them without"
-    if any(layout.delimiter == layout.decimal for layout in layouts) and all(layout.decimal == "," for layout in layouts):
-        return ": commas between columns and in numbers are told apart only where every number has decimals; write ; between columns"
-    if len(wanted) == 2 and any(_first_of_two(rows, 0, layout, (0,)) is not None for layout in layouts):
-        return ": a column of heights alone needs pitch, their distance [m]; of more columns, columns says which (the first is 0)"
+    if all(layout.decimal == "," for layout in layouts) and any(
+        layout.delimiter == "," for layout in layouts
+    ):
+        return (
+            ": commas between columns and in numbers are told apart only where every number has "
+            "decimals; write ; between columns"
+        )
+    widths = [len(data[1]) for data in _tables(rows, layouts)]
+    if len(wanted) == 2 and (wanted == (0, 1) or not widths) and _tables(rows, layouts, (0,)):
+        return (
+            ": a column of heights alone needs pitch, their distance [m]; of more columns, columns "
+            "says which (the first is 0)"
+        )
+    width = max(widths, default=0)
+    lacking = [column for column in wanted if isinstance(column, int) and column >= width > 0]
+    if lacking:
+        return f": column {lacking[0]} is not there, the last of the {width} is {width - 1}"
     return ": columns says in which they are"
+
+
+def _tables(
+    rows: list[Row], layouts: list[Layout], places: tuple[int, ...] = (0, 1)
+) -> list[tuple[int, list[str]]]:
+    """The first row of numbers in some columns and its cells, under each layout that has any."""
+    starts = ((layout, _first_of_two(rows, 0, layout, places)) for layout in layouts)
+    return [(i, layout.cells(rows[i][1])) for layout, i in starts if i is not None]
+
+
+def _no_names(rows: list[Row], layouts: list[Layout]) -> str:
+    """The names that there are, where others were asked for."""
+    for layout in layouts:
+        for start, cells in _tables(rows, [layout]):
+            for line, text in reversed(rows[:start]):
+                for fields in header_fields(text, layout.delimiter):
+                    if len(fields) == len(cells):
+                        return f": line {line} has {shown(fields).strip('[]')}"
+    return ""
 
 
 def _data(path: str | Path, rows: list[Row], found: _Found, layouts: list[Layout]) -> Data:
     """The rows of a table. Signs of decimals may be seen in later rows only, as in 1;2 and then 1,5;2."""
-    tail = [row for row in rows[found.first :] if not row[1].lstrip().startswith("#")]
+    tail = [row for row in rows[found.first :] if not is_comment(row[1])]
 
     def under(layout: Layout) -> Data:
         return Data(path, layout, found.places, tail, [layout.cells(line) for _, line in tail], rows[: found.first])
@@ -213,31 +328,71 @@ def _numbers(data: Data, i: int, missing: Any) -> list[float]:
     rest = data.layout.numbers(cells, others) if others else []
     if rest is not None and no_height(cells[last] if last < len(cells) else "", missing):
         return [*rest, nan]
-    hint = " (separators of thousands are not read)" if _GROUPED.search(text) else ""
+    hint = ""
+    if _GROUPED.search(text):
+        hint = " (separators of thousands are not read)"
+    elif rest is not None and last < len(cells):
+        hint = f"; if {shown(cells[last])} stands for no height, missing says so"
     what = "two numbers in columns" if len(data.places) == 2 else "number in column"
     raise at(data.path, line, f"no {what} {list(data.places)}: {shown(text.strip())}{hint}")
 
 
-def _refuse_empty_lines(path: str | Path, first: int, rows: list[Row]) -> None:
-    """Of heights alone an empty line may be one that is missing; unless all lines stand as far apart."""
-    lines = np.array([line for line, _ in rows if line >= first])
+def _refuse_lost_lines(path: str | Path, lines: NDArray[np.int64]) -> None:
+    """Of heights alone an empty line or a comment may be one that is missing.
+
+    It is none where all lines stand as far apart.
+    """
     wide = np.flatnonzero(np.diff(lines) != np.min(np.diff(lines), initial=1 << 60))
     if wide.size:
-        what = "an empty line among heights that follow one another at a pitch: take it out, or write nan if a height is missing there"
-        raise at(path, lines[wide[0]] + 1, what)
+        what = "an empty line, or a comment, among heights that follow one another at a pitch"
+        cure = "take it out, or write nan if a height is missing there"
+        raise at(path, lines[wide[0]] + 1, f"{what}: {cure}")
 
 
-def _header_units(data: Data) -> tuple[int, tuple[str | None, ...]]:
-    """The line of a header that says units of the columns, and these; None for those it does not say."""
-    for line, text in reversed(data.before[-_LAST:]):
-        for fields in header_fields(text, data.layout.delimiter):
-            # What begins with a number, as "1500.0 um", is no name of a column.
-            if len(fields) != data.width or any(re.match(r"[+-]?[\d.,]", field) for field in fields):
-                continue
-            cells = [fields[place] for place in data.places]
-            # A row of nothing but units may stand below the names.
-            alone = tuple(known(cell.strip("[]()")) for cell in cells)
-            said = alone if None not in alone else tuple(unit_of(cell) for cell in cells)
-            if any(said):
-                return line, said
-    return 0, (None,) * len(data.places)
+def _counts(data: Data, values: Array) -> bool:
+    """Whether the first column may count the points: 0, 1, 2, ... or 1, 2, 3, ... without decimals."""
+    whole = all(row[0].isdigit() for row in data.cells if row)
+    x = values[:, 0]
+    heights_too = np.all(values[:, 1] == np.rint(values[:, 1]))
+    return bool(whole and not heights_too and x[0] in (0, 1) and np.all(np.diff(x) == 1))
+
+
+def _number_above(data: Data) -> int:
+    """The line of a number just above heights alone, behind which is a word; 0 without one.
+
+    A whole number, of points or for the units, is no height.
+    """
+    for line, text in data.before[-_REMARKS:]:
+        cells = data.layout.cells(text)
+        if len(cells) == 1 and "." in cells[0] and data.layout.number(cells[0]) is not None:
+            return line
+    return 0
+
+
+def _header(data: Data) -> Header:
+    """What the rows before the data say of the wanted columns."""
+    named = [(line, [fields[place] for place in data.places]) for line, fields in data.headers()]
+    depth = next((cells[-1] for _, cells in named if is_depth(cells[-1])), "")
+    said: Header | None = None
+    past_names = False
+    for i, (line, cells) in enumerate(named):
+        above = next((other for upper, other in named[i + 1 :] if upper != line), [])
+        # Above the names of the columns stand titles, and words in brackets are parts of them.
+        units: tuple[Unit | None, ...] | None = units_row(cells, above)
+        if units is None:
+            units = (None,) * len(cells) if past_names else units_of(cells)
+        if any(unit is not None and unit.scale is not None for unit in units):
+            return Header(line, units, depth)
+        if any(units) and said is None and not past_names:
+            said = Header(line, units, depth)
+        past_names = past_names or any(is_name(cell) for cell in cells)
+    if said is not None:
+        return said
+    # Units may stand in the rows of the data too, as in "0.5 um  1.2 um".
+    spoken = ((line, mentioned(text)) for line, text in [*data.before, data.rows[0]])
+    remark = next(((line, word) for line, word in spoken if word), None)
+    if remark is None and not named:
+        # A header of other words between blanks than there are columns, a unit for each column.
+        words = ((line, unit_words(text)) for line, text in data.before[-_REMARKS:])
+        remark = next(((line, w[0]) for line, w in words if len(w) == data.width > 1), None)
+    return Header(0, (None,) * len(data.places), depth, remark)

@@ -1,45 +1,83 @@
-"""What the header of a trace says: names of columns, and units by the names that people and instruments write."""
+"""Names and units of the columns of a trace, as people and instruments write them in headers."""
 
 import re
+import unicodedata
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from math import isnan, nan
 from typing import Any
 
-from contact.errors import SceneError
-from contact.model.checks import one_of
+from contact.errors import SceneError, shown
 from contact.model.traces.text import unquoted
 
-UNITS = {
-    "m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "μm": 1e-6, "micron": 1e-6, "micrometer": 1e-6,
-    "micrometre": 1e-6, "nm": 1e-9, "A": 1e-10, "Å": 1e-10, "pm": 1e-12, "in": 0.0254,
-}  # fmt: skip
-_LONG_NAMES = {
-    "meter": "m", "metre": "m", "centimeter": "cm", "centimetre": "cm", "millimeter": "mm", "millimetre": "mm",
-    "nanometer": "nm", "nanometre": "nm", "angstrom": "A", "picometer": "pm", "picometre": "pm", "inch": "in", "inches": "in",
-}  # fmt: skip
-# Alone behind a name these may as well be a part of it, as in "Height A".
-ONLY_IN_BRACKETS = ("m", "A", "Å", "in")
+# One row a unit: its length [m], nan for what is no length; its names, of which messages use the
+# first. Case, accents, a plural s and a dot at the end do not matter.
+_TABLE = (
+    (1e3, "km kilometer kilometre км километр 千米 公里"),
+    (1.0, "m meter metre м метр 米 メートル"),
+    (1e-1, "dm decimeter decimetre дм дециметр 分米"),
+    (1e-2, "cm centimeter centimetre zentimeter см сантиметр 厘米 公分 センチ センチメートル"),
+    (1e-3, "mm millimeter millimetre мм миллиметр 毫米 公厘 ミリ ミリメートル 밀리미터"),
+    (
+        1e-6,
+        "um μm μ micron micra mikron micrometer micrometre mikrometer mcm mkm мкм микрон микрометр "
+        "微米 ミクロン マイクロメートル 마이크로미터 âμm",  # the last: UTF-8 read as Latin-1
+    ),
+    (1e-9, "nm nanometer nanometre нм нанометр 纳米 奈米 納米 ナノメートル 나노미터"),
+    (1e-10, "A Å angstrom ангстрем 埃"),
+    (1e-12, "pm picometer picometre пм пикометр 皮米"),
+    (0.3048, "ft foot feet"),
+    (0.0254, "in inch inches zoll pouce pulgada pollice дюйм 英寸 インチ \" ″ ''"),
+    (2.54e-5, "mil thou"),
+    (2.54e-8, "uin μin microin microinch microinches"),
+    (nan, "px pix pixel V mV volt rad mrad urad μrad radian deg degree ° s ms sec second count"),
+)
+# Names of columns. They tell a row of names from a row of units below it.
+_NAMES = frozenset(
+    "x y z r h pos position dist distance height heights profile lateral length depth path "
+    "weg hohe tiefe abscisse hauteur altura высота длина координата 高度 位置 高さ".split()
+)
+# Parts of names of heights that grow into the body.
+_DEPTHS = (
+    "depth", "tiefe", "profondeur", "profundi", "profondit", "diepte", "djup", "глубин", "深",
+)  # fmt: skip
+# Units that also occur in remarks with another meaning, as in 3:45 pm.
+_NOT_IN_REMARKS = ("pm", "dm", "km", "in")
+
+
+def folded(word: str) -> str:
+    """A word without accents, in one form of each letter (µ, ㎛), without a dot at its end."""
+    letters = unicodedata.normalize("NFKD", word.strip())
+    return "".join(c for c in letters if not unicodedata.combining(c)).removesuffix(".")
+
+
+_SCALES = {folded(name): scale for scale, names in _TABLE for name in names.split()}
+_LENGTHS = tuple(names.split()[0] for scale, names in _TABLE if not isnan(scale))
+
+
+def scale_of(word: str) -> float | None:
+    """The length of a unit [m], nan for a unit of no length, None for a word that is no unit."""
+    exact = folded(word)
+    lower = exact.lower()
+    # A single letter has a meaning in its own case only: A is not a, m is not M.
+    tried = (exact,) if len(exact) < 2 else (exact, lower, lower.removesuffix("s"))
+    return next((_SCALES[name] for name in tried if name in _SCALES), None)
+
+
+def length_of(word: Any) -> float:
+    """The length of a unit [m] that a user has written."""
+    scale = scale_of(word) if isinstance(word, str) else None
+    if scale is None or isnan(scale):
+        raise SceneError.unknown("units", word, _LENGTHS)
+    return scale
 
 
 def scales(units: Any) -> tuple[float, float]:
-    """What positions and heights are multiplied by to be in metres: one unit for both, or two."""
+    """The lengths [m] of one unit for positions and heights, or of two."""
     both = (units, units) if isinstance(units, str) else units
     if not isinstance(both, Sequence) or len(both) != 2:
         raise SceneError.of("units", units, "one unit or two, for positions and heights")
-    return UNITS[one_of("units", both[0], UNITS)], UNITS[one_of("units", both[1], UNITS)]
-
-
-def known(word: str) -> str | None:
-    """The name in `UNITS` of a unit as headers write it, in any case and number; None if it is none."""
-    word = word.strip()
-    if word in UNITS:
-        return word
-    lower = word.lower()
-    for name in (lower, lower.removesuffix("s")):
-        if name in _LONG_NAMES:
-            return _LONG_NAMES[name]
-        if name in UNITS and name not in ONLY_IN_BRACKETS:
-            return name
-    return None
+    return length_of(both[0]), length_of(both[1])
 
 
 def written(names: Sequence[str]) -> str:
@@ -49,32 +87,168 @@ def written(names: Sequence[str]) -> str:
     return "[" + ", ".join(f'"{name}"' for name in names) + "]"
 
 
-_BRACKETED = re.compile(r"[\[(<{]\s*([^\[\](){}<>]+?)\s*[\])>}]\s*$|/\s*(\S+)$")
-_LAST_WORD = re.compile(r"^.*[\s_](\S+?)$")
+@dataclass(frozen=True)
+class Unit:
+    """A word where a unit stands, and its scale as `scale_of` has it."""
+
+    word: str
+    scale: float | None
+
+    @property
+    def why_not(self) -> str:
+        """Why it is no unit of lengths; empty if it is one."""
+        if self.scale is None:
+            return f"{shown(self.word)}, which is no unit that is known ({', '.join(_LENGTHS)} are)"
+        return f"{shown(self.word)}, which is no unit of lengths" if isnan(self.scale) else ""
 
 
-def unit_of(field: str) -> str | None:
-    """The unit that a field of a header ends in, as "x [um]", "z (nm)", "Weg/mm", "Lateral um", "height_nm"; None without one."""
-    found = _BRACKETED.search(field)
-    if found is not None:
-        return known(found[1] or found[2])
-    found = _LAST_WORD.match(field)
-    name = None if found is None else known(found[1])
-    return None if name in ONLY_IN_BRACKETS else name
+_WIDE = str.maketrans("（）［］｛｝〔〕【】／：，", "()[]{}()[]/:,")
+# A word in brackets: anywhere, first, last, or alone in a field.
+_BRACKETS = re.compile(r"[\[(<{]\s*([^\[\](){}<>]+?)\s*[\])>}]")
+_BRACKETS_FIRST = re.compile(rf"^\s*{_BRACKETS.pattern}")
+_BRACKETS_LAST = re.compile(rf"{_BRACKETS.pattern}\s*$")
+_BRACKETS_ALONE = re.compile(rf"^{_BRACKETS.pattern}$")
+# The blanks between a name and brackets behind it, and behind brackets before a name.
+_NAME_BRACKET = re.compile(r"(?<=[^\s\])>}])\s+(?=[\[(<{][^\])>}]*[\])>}])")
+_BRACKET_NAME = re.compile(r"(?<=[\])>}])\s+(?=[^\s\[(<{])")
+_TO_BRACKET = re.compile(r"[^\[(<{\])>}]+[\[(<{][^\])>}]*[\])>}]")  # words up to brackets
+_NAME_MARK = re.compile(r"\s*([/:,])\s+(\S)|\s(in|en|в)\s+(\S)")  # between a name and a word
+_MARKED = re.compile(r"(?:[/,:=]|\s(?:in|en|в)\s)\s*(\S+)$")  # the word behind a mark
+_LAST_WORD = re.compile(r"(?:^.*[\s_.-]|^[xyzXYZ])(\S+?)$")
+_VALUE = re.compile(r"([.,]\d+|[=:]\s*\d+)[\s_]*\D+$")  # "pitch 0.5 um" is no name
+_WORDS = re.compile(r"[^\W\d_]+")
+_NUMBER_FIRST = re.compile(r"[+-]?[\d.,]*\d")
+
+
+def unit_of(field: str, short: bool = False) -> Unit | None:
+    """The unit in a field of a header; None without one.
+
+    A unit stands in brackets or behind a slash, a comma, a colon or "in": "x [um]", "Weg/mm",
+    "X, мм". The last word of other fields may be one: "Lateral um", "height_nm", "Zmm". short: so
+    may a single letter, which is mostly a part of the name, as in "Height A".
+    """
+    field = field.translate(_WIDE)
+    for found in _BRACKETS.finditer(field):
+        if scale_of(found[1]) is not None:
+            return Unit(found[1], scale_of(found[1]))
+    bracketed = _BRACKETS_LAST.search(field) or _BRACKETS_FIRST.search(field)
+    marked = bracketed or _MARKED.search(field)
+    if marked is not None:
+        unit = Unit(marked[1], scale_of(marked[1]))
+        no_unit = unit.scale is None and folded(unit.word).lower() in _NAMES
+        number = bracketed is None and _NUMBER_FIRST.match(unit.word)
+        return None if no_unit or number else unit
+    last = None if _VALUE.search(field) else _LAST_WORD.match(field)
+    scale = None if last is None else scale_of(last[1])
+    if last is None or scale is None or not (short or len(last[1]) > 1 or last[1] in "ÅÅ"):
+        return None
+    return Unit(last[1], scale)
+
+
+def units_of(cells: Sequence[str]) -> tuple[Unit | None, ...]:
+    """The units in the fields of a header.
+
+    A single letter behind a name is one where all fields have one, or where it is a volt; so is
+    any word that stands behind all names.
+    """
+    units = tuple(unit_of(cell) for cell in cells)
+    ends = {last[1] if (last := _LAST_WORD.match(cell)) else "" for cell in cells}
+    word = ends.pop()
+    if len(cells) > 1 and not (any(units) or ends or is_name(word) or re.search(r"\d|^$", word)):
+        return (Unit(word, scale_of(word)),) * len(cells)
+    letters = tuple(unit_of(cell, short=True) for cell in cells)
+    no_length = any(unit is not None and unit.why_not for unit in letters) and not any(units)
+    if no_length or all(unit is not None and len(unit.word) == 1 for unit in letters):
+        return letters
+    return units
+
+
+def units_row(cells: Sequence[str], above: Sequence[str]) -> tuple[Unit | None, ...] | None:
+    """The units in a row of nothing but units; None for another row. above: the row before it."""
+    words = [_BRACKETS.sub(r"\1", cell).strip(' "') for cell in cells]
+    units = tuple(Unit(word, scale_of(word)) if word else None for word in words)
+    named = any(is_name(cell) for cell in above) and not any(is_name(word) for word in words)
+    # Two columns do not have one name: a word that stands in both is a unit.
+    unit_twice = len(words) > 1 and len(set(words)) == 1 and not is_name(words[0])
+    known = all(unit is not None and unit.scale is not None for unit in units)
+    return units if any(units) and (known or unit_twice or named) else None
+
+
+def is_name(field: str) -> bool:
+    """Whether a field is a usual name of a column."""
+    return any(word in _NAMES for word in re.split(r"[\s_]+", folded(bare_name(field)).lower()))
+
+
+def is_depth(field: str) -> bool:
+    """Whether a field names heights that grow into the body."""
+    lower = folded(field).lower()
+    return any(word in lower for word in _DEPTHS)
+
+
+def mentioned(line: str) -> str | None:
+    """The first unit of lengths, but the metre, that a line speaks of anywhere; None without one."""
+    for word in _WORDS.findall(unicodedata.normalize("NFKC", line)):
+        scale = scale_of(word)
+        if scale in (None, 1.0) or isnan(scale) or len(word) < 2 or word.lower() in _NOT_IN_REMARKS:
+            continue
+        # Short words with a capital are something else: Nm, MM.
+        if len(word) > 3 or not word[0].isupper():
+            return str(word)
+    return None
+
+
+def unit_words(line: str) -> list[str]:
+    """The words of a line that stand where units stand, whatever they belong to."""
+    words = _NAME_MARK.sub(_with_mark, line).split()
+    found = [unit_of(word) for word in words]
+    return [unit.word for unit in found if unit is not None]
 
 
 def bare_name(field: str) -> str:
     """A field of a header without its unit."""
-    return _BRACKETED.sub("", field).strip() if unit_of(field) is not None else field
+    if unit_of(field) is None:
+        return field
+    return _MARKED.sub("", _BRACKETS.sub("", field)).strip() or field
 
 
 def header_fields(line: str, delimiter: str | None) -> Iterator[list[str]]:
-    """The fields of a header, split as the data are, and as it may be split itself; units in brackets stay with their names."""
-    line = line.strip().lstrip("#%!").strip()
-    joined = re.sub(r"(?<=[^\s\])>}])\s+(?=[\[(<{][^\])>}]*[\])>}])", "\0", line)
-    for between in dict.fromkeys((delimiter, ",", ";", "\t", None)):
-        parts = unquoted(line, between) if '"' in line else [part.replace("\0", " ") for part in joined.split(between)]
+    """The fields of a header, split as the data are and in other ways.
+
+    Units stay with their names: in brackets, behind a slash, a comma, a colon or "in".
+    """
+    line = line.strip().lstrip("#%!*/").strip()
+    before = line[:1] in tuple("[(<{")
+    joined = (_BRACKET_NAME if before else _NAME_BRACKET).sub("\0", line)
+    for between in dict.fromkeys((delimiter, ",", ";", "\t", None, "  ")):
+        parts = joined.split(between)
+        if '"' in line and between != "  ":
+            parts = unquoted(line, between)
+        elif between is None:
+            parts = _NAME_MARK.sub(_with_mark, joined).split()
+        elif between == "  ":
+            parts = re.split(r"\s{2,}", line)
+        parts = [part.replace("\0", " ") for part in parts]
         fields = [part.strip().strip('"').strip() for part in parts]
         while fields and not fields[-1]:
             fields.pop()
         yield fields
+    if not before:
+        yield [part.strip() for part in _TO_BRACKET.findall(line)]
+
+
+def _with_mark(found: re.Match[str]) -> str:
+    return f"{found[1]}{found[2]}" if found[1] else f"/{found[4]}"
+
+
+def in_pairs(fields: Sequence[str]) -> list[str]:
+    """Names and units that were split apart, as in "Lateral um Raw nm", put together again.
+
+    Empty unless all units are known or the same, or all names are usual ones.
+    """
+    names, words = fields[::2], [_BRACKETS_ALONE.sub(r"\1", word) for word in fields[1::2]]
+    if any(re.search(r"[\[(<{\])>}]", part) for part in (*names, *words)):
+        return []
+    known = all(scale_of(word) is not None for word in words)
+    if len(names) == len(words) and (known or len(set(words)) == 1 or all(map(is_name, names))):
+        return [f"{name} [{word}]" for name, word in zip(names, words, strict=True)]
+    return []

@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from contact.errors import SceneError
+from contact.errors import SceneError, shown
 from contact.model.checks import finite, integer, one_of, positive, such
-from contact.model.traces.dropouts import FILLS, filled, in_order, marks, too_many
+from contact.model.traces.dropouts import FILLS, filled, in_order, marks, spikes, too_many
 from contact.model.traces.file import FEWEST, in_metres, read_table
 from contact.model.traces.filters import low_pass, refuse_cut_offs
 from contact.model.traces.instruments import is_instrument_file, read_instrument
@@ -33,8 +33,13 @@ _ROUNDING_SEEN_FROM = 32  # points: with fewer, coarse positions may well be mea
 _ROUNDING = 1e-12
 # Points that regrid may make of fewer: straight lines between what was measured add corners and time, and no knowledge.
 _MOST_REGRID = 20_000
-# [m]: from a few atoms to the longest guides and roads that a trace of one scan is taken of; and an atom.
-_LENGTHS, _PITCHES, _SHALLOWEST = (1e-9, 1.0), (1e-12, 1e-3), 1e-11
+# [m]: from a few atoms to the longest guides and roads that a trace of one scan is taken of.
+_LENGTHS = (1e-9, 1.0)
+_PITCHES = (1e-12, 1e-3)
+# [m]: traces of instruments, where metres are a guess. One in mm is longer, if above 50 µm.
+_LENGTHS_UNSAID = (1e-9, 5e-2)
+_PITCHES_UNSAID = (1e-12, 1e-4)
+_SHALLOWEST = 1e-11  # [m]: below an atom
 
 # A period so many times longer than the trace leaves most of it to a spline through nothing.
 _MOST_BEYOND = 1.5
@@ -49,6 +54,11 @@ class Reading:
     height: Array
     lines: NDArray[np.int64]
     said: str
+    depth: str = ""
+    """The name of the heights where it says that they grow into the body."""
+    sure: bool = True
+    """Whether the units are said; else they are taken for metres."""
+    doubts: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -56,6 +66,7 @@ class Preparation:
     """What is done to points that were read, in this order; the keys of a scene's [profile] of these names."""
 
     sort: bool = False
+    invert: bool | None = None
     fill: str | None = None
     regrid: bool | int | None = None
     lambda_s: float | None = None
@@ -67,6 +78,8 @@ class Preparation:
     def __post_init__(self) -> None:
         if not isinstance(self.sort, bool):
             raise SceneError.of("sort", self.sort, "true or false")
+        if self.invert is not None and not isinstance(self.invert, bool):
+            raise SceneError.of("invert", self.invert, "true or false")
         _degree(self.detrend)
         # True: as many as points are, or the measured length; false: as if left out.
         for name, check in (("regrid", partial(integer, least=FEWEST)), ("period", positive)):
@@ -118,7 +131,7 @@ def load_trace(path: str | Path, **keys: Any) -> Trace:
 def prepared(reading: Reading, by: Preparation) -> Trace:
     """Points that were read, put in order, filled, filtered and levelled as asked."""
     path, x, height, lines, said = reading.path, reading.x, reading.height, reading.lines, reading.said
-    count, length = by.regrid or None, by.period or None
+    length = by.period or None
     history = [f"{x.size} points of {Path(path).name}, read in {said}"]
     stages: list[tuple[str, Array, Array]] = []
 
@@ -130,19 +143,15 @@ def prepared(reading: Reading, by: Preparation) -> Trace:
     x, height, lines, note = in_order(path, x, height, lines, by.sort)
     stages.append(("as read", x, height))
     done(note)
+    if _upside_down(reading, by):
+        height = -height
+        done("turned upside down (invert)")
     many = too_many(height)
     x, height, lines, note = filled(path, x, height, lines, by.fill)
-    holes = _doubtful_heights(Path(path).name, height, note if many else "")
+    holes = _doubtful_heights(Path(path).name, x, height, note if many else "")
     done(note)
-    if count is None or _pitch_behind_rounding(x) is None:
-        _refuse_repeated(path, x, lines)
-    if count is not None:
-        count, most = x.size if count is True else count, max(_MOST_REGRID, x.size)
-        if count > most:
-            allowed = f"at most {most}: between the {x.size} points of the file there are but straight lines, and nothing more to be known"
-            raise SceneError.of("regrid", count, allowed)
-        x, height, note = to_uniform(x, height, count)
-        done(note)
+    x, height, note = _at_places(path, x, height, lines, by.regrid or None)
+    done(note)
     if by.lambda_s is not None:
         height = low_pass(x, height, by.lambda_s, "lambda_s")
         done(f"waves shorter than {quantity(by.lambda_s, 'm')} filtered out (Gaussian, lambda_s)")
@@ -162,20 +171,56 @@ def prepared(reading: Reading, by: Preparation) -> Trace:
     if length is True:
         length = _measured_length(x, height)
         history.append(f"period {length:.9g} m, the measured length")
-    doubts = _doubts(Path(path).name, x, height, length, said)
-    return Trace(x, height, length, tuple(history), (*holes, *doubts), tuple(stages), (reading, by))
+    doubts = (*holes, *(_doubts(reading, x, height, length) or reading.doubts))
+    return Trace(x, height, length, tuple(history), doubts, tuple(stages), (reading, by))
 
 
-def _table(path: str | Path, columns: Any, units: Any, pitch: Any, decimal: Any, delimiter: Any, missing: Any) -> Reading:
+def _upside_down(reading: Reading, by: Preparation) -> bool:
+    """Whether heights are to be turned; refused where the file calls them depths and nobody says."""
+    if reading.depth and by.invert is None:
+        told = f"the heights are called {shown(reading.depth)}"
+        choices = "invert = true if they grow into the body, invert = false if they grow out of it"
+        raise at(reading.path, 0, f"{told}: {choices}")
+    return bool(by.invert)
+
+
+def _at_places(
+    path: str, x: Array, height: Array, lines: NDArray[np.int64], count: bool | int | None
+) -> tuple[Array, Array, str]:
+    """Points at their own positions, none of which is repeated, or at `count` even ones."""
+    if count is None or _pitch_behind_rounding(x) is None:
+        _refuse_repeated(path, x, lines)
+    if count is None:
+        return x, height, ""
+    count, most = x.size if count is True else count, max(_MOST_REGRID, x.size)
+    if count > most:
+        between = f"between the {x.size} points of the file there are but straight lines"
+        allowed = f"at most {most}: {between}, and nothing more to be known"
+        raise SceneError.of("regrid", count, allowed)
+    return to_uniform(x, height, count)
+
+
+def _table(
+    path: str | Path, columns: Any, units: Any, pitch: Any, decimal: Any, delimiter: Any, missing: Any
+) -> Reading:
     """What a text file says."""
     step = None if pitch is None else positive("pitch", pitch)
-    if missing is not None and not (isinstance(missing, str) and missing):
+    if missing is not None and not (isinstance(missing, str) and missing.strip()):
         missing = finite("missing", missing, "a word or a number of the file")
     table = read_table(path, columns, decimal, delimiter, 2 if step is None else 1, missing)
     values, said = in_metres(path, table, units)
     height = values[:, -1]
     x: Array = values[:, 0] if step is None else step * np.arange(height.size, dtype=float)
-    return Reading(str(path), x, height, table.lines, said)
+    doubts: tuple[str, ...] = ()
+    if table.counts:
+        what = "the positions are whole numbers, one after another, and may count the points"
+        choice = "of heights alone write columns = [1] and pitch, their distance [m]"
+        doubts = (f"{Path(path).name}: {what}: {choice}",)
+    if table.number_above:
+        what = f"the number in line {table.number_above} is taken for a remark, as a word follows it"
+        doubts = (f"{Path(path).name}: {what}; if that stands for no height, missing says so",)
+    sure = units is not None or table.header.line > 0
+    return Reading(str(path), x, height, table.lines, said, table.header.depth, sure, doubts)
 
 
 def _refuse_repeated(path: str | Path, x: Array, lines: NDArray[np.int64]) -> None:
@@ -185,8 +230,11 @@ def _refuse_repeated(path: str | Path, x: Array, lines: NDArray[np.int64]) -> No
     what = "a position is repeated, as positions are rounded: regrid = true takes them as even"
     if _pitch_behind_rounding(x) is None:
         more = f", as {again.size - 1} more are" if again.size > 1 else ""
-        why = "rounding does not explain it: of such lines all but one have to go"
-        what = f"the position {x[again[0]]:.9g} m is repeated{more}, and {why}"
+        what = f"the position {x[again[0]]:.9g} m is repeated{more}, and "
+        what += "rounding does not explain it: of such lines all but one have to go"
+    if again.size > 1:
+        pitch = float(x[-1] - x[0]) / (x.size - 1)
+        what += f"; or the heights alone are read, by their column and pitch = {pitch:.6g}"
     raise at(path, lines[again[0] + 1], what)
 
 
@@ -198,30 +246,33 @@ def _measured_length(x: Array, height: Array) -> float:
     return float(x[-1] - x[0])
 
 
-def _doubtful_heights(name: str, height: Array, many: str) -> tuple[str, ...]:
-    """What is doubtful about heights that are missing, or may be. many: how many are, if that is a large part."""
-    told = [f"{name}: {many}, more than a tenth of them"] if many else []
-    far = marks(height)
-    if far is not None:
-        what = f"{quantity(far[0], 'm')} stands {far[1]} times, far from all other heights: missing names what stands for no height"
-        told.append(f"{name}: a height of {what}")
-    return tuple(told)
+def _doubtful_heights(name: str, x: Array, height: Array, many: str) -> tuple[str, ...]:
+    """What is doubtful about heights. many: how many are missing, if that is a large part."""
+    told = [f"{many}, more than a tenth of them"] if many else []
+    far = marks(height) or spikes(x, height)
+    return tuple(f"{name}: {what}" for what in (*told, far) if what)
 
 
-def _doubts(name: str, x: Array, height: Array, period: float | None, said: str) -> tuple[str, ...]:
+def _doubts(reading: Reading, x: Array, height: Array, period: float | None) -> tuple[str, ...]:
     """What the lengths of a file say against its units, and against a period."""
     length, depth = float(x[-1] - x[0]), float(np.ptp(height))
     pitch = length / (x.size - 1)
-    told = f"{name}, read in {said}, is a trace {quantity(length, 'm')} long with a pitch of {quantity(pitch, 'm')}"
-    if not (_LENGTHS[0] <= length <= _LENGTHS[1] and _PITCHES[0] <= pitch <= _PITCHES[1]):
-        return (f"{told}, which is not that of a surface: units says what the numbers of the file are in",)
+    lengths, pitches = (_LENGTHS, _PITCHES) if reading.sure else (_LENGTHS_UNSAID, _PITCHES_UNSAID)
+    size = f"{quantity(length, 'm')} long with a pitch of {quantity(pitch, 'm')}"
+    told = f"{Path(reading.path).name}, read in {reading.said}, is a trace {size}"
+    within = f"heights within {quantity(depth, 'm')}"
+    if not (lengths[0] <= length <= lengths[1] and pitches[0] <= pitch <= pitches[1]):
+        rare = "which is not that of a surface" if reading.sure else "which is rare"
+        return (f"{told}, {rare}: units says what the numbers of the file are in",)
     if depth > length:
-        higher = f"{told} and heights within {quantity(depth, 'm')}, more than it is long"
-        return (f"{higher}: columns may be the other way round, or units two, of positions and of heights",)
+        swap = "columns may be the other way round, or units two, of positions and of heights"
+        return (f"{told} and {within}, more than it is long: {swap}",)
     if depth < _SHALLOWEST:
-        return (f"{told} and heights within {quantity(depth, 'm')}, less than an atom: units may be two, of positions and of heights",)
+        two = "units may be two, of positions and of heights"
+        return (f"{told} and {within}, less than an atom: {two}",)
     if period is not None and period > _MOST_BEYOND * length:
-        return (f"{told}, a small part of the period of {quantity(period, 'm')}: period is in metres, as all lengths but the file's",)
+        part = f"a small part of the period of {quantity(period, 'm')}"
+        return (f"{told}, {part}: period is in metres, as all lengths but the file's",)
     return ()
 
 

@@ -1,16 +1,31 @@
 """Rows of numbers that can be read in two ways: refused, with both readings and what to write for each."""
 
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from contact.model.traces.header import header_fields
+from contact.errors import shown
+from contact.model.traces.header import header_fields, in_pairs, is_name, unit_of
 from contact.model.traces.text import Layout, Row, at
 
 _WHOLE = re.compile(r"[+-]?\d+([eE][+-]?\d+)?")
 # Names of columns that count the points.
-_COUNTS = ("", "#", "i", "n", "no", "nr", "idx", "index", "point", "points", "sample", "samples", "row")
+_COUNTS = (
+    "", "#", "i", "n", "no", "nr", "idx", "index", "point", "points", "sample", "samples", "row",
+    "count", "punkt", "messpunkt", "nummer", "number", "numero", "номер", "№", "序号", "番号",
+)  # fmt: skip
+_REMARKS = 3  # rows before heights alone that may be about them: any remark has one field, as they
 _THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(,\d{3})+")
+_NUMBER = re.compile(r"[+-]?[\d.,]")
+_FREE_NUMBER = re.compile(r"(?<!\w)\d")
+_LONG = 20  # rows: in a shorter table a whole number is its length by chance
+_SIDEWAYS = 8  # numbers in a row that make it one of a table on its side
+
+
+def is_count(name: str) -> bool:
+    """Whether a column of that name counts the points."""
+    return name.strip(".").lower() in _COUNTS
 
 
 @dataclass(frozen=True)
@@ -32,6 +47,35 @@ class Data:
     def heading(self) -> str:
         """The row before the first."""
         return self.before[-1][1] if self.before else ""
+
+    def headers(self) -> Iterator[tuple[int, list[str]]]:
+        """Line and fields of the rows that may be headers of the columns, the nearest first.
+
+        They have as many fields as the data have columns; rows of other numbers end the search.
+        """
+        near = self.before
+        if self.width == 1:
+            near = [row for row in near[-_REMARKS:] if not _FREE_NUMBER.search(row[1])]
+        for line, text in reversed(near):
+            if self.layout.numbers(self.layout.cells(text), self.places) is not None:
+                return
+            for i, fields in enumerate(header_fields(text, self.layout.delimiter)):
+                if len(fields) == 2 * self.width:
+                    fields = in_pairs(fields)
+                # Divided as the data are, the last columns may have no name, or no unit.
+                columns = text.count(self.layout.delimiter or "\n") + 1
+                if i == 0 and len(fields) < columns == self.width:
+                    fields = [*fields, *[""] * (self.width - len(fields))]
+                # What begins with a number, as "1500.0 um", is no name of a column.
+                if len(fields) == self.width and not any(_NUMBER.match(field) for field in fields):
+                    yield line, fields
+
+    @property
+    def names(self) -> list[str]:
+        """Names of the columns, of the nearest row that looks like names."""
+        found = [fields for _, fields in self.headers()]
+        usual = (f for f in found if any(is_name(n) or n and is_count(n) or unit_of(n) for n in f))
+        return next(usual, found[0] if found else [f"column {k}" for k in range(self.width)])
 
 
 def refuse_unclear_commas(data: Data) -> None:
@@ -86,20 +130,62 @@ def _refuse_unclear_thousands(data: Data) -> None:
 
 def refuse_unclear_columns(data: Data) -> None:
     """More columns of numbers than are wanted, and none of them chosen."""
-    layout, wanted = data.layout, len(data.places)
-    numeric = [k for k in range(data.width) if any(len(row) > k and layout.number(row[k]) is not None for row in data.cells)]
-    headers = (fields for fields in header_fields(data.heading, layout.delimiter) if len(fields) == data.width)
-    names = next(headers, [f"column {k}" for k in range(data.width)])
+    layout, wanted, names = data.layout, len(data.places), data.names
+    numeric = [
+        k
+        for k in range(data.width)
+        if any(len(row) > k and layout.number(row[k]) is not None for row in data.cells)
+    ]
+    line = data.rows[0][0]
     if len(numeric) <= wanted:
         first = names[data.places[0]]
-        if wanted == 2 and first.strip(".").lower() in _COUNTS:
+        if wanted == 2 and is_count(first):
             told = f"the first column is called {first!r}, a count, and no positions"
             choice = "columns = [1] and pitch, their distance [m]; if it is positions, columns = [0, 1]"
-            raise at(data.path, data.rows[0][0], f"{told}; of heights alone write {choice}")
+            raise at(data.path, line, f"{told}; of heights alone write {choice}")
         return
     i = next(i for i, row in enumerate(data.cells) if len(row) > numeric[-1])
-    choices = [tuple(numeric[:wanted]), tuple(numeric[1 : 1 + wanted])]
-    readings = ", or ".join(f"columns = {list(choice)} for {' and '.join(repr(names[k]) for k in choice)}" for choice in choices)
+    choices = [numeric[:wanted], numeric[1 : 1 + wanted]]
+    readings = ", or ".join(
+        f"columns = {choice} for {' and '.join(shown(names[k]) for k in choice)}" for choice in choices
+    )
     what = "positions and heights" if wanted == 2 else "the heights"
-    told = f"{len(numeric)} columns of numbers, {' | '.join(data.cells[i])}: which are {what} is not to be told"
+    row = shown(" | ".join(data.cells[i])).strip("'")
+    told = f"{len(numeric)} columns of numbers, {row}: which are {what} is not to be told"
     raise at(data.path, data.rows[i][0], f"{told}; write {readings}, or as they are, counted from 0")
+
+
+def refuse_sideways(path: str | Path, rows: list[Row], layouts: list[Layout]) -> None:
+    """A table whose rows are what its columns should be: few rows, each of many numbers."""
+    for layout in layouts:
+        counts = [
+            (sum(layout.number(cell) is not None for cell in layout.cells(text)), line)
+            for line, text in rows
+        ]
+        long = [(count, line) for count, line in counts if count > 1]
+        least = min(long, default=(0, 0))[0]
+        if least >= _SIDEWAYS and 2 * len(long) <= least:
+            many = f"{len(long)} rows of {least} numbers" if len(long) > 1 else f"a row of {least} numbers"
+            raise at(path, long[0][1], f"{many}: the table lies on its side; write a point a line")
+
+
+def refuse_count(data: Data) -> None:
+    """A number of points among the first rows, which would be one of them.
+
+    It is a whole number, the number of the rows below it, or below the next two in a long table.
+    Positions at even steps may begin so too, as 11, 10, 9.
+    """
+    total, mark = len(data.rows), data.layout.decimal
+    first = [[row[k] if k < len(row) else "" for k in data.places] for row in data.cells[:5]]
+    values = [data.layout.number(cells[0]) for cells in first]
+    for i, (value, cells) in enumerate(zip(values[:3], first, strict=False)):
+        below = range(i + 1, 4) if total >= _LONG else (1,)
+        if not _WHOLE.fullmatch(cells[0]) or value not in [total - k for k in below]:
+            continue
+        near = [number for number in values[i : i + 3] if number is not None]
+        if len(cells) == 2 and len(near) == 3 and 2 * near[1] == near[0] + near[2]:
+            continue
+        line, text = data.rows[i]
+        told = f"{shown(text.strip())} looks like the number of points below it"
+        what = f"take the line out, or put # before it; if it is a point, write {cells[0]}{mark}0"
+        raise at(data.path, line, f"{told}: {what}")

@@ -8,12 +8,13 @@ from dataclasses import dataclass
 from math import nan
 from pathlib import Path
 
-from contact.errors import SceneError
+from contact.errors import SceneError, shown
 from contact.extras import require
 
 Row = tuple[int, str]
 
 _COMMA_NUMBER = re.compile(r"[+-]?(\d+|\d*,\d+)([eE][+-]?\d+)?")
+_FORTRAN = re.compile(r"^([+-]?[\d.]+)[dD]([+-]?\d+)$")
 _COMMA_DECIMALS = re.compile(r"[+-]?\d+,\d+(?:[eE][+-]?\d+)?")
 
 
@@ -45,9 +46,9 @@ class Layout:
                 return nan if cell.lower() == "nan" else None
             cell = cell.replace(",", ".")
         try:
-            return None if "_" in cell else float(cell.replace("\u2212", "-"))
+            return None if "_" in cell else float(cell)
         except ValueError:
-            return None
+            return _written_elsewhere(cell)
 
     def numbers(self, cells: list[str], places: Sequence[int]) -> list[float] | None:
         """The numbers in some places of a row; None if one of them has none."""
@@ -55,6 +56,14 @@ class Layout:
             return None
         found = [self.number(cells[place]) for place in places]
         return None if None in found else [value for value in found if value is not None]
+
+
+def _written_elsewhere(number: str) -> float | None:
+    """A number with the minus sign of typesetters, or the exponent of Fortran; None if it is none."""
+    try:
+        return float(_FORTRAN.sub(r"\1e\2", number.replace("\u2212", "-")))
+    except ValueError:
+        return None
 
 
 def rows_of(path: str | Path) -> list[Row]:
@@ -107,4 +116,4 @@ def _is_decimals(line: str) -> bool:
 def at(path: str | Path, line: int, what: str) -> SceneError:
     """The error of one line of a file; 0 where it has no lines."""
     place = f", line {int(line)}" if line else ""
-    return SceneError(f"file {str(path)!r}{place}: {what}", "file", str(path))
+    return SceneError(f"file {shown(str(path))}{place}: {what}", "file", str(path))
