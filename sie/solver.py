@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from sie.basis import inputs
 from sie.basis.data import Array
 from sie.basis.zones import Zones
 from sie.collocation import modes
@@ -156,18 +157,12 @@ def _look_at(equation: Equation, zones: Zones, tol: float, value: float, signs: 
         raise ValueError(f"the equation must be a sie.Equation, got {type(equation).__name__}")
     if not isinstance(zones, Zones):
         raise ValueError(f"the zones must be sie.Zones, as sie.Zones.of([[a, b]], left, right) makes them, got {type(zones).__name__}")
-    if not (_is_number(tol) and 0 < tol < 1):
-        raise ValueError(f"tol must be a number between 0 and 1, got {tol!r}")
-    if not (_is_number(value) and math.isfinite(value)):
-        raise ValueError(f"the first guess of the unknown value must be a finite number, got {value!r}")
-    if not (isinstance(signs, tuple) and len(signs) == 2 and all(_is_number(sign) and sign in (-1, 1) for sign in signs)):
-        raise ValueError(f"signs must be two of 1 and -1, of the density beside left and beside right ends, got {signs!r}")
-    if not (isinstance(max_steps, int | np.integer) and max_steps >= 1):
-        raise ValueError(f"max_steps must be a whole number from 1 on, got {max_steps!r}")
-
-
-def _is_number(value: object) -> bool:
-    return isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool)
+    if not (inputs.is_number(tol) and 0 < tol < 1):
+        raise ValueError(f"tol must be a number between 0 and 1, got {inputs.shown(tol)}")
+    inputs.number("the first guess of the unknown value", value)
+    if not (isinstance(signs, tuple | list) and len(signs) == 2 and all(inputs.is_number(sign) and sign in (-1, 1) for sign in signs)):
+        raise ValueError(f"signs must be two of 1 and -1, of the density beside left and beside right ends, got {inputs.shown(signs)}")
+    inputs.whole("max_steps", max_steps, 1)
 
 
 def _solvable(equation: Equation, zones: Zones) -> bool:

@@ -51,6 +51,11 @@ COUPLED_SIZES = np.array(
 # long as these are so few that a matrix of each has no more numbers together than the last. Ends that move are not far from those of one
 # zone with a slit, or of gaps.
 _MOST, _MOST_KNOWN, _OF_FEW = 768, 3072, 4e7
+# The rounding of a regular kernel's coefficients over its size: they fall no further.
+_KERNEL_ROUNDING = 2e-15
+# A user's kernel may be noisier. Its noise is what two more steps of COUPLED_SIZES, half as many modes again, do not halve, where the last
+# coefficients are below this part of the largest: those of a kernel as rough as |x - xi| still fall by more.
+_KERNEL_NOISE = 1e-5
 # Modes to begin with to a half width over the length of a regular kernel: exp(-12) of it is left.
 _PER_LENGTH = 12.0
 
@@ -63,7 +68,35 @@ def most(kernel: Kernel) -> int:
 def enough(kernel: Kernel, tolerance: float) -> float:
     """How far the coefficients of a regular part have to fall: where they fall as exponentials do, more costs little, and what is left of
     them may weigh more than they tell if the regular part nearly cancels the poles."""
-    return 10 * tolerance if np.isinf(kernel.length) else 0.01 * tolerance
+    return max(10 * tolerance if np.isinf(kernel.length) else 0.01 * tolerance, _KERNEL_ROUNDING)
+
+
+@record
+class Growth:
+    """How the last coefficients of each zone's fields fell while its modes grew.
+
+    m: modes of the last solution (Z,); tails: its last coefficients, and before those the ones of the two sizes below (3, Z); floor: what
+    is noise of a user's functions, which more modes leave as it is (Z,).
+    """
+
+    m: Index
+    tails: Array
+    floor: Array
+
+    @classmethod
+    def first(cls, m: Index, tails: Array) -> "Growth":
+        """Of a first solution."""
+        return cls(m, np.array([np.full(len(m), np.inf), np.full(len(m), np.inf), tails]), np.zeros(len(m)))
+
+    def after(self, m: Index, tails: Array) -> "Growth":
+        """With the next solution."""
+        if len(m) != len(self.m):
+            return Growth.first(m, tails)
+        grew = m > self.m
+        kept = np.where(grew, self.tails[1:], self.tails[:2])
+        noisy = grew & (tails < _KERNEL_NOISE) & (tails > 0.5 * kept[0])
+        # Noise is not the same from one solution to the next.
+        return Growth(m, np.array([*kept, tails]), np.where(noisy, np.maximum(self.floor, 4 * tails), self.floor))
 
 
 def least(zones: Zones, kernel: Kernel) -> Index:

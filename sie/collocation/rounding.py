@@ -157,6 +157,7 @@ def primitive_rounding(forcing: Forcing, zones: Zones, period: float | None) -> 
     ends = np.unique(np.concatenate((zones.a, zones.b)))
     ahead = zones.a[1:] if period is None else np.append(zones.a[1:], zones.a[0] + period)
     between = 0.5 * (ahead + zones.b[: len(ahead)])
+    between = between[(between > forcing.within[0]) & (between < forcing.within[1])]
     heights = np.asarray(forcing.primitive(np.concatenate((ends, between))))
     look = ends[:: max(1, len(ends) // _LOOKS)]
     near = look[:, None] + 4 * np.spacing(np.abs(look))[:, None] * np.arange(-4, 5)
