@@ -13,7 +13,7 @@ lifted by is felt with the harmonic measure 1/2 - asin(s) / pi, s = (g - g') / (
 import numpy as np
 
 from sie.basis import chebyshev
-from sie.basis.data import Array, Index, record, wrapped
+from sie.basis.data import Array, Index, record, root_of_squares, wrapped
 from sie.basis.interval import fall
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
@@ -38,7 +38,7 @@ _LONG, _PLATEAU, _LEFT = 96, 1.5, 8
 # Places rounded to less than this part of a zone are exact to all purposes.
 _FINE = 1e-14
 # No zone has this decay but one without neighbours.
-_ALONE = 690.0
+ALONE = 690.0
 # Coefficients among which the largest of a jump's part is.
 _LEADING = 8
 COUPLED_SIZES = np.array(
@@ -125,7 +125,7 @@ def coupled(zones: Zones, kernel: Kernel, tolerance: float, least: int | Index) 
     """Coupled modes per zone so that rho^m is below the tolerance at the nearest foreign end; at least `least`."""
     by = decay(zones, kernel)
     most_here = _MOST if zones.moves.any() else _MOST_KNOWN
-    want = np.minimum(np.where(by < _ALONE, -np.log(tolerance) / np.maximum(by, 1e-3), 0.0), most_here)
+    want = np.minimum(np.where(by < ALONE, -np.log(tolerance) / np.maximum(by, 1e-3), 0.0), most_here)
     # Those that ask for the most give way first.
     while want.max(initial=0.0) > _MOST and (want**2).sum() > _OF_FEW:
         want = np.minimum(want, max(_MOST, 0.8 * want.max()))
@@ -188,7 +188,7 @@ def sample(forcing: Forcing, zones: Zones, jumps: ForcingJumps, own: Index, tole
             last = np.abs(g[:, -max(4, int(n) // 8) :]).max(axis=1)
             scale = np.where(bent[group], largest_value, np.maximum(np.abs(g).max(axis=1), subtracted[group]))
             # Places are rounded to half a unit in their last digit: what that makes of the slope of g is seen in all coefficients.
-            rounded = _places(zones, group) * np.linalg.norm(g * np.arange(1, int(n) + 1), axis=1) * (2 / np.sqrt(n))
+            rounded = place_rounding(zones, group) * root_of_squares(g, np.arange(1.0, int(n) + 1)) * (2 / np.sqrt(n))
             grow = (last > np.maximum(tolerance * scale, np.maximum(rounded, noise[group] / np.sqrt(n)))) & (n < largest)
             grow &= (n < _MOST_OWN) | (last <= _NEARLY * scale)
             # A jump of g itself leaves coefficients ~ 1/n, rounding ~ 1/sqrt(n): what falls no faster is rounding.
@@ -227,8 +227,8 @@ def _cut(table: Array, own: Index, tail: Array, zones: Index) -> None:
             table[zone, told + max(_LEFT, told // 8) + 1 :] = 0.0
 
 
-def _places(zones: Zones, group: Index) -> Array:
-    """Spacing of numbers at a zone over its half width."""
+def place_rounding(zones: Zones, group: Index) -> Array:
+    """Spacing of numbers at zones over their half widths."""
     return np.asarray(np.spacing(np.maximum(np.abs(zones.a[group]), np.abs(zones.b[group]))) / zones.half[group])
 
 
@@ -249,7 +249,7 @@ def _values(forcing: Forcing, zones: Zones, jumps: ForcingJumps, group: Index, n
     away = w * np.where(left <= right, left, -right) + np.where(left <= right, rest[0], rest[1])
     # Each zone's nodes, one zone after the other.
     of_jumps = np.repeat(group, len(left)), np.tile(left, len(group))
-    if float(_places(zones, group).max()) > _FINE:
+    if float(place_rounding(zones, group).max()) > _FINE:
         # What a jump adds to the slope is none of g's on either side.
         levels = jumps.level_part(*of_jumps).reshape(len(group), -1)
         values = forcing.sampled(end, away, lambda g: chebyshev.slopes(g + levels) / w)

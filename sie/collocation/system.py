@@ -17,7 +17,7 @@ from functools import cached_property
 import numpy as np
 
 from sie.basis import chebyshev
-from sie.basis.data import Array, Index, Mask, numbered, record, widened
+from sie.basis.data import Array, Index, Mask, numbered, record, root_of_squares, widened
 from sie.basis.interval import Outside, edge_scale, mean_potential
 from sie.basis.kernels import Kernel, regular_size
 from sie.basis.zones import Zones
@@ -398,7 +398,7 @@ class System(Rows):
 
     def level_rounding(self, y: Array) -> Array | float:
         """Root mean square of the rounding of each level's potentials."""
-        return np.asarray(2.2e-16 * np.sqrt(self.levels()[0] ** 2 @ y**2))
+        return 2.2e-16 * root_of_squares(self.levels()[0], y)
 
     def levels(self) -> Linear:
         """See `Rows`. The mean of a zone's own potential is w c_0 log(w / 2); the mean of the primitive comes from its

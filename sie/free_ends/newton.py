@@ -240,7 +240,7 @@ def find_ends(
         hopeless = progress.is_hopeless(motion.certain) or (equation.grows and state.unresolved) or (near and not progress.is_near())
         if hopeless or beyond.at_limit or len(progress.trace) > max_steps:
             found = value if opened is not None else None
-            reason = beyond.reason or _why_not(state, progress, motion)
+            reason = beyond.reason if beyond.at_limit else "; ".join(filter(None, (_why_not(state, progress, motion), beyond.reason)))
             return Free(state, False, rest.error, rest.rounding, tuple(progress.trace), found, abs(motion.change), reason=reason)
         value += motion.change
         closes, vanishes = _closes(zones, equation, motion.delta), _vanishes(zones, motion, drops)
@@ -325,8 +325,8 @@ def _beyond_domain(zones: Zones, equation: Equation, delta: Array) -> Beyond:
     if not names:
         return Beyond(False, "")
     low, high = equation.within
-    nearer = f", or nearer to it than {_AT_LIMIT:g} of the zone" if near else ""
-    return Beyond(near, f"{' and '.join(names)} would pass the limit within=({low:.6g}, {high:.6g}): the root lies at or beyond it{nearer}")
+    where = f": the root lies at or beyond it, or nearer to it than {_AT_LIMIT:g} of the zone" if near else ", and may come back"
+    return Beyond(near, f"{' and '.join(names)} would pass the limit within=({low:.6g}, {high:.6g}){where}")
 
 
 def _room(zones: Zones, equation: Equation) -> Array:
@@ -342,7 +342,11 @@ def _why_not(state: AnyState, progress: Progress, motion: Motion) -> str:
     if state.equation.grows and state.unresolved:
         return _UNRESOLVED
     if not motion.certain:
-        return "the density does not drive its ends apart as it should: it takes other zones"
+        zone = int(np.flatnonzero(motion.weak)[0])
+        return (
+            f"beside an end of zone {zone} (counted from 0) the density does not come to have the sign given by `signs`: it takes other "
+            "zones or other signs, or there is no such density"
+        )
     return progress.past_fold or f"the ends did not come to rest in {len(progress.trace)} steps"
 
 
