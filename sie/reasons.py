@@ -17,6 +17,10 @@ _EPS = float(np.finfo(float).eps)
 _ROUNDINGS = 1e3
 # A cause counts where it is at least this part of the tolerance: what it leaves is multiplied by the number of modes.
 _COUNTS = 0.01
+# No cause is below what numbers are rounded to.
+_ROUNDED = 8 * _EPS
+# An iteration that leaves this part of the error is its cause.
+_OF_ITERATION = 1e-3
 # Side conditions that make so much of rounding nearly depend on each other.
 _DEPENDENT = 1e5
 
@@ -36,10 +40,11 @@ def of_error(state: AnyState, search: Free | None, tol: float) -> str:
         if worst > 0.1 * tol:
             return f"rounding leaves the ends of zone {zone} (counted from 0) uncertain by {worst:.1e} of its width"
     iteration, conditions, resolution = _parts(state)
-    if iteration > max(conditions, resolution):
+    # What an iteration leaves is in the residual too, as many times as there are modes.
+    if iteration > max(0.1 * tol, _OF_ITERATION * resolution):
         return (
-            f"the iteration by which so many zones are solved stops where {iteration:.1e} of the density is open, as it does where side "
-            "conditions nearly contradict each other"
+            f"the iteration by which so many zones are solved does not come to rest: {iteration:.1e} of the density is open, as where "
+            "side conditions nearly contradict each other"
         )
     if conditions > resolution:
         dependent = ": the side conditions nearly depend on each other" if conditions > _DEPENDENT * _EPS else ""
@@ -105,12 +110,15 @@ def _of_resolution(worst: _Worst, tol: float) -> str:
     beside = math.exp(-fall * m) if fall < modes.ALONE else 0.0
     # Beyond what every number is rounded to.
     rounded = max(float(modes.place_rounding(zones, np.array([zone]))[0]) - 4 * _EPS, 0.0)
+    most, noisy = m >= modes.most(equation.kernel), state.sizes.growth is not None and state.sizes.growth.floor[zone] > 0.0
+    # What fell as far as it was asked to is no cause, nor what more functions were not tried for.
+    unfallen = bool(state._stopped[zone]) or int(state.sizes.own[zone]) >= modes.MOST_OWN
     causes = {
-        "right side": float(state.truncation[zone]), "beside": beside, "places": rounded,
-        "fields": float(state.tails[zone]) if equation.grows else 0.0,
+        "right side": float(state.truncation[zone]) if unfallen else 0.0, "beside": beside, "places": rounded,
+        "fields": float(state.tails[zone]) if equation.grows and (most or noisy) else 0.0,
     }
     cause = max(causes, key=lambda name: causes[name])
-    if causes[cause] < _COUNTS * tol:
+    if causes[cause] < max(_COUNTS * tol, _ROUNDED):
         cause = "none"
     if cause == "beside":
         return (
@@ -119,7 +127,7 @@ def _of_resolution(worst: _Worst, tol: float) -> str:
     if cause == "places":
         return f"places on {worst.where} are rounded to {rounded:.1e} of its half width: count x from a place near it"
     if cause == "fields":
-        why = "it varies too fast for them" if m >= modes.most(equation.kernel) else "more of them do not make it less: it is noisy or rounded"
+        why = "more of them do not make it less: it is noisy or rounded" if noisy else "it varies too fast for them"
         return f"on {worst.where} the last of {m} modes of {_of_user(state)} is {causes[cause]:.1e} of the largest: {why}"
     if cause == "right side":
         return _of_right_side(worst)
@@ -147,7 +155,7 @@ def _of_right_side(worst: _Worst) -> str:
     falls = "no longer fall" if bool(state._stopped[zone]) else "have not fallen further"
     return (
         f"on {worst.where} the last of {n} coefficients of the right side{_less_jumps(state, zone)} is {last:.1e} of the largest, and they "
-        f"{falls}: it is noisy there, varies too fast or is singular, or it or a derivative jumps, which is to be declared (sie.Forcing)"
+        f"{falls}: it is rounded or noisy there, varies too fast or is singular, or it or a derivative jumps, which is to be declared (sie.Forcing)"
     )
 
 

@@ -389,7 +389,7 @@ def more_modes(state: State, tails: Array, tolerance: float) -> Index | None:
     Each zone by itself: what one asks for would cost all of them too much. An iteration leaves its own error in all modes."""
     m, zones, panels = state.system.layout.m, state.system.zones, state.system.panels
     kernel, sizes = state.equation.kernel, state.sizes
-    sizes.growth = modes.Growth.first(m, tails) if sizes.growth is None else sizes.growth.after(m, tails)
+    sizes.growth = modes.Growth.first(m, tails) if sizes.growth is None else sizes.growth.after(m, tails, sizes.own)
     enough = max(modes.enough(kernel, tolerance), 10 * sizes.linear if state.iterated else 0.0)
     few = (tails > np.maximum(enough, sizes.growth.floor)) & (m < modes.most(kernel))
     if panels is not None and not any(column.modes is None for column in state.equation.columns):

@@ -27,7 +27,7 @@ OWN_SIZES = np.array(
 )
 # Nodes at the most: of one of many zones, or of one whose last coefficients with so many are not below such a part of the largest; and of
 # all together, of which each is given as many as any other has.
-_MOST_OWN, _NEARLY, _IN_ALL = 8192, 1e-6, 1 << 20
+MOST_OWN, _NEARLY, _IN_ALL = 8192, 1e-6, 1 << 20
 # Nodes to begin with of a smooth right side; of one that is singular beside the zones, so many that its coefficients fall to this part.
 _FEW, _FALLEN = 16, 1e-12
 # Only below this part of the largest coefficient can a plateau be rounding.
@@ -88,13 +88,14 @@ class Growth:
         """Of a first solution."""
         return cls(m, np.array([np.full(len(m), np.inf), np.full(len(m), np.inf), tails]), np.zeros(len(m)))
 
-    def after(self, m: Index, tails: Array) -> "Growth":
-        """With the next solution."""
+    def after(self, m: Index, tails: Array, own: Index) -> "Growth":
+        """With the next solution; own: coefficients of the right side on each zone."""
         if len(m) != len(self.m):
             return Growth.first(m, tails)
         grew = m > self.m
         kept = np.where(grew, self.tails[1:], self.tails[:2])
-        noisy = grew & (tails < _KERNEL_NOISE) & (tails > 0.5 * kept[0])
+        # Fewer modes than the right side has need not show all of the density: what follows may be more than noise.
+        noisy = grew & (m > own) & (tails < _KERNEL_NOISE) & (tails > 0.5 * kept[0])
         # Noise is not the same from one solution to the next.
         return Growth(m, np.array([*kept, tails]), np.where(noisy, np.maximum(self.floor, 4 * tails), self.floor))
 
@@ -113,12 +114,12 @@ def own_at_first(zones: Zones, singular_at: Array, period: float | None) -> Inde
     # Strictly beyond either end: nothing within a zone is singular, nor at an end of it.
     left, right = at[np.searchsorted(at, zones.a) - 1], at[np.searchsorted(at, zones.b, side="right")]
     by = fall(np.minimum(np.minimum(zones.a - left, right - zones.b) / zones.half, 1e300))
-    return OWN_SIZES[np.searchsorted(OWN_SIZES, np.clip(-np.log(_FALLEN) / by, _FEW, _MOST_OWN))]
+    return OWN_SIZES[np.searchsorted(OWN_SIZES, np.clip(-np.log(_FALLEN) / by, _FEW, MOST_OWN))]
 
 
 def most_own(zones: Zones) -> int:
     """Nodes of a zone at the most."""
-    return int(OWN_SIZES[np.searchsorted(OWN_SIZES, np.clip(_IN_ALL / len(zones), _MOST_OWN, OWN_SIZES[-1]), side="right") - 1])
+    return int(OWN_SIZES[np.searchsorted(OWN_SIZES, np.clip(_IN_ALL / len(zones), MOST_OWN, OWN_SIZES[-1]), side="right") - 1])
 
 
 def coupled(zones: Zones, kernel: Kernel, tolerance: float, least: int | Index) -> Index:
@@ -190,7 +191,7 @@ def sample(forcing: Forcing, zones: Zones, jumps: ForcingJumps, own: Index, tole
             # Places are rounded to half a unit in their last digit: what that makes of the slope of g is seen in all coefficients.
             rounded = place_rounding(zones, group) * root_of_squares(g, np.arange(1.0, int(n) + 1)) * (2 / np.sqrt(n))
             grow = (last > np.maximum(tolerance * scale, np.maximum(rounded, noise[group] / np.sqrt(n)))) & (n < largest)
-            grow &= (n < _MOST_OWN) | (last <= _NEARLY * scale)
+            grow &= (n < MOST_OWN) | (last <= _NEARLY * scale)
             # A jump of g itself leaves coefficients ~ 1/n, rounding ~ 1/sqrt(n): what falls no faster is rounding.
             # Sizes two steps apart are in the ratio of two: beside knots what one size tells may beat with the next.
             slow = (tails[group, 1] >= 0) & (last[:, None] > tails[group] * (sizes[group] / n) ** 0.75).all(axis=1)
