@@ -92,7 +92,7 @@ class Kernel(Kept):
         return self.regular is not None and not self.sure
 
     @cached_property
-    def kept_panels(self) -> dict[tuple[float, int, int], Any]:
+    def kept_panels(self) -> dict[tuple[float, float, int, int], Any]:
         """Panels of the regular part that have been looked at (`panels`)."""
         return {}
 

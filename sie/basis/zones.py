@@ -153,7 +153,7 @@ class Zones(Kept):
         if table.ndim != 2 or table.shape[1] != 2 or table.shape[0] == 0:
             raise ValueError(f"zones must have shape (n, 2) with n >= 1, got {table.shape}")
         flat = table.ravel()
-        if not np.all(np.isfinite(flat)) or np.any(np.diff(flat) <= 0):
+        if not np.all(np.isfinite(flat)) or np.any(flat[1:] <= flat[:-1]):
             raise ValueError("zone ends must be finite and strictly ascending: a0 < b0 < a1 < b1 < ...")
         with np.errstate(over="ignore"):
             if not np.isfinite(flat[-1] - flat[0]) or np.any(table[:, 1] - table[:, 0] < _NARROWEST):

@@ -34,6 +34,10 @@ _MOST, _EACH, _MOST_PAIRS, _ZONES = 512, 8, 64, 32
 _DECAYED, _ROUNDING, _FALLS = 1e-15, 1e-12, 0.3
 # Pairs of points and nodes, and lags, handled at once.
 _BLOCK, _LAGS = 200_000, 64
+# Panels that a kernel keeps: more than one choice of them takes, and few enough for memory.
+_KEPT = 24
+# Over a panel, what rounding moves a place by.
+_AT_END = 1e-9
 # A series that falls by _DECAYED in TERMS has no singularity nearer than so many widths of a panel, to the side of the line.
 _REACH = 0.5 * math.sinh(-math.log(_DECAYED) / TERMS)
 
@@ -51,18 +55,22 @@ def panels_of(kernel: Kernel, lo: float, hi: float, most: int = _MOST) -> Panels
     if kernel.regular is None or kernel.sure or not hi > lo:
         return None
     made = Panels if kernel.of_lag else PairPanels
-    step, before = 2.0 ** math.ceil(math.log2(max(hi - lo, kernel.period or 0.0))), math.inf
+    # Without a period the panels end where the zones do: the kernel need not hold beyond. With one they are those of other zones too.
+    whole, origin = (hi - lo, lo) if kernel.period is None else (2.0 ** math.ceil(math.log2(max(hi - lo, kernel.period))), 0.0)
+    step, before = whole, math.inf
     while True:
-        first = math.floor(lo / step)
-        count = math.floor(hi / step) - first + 1
+        first = 0 if kernel.period is None else math.floor(lo / step)
+        count = round(whole / step) if kernel.period is None else math.floor(hi / step) - first + 1
         # Of a period all that lies within half of one of their middle is asked for.
         away = 0.0 if kernel.period is None or not kernel.of_lag else 0.5 * (kernel.period + hi - lo)
         farthest = max(count - 1, math.ceil(away / step))
         if farthest >= most:
             return None
-        key = step, first, count
+        key = step, origin, first, count
         if key not in kernel.kept_panels:
-            kernel.kept_panels[key] = made(kernel, step, first, count, farthest)
+            if len(kernel.kept_panels) >= _KEPT:  # those of zones that have moved since
+                kernel.kept_panels.clear()
+            kernel.kept_panels[key] = made(kernel, step, origin, first, count, farthest)
         found: Panels = kernel.kept_panels[key]
         tail = found.tail
         if tail <= _DECAYED or (tail <= _ROUNDING and tail > _FALLS * before):
@@ -72,10 +80,11 @@ def panels_of(kernel: Kernel, lo: float, hi: float, most: int = _MOST) -> Panels
 
 @record
 class Panels(Kept):
-    """Panels [p step, (p + 1) step], p = first ... first + count - 1, of the sources; farthest: lag that is looked at."""
+    """Panels origin + [p step, (p + 1) step], p = first ... first + count - 1, of the sources; farthest: lag that is looked at."""
 
     kernel: Kernel
     step: float
+    origin: float
     first: int
     count: int
     farthest: int
@@ -102,15 +111,21 @@ class Panels(Kept):
         with np.errstate(all="ignore"):  # too far off, until panels are short enough
             for start in range(low, high, _LAGS):
                 lags = np.arange(start, min(start + _LAGS, high))
-                out[lags - low] = self._coefficients(potential, nodes + self.step * lags[:, None], nodes)
+                # The panels are counted from the first one on, where the kernel holds.
+                target, source = np.maximum(lags, 0)[:, None], np.maximum(-lags, 0)[:, None]
+                out[lags - low] = self._coefficients(potential, self.place(target) + nodes, self.place(source) + nodes)
         return out
 
+    def place(self, panel: Index) -> Array:
+        """Middles of panels, counted from the first one."""
+        return np.asarray(self.origin + (self.first + panel + 0.5) * self.step)
+
     def _coefficients(self, potential: bool, x: Array, xi: Array) -> Array:
-        """K by its values at the nodes x of several panels (n, TERMS) and xi of one, (n, TERMS, TERMS)."""
+        """K by its values at the nodes x of several panels (n, TERMS) and xi of as many or one, (n, TERMS, TERMS)."""
         function, to_series = self.kernel.regular_potential if potential else self.kernel.regular, chebyshev.to_series(TERMS)
         if function is None:
             raise ValueError("a condition on potentials needs the regular kernel's potential")
-        values = np.asarray(function(x[:, :, None], np.broadcast_to(xi, (len(x), 1, TERMS))))
+        values = np.asarray(function(x[:, :, None], np.broadcast_to(xi.reshape(-1, 1, TERMS), (len(x), 1, TERMS))))
         return np.asarray(to_series.T @ values @ to_series)
 
     @cached_property
@@ -179,7 +194,7 @@ class Panels(Kept):
         """The same at points beyond the panels that were looked at: from the nodes of the others."""
         function = self.kernel.regular_potential if potential else self.kernel.regular
         assert function is not None
-        middles = (self.first + np.arange(self.count) + 0.5) * self.step
+        middles = self.place(np.arange(self.count))
         nodes = (middles[:, None] + 0.5 * self.step * chebyshev.gauss(TERMS)).ravel()
         weights = np.einsum("jl,pl...->pj...", chebyshev.to_series(TERMS), moments.reshape(self.count, TERMS, *moments.shape[1:]))
         weights = weights.reshape(self.count * TERMS, *moments.shape[1:])
@@ -197,8 +212,8 @@ class PairPanels(Panels):
     def _blocks(self, potential: bool, targets: Index, source: int) -> Array:
         """K of these target panels by one source panel, (targets, TERMS, TERMS)."""
         nodes = 0.5 * self.step * chebyshev.gauss(TERMS)
-        x = ((self.first + targets + 0.5) * self.step)[:, None] + nodes
-        return self._coefficients(potential, x, (self.first + source + 0.5) * self.step + nodes)
+        x = self.place(targets)[:, None] + nodes
+        return self._coefficients(potential, x, self.place(np.array(source)) + nodes)
 
     def _all(self, potential: bool) -> Array:
         """K of all pairs, (targets, sources, TERMS, TERMS)."""
@@ -227,8 +242,11 @@ class Spread(Kept):
 
     @classmethod
     def of(cls, panels: Panels, x: Array) -> Spread:
-        place = x / panels.step
+        place = (x - panels.origin) / panels.step
         panel = np.floor(place)
+        # The right end of all panels belongs to the last one.
+        last = panels.first + panels.count - 1
+        panel = np.where((panel == last + 1) & (place - panel < _AT_END), last, panel)
         theta = np.arccos(np.clip(2 * (place - panel) - 1, -1.0, 1.0))
         table = np.cos(theta[:, None] * np.arange(TERMS))
         order = np.argsort(panel, kind="stable")

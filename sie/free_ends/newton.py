@@ -341,13 +341,14 @@ def _why_not(state: AnyState, progress: Progress, motion: Motion) -> str:
     """Why the search is given up."""
     if state.equation.grows and state.unresolved:
         return _UNRESOLVED
-    if not motion.certain:
-        zone = int(np.flatnonzero(motion.weak)[0])
-        return (
-            f"beside an end of zone {zone} (counted from 0) the density does not come to have the sign given by `signs`: it takes other "
-            "zones or other signs, or there is no such density"
-        )
-    return progress.past_fold or f"the ends did not come to rest in {len(progress.trace)} steps"
+    told = progress.past_fold or f"the ends did not come to rest in {len(progress.trace)} steps"
+    if motion.certain:
+        return told
+    zone = int(np.flatnonzero(motion.weak)[0])
+    return (
+        f"{told}; beside an end of zone {zone} (counted from 0) the density has not the sign given by `signs`: it takes other zones, other "
+        "signs or more steps, or there is no such density"
+    )
 
 
 def _limited(
