@@ -10,7 +10,7 @@ from sie.basis.data import Array
 
 def number(name: str, value: Any) -> float:
     """A finite real number."""
-    if is_number(value) and math.isfinite(value):
+    if is_number(value) and math.isfinite(as_float(value)):
         return float(value)
     raise ValueError(f"{name} must be a finite number, got {shown(value)}")
 
@@ -22,9 +22,17 @@ def is_number(value: Any) -> bool:
     return isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool)
 
 
+def as_float(value: Any) -> float:
+    """A number as a floating one; too large a one is infinite."""
+    try:
+        return float(value)
+    except OverflowError:
+        return math.inf
+
+
 def positive(name: str, value: Any) -> float:
     """A finite number above zero."""
-    if is_number(value) and math.isfinite(value) and value > 0:
+    if is_number(value) and math.isfinite(as_float(value)) and value > 0:
         return float(value)
     raise ValueError(f"{name} must be a finite positive number, got {shown(value)}")
 

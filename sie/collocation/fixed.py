@@ -296,6 +296,7 @@ def residual_error(residuals: Array, size: float, coupled: Index, rounding: Arra
 def first_sizes(equation: Equation, zones: Zones, tolerance: float = 0.0) -> Sizes:
     """Modes to begin with: a few to resolve columns and regular kernels, else as many as the distances ask for; and the tolerance, where
     nothing but that is asked for, which an iteration need not go far below."""
+    look_at(equation, zones)
     least: int | Index
     panels = panels_over(equation.kernel, zones)
     if panels is not None and all(column.modes is not None for column in equation.columns):

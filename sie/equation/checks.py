@@ -91,6 +91,8 @@ def _real(name: str, returned: Any, shape: tuple[int, ...], given: str) -> Array
         raise ValueError(f"{name} is complex: only real equations are solved, its real and imaginary part one by one")
     if values.dtype.kind not in "fiub":
         raise ValueError(f"{name} must return numbers, got {type(returned).__name__} for {given}")
+    if values.shape == shape and not isinstance(returned, np.ndarray):
+        raise ValueError(f"{name} must return an array of shape {shape} for {given}, got {type(returned).__name__}")
     if values.shape != shape:
         raise ValueError(f"{name} must return an array of shape {shape} for {given}, got shape {values.shape}")
     return np.asarray(values, dtype=float)
