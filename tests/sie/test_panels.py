@@ -9,7 +9,8 @@ import pytest
 
 import sie
 from sie.collocation import fixed
-from sie.fast.panels import PairPanels, Spread, panels_of, panels_over
+from sie.fast.panels import Spread, panels_of, panels_over
+from sie.fast.skeleton import Skeleton
 
 FEW = np.array([[-1.0, -0.5], [-0.2, 0.3], [0.35, 1.0]])
 PERIOD = 2.5
@@ -69,7 +70,7 @@ def test_sums_over_points_are_those_of_the_kernel(depth, period, potential):
 
 def test_a_kernel_of_both_places_over_few_zones_and_one_that_varies_over_too_little_have_none():
     assert panels_over(kernel(0.8, 0.1, of_lag=False), sie.Zones.of(FEW)) is None
-    assert isinstance(panels_over(VARIED, sie.Zones.of(scattered(40))), PairPanels)
+    assert isinstance(panels_over(VARIED, sie.Zones.of(scattered(40))), Skeleton)
     assert panels_over(kernel(0.8, 1e-4, of_lag=False), sie.Zones.of(scattered(40))) is None
     assert panels_of(kernel(0.8, 1e-4), -1.0, 1.0) is None
     assert panels_of(sie.hilbert(PERIOD), -1.0, 1.0) is None  # it is known without
