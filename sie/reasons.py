@@ -47,7 +47,11 @@ def of_error(state: AnyState, search: Free | None, tol: float) -> str:
             "side conditions nearly contradict each other"
         )
     if conditions > resolution:
-        dependent = ": the side conditions nearly depend on each other" if conditions > _DEPENDENT * _EPS else ""
+        dependent = (
+            ": the side conditions nearly depend on each other"
+            if conditions > _DEPENDENT * _EPS
+            else ""
+        )
         return f"rounding of the side conditions and of the rows changes the density by {conditions:.1e}{dependent}"
     return _of_resolution(_Worst.of(state), tol)
 
@@ -82,19 +86,32 @@ class _Worst:
         whole, zones = state.whole, state.density.zones
         solved = zones.solved if not isinstance(state, SlitState) else np.arange(len(zones))
         residuals = np.abs(state._residuals)
-        missing = np.zeros(len(solved)) if isinstance(state, SlitState) else np.asarray(state.left_out)[solved]
+        missing = (
+            np.zeros(len(solved))
+            if isinstance(state, SlitState)
+            else np.asarray(state.left_out)[solved]
+        )
         row = int(np.argmax(np.maximum(residuals.max(axis=1), missing)))
         column = int(residuals[row].argmax())
         piece = int(solved[row])
         place = float(zones.middle[piece] + zones.half[piece] * math.cos(THETA[column % LOOKS]))
         zone = int(whole_zone(state, piece))
         values = float(np.abs(state.right_side(np.array([place])))[0])
-        terms = values + float(np.abs(whole.density.coefficients[zone]).sum() + np.abs(whole.system.known[zone]).sum())
+        terms = values + float(
+            np.abs(whole.density.coefficients[zone]).sum() + np.abs(whole.system.known[zone]).sum()
+        )
         sizes = whole.system.field_sizes
         if sizes is not None:
-                # Sums over nodes may cancel: what one of them adds up is as large as the kernel allows.
+            # Sums over nodes may cancel: what one of them adds up is as large as the kernel allows.
             terms += float(sizes.max() * np.abs(whole.unknowns).sum())
-        return cls(whole, zone, f"zone {piece} (counted from 0)", float(residuals[row, column]), place, terms)
+        return cls(
+            whole,
+            zone,
+            f"zone {piece} (counted from 0)",
+            float(residuals[row, column]),
+            place,
+            terms,
+        )
 
 
 def whole_zone(state: AnyState, piece: int) -> int:
@@ -110,11 +127,16 @@ def _of_resolution(worst: _Worst, tol: float) -> str:
     beside = math.exp(-fall * m) if fall < modes.ALONE else 0.0
     # Beyond what every number is rounded to.
     rounded = max(float(modes.place_rounding(zones, np.array([zone]))[0]) - 4 * _EPS, 0.0)
-    most, noisy = m >= modes.most(equation.kernel), state.sizes.growth is not None and state.sizes.growth.floor[zone] > 0.0
+    most, noisy = (
+        m >= modes.most(equation.kernel),
+        state.sizes.growth is not None and state.sizes.growth.floor[zone] > 0.0,
+    )
     # What fell as far as it was asked to is no cause, nor what more functions were not tried for.
     unfallen = bool(state._stopped[zone]) or int(state.sizes.own[zone]) >= modes.MOST_OWN
     causes = {
-        "right side": float(state.truncation[zone]) if unfallen else 0.0, "beside": beside, "places": rounded,
+        "right side": float(state.truncation[zone]) if unfallen else 0.0,
+        "beside": beside,
+        "places": rounded,
         "fields": float(state.tails[zone]) if equation.grows and (most or noisy) else 0.0,
     }
     cause = max(causes, key=lambda name: causes[name])
@@ -122,12 +144,17 @@ def _of_resolution(worst: _Worst, tol: float) -> str:
         cause = "none"
     if cause == "beside":
         return (
-            f"{worst.where} lies so close to another one, or to an image, that its {m} modes do not show all of it: they leave {beside:.1e}"
+            f"{worst.where} lies so close to another one, or to an image, that its {m} modes do not "
+            f"show all of it: they leave {beside:.1e}"
         )
     if cause == "places":
         return f"places on {worst.where} are rounded to {rounded:.1e} of its half width: count x from a place near it"
     if cause == "fields":
-        why = "more of them do not make it less: it is noisy or rounded" if noisy else "it varies too fast for them"
+        why = (
+            "more of them do not make it less: it is noisy or rounded"
+            if noisy
+            else "it varies too fast for them"
+        )
         return f"on {worst.where} the last of {m} modes of {_of_user(state)} is {causes[cause]:.1e} of the largest: {why}"
     if cause == "right side":
         return _of_right_side(worst)
@@ -154,8 +181,10 @@ def _of_right_side(worst: _Worst) -> str:
     n, last = int(state.kept[zone]), float(state.truncation[zone])
     falls = "no longer fall" if bool(state._stopped[zone]) else "have not fallen further"
     return (
-        f"on {worst.where} the last of {n} coefficients of the right side{_less_jumps(state, zone)} is {last:.1e} of the largest, and they "
-        f"{falls}: it is rounded or noisy there, varies too fast or is singular, or it or a derivative jumps, which is to be declared (sie.Forcing)"
+        f"on {worst.where} the last of {n} coefficients of the right side"
+        f"{_less_jumps(state, zone)} is {last:.1e} of the largest, and they {falls}: it is rounded or "
+        "noisy there, varies too fast or is singular, or it or a derivative jumps, which is to be "
+        "declared (sie.Forcing)"
     )
 
 

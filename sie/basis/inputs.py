@@ -46,7 +46,12 @@ def whole(name: str, value: Any, least: int) -> int:
 
 def numbers(name: str, values: Any) -> Array:
     """Finite real numbers (k,): of an array, a sequence or one number."""
-    if isinstance(values, np.ndarray) and values.dtype == np.float64 and values.ndim == 1 and np.isfinite(values).all():
+    if (
+        isinstance(values, np.ndarray)
+        and values.dtype == np.float64
+        and values.ndim == 1
+        and np.isfinite(values).all()
+    ):
         return values
     table = table_of(name, values)
     if table.ndim > 1 or not np.isfinite(table).all():
@@ -59,7 +64,9 @@ def table_of(name: str, values: Any) -> Array:
     try:
         table = np.asarray(values)
     except (ValueError, TypeError):
-        raise ValueError(f"{name} must be an array of numbers, got rows of unequal length: {shown(values)}") from None
+        raise ValueError(
+            f"{name} must be an array of numbers, got rows of unequal length: {shown(values)}"
+        ) from None
     if table.dtype.kind not in "fiu" and table.size:
         raise ValueError(f"{name} must be real numbers, got {shown(values)}")
     return np.asarray(table, dtype=float)

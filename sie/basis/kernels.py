@@ -92,8 +92,8 @@ class Kernel(Kept):
         return self.regular is not None and not self.sure
 
     @cached_property
-    def kept_panels(self) -> dict[tuple[float, float, int, int], Any]:
-        """Panels of the regular part that have been looked at (`panels`)."""
+    def kept_panels(self) -> dict[Any, Any]:
+        """Panels and skeletons of the regular part that have been looked at (`fast.panels`)."""
         return {}
 
     def __add__(self, other: "Smooth | Regular") -> "Kernel":

@@ -96,7 +96,8 @@ _NARROWEST = 1e-150
 def _kinds(ends: End | Sequence[End], count: int, side: str) -> tuple[End, ...]:
     kinds = (ends,) * count if isinstance(ends, End) else inputs.several(ends)
     if not all(isinstance(kind, End) for kind in kinds):
-        raise ValueError(f"{side}: kinds of ends are sie.FREE, sie.SINGULAR, sie.BOUNDED or sie.free_with_intensity(K), got {inputs.shown(ends)}")
+        known = "sie.FREE, sie.SINGULAR, sie.BOUNDED or sie.free_with_intensity(K)"
+        raise ValueError(f"{side}: kinds of ends are {known}, got {inputs.shown(ends)}")
     if len(kinds) != count:
         raise ValueError(f"{side}: {len(kinds)} kinds of ends for {count} zones")
     return kinds

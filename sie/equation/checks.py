@@ -40,7 +40,10 @@ def look_at(equation: Equation, zones: Zones) -> None:
     how = (any(condition.count(zones) > 0 and speaks_of_levels(condition, zones) for condition in equation.conditions), zones.symmetric)
     low, high = equation.within
     if not (low < zones.a[0] and zones.b[-1] < high):
-        raise ValueError(f"the zones [{zones.a[0]:.6g}, {zones.b[-1]:.6g}] do not lie inside the interval `within`, ({low:.6g}, {high:.6g})")
+        raise ValueError(
+            f"the zones [{zones.a[0]:.6g}, {zones.b[-1]:.6g}] do not lie inside the interval `within`, "
+            f"({low:.6g}, {high:.6g})"
+        )
     for condition in equation.conditions:
         if isinstance(condition, Weighted) and condition.degree is not None:
             _look_at_degree(f"{type(condition).__name__}: its weight", condition.weight, condition.degree, zones)

@@ -15,6 +15,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from scipy import fft
@@ -176,7 +177,7 @@ class Panels(Kept):
         """Points on the panels."""
         return Spread.of(self, x)
 
-    def moments(self, spread: Spread, weights: Array) -> Array:
+    def moments(self, spread: Any, weights: Array) -> Array:
         """Moments (count TERMS, ...) of weights (n, ...) at points."""
         shape = weights.shape[1:]
         out = np.zeros((self.count, TERMS, *shape))
@@ -184,7 +185,7 @@ class Panels(Kept):
             out[panel - self.first] = np.tensordot(spread.table[here], weights[here], axes=(0, 0))
         return out.reshape(self.count * TERMS, *shape)
 
-    def at(self, spread: Spread, moments: Array, potential: bool) -> Array:
+    def at(self, spread: Any, moments: Array, potential: bool) -> Array:
         """Transform or potential at the points of `spread`, (n, ...), from moments (count TERMS, ...)."""
         out = np.empty((len(spread.x), *moments.shape[1:]))
         looked_at = self.first + self.count - 1 - self.farthest, self.first + self.farthest

@@ -58,9 +58,15 @@ class Skeleton(Kept):
     def _modes(self) -> Index:
         some = self.places[:: max(1, len(self.places) // _FROM)]
         regular = _functions(self.kernel)[0]
-        out, pending, largest = np.full(len(self.zones), _NODES[-1]), np.arange(len(self.zones)), self.scale[0]
+        out, pending, largest = (
+            np.full(len(self.zones), _NODES[-1]),
+            np.arange(len(self.zones)),
+            self.scale[0],
+        )
         for q in _NODES:
-            x = self.zones.middle[pending, None] + self.zones.half[pending, None] * chebyshev.gauss(q)
+            x = self.zones.middle[pending, None] + self.zones.half[pending, None] * chebyshev.gauss(
+                q
+            )
             values = np.array([regular(x, some[:, None, None]), regular(some[:, None, None], x)])
             size = np.abs(chebyshev.t_means(values)).max(axis=(0, 1))
             seen = (size > _ROUNDING * largest) * np.arange(q)
@@ -86,11 +92,11 @@ class Skeleton(Kept):
                 rows[here] = function(self.x_of_row[here, None], xi) / self.scale[number]
         return np.asarray(linalg.lu_solve(self.factors, rows, check_finite=False).T)
 
-    def moments(self, spread: Seen, weights: Array) -> Array:
+    def moments(self, spread: Any, weights: Array) -> Array:
         """Moments (r, ...) of weights (n, ...) at points."""
         return np.asarray(np.tensordot(spread.as_sources, weights, axes=(0, 0)))
 
-    def at(self, spread: Seen, moments: Array, potential: bool) -> Array:
+    def at(self, spread: Any, moments: Array, potential: bool) -> Array:
         """Transform or potential at points, (n, ...), from moments (r, ...)."""
         return np.asarray(spread.as_targets(potential) @ moments)
 
@@ -114,7 +120,9 @@ class Seen:
             function = kernel.regular_potential if potential else kernel.regular
             if function is None:
                 raise ValueError("a condition on potentials needs the regular kernel's potential")
-            self._targets[potential] = np.asarray(function(self.x[:, None], self.skeleton.places), dtype=float)
+            self._targets[potential] = np.asarray(
+                function(self.x[:, None], self.skeleton.places), dtype=float
+            )
         return self._targets[potential]
 
 
@@ -146,8 +154,13 @@ def _made(kernel: Kernel, zones: Zones) -> Skeleton | None:
             continue
         chosen = table[:, order[:rank]]
         rows = linalg.qr(chosen.T, mode="r", pivoting=True, check_finite=False)[1][:rank]
-        factors = linalg.lu_factor(chosen[rows], check_finite=False)
-        found = Skeleton(kernel, zones, xi[order[:rank]], rows // len(x), x[rows % len(x)], factors, scale)
+        # Of a kernel that is zero any place stands for all.
+        factors = linalg.lu_factor(
+            chosen[rows] if size[0] > 0.0 else np.eye(rank), check_finite=False
+        )
+        found = Skeleton(
+            kernel, zones, xi[order[:rank]], rows // len(x), x[rows % len(x)], factors, scale
+        )
         if _misses(found, _some(zones, count, 2), _some(zones, count, 3)) <= _MISSED:
             return found
     return None
@@ -157,7 +170,9 @@ def _misses(skeleton: Skeleton, x: Array, xi: Array) -> float:
     """How far the kernel is from what its skeleton makes of it at other places, over its largest value."""
     shares, worst = skeleton.shares(xi), 0.0
     for function, size in zip(_functions(skeleton.kernel), skeleton.scale, strict=True):
-        off = np.asarray(function(x[:, None], skeleton.places)) @ shares.T - function(x[:, None], xi)
+        off = np.asarray(function(x[:, None], skeleton.places)) @ shares.T - function(
+            x[:, None], xi
+        )
         worst = max(worst, float(np.abs(off).max()) / size)
     return worst
 
@@ -165,14 +180,26 @@ def _misses(skeleton: Skeleton, x: Array, xi: Array) -> float:
 def _functions(kernel: Kernel) -> list[Any]:
     """The regular part, and its potential if there is one."""
     assert kernel.regular is not None
-    return [kernel.regular] if kernel.regular_potential is None else [kernel.regular, kernel.regular_potential]
+    return (
+        [kernel.regular]
+        if kernel.regular_potential is None
+        else [kernel.regular, kernel.regular_potential]
+    )
 
 
 def _some(zones: Zones, count: int, shift: int) -> Array:
     """About so many places on zones, other ones for another shift: on each as many as its width asks for, but at least two; of very many
     zones on some of them."""
     number = min(len(zones), count // 3)
-    chosen = np.unique((np.linspace(0, len(zones) - 1, number).astype(np.intp) + shift * (len(zones) > number)) % len(zones))
+    chosen = np.unique(
+        (np.linspace(0, len(zones) - 1, number).astype(np.intp) + shift * (len(zones) > number))
+        % len(zones)
+    )
     half = zones.half[chosen]
     nodes = 2 + shift % 2 + np.floor(0.5 * count * half / half.sum()).astype(np.intp)
-    return np.concatenate([zones.middle[i] + zones.half[i] * chebyshev.gauss(int(q)) for i, q in zip(chosen, nodes, strict=True)])
+    return np.concatenate(
+        [
+            zones.middle[i] + zones.half[i] * chebyshev.gauss(int(q))
+            for i, q in zip(chosen, nodes, strict=True)
+        ]
+    )

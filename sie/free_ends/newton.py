@@ -59,7 +59,10 @@ _AMPLIFIED = 1e10
 _FOUND = "the ends are at rest"
 _UNSTABLE = "the ends are at rest, but unstably: pushed off they go on, and another root may be near"
 _UNRESOLVED = "a column or the kernel's regular part varies more than the modes of a zone show"
-_NEUTRAL = "some motion of the ends, as of all of them together, leaves the intensities as they are, so that these do not tell the ends"
+_NEUTRAL = (
+    "some motion of the ends, as of all of them together, leaves the intensities as they are, or changes them by less than 1e-10 of what "
+    "each end does by itself: these do not tell the ends"
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -236,11 +239,10 @@ def find_ends(
                     return _neutral(state, progress, value)
                 motion, rest = told
             return _found(state, progress, rest, motion, value, bounded_ends)
-        beyond = _beyond_domain(zones, equation, motion.delta)
+        beyond, found = _beyond_domain(zones, equation, motion.delta), value if opened is not None else None
         hopeless = progress.is_hopeless(motion.certain) or (equation.grows and state.unresolved) or (near and not progress.is_near())
         if hopeless or beyond.at_limit or len(progress.trace) > max_steps:
-            found = value if opened is not None else None
-            reason = beyond.reason if beyond.at_limit else "; ".join(filter(None, (_why_not(state, progress, motion), beyond.reason)))
+            reason = _why_not(state, progress, motion, beyond)
             return Free(state, False, rest.error, rest.rounding, tuple(progress.trace), found, abs(motion.change), reason=reason)
         value += motion.change
         closes, vanishes = _closes(zones, equation, motion.delta), _vanishes(zones, motion, drops)
@@ -337,11 +339,14 @@ def _room(zones: Zones, equation: Equation) -> Array:
     return room
 
 
-def _why_not(state: AnyState, progress: Progress, motion: Motion) -> str:
+def _why_not(state: AnyState, progress: Progress, motion: Motion, beyond: Beyond) -> str:
     """Why the search is given up."""
     if state.equation.grows and state.unresolved:
         return _UNRESOLVED
+    if beyond.at_limit:
+        return beyond.reason
     told = progress.past_fold or f"the ends did not come to rest in {len(progress.trace)} steps"
+    told = f"{told}; {beyond.reason}" if beyond.reason else told
     if motion.certain:
         return told
     zone = int(np.flatnonzero(motion.weak)[0])

@@ -28,7 +28,10 @@ def problem(value, within, total, calls=None):
 @pytest.mark.parametrize("start", [[0.5, 2.0], [0.9, 1.1], [0.01, 30.0], [1e-3, 0.1]])
 @pytest.mark.parametrize("total", [0.01, 0.3, 1.0, 5.0])
 def test_ends_on_a_logarithm_are_found_from_any_guess_and_no_call_leaves_its_domain(total, start):
-    """A bounded density needs the integral of g over sqrt((x - a)(b - x)) to vanish: for g = log x it is 2 pi log((sqrt(a) + sqrt(b)) / 2)."""
+    """A bounded density needs the integral of g over sqrt((x - a)(b - x)) to vanish.
+
+    For g = log x it is 2 pi log((sqrt(a) + sqrt(b)) / 2).
+    """
     calls = []
     with warnings.catch_warnings():
         warnings.simplefilter("error")
@@ -42,14 +45,23 @@ def test_ends_on_a_logarithm_are_found_from_any_guess_and_no_call_leaves_its_dom
 @pytest.mark.parametrize(
     ("value", "within", "total", "names"),
     [
-        (np.log, POSITIVE, 20.0, "the left end of zone 0"), (logit, (0.0, 1.0), 5.0, "the left end of zone 0 .* and the right end of zone 0"),
-        (lambda x: x + 0 * np.sqrt(1 - x * x), (-1.0, 1.0), 5.0, "the left end of zone 0 .* and the right end"),
+        (np.log, POSITIVE, 20.0, "the left end of zone 0"),
+        (logit, (0.0, 1.0), 5.0, "the left end of zone 0 .* and the right end of zone 0"),
+        (
+            lambda x: x + 0 * np.sqrt(1 - x * x),
+            (-1.0, 1.0),
+            5.0,
+            "the left end of zone 0 .* and the right end",
+        ),
         (lambda x: np.log(2 - x) * -1, (-np.inf, 2.0), 20.0, "the right end of zone 0"),
     ],
 )
 def test_a_root_at_the_border_or_beyond_it_is_said_to_be_there(value, within, total, names):
     calls = []
-    with pytest.raises(sie.NotConverged, match=f"{names}.* would pass the limit within=.*: the root lies at or beyond it") as stopped:
+    with pytest.raises(
+        sie.NotConverged,
+        match=f"{names}.* would pass the limit within=.*: the root lies at or beyond it",
+    ) as stopped:
         sie.solve(problem(value, within, total, calls), sie.Zones.of([[0.4, 0.8]]))
     best = stopped.value.best
     assert within[0] < best.zones.a[0] and best.zones.b[0] < within[1]
@@ -57,7 +69,10 @@ def test_a_root_at_the_border_or_beyond_it_is_said_to_be_there(value, within, to
 
 
 def test_a_search_that_ends_early_does_not_say_where_the_root_lies():
-    with pytest.raises(sie.NotConverged, match="did not come to rest in 2 steps; .* would pass the limit .*, and may come back"):
+    with pytest.raises(
+        sie.NotConverged,
+        match="did not come to rest in 2 steps; .* would pass the limit .*, and may come back",
+    ):
         sie.solve(problem(np.log, POSITIVE, 3.0), sie.Zones.of([[0.1, 0.2]]), max_steps=1)
 
 
@@ -65,7 +80,9 @@ def test_without_the_declaration_the_place_where_the_right_side_is_not_finite_is
     equation = sie.Equation(sie.cauchy(), np.log, sie.Total(20.0))
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        with pytest.raises(sie.NotConverged, match="the right side is not finite on the zones, as at x = -"):
+        with pytest.raises(
+            sie.NotConverged, match="the right side is not finite on the zones, as at x = -"
+        ):
             sie.solve(equation, sie.Zones.of([[0.5, 2.0]]))
 
 
@@ -77,12 +94,17 @@ def test_zones_outside_the_domain_are_refused():
 @pytest.mark.parametrize("count", [4, 40])
 def test_several_zones_stay_inside_the_domain_of_the_right_side_and_of_the_columns(count):
     """Of many zones some are moved by themselves: they too."""
+
     def inside(x):
         assert x.min() > 0.0 and x.max() < count
         return np.sin(2 * np.pi * (x - 0.5)) + 0 * np.log(x * (count - x))
 
     value = sie.Forcing(inside, within=(0.0, float(count)))
     table = [[i + 0.2 + 0.2 * (i % 3 == 0), i + 0.9 - 0.05 * (i % 2)] for i in range(count)]
-    found = sie.solve(sie.Equation(sie.cauchy(), value, sie.ZoneTotals(0.1)), sie.Zones.of(table), 1e-8)
+    found = sie.solve(
+        sie.Equation(sie.cauchy(), value, sie.ZoneTotals(0.1)), sie.Zones.of(table), 1e-8
+    )
     assert found.error < 1e-8
-    assert sie.Equation(sie.cauchy(), np.sin, (), (value, sie.Forcing(np.sin, within=(-1.0, 2.0)))).within == (0.0, 2.0)
+    assert sie.Equation(
+        sie.cauchy(), np.sin, (), (value, sie.Forcing(np.sin, within=(-1.0, 2.0)))
+    ).within == (0.0, 2.0)
