@@ -128,12 +128,17 @@ class Seen:
 
 def skeleton_of(kernel: Kernel, zones: Zones) -> Skeleton | None:
     """The skeleton of the kernel's regular part on zones; None where its rank is too high."""
-    key = zones.table.tobytes()
+    # Too high a rank is not asked for again while as many zones move: to find it takes the longest.
+    key, too_high = zones.table.tobytes(), ("rank", len(zones))
+    if too_high in kernel.kept_panels:
+        return None
     if key not in kernel.kept_panels:
         if len(kernel.kept_panels) >= _KEPT:
             kernel.kept_panels.clear()
         kernel.kept_panels[key] = _made(kernel, zones)
     found: Skeleton | None = kernel.kept_panels[key]
+    if found is None:
+        kernel.kept_panels[too_high] = None
     return found
 
 
