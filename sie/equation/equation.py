@@ -309,14 +309,10 @@ class Equation(Kept):
                 f"{opened} conditions of unknown value need as many conditions on the ends (at most one), "
                 f"got {len(self.end_conditions)}"
             )
-        if unknowns < 0:
-            raise CountError(
-                f"the bounded ends ask for {-unknowns} conditions more than there are unknowns: as many columns of unknown amplitude, "
-                "or ends that are singular or free, are needed"
-            )
         if given != unknowns:
             what = f"{unknowns - given} more needed" if given < unknowns else f"{given - unknowns} too many"
             raise CountError(
                 f"{unknowns} side conditions are needed (index {surplus}, {len(self.columns)} unknown amplitudes, "
                 f"{opened} unknown values) but {given} are given ({names}): {what}"
+                + ("; bounded ends ask for as many columns of unknown amplitude, or for other ends" if unknowns < 0 else "")
             )
