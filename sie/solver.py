@@ -6,9 +6,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from sie import reasons
+from sie.basis import inputs
 from sie.basis.data import Array
 from sie.basis.zones import Zones
-from sie.collocation import modes
 from sie.collocation.fixed import SingularSystem
 from sie.equation.equation import Equation
 from sie.free_ends.newton import Free, find_ends
@@ -138,6 +139,14 @@ def solve(
     [[-0.25, 0.25]]
     """
     _look_at(equation, zones, tol, value, signs, max_steps)
+    # What a user's functions return is looked at, and numpy need not warn of it.
+    with np.errstate(all="ignore"):
+        return _solve(equation, zones, tol, value, signs, max_steps)
+
+
+def _solve(
+    equation: Equation, zones: Zones, tol: float, value: float, signs: tuple[float, float], max_steps: int
+) -> Solution:
     moving = any(end.moves for end in (*zones.left, *zones.right))
     try:
         found = _best(_free(equation, zones, tol, value, signs, max_steps) if moving else _fixed(equation, zones, tol), tol)
@@ -156,18 +165,12 @@ def _look_at(equation: Equation, zones: Zones, tol: float, value: float, signs: 
         raise ValueError(f"the equation must be a sie.Equation, got {type(equation).__name__}")
     if not isinstance(zones, Zones):
         raise ValueError(f"the zones must be sie.Zones, as sie.Zones.of([[a, b]], left, right) makes them, got {type(zones).__name__}")
-    if not (_is_number(tol) and 0 < tol < 1):
-        raise ValueError(f"tol must be a number between 0 and 1, got {tol!r}")
-    if not (_is_number(value) and math.isfinite(value)):
-        raise ValueError(f"the first guess of the unknown value must be a finite number, got {value!r}")
-    if not (isinstance(signs, tuple) and len(signs) == 2 and all(_is_number(sign) and sign in (-1, 1) for sign in signs)):
-        raise ValueError(f"signs must be two of 1 and -1, of the density beside left and beside right ends, got {signs!r}")
-    if not (isinstance(max_steps, int | np.integer) and max_steps >= 1):
-        raise ValueError(f"max_steps must be a whole number from 1 on, got {max_steps!r}")
-
-
-def _is_number(value: object) -> bool:
-    return isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool)
+    if not (inputs.is_number(tol) and 0 < tol < 1):
+        raise ValueError(f"tol must be a number between 0 and 1, got {inputs.shown(tol)}")
+    inputs.number("the first guess of the unknown value", value)
+    if not (isinstance(signs, tuple | list) and len(signs) == 2 and all(inputs.is_number(sign) and sign in (-1, 1) for sign in signs)):
+        raise ValueError(f"signs must be two of 1 and -1, of the density beside left and beside right ends, got {inputs.shown(signs)}")
+    inputs.whole("max_steps", max_steps, 1)
 
 
 def _solvable(equation: Equation, zones: Zones) -> bool:
@@ -226,23 +229,7 @@ def _of_density(state: AnyState) -> float:
 
 def _why(found: Solution, tol: float) -> str:
     """What keeps the error above the tolerance."""
-    search, state = found.search, found.state
+    search = found.search
     if search is not None and not search.converged:
-        which = [f"zone {i}" for i in search.lost] + [f"the gap after zone {i}" for i in search.met]
-        return search.reason + (f" ({', '.join(which)}, counted from 0)" if which else "")
-    reached = f"the error has come to {found.error:.1e}, not to {tol:.1e}: "
-    if search is not None and float(search.rounding.max(initial=0.0)) > 0.1 * tol:
-        zone = int(search.rounding.max(axis=1).argmax())
-        worst = float(search.rounding[zone].max())
-        return reached + f"rounding leaves the ends of zone {zone} (counted from 0) uncertain by {worst:.1e} of its width"
-    if float(state.linear_error.max(initial=0.0)) > 0.1 * tol * state.size:
-        return reached + "the iteration by which so many zones are solved does not come to rest: conditions nearly contradict each other"
-    told = modes.decay(found.zones, state.equation.kernel) * modes.COUPLED_SIZES[-1]
-    if float(told.min()) < -math.log(_DECAY * tol):
-        zone = int(told.argmin())
-        return reached + f"zone {zone} (counted from 0) lies so close to another one, or to an image, that its modes do not show all of it"
-    if state.unresolved:
-        return reached + "a column or the kernel's regular part varies more than the modes of a zone show"
-    if found.error < 1e-11:
-        return reached + "that is what rounding leaves"
-    return reached + "the right side is not smooth enough on a zone: jumps of it or of its derivatives are to be declared (sie.Forcing)"
+        return reasons.of_search(search)
+    return f"the error has come to {found.error:.1e}, not to {tol:.1e}: {reasons.of_error(found.state, search, tol)}"

@@ -17,7 +17,7 @@ ROOT = Path(__file__).parents[1]
 
 # From the ground up: what stands in a room, or in a file beside the rooms, imports from its own room and those to its left only.
 ORDER = {
-    "sie": "basis fast jumps equation density collocation slits free_ends solver __init__",
+    "sie": "basis fast jumps equation density collocation slits free_ends reasons solver __init__",
     "contact": """
         errors interrupts extras users memory threads model testing reference exact inverse axisymmetric
         formulation verify solution search solver sweeps explorer __init__ paper studies commands __main__

@@ -131,6 +131,16 @@ def lost(x: Array, by: Array) -> Array:
     return np.asarray((x - (there - back)) + (by - back))
 
 
+def root_of_squares(matrix: Array, x: Array | float = 1.0) -> Array:
+    """sqrt(sum_j (matrix_ij x_j)^2), of numbers of any size: squares neither overflow nor vanish."""
+    terms = matrix * x
+    largest = float(np.abs(terms).max(initial=0.0))
+    if not 0.0 < largest < np.inf:
+        return np.full(len(matrix), largest)
+    terms /= largest
+    return np.asarray(largest * np.sqrt(np.einsum("ij,ij->i", terms, terms)))
+
+
 def numbered(counts: Index) -> Index:
     """0, 1, ... counts[0] - 1, 0, 1, ... counts[1] - 1, and so on."""
     return np.arange(int(counts.sum())) - np.repeat(np.cumsum(counts) - counts, counts)

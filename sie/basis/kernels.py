@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from scipy.special import gammaln, loggamma, psi
 
+from sie.basis import inputs
 from sie.basis.data import Array, Kept
 from sie.basis.interval import fall
 
@@ -73,14 +74,17 @@ class Kernel(Kept):
     length: float = math.inf
 
     def __post_init__(self) -> None:
-        poles = np.asarray(self.poles, dtype=float)
-        if poles.ndim != 1 or len(poles) == 0 or poles[0] != 0.0 or not np.isfinite(poles).all() or len(np.unique(poles)) < len(poles):
+        poles = inputs.numbers("the poles of a kernel", self.poles)
+        if len(poles) == 0 or poles[0] != 0.0 or len(np.unique(poles)) < len(poles):
             raise ValueError(f"the poles of a kernel are different finite numbers, the first of them 0, got {self.poles!r}")
         for name, value in (("period", self.period), ("datum", self.datum)):
-            if value is not None and not (math.isfinite(value) and value > 0):
-                raise ValueError(f"the {name} of a kernel must be a finite positive number, got {value!r}")
+            if value is not None:
+                inputs.positive(f"the {name} of a kernel", value)
+        _look_at_parts("a kernel", self.regular, self.regular_potential, self.regular_slope, self.length)
         if self.regular is None and self.regular_potential is not None:
             raise ValueError("a kernel has a regular potential but no regular part: give both")
+
+    __array_ufunc__ = None  # arrays leave products with a kernel to it
 
     @property
     def grows(self) -> bool:
@@ -88,30 +92,46 @@ class Kernel(Kept):
         return self.regular is not None and not self.sure
 
     @cached_property
-    def kept_panels(self) -> dict[tuple[float, int, int], Any]:
-        """Panels of the regular part that have been looked at (`panels`)."""
+    def kept_panels(self) -> dict[Any, Any]:
+        """Panels and skeletons of the regular part that have been looked at (`fast.panels`)."""
         return {}
 
-    def __add__(self, other: "Smooth") -> "Kernel":
-        """This kernel plus a user's regular kernel."""
-        if not isinstance(other, Smooth):
-            return NotImplemented
-        def both(one: Regular | None, two: Regular | None) -> Regular | None:
-            if self.regular is None:
-                return two
-            # Without one of the potentials there is none of the sum.
-            return None if one is None or two is None else _Both(one, two)
-
-        of_lag = other.of_lag and (self.regular is None or self.of_lag)
+    def __add__(self, other: "Smooth | Regular") -> "Kernel":
+        """This kernel plus a smooth one."""
+        smooth = _smooth(other)
+        regular = smooth if self.regular is None else self._rest + smooth
         return Kernel(
-            self.poles, self.period, both(self.regular, other.value), both(self.regular_potential, other.potential), 0.0, self.datum,
-            regular_slope=both(self.regular_slope, other.slope), of_lag=of_lag, length=min(self.length, other.length),
+            self.poles, self.period, regular.value, regular.potential, 0.0, self.datum,
+            regular_slope=regular.slope, of_lag=regular.of_lag, length=regular.length,
         )
+
+    __radd__ = __add__
+
+    def __sub__(self, other: "Smooth | Regular") -> "Kernel":
+        return self + -_smooth(other)
+
+    def _refuse_multiple(self, *_: Any) -> "Kernel":
+        """Refuse a multiple of a kernel: the poles have the weight one."""
+        raise ValueError(
+            "the pole 1 / (x - xi) of a kernel has the weight 1, so there is no multiple, sum or difference of kernels with poles: divide "
+            "the equation by the factor, that is the right side, the columns and the Smooth parts"
+        )
+
+    __mul__ = __rmul__ = __truediv__ = __neg__ = __rsub__ = _refuse_multiple
+
+    @property
+    def _rest(self) -> "Smooth":
+        """The regular part by itself."""
+        assert self.regular is not None
+        return Smooth(self.regular, self.regular_potential, self.regular_slope, self.of_lag, self.length)
 
 
 @dataclass(frozen=True)
 class Smooth:
     """A regular kernel value(x, xi), smooth on all zones, to be added to one with poles.
+
+    Smooth kernels can be added, subtracted and multiplied by numbers, and added to or subtracted from a kernel with poles. A kernel takes
+    a plain function of (x, xi) as one too.
 
     Parameters
     ----------
@@ -125,6 +145,11 @@ class Smooth:
         Whether it depends on x - xi alone.
     length : float
         How near to the real axis its singularities are, where that is known (inf: not).
+
+    Raises
+    ------
+    ValueError
+        If a part is no function, or the length is not positive.
 
     Examples
     --------
@@ -141,14 +166,82 @@ class Smooth:
     of_lag: bool = False
     length: float = math.inf
 
+    __array_ufunc__ = None
+
+    def __post_init__(self) -> None:
+        inputs.function("the value of a Smooth kernel", self.value)
+        _look_at_parts("a Smooth kernel", self.value, self.potential, self.slope, self.length)
+
+    def __add__(self, other: "Smooth | Regular | Kernel") -> Any:
+        """The sum; it has a potential and a slope if both have."""
+        return other + self if isinstance(other, Kernel) else self._combined(_smooth(other), 1.0)
+
+    __radd__ = __add__
+
+    def __sub__(self, other: "Smooth | Regular") -> "Smooth":
+        return self._combined(_smooth(other), -1.0)
+
+    def __rsub__(self, other: Regular) -> "Smooth":
+        return -self + other
+
+    def __neg__(self) -> "Smooth":
+        return -1.0 * self
+
+    def __mul__(self, factor: float) -> "Smooth":
+        """This kernel times a number."""
+        weight = inputs.number("the factor of a Smooth kernel", factor)
+        value, potential, slope = (part and _Sum(part, None, weight) for part in self._parts)
+        assert value is not None
+        return Smooth(value, potential, slope, self.of_lag, self.length)
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, divisor: float) -> "Smooth":
+        return self * (1.0 / inputs.number("the divisor of a Smooth kernel", divisor))
+
+    @property
+    def _parts(self) -> "tuple[Regular | None, Regular | None, Regular | None]":
+        return self.value, self.potential, self.slope
+
+    def _combined(self, other: "Smooth", weight: float) -> "Smooth":
+        """This kernel plus a multiple of another one."""
+        both = zip(self._parts, other._parts, strict=True)
+        value, potential, slope = (None if one is None or two is None else _Sum(one, two, weight) for one, two in both)
+        assert value is not None
+        return Smooth(value, potential, slope, self.of_lag and other.of_lag, min(self.length, other.length))
+
+
+def _smooth(other: Any) -> Smooth:
+    """A `Smooth`, or a function of (x, xi), as a smooth kernel."""
+    if isinstance(other, Kernel):
+        other._refuse_multiple()
+    if isinstance(other, Smooth):
+        return other
+    if callable(other):
+        return Smooth(other)
+    raise ValueError(f"to a kernel a sie.Smooth or a function of (x, xi) can be added, got {inputs.shown(other)}")
+
+
+def _look_at_parts(name: str, value: Any, potential: Any, slope: Any, length: Any) -> None:
+    """ValueError for parts of a regular kernel that are no functions, or a length that is none."""
+    for part, given in (("value", value), ("potential", potential), ("slope", slope)):
+        inputs.function(f"the {part} of {name}", given, optional=True)
+    if not (inputs.is_number(length) and length > 0):
+        raise ValueError(f"the length of {name} must be a positive number, or inf where it is not known, got {inputs.shown(length)}")
+
 
 @dataclass(frozen=True)
-class _Both:
+class _Sum:
+    """first + weight * second; without a second, weight * first."""
+
     first: Regular
-    second: Regular
+    second: Regular | None
+    weight: float
 
     def __call__(self, x: Array, xi: Array) -> Array:
-        return self.first(x, xi) + self.second(x, xi)
+        if self.second is None:
+            return self.weight * np.asarray(self.first(x, xi))
+        return np.asarray(self.first(x, xi) + self.weight * np.asarray(self.second(x, xi)))
 
 
 @dataclass(frozen=True)
@@ -221,7 +314,7 @@ def cauchy(datum: float = 1.0) -> Kernel:
     >>> sie.cauchy().poles
     (0.0,)
     """
-    return Kernel(datum=float(datum))
+    return Kernel(datum=inputs.positive("datum", datum))
 
 
 def hilbert(period: float) -> Kernel:
@@ -251,9 +344,7 @@ def hilbert(period: float) -> Kernel:
     >>> sie.solve(wave, sie.Zones.of([[-0.2, 0.3]])).zones.table.round(9).tolist()
     [[-0.25, 0.25]]
     """
-    length = float(period)
-    if not (math.isfinite(length) and length > 0):
-        raise ValueError(f"period must be a finite positive number, got {period!r}")
+    length = inputs.positive("period", period)
     parts, slope = (_HilbertRest(length), _HilbertPotentialRest(length)), _HilbertSlopeRest(length)
     return Kernel((0.0, -length, length), length, *parts, length, datum=length, sure=True, regular_slope=slope, of_lag=True)
 
@@ -274,14 +365,24 @@ def images(period: float, neighbours: int, datum: float = 1.0) -> Kernel:
     -------
     Kernel
 
+    Raises
+    ------
+    ValueError
+        If the period or the datum is no finite positive number, or neighbours no whole one.
+
     Examples
     --------
     >>> import sie
     >>> sie.images(1.0, 2).poles
     (0.0, -1.0, 1.0, -2.0, 2.0)
     """
-    shifts = (sign * k * float(period) for k in range(1, neighbours + 1) for sign in (-1, 1))
-    return Kernel((0.0, *shifts), None, datum=float(datum))
+    length = inputs.positive("period", period)
+    shifts = (sign * k * length for k in range(1, inputs.whole("neighbours", neighbours, 0) + 1) for sign in (-1, 1))
+    return Kernel((0.0, *shifts), None, datum=inputs.positive("datum", datum))
+
+
+MAKERS = (cauchy, hilbert, images)
+"""Functions that make a kernel with poles."""
 
 
 def regular_size(kernel: Kernel, half_width: float, m: int) -> int:

@@ -14,6 +14,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
+from sie.basis import inputs
 from sie.basis.data import Array, Index, Kept, Mask, lost
 
 
@@ -31,7 +32,7 @@ class End:
     Raises
     ------
     ValueError
-        If the end moves and has no intensity.
+        If the end moves and has no intensity, or the intensity is no finite number.
 
     Examples
     --------
@@ -44,6 +45,8 @@ class End:
     intensity: float | None
 
     def __post_init__(self) -> None:
+        if self.intensity is not None:
+            inputs.number("the intensity of an end", self.intensity)
         if self.moves and self.intensity is None:
             raise ValueError("an end of unknown position needs a prescribed intensity (zero for a free end)")
 
@@ -81,15 +84,20 @@ def free_with_intensity(intensity: float) -> End:
     >>> sie.solve(adhering, sie.Zones.of([[-0.9, 1.05]], end, end)).zones.table.round(9).tolist()
     [[-1.0, 1.0]]
     """
-    return End(moves=True, intensity=float(intensity))
+    return End(moves=True, intensity=inputs.number("the intensity of an end", intensity))
 
 
 # Rounding that symmetric zones may differ by from their mirror images, over their width.
 _MIRROR_TOLERANCE = 1e-6
+# Squares of widths above this do not underflow.
+_NARROWEST = 1e-150
 
 
 def _kinds(ends: End | Sequence[End], count: int, side: str) -> tuple[End, ...]:
-    kinds = (ends,) * count if isinstance(ends, End) else tuple(ends)
+    kinds = (ends,) * count if isinstance(ends, End) else inputs.several(ends)
+    if not all(isinstance(kind, End) for kind in kinds):
+        known = "sie.FREE, sie.SINGULAR, sie.BOUNDED or sie.free_with_intensity(K)"
+        raise ValueError(f"{side}: kinds of ends are {known}, got {inputs.shown(ends)}")
     if len(kinds) != count:
         raise ValueError(f"{side}: {len(kinds)} kinds of ends for {count} zones")
     return kinds
@@ -142,12 +150,15 @@ class Zones(Kept):
         ValueError
             If ends are not finite and strictly ascending, or symmetric zones are no mirror images.
         """
-        table = np.array(ends, dtype=float)
+        table = inputs.table_of("zones", ends)
         if table.ndim != 2 or table.shape[1] != 2 or table.shape[0] == 0:
             raise ValueError(f"zones must have shape (n, 2) with n >= 1, got {table.shape}")
         flat = table.ravel()
-        if not np.all(np.isfinite(flat)) or np.any(np.diff(flat) <= 0):
+        if not np.all(np.isfinite(flat)) or np.any(flat[1:] <= flat[:-1]):
             raise ValueError("zone ends must be finite and strictly ascending: a0 < b0 < a1 < b1 < ...")
+        with np.errstate(over="ignore"):
+            if not np.isfinite(flat[-1] - flat[0]) or np.any(table[:, 1] - table[:, 0] < _NARROWEST):
+                raise ValueError(f"zones must be wider than {_NARROWEST:g} and reach over a finite length: choose another unit of length")
         count = table.shape[0]
         lefts, rights = _kinds(left, count, "left"), _kinds(right, count, "right")
         if symmetric:

@@ -9,7 +9,8 @@ from functools import cached_property
 import numpy as np
 from scipy.linalg import lapack
 
-from sie.basis.data import Array, Index, Mask, row_sizes
+from sie.basis import chebyshev
+from sie.basis.data import Array, Index, Mask, root_of_squares, row_sizes
 from sie.basis.interval import edge_scale
 from sie.basis.zones import Zones
 from sie.collocation import modes
@@ -295,6 +296,7 @@ def residual_error(residuals: Array, size: float, coupled: Index, rounding: Arra
 def first_sizes(equation: Equation, zones: Zones, tolerance: float = 0.0) -> Sizes:
     """Modes to begin with: a few to resolve columns and regular kernels, else as many as the distances ask for; and the tolerance, where
     nothing but that is asked for, which an iteration need not go far below."""
+    look_at(equation, zones)
     least: int | Index
     panels = panels_over(equation.kernel, zones)
     if panels is not None and all(column.modes is not None for column in equation.columns):
@@ -387,8 +389,10 @@ def more_modes(state: State, tails: Array, tolerance: float) -> Index | None:
 
     Each zone by itself: what one asks for would cost all of them too much. An iteration leaves its own error in all modes."""
     m, zones, panels = state.system.layout.m, state.system.zones, state.system.panels
-    kernel = state.equation.kernel
-    few = (tails > max(modes.enough(kernel, tolerance), 10 * state.sizes.linear if state.iterated else 0.0)) & (m < modes.most(kernel))
+    kernel, sizes = state.equation.kernel, state.sizes
+    sizes.growth = modes.Growth.first(m, tails) if sizes.growth is None else sizes.growth.after(m, tails, sizes.own)
+    enough = max(modes.enough(kernel, tolerance), 10 * sizes.linear if state.iterated else 0.0)
+    few = (tails > np.maximum(enough, sizes.growth.floor)) & (m < modes.most(kernel))
     if panels is not None and not any(column.modes is None for column in state.equation.columns):
         # Of the regular part nothing is left beyond these.
         few &= m < panels.modes(zones.half)
@@ -402,16 +406,51 @@ def _solve_once(
 ) -> State:
     system = System(equation, zones, m, samples.coefficients, jumps)
     matrix, right, scale = _rows(equation, system)
+    if not all(np.all(np.isfinite(part)) for part in (samples.coefficients, right, matrix)):
+        raise SingularSystem(_not_finite(equation, system))
     solver = Factored.of(matrix)
-    if not (np.all(np.isfinite(samples.coefficients)) and np.all(np.isfinite(right)) and np.all(np.isfinite(solver.lu))):
-        raise SingularSystem("the right side, a column or a side condition is not finite on the zones")
-    if lapack.dgecon(solver.lu, np.abs(matrix).sum(axis=0).max(initial=0.0))[0] < _DEPENDENT:
-        raise SingularSystem("the system is singular: the side conditions depend on each other")
+    if _condition(solver, matrix) < _DEPENDENT and _condition(Factored.of(rows := _even(matrix)), rows) < _DEPENDENT:
+        raise SingularSystem(_singular(equation))
     folded = solver(right)
-    terms = np.sqrt(matrix**2 @ folded**2 + right**2)
+    terms = np.hypot(root_of_squares(matrix, folded), right)
     solver = replace(solver, size_of_rows=_size_of_rows(system, terms), rows=matrix if zones.follow_ends else None)
     sizes.kernel_evaluations += matrix.size
     return _state(system, solver, folded, matrix.shape[0] - len(scale), scale, samples, sizes)
+
+
+def _condition(solver: Factored, matrix: Array) -> float:
+    """Estimate of the reciprocal condition number of a matrix."""
+    found = lapack.dgecon(solver.lu, np.abs(matrix).sum(axis=0).max(initial=0.0))[0] if np.isfinite(solver.lu).all() else 0.0
+    return float(found)
+
+
+def _even(matrix: Array) -> Array:
+    """A matrix with rows, then columns, divided by their largest entry: kernels and columns may be of any size."""
+    for axis in (1, 0):
+        largest = np.abs(matrix).max(axis=axis, keepdims=True)
+        matrix = matrix / np.where(largest > 0, largest, 1.0)
+    return matrix
+
+
+def _singular(equation: Equation) -> str:
+    """That a system is singular, in words: with poles alone, only side conditions can make it so."""
+    if equation.kernel.grows or not equation.conditions:
+        return "the system is singular: some density is seen neither by the equation nor by the side conditions"
+    return "the system is singular: the side conditions depend on each other"
+
+
+def _not_finite(equation: Equation, system: System) -> str:
+    """Which of the functions of an equation is not finite on the zones, and where."""
+    zones, places = system.zones, [system.targets.x]
+    # The nodes of the right side, as many as zones have coefficients.
+    t = chebyshev.lobatto(max(16, system.g.shape[1] - 1))[0][1:-1]
+    places.append((zones.middle[:, None] + zones.half[:, None] * t).ravel())
+    x = np.concatenate(places)
+    for name, part in (("the right side", equation.forcing), *((f"column {k}", c) for k, c in enumerate(equation.columns))):
+        wrong = ~np.isfinite(np.asarray(part.value(x), dtype=float))
+        if wrong.any():
+            return f"{name} is not finite on the zones, as at x = {x[wrong][0]:.6g}"
+    return "the kernel's regular part, a primitive or a side condition is not finite on the zones, or numbers overflow"
 
 
 def _size_of_rows(system: System, terms: Array) -> Array:
@@ -420,9 +459,10 @@ def _size_of_rows(system: System, terms: Array) -> Array:
     rows = system.diagonal
     zone = np.searchsorted(system.layout.offset, rows, side="right") - 1
     count = np.maximum(np.bincount(zone, minlength=len(system.zones)), 1)
-    squares = terms**2
+    unit = max(float(terms.max(initial=0.0)), 1e-300)
+    squares = (terms / unit) ** 2
     squares[: len(rows)] += (np.bincount(zone, squares[: len(rows)], minlength=len(system.zones)) / count)[zone]
-    return np.asarray(np.sqrt(squares))
+    return np.asarray(unit * np.sqrt(squares))
 
 
 def _solve_iterated(
@@ -437,11 +477,11 @@ def _solve_iterated(
     solver = Iterative(system, coarse, sizes.linear, sizes.value)
     right = solver.right()
     if not (np.all(np.isfinite(samples.coefficients)) and np.all(np.isfinite(right))):
-        raise SingularSystem("the right side, a column or a side condition is not finite on the zones")
+        raise SingularSystem(_not_finite(equation, system))
     near = None if carried is None else carried.near(system)
     folded = near if near is not None and sizes.start else solver(right, near)
     if not np.all(np.isfinite(folded)):
-        raise SingularSystem("the system is singular: the side conditions depend on each other")
+        raise SingularSystem(_singular(equation))
     sizes.iterations += solver.iterations
     sizes.kernel_evaluations += solver.iterations * system.sums.size
     solver.tolerance = 0.0

@@ -11,8 +11,9 @@ from collections.abc import Callable
 from functools import cached_property, lru_cache
 
 import numpy as np
+from scipy.linalg import norm
 
-from sie.basis.data import Array, Index, numbered, record
+from sie.basis.data import Array, Index, numbered, record, root_of_squares
 from sie.basis.interval import edge_scale, mean_potential
 from sie.basis.zones import Zones
 from sie.collocation import modes
@@ -199,8 +200,9 @@ class IterativeSystem(System):
         if forcing.exact:
             return np.asarray(np.bincount(gap, across, minlength=len(length)), dtype=np.float64), np.zeros(len(length))
         lost = 0.3 * np.spacing(np.maximum(np.abs(start), np.abs(start + length)))
-        varies = np.bincount(gap, ((values @ slope_of) ** 2) @ weights**2, minlength=len(length))
-        return np.asarray(np.bincount(gap, across, minlength=len(length)), dtype=np.float64), lost * np.sqrt(varies)
+        unit = max(float(np.abs(values).max(initial=0.0)), 1e-300)
+        varies = np.bincount(gap, ((values / unit @ slope_of) ** 2) @ weights**2, minlength=len(length))
+        return np.asarray(np.bincount(gap, across, minlength=len(length)), dtype=np.float64), lost * unit * np.sqrt(varies)
 
     @property
     def _gaps(self) -> tuple[Array, Array, Array]:
@@ -221,12 +223,13 @@ class IterativeSystem(System):
         if any(c.levels and c.count(zones) == len(zones.solved) for c in self.equation.conditions):
             far = max(1.0, abs(math.log((zones.b[-1] - zones.a[0]) / datum)))
             return 2.2e-16 * float(own.sum() * far + (own * near).max() + np.abs(self.level_constants).max())
-        slope, typical = float(np.abs(self.g).max()), math.sqrt(np.average((self.g**2).sum(axis=1), weights=zones.half))
+        slope = float(np.abs(self.g).max())
+        typical = float(root_of_squares((root_of_squares(self.g) * np.sqrt(zones.half / zones.half.sum()))[None])[0])
         # Potentials of neighbours are put together apart from each other up to the node that holds both.
         apart = np.maximum(slope * self._gaps[2], typical * self.sums.far.targets.tree.parted)
         steps = 2.2e-16 * apart + (self._across_gaps[1] if self.integrated and not self.rough else 0.0)
         # The step over the border is that of all others.
-        border = float(np.linalg.norm(steps))
+        border = float(root_of_squares(steps[None])[0])
         felt_left, felt_right = felt(*(gap[zones.solved] + zones.half[zones.solved] for gap in modes.gaps(zones, self.equation.kernel)))
         out = 2.2e-16 * (slope * zones.half + own * near)
         out[zones.solved] += felt_left * np.append(border, steps) + felt_right * np.append(steps, border)
@@ -481,7 +484,7 @@ class Iterative:
         wanted = max((self.tolerance if tolerance is None else tolerance) * max(count / _ALIKE, 1.0), 4 * _ROUNDING * count)
         x = np.zeros(self.size) if near is None else near
         left_over = (plain if near is None else self.preconditioner(right - rows(near))) / scale
-        before = float(np.linalg.norm(left_over))
+        before = float(norm(left_over))
         for _ in range(_CORRECTIONS):
             # Each correction is wanted to a part only, for which rough sums will do.
             part = max(wanted, _CORRECTED * before)
@@ -491,7 +494,7 @@ class Iterative:
             # What rough sums and rounding in a long recurrence leave, they do not see: the residual itself is looked at.
             left_over = self.preconditioner(right - rows(x)) / scale
             self.error = self._by_zone(left_over * scale)
-            size, before = before, float(np.linalg.norm(left_over))
+            size, before = before, float(norm(left_over))
             if found.steps == 0 or before <= 4 * wanted or before > _STAGNANT * size:
                 break
         return x

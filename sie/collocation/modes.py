@@ -13,7 +13,7 @@ lifted by is felt with the harmonic measure 1/2 - asin(s) / pi, s = (g - g') / (
 import numpy as np
 
 from sie.basis import chebyshev
-from sie.basis.data import Array, Index, record, wrapped
+from sie.basis.data import Array, Index, record, root_of_squares, wrapped
 from sie.basis.interval import fall
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
@@ -27,7 +27,7 @@ OWN_SIZES = np.array(
 )
 # Nodes at the most: of one of many zones, or of one whose last coefficients with so many are not below such a part of the largest; and of
 # all together, of which each is given as many as any other has.
-_MOST_OWN, _NEARLY, _IN_ALL = 8192, 1e-6, 1 << 20
+MOST_OWN, _NEARLY, _IN_ALL = 8192, 1e-6, 1 << 20
 # Nodes to begin with of a smooth right side; of one that is singular beside the zones, so many that its coefficients fall to this part.
 _FEW, _FALLEN = 16, 1e-12
 # Only below this part of the largest coefficient can a plateau be rounding.
@@ -38,7 +38,7 @@ _LONG, _PLATEAU, _LEFT = 96, 1.5, 8
 # Places rounded to less than this part of a zone are exact to all purposes.
 _FINE = 1e-14
 # No zone has this decay but one without neighbours.
-_ALONE = 690.0
+ALONE = 690.0
 # Coefficients among which the largest of a jump's part is.
 _LEADING = 8
 COUPLED_SIZES = np.array(
@@ -51,6 +51,11 @@ COUPLED_SIZES = np.array(
 # long as these are so few that a matrix of each has no more numbers together than the last. Ends that move are not far from those of one
 # zone with a slit, or of gaps.
 _MOST, _MOST_KNOWN, _OF_FEW = 768, 3072, 4e7
+# The rounding of a regular kernel's coefficients over its size: they fall no further.
+_KERNEL_ROUNDING = 2e-15
+# A user's kernel may be noisier. Its noise is what two more steps of COUPLED_SIZES, half as many modes again, do not halve, where the last
+# coefficients are below this part of the largest: those of a kernel as rough as |x - xi| still fall by more.
+_KERNEL_NOISE = 1e-5
 # Modes to begin with to a half width over the length of a regular kernel: exp(-12) of it is left.
 _PER_LENGTH = 12.0
 
@@ -63,7 +68,36 @@ def most(kernel: Kernel) -> int:
 def enough(kernel: Kernel, tolerance: float) -> float:
     """How far the coefficients of a regular part have to fall: where they fall as exponentials do, more costs little, and what is left of
     them may weigh more than they tell if the regular part nearly cancels the poles."""
-    return 10 * tolerance if np.isinf(kernel.length) else 0.01 * tolerance
+    return max(10 * tolerance if np.isinf(kernel.length) else 0.01 * tolerance, _KERNEL_ROUNDING)
+
+
+@record
+class Growth:
+    """How the last coefficients of each zone's fields fell while its modes grew.
+
+    m: modes of the last solution (Z,); tails: its last coefficients, and before those the ones of the two sizes below (3, Z); floor: what
+    is noise of a user's functions, which more modes leave as it is (Z,).
+    """
+
+    m: Index
+    tails: Array
+    floor: Array
+
+    @classmethod
+    def first(cls, m: Index, tails: Array) -> "Growth":
+        """Of a first solution."""
+        return cls(m, np.array([np.full(len(m), np.inf), np.full(len(m), np.inf), tails]), np.zeros(len(m)))
+
+    def after(self, m: Index, tails: Array, own: Index) -> "Growth":
+        """With the next solution; own: coefficients of the right side on each zone."""
+        if len(m) != len(self.m):
+            return Growth.first(m, tails)
+        grew = m > self.m
+        kept = np.where(grew, self.tails[1:], self.tails[:2])
+        # Fewer modes than the right side has need not show all of the density: what follows may be more than noise.
+        noisy = grew & (m > own) & (tails < _KERNEL_NOISE) & (tails > 0.5 * kept[0])
+        # Noise is not the same from one solution to the next.
+        return Growth(m, np.array([*kept, tails]), np.where(noisy, np.maximum(self.floor, 4 * tails), self.floor))
 
 
 def least(zones: Zones, kernel: Kernel) -> Index:
@@ -80,19 +114,19 @@ def own_at_first(zones: Zones, singular_at: Array, period: float | None) -> Inde
     # Strictly beyond either end: nothing within a zone is singular, nor at an end of it.
     left, right = at[np.searchsorted(at, zones.a) - 1], at[np.searchsorted(at, zones.b, side="right")]
     by = fall(np.minimum(np.minimum(zones.a - left, right - zones.b) / zones.half, 1e300))
-    return OWN_SIZES[np.searchsorted(OWN_SIZES, np.clip(-np.log(_FALLEN) / by, _FEW, _MOST_OWN))]
+    return OWN_SIZES[np.searchsorted(OWN_SIZES, np.clip(-np.log(_FALLEN) / by, _FEW, MOST_OWN))]
 
 
 def most_own(zones: Zones) -> int:
     """Nodes of a zone at the most."""
-    return int(OWN_SIZES[np.searchsorted(OWN_SIZES, np.clip(_IN_ALL / len(zones), _MOST_OWN, OWN_SIZES[-1]), side="right") - 1])
+    return int(OWN_SIZES[np.searchsorted(OWN_SIZES, np.clip(_IN_ALL / len(zones), MOST_OWN, OWN_SIZES[-1]), side="right") - 1])
 
 
 def coupled(zones: Zones, kernel: Kernel, tolerance: float, least: int | Index) -> Index:
     """Coupled modes per zone so that rho^m is below the tolerance at the nearest foreign end; at least `least`."""
     by = decay(zones, kernel)
     most_here = _MOST if zones.moves.any() else _MOST_KNOWN
-    want = np.minimum(np.where(by < _ALONE, -np.log(tolerance) / np.maximum(by, 1e-3), 0.0), most_here)
+    want = np.minimum(np.where(by < ALONE, -np.log(tolerance) / np.maximum(by, 1e-3), 0.0), most_here)
     # Those that ask for the most give way first.
     while want.max(initial=0.0) > _MOST and (want**2).sum() > _OF_FEW:
         want = np.minimum(want, max(_MOST, 0.8 * want.max()))
@@ -155,9 +189,9 @@ def sample(forcing: Forcing, zones: Zones, jumps: ForcingJumps, own: Index, tole
             last = np.abs(g[:, -max(4, int(n) // 8) :]).max(axis=1)
             scale = np.where(bent[group], largest_value, np.maximum(np.abs(g).max(axis=1), subtracted[group]))
             # Places are rounded to half a unit in their last digit: what that makes of the slope of g is seen in all coefficients.
-            rounded = _places(zones, group) * np.linalg.norm(g * np.arange(1, int(n) + 1), axis=1) * (2 / np.sqrt(n))
+            rounded = place_rounding(zones, group) * root_of_squares(g, np.arange(1.0, int(n) + 1)) * (2 / np.sqrt(n))
             grow = (last > np.maximum(tolerance * scale, np.maximum(rounded, noise[group] / np.sqrt(n)))) & (n < largest)
-            grow &= (n < _MOST_OWN) | (last <= _NEARLY * scale)
+            grow &= (n < MOST_OWN) | (last <= _NEARLY * scale)
             # A jump of g itself leaves coefficients ~ 1/n, rounding ~ 1/sqrt(n): what falls no faster is rounding.
             # Sizes two steps apart are in the ratio of two: beside knots what one size tells may beat with the next.
             slow = (tails[group, 1] >= 0) & (last[:, None] > tails[group] * (sizes[group] / n) ** 0.75).all(axis=1)
@@ -194,8 +228,8 @@ def _cut(table: Array, own: Index, tail: Array, zones: Index) -> None:
             table[zone, told + max(_LEFT, told // 8) + 1 :] = 0.0
 
 
-def _places(zones: Zones, group: Index) -> Array:
-    """Spacing of numbers at a zone over its half width."""
+def place_rounding(zones: Zones, group: Index) -> Array:
+    """Spacing of numbers at zones over their half widths."""
     return np.asarray(np.spacing(np.maximum(np.abs(zones.a[group]), np.abs(zones.b[group]))) / zones.half[group])
 
 
@@ -216,7 +250,7 @@ def _values(forcing: Forcing, zones: Zones, jumps: ForcingJumps, group: Index, n
     away = w * np.where(left <= right, left, -right) + np.where(left <= right, rest[0], rest[1])
     # Each zone's nodes, one zone after the other.
     of_jumps = np.repeat(group, len(left)), np.tile(left, len(group))
-    if float(_places(zones, group).max()) > _FINE:
+    if float(place_rounding(zones, group).max()) > _FINE:
         # What a jump adds to the slope is none of g's on either side.
         levels = jumps.level_part(*of_jumps).reshape(len(group), -1)
         values = forcing.sampled(end, away, lambda g: chebyshev.slopes(g + levels) / w)

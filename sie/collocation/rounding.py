@@ -9,7 +9,7 @@ zone between heavy ones feels what the heights of all are known to.
 import numpy as np
 
 from sie.basis.chebyshev import bounded_part
-from sie.basis.data import Array, by_rows
+from sie.basis.data import Array, by_rows, root_of_squares
 from sie.basis.interval import edge_scale
 from sie.basis.zones import Zones
 from sie.collocation.factored import Factored
@@ -95,9 +95,9 @@ def _through_rows(state: Solved) -> Array:
     rows = system.symmetry.fold(np.concatenate((left, right)))
     effect = solver.transposed(rows.T)
     rounding, levels = _of_rows(state, solver)
-    squares = rounding**2 @ effect**2 + levels**2 @ (state.level_rows.T @ effect[state.conditions_from :]) ** 2
+    of_levels = state.level_rows.T @ effect[state.conditions_from :]
     out = np.zeros((2, len(zones)))
-    out[:, zones.solved] = np.sqrt(squares).reshape(2, -1)
+    out[:, zones.solved] = np.hypot(root_of_squares(effect.T, rounding), root_of_squares(of_levels.T, levels)).reshape(2, -1)
     return np.maximum(out, out[::-1, ::-1]) if zones.symmetric else out
 
 
@@ -126,7 +126,7 @@ def density_rounding(state: Solved) -> float:
     shaken[state.conditions_from :] += state.level_rows @ (levels[:, None] * chance.standard_normal((_SHAKEN, len(levels))).T)
     changes = [system.layout.padded(state.symmetry.unfold(change)) for change in solver(shaken).T]
     largest = _largest(np.concatenate(changes)).reshape(_SHAKEN, -1).max(axis=1)
-    return SAFETY * float(np.sqrt(np.mean(largest**2)))
+    return SAFETY * _root_mean_square(largest)
 
 
 def _largest(coefficients: Array) -> Array:
@@ -157,9 +157,14 @@ def primitive_rounding(forcing: Forcing, zones: Zones, period: float | None) -> 
     ends = np.unique(np.concatenate((zones.a, zones.b)))
     ahead = zones.a[1:] if period is None else np.append(zones.a[1:], zones.a[0] + period)
     between = 0.5 * (ahead + zones.b[: len(ahead)])
+    between = between[(between > forcing.within[0]) & (between < forcing.within[1])]
     heights = np.asarray(forcing.primitive(np.concatenate((ends, between))))
     look = ends[:: max(1, len(ends) // _LOOKS)]
     near = look[:, None] + 4 * np.spacing(np.abs(look))[:, None] * np.arange(-4, 5)
     bend = 0.5 * np.abs(np.diff(np.asarray(forcing.primitive(near.ravel())).reshape(near.shape), 2, axis=1))
     finite = heights[np.isfinite(heights)]
-    return float(np.hypot(EPS * np.ptp(finite) if len(finite) else 0.0, np.sqrt(np.mean(bend[np.isfinite(bend)] ** 2))))
+    return float(np.hypot(EPS * np.ptp(finite) if len(finite) else 0.0, _root_mean_square(bend[np.isfinite(bend)])))
+
+
+def _root_mean_square(values: Array) -> float:
+    return float(root_of_squares(np.full((1, len(values)), len(values) ** -0.5), values)[0]) if len(values) else 0.0

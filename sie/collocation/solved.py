@@ -46,6 +46,7 @@ class Sizes:
     iterations: int = 0
     carried: Carried | None = None
     primitive_rounding: float | None = None
+    growth: modes.Growth | None = None
     wide: Sizes | None = None
     """Those of the wide zones, where narrow gaps are slits."""
     joined: Mask | None = None

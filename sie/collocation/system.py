@@ -17,7 +17,7 @@ from functools import cached_property
 import numpy as np
 
 from sie.basis import chebyshev
-from sie.basis.data import Array, Index, Mask, numbered, record, widened
+from sie.basis.data import Array, Index, Mask, numbered, record, root_of_squares, widened
 from sie.basis.interval import Outside, edge_scale, mean_potential
 from sie.basis.kernels import Kernel, regular_size
 from sie.basis.zones import Zones
@@ -26,7 +26,8 @@ from sie.collocation.spline_moments import many_jumps
 from sie.density.series import moments_of
 from sie.equation.conditions import Linear, Rows, asked, speaks_of_levels
 from sie.equation.equation import Equation
-from sie.fast.panels import TERMS, Panels, Spread, panels_over
+from sie.fast.panels import Panels, panels_over
+from sie.fast.skeleton import Skeleton
 from sie.jumps.forcing import ForcingJumps
 
 # Most quadrature nodes a zone spends on the weight of a side condition.
@@ -165,7 +166,7 @@ def _add_regular(out: Array, zones: Zones, kernel: Kernel, x: Array, layout: Lay
     panels = panels_over(kernel, zones)
     if panels is not None:
         moments = _panel_moments(zones, panels, layout, potential)
-        out[:, : layout.coefficients] += panels.at(Spread.of(panels, x), moments, potential)
+        out[:, : layout.coefficients] += panels.at(panels.spread(x), moments, potential)
         return
     for middle, w, m, first in zip(zones.middle, zones.half, layout.m.tolist(), layout.offset, strict=True):
         q = regular_size(kernel, w, m)
@@ -174,16 +175,16 @@ def _add_regular(out: Array, zones: Zones, kernel: Kernel, x: Array, layout: Lay
         out[:, first : first + count] += block if potential else w * block
 
 
-def _panel_moments(zones: Zones, panels: Panels, layout: Layout, over_width: bool) -> Array:
+def _panel_moments(zones: Zones, panels: Panels | Skeleton, layout: Layout, over_width: bool) -> Array:
     """Moments of the panels by each unknown coefficient."""
-    out = np.zeros((panels.count * TERMS, layout.coefficients))
+    out = np.zeros((panels.size, layout.coefficients))
     modes = panels.modes(zones.half)
     for i in range(len(zones)):
         q = int(modes[i]) + 2
         count = min(int(layout.m[i]), int(modes[i])) + 1
         xi = zones.middle[i] + zones.half[i] * chebyshev.gauss(q)
         weights = chebyshev.t_matrix(q, count) * ((1.0 if over_width else zones.half[i]) / q)
-        out[:, layout.offset[i] : layout.offset[i] + count] = panels.moments(Spread.of(panels, xi), weights)
+        out[:, layout.offset[i] : layout.offset[i] + count] = panels.moments(panels.spread(xi), weights)
     return out
 
 
@@ -263,7 +264,7 @@ class System(Rows):
         return out
 
     @cached_property
-    def panels(self) -> Panels | None:
+    def panels(self) -> Panels | Skeleton | None:
         """Those of the kernel's regular part."""
         return panels_over(self.equation.kernel, self.zones)
 
@@ -283,7 +284,7 @@ class System(Rows):
     def of_panels(self, moments: Array) -> tuple[Array, Array]:
         """(all rows of the equation, levels) of what has these moments on the panels."""
         assert self.panels is not None
-        spread = Spread.of(self.panels, self.targets.x)
+        spread = self.panels.spread(self.targets.x)
         rows = self.projected(self.panels.at(spread, moments, False))
         if self.equation.kernel.regular_potential is None:
             return rows, np.zeros(len(self.zones.solved))
@@ -398,7 +399,7 @@ class System(Rows):
 
     def level_rounding(self, y: Array) -> Array | float:
         """Root mean square of the rounding of each level's potentials."""
-        return np.asarray(2.2e-16 * np.sqrt(self.levels()[0] ** 2 @ y**2))
+        return 2.2e-16 * root_of_squares(self.levels()[0], y)
 
     def levels(self) -> Linear:
         """See `Rows`. The mean of a zone's own potential is w c_0 log(w / 2); the mean of the primitive comes from its

@@ -22,7 +22,8 @@ from sie.basis.zones import Zones
 from sie.collocation.system import Layout
 from sie.fast import lazy
 from sie.fast.far import FarSum, Nested
-from sie.fast.panels import Panels, Spread, panels_over
+from sie.fast.panels import Panels, panels_over
+from sie.fast.skeleton import Skeleton
 from sie.fast.tree import TERMS, Pairs, Tree
 
 # Powers below e^-_VANISHED are left out of near sums.
@@ -97,7 +98,7 @@ class NearRows:
 class PanelSums:
     """What a smooth regular part does on the solved zones, through its panels."""
 
-    def __init__(self, panels: Panels, zones: Zones, layout: Layout) -> None:
+    def __init__(self, panels: Panels | Skeleton, zones: Zones, layout: Layout) -> None:
         self.panels, self.zones = panels, zones
         modes, solved = panels.modes(zones.half), zones.solved
         count = np.minimum(layout.m, modes) + 1
@@ -107,9 +108,9 @@ class PanelSums:
             some = np.flatnonzero((modes + 2 == q) & (count == k))
             self.groups.append((layout.offset[some][:, None] + np.arange(k), zones.half[some][:, None] / q, int(q)))
             nodes.append((zones.middle[some][:, None] + zones.half[some][:, None] * chebyshev.gauss(int(q))).ravel())
-        self.sources = Spread.of(panels, np.concatenate(nodes))
+        self.sources = panels.spread(np.concatenate(nodes))
         inner = [zones.middle[i] + zones.half[i] * chebyshev.lobatto(int(layout.m[i]))[0][1:-1] for i in solved]
-        self.targets, self.middles = Spread.of(panels, np.concatenate(inner)), Spread.of(panels, zones.middle[solved])
+        self.targets, self.middles = panels.spread(np.concatenate(inner)), panels.spread(zones.middle[solved])
 
     def moments(self, y: Array) -> Array:
         """Moments of the panels from unknowns."""

@@ -17,7 +17,8 @@ from sie.basis.data import Array, Index, widened
 from sie.basis.kernels import Kernel, Regular, regular_size
 from sie.basis.zones import Zones
 from sie.density.located import Located
-from sie.fast.panels import Panels, Spread, panels_over
+from sie.fast.panels import Panels, panels_over
+from sie.fast.skeleton import Skeleton
 from sie.jumps.forcing import ForcingJumps
 
 # Distance from a singular end, over the half width, within which errors of the density are not asked for.
@@ -165,7 +166,7 @@ class Series(Located):
         return quadrature(self.zones, self.kernel, self.coefficients, self.jumps)
 
     @cached_property
-    def panel_moments(self) -> tuple[Panels, Array] | None:
+    def panel_moments(self) -> tuple[Panels | Skeleton, Array] | None:
         """The panels of the regular part and this density's moments on them; None where it has none."""
         panels = panels_over(self.kernel, self.zones)
         return None if panels is None else (panels, moments_of(panels, self.zones, self.kernel, self.coefficients, self.jumps))
@@ -238,7 +239,7 @@ def regular_at(density: Series, x: Array, regular: Regular) -> Array:
     every zone."""
     if density.panel_moments is not None:
         panels, moments = density.panel_moments
-        return panels.at(Spread.of(panels, x), moments, regular is not density.kernel.regular)
+        return panels.at(panels.spread(x), moments, regular is not density.kernel.regular)
     return by_quadrature(density.quadrature, x, regular)
 
 
@@ -252,10 +253,10 @@ def by_quadrature(parts: list[tuple[Array, Array]], x: NDArray[Any], regular: Ca
     return out
 
 
-def moments_of(panels: Panels, zones: Zones, kernel: Kernel, table: Array, jumps: ForcingJumps) -> Array:
+def moments_of(panels: Panels | Skeleton, zones: Zones, kernel: Kernel, table: Array, jumps: ForcingJumps) -> Array:
     """Moments of the panels of a density, see `quadrature`."""
     nodes, weights = (np.concatenate(parts) for parts in zip(*quadrature(zones, kernel, table, jumps), strict=True))
-    return panels.moments(Spread.of(panels, nodes), weights)
+    return panels.moments(panels.spread(nodes), weights)
 
 
 def quadrature(zones: Zones, kernel: Kernel, table: Array, jumps: ForcingJumps) -> list[tuple[Array, Array]]:

@@ -1,7 +1,8 @@
 """A first look at the functions that make an equation: on a few points, once, before anything is solved with them.
 
 What they return must be real and of the shape asked for; a primitive must rise as its function says, a regular part's potential
-likewise; of a symmetric set the right side must be odd.
+likewise; of a symmetric set the right side must be odd. What is claimed of a function is compared with it: that a regular kernel depends
+on x - xi alone, that a weight is a polynomial, that a column has few modes.
 """
 
 from collections.abc import Callable
@@ -10,10 +11,11 @@ from typing import Any
 
 import numpy as np
 
+from sie.basis import chebyshev
 from sie.basis.data import Array
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
-from sie.equation.conditions import speaks_of_levels
+from sie.equation.conditions import Weighted, speaks_of_levels
 from sie.equation.equation import Equation, Forcing
 
 # Places that are looked at on each of at most three zones.
@@ -25,19 +27,36 @@ _STEPS = (1e-3, 2e-5)
 _DISAGREES, _UNEVEN = 1e-4, 1e-6
 # What a few operations round a primitive to, over its value.
 _ROUNDED = 64 * float(np.finfo(np.float64).eps)
+# Coefficients beyond those that a function is said to have, over the largest: what rounding of the function leaves, with a wide margin.
+_BEYOND = 1e-9
+# Coefficients beyond those claimed that are looked at.
+_MORE = 8
+# Change of a regular kernel along x - xi = const, over its size, that is none of rounding.
+_VARIES = 1e-9
 
 
 def look_at(equation: Equation, zones: Zones) -> None:
     """Raise ValueError, by name, for functions that do not return what the equation is about."""
     how = (any(condition.count(zones) > 0 and speaks_of_levels(condition, zones) for condition in equation.conditions), zones.symmetric)
+    low, high = equation.within
+    if not (low < zones.a[0] and zones.b[-1] < high):
+        raise ValueError(
+            f"the zones [{zones.a[0]:.6g}, {zones.b[-1]:.6g}] do not lie inside the interval `within`, "
+            f"({low:.6g}, {high:.6g})"
+        )
+    for condition in equation.conditions:
+        if isinstance(condition, Weighted) and condition.degree is not None:
+            _look_at_degree(f"{type(condition).__name__}: its weight", condition.weight, condition.degree, zones)
     parts = [("the right side", equation.forcing), *((f"column {k}", column) for k, column in enumerate(equation.columns))]
     for name, forcing in parts:
         if not forcing.looked_at and how not in _seen(forcing):
             _look_at_forcing(name, forcing, *_places(zones), *how)
+            _look_at_modes(name, forcing, zones)
             _seen(forcing).add(how)
     # Kernels of this package are what they are.
     if equation.kernel.grows and how not in _seen(equation.kernel):
         _look_at_kernel(equation.kernel, *_places(zones), *how)
+        _look_at_lag(equation.kernel, *_places(zones))
         _seen(equation.kernel).add(how)
 
 
@@ -49,9 +68,24 @@ def _seen(part: Forcing | Kernel) -> set[tuple[bool, bool]]:
 
 def _places(zones: Zones) -> tuple[Array, Array]:
     """(places, half width of their zones)."""
-    some = sorted({int(zones.solved[0]), int(zones.solved[len(zones.solved) // 2]), int(zones.solved[-1])})
+    some = _some(zones)
     x = zones.middle[some, None] + zones.half[some, None] * _T
     return x.ravel(), np.repeat(zones.half[some], len(_T))
+
+
+def _some(zones: Zones) -> list[int]:
+    """The first, the last and a middle one of the solved zones."""
+    return sorted({int(zones.solved[0]), int(zones.solved[len(zones.solved) // 2]), int(zones.solved[-1])})
+
+
+def _called(name: str, function: Callable[..., Any], *places: Array) -> Any:
+    """What a user's function returns, or a ValueError with its name and what it raised."""
+    try:
+        with np.errstate(all="ignore"):
+            return function(*places)
+    except Exception as error:
+        shapes = " and ".join(str(place.shape) for place in places)
+        raise ValueError(f"{name} fails for arrays of shape {shapes}: {type(error).__name__}: {error}") from error
 
 
 def _real(name: str, returned: Any, shape: tuple[int, ...], given: str) -> Array:
@@ -60,6 +94,8 @@ def _real(name: str, returned: Any, shape: tuple[int, ...], given: str) -> Array
         raise ValueError(f"{name} is complex: only real equations are solved, its real and imaginary part one by one")
     if values.dtype.kind not in "fiub":
         raise ValueError(f"{name} must return numbers, got {type(returned).__name__} for {given}")
+    if values.shape == shape and not isinstance(returned, np.ndarray):
+        raise ValueError(f"{name} must return an array of shape {shape} for {given}, got {type(returned).__name__}")
     if values.shape != shape:
         raise ValueError(f"{name} must return an array of shape {shape} for {given}, got shape {values.shape}")
     return np.asarray(values, dtype=float)
@@ -71,7 +107,8 @@ def _look_at_forcing(name: str, forcing: Forcing, x: Array, half: Array, levels:
             raise ValueError(f"{name}: {part} must be a function of x, got {type(function).__name__}")
 
     def of(part: str, function: Callable[[Array], Array], places: Array) -> Array:
-        return _real(f"{name}: {part}", function(places.ravel()), (places.size,), f"x of shape ({places.size},)").reshape(places.shape)
+        returned = _called(f"{name}: {part}", function, places.ravel())
+        return _real(f"{name}: {part}", returned, (places.size,), f"x of shape ({places.size},)").reshape(places.shape)
 
     value = partial(of, "value", forcing.value)
     g = value(x)
@@ -89,7 +126,7 @@ def _look_at_kernel(kernel: Kernel, x: Array, half: Array, levels: bool, symmetr
     def of(name: str, function: Callable[[Array, Array], Array], at: Array, source: Array) -> Array:
         shape = np.broadcast_shapes(at.shape, source.shape)
         given = f"x of shape {at.shape} and xi of shape {source.shape}"
-        return _real(f"the kernel's {name}", function(at, source), shape, given)
+        return _real(f"the kernel's {name}", _called(f"the kernel's {name}", function, at, source), shape, given)
 
     values = of("regular part", regular, x[:, None, None], np.array([xi, xi]))
     if symmetric:
@@ -99,6 +136,67 @@ def _look_at_kernel(kernel: Kernel, x: Array, half: Array, levels: bool, symmetr
         _look_at_rise(
             "the kernel's regular potential", "regular part", lambda at: of("regular part", regular, at, xi[:, None]),
             lambda at: of("regular potential", potential, at, xi[:, None]), x, half,
+        )
+
+
+def _look_at_degree(name: str, weight: Callable[[Array], Array], degree: int, zones: Zones) -> None:
+    """ValueError for a weight that is no polynomial of the degree that is said."""
+    for zone in _some(zones):
+        x = zones.middle[zone] + zones.half[zone] * chebyshev.gauss(degree + 1 + _MORE)
+        returned = np.asarray(_called(name, weight, x))
+        values = _real(name, returned if returned.ndim else np.broadcast_to(returned, x.shape), x.shape, f"x of shape {x.shape}")
+        size = np.abs(chebyshev.t_means(values))
+        beyond = size[degree + 1 :].max()
+        if beyond > _BEYOND * size.max() + _of_places(x, zones.half[zone], values):
+            raise ValueError(
+                f"{name} is no polynomial of degree {degree}: on zone {zone} (counted from 0) {beyond / size.max():.1e} of it is of a "
+                "higher degree; give its degree, or none"
+            )
+
+
+def _look_at_modes(name: str, forcing: Forcing, zones: Zones) -> None:
+    """ValueError for a column of more modes than it is said to have."""
+    if forcing.modes is None:
+        return
+    count = forcing.modes + _MORE
+    t = chebyshev.lobatto(count)[0][1:-1]
+    for zone in _some(zones):
+        x = zones.middle[zone] + zones.half[zone] * t
+        values = _real(name, _called(name, forcing.value, x), x.shape, f"x of shape {x.shape}")
+        size = np.abs(chebyshev.u_coefficients(values[None])[0])
+        beyond = size[forcing.modes :].max()
+        if beyond > _BEYOND * size.max() + _of_places(x, zones.half[zone], values):
+            raise ValueError(
+                f"{name} has more than modes={forcing.modes} modes: on zone {zone} (counted from 0) {beyond / size.max():.1e} of it is "
+                "beyond these; leave modes out"
+            )
+
+
+def _of_places(x: Array, length: float, values: Array) -> float:
+    """What rounding of places makes of values that vary over this length."""
+    return float(8 * np.spacing(np.abs(x).max()) / max(length, 1e-300) * np.ptp(values))
+
+
+def _look_at_lag(kernel: Kernel, x: Array, half: Array) -> None:
+    """ValueError for a regular part that is said to depend on x - xi alone, and does not."""
+    if not kernel.of_lag or kernel.regular is None:
+        return
+    # Both places move alike, by part of the narrowest zone that is looked at, within their zones.
+    places = x.reshape(-1, len(_T))[:, :2].ravel()
+    target, source = np.repeat(places, len(places)), np.tile(places, len(places))
+    shift = (_T[2] - _T[1]) * half.min()
+    lag, values = target - source, []
+    for moved in (0.0, shift):
+        at = source + moved
+        values.append(_real("the kernel's regular part", kernel.regular(at + lag, at), at.shape, f"x of shape {at.shape}"))
+    size = np.abs(values[0]).max(initial=0.0)
+    rounding = _of_places(x, shift, values[0])
+    off = np.abs(values[1] - values[0])
+    worst = int(np.argmax(off))
+    if off[worst] > _VARIES * size + rounding:
+        raise ValueError(
+            f"the kernel's regular part is said to depend on x - xi alone (of_lag=True), but for x - xi = {lag[worst]:.6g} it is "
+            f"{values[0][worst]:.6g} at xi = {source[worst]:.6g} and {values[1][worst]:.6g} at xi = {source[worst] + shift:.6g}"
         )
 
 

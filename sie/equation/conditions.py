@@ -12,7 +12,7 @@ from typing import Protocol
 
 import numpy as np
 
-from sie.basis import chebyshev
+from sie.basis import chebyshev, inputs
 from sie.basis.data import Array, record
 from sie.basis.interval import edge_scale
 from sie.basis.zones import Zones
@@ -264,6 +264,10 @@ class Total(Condition):
 
     value: float | None
 
+    def __post_init__(self) -> None:
+        if self.value is not None:
+            inputs.number("Total: its value", self.value)
+
     @property
     def open(self) -> bool:  # type: ignore[override]
         return self.value is None
@@ -303,6 +307,12 @@ class Weighted(Condition):
     value: float
     degree: int | None = None
 
+    def __post_init__(self) -> None:
+        inputs.function("Weighted: its weight", self.weight)
+        inputs.number("Weighted: its value", self.value)
+        if self.degree is not None:
+            inputs.whole("Weighted: its degree", self.degree, 0)
+
     def rows(self, system: Rows) -> tuple[Array, Array, Array]:
         return summed(system, system.integrals(self._even if system.zones.symmetric else self.weight, self.degree), self.value)
 
@@ -333,7 +343,7 @@ def moment(value: float, about: float = 0.0) -> Weighted:
     >>> float(round(found.amplitudes[0], 12))
     -1.0
     """
-    return Weighted(partial(np.add, -float(about)), float(value), degree=1)
+    return Weighted(partial(np.add, -inputs.number("moment: about", about)), inputs.number("moment: value", value), degree=1)
 
 
 @dataclass(frozen=True)
@@ -360,6 +370,9 @@ class ZoneMoments(Condition):
     """
 
     value: float
+
+    def __post_init__(self) -> None:
+        inputs.number("ZoneMoments: its value", self.value)
 
     def rows(self, system: Rows) -> tuple[Array, Array, Array]:
         zones = system.zones
@@ -389,6 +402,9 @@ class ZoneTotals(Condition):
     """
 
     values: tuple[float, ...] | float = 0.0
+
+    def __post_init__(self) -> None:
+        inputs.numbers("ZoneTotals: its values", self.values)
 
     def count(self, zones: Zones) -> int:
         return len(zones.solved)
@@ -457,6 +473,9 @@ class Level(Condition):
     value: float
     levels = True
 
+    def __post_init__(self) -> None:
+        inputs.number("Level: its value", self.value)
+
     def count(self, zones: Zones) -> int:
         return len(zones.solved)
 
@@ -492,6 +511,12 @@ class Amplitude(Condition):
     k: int
     value: float | None = 0.0
     per_total: float = 0.0
+
+    def __post_init__(self) -> None:
+        inputs.whole("Amplitude: its column", self.k, 0)
+        inputs.number("Amplitude: per_total", self.per_total)
+        if self.value is not None:
+            inputs.number("Amplitude: its value", self.value)
 
     @property
     def open(self) -> bool:  # type: ignore[override]
@@ -535,6 +560,9 @@ class TotalWidth:
     """
 
     value: float
+
+    def __post_init__(self) -> None:
+        inputs.positive("TotalWidth: its value", self.value)
 
     def residual(self, zones: Zones) -> tuple[float, Array, Array]:
         one = np.ones(len(zones))

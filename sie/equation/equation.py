@@ -6,19 +6,23 @@ with side conditions on phi and on the unknown amplitudes lambda_k. Unknowns are
 arithmetic: per zone the index, one for each free end, one for each unknown amplitude.
 """
 
+import math
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
+from typing import Any
 
 import numpy as np
 
+from sie.basis import inputs
 from sie.basis.data import Array, Index, Kept
-from sie.basis.kernels import Kernel
+from sie.basis.kernels import MAKERS, Kernel, Smooth
 from sie.basis.zones import Zones
 from sie.equation.conditions import Condition, EndCondition
 from sie.jumps.density import DensityJumps
 from sie.jumps.forcing import ForcingJumps
+from sie.jumps.formulas import HIGHEST
 
 Function = Callable[[Array], Array]
 
@@ -49,8 +53,8 @@ class Forcing(Kept):
     primitive : callable or None
         An antiderivative of g, continuous over all zones; only needed by conditions on potentials.
     jumps_at, jumps, orders : array_like
-        Positions, heights g^(q)(s+) - g^(q)(s-) and orders q (0, 1 or 2) of jumps of g or of its derivatives, all (k,); for a kernel with a
-        period they repeat. orders None: all 0, jumps of g itself.
+        Positions, heights g^(q)(s+) - g^(q)(s-) and orders q (0, 1 or 2) of jumps of g or of its derivatives, (k,), or one height or order
+        for all; for a kernel with a period they repeat. orders None: all 0, jumps of g itself.
     density_jumps_at, density_jumps, density_orders : array_like
         The same of jumps of the wanted density, where g has (J/pi) (x - s)^q ln|x - s| / q!; for q = 0 this is (J/pi) Lambda(x, s), Lambda
         the kernel's potential, and is left out of `value`. Either jumps or density_jumps.
@@ -73,18 +77,20 @@ class Forcing(Kept):
         Whether `value` loses nothing of the places that it is given: then ends of zones are kept to more digits than their positions have.
     looked_at : bool
         Whether it is known to be in order, and its primitive to rise as its value says: then that is not looked at again.
+    within : (float, float)
+        The open interval on which the function is defined: it is not called outside, and free ends stay inside.
 
     Raises
     ------
     ValueError
-        If both jumps and density_jumps are given.
+        If both jumps and density_jumps are given, if these are no numbers or not as many as their positions, or an order is above 2.
 
     Examples
     --------
     A wedge: g jumps by 2 at the origin, which is declared, and the load 2 gives a half width of one.
 
     >>> import numpy as np, sie
-    >>> wedge = sie.Forcing(np.sign, np.abs, jumps_at=np.array([0.0]), jumps=np.array([2.0]))
+    >>> wedge = sie.Forcing(np.sign, np.abs, jumps_at=[0.0], jumps=[2.0])
     >>> sie.solve(sie.Equation(sie.cauchy(), wedge, (sie.Total(2.0),)), sie.Zones.of([[-0.5, 2.0]])).zones.table.round(9).tolist()
     [[-1.0, 1.0]]
     """
@@ -105,6 +111,7 @@ class Forcing(Kept):
     placed: Function | None = None
     exact: bool = False
     looked_at: bool = False
+    within: tuple[float, float] = (-math.inf, math.inf)
 
     def sampled(self, start: Array, away: Array, slope: Function) -> Array:
         """g at start + away, more exactly than such places can be told apart: taken where they are rounded to, and what that is
@@ -115,8 +122,21 @@ class Forcing(Kept):
         return np.asarray(values + slope(values) * (away - (at - start)))
 
     def __post_init__(self) -> None:
+        keep = partial(object.__setattr__, self)
+        for at, heights, orders in (("jumps_at", "jumps", "orders"), ("density_jumps_at", "density_jumps", "density_orders")):
+            places = inputs.numbers(at, getattr(self, at))
+            keep(at, places)
+            keep(heights, _for_each(at, heights, len(places), getattr(self, heights)))
+            if getattr(self, orders) is not None:
+                keep(orders, _orders(at, orders, len(places), getattr(self, orders)))
         if len(self.jumps_at) and len(self.density_jumps_at):
             raise ValueError("either the right side jumps or the density does: give jumps or density_jumps, not both")
+        keep("singular_at", inputs.numbers("singular_at", self.singular_at))
+        if self.modes is not None:
+            inputs.whole("modes", self.modes, 1)
+        if self.resolution is not None:
+            inputs.positive("resolution", self.resolution)
+        keep("within", _interval("within", self.within))
 
     @cached_property
     def kinks(self) -> tuple[Array, Array]:
@@ -142,25 +162,73 @@ class Forcing(Kept):
         return ForcingJumps.within(zones, self.jumps_at, self.jumps, orders, kernel.period, self.spline or self.value)
 
 
+def _for_each(places: str, name: str, count: int, values: Any) -> Array:
+    """Numbers (count,), one for each of the places: as many as these, or one for all."""
+    table = inputs.numbers(name, values)
+    if len(table) == 1 and count > 1 and np.ndim(values) == 0:
+        return np.full(count, table[0])
+    if len(table) != count:
+        raise ValueError(f"{name}: one for each of {places} is needed, or one for all; got {len(table)} for {count} places")
+    return table
+
+
+def _orders(places: str, name: str, count: int, values: Any) -> Index:
+    """Orders of jumps (count,)."""
+    if isinstance(values, np.ndarray) and values.dtype == np.intp and values.shape == (count,) and (values <= HIGHEST).all():
+        return values
+    table = _for_each(places, name, count, values)
+    if not np.isin(table, np.arange(HIGHEST + 1)).all():
+        raise ValueError(f"{name} must be 0, 1 or 2, which derivative jumps; leave jumps of higher ones out, got {inputs.shown(values)}")
+    return table.astype(np.intp)
+
+
+def _interval(name: str, values: Any) -> tuple[float, float]:
+    """(lo, hi) with lo < hi; both may be infinite."""
+    table = inputs.table_of(name, values)
+    if table.shape != (2,) or not table[0] < table[1]:
+        raise ValueError(f"{name} must be two numbers (lo, hi) with lo < hi, infinite where there is no limit, got {inputs.shown(values)}")
+    return float(table[0]), float(table[1])
+
+
+def _forcing(name: str, given: Any) -> Forcing:
+    """A `Forcing`, or a function of x, as one."""
+    if isinstance(given, Forcing):
+        return given
+    if callable(given) and given is not Forcing:
+        return Forcing(given)
+    raise ValueError(f"{name} must be a sie.Forcing or a function of x, got {inputs.shown(given)}")
+
+
+def _look_at_kernel(kernel: Any) -> None:
+    """ValueError for what is no kernel with a pole."""
+    if isinstance(kernel, Kernel):
+        return
+    if kernel in MAKERS:
+        raise ValueError(f"the kernel is what sie.{kernel.__name__}(...) returns: call it")
+    if isinstance(kernel, Smooth) or callable(kernel):
+        raise ValueError("a smooth kernel alone makes no singular integral equation, and one that is ill-posed: add it to sie.cauchy()")
+    raise ValueError(f"the kernel must be a sie.Kernel, such as sie.cauchy(), got {inputs.shown(kernel)}")
+
+
 def _of_order_zero(at: Array, heights: Array, orders: Index | None) -> tuple[Array, Array]:
     which = np.ones(len(at), dtype=bool) if orders is None else np.asarray(orders) == 0
     return np.asarray(at)[which], np.asarray(heights)[which]
 
 
 @dataclass(frozen=True, eq=False)
-class Equation:
+class Equation(Kept):
     """Kernel, right side, columns of unknown amplitude, side conditions, and conditions on the ends alone.
 
     Parameters
     ----------
     kernel : Kernel
         `cauchy()`, `hilbert(period)`, `images(period, neighbours)`, or one of these plus a `Smooth`.
-    forcing : Forcing
-        The right side g.
+    forcing : Forcing or callable
+        The right side g; a function of x stands for `Forcing` of it.
     conditions : tuple of Condition
         Side conditions: one for each zone with two singular or two free ends, one less for each fixed bounded end, one more for each
-        column.
-    columns : tuple of Forcing
+        column. One that is no tuple will do.
+    columns : tuple of Forcing or callable
         Functions of the right side whose amplitudes are unknown.
     end_conditions : tuple
         Conditions on the ends alone, as many as conditions of unknown value.
@@ -168,7 +236,8 @@ class Equation:
     Raises
     ------
     ValueError
-        For columns with jumps, and for potentials asked of right sides with logarithms.
+        For a kernel without a pole, for columns with jumps, for potentials asked of right sides with logarithms, and for parts of a wrong
+        type.
 
     Examples
     --------
@@ -180,15 +249,33 @@ class Equation:
 
     kernel: Kernel
     forcing: Forcing
-    conditions: tuple[Condition, ...]
+    conditions: tuple[Condition, ...] = ()
     columns: tuple[Forcing, ...] = ()
     end_conditions: tuple[EndCondition, ...] = ()
 
     def __post_init__(self) -> None:
+        _look_at_kernel(self.kernel)
+        keep = partial(object.__setattr__, self)
+        keep("forcing", _forcing("the right side", self.forcing))
+        keep("columns", tuple(_forcing(f"column {k}", column) for k, column in enumerate(inputs.several(self.columns))))
+        keep("conditions", inputs.several(self.conditions))
+        keep("end_conditions", inputs.several(self.end_conditions))
+        for condition in self.conditions:
+            if not isinstance(condition, Condition):
+                raise ValueError(f"a side condition must be a sie.Condition, such as sie.Total(1.0), got {inputs.shown(condition)}")
+        for end_condition in self.end_conditions:
+            if not callable(getattr(end_condition, "residual", None)) or isinstance(end_condition, type):
+                raise ValueError(f"a condition on the ends is one such as sie.TotalWidth(1.0), got {inputs.shown(end_condition)}")
         if any(len(column.jumps_at) + len(column.density_jumps_at) for column in self.columns):
             raise ValueError("a column of unknown amplitude must be smooth: jumps belong to the right side")
         if len(self.forcing.density_jumps_at) and any(condition.levels for condition in self.conditions):
             raise ValueError("a condition on potentials is for right sides without logarithms")
+
+    @cached_property
+    def within(self) -> tuple[float, float]:
+        """The open interval on which the right side and all columns are defined."""
+        low, high = zip(*(part.within for part in (self.forcing, *self.columns)), strict=True)
+        return max(low), min(high)
 
     @property
     def grows(self) -> bool:
@@ -227,4 +314,5 @@ class Equation:
             raise CountError(
                 f"{unknowns} side conditions are needed (index {surplus}, {len(self.columns)} unknown amplitudes, "
                 f"{opened} unknown values) but {given} are given ({names}): {what}"
+                + ("; bounded ends ask for as many columns of unknown amplitude, or for other ends" if unknowns < 0 else "")
             )

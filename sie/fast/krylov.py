@@ -3,7 +3,7 @@
 from collections.abc import Callable
 
 import numpy as np
-from scipy.linalg import solve_triangular
+from scipy.linalg import norm, solve_triangular
 
 from sie.basis.data import Array, record
 
@@ -23,7 +23,7 @@ class Iterated:
 
 def gmres(apply: Callable[[Array], Array], b: Array, tolerance: float, most: int = 200) -> Iterated:
     """x with |b - A x| <= tolerance (absolute), from zero; the best one if rounding or `most` steps come first."""
-    beta = float(np.linalg.norm(b))
+    beta = float(norm(b))
     if beta <= tolerance:
         return Iterated(np.zeros_like(b), beta, 0)
     basis = np.empty((min(most, 16) + 1, len(b)))
@@ -38,16 +38,16 @@ def gmres(apply: Callable[[Array], Array], b: Array, tolerance: float, most: int
         if k + 1 == len(basis):
             basis = np.concatenate((basis, np.empty((min(len(basis), most + 1 - len(basis)), len(b)))))
         w = apply(basis[k])
-        size = float(np.linalg.norm(w))
+        size = float(norm(w))
         h = basis[: k + 1] @ w
         w -= h @ basis[: k + 1]
-        below = float(np.linalg.norm(w))
+        below = float(norm(w))
         if below < _LITTLE * size:
             # Of what is left by so much cancellation, rounding keeps a part that is not orthogonal.
             again = basis[: k + 1] @ w
             w -= again @ basis[: k + 1]
             h += again
-            below = float(np.linalg.norm(w))
+            below = float(norm(w))
         for j in range(k):
             h[j], h[j + 1] = cos[j] * h[j] + sin[j] * h[j + 1], cos[j] * h[j + 1] - sin[j] * h[j]
         radius = float(np.hypot(h[k], below))

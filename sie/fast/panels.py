@@ -5,9 +5,9 @@ coefficients have decayed between any two of them,
 
     k(x, xi) = sum_kl K^(d)_kl T_k(t) T_l(tau),      d: how many panels x lies farther right than xi,
 
-which is one matrix for each lag d, or, if it is not of the lag alone, for each pair of panels: its low rank. What zones do at points
-then goes by moments of the panels, sum_q w_q T_l(tau_q) over the quadrature nodes of the zones, and by series on the panels: in time
-linear in zones and points.
+which is one matrix for each lag d. What zones do at points then goes by moments of the panels, sum_q w_q T_l(tau_q) over the quadrature
+nodes of the zones, and by series on the panels: in time linear in zones and points. A kernel of both places has a skeleton instead: it is
+called on zones alone.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from scipy import fft
@@ -23,46 +24,55 @@ from sie.basis import chebyshev
 from sie.basis.data import Array, Complex, Index, Kept, by_rows, record
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
+from sie.fast.skeleton import Skeleton, skeleton_of
 
 Function = Callable[[Array, Array], Array]
 
 TERMS = 24
 # Panels over the zones, and over half a period, at the most: a kernel that varies over less is summed as it is. Of very many zones, so
-# many panels to each; and where each pair of panels has a matrix of its own, for which there must be so many zones.
-_MOST, _EACH, _MOST_PAIRS, _ZONES = 512, 8, 64, 32
+# many panels to each; and from which number of zones on a kernel that is not of the lag alone has a skeleton.
+_MOST, _EACH, _ZONES = 512, 8, 32
 # Coefficients that have decayed, over the largest; and those that are the kernel's own rounding, if half the width leaves them.
 _DECAYED, _ROUNDING, _FALLS = 1e-15, 1e-12, 0.3
 # Pairs of points and nodes, and lags, handled at once.
 _BLOCK, _LAGS = 200_000, 64
+# Panels that a kernel keeps: more than one choice of them takes, and few enough for memory.
+_KEPT = 24
+# Over a panel, what rounding moves a place by.
+_AT_END = 1e-9
 # A series that falls by _DECAYED in TERMS has no singularity nearer than so many widths of a panel, to the side of the line.
 _REACH = 0.5 * math.sinh(-math.log(_DECAYED) / TERMS)
 
 
-def panels_over(kernel: Kernel, zones: Zones) -> Panels | None:
-    """The panels of a kernel's regular part over all zones; None where it has none, or varies over too little."""
+def panels_over(kernel: Kernel, zones: Zones) -> Panels | Skeleton | None:
+    """What sums a kernel's regular part fast over all zones; None where it has none, or varies over too little."""
     if kernel.regular is None or kernel.sure or not (kernel.of_lag or len(zones) >= _ZONES):
         return None
-    most = max(_MOST, _EACH * len(zones)) if kernel.of_lag else _MOST_PAIRS
-    return panels_of(kernel, float(zones.a[0]), float(zones.b[-1]), most)
+    if not kernel.of_lag:
+        return skeleton_of(kernel, zones)
+    return panels_of(kernel, float(zones.a[0]), float(zones.b[-1]), max(_MOST, _EACH * len(zones)))
 
 
 def panels_of(kernel: Kernel, lo: float, hi: float, most: int = _MOST) -> Panels | None:
     """The panels of the kernel's regular part over [lo, hi], no more than so many."""
     if kernel.regular is None or kernel.sure or not hi > lo:
         return None
-    made = Panels if kernel.of_lag else PairPanels
-    step, before = 2.0 ** math.ceil(math.log2(max(hi - lo, kernel.period or 0.0))), math.inf
+    # Without a period the panels end where the zones do: the kernel need not hold beyond. With one they are those of other zones too.
+    whole, origin = (hi - lo, lo) if kernel.period is None else (2.0 ** math.ceil(math.log2(max(hi - lo, kernel.period))), 0.0)
+    step, before = whole, math.inf
     while True:
-        first = math.floor(lo / step)
-        count = math.floor(hi / step) - first + 1
+        first = 0 if kernel.period is None else math.floor(lo / step)
+        count = round(whole / step) if kernel.period is None else math.floor(hi / step) - first + 1
         # Of a period all that lies within half of one of their middle is asked for.
-        away = 0.0 if kernel.period is None or not kernel.of_lag else 0.5 * (kernel.period + hi - lo)
+        away = 0.0 if kernel.period is None else 0.5 * (kernel.period + hi - lo)
         farthest = max(count - 1, math.ceil(away / step))
         if farthest >= most:
             return None
-        key = step, first, count
+        key = step, origin, first, count
         if key not in kernel.kept_panels:
-            kernel.kept_panels[key] = made(kernel, step, first, count, farthest)
+            if len(kernel.kept_panels) >= _KEPT:  # those of zones that have moved since
+                kernel.kept_panels.clear()
+            kernel.kept_panels[key] = Panels(kernel, step, origin, first, count, farthest)
         found: Panels = kernel.kept_panels[key]
         tail = found.tail
         if tail <= _DECAYED or (tail <= _ROUNDING and tail > _FALLS * before):
@@ -72,10 +82,11 @@ def panels_of(kernel: Kernel, lo: float, hi: float, most: int = _MOST) -> Panels
 
 @record
 class Panels(Kept):
-    """Panels [p step, (p + 1) step], p = first ... first + count - 1, of the sources; farthest: lag that is looked at."""
+    """Panels origin + [p step, (p + 1) step], p = first ... first + count - 1, of the sources; farthest: lag that is looked at."""
 
     kernel: Kernel
     step: float
+    origin: float
     first: int
     count: int
     farthest: int
@@ -102,15 +113,21 @@ class Panels(Kept):
         with np.errstate(all="ignore"):  # too far off, until panels are short enough
             for start in range(low, high, _LAGS):
                 lags = np.arange(start, min(start + _LAGS, high))
-                out[lags - low] = self._coefficients(potential, nodes + self.step * lags[:, None], nodes)
+                # The panels are counted from the first one on, where the kernel holds.
+                target, source = np.maximum(lags, 0)[:, None], np.maximum(-lags, 0)[:, None]
+                out[lags - low] = self._coefficients(potential, self.place(target) + nodes, self.place(source) + nodes)
         return out
 
+    def place(self, panel: Index) -> Array:
+        """Middles of panels, counted from the first one."""
+        return np.asarray(self.origin + (self.first + panel + 0.5) * self.step)
+
     def _coefficients(self, potential: bool, x: Array, xi: Array) -> Array:
-        """K by its values at the nodes x of several panels (n, TERMS) and xi of one, (n, TERMS, TERMS)."""
+        """K by its values at the nodes x of several panels (n, TERMS) and xi of as many or one, (n, TERMS, TERMS)."""
         function, to_series = self.kernel.regular_potential if potential else self.kernel.regular, chebyshev.to_series(TERMS)
         if function is None:
             raise ValueError("a condition on potentials needs the regular kernel's potential")
-        values = np.asarray(function(x[:, :, None], np.broadcast_to(xi, (len(x), 1, TERMS))))
+        values = np.asarray(function(x[:, :, None], np.broadcast_to(xi.reshape(-1, 1, TERMS), (len(x), 1, TERMS))))
         return np.asarray(to_series.T @ values @ to_series)
 
     @cached_property
@@ -151,7 +168,16 @@ class Panels(Kept):
     def _transforms(self) -> dict[tuple[bool, int, int], tuple[Complex, int]]:
         return {}
 
-    def moments(self, spread: Spread, weights: Array) -> Array:
+    @property
+    def size(self) -> int:
+        """How many moments there are."""
+        return self.count * TERMS
+
+    def spread(self, x: Array) -> Spread:
+        """Points on the panels."""
+        return Spread.of(self, x)
+
+    def moments(self, spread: Any, weights: Array) -> Array:
         """Moments (count TERMS, ...) of weights (n, ...) at points."""
         shape = weights.shape[1:]
         out = np.zeros((self.count, TERMS, *shape))
@@ -159,7 +185,7 @@ class Panels(Kept):
             out[panel - self.first] = np.tensordot(spread.table[here], weights[here], axes=(0, 0))
         return out.reshape(self.count * TERMS, *shape)
 
-    def at(self, spread: Spread, moments: Array, potential: bool) -> Array:
+    def at(self, spread: Any, moments: Array, potential: bool) -> Array:
         """Transform or potential at the points of `spread`, (n, ...), from moments (count TERMS, ...)."""
         out = np.empty((len(spread.x), *moments.shape[1:]))
         looked_at = self.first + self.count - 1 - self.farthest, self.first + self.farthest
@@ -179,37 +205,11 @@ class Panels(Kept):
         """The same at points beyond the panels that were looked at: from the nodes of the others."""
         function = self.kernel.regular_potential if potential else self.kernel.regular
         assert function is not None
-        middles = (self.first + np.arange(self.count) + 0.5) * self.step
+        middles = self.place(np.arange(self.count))
         nodes = (middles[:, None] + 0.5 * self.step * chebyshev.gauss(TERMS)).ravel()
         weights = np.einsum("jl,pl...->pj...", chebyshev.to_series(TERMS), moments.reshape(self.count, TERMS, *moments.shape[1:]))
         weights = weights.reshape(self.count * TERMS, *moments.shape[1:])
         return np.asarray(by_rows(lambda some: function(some[:, None], nodes) @ weights, x, most=max(1, _BLOCK // len(nodes))))
-
-
-@record
-class PairPanels(Panels):
-    """The same of a kernel that is not of the lag alone: a matrix for each pair of panels."""
-
-    def _few(self) -> Array:
-        corners = np.unique([0, self.count // 2, self.count - 1])
-        return np.concatenate([self._blocks(False, corners, int(corner)) for corner in corners])
-
-    def _blocks(self, potential: bool, targets: Index, source: int) -> Array:
-        """K of these target panels by one source panel, (targets, TERMS, TERMS)."""
-        nodes = 0.5 * self.step * chebyshev.gauss(TERMS)
-        x = ((self.first + targets + 0.5) * self.step)[:, None] + nodes
-        return self._coefficients(potential, x, (self.first + source + 0.5) * self.step + nodes)
-
-    def _all(self, potential: bool) -> Array:
-        """K of all pairs, (targets, sources, TERMS, TERMS)."""
-        every = np.arange(self.count)
-        return np.stack([self._blocks(potential, every, int(source)) for source in every], axis=1)
-
-    def _series(self, moments: Array, low: int, high: int, potential: bool) -> Array:
-        pairs = self._table(potential)[low - self.first : high - self.first + 1].transpose(0, 2, 1, 3)
-        wanted = high - low + 1
-        rows = pairs.reshape(wanted * TERMS, self.count * TERMS) @ moments.reshape(self.count * TERMS, -1)
-        return np.asarray(rows.reshape(wanted, TERMS, -1))
 
 
 def _tail(blocks: Array) -> float:
@@ -227,8 +227,11 @@ class Spread(Kept):
 
     @classmethod
     def of(cls, panels: Panels, x: Array) -> Spread:
-        place = x / panels.step
+        place = (x - panels.origin) / panels.step
         panel = np.floor(place)
+        # The right end of all panels belongs to the last one.
+        last = panels.first + panels.count - 1
+        panel = np.where((panel == last + 1) & (place - panel < _AT_END), last, panel)
         theta = np.arccos(np.clip(2 * (place - panel) - 1, -1.0, 1.0))
         table = np.cos(theta[:, None] * np.arange(TERMS))
         order = np.argsort(panel, kind="stable")

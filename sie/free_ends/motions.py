@@ -28,6 +28,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from scipy.linalg import norm
 
 from sie.basis.data import Array, record
 from sie.basis.interval import edge_scale
@@ -174,9 +175,9 @@ class IteratedMotions(FreeEnds):
             return precondition(*self._applied(v[:count] * self.scale, v[count:] * self.width))
 
         right = precondition(np.zeros(count), change)
-        found = gmres(apply, right, tolerance * float(np.linalg.norm(right)))
+        found = gmres(apply, right, tolerance * float(norm(right)))
         self.solver.iterations += found.steps
-        if not found.residual <= max(_LOST, tolerance) * float(np.linalg.norm(right)):
+        if not found.residual <= max(_LOST, tolerance) * float(norm(right)):
             return np.full(len(self.ends), np.nan)
         return np.asarray(found.x[count:] * self.width)
 
@@ -205,15 +206,15 @@ class IteratedMotions(FreeEnds):
         count = len(self.ends)
         v = along(np.random.default_rng(0).standard_normal(count))
         most = min(_MOST, count - (normal is not None))
-        basis, h, last = [v / np.linalg.norm(v)], np.zeros((most + 1, most)), np.inf
+        basis, h, last = [v / norm(v)], np.zeros((most + 1, most)), np.inf
         for k in range(most):
             w = driven(basis[k])
-            size = float(np.linalg.norm(w))
+            size = float(norm(w))
             for _ in range(2):
                 part = np.array([b @ w for b in basis])
                 h[: k + 1, k] += part
                 w = along(w - part @ np.array(basis))
-            h[k + 1, k] = np.linalg.norm(w)
+            h[k + 1, k] = norm(w)
             # What is left is rounding of the responses: the space of the start is closed.
             whole = k + 1 == most or h[k + 1, k] <= 10 * _RESPONSE * size
             if whole or (k + 1) % _LOOK == 0:

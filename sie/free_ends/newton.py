@@ -14,7 +14,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from sie.basis.data import Array, Index, Mask
+from sie.basis.data import Array, Index, Mask, record
 from sie.basis.zones import FREE, SINGULAR, End, Zones
 from sie.collocation import modes
 from sie.collocation.fixed import SingularSystem, State, first_sizes, sizes_like
@@ -29,6 +29,12 @@ from sie.slits.system import AnyDensity, AnyState, solve_zones
 
 # A step moves an end by at most these parts of its zone's width and of the gap beside it.
 INWARD, OUTWARD, INTO_GAP = 0.3, 0.5, 0.4
+# A step goes at most this part of the distance to where the right side is no longer defined: so an end comes as near to that place as the
+# root asks for, and no step leaves the domain.
+INTO_LIMIT = 0.7
+# An end so near to that place, over its zone's width, that would still go beyond it is held to have no root before it. The right side is
+# singular there as a rule, and a nearer end would take more nodes than a zone may have.
+_AT_LIMIT = 1e-6
 # So many zones on either side are felt in a gap that is about to close.
 _FELT = 15
 # Over what the mean slope of the right side's smooth part makes of A.
@@ -53,7 +59,10 @@ _AMPLIFIED = 1e10
 _FOUND = "the ends are at rest"
 _UNSTABLE = "the ends are at rest, but unstably: pushed off they go on, and another root may be near"
 _UNRESOLVED = "a column or the kernel's regular part varies more than the modes of a zone show"
-_NEUTRAL = "some motion of the ends, as of all of them together, leaves the intensities as they are, so that these do not tell the ends"
+_NEUTRAL = (
+    "some motion of the ends, as of all of them together, leaves the intensities as they are, or changes them by less than 1e-10 of what "
+    "each end does by itself: these do not tell the ends"
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -230,10 +239,10 @@ def find_ends(
                     return _neutral(state, progress, value)
                 motion, rest = told
             return _found(state, progress, rest, motion, value, bounded_ends)
+        beyond, found = _beyond_domain(zones, equation, motion.delta), value if opened is not None else None
         hopeless = progress.is_hopeless(motion.certain) or (equation.grows and state.unresolved) or (near and not progress.is_near())
-        if hopeless or len(progress.trace) > max_steps:
-            found = value if opened is not None else None
-            reason = _why_not(state, progress, motion)
+        if hopeless or beyond.at_limit or len(progress.trace) > max_steps:
+            reason = _why_not(state, progress, motion, beyond)
             return Free(state, False, rest.error, rest.rounding, tuple(progress.trace), found, abs(motion.change), reason=reason)
         value += motion.change
         closes, vanishes = _closes(zones, equation, motion.delta), _vanishes(zones, motion, drops)
@@ -297,13 +306,54 @@ def _found(state: AnyState, progress: Progress, rest: Rest, motion: Motion, valu
     )
 
 
-def _why_not(state: AnyState, progress: Progress, motion: Motion) -> str:
+@record
+class Beyond:
+    """at_limit: whether an end is as near to the border of the right side's domain as it goes, and would pass it; reason: in words, which
+    ends would pass it; empty if none."""
+
+    at_limit: bool
+    reason: str
+
+
+def _beyond_domain(zones: Zones, equation: Equation, delta: Array) -> Beyond:
+    """What outward steps (2, Z) ask for beyond the domain of the right side."""
+    names, near = [], False
+    last = len(zones) - 1
+    for side, zone, name in ((0, 0, "left end of zone 0"), (1, last, f"right end of zone {last}")):
+        room = float(_room(zones, equation)[side, zone])
+        if delta[side, zone] >= room:
+            names.append(f"the {name} (counted from 0)")
+            near |= room <= _AT_LIMIT * float(zones.b[zone] - zones.a[zone])
+    if not names:
+        return Beyond(False, "")
+    low, high = equation.within
+    where = f": the root lies at or beyond it, or nearer to it than {_AT_LIMIT:g} of the zone" if near else ", and may come back"
+    return Beyond(near, f"{' and '.join(names)} would pass the limit within=({low:.6g}, {high:.6g}){where}")
+
+
+def _room(zones: Zones, equation: Equation) -> Array:
+    """Distances (2, Z) of ends from the border of the right side's domain; infinite of all but the outermost ends."""
+    room = np.full((2, len(zones)), np.inf)
+    low, high = equation.within
+    room[0, 0], room[1, -1] = zones.a[0] - low, high - zones.b[-1]
+    return room
+
+
+def _why_not(state: AnyState, progress: Progress, motion: Motion, beyond: Beyond) -> str:
     """Why the search is given up."""
     if state.equation.grows and state.unresolved:
         return _UNRESOLVED
-    if not motion.certain:
-        return "the density does not drive its ends apart as it should: it takes other zones"
-    return progress.past_fold or f"the ends did not come to rest in {len(progress.trace)} steps"
+    if beyond.at_limit:
+        return beyond.reason
+    told = progress.past_fold or f"the ends did not come to rest in {len(progress.trace)} steps"
+    told = f"{told}; {beyond.reason}" if beyond.reason else told
+    if motion.certain:
+        return told
+    zone = int(np.flatnonzero(motion.weak)[0])
+    return (
+        f"{told}; beside an end of zone {zone} (counted from 0) the density has not the sign given by `signs`: it takes other zones, other "
+        "signs or more steps, or there is no such density"
+    )
 
 
 def _limited(
@@ -489,7 +539,7 @@ def _limit(zones: Zones, equation: Equation, delta: Array) -> Array:
     """Moves cut to what widths and gaps allow. An end that would close its gap waits until the others about it have come to rest
     within that gap: their remaining errors, squared, are what pushes it."""
     width = zones.b - zones.a
-    room = INTO_GAP * np.array(modes.gaps(zones, equation.kernel))
+    room = np.minimum(INTO_GAP * np.array(modes.gaps(zones, equation.kernel)), INTO_LIMIT * _room(zones, equation))
     cut = delta > room
     others = np.pad(np.abs(np.where(cut, 0.0, delta)).max(axis=0), _FELT, mode="edge")
     largest = sliding_window_view(others, 2 * _FELT + 1).max(axis=1)

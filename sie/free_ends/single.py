@@ -85,6 +85,10 @@ class Moving:
         reach = np.maximum(_HALVES * half, _WAVE * (self.equation.forcing.resolution or 0.0))
         self.lowest = np.maximum(zones.a[chosen] - _INTO_GAP * left_gap, middle - reach)
         self.highest = np.minimum(zones.b[chosen] + _INTO_GAP * right_gap, middle + reach)
+        # Nor does it go beyond where the right side is defined.
+        low, high = self.equation.within
+        self.lowest = np.maximum(self.lowest, 0.5 * (low + zones.a[chosen])) if np.isfinite(low) else self.lowest
+        self.highest = np.minimum(self.highest, 0.5 * (high + zones.b[chosen])) if np.isfinite(high) else self.highest
         whole, place = state.wide_of(chosen)
         # E_k, and what the zones hold.
         self.by_others = _first(whole.density.coefficients[place]) + _first(whole.system.g[place])

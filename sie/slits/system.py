@@ -10,6 +10,7 @@ from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
+from scipy.linalg import norm
 
 from sie.basis.data import Array, Index, Kept, record, row_sizes, widened
 from sie.basis.interval import edge_scale
@@ -140,7 +141,7 @@ class SlitSystem(Kept):
         # A slit bends its surroundings by the square of its width over its distance: a few steps are enough.
         folded = start + base.solver(bends(start))
         for _ in range(_CORRECTIONS):
-            folded = folded + gmres(apart, start - apart(folded), _ROUNDING * float(np.linalg.norm(folded))).x
+            folded = folded + gmres(apart, start - apart(folded), _ROUNDING * float(norm(folded))).x
         change = float(np.abs(start - apart(folded)).max()) / max(float(np.abs(folded).max()), 1e-300)
         if not change <= max(_SETTLED, 10 * self.linear):
             raise SlitsNotConverged("the slits of a wide zone do not come to rest")

@@ -231,7 +231,7 @@ WRONG = {
         lambda x, xi: -0.01 * period / 2 / np.pi * np.cos(2 * np.pi / period * (x - xi)),
     )),
     "a sie.Kernel": made(lambda period, unit: None),
-    "raises TypeError": made(lambda period, unit: sie.hilbert(None) + None),
+    "raises ValueError": made(lambda period, unit: sie.hilbert(None) + None),
     "that of the kernel at wave 1": made(waves(sine, cosine), symbol=lambda self, q: np.ones_like(q)),
     "1 for short waves": made(waves(sine, cosine), symbol=lambda self, q: 1 + 0.1 * np.ones_like(q)),
     "above 0: at q": made(waves(sine, cosine), symbol=lambda self, q: 1 - 2 * np.exp(-q / 50)),

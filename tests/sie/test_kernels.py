@@ -90,7 +90,7 @@ def test_regular_kernels_add_and_their_reach_is_unknown():
 
 
 def test_only_regular_kernels_can_be_added():
-    with pytest.raises(TypeError):
+    with pytest.raises(ValueError, match="a sie.Smooth or a function"):
         sie.cauchy() + 3
 
 

@@ -9,7 +9,8 @@ import pytest
 
 import sie
 from sie.collocation import fixed
-from sie.fast.panels import PairPanels, Spread, panels_of, panels_over
+from sie.fast.panels import Spread, panels_of, panels_over
+from sie.fast.skeleton import Skeleton
 
 FEW = np.array([[-1.0, -0.5], [-0.2, 0.3], [0.35, 1.0]])
 PERIOD = 2.5
@@ -69,7 +70,7 @@ def test_sums_over_points_are_those_of_the_kernel(depth, period, potential):
 
 def test_a_kernel_of_both_places_over_few_zones_and_one_that_varies_over_too_little_have_none():
     assert panels_over(kernel(0.8, 0.1, of_lag=False), sie.Zones.of(FEW)) is None
-    assert isinstance(panels_over(VARIED, sie.Zones.of(scattered(40))), PairPanels)
+    assert isinstance(panels_over(VARIED, sie.Zones.of(scattered(40))), Skeleton)
     assert panels_over(kernel(0.8, 1e-4, of_lag=False), sie.Zones.of(scattered(40))) is None
     assert panels_of(kernel(0.8, 1e-4), -1.0, 1.0) is None
     assert panels_of(sie.hilbert(PERIOD), -1.0, 1.0) is None  # it is known without
@@ -208,3 +209,40 @@ def test_where_nothing_asks_for_potentials_many_zones_need_none_of_the_kernel(mo
     assert by_sums.density.at_t(5, 0.3) == pytest.approx(direct.density.at_t(5, 0.3), rel=1e-11)
     with pytest.raises(ValueError, match="needs the regular kernel's potential"):
         sie.solve_fixed(sie.Equation(without, right, (sie.Total(0.1), sie.EqualPotential())), zones)
+
+
+@pytest.mark.parametrize("count", [3, 31, 32, 60])
+@pytest.mark.parametrize("of_lag", [False, True])
+def test_a_kernel_is_called_where_the_zones_are(count, of_lag):
+    """One of both places on zones alone, one of the lag from the first end to the last: they may mean nothing elsewhere."""
+    table = np.column_stack((np.arange(count) + 0.3, np.arange(count) + 0.9))
+
+    def value(x, xi):
+        for place in (x, xi):
+            if of_lag:
+                assert place.min() >= table[0, 0] - 1e-12 and place.max() <= table[-1, 1] + 1e-12
+            else:
+                inside = (place[..., None] >= table[:, 0] - 1e-12) & (place[..., None] <= table[:, 1] + 1e-12)
+                assert inside.any(axis=-1).all()
+        return 0.1 * np.cos((x - xi) / count) / count if of_lag else 0.1 * np.sqrt(x * xi) / count**2
+
+    wanted = sie.Equation(sie.cauchy() + sie.Smooth(value, of_lag=of_lag), np.sin, sie.ZoneTotals(1.0))
+    assert sie.solve(wanted, sie.Zones.of(table, sie.SINGULAR, sie.SINGULAR), 1e-8).error < 1e-8
+
+
+def test_a_kernel_of_both_places_is_called_less_often_than_zones_have_pairs_of_nodes():
+    zones, places = sie.Zones.of(scattered(60)), [0]
+
+    def value(x, xi):
+        places[0] += np.broadcast(x, xi).size
+        return VARIED.regular(x, xi)
+
+    state = sie.solve_fixed(sie.Equation(replace(VARIED, regular=value), np.sin, sie.ZoneTotals(1.0)), zones)
+    assert places[0] < 0.1 * state.system.layout.size**2
+
+
+def test_a_kernel_that_is_zero_has_a_skeleton_that_is():
+    zones = sie.Zones.of(scattered(40))
+    nothing = sie.Smooth(lambda x, xi: 0.0 * x * xi)
+    one, other = (sie.solve_fixed(sie.Equation(of, np.sin, sie.ZoneTotals(1.0)), zones) for of in (sie.cauchy() + nothing, sie.cauchy()))
+    assert one.density.coefficients[:, :6] == pytest.approx(other.density.coefficients[:, :6], abs=1e-11)

@@ -1,0 +1,91 @@
+"""Readers of what a user gives: each returns the value in the form the engine needs, or raises a ValueError that names it."""
+
+import math
+from typing import Any
+
+import numpy as np
+
+from sie.basis.data import Array
+
+
+def number(name: str, value: Any) -> float:
+    """A finite real number."""
+    if is_number(value) and math.isfinite(as_float(value)):
+        return float(value)
+    raise ValueError(f"{name} must be a finite number, got {shown(value)}")
+
+
+def is_number(value: Any) -> bool:
+    """Whether a value is one real number; truth values are none."""
+    if isinstance(value, np.ndarray) and value.ndim == 0:
+        value = value[()]
+    return isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool)
+
+
+def as_float(value: Any) -> float:
+    """A number as a floating one; too large a one is infinite."""
+    try:
+        return float(value)
+    except OverflowError:
+        return math.inf
+
+
+def positive(name: str, value: Any) -> float:
+    """A finite number above zero."""
+    if is_number(value) and math.isfinite(as_float(value)) and value > 0:
+        return float(value)
+    raise ValueError(f"{name} must be a finite positive number, got {shown(value)}")
+
+
+def whole(name: str, value: Any, least: int) -> int:
+    """A whole number, `least` or more."""
+    if isinstance(value, int | np.integer) and not isinstance(value, bool) and value >= least:
+        return int(value)
+    raise ValueError(f"{name} must be a whole number from {least} on, got {shown(value)}")
+
+
+def numbers(name: str, values: Any) -> Array:
+    """Finite real numbers (k,): of an array, a sequence or one number."""
+    if (
+        isinstance(values, np.ndarray)
+        and values.dtype == np.float64
+        and values.ndim == 1
+        and np.isfinite(values).all()
+    ):
+        return values
+    table = table_of(name, values)
+    if table.ndim > 1 or not np.isfinite(table).all():
+        raise ValueError(f"{name} must be finite numbers, an array (k,), got {shown(values)}")
+    return np.atleast_1d(table)
+
+
+def table_of(name: str, values: Any) -> Array:
+    """Real numbers of any shape."""
+    try:
+        table = np.asarray(values)
+    except (ValueError, TypeError):
+        raise ValueError(
+            f"{name} must be an array of numbers, got rows of unequal length: {shown(values)}"
+        ) from None
+    if table.dtype.kind not in "fiu" and table.size:
+        raise ValueError(f"{name} must be real numbers, got {shown(values)}")
+    return np.asarray(table, dtype=float)
+
+
+def function(name: str, value: Any, optional: bool = False) -> None:
+    """Check that a value can be called; or is None, where it is optional."""
+    if not (callable(value) or (optional and value is None)):
+        raise ValueError(f"{name} must be a function, got {shown(value)}")
+
+
+def several(values: Any) -> tuple[Any, ...]:
+    """A tuple of what is given: of a list or tuple its members, of anything else itself; of None nothing."""
+    if values is None:
+        return ()
+    return tuple(values) if isinstance(values, list | tuple) else (values,)
+
+
+def shown(value: Any) -> str:
+    """A value in a message: its type, and what it is where that is short."""
+    text = repr(value).replace("\n", " ")
+    return text if len(text) <= 40 and not callable(value) else f"a {type(value).__name__}"

@@ -1,0 +1,194 @@
+"""Why a solution is no better than it is: the largest part of its stated error, and what is measured where that part comes from."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from sie.basis.data import record
+from sie.collocation import modes
+from sie.collocation.fixed import LOOKS, THETA, State
+from sie.free_ends.newton import Free
+from sie.slits.system import AnyState, SlitState
+
+_EPS = float(np.finfo(float).eps)
+# A residual below so many units in the last digit of the terms that it is the difference of is their rounding.
+_ROUNDINGS = 1e3
+# A cause counts where it is at least this part of the tolerance: what it leaves is multiplied by the number of modes.
+_COUNTS = 0.01
+# No cause is below what numbers are rounded to.
+_ROUNDED = 8 * _EPS
+# An iteration that leaves this part of the error is its cause.
+_OF_ITERATION = 1e-3
+# Side conditions that make so much of rounding nearly depend on each other.
+_DEPENDENT = 1e5
+
+
+def of_search(search: Free) -> str:
+    """Why a search for ends stopped before they were at rest."""
+    which = [f"zone {i}" for i in search.lost] + [f"the gap after zone {i}" for i in search.met]
+    more = f" and {len(which) - 4} more" if len(which) > 4 else ""
+    return search.reason + (f" ({', '.join(which[:4])}{more}, counted from 0)" if which else "")
+
+
+def of_error(state: AnyState, search: Free | None, tol: float) -> str:
+    """What most of the stated error is made of."""
+    if search is not None:
+        zone = int(search.rounding.max(axis=1).argmax())
+        worst = float(search.rounding[zone].max())
+        if worst > 0.1 * tol:
+            return f"rounding leaves the ends of zone {zone} (counted from 0) uncertain by {worst:.1e} of its width"
+    iteration, conditions, resolution = _parts(state)
+    # What an iteration leaves is in the residual too, as many times as there are modes.
+    if iteration > max(0.1 * tol, _OF_ITERATION * resolution):
+        return (
+            f"the iteration by which so many zones are solved does not come to rest: {iteration:.1e} of the density is open, as where "
+            "side conditions nearly contradict each other"
+        )
+    if conditions > resolution:
+        dependent = (
+            ": the side conditions nearly depend on each other"
+            if conditions > _DEPENDENT * _EPS
+            else ""
+        )
+        return f"rounding of the side conditions and of the rows changes the density by {conditions:.1e}{dependent}"
+    return _of_resolution(_Worst.of(state), tol)
+
+
+def _parts(state: AnyState) -> tuple[float, float, float]:
+    """Parts of the density's error over its size: of the iteration, of rounding of the rows, and all else."""
+    size = max(state.size, 1e-300)
+    iteration = float(state.linear_error.max(initial=0.0)) / size
+    if isinstance(state, SlitState):
+        iteration += state.rest
+    conditions = state.whole.density_rounding / size
+    return iteration, conditions, state.density_error - iteration - conditions
+
+
+@record
+class _Worst:
+    """The zone with the largest residual, and what is measured of it.
+
+    state: of the zones without slits; zone: among these; where: its name; residual, place: the largest residual times sqrt(1 - t^2), and
+    where it is; terms: size of what it is the difference of.
+    """
+
+    state: State
+    zone: int
+    where: str
+    residual: float
+    place: float
+    terms: float
+
+    @classmethod
+    def of(cls, state: AnyState) -> _Worst:
+        whole, zones = state.whole, state.density.zones
+        solved = zones.solved if not isinstance(state, SlitState) else np.arange(len(zones))
+        residuals = np.abs(state._residuals)
+        missing = (
+            np.zeros(len(solved))
+            if isinstance(state, SlitState)
+            else np.asarray(state.left_out)[solved]
+        )
+        row = int(np.argmax(np.maximum(residuals.max(axis=1), missing)))
+        column = int(residuals[row].argmax())
+        piece = int(solved[row])
+        place = float(zones.middle[piece] + zones.half[piece] * math.cos(THETA[column % LOOKS]))
+        zone = int(whole_zone(state, piece))
+        values = float(np.abs(state.right_side(np.array([place])))[0])
+        terms = values + float(
+            np.abs(whole.density.coefficients[zone]).sum() + np.abs(whole.system.known[zone]).sum()
+        )
+        sizes = whole.system.field_sizes
+        if sizes is not None:
+            # Sums over nodes may cancel: what one of them adds up is as large as the kernel allows.
+            terms += float(sizes.max() * np.abs(whole.unknowns).sum())
+        return cls(
+            whole,
+            zone,
+            f"zone {piece} (counted from 0)",
+            float(residuals[row, column]),
+            place,
+            terms,
+        )
+
+
+def whole_zone(state: AnyState, piece: int) -> int:
+    """The zone without slits that a zone is a part of."""
+    return int(state.wide_of(np.array([piece]))[1][0])
+
+
+def _of_resolution(worst: _Worst, tol: float) -> str:
+    """What keeps the functions on the worst zone from being shown by its modes, the largest of what is measured."""
+    state, zone = worst.state, worst.zone
+    zones, equation, m = state.density.zones, state.equation, int(state.system.layout.m[worst.zone])
+    fall = float(modes.decay(zones, equation.kernel)[zone])
+    beside = math.exp(-fall * m) if fall < modes.ALONE else 0.0
+    # Beyond what every number is rounded to.
+    rounded = max(float(modes.place_rounding(zones, np.array([zone]))[0]) - 4 * _EPS, 0.0)
+    most, noisy = (
+        m >= modes.most(equation.kernel),
+        state.sizes.growth is not None and state.sizes.growth.floor[zone] > 0.0,
+    )
+    # What fell as far as it was asked to is no cause, nor what more functions were not tried for.
+    unfallen = bool(state._stopped[zone]) or int(state.sizes.own[zone]) >= modes.MOST_OWN
+    causes = {
+        "right side": float(state.truncation[zone]) if unfallen else 0.0,
+        "beside": beside,
+        "places": rounded,
+        "fields": float(state.tails[zone]) if equation.grows and (most or noisy) else 0.0,
+    }
+    cause = max(causes, key=lambda name: causes[name])
+    if causes[cause] < max(_COUNTS * tol, _ROUNDED):
+        cause = "none"
+    if cause == "beside":
+        return (
+            f"{worst.where} lies so close to another one, or to an image, that its {m} modes do not "
+            f"show all of it: they leave {beside:.1e}"
+        )
+    if cause == "places":
+        return f"places on {worst.where} are rounded to {rounded:.1e} of its half width: count x from a place near it"
+    if cause == "fields":
+        why = (
+            "more of them do not make it less: it is noisy or rounded"
+            if noisy
+            else "it varies too fast for them"
+        )
+        return f"on {worst.where} the last of {m} modes of {_of_user(state)} is {causes[cause]:.1e} of the largest: {why}"
+    if cause == "right side":
+        return _of_right_side(worst)
+    rounding = _EPS * worst.terms
+    if worst.residual <= _ROUNDINGS * rounding:
+        return f"that is what rounding leaves: terms of the size {worst.terms:.1e} add up to a density of the size {state.size:.1e}"
+    return (
+        f"at x = {worst.place:.6g} on {worst.where} the equation is off by {worst.residual:.1e} of a density of the size {state.size:.1e}, "
+        "between the places at which it is solved"
+    )
+
+
+def _of_user(state: State) -> str:
+    """Which of a user's functions modes grow for."""
+    of_columns = any(column.modes is None for column in state.equation.columns)
+    if not state.equation.kernel.grows:
+        return "a column"
+    return "a column or of the kernel's regular part" if of_columns else "the kernel's regular part"
+
+
+def _of_right_side(worst: _Worst) -> str:
+    """How the coefficients of the right side fall on a zone, and what functions do so."""
+    state, zone = worst.state, worst.zone
+    n, last = int(state.kept[zone]), float(state.truncation[zone])
+    falls = "no longer fall" if bool(state._stopped[zone]) else "have not fallen further"
+    return (
+        f"on {worst.where} the last of {n} coefficients of the right side"
+        f"{_less_jumps(state, zone)} is {last:.1e} of the largest, and they {falls}: it is rounded or "
+        "noisy there, varies too fast or is singular, or it or a derivative jumps, which is to be "
+        "declared (sie.Forcing)"
+    )
+
+
+def _less_jumps(state: State, zone: int) -> str:
+    """That jumps are subtracted from the right side on a zone, in words."""
+    count = int(np.count_nonzero(state.system.jumps.zone == zone))
+    return f" less its {count} declared jumps" if count else ""
