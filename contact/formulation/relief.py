@@ -22,6 +22,9 @@ from sie import Array, Complex, Index, record
 
 # Samples of R a shortest length of the profile.
 _CLOSE = 20
+# Places at which heights are looked at for their noise, and steps over the shortest length: of a smooth shape the square of that is below
+# rounding.
+_LOOKS, _STRAIGHT = 256, 1e-8
 
 
 @record
@@ -33,8 +36,13 @@ class Relief(Conjugate):
     @cached_property
     def smooth(self) -> Callable[[Array], Array]:
         """All of R but the logarithms of the kinks."""
-        conjugate, waves = Conjugate(self.profile).smooth, self._sum
+        conjugate, waves = self._plain.smooth, self._sum
         return conjugate if waves is None else lambda x: np.asarray(conjugate(x) + self._at(x, waves))
+
+    @cached_property
+    def _plain(self) -> Conjugate:
+        """H f' itself, as on a half-plane."""
+        return Conjugate(self.profile)
 
     def of_waves(self, x: Array) -> Array:
         """What the kinks add to R through the waves in which the body is no half-plane: (J/pi) times the smooth part of the inverse
@@ -73,10 +81,15 @@ class Relief(Conjugate):
         return Sum.of(np.asarray(-self.inverse / (np.pi * n) * at_kinks, dtype=np.complex128))
 
     @cached_property
-    def rounding(self) -> float:
-        """What rounding of the heights may do to R through the waves."""
-        height = float(np.ptp(np.asarray(self.profile.height(period_samples(self.profile)))))
-        return 2 * float(np.finfo(np.float64).eps) * height * float(np.sum(self._q * np.abs(self.inverse)))
+    def error(self) -> float:
+        """Estimate of the largest error of R: that of H f', and what rounding of the heights, a constant in them included, does through
+        the waves."""
+        of_heights = 2 * height_noise(self.profile) * float(np.sum(self._q * np.abs(self.inverse))) if len(self.inverse) else 0.0
+        return self._plain.error + of_heights
+
+    @property
+    def limit(self) -> str:
+        return self._plain.limit or "heights are known to their rounding only, and the body makes much of that in R"
 
 
 @record
@@ -102,8 +115,9 @@ class ScaledRelief(sie.Kept):
         return np.concatenate((self.at, self.units.scaled(self.relief.breakpoints)))
 
     @property
-    def rounding(self) -> float:
-        return self.relief.rounding / self.units.slope
+    def error(self) -> float:
+        """That of R."""
+        return self.relief.error / self.units.slope
 
     def without_own(self, kinks: Index) -> Array:
         """R at some of the kinks themselves, less the logarithm of each."""
@@ -150,6 +164,17 @@ def harmonics(profile: Profile, count: int) -> Complex:
         wave = np.exp(-2j * np.pi * ((n + 1) * turns % 1.0)) if n % 16 == 0 else wave * step
         out[n] = heights @ wave
     return out
+
+
+def height_noise(profile: Profile) -> float:
+    """Largest rounding of the heights of a periodic profile [m], by second differences over steps so short that it is straight."""
+    x = period_samples(profile)
+    x = x[:: max(1, len(x) // _LOOKS)]
+    step = _STRAIGHT * (profile.resolution or profile.period or 1.0)
+    heights = np.asarray(profile.height(x + step * np.arange(3)[:, None]))
+    bend = np.diff(heights, 2, axis=0)
+    # A few steps may meet a kink.
+    return float(np.finfo(np.float64).eps) * float(np.abs(heights).max()) + 8 * float(np.median(np.abs(bend)))
 
 
 def period_samples(profile: Profile) -> Array:

@@ -60,7 +60,7 @@ def of_gaps(scene: Scene, found: FoundByGaps, plan: Plan, tol: float) -> Solutio
     _tell_sizes(plan, len(fields.zones), found.free.state)
     table = in_cell(scene, np.asarray(fields.problem.units.x(fields.zones)))
     solution = Solution(scene, table, fields, found.error, found.certificate, plan, found.free.trace)
-    return _within(tol, solution, found.free, "gap")
+    return _within(tol, solution, found.free, "gap", beside=found.limit_beside)
 
 
 def of_full(scene: Scene, full: FullLimit, mean_pressure: float, plan: Plan, tol: float, branch: str | None = None) -> Solution:
@@ -77,10 +77,10 @@ def of_full(scene: Scene, full: FullLimit, mean_pressure: float, plan: Plan, tol
         plan[name].used, plan[name].reason = False, "full contact"
     # Rounding of the closed form, in terms of the peak pressure, or of the mean where the peak is infinite.
     peak = max(abs(fields.max_pressure), abs(least)) if math.isfinite(fields.max_pressure) else abs(mean_pressure)
-    error = 1e-13 + full.rounding / peak
+    error = 1e-13 + full.error / peak
     solution = Solution(scene, np.zeros((0, 2)), fields, error, certificate, plan, branch=branch)
     if error > tol:
-        why = f"rounding of the heights leaves an error of {error:.1e} in full contact, above the tolerance {tol:.1e}"
+        why = f"the stated error {error:.2g} of full contact is above the tolerance {tol:.2g}: {full.relief.limit}"
         raise NotConverged(why, (), solution)
     return solution
 

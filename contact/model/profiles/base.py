@@ -37,6 +37,13 @@ def onto(ends: tuple[float, float], at: Array, slack: Array | float) -> Array:
     return np.where((at < lo) & (at >= lo - slack), lo, np.where((at > hi) & (at <= hi + slack), hi, at))
 
 
+def is_of_package(profile: "Profile") -> bool:
+    """Whether a profile's class, and those of its bodies, are the package's: what these claim is tested, and not looked at again."""
+    inner = getattr(profile, "profile", None)
+    parts = [*profile.bodies.values(), *([inner] if isinstance(inner, Profile) else [])]
+    return all(type(part).__module__.startswith("contact.") for part in (profile, *parts))
+
+
 def told_by(name: str) -> Any:
     """A property that is a parameter, or what a part says of itself: `told_by("width")`, `told_by("profile.support")`."""
     return property(attrgetter(name))
