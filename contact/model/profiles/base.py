@@ -191,6 +191,11 @@ class Profile(sie.Kept):
         seen = self.slopes_seen
         return (float(np.abs(seen).max()), float(np.sqrt(np.mean(seen**2)))) if seen.size else (0.0, 0.0)
 
+    @cached_property
+    def claims_seen(self) -> dict[tuple[float, float], Any]:
+        """What has been found of its claims, by interval: see contact.formulation.claims."""
+        return {}
+
     def wrap(self, x: ArrayLike) -> Any:
         """x moved by whole periods into [x0, x0 + L), bit for bit the same if already there."""
         given = np.asarray(x)

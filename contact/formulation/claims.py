@@ -1,0 +1,265 @@
+"""What a profile of one's own claims of itself, held against its heights: slope, kinks, mirror symmetry, period, lowest places.
+
+Over a panel between declared breakpoints the height rises by the integral of the slope. What is missing beyond the rounding of the heights
+and beyond what quadrature leaves, over the integral of |f'|, is how far the slope is from the profile's own: pressures and ends follow it.
+A panel with a corner that nobody declared tells nothing, since quadrature fails there: the series of the slope has to show it.
+
+Profiles of the package's classes are taken at their word: their tests hold it.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from contact.errors import SceneError
+from contact.model.profiles.base import Profile, is_of_package
+from sie import Array, Mask, record
+
+_EPS = float(np.finfo(np.float64).eps)
+
+
+@dataclass(frozen=True)
+class ClaimOptions:
+    """How closely claims are looked at.
+
+    least_panels, most_panels: of the interval; two of them to a resolution between these limits.
+    derived_panels: the most of them where the slope itself takes many heights.
+    nodes: of Gauss's rule on each of 1 + 2 + 3 parts of a panel; their differences tell the error of the last.
+    margin: of doubts, which are differences themselves.
+    rounded_slopes: of a unit in the last digit of the largest slope, what slopes may be rounded to.
+    straight: a step over a panel so short that heights are straight on it but for rounding.
+    halvings: of a panel that disagrees: quadrature that fails does not fail alike on all of its parts.
+    most_kinks: declared ones that are looked at, and beside: distance from them over the panel.
+    jump: of a kink, over it, that its slopes may be off by so near to it.
+    refused: relative disagreement from which a claim is false; what is less is a part of the error.
+    follows: what pressures and ends follow a slope's relative error by, at a given load.
+    """
+
+    least_panels: int = 16
+    most_panels: int = 128
+    derived_panels: int = 16
+    nodes: int = 8
+    margin: float = 4.0
+    rounded_slopes: float = 64.0
+    straight: float = 1e-7
+    halvings: int = 3
+    most_kinks: int = 64
+    beside: float = 1e-6
+    jump: float = 1e-3
+    refused: float = 1e-6
+    follows: float = 4.0
+
+
+OPTIONS = ClaimOptions()
+
+
+@record
+class Claims:
+    """error: what pressures and ends may be off by because claims disagree; limit: in words; fault: a claim that is false, in words."""
+
+    error: float = 0.0
+    limit: str = ""
+    fault: str = ""
+
+
+_TRUE = Claims()
+
+
+def of(profile: Profile, zones: Array | None = None) -> Claims:
+    """The claims of a profile: of its cell, or where it is known, or else about zones [m] (n, 2); looked at once for each profile and
+    interval, and refused by a SceneError where one is false."""
+    if is_of_package(profile):
+        return _TRUE
+    interval = _interval(profile, zones)
+    if interval is None:
+        return _TRUE
+    known: dict[tuple[float, float], Claims] = profile.claims_seen
+    if interval not in known:
+        with np.errstate(all="ignore"):
+            known[interval] = _looked_at(profile, *interval)
+    claims = known[interval]
+    if claims.fault:
+        raise SceneError(f"the profile contradicts itself: {claims.fault}", "profile", profile)
+    return claims
+
+
+def _interval(profile: Profile, zones: Array | None) -> tuple[float, float] | None:
+    """Where claims are looked at; about zones the same for all zones of about one width and place."""
+    known = profile.support or profile.known
+    if known is not None:
+        return float(known[0]), float(known[1])
+    if zones is None or len(zones) == 0:
+        return None
+    first, last = float(np.min(zones)), float(np.max(zones))
+    step = 2.0 ** np.ceil(np.log2(last - first))
+    return float(np.floor(first / step) * step), float(np.ceil(last / step) * step)
+
+
+def _looked_at(profile: Profile, lo: float, hi: float) -> Claims:
+    panels = _Panels.of(profile, *_panels(profile, lo, hi))
+    mismatch, limit = _mismatch(profile, panels)
+    if mismatch > OPTIONS.refused and not profile.slope_is_derived:
+        return Claims(fault=limit)
+    fault = _of_kinks(profile, panels) or _of_symmetry(profile, panels, lo, hi)
+    fault = fault or _of_period(profile, panels) or _of_summits(profile, panels, lo, hi)
+    return Claims(OPTIONS.follows * mismatch, limit, fault)
+
+
+def _panels(profile: Profile, lo: float, hi: float) -> tuple[Array, Array]:
+    """Left and right ends of panels without a declared breakpoint inside: all of the interval, or a part of it evenly."""
+    length, options = hi - lo, OPTIONS
+    resolution = profile.resolution
+    wanted = options.least_panels if resolution is None else max(options.least_panels, np.ceil(2 * length / resolution))
+    most = options.derived_panels if profile.slope_is_derived else options.most_panels
+    breaks = np.unique(np.asarray(profile.breakpoints, dtype=np.float64))
+    breaks = breaks[(breaks > lo) & (breaks < hi)]
+    width = length / wanted
+    starts = lo + width * np.floor(np.linspace(0.0, wanted - 1.0, int(min(wanted, most))))
+    a = np.concatenate((starts, breaks[:: max(1, len(breaks) // most)]))
+    following = np.append(breaks, hi)[np.searchsorted(breaks, a, side="right")]
+    b = np.minimum(a + width, following)
+    wide = b - a > options.beside * width
+    return a[wide], b[wide]
+
+
+@record
+class _Panels:
+    """Panels (n,), rises of the height, integrals of the slope and of its size, and what both may be off by; x, slope: all nodes;
+    heights: at both ends (2, n); noise: of heights."""
+
+    a: Array
+    b: Array
+    rise: Array
+    integral: Array
+    size: Array
+    doubt: Array
+    x: Array
+    slope: Array
+    heights: Array
+    noise: float
+
+    @classmethod
+    def of(cls, profile: Profile, a: Array, b: Array) -> "_Panels":
+        nodes, weights = np.polynomial.legendre.leggauss(OPTIONS.nodes)
+        half = (0.5 * (b - a))[:, None]
+        at = [(2 * k + 1 + nodes) / parts - 1.0 for parts in (1, 2, 3) for k in range(parts)]
+        x = a[:, None] + half * (1 + np.concatenate(at))
+        slope = np.asarray(profile.slope(x.ravel()), dtype=np.float64).reshape(x.shape)
+        rule = np.zeros((x.shape[1], 3))
+        for column, (first, parts) in enumerate(((0, 1), (1, 2), (3, 3))):
+            rows = slice(first * len(nodes), (first + parts) * len(nodes))
+            rule[rows, column] = np.tile(weights, parts) / parts
+        sums = half * (slope @ rule)
+        step = OPTIONS.straight * (b - a)
+        inward = np.stack((a, a + step, a + 2 * step, b, b - step, b - 2 * step))
+        heights = np.asarray(profile.height(inward), dtype=np.float64)
+        bend = np.abs([heights[0] - 2 * heights[1] + heights[2], heights[3] - 2 * heights[4] + heights[5]])
+        largest = float(np.abs(slope).max(initial=0.0, where=np.isfinite(slope)))
+        noise = 2 * _EPS * float(np.abs(heights).max(initial=0.0, where=np.isfinite(heights))) + 8 * float(np.median(bend))
+        doubt = np.ptp(sums, axis=1) + noise + bend.sum(axis=0)
+        doubt = OPTIONS.margin * doubt + OPTIONS.rounded_slopes * _EPS * largest * (b - a)
+        return cls(
+            a, b, heights[3] - heights[0], sums[:, 2], half[:, 0] * (np.abs(slope) @ rule[:, 2]), doubt,
+            x.ravel(), slope.ravel(), heights[[0, 3]], noise,
+        )
+
+    @property
+    def largest(self) -> float:
+        """The largest slope."""
+        return float(np.abs(self.slope).max(initial=0.0, where=np.isfinite(self.slope)))
+
+    @property
+    def relative(self) -> Array:
+        """What is missing of each rise beyond doubt, over the integral of |f'|; 0 where values are not finite."""
+        missing = np.abs(self.rise - self.integral) - self.doubt
+        out = missing / np.maximum(self.size, 1e-9 * self.largest * (self.b - self.a))
+        return np.where(np.isfinite(out), np.maximum(out, 0.0), 0.0)
+
+    def some(self, which: Mask) -> tuple[Array, Array]:
+        return self.a[which], self.b[which]
+
+
+def _mismatch(profile: Profile, panels: _Panels) -> tuple[float, str]:
+    """(the largest relative disagreement of slope and height, in words), as far as it stays when its panel is halved."""
+    missing = panels.relative
+    which = missing > 0.0
+    if not which.any():
+        return 0.0, ""
+    least, (a, b) = missing[which], panels.some(which)
+    for _ in range(OPTIONS.halvings):
+        middle = 0.5 * (a + b)
+        found = _Panels.of(profile, np.concatenate((a, middle)), np.concatenate((middle, b))).relative.reshape(2, -1)
+        right = found[1] > found[0]
+        least = np.minimum(least, found.max(axis=0))
+        a, b = np.where(right, middle, a), np.where(right, b, middle)
+    worst = int(np.argmax(least))
+    if not least[worst] > 0.0:
+        return 0.0, ""
+    k = int(np.flatnonzero(which)[worst])
+    kind = "the slope that is derived from the heights" if profile.slope_is_derived else "slope"
+    return float(least[worst]), (
+        f"{kind} disagrees with the height: from x = {panels.a[k]:.9g} to {panels.b[k]:.9g} m the height rises by "
+        f"{panels.rise[k]:.9g} m, the integral of the slope is {panels.integral[k]:.9g} m"
+    )
+
+
+def _of_kinks(profile: Profile, panels: _Panels) -> str:
+    """A declared jump of the slope that the slope does not have, in words."""
+    kinks = np.asarray(profile.kinks, dtype=np.float64)
+    if profile.slope_is_derived or len(kinks) == 0:
+        return ""
+    kinks = kinks[:: max(1, len(kinks) // OPTIONS.most_kinks)]
+    places = np.unique(np.asarray(profile.breakpoints, dtype=np.float64))
+    apart = float(np.diff(places).min(initial=float(np.max(panels.b - panels.a))))
+    beside = OPTIONS.beside * apart + 4 * np.spacing(np.abs(kinks[:, 0]))
+    sides = np.asarray(profile.slope(kinks[:, 0] + beside * np.array([[-1.0], [1.0]])), dtype=np.float64)
+    seen = sides[1] - sides[0]
+    off = np.abs(seen - kinks[:, 1]) - OPTIONS.jump * np.maximum(np.abs(kinks[:, 1]), np.abs(sides).max(axis=0))
+    worst = int(np.argmax(np.where(np.isfinite(off), off, -np.inf)))
+    if not off[worst] > 0.0:
+        return ""
+    return f"kink declared at {kinks[worst, 0]:.9g} with jump {kinks[worst, 1]:.6g}: the slope jumps by {seen[worst]:.6g} there"
+
+
+def _of_symmetry(profile: Profile, panels: _Panels, lo: float, hi: float) -> str:
+    """Heights that are no mirror image where `symmetric` says so, in words."""
+    inside = (-panels.a >= lo) & (-panels.a <= hi)
+    if not profile.symmetric or not inside.any():
+        return ""
+    x, here = panels.a[inside], panels.heights[0, inside]
+    there = np.asarray(profile.height(-x), dtype=np.float64)
+    return _differ(x, here, there, panels, "symmetric is claimed, but the height is {0:.9g} at {1:.6g} and {2:.9g} at {3:.6g}", -x)
+
+
+def _of_period(profile: Profile, panels: _Panels) -> str:
+    """Heights that do not repeat, in words."""
+    if profile.period is None:
+        return ""
+    x = panels.a + profile.period
+    told = "the height does not repeat with the period: it is {0:.9g} at {1:.6g} and {2:.9g} at {3:.6g}"
+    return _differ(panels.a, panels.heights[0], np.asarray(profile.height(x), dtype=np.float64), panels, told, x)
+
+
+def _differ(x: Array, here: Array, there: Array, panels: _Panels, told: str, y: Array) -> str:
+    """Heights that should be the same at x and y, in words where they are not."""
+    places = 8 * _EPS * (np.abs(x) + np.abs(y)) * panels.largest
+    off = np.abs(here - there) - OPTIONS.margin * (panels.noise + places)
+    size = float(np.ptp(panels.heights[np.isfinite(panels.heights)])) if np.isfinite(panels.heights).any() else 0.0
+    worst = int(np.argmax(np.where(np.isfinite(off), off, -np.inf)))
+    if not off[worst] > OPTIONS.refused * size:
+        return ""
+    return told.format(here[worst], x[worst], there[worst], y[worst])
+
+
+def _of_summits(profile: Profile, panels: _Panels, lo: float, hi: float) -> str:
+    """A height below those of the declared summits, in words."""
+    tips: Any = profile.summits
+    if tips is None or not np.any((tips >= lo) & (tips <= hi)):
+        return ""
+    top = float(np.min(np.asarray(profile.height(np.asarray(tips, dtype=np.float64)))))
+    lowest = int(np.argmin(np.where(np.isfinite(panels.heights[0]), panels.heights[0], np.inf)))
+    below = top - float(panels.heights[0, lowest])
+    if not below > OPTIONS.margin * panels.noise + OPTIONS.refused * float(np.ptp(panels.heights[0])):
+        return ""
+    return f"summits are the lowest places, {top:.9g} m, but the height is {panels.heights[0, lowest]:.9g} m at {panels.a[lowest]:.6g}"
