@@ -8,13 +8,14 @@ Profiles of the package's classes are taken at their word: their tests hold it.
 """
 
 from dataclasses import dataclass
-from typing import Any
+from functools import lru_cache
 
 import numpy as np
 
 from contact.errors import SceneError
+from contact.formulation.noise import PLACES, STEP, deviations, noise
 from contact.model.profiles.base import Profile, is_of_package
-from sie import Array, Mask, record
+from sie import Array, record
 
 _EPS = float(np.finfo(np.float64).eps)
 
@@ -28,8 +29,7 @@ class ClaimOptions:
     nodes: of Gauss's rule on each of 1 + 2 + 3 parts of a panel; their differences tell the error of the last.
     margin: of doubts, which are differences themselves.
     rounded_slopes: of a unit in the last digit of the largest slope, what slopes may be rounded to.
-    straight: a step over a panel so short that heights are straight on it but for rounding.
-    halvings: of a panel that disagrees: quadrature that fails does not fail alike on all of its parts.
+    parts, levels: into which a panel that disagrees is divided, and how often. A corner is in one of them.
     most_kinks: declared ones that are looked at, and beside: distance from them over the panel.
     jump: of a kink, over it, that its slopes may be off by so near to it.
     refused: relative disagreement from which a claim is false; what is less is a part of the error.
@@ -37,13 +37,13 @@ class ClaimOptions:
     """
 
     least_panels: int = 16
-    most_panels: int = 128
+    most_panels: int = 64
     derived_panels: int = 16
     nodes: int = 8
     margin: float = 4.0
     rounded_slopes: float = 64.0
-    straight: float = 1e-7
-    halvings: int = 3
+    parts: int = 5
+    levels: int = 2
     most_kinks: int = 64
     beside: float = 1e-6
     jump: float = 1e-3
@@ -123,6 +123,17 @@ def _panels(profile: Profile, lo: float, hi: float) -> tuple[Array, Array]:
     return a[wide], b[wide]
 
 
+@lru_cache(maxsize=4)
+def _rules(count: int) -> tuple[Array, Array]:
+    """(places over the half width, 0 at the left end; weights) of Gauss's rule on one, two and three parts of a panel, a column each."""
+    nodes, weights = np.polynomial.legendre.leggauss(count)
+    at = [(2 * k + 1 + nodes) / parts for parts in (1, 2, 3) for k in range(parts)]
+    rule = np.zeros((6 * count, 3))
+    for column, (first, parts) in enumerate(((0, 1), (1, 2), (3, 3))):
+        rule[first * count : (first + parts) * count, column] = np.tile(weights, parts) / parts
+    return np.concatenate(at), rule
+
+
 @record
 class _Panels:
     """Panels (n,), rises of the height, integrals of the slope and of its size, and what both may be off by; x, slope: all nodes;
@@ -141,27 +152,21 @@ class _Panels:
 
     @classmethod
     def of(cls, profile: Profile, a: Array, b: Array) -> "_Panels":
-        nodes, weights = np.polynomial.legendre.leggauss(OPTIONS.nodes)
+        at, rule = _rules(OPTIONS.nodes)
         half = (0.5 * (b - a))[:, None]
-        at = [(2 * k + 1 + nodes) / parts - 1.0 for parts in (1, 2, 3) for k in range(parts)]
-        x = a[:, None] + half * (1 + np.concatenate(at))
+        x = a[:, None] + half * at
         slope = np.asarray(profile.slope(x.ravel()), dtype=np.float64).reshape(x.shape)
-        rule = np.zeros((x.shape[1], 3))
-        for column, (first, parts) in enumerate(((0, 1), (1, 2), (3, 3))):
-            rows = slice(first * len(nodes), (first + parts) * len(nodes))
-            rule[rows, column] = np.tile(weights, parts) / parts
         sums = half * (slope @ rule)
-        step = OPTIONS.straight * (b - a)
-        inward = np.stack((a, a + step, a + 2 * step, b, b - step, b - 2 * step))
+        inward = np.concatenate((a + STEP * (b - a) * PLACES[:, None], b[None]))
         heights = np.asarray(profile.height(inward), dtype=np.float64)
-        bend = np.abs([heights[0] - 2 * heights[1] + heights[2], heights[3] - 2 * heights[4] + heights[5]])
         largest = float(np.abs(slope).max(initial=0.0, where=np.isfinite(slope)))
-        noise = 2 * _EPS * float(np.abs(heights).max(initial=0.0, where=np.isfinite(heights))) + 8 * float(np.median(bend))
-        doubt = np.ptp(sums, axis=1) + noise + bend.sum(axis=0)
-        doubt = OPTIONS.margin * doubt + OPTIONS.rounded_slopes * _EPS * largest * (b - a)
+        rounding = 2 * _EPS * float(np.abs(heights).max(initial=0.0, where=np.isfinite(heights)))
+        rounding += OPTIONS.margin * noise(heights[:-1])
+        doubt = OPTIONS.margin * (np.ptp(sums, axis=1) + rounding + deviations(heights[:-1]))
+        doubt += OPTIONS.rounded_slopes * _EPS * largest * (b - a)
         return cls(
-            a, b, heights[3] - heights[0], sums[:, 2], half[:, 0] * (np.abs(slope) @ rule[:, 2]), doubt,
-            x.ravel(), slope.ravel(), heights[[0, 3]], noise,
+            a, b, heights[-1] - heights[0], sums[:, 2], half[:, 0] * (np.abs(slope) @ rule[:, 2]), doubt,
+            x.ravel(), slope.ravel(), heights[[0, -1]], rounding,
         )
 
     @property
@@ -176,27 +181,21 @@ class _Panels:
         out = missing / np.maximum(self.size, 1e-9 * self.largest * (self.b - self.a))
         return np.where(np.isfinite(out), np.maximum(out, 0.0), 0.0)
 
-    def some(self, which: Mask) -> tuple[Array, Array]:
-        return self.a[which], self.b[which]
-
-
 def _mismatch(profile: Profile, panels: _Panels) -> tuple[float, str]:
-    """(the largest relative disagreement of slope and height, in words), as far as it stays when its panel is halved."""
+    """(the largest relative disagreement of slope and height, in words), as far as several parts of a panel share it."""
     missing = panels.relative
-    which = missing > 0.0
-    if not which.any():
+    which = np.flatnonzero(missing > 0.0)
+    least, a, b = missing[which], panels.a[which], panels.b[which]
+    for _ in range(OPTIONS.levels if len(which) else 0):
+        cuts = np.linspace(a, b, OPTIONS.parts + 1)
+        found = _Panels.of(profile, cuts[:-1].ravel(), cuts[1:].ravel()).relative.reshape(OPTIONS.parts, -1)
+        second, each = np.argsort(found, axis=0)[-2], np.arange(len(a))
+        least = np.minimum(least, found[second, each])
+        a, b = cuts[second, each], cuts[second + 1, each]
+    worst = int(np.argmax(least)) if len(which) else 0
+    if not len(which) or not least[worst] > 0.0:
         return 0.0, ""
-    least, (a, b) = missing[which], panels.some(which)
-    for _ in range(OPTIONS.halvings):
-        middle = 0.5 * (a + b)
-        found = _Panels.of(profile, np.concatenate((a, middle)), np.concatenate((middle, b))).relative.reshape(2, -1)
-        right = found[1] > found[0]
-        least = np.minimum(least, found.max(axis=0))
-        a, b = np.where(right, middle, a), np.where(right, b, middle)
-    worst = int(np.argmax(least))
-    if not least[worst] > 0.0:
-        return 0.0, ""
-    k = int(np.flatnonzero(which)[worst])
+    k = int(which[worst])
     kind = "the slope that is derived from the heights" if profile.slope_is_derived else "slope"
     return float(least[worst]), (
         f"{kind} disagrees with the height: from x = {panels.a[k]:.9g} to {panels.b[k]:.9g} m the height rises by "
@@ -254,10 +253,12 @@ def _differ(x: Array, here: Array, there: Array, panels: _Panels, told: str, y: 
 
 def _of_summits(profile: Profile, panels: _Panels, lo: float, hi: float) -> str:
     """A height below those of the declared summits, in words."""
-    tips: Any = profile.summits
-    if tips is None or not np.any((tips >= lo) & (tips <= hi)):
+    if profile.summits is None:
         return ""
-    top = float(np.min(np.asarray(profile.height(np.asarray(tips, dtype=np.float64)))))
+    tips = np.asarray(profile.summits, dtype=np.float64)
+    if not np.any((tips >= lo) & (tips <= hi)):
+        return ""
+    top = float(np.min(np.asarray(profile.height(tips))))
     lowest = int(np.argmin(np.where(np.isfinite(panels.heights[0]), panels.heights[0], np.inf)))
     below = top - float(panels.heights[0, lowest])
     if not below > OPTIONS.margin * panels.noise + OPTIONS.refused * float(np.ptp(panels.heights[0])):

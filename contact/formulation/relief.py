@@ -12,6 +12,7 @@ import numpy as np
 
 import sie
 from contact.formulation.conjugate import Conjugate, log_sine, logarithms
+from contact.formulation.noise import PLACES, STEP, noise
 from contact.formulation.problem import Problem
 from contact.formulation.quadrature import over_period
 from contact.formulation.units import Units
@@ -22,9 +23,8 @@ from sie import Array, Complex, Index, record
 
 # Samples of R a shortest length of the profile.
 _CLOSE = 20
-# Places at which heights are looked at for their noise, and steps over the shortest length: of a smooth shape the square of that is below
-# rounding.
-_LOOKS, _STRAIGHT = 256, 1e-8
+# Places at which heights are looked at for their noise; its largest value over its standard deviation at some hundred places.
+_LOOKS, _PEAK = 256, 4.0
 
 
 @record
@@ -167,14 +167,12 @@ def harmonics(profile: Profile, count: int) -> Complex:
 
 
 def height_noise(profile: Profile) -> float:
-    """Largest rounding of the heights of a periodic profile [m], by second differences over steps so short that it is straight."""
+    """Largest noise of the heights of a periodic profile [m], at even places of the period."""
     x = period_samples(profile)
     x = x[:: max(1, len(x) // _LOOKS)]
-    step = _STRAIGHT * (profile.resolution or profile.period or 1.0)
-    heights = np.asarray(profile.height(x + step * np.arange(3)[:, None]))
-    bend = np.diff(heights, 2, axis=0)
-    # A few steps may meet a kink.
-    return float(np.finfo(np.float64).eps) * float(np.abs(heights).max()) + 8 * float(np.median(np.abs(bend)))
+    step = STEP * (profile.resolution or profile.period or 1.0)
+    heights = np.asarray(profile.height(x + step * PLACES[:, None]), dtype=np.float64)
+    return float(np.finfo(np.float64).eps) * float(np.abs(heights).max()) + _PEAK * noise(heights)
 
 
 def period_samples(profile: Profile) -> Array:
