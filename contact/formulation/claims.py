@@ -1,10 +1,15 @@
-"""What a profile of one's own claims of itself, held against its heights: slope, kinks, mirror symmetry, period, lowest places.
+"""Check of what a user's profile claims about itself against its heights.
 
-Over a panel between declared breakpoints the height rises by the integral of the slope. What is missing beyond the rounding of the heights
-and beyond what quadrature leaves, over the integral of |f'|, is how far the slope is from the profile's own: pressures and ends follow it.
-A panel with a corner that nobody declared tells nothing, since quadrature fails there: the series of the slope has to show it.
+Checked are the slope, the jumps at kinks, symmetry, period and summits. Over a panel between
+declared breakpoints the height rises by the integral of the slope. The difference, beyond the
+rounding of the heights and the error of the quadrature, over the integral of |f'|, is the
+relative error of the slope. Pressures and ends follow it, so it is added to the stated error.
 
-Profiles of the package's classes are taken at their word: their tests hold it.
+Quadrature fails on a panel with an undeclared corner. Such a panel is no evidence, since the
+difference does not appear on several parts of it. Undeclared corners inside zones show in the
+residual, those of full contact in the series of the slope (contact.formulation.conjugate).
+
+The package's own profile classes are not checked here: their tests check them.
 """
 
 from dataclasses import dataclass
@@ -22,18 +27,19 @@ _EPS = float(np.finfo(np.float64).eps)
 
 @dataclass(frozen=True)
 class ClaimOptions:
-    """How closely claims are looked at.
+    """Numbers of the check. None is sensitive: twice or half of each finds the same false claims.
 
-    least_panels, most_panels: of the interval; two of them to a resolution between these limits.
-    derived_panels: the most of them where the slope itself takes many heights.
-    nodes: of Gauss's rule on each of 1 + 2 + 3 parts of a panel; their differences tell the error of the last.
-    margin: of doubts, which are differences themselves.
-    rounded_slopes: of a unit in the last digit of the largest slope, what slopes may be rounded to.
-    parts, levels: into which a panel that disagrees is divided, and how often. A corner is in one of them.
-    most_kinks: declared ones that are looked at, and beside: distance from them over the panel.
-    jump: of a kink, over it, that its slopes may be off by so near to it.
-    refused: relative disagreement from which a claim is false; what is less is a part of the error.
-    follows: what pressures and ends follow a slope's relative error by, at a given load.
+    least_panels, most_panels: limits of the number of panels; between them two per resolution.
+    derived_panels: most panels of a derived slope, each value of which takes many heights.
+    nodes: of Gauss's rule, on one, two and three parts of a panel.
+    margin: factor on estimates of rounding and quadrature errors.
+    rounded_slopes: rounding of a slope, in units of the last digit of the largest one.
+    parts, levels: a panel that disagrees is divided into so many parts, so often.
+    most_kinks: most declared kinks that are checked.
+    beside: distance from a kink at which the slope is taken, over the smallest panel.
+    jump: relative difference from which the jump at a kink is false.
+    refused: relative error from which a claim is refused; a smaller one is stated.
+    follows: ratio of the errors of pressures and ends to the relative error of the slope.
     """
 
     least_panels: int = 16
@@ -56,7 +62,10 @@ OPTIONS = ClaimOptions()
 
 @record
 class Claims:
-    """error: what pressures and ends may be off by because claims disagree; limit: in words; fault: a claim that is false, in words."""
+    """Result of the check.
+
+    error: of pressures and ends; limit: its cause, in words; fault: a false claim, in words.
+    """
 
     error: float = 0.0
     limit: str = ""
@@ -67,8 +76,10 @@ _TRUE = Claims()
 
 
 def of(profile: Profile, zones: Array | None = None) -> Claims:
-    """The claims of a profile: of its cell, or where it is known, or else about zones [m] (n, 2); looked at once for each profile and
-    interval, and refused by a SceneError where one is false."""
+    """Check a profile over its cell or extent, else around zones [m] (n, 2).
+
+    The result is kept with the profile. Raises SceneError where a claim is false.
+    """
     if is_of_package(profile):
         return _TRUE
     interval = _interval(profile, zones)
@@ -85,7 +96,7 @@ def of(profile: Profile, zones: Array | None = None) -> Claims:
 
 
 def _interval(profile: Profile, zones: Array | None) -> tuple[float, float] | None:
-    """Where claims are looked at; about zones the same for all zones of about one width and place."""
+    """The interval to check [m]; zones of similar width and place have the same."""
     known = profile.support or profile.known
     if known is not None:
         return float(known[0]), float(known[1])
@@ -107,10 +118,17 @@ def _looked_at(profile: Profile, lo: float, hi: float) -> Claims:
 
 
 def _panels(profile: Profile, lo: float, hi: float) -> tuple[Array, Array]:
-    """Left and right ends of panels without a declared breakpoint inside: all of the interval, or a part of it evenly."""
+    """Left and right ends of panels (n,) without a declared breakpoint inside.
+
+    They cover the interval, or are spread evenly over it where that takes too many.
+    """
     length, options = hi - lo, OPTIONS
     resolution = profile.resolution
-    wanted = options.least_panels if resolution is None else max(options.least_panels, np.ceil(2 * length / resolution))
+    wanted = (
+        options.least_panels
+        if resolution is None
+        else max(options.least_panels, np.ceil(2 * length / resolution))
+    )
     most = options.derived_panels if profile.slope_is_derived else options.most_panels
     breaks = np.unique(np.asarray(profile.breakpoints, dtype=np.float64))
     breaks = breaks[(breaks > lo) & (breaks < hi)]
@@ -125,7 +143,10 @@ def _panels(profile: Profile, lo: float, hi: float) -> tuple[Array, Array]:
 
 @lru_cache(maxsize=4)
 def _rules(count: int) -> tuple[Array, Array]:
-    """(places over the half width, 0 at the left end; weights) of Gauss's rule on one, two and three parts of a panel, a column each."""
+    """Nodes, from 0 to 2, and weights of Gauss's rule on one, two and three parts of a panel.
+
+    Each number of parts has its column of weights.
+    """
     nodes, weights = np.polynomial.legendre.leggauss(count)
     at = [(2 * k + 1 + nodes) / parts for parts in (1, 2, 3) for k in range(parts)]
     rule = np.zeros((6 * count, 3))
@@ -136,8 +157,11 @@ def _rules(count: int) -> tuple[Array, Array]:
 
 @record
 class _Panels:
-    """Panels (n,), rises of the height, integrals of the slope and of its size, and what both may be off by; x, slope: all nodes;
-    heights: at both ends (2, n); noise: of heights."""
+    """Panels from a to b (n,), with the rise of the height and the integral of the slope on each.
+
+    size: integral of |f'|; doubt: error of rise and integral; x, slope: at all nodes;
+    heights: at both ends (2, n); noise: of a height.
+    """
 
     a: Array
     b: Array
@@ -165,8 +189,16 @@ class _Panels:
         doubt = OPTIONS.margin * (np.ptp(sums, axis=1) + rounding + deviations(heights[:-1]))
         doubt += OPTIONS.rounded_slopes * _EPS * largest * (b - a)
         return cls(
-            a, b, heights[-1] - heights[0], sums[:, 2], half[:, 0] * (np.abs(slope) @ rule[:, 2]), doubt,
-            x.ravel(), slope.ravel(), heights[[0, -1]], rounding,
+            a,
+            b,
+            heights[-1] - heights[0],
+            sums[:, 2],
+            half[:, 0] * (np.abs(slope) @ rule[:, 2]),
+            doubt,
+            x.ravel(),
+            slope.ravel(),
+            heights[[0, -1]],
+            rounding,
         )
 
     @property
@@ -176,19 +208,25 @@ class _Panels:
 
     @property
     def relative(self) -> Array:
-        """What is missing of each rise beyond doubt, over the integral of |f'|; 0 where values are not finite."""
+        """Difference of rise and integral beyond doubt, over the integral of |f'|.
+
+        Zero where values are not finite.
+        """
         missing = np.abs(self.rise - self.integral) - self.doubt
         out = missing / np.maximum(self.size, 1e-9 * self.largest * (self.b - self.a))
         return np.where(np.isfinite(out), np.maximum(out, 0.0), 0.0)
 
+
 def _mismatch(profile: Profile, panels: _Panels) -> tuple[float, str]:
-    """(the largest relative disagreement of slope and height, in words), as far as several parts of a panel share it."""
+    """Largest relative error of the slope that several parts of a panel share, and in words."""
     missing = panels.relative
     which = np.flatnonzero(missing > 0.0)
     least, a, b = missing[which], panels.a[which], panels.b[which]
     for _ in range(OPTIONS.levels if len(which) else 0):
         cuts = np.linspace(a, b, OPTIONS.parts + 1)
-        found = _Panels.of(profile, cuts[:-1].ravel(), cuts[1:].ravel()).relative.reshape(OPTIONS.parts, -1)
+        found = _Panels.of(profile, cuts[:-1].ravel(), cuts[1:].ravel()).relative.reshape(
+            OPTIONS.parts, -1
+        )
         second, each = np.argsort(found, axis=0)[-2], np.arange(len(a))
         least = np.minimum(least, found[second, each])
         a, b = cuts[second, each], cuts[second + 1, each]
@@ -204,7 +242,7 @@ def _mismatch(profile: Profile, panels: _Panels) -> tuple[float, str]:
 
 
 def _of_kinks(profile: Profile, panels: _Panels) -> str:
-    """A declared jump of the slope that the slope does not have, in words."""
+    """A declared kink whose jump the slope does not have, in words; empty without one."""
     kinks = np.asarray(profile.kinks, dtype=np.float64)
     if profile.slope_is_derived or len(kinks) == 0:
         return ""
@@ -212,9 +250,13 @@ def _of_kinks(profile: Profile, panels: _Panels) -> str:
     places = np.unique(np.asarray(profile.breakpoints, dtype=np.float64))
     apart = float(np.diff(places).min(initial=float(np.max(panels.b - panels.a))))
     beside = OPTIONS.beside * apart + 4 * np.spacing(np.abs(kinks[:, 0]))
-    sides = np.asarray(profile.slope(kinks[:, 0] + beside * np.array([[-1.0], [1.0]])), dtype=np.float64)
+    sides = np.asarray(
+        profile.slope(kinks[:, 0] + beside * np.array([[-1.0], [1.0]])), dtype=np.float64
+    )
     seen = sides[1] - sides[0]
-    off = np.abs(seen - kinks[:, 1]) - OPTIONS.jump * np.maximum(np.abs(kinks[:, 1]), np.abs(sides).max(axis=0))
+    off = np.abs(seen - kinks[:, 1]) - OPTIONS.jump * np.maximum(
+        np.abs(kinks[:, 1]), np.abs(sides).max(axis=0)
+    )
     worst = int(np.argmax(np.where(np.isfinite(off), off, -np.inf)))
     if not off[worst] > 0.0:
         return ""
@@ -222,29 +264,47 @@ def _of_kinks(profile: Profile, panels: _Panels) -> str:
 
 
 def _of_symmetry(profile: Profile, panels: _Panels, lo: float, hi: float) -> str:
-    """Heights that are no mirror image where `symmetric` says so, in words."""
+    """A pair of heights that contradicts `symmetric`, in words."""
     inside = (-panels.a >= lo) & (-panels.a <= hi)
     if not profile.symmetric or not inside.any():
         return ""
     x, here = panels.a[inside], panels.heights[0, inside]
     there = np.asarray(profile.height(-x), dtype=np.float64)
-    return _differ(x, here, there, panels, "symmetric is claimed, but the height is {0:.9g} at {1:.6g} and {2:.9g} at {3:.6g}", -x)
+    return _differ(
+        x,
+        here,
+        there,
+        panels,
+        "symmetric is claimed, but the height is {0:.9g} at {1:.6g} and {2:.9g} at {3:.6g}",
+        -x,
+    )
 
 
 def _of_period(profile: Profile, panels: _Panels) -> str:
-    """Heights that do not repeat, in words."""
+    """A pair of heights that contradicts the period, in words."""
     if profile.period is None:
         return ""
     x = panels.a + profile.period
     told = "the height does not repeat with the period: it is {0:.9g} at {1:.6g} and {2:.9g} at {3:.6g}"
-    return _differ(panels.a, panels.heights[0], np.asarray(profile.height(x), dtype=np.float64), panels, told, x)
+    return _differ(
+        panels.a,
+        panels.heights[0],
+        np.asarray(profile.height(x), dtype=np.float64),
+        panels,
+        told,
+        x,
+    )
 
 
 def _differ(x: Array, here: Array, there: Array, panels: _Panels, told: str, y: Array) -> str:
-    """Heights that should be the same at x and y, in words where they are not."""
+    """The pair of heights, at x and y, that differs most, in words; empty if all agree."""
     places = 8 * _EPS * (np.abs(x) + np.abs(y)) * panels.largest
     off = np.abs(here - there) - OPTIONS.margin * (panels.noise + places)
-    size = float(np.ptp(panels.heights[np.isfinite(panels.heights)])) if np.isfinite(panels.heights).any() else 0.0
+    size = (
+        float(np.ptp(panels.heights[np.isfinite(panels.heights)]))
+        if np.isfinite(panels.heights).any()
+        else 0.0
+    )
     worst = int(np.argmax(np.where(np.isfinite(off), off, -np.inf)))
     if not off[worst] > OPTIONS.refused * size:
         return ""
@@ -252,7 +312,7 @@ def _differ(x: Array, here: Array, there: Array, panels: _Panels, told: str, y: 
 
 
 def _of_summits(profile: Profile, panels: _Panels, lo: float, hi: float) -> str:
-    """A height below those of the declared summits, in words."""
+    """A height below the lowest declared summit, in words."""
     if profile.summits is None:
         return ""
     tips = np.asarray(profile.summits, dtype=np.float64)
@@ -261,6 +321,8 @@ def _of_summits(profile: Profile, panels: _Panels, lo: float, hi: float) -> str:
     top = float(np.min(np.asarray(profile.height(tips))))
     lowest = int(np.argmin(np.where(np.isfinite(panels.heights[0]), panels.heights[0], np.inf)))
     below = top - float(panels.heights[0, lowest])
-    if not below > OPTIONS.margin * panels.noise + OPTIONS.refused * float(np.ptp(panels.heights[0])):
+    if not below > OPTIONS.margin * panels.noise + OPTIONS.refused * float(
+        np.ptp(panels.heights[0])
+    ):
         return ""
     return f"summits are the lowest places, {top:.9g} m, but the height is {panels.heights[0, lowest]:.9g} m at {panels.a[lowest]:.6g}"

@@ -39,11 +39,11 @@ _OF_NOISE = 1e-9
 class ConjugateOptions:
     """How the error of H f' is estimated.
 
-    noise_peak: largest value of noise over its root mean square, at some thousand places.
-    slowest_fall: exponent of a series whose sum is still believed; a jump of f' that nobody declared leaves 1.
+    noise_peak: largest value of noise over its standard deviation, at some thousand places.
+    slowest_fall: least exponent of a sum of powers; an undeclared jump of f' leaves 1.
     checks: places at which a closed form is compared with the series of the slope.
-    stands_out: step between samples over their median that is told as a jump; it only chooses words.
-    refused: relative difference from which a closed form is refused; what is less goes into the error.
+    stands_out: step between samples over their median that is named a jump; chooses words only.
+    refused: relative difference from which a closed form is refused; a smaller one is stated.
     """
 
     noise_peak: float = 4.0
@@ -54,7 +54,7 @@ class ConjugateOptions:
 
 
 _OPTIONS = ConjugateOptions()
-# Of the octave before, what an octave of terms is at the least where they fall no more.
+# Terms no longer fall where an octave is more than this part of the one before.
 _STILL = 0.6
 # (point, jump) pairs handled at once.
 _BLOCK = 1 << 20
@@ -95,13 +95,16 @@ class Conjugate(sie.Kept):
 
     @property
     def error(self) -> float:
-        """Estimate of the largest error of H f' beyond the rounding of its own sums: noise of the slopes, what is left out of their
-        series, and how far a closed form is from it."""
+        """Estimate of the largest error of H f', beyond the rounding of its sums.
+
+        It holds the noise of the slopes, the truncation of their series, and the difference of a
+        user's closed form from the series.
+        """
         return self._transform.error
 
     @property
     def limit(self) -> str:
-        """What that error comes from, in words; empty where it is rounding."""
+        """Cause of that error, in words."""
         return self._transform.limit
 
     @cached_property
@@ -123,7 +126,10 @@ class Conjugate(sie.Kept):
         return Transform(closed, difference, "slope_conjugate is so far from the transform of the slope")
 
     def _of_bodies(self) -> "Transform":
-        """Of a sum the sum, each by the way that is its own: logarithms that repeat within the period are one of the shorter period."""
+        """The sum over the bodies, each with its own period.
+
+        Logarithms that repeat within the common period are one of the shorter period.
+        """
         profile = self.profile
         parts = {place: Conjugate(body)._transform for place, body in profile.bodies.items()}
 
@@ -134,7 +140,10 @@ class Conjugate(sie.Kept):
         return Transform(smooth, sum(part.error for part in parts.values()), worst.limit)
 
     def _difference(self, closed: Callable[[Array], Array], series: "Transform") -> float:
-        """How far an author's closed form is from the series of the slope; SceneError where it is another function."""
+        """Difference of a user's closed form from the series of the slope.
+
+        Raises SceneError where it is another function.
+        """
         x = self.profile.x0 + self.period * (np.arange(_OPTIONS.checks) + 0.4142) / _OPTIONS.checks
         here, there = closed(x), series.smooth(x)
         off = np.abs(here - there)
@@ -162,8 +171,11 @@ def logarithms(x: Array, at: Array, heights: Array, period: float) -> Array:
 
 @record
 class Transform:
-    """H f' less the logarithms of its kinks. error: an estimate of its largest error; limit: what that comes from, in words; settled:
-    whether the series of the slope has come to its end; scale: the largest slope or term."""
+    """H f' less the logarithms of its kinks.
+
+    error: estimate of its largest error; limit: cause of that, in words; settled: whether the
+    series of the slope has reached its end; scale: the largest slope or term.
+    """
 
     smooth: Callable[[Array], Array]
     error: float = 0.0
@@ -219,11 +231,11 @@ def _series(profile: Profile, length: float) -> Transform:
 
 
 def _series_error(size: Array, used: int, noise: float) -> float:
-    """What noise in the terms that are used, and all terms that are left out, may make of the sum. size: of the terms; used: how many are;
-    noise: no smaller ones are.
+    """Error of the sum by noise in the terms in use and by the terms that are left out.
 
-    Noise has terms of one size: their sum grows with the root of their number. Terms that fall as a power p, from n up, add up to
-    n/(p - 1) of the n-th.
+    size: of all terms; used: number of terms in use; noise: size below which terms are left out.
+    Terms of noise are of one size: their sum grows with the root of their number. Terms that fall
+    as a power p, from the n-th on, add up to n/(p - 1) of it.
     """
     n = len(size) - 1
     last, before = (float(np.sqrt(np.mean(size[k : 2 * k] ** 2))) for k in (n // 2, n // 4))
@@ -235,7 +247,10 @@ def _series_error(size: Array, used: int, noise: float) -> float:
 
 
 def _limit_of_series(x: Array, smooth: Array, size: Array, settled: bool) -> str:
-    """What the error of a series comes from, in words. smooth: the slope at even places x without its declared jumps."""
+    """Cause of the error of a series, in words.
+
+    smooth: the slope at even places x, without its declared jumps; size: of all terms.
+    """
     n = len(size) - 1
     last, before = (float(np.sqrt(np.mean(size[k : 2 * k] ** 2))) for k in (n // 2, n // 4))
     if settled or last >= _STILL * before:

@@ -23,7 +23,7 @@ from sie import Array, Complex, Index, record
 
 # Samples of R a shortest length of the profile.
 _CLOSE = 20
-# Places at which heights are looked at for their noise; its largest value over its standard deviation at some hundred places.
+# Places for an estimate of the noise of heights; its largest value over its standard deviation.
 _LOOKS, _PEAK = 256, 4.0
 
 
@@ -82,14 +82,19 @@ class Relief(Conjugate):
 
     @cached_property
     def error(self) -> float:
-        """Estimate of the largest error of R: that of H f', and what rounding of the heights, a constant in them included, does through
-        the waves."""
-        of_heights = 2 * height_noise(self.profile) * float(np.sum(self._q * np.abs(self.inverse))) if len(self.inverse) else 0.0
-        return self._plain.error + of_heights
+        """Estimate of the largest error of R.
+
+        It is that of H f', and on a body with a base the noise of the heights in the waves.
+        """
+        if len(self.inverse) == 0:
+            return self._plain.error
+        of_heights = height_noise(self.profile) * float(np.sum(self._q * np.abs(self.inverse)))
+        return self._plain.error + 2 * of_heights
 
     @property
     def limit(self) -> str:
-        return self._plain.limit or "heights are known to their rounding only, and the body makes much of that in R"
+        """Cause of that error, in words."""
+        return self._plain.limit or "noise of the heights is large in the transform for this body"
 
 
 @record

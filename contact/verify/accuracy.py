@@ -169,7 +169,7 @@ _BESIDE = 1e-7
 # Of a gap's width: where its ends are as uncertain, it is looked at whether they tell its place at all.
 _UNCERTAIN = 1e-4
 
-# Ends of a gap under an uneven R over those under an even one as large: 2 where it has opposite signs on either side.
+# Motion of the ends of a gap by an uneven error of R, over that by an even one: 2 for opposite signs.
 _OF_RELIEF = 2.0
 
 # The same for tips: over the half width, as for zones (`sie.Density.sensitivity`).
@@ -189,7 +189,7 @@ class FoundByGaps(Solved):
 
     @property
     def limit_beside(self) -> str:
-        """What the error of R comes from, in words, where that is most of the error; else empty."""
+        """Cause of the error of R, in words, where that is most of the error; else empty."""
         return self.fields.relief.relief.limit if self._error(0.0) < 0.5 * self.error else ""
 
     def _error(self, of_relief: float) -> float:

@@ -20,7 +20,11 @@ AMPLITUDE, PERIOD, MODULUS = 1e-6, 1e-4, 1e11
 WAVE = 2 * np.pi / PERIOD
 KINK, AT = 2e-3, 1e-5
 WORK = np.pi * MODULUS * 2e-2 * AMPLITUDE**2 / PERIOD
-LAYER, JKR, DUGDALE = contact.Layer(2e-5, 0.3), contact.JKR(WORK), contact.Dugdale(WORK, stress=WORK / 2e-7)
+LAYER, JKR, DUGDALE = (
+    contact.Layer(2e-5, 0.3),
+    contact.JKR(WORK),
+    contact.Dugdale(WORK, stress=WORK / 2e-7),
+)
 
 
 @dataclass(frozen=True)
@@ -50,7 +54,10 @@ class Own(Heights):
         x = np.asarray(x, dtype=float)
         t = WAVE * (x - self.origin)
         wave = np.sin(t) - 0.6 * np.sin(2 * t + 0.5) + 0.3 * np.cos(3 * t)
-        return self.factor * (AMPLITUDE * WAVE * wave + self.corner * np.where((x - AT) / PERIOD % 1.0 < 0.5, 1.0, -1.0))
+        return self.factor * (
+            AMPLITUDE * WAVE * wave
+            + self.corner * np.where((x - AT) / PERIOD % 1.0 < 0.5, 1.0, -1.0)
+        )
 
 
 @dataclass(frozen=True)
@@ -76,7 +83,12 @@ class Transformed(Own):
 
     def slope_conjugate(self, x):
         t = WAVE * np.asarray(x, dtype=float)
-        return self.times * AMPLITUDE * WAVE * (-np.cos(t) + 0.6 * np.cos(2 * t + 0.5) + 0.3 * np.sin(3 * t))
+        return (
+            self.times
+            * AMPLITUDE
+            * WAVE
+            * (-np.cos(t) + 0.6 * np.cos(2 * t + 0.5) + 0.3 * np.sin(3 * t))
+        )
 
 
 def periodic(profile, **how):
@@ -99,7 +111,9 @@ ROUTES = {
     "layer": lambda profile: periodic(profile, contact_fraction=0.3, substrate=LAYER),
     "layer by gaps": lambda profile: periodic(profile, contact_fraction=0.9, substrate=LAYER),
     "layer in full": lambda profile: periodic(profile, mean_pressure=2e10, substrate=LAYER),
-    "layer in full at an approach": lambda profile: periodic(profile, approach=5e-6, substrate=LAYER),
+    "layer in full at an approach": lambda profile: periodic(
+        profile, approach=5e-6, substrate=LAYER
+    ),
     "localized": lambda profile: localized(profile, mean_pressure=1e9),
     "self-consistent": lambda profile: localized(profile, "self-consistent", mean_pressure=1e9),
     "JKR": lambda profile: periodic(profile, mean_pressure=1e9, law=JKR),
@@ -124,7 +138,11 @@ def place(origin):
 
 def difference(solution, exact, shift=0.0):
     """Largest difference of ends over widths and of pressures at equal normalised positions over the peak."""
-    peak = exact.max_pressure if np.isfinite(exact.max_pressure) else exact.load / np.diff(exact.zones).sum()
+    peak = (
+        exact.max_pressure
+        if np.isfinite(exact.max_pressure)
+        else exact.load / np.diff(exact.zones).sum()
+    )
     if len(exact.zones) == 0:
         assert len(solution.zones) == 0
         x = np.linspace(0.0, PERIOD, 101)
@@ -135,7 +153,9 @@ def difference(solution, exact, shift=0.0):
         off = (solution.zones - shift - zone + 0.5 * PERIOD) % PERIOD - 0.5 * PERIOD
         j = int(np.argmin(np.abs(off).max(axis=1)))
         pressures = solution.pressure_at(t, j) - exact.pressure_at(t, k)
-        worst = max(worst, np.abs(off[j]).max() / (zone[1] - zone[0]), np.abs(pressures).max() / peak)
+        worst = max(
+            worst, np.abs(off[j]).max() / (zone[1] - zone[0]), np.abs(pressures).max() / peak
+        )
     return worst
 
 
@@ -167,7 +187,9 @@ def test_an_origin_many_periods_away_is_harmless_or_stated(route, periods):
 # Above 0.1 m nearly all are refused, after several tries.
 @pytest.mark.parametrize("constant", quick([0.01, 0.1, 10.0, 100.0], [0.01, 0.1]))
 @pytest.mark.parametrize("route", BY_RELIEF)
-def test_noise_of_derived_slopes_is_stated_where_the_pressure_comes_from_their_transform(route, constant):
+def test_noise_of_derived_slopes_is_stated_where_the_pressure_comes_from_their_transform(
+    route, constant
+):
     right_or_refused(route, Heights(constant=constant), Own())
 
 
@@ -185,12 +207,24 @@ def test_a_constant_that_leaves_the_slope_alone_refuses_nothing(route):
 
 
 FALSE = {
-    "the slope a thousandth too large": (Own(factor=1.001), Own(), "slope disagrees with the height"),
+    "the slope a thousandth too large": (
+        Own(factor=1.001),
+        Own(),
+        "slope disagrees with the height",
+    ),
     "the slope 1e-5 too large": (Own(factor=1 + 1e-5), Own(), "slope disagrees with the height"),
     "the slope 1e-7 too large": (Own(factor=1 + 1e-7), Own(), "slope disagrees with the height"),
     "the slope 1e-9 too large": (Own(factor=1 + 1e-9), Own(), ""),
-    "a corner too large": (Told(corner=KINK, too_large=1.01), Told(corner=KINK), "kink declared at"),
-    "a corner beside its place": (Told(corner=KINK, beside=1e-8), Told(corner=KINK), "kink declared at"),
+    "a corner too large": (
+        Told(corner=KINK, too_large=1.01),
+        Told(corner=KINK),
+        "kink declared at",
+    ),
+    "a corner beside its place": (
+        Told(corner=KINK, beside=1e-8),
+        Told(corner=KINK),
+        "kink declared at",
+    ),
 }
 
 
@@ -229,7 +263,10 @@ def own(height, slope=None, **said):
     parts = {"height": lambda self, x: height(np.asarray(x, dtype=float))}
     if slope is not None:
         parts["slope"] = lambda self, x: slope(np.asarray(x, dtype=float))
-    parts |= {name: value if name == "period" else property(lambda self, v=value: v) for name, value in said.items()}
+    parts |= {
+        name: value if name == "period" else property(lambda self, v=value: v)
+        for name, value in said.items()
+    }
     return type("Free", (contact.Profile,), parts)()
 
 
@@ -241,37 +278,67 @@ def polygon(count, constant=0.0, declared=True):
     said = {"kinks": np.column_stack((x[:-1], slopes - np.roll(slopes, 1)))} if declared else {}
     return own(
         lambda at: constant + np.interp((at - x[0]) % 1.0 + x[0], x, y),
-        lambda at: slopes[np.clip(np.searchsorted(x, (at - x[0]) % 1.0 + x[0], side="right") - 1, 0, count - 1)],
-        period=1.0, resolution=1.0 / count, **said,
+        lambda at: slopes[
+            np.clip(np.searchsorted(x, (at - x[0]) % 1.0 + x[0], side="right") - 1, 0, count - 1)
+        ],
+        period=1.0,
+        resolution=1.0 / count,
+        **said,
     )
 
 
 def power(p, at=0.0):
-    return own(lambda x: np.abs(x - at) ** p, lambda x: p * np.sign(x - at) * np.abs(x - at) ** (p - 1))
+    return own(
+        lambda x: np.abs(x - at) ** p, lambda x: p * np.sign(x - at) * np.abs(x - at) ** (p - 1)
+    )
 
 
 TRUE = {
-    "a polygon": polygon(7), "thousands of corners": polygon(4000), "corners on a constant": polygon(300, 1e3),
-    "corners not told": polygon(300, declared=False), "|x|^1.2": power(1.2), "|x - 0.3|^2.5": power(2.5, 0.3),
-    "cosh(x) - 1": own(lambda x: np.cosh(x) - 1, np.sinh), "cosh": own(np.cosh, np.sinh, symmetric=True, summits=np.zeros(1)),
-    "single precision": own(lambda x: np.cos(x).astype(np.float32).astype(float), lambda x: -np.sin(x), period=2 * np.pi),
-    "a constant of 1e10 amplitudes": own(lambda x: 1e4 + 1e-6 * np.cos(x), lambda x: -1e-6 * np.sin(x), period=2 * np.pi),
-    "far off": own(lambda x: np.cos(x - 2e6 * np.pi), lambda x: -np.sin(x - 2e6 * np.pi), period=2 * np.pi),
+    "a polygon": polygon(7),
+    "thousands of corners": polygon(4000),
+    "corners on a constant": polygon(300, 1e3),
+    "corners not told": polygon(300, declared=False),
+    "|x|^1.2": power(1.2),
+    "|x - 0.3|^2.5": power(2.5, 0.3),
+    "cosh(x) - 1": own(lambda x: np.cosh(x) - 1, np.sinh),
+    "cosh": own(np.cosh, np.sinh, symmetric=True, summits=np.zeros(1)),
+    "single precision": own(
+        lambda x: np.cos(x).astype(np.float32).astype(float), lambda x: -np.sin(x), period=2 * np.pi
+    ),
+    "a constant of 1e10 amplitudes": own(
+        lambda x: 1e4 + 1e-6 * np.cos(x), lambda x: -1e-6 * np.sin(x), period=2 * np.pi
+    ),
+    "far off": own(
+        lambda x: np.cos(x - 2e6 * np.pi), lambda x: -np.sin(x - 2e6 * np.pi), period=2 * np.pi
+    ),
     "a flat top": own(
-        lambda x: np.maximum(-0.3, -np.cos(x)), lambda x: np.where(-np.cos(x) > -0.3, np.sin(x), 0.0), period=2 * np.pi
+        lambda x: np.maximum(-0.3, -np.cos(x)),
+        lambda x: np.where(-np.cos(x) > -0.3, np.sin(x), 0.0),
+        period=2 * np.pi,
     ),
     "a body with sharp corners": own(
-        lambda x: np.where(np.abs(x) <= 1, 0.01 * x**2, np.inf), lambda x: 0.02 * x, support=(-1.0, 1.0), symmetric=True
+        lambda x: np.where(np.abs(x) <= 1, 0.01 * x**2, np.inf),
+        lambda x: 0.02 * x,
+        support=(-1.0, 1.0),
+        symmetric=True,
     ),
     "steep": own(
-        lambda x: np.tanh(50 * np.sin(x)), lambda x: 50 * np.cos(x) / np.cosh(50 * np.sin(x)) ** 2, period=2 * np.pi
+        lambda x: np.tanh(50 * np.sin(x)),
+        lambda x: 50 * np.cos(x) / np.cosh(50 * np.sin(x)) ** 2,
+        period=2 * np.pi,
     ),
 }
 
 
 @pytest.mark.parametrize("name", TRUE)
 def test_true_claims_cost_no_digit(name):
-    zones = np.array([[0.25, 0.34]]) if "0.3" in name else np.array([[-1e-6, 1e-6]]) if "cosh(" in name else np.array([[-0.013, 0.02]])
+    zones = (
+        np.array([[0.25, 0.34]])
+        if "0.3" in name
+        else np.array([[-1e-6, 1e-6]])
+        if "cosh(" in name
+        else np.array([[-0.013, 0.02]])
+    )
     assert claims.of(TRUE[name], zones).error < 1e-9
 
 
@@ -280,8 +347,13 @@ def test_corners_that_nobody_declares_accuse_no_slope():
     for _ in range(150):
         at, jump = rng.random(), 10 ** rng.uniform(-5, 1)
         shape = own(
-            lambda x, at=at, jump=jump: np.cos(2 * np.pi * x) + jump * np.minimum((x - at) % 1.0, (at - x) % 1.0),
-            lambda x, at=at, jump=jump: -2 * np.pi * np.sin(2 * np.pi * x) + jump * np.where((x - at) % 1.0 < 0.5, 1.0, -1.0),
+            lambda x, at=at, jump=jump: (
+                np.cos(2 * np.pi * x) + jump * np.minimum((x - at) % 1.0, (at - x) % 1.0)
+            ),
+            lambda x, at=at, jump=jump: (
+                -2 * np.pi * np.sin(2 * np.pi * x)
+                + jump * np.where((x - at) % 1.0 < 0.5, 1.0, -1.0)
+            ),
             period=1.0,
         )
         assert claims.of(shape).error == 0.0
@@ -298,7 +370,14 @@ def sine(x):
 @pytest.mark.parametrize(
     "said, told",
     [
-        ({"symmetric": True, "height": lambda x: cosine(x - 0.1), "slope": lambda x: sine(x - 0.1)}, "symmetric is claimed"),
+        (
+            {
+                "symmetric": True,
+                "height": lambda x: cosine(x - 0.1),
+                "slope": lambda x: sine(x - 0.1),
+            },
+            "symmetric is claimed",
+        ),
         ({"period": 1.1}, "does not repeat with the period"),
         ({"summits": np.array([0.5])}, "summits are the lowest places"),
     ],
@@ -310,7 +389,10 @@ def test_a_false_symmetry_period_or_lowest_place_is_named(said, told):
 
 
 @pytest.mark.parametrize("times", [1.001, 1 + 1e-7])
-@pytest.mark.parametrize("model, control", [(contact.Periodic(), {"mean_pressure": 1e4}), (contact.Isolated(), {"load": 1e2})])
+@pytest.mark.parametrize(
+    "model, control",
+    [(contact.Periodic(), {"mean_pressure": 1e4}), (contact.Isolated(), {"load": 1e2})],
+)
 def test_one_zone_in_closed_form_is_held_against_its_heights(model, control, times):
     said = {"period": 1.0} if model.needs_period else {}
     height = cosine if said else (lambda x: 0.5 * x**2)
@@ -318,7 +400,9 @@ def test_one_zone_in_closed_form_is_held_against_its_heights(model, control, tim
     true = own(height, slope, symmetric=True, summits=np.zeros(1), **said)
     false = own(height, lambda x: times * slope(x), symmetric=True, summits=np.zeros(1), **said)
     assert contact.solve(contact.Scene(true, MODULUS, model, **control)).error < 1e-12
-    with pytest.raises((contact.SceneError, contact.NotConverged), match="slope disagrees with the height"):
+    with pytest.raises(
+        (contact.SceneError, contact.NotConverged), match="slope disagrees with the height"
+    ):
         contact.solve(contact.Scene(false, MODULUS, model, **control))
 
 
@@ -335,10 +419,18 @@ def test_the_error_of_a_series_covers_a_jump_that_nobody_declares(order):
         return (u - 0.5, 0.5 * (u * u - u + 1 / 6), ((u - 1.5) * u + 0.5) * u / 6)[order - 1]
 
     def shape(**said):
-        return own(lambda x: np.cos(2 * np.pi * x), lambda x: np.sin(2 * np.pi * x) + bernoulli(x - 0.3), period=1.0, **said)
+        return own(
+            lambda x: np.cos(2 * np.pi * x),
+            lambda x: np.sin(2 * np.pi * x) + bernoulli(x - 0.3),
+            period=1.0,
+            **said,
+        )
 
     row = np.array([[0.3, -1.0]]) if order == 1 else np.array([[0.3, order, -1.0]])
-    told, not_told = Conjugate(shape(**{"kinks" if order == 1 else "jumps": row})), Conjugate(shape())
+    told, not_told = (
+        Conjugate(shape(**{"kinks" if order == 1 else "jumps": row})),
+        Conjugate(shape()),
+    )
     x = np.random.default_rng(3).random(2000)
     off = np.abs(told(x) - not_told(x)).max()
     assert told.error < 1e-13
@@ -348,5 +440,7 @@ def test_the_error_of_a_series_covers_a_jump_that_nobody_declares(order):
 @pytest.mark.parametrize("size", [1e-15, 1e-9, 1e-3])
 def test_the_noise_of_values_is_told_from_their_shape(size):
     rng = np.random.default_rng(1)
-    values = np.sin(rng.random(200) + 2 * np.pi * STEP * PLACES[:, None]) + size * rng.standard_normal((7, 200))
+    values = np.sin(
+        rng.random(200) + 2 * np.pi * STEP * PLACES[:, None]
+    ) + size * rng.standard_normal((7, 200))
     assert 0.7 * size < noise(values) < 1.3 * size

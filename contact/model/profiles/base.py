@@ -38,7 +38,7 @@ def onto(ends: tuple[float, float], at: Array, slack: Array | float) -> Array:
 
 
 def is_of_package(profile: "Profile") -> bool:
-    """Whether a profile's class, and those of its bodies, are the package's: what these claim is tested, and not looked at again."""
+    """Whether the classes of a profile and of its bodies are the package's own."""
     inner = getattr(profile, "profile", None)
     parts = [*profile.bodies.values(), *([inner] if isinstance(inner, Profile) else [])]
     return all(type(part).__module__.startswith("contact.") for part in (profile, *parts))
@@ -193,7 +193,7 @@ class Profile(sie.Kept):
 
     @cached_property
     def claims_seen(self) -> dict[tuple[float, float], Any]:
-        """What has been found of its claims, by interval: see contact.formulation.claims."""
+        """Results of contact.formulation.claims, by interval."""
         return {}
 
     def wrap(self, x: ArrayLike) -> Any:

@@ -182,11 +182,12 @@ def _judged(ends: Ends, tol: float) -> tuple[Any, Any, Any]:
 
 
 def _of_claims(ends: Ends) -> Any:
-    """What the claims of the profile add to the stated errors."""
+    """Errors that the claims of the profile add, see contact.formulation.claims."""
     profile, outer = ends.sheet.profile, np.ravel(ends.outer)
     if is_of_package(profile):
         return 0.0
-    return np.reshape([claims.of(profile, np.array([[-half, half]])).error for half in outer], np.shape(ends.outer))
+    errors = [claims.of(profile, np.array([[-half, half]])).error for half in outer]
+    return np.reshape(errors, np.shape(ends.outer))
 
 
 def _solution(scene: Scene, ends: Ends, error: float, gap: float, took: float) -> Solution:
