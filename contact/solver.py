@@ -16,6 +16,7 @@ from numbers import Real
 from contact import memory
 from contact.errors import NotConverged, SceneError, warn
 from contact.extras import require
+from contact.formulation import claims
 from contact.model.checks import one_of
 from contact.model.scene import Scene
 from contact.search.find import found
@@ -121,6 +122,7 @@ def solved_along(
     near = along[-1].solution if along else None
     if scene.control_object.held(scene) is None:
         return _solved(scene, tol, progress, near, shared)
+    claims.of(scene.profile)
     direct = directly(scene, tol)
     if direct is not None:
         return direct
@@ -146,6 +148,7 @@ def _solved(
 ) -> Solution:
     if scene.control_object.held(scene) is None:
         return by_quantity(scene, tol, near, lambda loaded, tighter, beside: _solved(loaded, tighter, progress, beside, shared))
+    claims.of(scene.profile)
     direct = directly(scene, tol)
     return direct if direct is not None else _run(Task.of(scene, tol, progress, near, _solved, shared, branch))
 

@@ -12,6 +12,7 @@ known better than x (sie.jumps.density), and everything else is `smooth`.
 """
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import cached_property
 from math import pi
 
@@ -22,8 +23,9 @@ from scipy import fft
 from scipy.special import zeta
 
 import sie
+from contact.errors import SceneError
 from contact.formulation.pieces import Pieces
-from contact.model.profiles.base import Profile
+from contact.model.profiles.base import Profile, is_of_package
 from contact.model.profiles.trigonometric import Sum
 from sie import Array, record
 
@@ -31,6 +33,29 @@ _LARGEST = 2**18
 _LEAST = 256
 # Terms of a slope that noise may be, over the largest.
 _OF_NOISE = 1e-9
+
+
+@dataclass(frozen=True)
+class ConjugateOptions:
+    """How the error of H f' is estimated.
+
+    noise_peak: largest value of noise over its standard deviation, at some thousand places.
+    slowest_fall: least exponent of a sum of powers; an undeclared jump of f' leaves 1.
+    checks: places at which a closed form is compared with the series of the slope.
+    stands_out: step between samples over their median that is named a jump; chooses words only.
+    refused: relative difference from which a closed form is refused; a smaller one is stated.
+    """
+
+    noise_peak: float = 4.0
+    slowest_fall: float = 1.2
+    checks: int = 32
+    stands_out: float = 64.0
+    refused: float = 1e-6
+
+
+_OPTIONS = ConjugateOptions()
+# Terms no longer fall where an octave is more than this part of the one before.
+_STILL = 0.6
 # (point, jump) pairs handled at once.
 _BLOCK = 1 << 20
 # Terms of the series of Clausen's functions: within half a turn each is a quarter of the one before.
@@ -66,16 +91,73 @@ class Conjugate(sie.Kept):
     @cached_property
     def smooth(self) -> Callable[[Array], Array]:
         """All of H f' but the logarithms (J / pi) ln|2 sin(pi (x - s) / L)| of the kinks."""
+        return self._transform.smooth
+
+    @property
+    def error(self) -> float:
+        """Estimate of the largest error of H f', beyond the rounding of its sums.
+
+        It holds the noise of the slopes, the truncation of their series, and the difference of a
+        user's closed form from the series.
+        """
+        return self._transform.error
+
+    @property
+    def limit(self) -> str:
+        """Cause of that error, in words."""
+        return self._transform.limit
+
+    @cached_property
+    def _transform(self) -> "Transform":
         profile, length = self.profile, self.period
         if len(profile.bodies) > 1:
-            # Of a sum the sum, each by the way that is its own: logarithms that repeat within the period are one of the shorter period.
-            parts = {place: Conjugate(body).smooth for place, body in profile.bodies.items()}
-            return lambda x: np.asarray(sum(parts[place](at) for place, at in profile.facing(x).items()))
-        given = profile.slope_conjugate(np.array([profile.x0 + 0.4142 * length])) is not None
-        if given and len(self.kinks) == 0:
-            return lambda x: np.asarray(profile.slope_conjugate(x))
-        series, settled = _series(profile, length)
-        return _less_logarithms(profile, self.kinks, length) if given and not settled else series
+            return self._of_bodies()
+        if profile.slope_conjugate(np.array([profile.x0 + 0.4142 * length])) is None:
+            return _series(profile, length)
+        closed = lambda x: np.asarray(profile.slope_conjugate(x))  # noqa: E731
+        if is_of_package(profile) and len(self.kinks) == 0:
+            return Transform(closed)
+        series = _series(profile, length)
+        if len(self.kinks):
+            closed = _less_logarithms(profile, self.kinks, length)
+        difference = 0.0 if is_of_package(profile) else self._difference(closed, series)
+        if series.settled:
+            return series
+        return Transform(closed, difference, "slope_conjugate is so far from the transform of the slope")
+
+    def _of_bodies(self) -> "Transform":
+        """The sum over the bodies, each with its own period.
+
+        Logarithms that repeat within the common period are one of the shorter period.
+        """
+        profile = self.profile
+        parts = {place: Conjugate(body)._transform for place, body in profile.bodies.items()}
+
+        def smooth(x: Array) -> Array:
+            return np.asarray(sum(parts[place].smooth(at) for place, at in profile.facing(x).items()))
+
+        worst = max(parts.values(), key=lambda part: part.error)
+        return Transform(smooth, sum(part.error for part in parts.values()), worst.limit)
+
+    def _difference(self, closed: Callable[[Array], Array], series: "Transform") -> float:
+        """Difference of a user's closed form from the series of the slope.
+
+        Raises SceneError where it is another function.
+        """
+        x = self.profile.x0 + self.period * (np.arange(_OPTIONS.checks) + 0.4142) / _OPTIONS.checks
+        here, there = closed(x), series.smooth(x)
+        off = np.abs(here - there)
+        worst = int(np.argmax(off))
+        size = max(float(np.abs(there).max()), series.scale)
+        if not off[worst] <= _OPTIONS.refused * size + 2 * series.error:
+            at, told, wanted = (float(values[worst]) for values in (x, here, there))
+            less = ", less the logarithms of the kinks," if len(self.kinks) else ""
+            raise SceneError(
+                f"slope_conjugate disagrees with the slope: at x = {at:.6g} m it is {told:.6g}{less} "
+                f"and (1/L) PV int f'(xi) cot(pi (x - xi)/L) dxi is {wanted:.6g}; put it right or leave it out",
+                "profile", self.profile,
+            )
+        return _OPTIONS.noise_peak * float(off[worst])
 
     def __call__(self, x: ArrayLike) -> Array:
         x = np.asarray(x, dtype=float)
@@ -87,8 +169,23 @@ def logarithms(x: Array, at: Array, heights: Array, period: float) -> Array:
     return over_jumps(x, at, heights / pi, period, log_sine)
 
 
-def _series(profile: Profile, length: float) -> tuple[Callable[[Array], Array], bool]:
-    """(H f' less its logarithms, whether the Fourier series of what is left of f' has come to its end)."""
+@record
+class Transform:
+    """H f' less the logarithms of its kinks.
+
+    error: estimate of its largest error; limit: cause of that, in words; settled: whether the
+    series of the slope has reached its end; scale: the largest slope or term.
+    """
+
+    smooth: Callable[[Array], Array]
+    error: float = 0.0
+    limit: str = ""
+    settled: bool = True
+    scale: float = 0.0
+
+
+def _series(profile: Profile, length: float) -> Transform:
+    """By the Fourier series of the slope without its declared jumps."""
     kinks, jumps = np.asarray(profile.kinks, dtype=float), np.asarray(profile.jumps, dtype=float)
     orders = jumps[:, 1] - 1
     # Jumps of the third derivative of f that do not add up to nothing ask for a cubic: that of what is over, at one place.
@@ -129,7 +226,43 @@ def _series(profile: Profile, length: float) -> tuple[Callable[[Array], Array], 
             return np.asarray(out)
         return np.asarray(out + of_jumps.conjugate(x) + over_jumps(x, first, over * length**2 / (4 * pi**3), length, clausen3))
 
-    return smooth, settled
+    error = _series_error(size, len(k), noise)
+    return Transform(smooth, error, _limit_of_series(x, slope - polynomials(x), size, settled), settled, scale)
+
+
+def _series_error(size: Array, used: int, noise: float) -> float:
+    """Error of the sum by noise in the terms in use and by the terms that are left out.
+
+    size: of all terms; used: number of terms in use; noise: size below which terms are left out.
+    Terms of noise are of one size: their sum grows with the root of their number. Terms that fall
+    as a power p, from the n-th on, add up to n/(p - 1) of it.
+    """
+    n = len(size) - 1
+    last, before = (float(np.sqrt(np.mean(size[k : 2 * k] ** 2))) for k in (n // 2, n // 4))
+    of_noise = (_OPTIONS.noise_peak * np.sqrt(2.0) * last + noise) * np.sqrt(used)
+    if last >= _STILL * before or last <= noise:
+        return float(of_noise)
+    fall = float(np.log2(before / last)) if last else np.inf
+    return float(of_noise + 4 * n * last / max(fall - 1.0, _OPTIONS.slowest_fall - 1.0))
+
+
+def _limit_of_series(x: Array, smooth: Array, size: Array, settled: bool) -> str:
+    """Cause of the error of a series, in words.
+
+    smooth: the slope at even places x, without its declared jumps; size: of all terms.
+    """
+    n = len(size) - 1
+    last, before = (float(np.sqrt(np.mean(size[k : 2 * k] ** 2))) for k in (n // 2, n // 4))
+    if settled or last >= _STILL * before:
+        return (
+            f"the slope of the profile is known to {last * np.sqrt(len(x)):.1e} only, as where it is derived from heights "
+            "that carry a large constant, or where places are counted from far away"
+        )
+    steps = np.abs(np.diff(smooth, append=smooth[:1]))
+    at = int(np.argmax(steps))
+    if steps[at] > _OPTIONS.stands_out * float(np.median(steps)):
+        return f"the slope jumps by {steps[at]:.3g} at x = {x[at]:.6g} m, and kinks of the profile does not say so"
+    return f"the slope, but for the jumps that are declared, varies over less than {x[1] - x[0]:.1e} m"
 
 
 def _noise(size: Array, scale: float) -> float:
@@ -137,7 +270,7 @@ def _noise(size: Array, scale: float) -> float:
     last octave are as large as those of the one before, which those of no body are."""
     n = len(size) - 1
     last, before = (float(np.sqrt(np.mean(size[k : 2 * k] ** 2))) for k in (n // 2, n // 4))
-    return 6 * last if 0.6 * before < last < _OF_NOISE * scale else 0.0
+    return 6 * last if _STILL * before < last < _OF_NOISE * scale else 0.0
 
 
 def _less_logarithms(profile: Profile, kinks: Array, length: float) -> Callable[[Array], Array]:

@@ -48,9 +48,9 @@ class FullLimit(sie.Kept):
         return Relief(self.profile, self.operator)
 
     @property
-    def rounding(self) -> float:
-        """What rounding of the heights may do to the pressure [Pa]."""
-        return 0.5 * self.E_star * self.relief.rounding
+    def error(self) -> float:
+        """What noise of heights and slopes may do to the pressure [Pa]."""
+        return 0.5 * self.E_star * self.relief.error
 
     @cached_property
     def pressure(self) -> float:

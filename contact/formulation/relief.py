@@ -12,6 +12,7 @@ import numpy as np
 
 import sie
 from contact.formulation.conjugate import Conjugate, log_sine, logarithms
+from contact.formulation.noise import PLACES, STEP, noise
 from contact.formulation.problem import Problem
 from contact.formulation.quadrature import over_period
 from contact.formulation.units import Units
@@ -22,6 +23,8 @@ from sie import Array, Complex, Index, record
 
 # Samples of R a shortest length of the profile.
 _CLOSE = 20
+# Places for an estimate of the noise of heights; its largest value over its standard deviation.
+_LOOKS, _PEAK = 256, 4.0
 
 
 @record
@@ -33,8 +36,13 @@ class Relief(Conjugate):
     @cached_property
     def smooth(self) -> Callable[[Array], Array]:
         """All of R but the logarithms of the kinks."""
-        conjugate, waves = Conjugate(self.profile).smooth, self._sum
+        conjugate, waves = self._plain.smooth, self._sum
         return conjugate if waves is None else lambda x: np.asarray(conjugate(x) + self._at(x, waves))
+
+    @cached_property
+    def _plain(self) -> Conjugate:
+        """H f' itself, as on a half-plane."""
+        return Conjugate(self.profile)
 
     def of_waves(self, x: Array) -> Array:
         """What the kinks add to R through the waves in which the body is no half-plane: (J/pi) times the smooth part of the inverse
@@ -73,10 +81,20 @@ class Relief(Conjugate):
         return Sum.of(np.asarray(-self.inverse / (np.pi * n) * at_kinks, dtype=np.complex128))
 
     @cached_property
-    def rounding(self) -> float:
-        """What rounding of the heights may do to R through the waves."""
-        height = float(np.ptp(np.asarray(self.profile.height(period_samples(self.profile)))))
-        return 2 * float(np.finfo(np.float64).eps) * height * float(np.sum(self._q * np.abs(self.inverse)))
+    def error(self) -> float:
+        """Estimate of the largest error of R.
+
+        It is that of H f', and on a body with a base the noise of the heights in the waves.
+        """
+        if len(self.inverse) == 0:
+            return self._plain.error
+        of_heights = height_noise(self.profile) * float(np.sum(self._q * np.abs(self.inverse)))
+        return self._plain.error + 2 * of_heights
+
+    @property
+    def limit(self) -> str:
+        """Cause of that error, in words."""
+        return self._plain.limit or "noise of the heights is large in the transform for this body"
 
 
 @record
@@ -102,8 +120,9 @@ class ScaledRelief(sie.Kept):
         return np.concatenate((self.at, self.units.scaled(self.relief.breakpoints)))
 
     @property
-    def rounding(self) -> float:
-        return self.relief.rounding / self.units.slope
+    def error(self) -> float:
+        """That of R."""
+        return self.relief.error / self.units.slope
 
     def without_own(self, kinks: Index) -> Array:
         """R at some of the kinks themselves, less the logarithm of each."""
@@ -150,6 +169,15 @@ def harmonics(profile: Profile, count: int) -> Complex:
         wave = np.exp(-2j * np.pi * ((n + 1) * turns % 1.0)) if n % 16 == 0 else wave * step
         out[n] = heights @ wave
     return out
+
+
+def height_noise(profile: Profile) -> float:
+    """Largest noise of the heights of a periodic profile [m], at even places of the period."""
+    x = period_samples(profile)
+    x = x[:: max(1, len(x) // _LOOKS)]
+    step = STEP * (profile.resolution or profile.period or 1.0)
+    heights = np.asarray(profile.height(x + step * PLACES[:, None]), dtype=np.float64)
+    return float(np.finfo(np.float64).eps) * float(np.abs(heights).max()) + _PEAK * noise(heights)
 
 
 def period_samples(profile: Profile) -> Array:

@@ -10,7 +10,7 @@ import numpy as np
 
 import sie
 from contact.errors import NotConverged
-from contact.formulation import tables
+from contact.formulation import claims, tables
 from contact.formulation.fields import ZoneFields, mean_shape
 from contact.formulation.full import ApartFields, FullFields, FullLimit, lowest, period_samples
 from contact.formulation.problem import Problem
@@ -46,9 +46,12 @@ def of_zones(
         plan["slits"].reason = "no narrow gaps between zones"
     _tell_sizes(plan, len(zones), found.free.state)
     table = in_cell(scene, np.asarray(problem.units.x(zones.table)))
-    solution = Solution(scene, table, found.fields, found.error, found.certificate, plan, found.free.trace)
+    claimed = claims.of(scene.profile, table)
+    error = found.error + claimed.error
+    solution = Solution(scene, table, found.fields, error, found.certificate, plan, found.free.trace)
     solution = replace(solution, branch=branch, parting=parting)
-    return _within(tol, solution, found.free, "zone", of_positions(found), found.limit_beside)
+    beside = claimed.limit if claimed.error > found.error else found.limit_beside
+    return _within(tol, solution, found.free, "zone", of_positions(found), beside)
 
 
 def of_gaps(scene: Scene, found: FoundByGaps, plan: Plan, tol: float) -> Solution:
@@ -59,8 +62,11 @@ def of_gaps(scene: Scene, found: FoundByGaps, plan: Plan, tol: float) -> Solutio
     plan["symmetry"].used, plan["symmetry"].reason = False, "the gaps are solved for"
     _tell_sizes(plan, len(fields.zones), found.free.state)
     table = in_cell(scene, np.asarray(fields.problem.units.x(fields.zones)))
-    solution = Solution(scene, table, fields, found.error, found.certificate, plan, found.free.trace)
-    return _within(tol, solution, found.free, "gap")
+    claimed = claims.of(scene.profile)
+    error = found.error + claimed.error
+    solution = Solution(scene, table, fields, error, found.certificate, plan, found.free.trace)
+    beside = claimed.limit if claimed.error > found.error else found.limit_beside
+    return _within(tol, solution, found.free, "gap", beside=beside)
 
 
 def of_full(scene: Scene, full: FullLimit, mean_pressure: float, plan: Plan, tol: float, branch: str | None = None) -> Solution:
@@ -77,10 +83,11 @@ def of_full(scene: Scene, full: FullLimit, mean_pressure: float, plan: Plan, tol
         plan[name].used, plan[name].reason = False, "full contact"
     # Rounding of the closed form, in terms of the peak pressure, or of the mean where the peak is infinite.
     peak = max(abs(fields.max_pressure), abs(least)) if math.isfinite(fields.max_pressure) else abs(mean_pressure)
-    error = 1e-13 + full.rounding / peak
+    claimed = claims.of(profile)
+    error = 1e-13 + full.error / peak + claimed.error
     solution = Solution(scene, np.zeros((0, 2)), fields, error, certificate, plan, branch=branch)
     if error > tol:
-        why = f"rounding of the heights leaves an error of {error:.1e} in full contact, above the tolerance {tol:.1e}"
+        why = f"the stated error {error:.2g} of full contact is above the tolerance {tol:.2g}: {claimed.limit or full.relief.limit}"
         raise NotConverged(why, (), solution)
     return solution
 

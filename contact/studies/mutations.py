@@ -86,7 +86,7 @@ MUTATIONS = (
     ),
     Mutation(
         "stated error of nothing", "contact/solution/made.py",
-        "solution = Solution(scene, table, found.fields, found.error, found.certificate, plan, found.free.trace)",
+        "solution = Solution(scene, table, found.fields, error, found.certificate, plan, found.free.trace)",
         "solution = Solution(scene, table, found.fields, 0.0, found.certificate, plan, found.free.trace)",
     ),
     Mutation(

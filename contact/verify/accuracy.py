@@ -169,6 +169,9 @@ _BESIDE = 1e-7
 # Of a gap's width: where its ends are as uncertain, it is looked at whether they tell its place at all.
 _UNCERTAIN = 1e-4
 
+# Motion of the ends of a gap by an uneven error of R, over that by an even one: 2 for opposite signs.
+_OF_RELIEF = 2.0
+
 # The same for tips: over the half width, as for zones (`sie.Density.sensitivity`).
 _BESIDE_TIPS = 0.01
 
@@ -181,7 +184,16 @@ class FoundByGaps(Solved):
 
     @cached_property
     def error(self) -> float:
-        """Estimated error of the pressure over its unit and of the zones' ends over their width.
+        """Estimated error of the pressure over its unit and of the zones' ends over their width."""
+        return self._error(self.fields.relief.error)
+
+    @property
+    def limit_beside(self) -> str:
+        """Cause of the error of R, in words, where that is most of the error; else empty."""
+        return self.fields.relief.relief.limit if self._error(0.0) < 0.5 * self.error else ""
+
+    def _error(self, of_relief: float) -> float:
+        """The error under such an error of R.
 
         An end of a gap off by delta shifts the normalised positions in the zone beside it, by delta over its width; the
         pressure there by delta times its slope, beside a tip J / pi over the distance; and the pressure beside the gap, which is of the
@@ -192,8 +204,10 @@ class FoundByGaps(Solved):
         units, profile = fields.problem.units, fields.problem.profile
         width = (gaps.b - gaps.a)[:, None]
         moved = self.free.end_error + state.end_truncation
-        if self.off:
-            moved = moved + self.off * self.widening / width
+        # An error of R moves the ends as a change of the mean pressure does, within a small factor.
+        off = self.off + _OF_RELIEF * of_relief
+        if off:
+            moved = moved + off * self.widening / width
         shift = np.maximum(moved * width, self._adrift[:, None])
         # The zone before the first gap is the last.
         zones = fields.zones[:, 1] - fields.zones[:, 0]
@@ -207,7 +221,7 @@ class FoundByGaps(Solved):
         seen = np.minimum((gaps.b - gaps.a) / (_BESIDE * fields.period), 1.0) ** 2
         beside = float((moved.sum(axis=1) * state.zone_sizes * seen).max()) / unit
         # Beside a kink the logarithms that cancel are several times the pressure.
-        rounding = (3 if len(fields.relief.at) else 1) * ROUNDING * (1 + abs(fields.mean) / unit) + fields.relief.rounding / unit
+        rounding = (3 if len(fields.relief.at) else 1) * ROUNDING * (1 + abs(fields.mean) / unit) + of_relief / unit
         on_zones = state.density_error * state.size / unit + rounding
         tips = float((np.maximum(shift[:, 1], np.roll(shift[:, 0], -1)) * self._steepest).max()) / unit
         return 2 * (ends + float(shift.max()) * slope + beside + tips) + on_zones
@@ -227,7 +241,7 @@ class FoundByGaps(Solved):
             middle = gaps.middle[some]
             top, beside = relief(middle), 0.5 * (relief(middle - step) + relief(middle + step))
             curvature = 2 * np.maximum(top - beside, 0.0) / step**2
-            rounding = 8 * float(np.finfo(np.float64).eps) * (abs(fields.mean) + np.abs(top))
+            rounding = 8 * float(np.finfo(np.float64).eps) * (abs(fields.mean) + np.abs(top)) + relief.error
             reach = np.sqrt(2 * rounding / np.maximum(curvature, 2 * rounding / step**2))
             out[some] = np.where(reach > 0.5 * gaps.half[some], reach, 0.0)
         return out

@@ -37,6 +37,13 @@ def onto(ends: tuple[float, float], at: Array, slack: Array | float) -> Array:
     return np.where((at < lo) & (at >= lo - slack), lo, np.where((at > hi) & (at <= hi + slack), hi, at))
 
 
+def is_of_package(profile: "Profile") -> bool:
+    """Whether the classes of a profile and of its bodies are the package's own."""
+    inner = getattr(profile, "profile", None)
+    parts = [*profile.bodies.values(), *([inner] if isinstance(inner, Profile) else [])]
+    return all(type(part).__module__.startswith("contact.") for part in (profile, *parts))
+
+
 def told_by(name: str) -> Any:
     """A property that is a parameter, or what a part says of itself: `told_by("width")`, `told_by("profile.support")`."""
     return property(attrgetter(name))
@@ -183,6 +190,11 @@ class Profile(sie.Kept):
         """(largest, root mean square) of these slopes."""
         seen = self.slopes_seen
         return (float(np.abs(seen).max()), float(np.sqrt(np.mean(seen**2)))) if seen.size else (0.0, 0.0)
+
+    @cached_property
+    def claims_seen(self) -> dict[tuple[float, float], Any]:
+        """Results of contact.formulation.claims, by interval."""
+        return {}
 
     def wrap(self, x: ArrayLike) -> Any:
         """x moved by whole periods into [x0, x0 + L), bit for bit the same if already there."""

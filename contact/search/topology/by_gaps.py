@@ -11,7 +11,7 @@ from contact.formulation.controls import Control, Load
 from contact.formulation.fields import mean_shape
 from contact.formulation.gaps import GapFields
 from contact.formulation.problem import Problem, minus_one
-from contact.formulation.relief import ScaledRelief
+from contact.formulation.relief import ScaledRelief, height_noise
 from contact.search.topology.intervals import united, without
 from contact.search.topology.loop import Newton
 from contact.search.topology.missed import WrongTopology
@@ -97,4 +97,5 @@ def _rounding_of_mean(control: Control, fields: GapFields) -> float:
         return 0.0
     units = fields.problem.units
     rate = fields.stiffness / fields.period * units.height / units.load
-    return 6e-16 * (abs(fields.mean) + abs(rate) * max(control.approach, mean_shape(fields.problem)))
+    of_heights = height_noise(fields.problem.profile) / units.height
+    return 6e-16 * (abs(fields.mean) + abs(rate) * max(control.approach, mean_shape(fields.problem))) + abs(rate) * of_heights

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from contact.formulation import claims
 from contact.formulation.direct.ends import Ends, Sheet, ends_at, ends_under
 from contact.formulation.direct.fields import DirectFields
 from contact.formulation.direct.maps import Map
@@ -21,6 +22,7 @@ from contact.formulation.full import lowest
 from contact.model.controls import Quantity
 from contact.model.interactions import Interaction
 from contact.model.laws import Law
+from contact.model.profiles.base import is_of_package
 from contact.model.scene import Scene
 from contact.solution.plan import Plan, plan
 from contact.solution.solution import Solution
@@ -175,8 +177,17 @@ def _narrow(ends: Ends) -> Any:
 def _judged(ends: Ends, tol: float) -> tuple[Any, Any, Any]:
     """(which of the loads may be given out, the stated errors, the least gaps that were looked at)."""
     holds, gap = signs(ends)
-    error = stated(ends)
+    error = stated(ends) + _of_claims(ends)
     return holds & (error <= tol), error, gap
+
+
+def _of_claims(ends: Ends) -> Any:
+    """Errors that the claims of the profile add, see contact.formulation.claims."""
+    profile, outer = ends.sheet.profile, np.ravel(ends.outer)
+    if is_of_package(profile):
+        return 0.0
+    errors = [claims.of(profile, np.array([[-half, half]])).error for half in outer]
+    return np.reshape(errors, np.shape(ends.outer))
 
 
 def _solution(scene: Scene, ends: Ends, error: float, gap: float, took: float) -> Solution:

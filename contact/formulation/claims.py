@@ -1,0 +1,328 @@
+"""Check of what a user's profile claims about itself against its heights.
+
+Checked are the slope, the jumps at kinks, symmetry, period and summits. Over a panel between
+declared breakpoints the height rises by the integral of the slope. The difference, beyond the
+rounding of the heights and the error of the quadrature, over the integral of |f'|, is the
+relative error of the slope. Pressures and ends follow it, so it is added to the stated error.
+
+Quadrature fails on a panel with an undeclared corner. Such a panel is no evidence, since the
+difference does not appear on several parts of it. Undeclared corners inside zones show in the
+residual, those of full contact in the series of the slope (contact.formulation.conjugate).
+
+The package's own profile classes are not checked here: their tests check them.
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from contact.errors import SceneError
+from contact.formulation.noise import PLACES, STEP, deviations, noise
+from contact.model.profiles.base import Profile, is_of_package
+from sie import Array, record
+
+_EPS = float(np.finfo(np.float64).eps)
+
+
+@dataclass(frozen=True)
+class ClaimOptions:
+    """Numbers of the check. None is sensitive: twice or half of each finds the same false claims.
+
+    least_panels, most_panels: limits of the number of panels; between them two per resolution.
+    derived_panels: most panels of a derived slope, each value of which takes many heights.
+    nodes: of Gauss's rule, on one, two and three parts of a panel.
+    margin: factor on estimates of rounding and quadrature errors.
+    rounded_slopes: rounding of a slope, in units of the last digit of the largest one.
+    parts, levels: a panel that disagrees is divided into so many parts, so often.
+    most_kinks: most declared kinks that are checked.
+    beside: distance from a kink at which the slope is taken, over the smallest panel.
+    jump: relative difference from which the jump at a kink is false.
+    refused: relative error from which a claim is refused; a smaller one is stated.
+    follows: ratio of the errors of pressures and ends to the relative error of the slope.
+    """
+
+    least_panels: int = 16
+    most_panels: int = 64
+    derived_panels: int = 16
+    nodes: int = 8
+    margin: float = 4.0
+    rounded_slopes: float = 64.0
+    parts: int = 5
+    levels: int = 2
+    most_kinks: int = 64
+    beside: float = 1e-6
+    jump: float = 1e-3
+    refused: float = 1e-6
+    follows: float = 4.0
+
+
+OPTIONS = ClaimOptions()
+
+
+@record
+class Claims:
+    """Result of the check.
+
+    error: of pressures and ends; limit: its cause, in words; fault: a false claim, in words.
+    """
+
+    error: float = 0.0
+    limit: str = ""
+    fault: str = ""
+
+
+_TRUE = Claims()
+
+
+def of(profile: Profile, zones: Array | None = None) -> Claims:
+    """Check a profile over its cell or extent, else around zones [m] (n, 2).
+
+    The result is kept with the profile. Raises SceneError where a claim is false.
+    """
+    if is_of_package(profile):
+        return _TRUE
+    interval = _interval(profile, zones)
+    if interval is None:
+        return _TRUE
+    known: dict[tuple[float, float], Claims] = profile.claims_seen
+    if interval not in known:
+        with np.errstate(all="ignore"):
+            known[interval] = _looked_at(profile, *interval)
+    claims = known[interval]
+    if claims.fault:
+        raise SceneError(f"the profile contradicts itself: {claims.fault}", "profile", profile)
+    return claims
+
+
+def _interval(profile: Profile, zones: Array | None) -> tuple[float, float] | None:
+    """The interval to check [m]; zones of similar width and place have the same."""
+    known = profile.support or profile.known
+    if known is not None:
+        return float(known[0]), float(known[1])
+    if zones is None or len(zones) == 0:
+        return None
+    first, last = float(np.min(zones)), float(np.max(zones))
+    step = 2.0 ** np.ceil(np.log2(last - first))
+    return float(np.floor(first / step) * step), float(np.ceil(last / step) * step)
+
+
+def _looked_at(profile: Profile, lo: float, hi: float) -> Claims:
+    panels = _Panels.of(profile, *_panels(profile, lo, hi))
+    mismatch, limit = _mismatch(profile, panels)
+    if mismatch > OPTIONS.refused and not profile.slope_is_derived:
+        return Claims(fault=limit)
+    fault = _of_kinks(profile, panels) or _of_symmetry(profile, panels, lo, hi)
+    fault = fault or _of_period(profile, panels) or _of_summits(profile, panels, lo, hi)
+    return Claims(OPTIONS.follows * mismatch, limit, fault)
+
+
+def _panels(profile: Profile, lo: float, hi: float) -> tuple[Array, Array]:
+    """Left and right ends of panels (n,) without a declared breakpoint inside.
+
+    They cover the interval, or are spread evenly over it where that takes too many.
+    """
+    length, options = hi - lo, OPTIONS
+    resolution = profile.resolution
+    wanted = (
+        options.least_panels
+        if resolution is None
+        else max(options.least_panels, np.ceil(2 * length / resolution))
+    )
+    most = options.derived_panels if profile.slope_is_derived else options.most_panels
+    breaks = np.unique(np.asarray(profile.breakpoints, dtype=np.float64))
+    breaks = breaks[(breaks > lo) & (breaks < hi)]
+    width = length / wanted
+    starts = lo + width * np.floor(np.linspace(0.0, wanted - 1.0, int(min(wanted, most))))
+    a = np.concatenate((starts, breaks[:: max(1, len(breaks) // most)]))
+    following = np.append(breaks, hi)[np.searchsorted(breaks, a, side="right")]
+    b = np.minimum(a + width, following)
+    wide = b - a > options.beside * width
+    return a[wide], b[wide]
+
+
+@lru_cache(maxsize=4)
+def _rules(count: int) -> tuple[Array, Array]:
+    """Nodes, from 0 to 2, and weights of Gauss's rule on one, two and three parts of a panel.
+
+    Each number of parts has its column of weights.
+    """
+    nodes, weights = np.polynomial.legendre.leggauss(count)
+    at = [(2 * k + 1 + nodes) / parts for parts in (1, 2, 3) for k in range(parts)]
+    rule = np.zeros((6 * count, 3))
+    for column, (first, parts) in enumerate(((0, 1), (1, 2), (3, 3))):
+        rule[first * count : (first + parts) * count, column] = np.tile(weights, parts) / parts
+    return np.concatenate(at), rule
+
+
+@record
+class _Panels:
+    """Panels from a to b (n,), with the rise of the height and the integral of the slope on each.
+
+    size: integral of |f'|; doubt: error of rise and integral; x, slope: at all nodes;
+    heights: at both ends (2, n); noise: of a height.
+    """
+
+    a: Array
+    b: Array
+    rise: Array
+    integral: Array
+    size: Array
+    doubt: Array
+    x: Array
+    slope: Array
+    heights: Array
+    noise: float
+
+    @classmethod
+    def of(cls, profile: Profile, a: Array, b: Array) -> "_Panels":
+        at, rule = _rules(OPTIONS.nodes)
+        half = (0.5 * (b - a))[:, None]
+        x = a[:, None] + half * at
+        slope = np.asarray(profile.slope(x.ravel()), dtype=np.float64).reshape(x.shape)
+        sums = half * (slope @ rule)
+        inward = np.concatenate((a + STEP * (b - a) * PLACES[:, None], b[None]))
+        heights = np.asarray(profile.height(inward), dtype=np.float64)
+        largest = float(np.abs(slope).max(initial=0.0, where=np.isfinite(slope)))
+        rounding = 2 * _EPS * float(np.abs(heights).max(initial=0.0, where=np.isfinite(heights)))
+        rounding += OPTIONS.margin * noise(heights[:-1])
+        doubt = OPTIONS.margin * (np.ptp(sums, axis=1) + rounding + deviations(heights[:-1]))
+        doubt += OPTIONS.rounded_slopes * _EPS * largest * (b - a)
+        return cls(
+            a,
+            b,
+            heights[-1] - heights[0],
+            sums[:, 2],
+            half[:, 0] * (np.abs(slope) @ rule[:, 2]),
+            doubt,
+            x.ravel(),
+            slope.ravel(),
+            heights[[0, -1]],
+            rounding,
+        )
+
+    @property
+    def largest(self) -> float:
+        """The largest slope."""
+        return float(np.abs(self.slope).max(initial=0.0, where=np.isfinite(self.slope)))
+
+    @property
+    def relative(self) -> Array:
+        """Difference of rise and integral beyond doubt, over the integral of |f'|.
+
+        Zero where values are not finite.
+        """
+        missing = np.abs(self.rise - self.integral) - self.doubt
+        out = missing / np.maximum(self.size, 1e-9 * self.largest * (self.b - self.a))
+        return np.where(np.isfinite(out), np.maximum(out, 0.0), 0.0)
+
+
+def _mismatch(profile: Profile, panels: _Panels) -> tuple[float, str]:
+    """Largest relative error of the slope that several parts of a panel share, and in words."""
+    missing = panels.relative
+    which = np.flatnonzero(missing > 0.0)
+    least, a, b = missing[which], panels.a[which], panels.b[which]
+    for _ in range(OPTIONS.levels if len(which) else 0):
+        cuts = np.linspace(a, b, OPTIONS.parts + 1)
+        found = _Panels.of(profile, cuts[:-1].ravel(), cuts[1:].ravel()).relative.reshape(
+            OPTIONS.parts, -1
+        )
+        second, each = np.argsort(found, axis=0)[-2], np.arange(len(a))
+        least = np.minimum(least, found[second, each])
+        a, b = cuts[second, each], cuts[second + 1, each]
+    worst = int(np.argmax(least)) if len(which) else 0
+    if not len(which) or not least[worst] > 0.0:
+        return 0.0, ""
+    k = int(which[worst])
+    kind = "the slope that is derived from the heights" if profile.slope_is_derived else "slope"
+    return float(least[worst]), (
+        f"{kind} disagrees with the height: from x = {panels.a[k]:.9g} to {panels.b[k]:.9g} m the height rises by "
+        f"{panels.rise[k]:.9g} m, the integral of the slope is {panels.integral[k]:.9g} m"
+    )
+
+
+def _of_kinks(profile: Profile, panels: _Panels) -> str:
+    """A declared kink whose jump the slope does not have, in words; empty without one."""
+    kinks = np.asarray(profile.kinks, dtype=np.float64)
+    if profile.slope_is_derived or len(kinks) == 0:
+        return ""
+    kinks = kinks[:: max(1, len(kinks) // OPTIONS.most_kinks)]
+    places = np.unique(np.asarray(profile.breakpoints, dtype=np.float64))
+    apart = float(np.diff(places).min(initial=float(np.max(panels.b - panels.a))))
+    beside = OPTIONS.beside * apart + 4 * np.spacing(np.abs(kinks[:, 0]))
+    sides = np.asarray(
+        profile.slope(kinks[:, 0] + beside * np.array([[-1.0], [1.0]])), dtype=np.float64
+    )
+    seen = sides[1] - sides[0]
+    off = np.abs(seen - kinks[:, 1]) - OPTIONS.jump * np.maximum(
+        np.abs(kinks[:, 1]), np.abs(sides).max(axis=0)
+    )
+    worst = int(np.argmax(np.where(np.isfinite(off), off, -np.inf)))
+    if not off[worst] > 0.0:
+        return ""
+    return f"kink declared at {kinks[worst, 0]:.9g} with jump {kinks[worst, 1]:.6g}: the slope jumps by {seen[worst]:.6g} there"
+
+
+def _of_symmetry(profile: Profile, panels: _Panels, lo: float, hi: float) -> str:
+    """A pair of heights that contradicts `symmetric`, in words."""
+    inside = (-panels.a >= lo) & (-panels.a <= hi)
+    if not profile.symmetric or not inside.any():
+        return ""
+    x, here = panels.a[inside], panels.heights[0, inside]
+    there = np.asarray(profile.height(-x), dtype=np.float64)
+    return _differ(
+        x,
+        here,
+        there,
+        panels,
+        "symmetric is claimed, but the height is {0:.9g} at {1:.6g} and {2:.9g} at {3:.6g}",
+        -x,
+    )
+
+
+def _of_period(profile: Profile, panels: _Panels) -> str:
+    """A pair of heights that contradicts the period, in words."""
+    if profile.period is None:
+        return ""
+    x = panels.a + profile.period
+    told = "the height does not repeat with the period: it is {0:.9g} at {1:.6g} and {2:.9g} at {3:.6g}"
+    return _differ(
+        panels.a,
+        panels.heights[0],
+        np.asarray(profile.height(x), dtype=np.float64),
+        panels,
+        told,
+        x,
+    )
+
+
+def _differ(x: Array, here: Array, there: Array, panels: _Panels, told: str, y: Array) -> str:
+    """The pair of heights, at x and y, that differs most, in words; empty if all agree."""
+    places = 8 * _EPS * (np.abs(x) + np.abs(y)) * panels.largest
+    off = np.abs(here - there) - OPTIONS.margin * (panels.noise + places)
+    size = (
+        float(np.ptp(panels.heights[np.isfinite(panels.heights)]))
+        if np.isfinite(panels.heights).any()
+        else 0.0
+    )
+    worst = int(np.argmax(np.where(np.isfinite(off), off, -np.inf)))
+    if not off[worst] > OPTIONS.refused * size:
+        return ""
+    return told.format(here[worst], x[worst], there[worst], y[worst])
+
+
+def _of_summits(profile: Profile, panels: _Panels, lo: float, hi: float) -> str:
+    """A height below the lowest declared summit, in words."""
+    if profile.summits is None:
+        return ""
+    tips = np.asarray(profile.summits, dtype=np.float64)
+    if not np.any((tips >= lo) & (tips <= hi)):
+        return ""
+    top = float(np.min(np.asarray(profile.height(tips))))
+    lowest = int(np.argmin(np.where(np.isfinite(panels.heights[0]), panels.heights[0], np.inf)))
+    below = top - float(panels.heights[0, lowest])
+    if not below > OPTIONS.margin * panels.noise + OPTIONS.refused * float(
+        np.ptp(panels.heights[0])
+    ):
+        return ""
+    return f"summits are the lowest places, {top:.9g} m, but the height is {panels.heights[0, lowest]:.9g} m at {panels.a[lowest]:.6g}"
