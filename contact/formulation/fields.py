@@ -178,9 +178,9 @@ class ZoneFields(sie.Kept):
             return np.inf
         if not self.problem.interaction.strip:
             return (mean_shape(self.problem) + self.mean_displacement + self.level) * units.height
-        total, kinks = 0.0, self.problem.forcing.kinks[0]
+        total, breaks = 0.0, self.problem.forcing.broken_at
         for lo, hi, _, _ in self.open_intervals():
-            x, weights = panels(cuts_between(lo, hi, max(0.5 * self.spacing, (hi - lo) / _MOST_PANELS), kinks))
+            x, weights = panels(cuts_between(lo, hi, max(0.5 * self.spacing, (hi - lo) / _MOST_PANELS), breaks))
             total += float(self.scaled_gap(x) @ weights)
         return total / self.problem.repeat_length * units.height
 

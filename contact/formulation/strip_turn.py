@@ -57,7 +57,7 @@ class StripTurn(sie.Kept):
     def serves(cls, problem: Problem) -> bool:
         """Whether a strip is one of a half-plane, of a profile without corners."""
         profile = problem.profile
-        return problem.operator.strip_rest is None and profile.support is None and len(profile.kinks) == 0
+        return problem.operator.strip_rest is None and profile.support is None and len(profile.kinks) + len(profile.algebraic_points) == 0
 
     def x(self, angle: Array) -> Array:
         return np.asarray(self.centre - self.half * np.cos(angle))

@@ -132,6 +132,12 @@ class Forcing(Kept):
         """Positions and heights of the jumps of the wanted density itself."""
         return _of_order_zero(self.density_jumps_at, self.density_jumps, self.density_orders)
 
+    @cached_property
+    def broken_at(self) -> Array:
+        """Positions at which g, or the wanted density, is not smooth."""
+        points = np.zeros(0) if self.algebraic is None else np.asarray(self.algebraic.at)
+        return np.concatenate((np.asarray(self.jumps_at), np.asarray(self.density_jumps_at), points))
+
     @property
     def cornered(self) -> bool:
         """Whether g or the wanted density jumps anywhere: then the distances of ends from there count."""

@@ -327,7 +327,7 @@ class ForcingJumps(Jumps):
         the jumps of the next order, none of those beyond; and of its algebraic points with exponents below 1."""
         k = self.by_zone.get(zone, np.zeros(0, dtype=np.intp))
         k = k[(self.order[k] == self.order[k].min(initial=2)) & (self.order[k] < HIGHEST)]
-        of_zone, left, exponent = self.poles.points
+        of_zone, left, exponent, _ = self.poles.points
         steep = left[(of_zone == zone) & (exponent < 1.0)]
         return np.append(self.left[k], steep), np.append(self.height[k], np.full(len(steep), np.inf))
 

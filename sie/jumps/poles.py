@@ -113,19 +113,27 @@ class AlgebraicPoints:
         away = farthest * np.exp(-_OPTIONS.step * np.arange(int(depth / _OPTIONS.step) + 1))
         return away, self.weights[point] * _OPTIONS.step * away ** (p + 1.0)
 
+    def left_out(self, point: int, farthest: float) -> complex:
+        """Sum of c / eta of the poles nearer to the point than those of `poles`: seen at the point itself alone, where p is small."""
+        p = float(np.asarray(self.exponents)[point])
+        if p <= 0.0:
+            return complex(self.weights[point]) * np.inf
+        away, size = self.poles(point, farthest)
+        return complex(size[-1] / away[-1] / np.expm1(_OPTIONS.step * p))
+
 
 @record
 class Poles(Kept):
     """Poles of the right side in and beside zones. zone: of each; left, right: distances of its point from the zone's ends over w;
-    away: eta over w; size: c over w. points: of each algebraic point inside a zone the zone, the distance from its left end over w, and
-    its exponent."""
+    away: eta over w; size: c over w. points: of each algebraic point inside a zone the zone, the distance from its left end over w, its
+    exponent, and what poles left out add to the density there."""
 
     zone: Index
     left: Array
     right: Array
     away: Array
     size: Complex
-    points: tuple[Index, Array, Array]
+    points: tuple[Index, Array, Array, Array]
 
     @classmethod
     def of(cls, zones: Zones, points: AlgebraicPoints | None, period: float | None) -> "Poles":
@@ -148,12 +156,12 @@ class Poles(Kept):
                     ends = left[zone] / w, right[zone] / w
                     found.append((zone * one, ends[0] * one, ends[1] * one, away / w, size / w))
                     if min(ends) > 0:
-                        inside.append((zone, ends[0], np.asarray(points.exponents)[point]))
+                        inside.append((zone, ends[0], np.asarray(points.exponents)[point], points.left_out(point, float(w)).real))
         if not found:
             return NO_POLES
         zone, left, right, away, size = (np.concatenate(parts) for parts in zip(*found, strict=True))
-        where = np.array(inside).reshape(-1, 3)
-        return cls(zone.real.astype(np.intp), left.real, right.real, away.real, size, (where[:, 0].astype(np.intp), where[:, 1], where[:, 2]))
+        where, at_left, exponent, more = np.array(inside).reshape(-1, 4).T
+        return cls(zone.astype(np.intp), left, right, away, size, (where.astype(np.intp), at_left, exponent, more))
 
     def __len__(self) -> int:
         return len(self.zone)
@@ -215,7 +223,10 @@ class Poles(Kept):
 
     def density(self, zone: Index, left: Array, right: Array) -> Array:
         root = np.sqrt(np.maximum(left * right, 0.0))
-        return root * self.summed(zone, lambda at, k: np.real(-0.5 * self.q[k] / self._past(at, k, left, right)))
+        out = root * self.summed(zone, lambda at, k: np.real(-0.5 * self.q[k] / self._past(at, k, left, right)))
+        for own, at, _, more in zip(*self.points, strict=True):
+            out[(zone == own) & (left == at)] += more
+        return out
 
     def integral(self, zone: Index, left: Array, right: Array) -> Array:
         """Integral of the density from the zone's left end over w."""
@@ -308,4 +319,4 @@ class Poles(Kept):
 
 
 _NONE = np.zeros(0)
-NO_POLES = Poles(np.zeros(0, np.intp), _NONE, _NONE, _NONE, np.zeros(0, complex), (np.zeros(0, np.intp), _NONE, _NONE))
+NO_POLES = Poles(np.zeros(0, np.intp), _NONE, _NONE, _NONE, np.zeros(0, complex), (np.zeros(0, np.intp), _NONE, _NONE, _NONE))
