@@ -107,6 +107,7 @@ def _series(profile: Profile, length: float) -> tuple[Callable[[Array], Array], 
 
     # The parts that are taken out may be much larger than their sum.
     rounding = 2.2e-16 * float(np.abs(kinks[:, 1]).sum() + (np.abs(jumps[:, 2]) * length**orders).sum()) / 12
+    rounding += 2.2e-16 * points.size
     # Fewer even samples than the shape asks for show waves that are none of its.
     n = int(np.clip(2 ** np.ceil(np.log2(8 * length / (profile.resolution or length))), _LEAST, _LARGEST))
     while True:
@@ -140,8 +141,10 @@ def _series(profile: Profile, length: float) -> tuple[Callable[[Array], Array], 
 
 @record
 class _PeriodicPoles:
-    """Poles of the algebraic points of a periodic slope: place, eta and c of each; more: what at the places themselves those left out add
-    to the conjugate."""
+    """Poles of the algebraic points of a periodic slope: by point, tanh(pi eta/L) and c of each.
+
+    With s = sin(pi y/L), k = cos(pi y/L), T = tanh(pi eta/L): cot(pi (y - i eta)/L) = (s k (1 - T^2) + i T) / (s^2 + k^2 T^2).
+    """
 
     length: float
     points: sie.AlgebraicPoints
@@ -151,22 +154,30 @@ class _PeriodicPoles:
     def of(cls, profile: Profile, length: float) -> "_PeriodicPoles":
         at, n, left, right = np.asarray(profile.algebraic_points, dtype=float).T
         points = sie.AlgebraicPoints(at, n - 1, -n * left, n * right)
-        return cls(length, points, [points.poles(k, _POLES * length) for k in range(len(points))])
+        some = [points.poles(k, _POLES * length) for k in range(len(points))]
+        return cls(length, points, [(np.tanh(pi * away / length), size * (pi / length)) for away, size in some])
+
+    @property
+    def size(self) -> float:
+        """What their sum does not exceed."""
+        return float(sum((np.abs(size) / tanh).sum() for tanh, size in self.poles))
 
     def __call__(self, x: Array, conjugate: bool) -> Array:
         """Their sum, or its conjugate, at x of any shape."""
         out, flat = np.zeros(np.size(x)), np.ravel(x)
-        for k, (at, (away, size)) in enumerate(zip(np.asarray(self.points.at).tolist(), self.poles, strict=True)):
+        for point, (at, (tanh, size)) in enumerate(zip(np.asarray(self.points.at).tolist(), self.poles, strict=True)):
             turns = (flat - at) / self.length
             turns -= np.round(turns)
-            for here in range(0, len(flat), max(1, _BLOCK // len(away))):
-                y = turns[here : here + _BLOCK // len(away)]
-                cot = 1 / np.tan(pi * (y[:, None] - 1j * away / self.length))
-                value = (1j * cot + 1.0) @ size if conjugate else cot @ size
-                out[here : here + len(y)] += np.real(value) * (pi / self.length)
+            c = 1j * size if conjugate else size
+            weights = np.column_stack((c.real * (1 - tanh) * (1 + tanh), c.imag * tanh))
+            mean = size.real.sum() if conjugate else 0.0
+            for here in range(0, len(flat), max(1, _BLOCK // len(tanh))):
+                s, k = (wave(pi * turns[here : here + _BLOCK // len(tanh)]) for wave in (np.sin, np.cos))
+                odd, even = (1 / ((s * s)[:, None] + (k * k)[:, None] * tanh**2) @ weights).T
+                out[here : here + len(s)] += s * k * odd - even + mean
             if conjugate:
                 # i c / (-i eta)
-                out[turns == 0.0] -= self.points.left_out(k, _POLES * self.length).real
+                out[turns == 0.0] -= self.points.left_out(point, _POLES * self.length).real
         return out.reshape(np.shape(x))
 
 

@@ -86,7 +86,7 @@ class Power(Profile):
 
     @property
     def jumps(self) -> Array:
-        return np.array([[at, order, jump * order * (order - 1)] for at, order, jump in self._at_border(3)]).reshape(-1, 3)
+        return np.array([[at, order, 2 * jump] for at, order, jump in self._at_border(3)]).reshape(-1, 3)
 
     @property
     def algebraic_points(self) -> Array:
