@@ -430,6 +430,9 @@ class ZoneFields(sie.Kept):
             reach[group], peak = reaches(values).max(axis=1), max(peak, float(values.max()))
         zones = np.argsort(reach)[-_PEAKS:]
         highest = max(self._highest_on(int(zone), int(counts[zone])) for zone in zones[reach[zones] >= peak])
+        if self.problem.algebraic is not None:
+            # The tips of low powers: there the pressure has a cusp.
+            highest = max(highest, float(self.density(np.asarray(self.problem.algebraic.at)).max()))
         return highest * self.problem.units.pressure
 
     def _highest_on(self, zone: int, count: int) -> float:
