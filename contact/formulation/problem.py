@@ -143,6 +143,10 @@ class Problem(sie.Kept):
         at, exponents, left, right = points.T
         at = nearest_image(np.asarray(units.scaled(at)), self.centre, self.cell if self.reference else self.period)
         factor = exponents * units.length ** (exponents - 1.0) / units.slope
+        if self.cell is not None and self.kernel.period is None:
+            # One cell alone ends at a point on its border on both sides; without this, symmetric zones would see it on one.
+            at, exponents, left, right, factor = (np.tile(part, 3) for part in (at, exponents, left, right, factor))
+            at = at + np.repeat([-self.cell, 0.0, self.cell], len(points))
         return sie.AlgebraicPoints(at, exponents - 1.0, -factor * left, factor * right)
 
     def slope(self, x: Array) -> Array:

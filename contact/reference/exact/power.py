@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from math import gamma, log, pi, sqrt
 
 import numpy as np
+from scipy.optimize import minimize_scalar
 from scipy.special import betainc, hyp2f1
 from scipy.special import gamma as gammas
 
@@ -20,6 +21,8 @@ from contact.reference.exact.roots import root
 
 # Exponents below which the integral of the pressure is taken by its expansion about the tip, within this part of the half width.
 _LOW, _NEAR = 2.5, 0.5
+# Exponent up to which the pressure is highest in the middle.
+_FLAT = 2.0
 
 
 @dataclass(frozen=True)
@@ -39,6 +42,15 @@ class _Power(base.SymmetricZone):
 
     def _slope(self, r: Array) -> Array:
         return np.asarray(self.coefficient * self.exponent * r ** (self.exponent - 1.0))
+
+    @property
+    def max_pressure(self) -> float:
+        """Peak pressure [Pa]; of steep powers, n > 2, it is off the middle, on both sides."""
+        middle = float(self.pressure_at(0.0))
+        if self.exponent <= _FLAT:
+            return middle
+        found = minimize_scalar(lambda t: -float(self.pressure_at(t)), bounds=(0.0, 1.0), method="bounded", options={"xatol": 1e-10})
+        return max(middle, -float(found.fun))
 
 
 @dataclass(frozen=True)
