@@ -154,7 +154,7 @@ class _PeriodicPoles:
     def of(cls, profile: Profile, length: float) -> "_PeriodicPoles":
         at, n, left, right = np.asarray(profile.algebraic_points, dtype=float).T
         points = sie.AlgebraicPoints(at, n - 1, -n * left, n * right)
-        some = [points.poles(k, _POLES * length) for k in range(len(points))]
+        some = [points.poles(k, _POLES * length) for k in range(len(points.places))]
         return cls(length, points, [(np.tanh(pi * away / length), size * (pi / length)) for away, size in some])
 
     @property
@@ -165,7 +165,7 @@ class _PeriodicPoles:
     def __call__(self, x: Array, conjugate: bool) -> Array:
         """Their sum, or its conjugate, at x of any shape."""
         out, flat = np.zeros(np.size(x)), np.ravel(x)
-        for point, (at, (tanh, size)) in enumerate(zip(np.asarray(self.points.at).tolist(), self.poles, strict=True)):
+        for place, (at, (tanh, size)) in enumerate(zip(self.points.places.tolist(), self.poles, strict=True)):
             turns = (flat - at) / self.length
             turns -= np.round(turns)
             c = 1j * size if conjugate else size
@@ -177,7 +177,7 @@ class _PeriodicPoles:
                 out[here : here + len(s)] += s * k * odd - even + mean
             if conjugate:
                 # i c / (-i eta)
-                out[turns == 0.0] -= self.points.left_out(point, _POLES * self.length).real
+                out[turns == 0.0] -= self.points.left_out(place, _POLES * self.length).real
         return out.reshape(np.shape(x))
 
 

@@ -24,6 +24,7 @@ On the zone the transform is Re c / (t - z) less its mean Re q/2.
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import product
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -106,27 +107,40 @@ class AlgebraicPoints:
         odd, even = cosdg(90.0 * p) * (right - left), sindg(90.0 * p) * (right + left)
         return np.asarray((odd + 1j * even) / np.pi * (1j if self.of_density else 1.0))
 
-    def poles(self, point: int, farthest: float) -> tuple[Array, Complex]:
-        """(eta_k, c_k) of a point, the largest eta no more than `farthest`, which is the unit of what is left out."""
-        p = float(np.asarray(self.exponents)[point])
-        depth = _OPTIONS.nearest / min(1.0 + p, max(p, 1.0))
-        away = farthest * np.exp(-_OPTIONS.step * np.arange(int(depth / _OPTIONS.step) + 1))
-        return away, self.weights[point] * _OPTIONS.step * away ** (p + 1.0)
+    @cached_property
+    def places(self) -> Array:
+        """Positions (n,), each once."""
+        return np.unique(np.asarray(self.at))
 
-    def left_out(self, point: int, farthest: float) -> complex:
-        """Sum of c / eta of the poles nearer to the point than those of `poles`: seen at the point itself alone, where p is small."""
-        p = float(np.asarray(self.exponents)[point])
-        if p <= 0.0:
-            return complex(self.weights[point]) * np.inf
-        away, size = self.poles(point, farthest)
-        return complex(size[-1] / away[-1] / np.expm1(_OPTIONS.step * p))
+    def lowest(self, place: int) -> float:
+        """The least exponent at a place."""
+        return float(np.asarray(self.exponents)[self._at(place)].min())
+
+    def poles(self, place: int, farthest: float) -> tuple[Array, Complex]:
+        """(eta_k, c_k) of a place, the largest eta `farthest`: all powers there have the same poles."""
+        rows = self._at(place)
+        p, weights = np.asarray(self.exponents)[rows], self.weights[rows]
+        depth = _OPTIONS.nearest / np.minimum(1.0 + p, np.maximum(p, 1.0)).min()
+        away = farthest * np.exp(-_OPTIONS.step * np.arange(int(depth / _OPTIONS.step) + 1))
+        return away, _OPTIONS.step * (away[:, None] ** (p + 1.0)) @ weights
+
+    def left_out(self, place: int, farthest: float) -> complex:
+        """Sum of c / eta of the poles nearer to the place than those of `poles`: seen at the place itself alone, where p is small."""
+        p = np.asarray(self.exponents)[self._at(place)]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            nearest = self.poles(place, farthest)[0][-1]
+            parts = _OPTIONS.step * self.weights[self._at(place)] * nearest**p / np.expm1(_OPTIONS.step * p)
+        return complex(parts.sum()) if np.all(p > 0.0) else complex(np.inf)
+
+    def _at(self, place: int) -> Index:
+        return np.flatnonzero(np.asarray(self.at) == self.places[place])
 
 
 @record
 class Poles(Kept):
     """Poles of the right side in and beside zones. zone: of each; left, right: distances of its point from the zone's ends over w;
-    away: eta over w; size: c over w. points: of each algebraic point inside a zone the zone, the distance from its left end over w, its
-    exponent, and what poles left out add to the density there."""
+    away: eta over w; size: c over w. points: of each place inside a zone the zone, the distance from its left end over w, its
+    least exponent, and what poles left out add to the density there."""
 
     zone: Index
     left: Array
@@ -141,22 +155,20 @@ class Poles(Kept):
         if points is None or not np.any(points.weights):
             return NO_POLES
         shifts = np.zeros(1) if period is None else period * np.arange(-2.0, 3.0)
-        at = np.asarray(points.at)
+        at = points.places
         if period is not None:
             at = at + np.ceil((zones.a[0] - at) / period) * period
         found, inside = [], []
-        for point in np.flatnonzero(points.weights).tolist():
-            for shift in shifts.tolist():
-                place = np.full(len(zones), at[point] + shift)
-                left, right = zones.beyond_a(place, np.arange(len(zones))), zones.before_b(place, np.arange(len(zones)))
-                for zone in np.flatnonzero(np.minimum(left, right) > -_OPTIONS.reach * zones.half).tolist():
-                    w = zones.half[zone]
-                    away, size = points.poles(point, float(w))
-                    one = np.ones(len(away))
-                    ends = left[zone] / w, right[zone] / w
-                    found.append((zone * one, ends[0] * one, ends[1] * one, away / w, size / w))
-                    if min(ends) > 0:
-                        inside.append((zone, ends[0], np.asarray(points.exponents)[point], points.left_out(point, float(w)).real))
+        for point, shift in product(range(len(at)), shifts.tolist()):
+            place, every = np.full(len(zones), at[point] + shift), np.arange(len(zones))
+            left, right = zones.beyond_a(place, every), zones.before_b(place, every)
+            for zone in np.flatnonzero(np.minimum(left, right) > -_OPTIONS.reach * zones.half).tolist():
+                w = zones.half[zone]
+                away, size = points.poles(point, float(w))
+                one, ends = np.ones(len(away)), (left[zone] / w, right[zone] / w)
+                found.append((zone * one, ends[0] * one, ends[1] * one, away / w, size / w))
+                if min(ends) > 0:
+                    inside.append((zone, ends[0], points.lowest(point), points.left_out(point, float(w)).real))
         if not found:
             return NO_POLES
         zone, left, right, away, size = (np.concatenate(parts) for parts in zip(*found, strict=True))
