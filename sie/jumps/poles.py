@@ -165,6 +165,8 @@ class Poles(Kept):
             for zone in np.flatnonzero(np.minimum(left, right) > -_OPTIONS.reach * zones.half).tolist():
                 w = zones.half[zone]
                 away, size = points.poles(point, float(w))
+                if not size.any():
+                    continue
                 one, ends = np.ones(len(away)), (left[zone] / w, right[zone] / w)
                 found.append((zone * one, ends[0] * one, ends[1] * one, away / w, size / w))
                 if min(ends) > 0:

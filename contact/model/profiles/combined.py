@@ -181,7 +181,12 @@ class Combined(Profile):
 
     @cached_property
     def algebraic_points(self) -> Array:
-        return np.concatenate([self._repeated(stood.algebraic(), stood.body.period) for stood in self._stood.values()])
+        rows = np.concatenate([self._repeated(stood.algebraic(), stood.body.period) for stood in self._stood.values()])
+        rows = rows[np.argsort(rows[:, 0], kind="stable")]
+        # Those of both bodies at one place are at the very same number.
+        apart = np.diff(rows[:, 0], prepend=-np.inf) > (self._alike(rows[:, 0]) if len(rows) else 0.0)
+        rows[:, 0] = rows[apart, 0][np.cumsum(apart) - 1]
+        return rows
 
     @cached_property
     def breakpoints(self) -> Array:
