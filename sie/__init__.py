@@ -35,8 +35,9 @@ if TYPE_CHECKING:
     from sie.solver import NotConverged, Solution, solve
 
 __all__ = [
-    "AlgebraicPoints", "Amplitude", "Answers", "AnyDensity", "AnyState", "Array", "BOUNDED", "Complex", "Condition", "CountError", "Density", "End",
-    "EndRates", "EqualPotential", "Equation", "FREE", "Forcing", "Free", "Index", "Kept", "Kernel", "Level", "Mask", "NotConverged",
+    "AlgebraicPoints", "Amplitude", "Answers", "AnyDensity", "AnyState", "Array", "BOUNDED",
+    "Complex", "Condition", "CountError", "Density", "End", "EndRates",
+    "EqualPotential", "Equation", "FREE", "Forcing", "Free", "Index", "Kept", "Kernel", "Level", "Mask", "NotConverged",
     "PiecewiseTransform", "Rows", "SINGULAR", "SingularSystem", "SlitDensity", "Smooth", "Solution", "State", "Total",
     "TotalWidth", "Weighted", "ZoneMoments", "ZoneTotals", "Zones", "answers", "cauchy", "end_motions", "end_rates",
     "find_ends", "free_with_intensity", "hilbert", "images", "moment", "nearest_image", "record", "solve", "solve_fixed",

@@ -6,10 +6,10 @@ Bernoulli polynomials, whose conjugates are, with u = (x - s)/L and J the jump,
     q = 0   (J / pi) ln|2 sin(pi u)|,    q = 1   -(J L / 2 pi^2) Cl_2(2 pi u),    q = 2   (J L^2 / 4 pi^3) Cl_3(2 pi u),
     Cl_2(y) = sum_k sin(ky)/k^2,         Cl_3(y) = sum_k cos(ky)/k^3,
 
-and what is left is smooth, a Fourier series. Of an algebraic point the poles (sie.AlgebraicPoints) are taken out too,
-1/(y - i eta) as (pi/L) cot(pi (y - i eta)/L), whose conjugate is i times it less its mean i pi/L. The polynomials of many jumps are one piecewise quadratic, whose conjugate takes a time
-that does not grow with their number (pieces.py). The logarithms are kept apart: beside a kink they must be taken at a distance that is
-known better than x (sie.jumps.density), and everything else is `smooth`.
+and what is left is smooth, a Fourier series. The poles of algebraic points (sie.AlgebraicPoints) are taken out too, 1/(y - i eta) as
+(pi/L) cot(pi (y - i eta)/L), whose conjugate is i times it and pi/L. The polynomials of many jumps are one piecewise quadratic, whose
+conjugate takes a time that does not grow with their number (pieces.py). The logarithms are kept apart: beside a kink they must be taken
+at a distance that is known better than x (sie.jumps.density), and everything else is `smooth`.
 """
 
 from collections.abc import Callable

@@ -4,17 +4,20 @@ Beside an algebraic point s the right side g is a smooth function and
 
     left (s - x)^p  for x < s,      right (x - s)^p  for x > s,      p > -1.
 
-With y = x - s, the integrals over eta from 0 to infinity of eta^p eta / (y^2 + eta^2) and eta^p y / (y^2 + eta^2) are multiples of |y|^p
-and sgn(y) |y|^p, continued analytically in p. The trapezoidal rule in log(eta), of step h, gives
+With y = x - s, the integrals of eta^(p+1) / (y^2 + eta^2) and eta^p y / (y^2 + eta^2) by eta from 0 to
+infinity are multiples of |y|^p and sgn(y) |y|^p, continued analytically in p. The trapezoidal rule in
+log(eta), of step h, gives
 
-    g = Re sum_k c_k / (y - i eta_k),    c_k = (2 h / pi) eta_k^(p+1) (cos(pi p/2) (right - left)/2 + i sin(pi p/2) (right + left)/2),
+    g = Re sum_k c_k / (y - i eta_k),
+    c_k = (h/pi) eta_k^(p+1) (cos(pi p/2) (right - left) + i sin(pi p/2) (right + left)),
 
-with an aliasing error of exp(-pi^2/h) of |y|^p, at all y alike (L. N. Trefethen, J. A. C. Weideman, SIAM Rev. 56, 2014, 385-458). The poles
-farther away than the zone is wide are smooth on it and are left to its modes. The transform of the line takes c_k to i c_k: so are carried
-the algebraic points of the wanted density.
+with an aliasing error of exp(-pi^2/h) of |y|^p, at all y alike (L. N. Trefethen, J. A. C. Weideman,
+SIAM Rev. 56, 2014, 385-458). The poles farther away than the zone is wide are smooth on it and are
+left to its modes. The transform of the line takes c_k to i c_k: so are carried the algebraic points
+of the wanted density.
 
-With t = (x - middle)/w, z a pole in t, rho = z - (z^2 - 1)^(1/2) and q = -2 c / (z^2 - 1)^(1/2), the density of a pole, its transform off
-the zone, and its potential there less what c_0 log(w) is are
+With t = (x - middle)/w, z a pole in t, rho = z - (z^2 - 1)^(1/2) and q = -2 c / (z^2 - 1)^(1/2),
+the density of a pole, its transform off the zone, and its potential there without c_0 log(w) are
 
     Re (q/2) (1 - t^2)^(1/2) / (z - t),     Re q rho rho_x / (1 - rho rho_x),
     Re (q/2) ((rho - 1/rho) log(1 - rho rho_x) - rho_x - rho log(2 |rho_x|)).
@@ -22,6 +25,7 @@ the zone, and its potential there less what c_0 log(w) is are
 On the zone the transform is Re c / (t - z) less its mean Re q/2.
 """
 
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
@@ -31,7 +35,7 @@ from numpy.typing import ArrayLike
 from scipy.special import cosdg, sindg
 
 from sie.basis.data import Array, Complex, Index, Kept, record
-from sie.basis.interval import LOG2, InPlane, Seen, What, theta
+from sie.basis.interval import LOG2, InPlane, OnLine, What, theta
 from sie.basis.sums import Grouped
 from sie.basis.zones import Zones
 
@@ -43,9 +47,13 @@ class PoleOptions:
     step: float = 0.25
     """In log(eta): exp(-pi^2/step) is 7e-18."""
     nearest: float = 39.0
-    """-log of the part of |y|^p, or of its integral, that the poles left out next to the point carry: 1e-17."""
+    """-log of the part of |y|^p, or of its integral, that the poles left out next to the point
+    carry: 1e-17.
+    """
     reach: float = 0.5
-    """Distance from a zone over its half width, up to which points outside it are carried; insensitive, 0.3 to 1."""
+    """Distance from a zone over its half width, up to which points outside it are carried;
+    insensitive, 0.3 to 1.
+    """
 
 
 _OPTIONS = PoleOptions()
@@ -62,9 +70,11 @@ class AlgebraicPoints:
     exponents : array_like
         Exponents p (k,), above -1.
     left, right : array_like
-        Coefficients (k,): of (s - x)^p for x < s, and of (x - s)^p for x > s. What is left of the function is smooth at s.
+        Coefficients (k,): of (s - x)^p for x < s, and of (x - s)^p for x > s. What is left of the
+        function is smooth at s.
     of_density : bool
-        Whether the wanted density is so, and not the right side; the right side is then singular as its transform.
+        Whether the wanted density is so, and not the right side; the right side is then singular as
+        its transform.
 
     Raises
     ------
@@ -73,14 +83,16 @@ class AlgebraicPoints:
 
     Examples
     --------
-    A contact of the shape 2|x|^(3/2) / 3, half width 1, bears the load int_-1^1 |x|^(3/2) / sqrt(1 - x^2) dx.
+    A contact of the shape 2|x|^(3/2) / 3, half width 1, bears the load int_-1^1 |x|^(3/2) / sqrt(1
+    - x^2) dx.
 
     >>> import math
     >>> import numpy as np, sie
     >>> points = sie.AlgebraicPoints([0.0], [0.5], [-1.0], [1.0])
     >>> root = sie.Forcing(lambda x: np.sign(x) * np.sqrt(np.abs(x)), algebraic=points)
     >>> load = math.sqrt(math.pi) * math.gamma(1.25) / math.gamma(1.75)
-    >>> sie.solve(sie.Equation(sie.cauchy(), root, (sie.Total(load),)), sie.Zones.of([[-0.7, 1.2]])).zones.table.round(9).tolist()
+    >>> equation = sie.Equation(sie.cauchy(), root, (sie.Total(load),))
+    >>> sie.solve(equation, sie.Zones.of([[-0.7, 1.2]])).zones.table.round(9).tolist()
     [[-1.0, 1.0]]
     """
 
@@ -94,7 +106,9 @@ class AlgebraicPoints:
         for name in ("at", "exponents", "left", "right"):
             object.__setattr__(self, name, np.asarray(getattr(self, name), dtype=float))
         if np.any(np.asarray(self.exponents) <= -1.0):
-            raise ValueError(f"exponents of algebraic points must be above -1, got {self.exponents}")
+            raise ValueError(
+                f"exponents of algebraic points must be above -1, got {self.exponents!r}"
+            )
 
     def __len__(self) -> int:
         return len(np.asarray(self.at))
@@ -117,7 +131,9 @@ class AlgebraicPoints:
         return float(np.asarray(self.exponents)[self._at(place)].min())
 
     def poles(self, place: int, farthest: float) -> tuple[Array, Complex]:
-        """(eta_k, c_k) of a place, the largest eta `farthest`: all powers there have the same poles."""
+        """(eta_k, c_k) of a place, the largest eta `farthest`: all powers there have the same
+        poles.
+        """
         rows = self._at(place)
         p, weights = np.asarray(self.exponents)[rows], self.weights[rows]
         depth = _OPTIONS.nearest / np.minimum(1.0 + p, np.maximum(p, 1.0)).min()
@@ -125,11 +141,18 @@ class AlgebraicPoints:
         return away, _OPTIONS.step * (away[:, None] ** (p + 1.0)) @ weights
 
     def left_out(self, place: int, farthest: float) -> complex:
-        """Sum of c / eta of the poles nearer to the place than those of `poles`: seen at the place itself alone, where p is small."""
+        """Sum of c / eta of the poles nearer to the place than those of `poles`: seen at the place
+        itself alone, where p is small.
+        """
         p = np.asarray(self.exponents)[self._at(place)]
         with np.errstate(divide="ignore", invalid="ignore"):
             nearest = self.poles(place, farthest)[0][-1]
-            parts = _OPTIONS.step * self.weights[self._at(place)] * nearest**p / np.expm1(_OPTIONS.step * p)
+            parts = (
+                _OPTIONS.step
+                * self.weights[self._at(place)]
+                * nearest**p
+                / np.expm1(_OPTIONS.step * p)
+            )
         return complex(parts.sum()) if np.all(p > 0.0) else complex(np.inf)
 
     def _at(self, place: int) -> Index:
@@ -138,9 +161,10 @@ class AlgebraicPoints:
 
 @record
 class Poles(Kept):
-    """Poles of the right side in and beside zones. zone: of each; left, right: distances of its point from the zone's ends over w;
-    away: eta over w; size: c over w. points: of each place inside a zone the zone, the distance from its left end over w, its
-    least exponent, and what poles left out add to the density there."""
+    """Poles of the right side in and beside zones. zone: of each; left, right: distances of its
+    point from the zone's ends over w; away: eta over w; size: c over w. points: of each place
+    inside a zone the zone, the distance from its left end over w, its least exponent, and what
+    poles left out add to the density there."""
 
     zone: Index
     left: Array
@@ -154,28 +178,22 @@ class Poles(Kept):
         """The poles of all points in zones and near them."""
         if points is None or not np.any(points.weights):
             return NO_POLES
-        shifts = np.zeros(1) if period is None else period * np.arange(-2.0, 3.0)
-        at = points.places
-        if period is not None:
-            at = at + np.ceil((zones.a[0] - at) / period) * period
         found, inside = [], []
-        for point, shift in product(range(len(at)), shifts.tolist()):
-            place, every = np.full(len(zones), at[point] + shift), np.arange(len(zones))
-            left, right = zones.beyond_a(place, every), zones.before_b(place, every)
-            for zone in np.flatnonzero(np.minimum(left, right) > -_OPTIONS.reach * zones.half).tolist():
-                w = zones.half[zone]
-                away, size = points.poles(point, float(w))
-                if not size.any():
-                    continue
-                one, ends = np.ones(len(away)), (left[zone] / w, right[zone] / w)
-                found.append((zone * one, ends[0] * one, ends[1] * one, away / w, size / w))
-                if min(ends) > 0:
-                    inside.append((zone, ends[0], points.lowest(point), points.left_out(point, float(w)).real))
+        for place, i, left, right in _seen(zones, points.places, period):
+            w = float(zones.half[i])
+            away, size = points.poles(place, w)
+            if size.any():
+                one = np.ones(len(away))
+                found.append((i * one, left / w * one, right / w * one, away / w, size / w))
+                if min(left, right) > 0:
+                    at_place = points.left_out(place, w).real
+                    inside.append((i, left / w, points.lowest(place), at_place))
         if not found:
             return NO_POLES
-        zone, left, right, away, size = (np.concatenate(parts) for parts in zip(*found, strict=True))
-        where, at_left, exponent, more = np.array(inside).reshape(-1, 4).T
-        return cls(zone.astype(np.intp), left, right, away, size, (where.astype(np.intp), at_left, exponent, more))
+        table = [np.concatenate(parts) for parts in zip(*found, strict=True)]
+        own, at_left, exponent, more = np.array(inside, dtype=np.float64).reshape(-1, 4).T
+        held = own.astype(np.intp), at_left, exponent, more
+        return cls(table[0].astype(np.intp), table[1], table[2], table[3], table[4], held)
 
     def __len__(self) -> int:
         return len(self.zone)
@@ -195,7 +213,9 @@ class Poles(Kept):
 
     @cached_property
     def roots(self) -> tuple[Complex, Complex]:
-        """((z + 1)^(1/2), (z - 1)^(1/2)), both in the first quadrant: no digit is lost beside an end."""
+        """((z + 1)^(1/2), (z - 1)^(1/2)), both in the first quadrant: no digit is lost beside an
+        end.
+        """
         return np.sqrt(self.left + 1j * self.away), np.sqrt(-self.right + 1j * self.away)
 
     @cached_property
@@ -212,16 +232,13 @@ class Poles(Kept):
         p, m = self.roots
         return np.asarray(-2.0 * self.size / (p * m))
 
-    @cached_property
-    def heights(self) -> Array:
-        """Largest value of each: of the right side, or of the density."""
-        return np.maximum(np.abs(self.size) / self.away, np.abs(self.q))
-
-    def summed(self, zone: Index, of) -> Array:  # type: ignore[no-untyped-def]
-        """Real part of the sums over the poles of the zones of points; of: of a pole, by points and poles."""
+    def summed(self, zone: Index, of: Callable[[Index, Index], Array]) -> Array:
+        """Real part of the sums over the poles of the zones of points; of: of a pole, by points and
+        poles.
+        """
         return self.grouped.summed(zone, np.ones(len(self.zone)), of)
 
-    # at points (n,) of zones, by their distances from the zone's ends over w ----------------------------------------------
+    # at points (n,) of zones, by their distances from the zone's ends over w ----------------------
     def _past(self, at: Index, k: Index, left: Array, right: Array) -> Complex:
         """t - z, by the nearer end."""
         past = np.where(left[at] <= right[at], left[at] - self.left[k], self.right[k] - right[at])
@@ -231,13 +248,17 @@ class Poles(Kept):
         """What the kernel makes of their density on the zone."""
 
         def part(at: Index, k: Index) -> Array:
-            return np.real(self.size[k] / (left[at] - self.left[k] - 1j * self.away[k]) - 0.5 * self.q[k])
+            return np.real(
+                self.size[k] / (left[at] - self.left[k] - 1j * self.away[k]) - 0.5 * self.q[k]
+            )
 
         return self.summed(zone, part)
 
     def density(self, zone: Index, left: Array, right: Array) -> Array:
         root = np.sqrt(np.maximum(left * right, 0.0))
-        out = root * self.summed(zone, lambda at, k: np.real(-0.5 * self.q[k] / self._past(at, k, left, right)))
+        out = root * self.summed(
+            zone, lambda at, k: np.real(-0.5 * self.q[k] / self._past(at, k, left, right))
+        )
         for own, at, _, more in zip(*self.points, strict=True):
             out[(zone == own) & (left == at)] += more
         return out
@@ -249,7 +270,11 @@ class Poles(Kept):
         tangent = np.sqrt(left / np.maximum(right, 1e-300))
 
         def part(at: Index, k: Index) -> Array:
-            whole = self.z[k] * angle[at] - sine[at] - 2.0 * p[k] * m[k] * np.arctan(m[k] / p[k] * tangent[at])
+            whole = (
+                self.z[k] * angle[at]
+                - sine[at]
+                - 2.0 * p[k] * m[k] * np.arctan(m[k] / p[k] * tangent[at])
+            )
             return np.real(0.5 * self.q[k] * whole)
 
         return self.summed(zone, part)
@@ -278,7 +303,11 @@ class Poles(Kept):
         """And off it."""
 
         def part(at: Index, k: Index) -> Array:
-            return np.real(0.5 * self.q[k] * self._potential(self.rho[k], rho[at], np.log(2.0 * np.abs(rho[at]))))
+            return np.real(
+                0.5
+                * self.q[k]
+                * self._potential(self.rho[k], rho[at], np.log(2.0 * np.abs(rho[at])))
+            )
 
         return self.summed(zone, part)
 
@@ -286,17 +315,18 @@ class Poles(Kept):
     def _potential(rho: Complex, seen: Complex | Array, log: Complex | Array) -> Complex:
         return np.asarray((rho - 1.0 / rho) * np.log1p(-rho * seen) - seen - rho * log)
 
-    def potential(self, zone: Index, seen: Seen) -> Array:
+    def potential(self, zone: Index, seen: OnLine) -> Array:
         """Potential over w, on the zone and off it, less c_0 log(w)."""
-        out, on = np.empty(len(zone)), np.flatnonzero(seen.on)  # type: ignore[attr-defined]
-        off = np.flatnonzero(~seen.on)  # type: ignore[attr-defined]
-        out[on] = self.potential_on(zone[on], seen.left[on], seen.right[on])  # type: ignore[attr-defined]
+        out, on, off = np.empty(len(zone)), np.flatnonzero(seen.on), np.flatnonzero(~seen.on)
+        out[on] = self.potential_on(zone[on], seen.left[on], seen.right[on])
         out[off] = self.potential_off(zone[off], seen.rho[off])
         return out
 
-    # per zone -------------------------------------------------------------------------------------------------------
+    # per zone -------------------------------------------------------------------------------------
     def sine_coefficients(self, zones: int, count: int) -> Array:
-        """Coefficients of sin(j theta), j = 1 ... count, of the density of each zone: of T_j those of the right side."""
+        """Coefficients of sin(j theta), j = 1 ... count, of the density of each zone: of T_j those
+        of the right side.
+        """
         out, power = np.empty((count, zones)), self.q.copy()
         for j in range(count):
             power *= self.rho
@@ -304,24 +334,31 @@ class Poles(Kept):
         return out.T
 
     def mean_offsets(self, zones: int) -> Array:
-        """See `ForcingJumps.mean_offsets`: 1 / (j^2 - 1) of T_j of odd order, -1/4 of the first one."""
+        """See `ForcingJumps.mean_offsets`: 1 / (j^2 - 1) of T_j of odd order, -1/4 of the first
+        one.
+        """
         p, m = self.roots
         parts = 0.25 * self.q * (1.0 / self.rho - self.rho) * np.log(4.0 * p * m / (p + m) ** 2)
-        return np.bincount(self.zone, parts.real, zones)
+        return np.asarray(np.bincount(self.zone, parts.real, zones), dtype=float)
 
     def edge_slopes(self, zones: int) -> tuple[Array, Array]:
         """Coefficient of the angle from the left and from the right end."""
         p, m = self.roots
         left, right = (0.5 * self.q / root**2 for root in (p, m))
-        return np.bincount(self.zone, left.real, zones), np.bincount(self.zone, right.real, zones)
+        out = np.array(
+            [np.bincount(self.zone, part.real, zones) for part in (left, right)], dtype=float
+        )
+        return out[0], out[1]
 
     def rounding(self, zones: int) -> Array:
         """What rounding of their sum comes to."""
-        return np.bincount(self.zone, 2.2e-16 * np.abs(self.q), zones)
+        return np.asarray(np.bincount(self.zone, 2.2e-16 * np.abs(self.q), zones), dtype=float)
 
-    # at complex points (see `plane`) ----------------------------------------------------------------------------------
+    # at complex points (see `plane`) --------------------------------------------------------------
     def in_plane(self, k: Index, seen: InPlane, what: What) -> Complex:
-        """What poles k do at points of the upper half plane, the derivative by zeta; the potential over w, and less c_0 log(w)."""
+        """What poles k do at points of the upper half plane, the derivative by zeta; the potential
+        over w, and less c_0 log(w).
+        """
         at, rho = seen.rho[:, None], np.concatenate((self.rho[k], np.conj(self.rho[k])))
         weight = 0.5 * np.concatenate((self.q[k], np.conj(self.q[k])))
         if what == "potential":
@@ -332,5 +369,29 @@ class Poles(Kept):
         return np.asarray(-((both / (1.0 - both) ** 2) @ weight) / seen.root)
 
 
+def _seen(
+    zones: Zones, places: Array, period: float | None
+) -> Iterator[tuple[int, int, float, float]]:
+    """Number of a place, zone, and distances of the place from both ends, for all within reach."""
+    shifts = np.zeros(1)
+    if period is not None:
+        places = places + np.ceil((zones.a[0] - places) / period) * period
+        shifts = period * np.arange(-2.0, 3.0)
+    every = np.arange(len(zones))
+    for place, shift in product(range(len(places)), shifts.tolist()):
+        at = np.full(len(zones), places[place] + shift)
+        left, right = zones.beyond_a(at, every), zones.before_b(at, every)
+        near = np.flatnonzero(np.minimum(left, right) > -_OPTIONS.reach * zones.half)
+        for i in near.tolist():
+            yield place, i, float(left[i]), float(right[i])
+
+
 _NONE = np.zeros(0)
-NO_POLES = Poles(np.zeros(0, np.intp), _NONE, _NONE, _NONE, np.zeros(0, complex), (np.zeros(0, np.intp), _NONE, _NONE, _NONE))
+NO_POLES = Poles(
+    np.zeros(0, np.intp),
+    _NONE,
+    _NONE,
+    _NONE,
+    np.zeros(0, complex),
+    (np.zeros(0, np.intp), _NONE, _NONE, _NONE),
+)

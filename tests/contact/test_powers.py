@@ -1,7 +1,9 @@
-"""Power-law indenters and profiles with algebraic points, held to closed forms, to integrals in 30 digits and to the equation itself.
+"""Power-law indenters and profiles with algebraic points, held to closed forms, to integrals in 30
+digits and to the equation itself.
 
-The equation is judged by Gauss's rule on panels that halve in length towards every algebraic point, end and place: it knows nothing of how
-the solver carries these points. Its own error is about 1e-11 of the steepest slope.
+The equation is judged by Gauss's rule on panels that halve in length towards every algebraic point,
+end and place: it knows nothing of how the solver carries these points. Its own error is about 1e-11
+of the steepest slope.
 """
 
 from dataclasses import dataclass
@@ -12,7 +14,19 @@ import numpy as np
 import pytest
 
 import contact
-from contact import JKR, Combined, Isolated, Layer, Localized, Parabola, Periodic, Power, Scene, SceneError, Wedge
+from contact import (
+    JKR,
+    Combined,
+    Isolated,
+    Layer,
+    Localized,
+    Parabola,
+    Periodic,
+    Power,
+    Scene,
+    SceneError,
+    Wedge,
+)
 from contact.exact import HertzLine, IsolatedPower, PeriodicParabola, PeriodicPower
 from contact.testing import check_profile
 
@@ -31,17 +45,26 @@ def alone(n, half_width=2e-5):
 
 
 def in_a_row(n, fraction):
-    return PeriodicPower.from_contact_fraction(fraction, coefficient=power(n).coefficient, exponent=n, period=L, E_star=E_STAR)
+    return PeriodicPower.from_contact_fraction(
+        fraction, coefficient=power(n).coefficient, exponent=n, period=L, E_star=E_STAR
+    )
 
 
-# the closed forms -----------------------------------------------------------------------------------------------------
+# the closed forms ---------------------------------------------------------------------------------
 @pytest.mark.parametrize("n", EXPONENTS)
 def test_load_and_pressure_of_a_lone_power_are_the_integrals_of_punches(n):
-    """P = E* int_0^a f'(x) x / sqrt(a^2 - x^2) dx, and p = (1/pi) int_x^a P'(s) / sqrt(s^2 - x^2) ds with s = x cosh(y)."""
+    """P = E* int_0^a f'(x) x / sqrt(a^2 - x^2) dx, and p = (1/pi) int_x^a P'(s) / sqrt(s^2 - x^2)
+    ds with s = x cosh(y).
+    """
     exact = IsolatedPower(0.3, n, 2.0, 1.7)
     with mpmath.workdps(30):
         n_, a = mpmath.mpf(n), mpmath.mpf(1.7)
-        load = 2 * n_ * mpmath.mpf(0.3) * mpmath.quad(lambda turn: (a * mpmath.sin(turn)) ** n_, [0, mpmath.pi / 2])
+        load = (
+            2
+            * n_
+            * mpmath.mpf(0.3)
+            * mpmath.quad(lambda turn: (a * mpmath.sin(turn)) ** n_, [0, mpmath.pi / 2])
+        )
         assert exact.load == pytest.approx(float(load), rel=2e-15)
         for t in (1e-6, 0.2, 0.49, 0.51, 0.9, 0.999):
             cuts = mpmath.linspace(0, mpmath.acosh(1 / mpmath.mpf(t)), 9)
@@ -53,7 +76,9 @@ def test_load_and_pressure_of_a_lone_power_are_the_integrals_of_punches(n):
 
 @pytest.mark.parametrize("fraction", (0.05, 0.6, 0.9))
 def test_the_power_two_is_the_parabola(fraction):
-    row = PeriodicPower.from_contact_fraction(fraction, coefficient=0.5, exponent=2.0, period=1.3, E_star=2.0)
+    row = PeriodicPower.from_contact_fraction(
+        fraction, coefficient=0.5, exponent=2.0, period=1.3, E_star=2.0
+    )
     parabola = PeriodicParabola.from_contact_fraction(fraction, radius=1.0, period=1.3, E_star=2.0)
     x = 0.65 * np.array([0.1, 0.4, 0.59, 0.7, 0.95])
     for name in ("load", "approach", "stiffness"):
@@ -65,25 +90,35 @@ def test_the_power_two_is_the_parabola(fraction):
     assert lone.approach == pytest.approx(hertz.approach, rel=1e-14)
 
 
-@pytest.mark.parametrize("exact", [alone(1.5), alone(6.3), in_a_row(1.3, 0.5), in_a_row(3.3, 0.8)], ids=str)
+@pytest.mark.parametrize(
+    "exact", [alone(1.5), alone(6.3), in_a_row(1.3, 0.5), in_a_row(3.3, 0.8)], ids=str
+)
 def test_exact_powers_are_found_again_by_their_loads(exact):
     shape = {name: getattr(exact, name) for name in ("coefficient", "exponent", "E_star")}
     shape |= {"datum": exact.datum} if exact.period is None else {"period": exact.period}
-    assert type(exact).from_load(exact.load, **shape).half_width == pytest.approx(exact.half_width, rel=1e-13)
+    assert type(exact).from_load(exact.load, **shape).half_width == pytest.approx(
+        exact.half_width, rel=1e-13
+    )
 
 
 def test_the_peak_of_a_steep_power_is_off_the_middle():
     exact = alone(6.0)
     highest = exact.pressure_at(np.linspace(0, 1, 20001)).max()
-    assert highest <= exact.max_pressure * (1 + 1e-15) and exact.max_pressure == pytest.approx(highest, rel=1e-7)
+    assert highest <= exact.max_pressure * (1 + 1e-15) and exact.max_pressure == pytest.approx(
+        highest, rel=1e-7
+    )
     assert exact.max_pressure > 1.5 * exact.pressure_at(0.0)
 
 
-# the solver against them ----------------------------------------------------------------------------------------------
+# the solver against them --------------------------------------------------------------------------
 def off(solution, exact):
     """The error as it is stated: ends over the width, pressures over the peak."""
-    ends = np.abs(solution.zones - [[-exact.half_width, exact.half_width]]).max() / (2 * exact.half_width)
-    return max(ends, np.abs(solution.pressure_at(T) - exact.pressure_at(T)).max() / solution.max_pressure)
+    ends = np.abs(solution.zones - [[-exact.half_width, exact.half_width]]).max() / (
+        2 * exact.half_width
+    )
+    return max(
+        ends, np.abs(solution.pressure_at(T) - exact.pressure_at(T)).max() / solution.max_pressure
+    )
 
 
 @pytest.mark.parametrize("n", EXPONENTS)
@@ -112,7 +147,9 @@ def test_a_row_of_powers_is_its_integral(n, fraction):
 @pytest.mark.parametrize(("n", "fraction"), [(1.2, 0.4), (2.7, 0.9)])
 def test_every_control_finds_the_same_row(control, n, fraction):
     exact = in_a_row(n, fraction)
-    solution = contact.solve(Scene(power(n, L), E_STAR, Periodic(), **{control: getattr(exact, control)}))
+    solution = contact.solve(
+        Scene(power(n, L), E_STAR, Periodic(), **{control: getattr(exact, control)})
+    )
     assert off(solution, exact) <= solution.error <= 1e-8
     assert solution.load == pytest.approx(exact.load, rel=1e-8)
 
@@ -121,22 +158,31 @@ def test_every_control_finds_the_same_row(control, n, fraction):
 def test_a_lone_power_has_approach_and_half_width_controls(n):
     exact = alone(n)
     for control in ("approach", "half_width"):
-        solution = contact.solve(Scene(power(n), E_STAR, Isolated(datum=1e-2), **{control: getattr(exact, control)}))
+        solution = contact.solve(
+            Scene(power(n), E_STAR, Isolated(datum=1e-2), **{control: getattr(exact, control)})
+        )
         assert solution.load == pytest.approx(exact.load, rel=1e-8)
 
 
 def test_the_power_one_is_the_wedge():
     for period, load in ((None, 3.0), (L, 3e3)):
         model = Isolated() if period is None else Periodic()
-        one, other = (contact.solve(Scene(shape, E_STAR, model, load=load)) for shape in (Power(0.01, 1.0, period), Wedge(0.01, period)))
+        one, other = (
+            contact.solve(Scene(shape, E_STAR, model, load=load))
+            for shape in (Power(0.01, 1.0, period), Wedge(0.01, period))
+        )
         np.testing.assert_allclose(one.zones, other.zones, rtol=1e-10)
 
 
 @pytest.mark.parametrize("n", (1.5, 2.7, 5.2))
 def test_short_ranged_adhesion_adds_a_flat_punch(n):
-    """P = P_0(a) + pi K sqrt(2 a), K the intensity at the ends: what adheres adds (M. Barquins, J. Adhesion 26, 1988, 1-12)."""
+    """P = P_0(a) + pi K sqrt(2 a), K the intensity at the ends: what adheres adds (M. Barquins, J.
+    Adhesion 26, 1988, 1-12).
+    """
     exact, law = alone(n), JKR(work=1e-3)
-    solution = contact.solve(Scene(power(n), E_STAR, Isolated(), law=law, half_width=exact.half_width))
+    solution = contact.solve(
+        Scene(power(n), E_STAR, Isolated(), law=law, half_width=exact.half_width)
+    )
     expected = exact.load + pi * law.intensity(E_STAR) * sqrt(2 * exact.half_width)
     # The punch outweighs the load of steep powers.
     assert solution.load == pytest.approx(expected, rel=1e-9, abs=1e-9 * exact.load)
@@ -158,14 +204,24 @@ def test_the_localized_row_tends_to_the_row_as_neighbours_are_added(n, fraction)
 @pytest.mark.parametrize("fraction", (0.3, 0.9))
 def test_a_thick_layer_is_a_half_plane(fraction):
     exact = in_a_row(1.7, fraction)
-    solution = contact.solve(Scene(power(1.7, L), E_STAR, Periodic(), substrate=Layer(8 * L, 0.3), contact_fraction=fraction))
+    solution = contact.solve(
+        Scene(
+            power(1.7, L),
+            E_STAR,
+            Periodic(),
+            substrate=Layer(8 * L, 0.3),
+            contact_fraction=fraction,
+        )
+    )
     assert solution.load == pytest.approx(exact.load, rel=1e-8)
 
 
-# profiles of one's own ------------------------------------------------------------------------------------------------
+# profiles of one's own ----------------------------------------------------------------------------
 @dataclass(frozen=True)
 class Tips(contact.Profile):
-    """A bowl x^2/2R with powers: rows of place, exponent, and coefficients on the left and on the right."""
+    """A bowl x^2/2R with powers: rows of place, exponent, and coefficients on the left and on the
+    right.
+    """
 
     rows: tuple
     radius: float
@@ -173,11 +229,15 @@ class Tips(contact.Profile):
 
     def height(self, x):
         x = np.asarray(x, dtype=float)
-        return x**2 / (2 * self.radius) + sum(np.where(x < s, l, r) * np.abs(x - s) ** n for s, n, l, r in self.rows)
+        return x**2 / (2 * self.radius) + sum(
+            np.where(x < s, l, r) * np.abs(x - s) ** n for s, n, l, r in self.rows
+        )
 
     def slope(self, x):
         x = np.asarray(x, dtype=float)
-        return x / self.radius + sum(np.where(x < s, -l, r) * n * np.abs(x - s) ** (n - 1) for s, n, l, r in self.rows)
+        return x / self.radius + sum(
+            np.where(x < s, -l, r) * n * np.abs(x - s) ** (n - 1) for s, n, l, r in self.rows
+        )
 
     @property
     def algebraic_points(self):
@@ -186,7 +246,9 @@ class Tips(contact.Profile):
 
 @dataclass(frozen=True)
 class Row(contact.Profile):
-    """A wave of amplitude A and |sin|^n tips: rows of place, exponent, coefficient; (sin v)^n = v^n (1 - n v^2/6 + ...)."""
+    """A wave of amplitude A and |sin|^n tips: rows of place, exponent, coefficient; (sin v)^n = v^n
+    (1 - n v^2/6 + ...).
+    """
 
     rows: tuple
     amplitude: float = 0.0
@@ -213,15 +275,22 @@ class Row(contact.Profile):
         for s, n, c in self.rows:
             series = [1.0]
             for m in range(1, terms):
-                series.append(sum((k * n - (m - k)) * sinc[k] * series[m - k] for k in range(1, m + 1)) / m)
-            out += [[s, n + 2 * k, c * one * (pi / L) ** (2 * k), c * one * (pi / L) ** (2 * k)] for k, one in enumerate(series)]
+                series.append(
+                    sum((k * n - (m - k)) * sinc[k] * series[m - k] for k in range(1, m + 1)) / m
+                )
+            out += [
+                [s, n + 2 * k, c * one * (pi / L) ** (2 * k), c * one * (pi / L) ** (2 * k)]
+                for k, one in enumerate(series)
+            ]
         return np.array(out)
 
 
 def rule(a, b, places):
     """Gauss's rule on panels that halve in length towards places and both ends."""
     halved = (b - a) * 0.5 ** np.arange(1, 45)
-    cuts = np.concatenate([[a, b], *(s + sign * halved for s in (a, b, *places) for sign in (-1, 1)), places])
+    cuts = np.concatenate(
+        [[a, b], *(s + sign * halved for s in (a, b, *places) for sign in (-1, 1)), places]
+    )
     cuts = np.unique(cuts[(cuts >= a) & (cuts <= b)])
     cuts = cuts[np.append(True, np.diff(cuts) > 1e-15 * (abs(a) + abs(b)))]
     t, weight = np.polynomial.legendre.leggauss(20)
@@ -243,11 +312,21 @@ def residual(solution):
             own = a < x < b
             xi, weight = rule(a, b, [s for s in (*tips, *([x] if own else [])) if a < s < b])
             here = solution.pressure(np.array([x]))[0] if own else 0.0
-            away = np.where(xi == x, np.inf, x - xi)  # a node at x itself, to the last digit, has no weight to speak of
-            kernel = 1 / away if period is None else pi / period / np.tan(pi * np.where(xi == x, period / 2, away) / period)
+            away = np.where(
+                xi == x, np.inf, x - xi
+            )  # a node at x itself, to the last digit, has no weight to speak of
+            kernel = (
+                1 / away
+                if period is None
+                else pi / period / np.tan(pi * np.where(xi == x, period / 2, away) / period)
+            )
             total += weight @ ((solution.pressure(xi) - here) * kernel)
             if own:
-                ends = np.array([x - a, b - x]) if period is None else np.sin(pi * np.array([x - a, b - x]) / period)
+                ends = (
+                    np.array([x - a, b - x])
+                    if period is None
+                    else np.sin(pi * np.array([x - a, b - x]) / period)
+                )
                 total += here * np.log(ends[0] / ends[1])
         out.append(2 / (pi * E_STAR) * total - profile.slope(np.array([x]))[0])
     return np.abs(out).max() / np.abs(profile.slope(at)).max()
@@ -257,7 +336,9 @@ UNLIKE = {
     "two far tips": Tips(((-1e-3, 1.5, 0.3, 0.3), (1e-3, 2.5, 30.0, 30.0)), 1.0),
     "skew tips": Tips(((-1e-3, 1.3, 0.01, 0.02), (1e-3, 1.7, 0.05, 0.03)), 1e3),
     "one side alone": Tips(((0.0, 1.5, 0.0, 0.01), (3e-5, 3.0, 10.0, 20.0)), 1e-2),
-    "tips and a valley": Tips(((-3e-5, 1.05, 0.0, 0.001), (3e-5, 1.9, 0.1, 0.2), (1e-6, 1.5, -1e-3, -1e-3)), 1e-2),
+    "tips and a valley": Tips(
+        ((-3e-5, 1.05, 0.0, 0.001), (3e-5, 1.9, 0.1, 0.2), (1e-6, 1.5, -1e-3, -1e-3)), 1e-2
+    ),
 }
 
 
@@ -290,11 +371,17 @@ def test_full_contact_under_algebraic_points_is_the_conjugate(shape):
     solution = contact.solve(Scene(profile, E_STAR, Periodic(), contact_fraction=1.0))
     tips = np.unique(profile.algebraic_points[:, 0])
     for x in (-0.31 * L, 0.07 * L, 0.2 * L):
-        xi, weight = rule(x - L / 2, x + L / 2, [s for t in tips for s in (t - L, t, t + L) if abs(s - x) < L / 2] + [x])
+        xi, weight = rule(
+            x - L / 2,
+            x + L / 2,
+            [s for t in tips for s in (t - L, t, t + L) if abs(s - x) < L / 2] + [x],
+        )
         cot = 1 / np.tan(pi * (x - xi) / L)
         conjugate = weight @ ((profile.slope(xi) - profile.slope(np.array([x]))) * cot) / L
         expected = solution.mean_pressure - 0.5 * E_STAR * conjugate
-        assert solution.pressure(np.array([x]))[0] == pytest.approx(expected, abs=1e-10 * solution.max_pressure)
+        assert solution.pressure(np.array([x]))[0] == pytest.approx(
+            expected, abs=1e-10 * solution.max_pressure
+        )
     least = solution.pressure(np.append(np.linspace(-L / 2, L / 2, 2001), tips)).min()
     assert -1e-10 * solution.max_pressure < least < 1e-4 * solution.max_pressure
 
@@ -308,14 +395,19 @@ def test_two_bodies_with_powers_solve_the_equation():
 
 
 def test_a_turned_power_is_the_mirror_image_of_one_turned_the_other_way():
-    one, other = (contact.solve(Scene(power(1.5), E_STAR, Isolated(), load=30.0, moment=moment)) for moment in (5e-4, -5e-4))
+    one, other = (
+        contact.solve(Scene(power(1.5), E_STAR, Isolated(), load=30.0, moment=moment))
+        for moment in (5e-4, -5e-4)
+    )
     np.testing.assert_allclose(one.zones, -other.zones[:, ::-1], rtol=1e-9)
     assert one.zones[0, 0] + one.zones[0, 1] > 1e-6
 
 
 @pytest.mark.slow
 def test_a_power_that_is_not_declared_is_not_solved_for():
-    """Without its algebraic point a tip leaves coefficients that fall too slowly: this is what the declaration is for."""
+    """Without its algebraic point a tip leaves coefficients that fall too slowly: this is what the
+    declaration is for.
+    """
 
     class Undeclared(Power):
         algebraic_points = np.empty((0, 4))
@@ -324,14 +416,17 @@ def test_a_power_that_is_not_declared_is_not_solved_for():
         contact.solve(Scene(Undeclared(power(1.5).coefficient, 1.5), E_STAR, Isolated(), load=30.0))
 
 
-# what is refused, and what is told --------------------------------------------------------------------------------------
+# what is refused, and what is told ----------------------------------------------------------------
 @pytest.mark.parametrize("exponent", (0.0, -1.0, 0.3, 0.999, np.nan, np.inf, "2", True))
 def test_exponents_below_one_are_refused_by_name(exponent):
     with pytest.raises(SceneError, match="exponent"):
         Power(1.0, exponent)
 
 
-@pytest.mark.parametrize("rows", ([[0.0, 1.0, 1.0, 1.0]], [[0.0, 0.5, 1.0, 1.0]], [[0.0, 1.5, 1.0]], [[0.0, 1.5, np.nan, 1.0]]))
+@pytest.mark.parametrize(
+    "rows",
+    ([[0.0, 1.0, 1.0, 1.0]], [[0.0, 0.5, 1.0, 1.0]], [[0.0, 1.5, 1.0]], [[0.0, 1.5, np.nan, 1.0]]),
+)
 def test_rows_that_are_no_algebraic_points_are_refused_by_name(rows):
     class Odd(Parabola):
         algebraic_points = np.array(rows)

@@ -46,8 +46,8 @@ class Profile(sie.Kept):
     """Base of all profiles; subclasses are frozen dataclasses that check their fields when made.
 
     A profile has a `height(x)`: the gap at zero load [m], at x [m] of any shape, growing away from contact; a constant does not matter. All
-    else may be left out: `slope`, `period`, `symmetric`, `kinks`, `jumps`, `algebraic_points`, `support`, `extent`, `summits`, `resolution`,
-    `slope_conjugate` make solving faster or sharper (docs/own-profile.md).
+    else may be left out: `slope`, `period`, `symmetric`, `kinks`, `jumps`, `algebraic_points`,
+    `support`, `extent`, `summits`, `resolution`, `slope_conjugate` make solving faster or sharper (docs/own-profile.md).
 
     Examples
     --------

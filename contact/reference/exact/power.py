@@ -1,8 +1,9 @@
 """Power law f = C |x|^n, n > 1, alone and in a row of period L (a sharp valley at L/2).
 
-Alone the load grows as a^n, and everything is told by gamma and hypergeometric functions (derived here from the head of
-contact.reference.exact.base; the plane contact of power laws: V. L. Popov, M. Hess & E. Willert, Handbook of Contact Mechanics, 2019,
-doi 10.1007/978-3-662-58709-6). In a row the load is one integral, taken by the double-exponential rule.
+Alone the load grows as a^n, and everything is told by gamma and hypergeometric functions (derived
+here from the head of contact.reference.exact.base; the plane contact of power laws: V. L. Popov, M.
+Hess & E. Willert, Handbook of Contact Mechanics, 2019, doi 10.1007/978-3-662-58709-6). In a row the
+load is one integral, taken by the double-exponential rule.
 """
 
 from collections.abc import Callable
@@ -19,7 +20,8 @@ from contact.reference.exact import base
 from contact.reference.exact.base import Array, cosine, integrated, sine
 from contact.reference.exact.roots import root
 
-# Exponents below which the integral of the pressure is taken by its expansion about the tip, within this part of the half width.
+# Exponents below which the integral of the pressure is taken by its expansion about the tip,
+# within this part of the half width.
 _LOW, _NEAR = 2.5, 0.5
 # Exponent up to which the pressure is highest in the middle.
 _FLAT = 2.0
@@ -49,19 +51,26 @@ class _Power(base.SymmetricZone):
         middle = float(self.pressure_at(0.0))
         if self.exponent <= _FLAT:
             return middle
-        found = minimize_scalar(lambda t: -float(self.pressure_at(t)), bounds=(0.0, 1.0), method="bounded", options={"xatol": 1e-10})
+        found = minimize_scalar(
+            lambda t: -float(self.pressure_at(t)),
+            bounds=(0.0, 1.0),
+            method="bounded",
+            options={"xatol": 1e-10},
+        )
         return max(middle, -float(found.fun))
 
 
 @dataclass(frozen=True)
 class IsolatedPower(base.IsolatedZone, _Power):
-    """A power law f = C |x|^n alone, with g = sqrt(pi) Gamma((n + 1)/2)/Gamma(n/2 + 1) and q^2 = 1 - x^2/a^2:
+    """A power law f = C |x|^n alone, with g = sqrt(pi) Gamma((n + 1)/2)/Gamma(n/2 + 1) and q^2 = 1
+    - x^2/a^2:
 
     P = (E*/2) n C g a^n,   p = (n P/pi a) q 2F1(1, 1 - n/2; 3/2; q^2),   p(0) = n P/(pi (n - 1) a),
     gap slope = f'(x) I(1 - a^2/x^2; 1/2, n/2), I the regularized incomplete beta function,
     approach = (2 P/pi E*)(ln(2d/a) + 1/n).
 
-    Derived here; n = 2 is Hertz's contact. V. L. Popov, M. Hess & E. Willert, Handbook of Contact Mechanics (2019),
+    Derived here; n = 2 is Hertz's contact. V. L. Popov, M. Hess & E. Willert, Handbook of Contact
+    Mechanics (2019),
     doi 10.1007/978-3-662-58709-6.
 
     Parameters
@@ -94,7 +103,8 @@ class IsolatedPower(base.IsolatedZone, _Power):
     >>> import numpy as np
     >>> from contact.exact import HertzLine, IsolatedPower
     >>> power = IsolatedPower.from_load(1e4, coefficient=0.5, exponent=2.0, E_star=1e9)
-    >>> bool(np.isclose(power.half_width, HertzLine.from_load(1e4, radius=1.0, E_star=1e9).half_width))
+    >>> hertz = HertzLine.from_load(1e4, radius=1.0, E_star=1e9)
+    >>> bool(np.isclose(power.half_width, hertz.half_width))
     True
     """
 
@@ -106,7 +116,13 @@ class IsolatedPower(base.IsolatedZone, _Power):
 
     @property
     def load(self) -> float:
-        return 0.5 * self.E_star * self.half_width * float(self._slope(np.array(self.half_width))) * _mean(self.exponent)
+        return (
+            0.5
+            * self.E_star
+            * self.half_width
+            * float(self._slope(np.array(self.half_width)))
+            * _mean(self.exponent)
+        )
 
     def load_rate(self, s: Array) -> Array:
         """dP/da at a = s."""
@@ -118,7 +134,9 @@ class IsolatedPower(base.IsolatedZone, _Power):
 
     def _gap_slope(self, e: Array) -> Array:
         a = self.half_width
-        return np.asarray(self._slope(a + e) * betainc(0.5, 0.5 * self.exponent, e * (2.0 * a + e) / (a + e) ** 2))
+        return np.asarray(
+            self._slope(a + e) * betainc(0.5, 0.5 * self.exponent, e * (2.0 * a + e) / (a + e) ** 2)
+        )
 
     def _gap(self, e: Array) -> Array:
         return base.abel_gap(self.load_rate, self.half_width, e, self.E_star)
@@ -131,10 +149,12 @@ class IsolatedPower(base.IsolatedZone, _Power):
 class PeriodicPower(base.PeriodicZone, _Power):
     """A power law f = C |x|^n, |x| <= L/2, in a row: with sin(pi s/L) = t sin A, A = pi a/L,
 
-    P = E* int_0^1 f'(s) (ds/dt) t / sqrt(1 - t^2) dt = (E* L/pi) int_0^artanh(sin A) f'(s) dw,   sinh(w) = tan A sqrt(1 - t^2),
+    P = E* int_0^1 f'(s) (ds/dt) t / sqrt(1 - t^2) dt = (E* L/pi) int_0^artanh(sin A) f'(s) dw,
+    sinh(w) = tan A sqrt(1 - t^2),
 
-    and pressure and gap from these by the superposition of punches; all by the double-exponential rule (derived here; n = 2 is
-    Kuznetsov's row of parabolas). Ye. A. Kuznetsov, Sov. Appl. Mech. 12 (1976).
+    and pressure and gap from these by the superposition of punches; all by the double-exponential
+    rule (derived here; n = 2 is Kuznetsov's row of parabolas). Ye. A. Kuznetsov, Sov. Appl. Mech.
+    12 (1976).
 
     Parameters
     ----------
@@ -152,21 +172,24 @@ class PeriodicPower(base.PeriodicZone, _Power):
     Attributes
     ----------
     load : float
-        P per period [N/m]; the class methods `from_load`, `from_mean_pressure` and `from_contact_fraction` start from one of these numbers.
+        P per period [N/m]; the class methods `from_load`, `from_mean_pressure` and
+        `from_contact_fraction` start from one of these numbers.
     pressure, gap, zones, approach : as in `SymmetricZone`
         What every such zone has, and what else is there.
 
     Raises
     ------
     SceneError
-        If a number is not positive and finite, the exponent is not above 1, or the zone is as wide as its period.
+        If a number is not positive and finite, the exponent is not above 1, or the zone is as wide
+        as its period.
 
     Examples
     --------
     >>> import numpy as np
     >>> from contact.exact import PeriodicParabola, PeriodicPower
-    >>> row = PeriodicPower(coefficient=0.5, exponent=2.0, period=1e-2, E_star=1e9, half_width=2.5e-3)
-    >>> bool(np.isclose(row.load, PeriodicParabola(radius=1.0, period=1e-2, E_star=1e9, half_width=2.5e-3).load))
+    >>> shape = dict(period=1e-2, E_star=1e9, half_width=2.5e-3)
+    >>> row = PeriodicPower(coefficient=0.5, exponent=2.0, **shape)
+    >>> bool(np.isclose(row.load, PeriodicParabola(radius=1.0, **shape).load))
     True
     """
 
@@ -184,7 +207,9 @@ class PeriodicPower(base.PeriodicZone, _Power):
         return float(self._loads(np.array(self.half_width)))
 
     def _places(self, a: Array, w: Array, rest: Array) -> tuple[Array, Array, Array]:
-        """(s, cos(pi s/L), sin(pi s/L)) at (1 - t^2)^(1/2) tan A = sinh(w), rest = artanh(sin A) - w."""
+        """(s, cos(pi s/L), sin(pi s/L)) at (1 - t^2)^(1/2) tan A = sinh(w), rest = artanh(sin A) -
+        w.
+        """
         length = self._length()
         size, least = sine(a, length), cosine(a, length)
         # 1 - (sinh(w)/tan A)^2 without cancellation.
@@ -194,7 +219,9 @@ class PeriodicPower(base.PeriodicZone, _Power):
         return length / pi * np.arctan2(sine_s, cosine_s), cosine_s, sine_s
 
     def _over(self, a: Array, integrand: Callable[[Array, Array], Array]) -> Array:
-        """int integrand dw = sin A int integrand t / ((1 - t^2)^(1/2) cos(pi s/L)) dt for half widths."""
+        """int integrand dw = sin A int integrand t / ((1 - t^2)^(1/2) cos(pi s/L)) dt for half
+        widths.
+        """
         length = self._length()
         return integrated(integrand, np.arcsinh(sine(a, length) / cosine(a, length)))
 
@@ -212,10 +239,14 @@ class PeriodicPower(base.PeriodicZone, _Power):
         def integrand(w: Array, rest: Array) -> Array:
             at, cosine_s, sine_s = self._places(column, w, rest)
             # d ln(f' sin A / cos(pi s/L)) / dA, with ds/dA = (L/pi) tan(pi s/L) cot A.
-            grown = (self.exponent - 1.0) * length / (pi * np.maximum(at, 1e-300)) + sine_s / cosine_s
+            grown = (self.exponent - 1.0) * length / (
+                pi * np.maximum(at, 1e-300)
+            ) + sine_s / cosine_s
             return np.asarray(self._slope(at) * (sine_s / cosine_s * grown + 1.0))
 
-        return np.asarray(self.E_star * cosine(a, length) / sine(a, length) * self._over(a, integrand))
+        return np.asarray(
+            self.E_star * cosine(a, length) / sine(a, length) * self._over(a, integrand)
+        )
 
     def _pressure(self, r: Array, d: Array) -> Array:
         length, a = self._length(), self.half_width
@@ -229,16 +260,25 @@ class PeriodicPower(base.PeriodicZone, _Power):
             def integrand(v: Array, rest: Array, low: float = low, size: float = size) -> Array:
                 big = np.hypot(low, sqrt(size) * v)
                 cosine_s = np.hypot(float(cosine(a, length)), np.sqrt(size * rest * (1.0 + v)))
-                return np.asarray(self.load_rate(length / pi * np.arctan2(big, cosine_s)) / (cosine_s * big))
+                return np.asarray(
+                    self.load_rate(length / pi * np.arctan2(big, cosine_s)) / (cosine_s * big)
+                )
 
-            out[at] = float(cosine(r[at], length)) / pi * sqrt(size) * float(integrated(integrand, np.array(1.0)))
+            out[at] = (
+                float(cosine(r[at], length))
+                / pi
+                * sqrt(size)
+                * float(integrated(integrand, np.array(1.0)))
+            )
         return out
 
     def _gap(self, e: Array) -> Array:
         length, a = self._length(), self.half_width
 
         def opened(y: Array, rest: Array) -> Array:
-            return np.asarray(self.load_rate(a + y) * base.arcosh1p(base.sine_excess(a + y, rest, length)))
+            return np.asarray(
+                self.load_rate(a + y) * base.arcosh1p(base.sine_excess(a + y, rest, length))
+            )
 
         return np.asarray(2.0 / (pi * self.E_star) * integrated(opened, e))
 
@@ -264,6 +304,8 @@ def _punches(n: float, r: Array, d: Array) -> Array:
         return out
     # Next to the tip r^2 is lost in q^2: there by powers of r^2, and r^(n-1).
     small = np.minimum(r, _NEAR)
-    even = np.sqrt(1.0 - small**2) * hyp2f1(1.0, 1.0 - 0.5 * n, 0.5 * (3.0 - n), small**2) / (n - 1.0)
+    even = (
+        np.sqrt(1.0 - small**2) * hyp2f1(1.0, 1.0 - 0.5 * n, 0.5 * (3.0 - n), small**2) / (n - 1.0)
+    )
     odd = 0.5 * sqrt(pi) * gammas(0.5 * (1.0 - n)) / gammas(1.0 - 0.5 * n) * small ** (n - 1.0)
     return np.where(r < _NEAR, even + odd, out)
