@@ -154,6 +154,13 @@ def test_every_control_finds_the_same_row(control, n, fraction):
     assert solution.load == pytest.approx(exact.load, rel=1e-8)
 
 
+@pytest.mark.parametrize(("n", "fraction"), [(3.3, 1e-6), (8.6, 0.008), (11.3, 1e-6)])
+def test_a_tiny_contact_has_its_approach_whatever_the_heights_beyond_it(n, fraction):
+    exact = in_a_row(n, fraction)
+    scene = Scene(power(n, L), E_STAR, Periodic(), approach=exact.approach)
+    assert off(contact.solve(scene), exact) <= 1e-8
+
+
 @pytest.mark.parametrize("n", (1.5, 6.3))
 def test_a_lone_power_has_approach_and_half_width_controls(n):
     exact = alone(n)
