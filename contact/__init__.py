@@ -19,6 +19,7 @@ with uncollected():
         Fourier,
         Parabola,
         Polynomial,
+        Power,
         Profile,
         Sampled,
         Sinusoid,
@@ -96,8 +97,8 @@ def __dir__() -> list[str]:
 __all__ = [
     "AdhesiveEvent", "AdhesivePath", "Biquadratic", "Combined", "ContactError", "Control", "Dugdale", "E_star", "Event", "Flat",
     "Fourier", "Frictionless", "HalfPlane", "Interaction", "Isolated", "JKR", "Law", "Layer", "Localized", "MissingExtra",
-    "ModelWarning", "NotConverged", "OutOfRange", "Parabola", "Path", "Periodic", "Plan", "Polynomial", "Profile", "Sampled", "Scene",
-    "SceneError", "Sinusoid", "Solution", "Substrate", "Wedge", "controls", "explore",
+    "ModelWarning", "NotConverged", "OutOfRange", "Parabola", "Path", "Periodic", "Plan", "Polynomial", "Power", "Profile", "Sampled",
+    "Scene", "SceneError", "Sinusoid", "Solution", "Substrate", "Wedge", "controls", "explore",
     "interaction", "interactions", "law", "laws", "load_scene", "path", "plan", "profile",
     "profiles", "read_trace", "register_control", "register_interaction", "register_law", "register_profile", "register_substrate",
     "self_affine", "solve", "solve_many", "substrate", "substrates", "sweep",

@@ -13,7 +13,7 @@ import copy
 import dataclasses
 import warnings
 from collections.abc import Callable, Iterator
-from math import ceil, factorial, log2
+from math import ceil, comb, factorial, log2
 from typing import Any
 
 import numpy as np
@@ -26,6 +26,9 @@ from contact.model.substrates.base import Substrate
 from sie import Array, Mask
 
 _A_SIDE = 6  # points beside a place
+_DIFFERENCES = 8  # order of the differences that tell powers from what is smooth
+_POWER = 2e-3  # of a declared power: what may be missing of it
+_FALLING = 0.7  # of what is missing at a step: what is smooth leaves less at the next one
 _HALVED = 30  # steps, each half of the one before
 _UNIT = float(np.finfo(float).eps)
 _CLEAR = 0.05  # of a jump: rounding below this still shows it
@@ -262,9 +265,10 @@ def _declarations(profile: Profile, x: Array) -> Iterator[str]:
         return
     period = profile.period
     if period is not None:
-        outside = [s for s in profile.kinks[:, 0] if not profile.x0 <= s < profile.x0 + period]
-        if outside:
-            yield f"kinks at {outside} lie outside the cell [{profile.x0:g}, {profile.x0 + period:g})"
+        for name in ("kinks", "algebraic_points"):
+            outside = [s for s in getattr(profile, name)[:, 0].tolist() if not profile.x0 <= s < profile.x0 + period]
+            if outside:
+                yield f"{name} at {outside} lie outside the cell [{profile.x0:g}, {profile.x0 + period:g})"
     if not dataclasses.is_dataclass(profile) or not profile.__dataclass_params__.frozen:
         yield "note: not a frozen dataclass: changed after a solve, it is not what was solved"
 
@@ -384,13 +388,16 @@ def _kinks(profile: Profile, x: Array) -> Iterator[str]:
     scale = float(np.max(np.abs(np.asarray(profile.slope(x)))))
     declared = np.asarray(profile.kinks, dtype=np.float64).reshape(-1, 2)
     slope, reach = _sharp_slope(profile, width)
+    points = np.asarray(profile.algebraic_points, dtype=np.float64)
     for s, jump in declared:
         seen = float(np.diff(slope(np.array([s - 2 * reach, s + 2 * reach])))[0])
+        # An algebraic point of an exponent near 1 looks like a kink from anywhere.
+        seen -= sum((left + right) * n * (2 * reach) ** (n - 1) for at, n, left, right in points if at == s)
         if abs(seen - jump) > _JUMP * max(scale, abs(jump)):
             yield f"kink declared at {s:.6g} with jump {jump:.6g}: the slope jumps by {seen:.6g} there"
     for s, jump in _jumps(slope, lo, lo + width, reach, scale):
         at = float(profile.wrap(s)) if profile.period is not None else s
-        away = np.abs(declared[:, 0] - at)
+        away = np.abs(np.append(declared[:, 0], points[:, 0]) - at)
         if profile.period is not None:
             away = np.minimum(away, profile.period - away)
         if not np.any(away <= max(4 * reach, 1e-6 * width)):
@@ -439,7 +446,7 @@ def _higher_jumps(profile: Profile, x: Array) -> Iterator[str]:
     if profile.slope_is_derived or not scale > 0:
         return
     found = _bends(profile, lo, width, scale)
-    away = np.abs(found[:, None] - declared)
+    away = np.abs(found[:, None] - np.append(declared, _rough(profile)))
     away = np.minimum(away, width - away) if periodic else away
     found = np.sort(found[np.all(away > 1e-5 * width, axis=1)])
     if len(found):
@@ -458,9 +465,53 @@ def _declared_places(profile: Profile, lo: float, width: float) -> Array:
     border = [lo] if profile.period is not None else []
     places = np.unique(np.concatenate((border, profile.kinks[:, 0], profile.jumps[:, 0], profile.breakpoints, *tips)))
     places = places[np.append(True, np.diff(places) > _ONE * width)] if len(places) else places
+    # Derivatives of low powers are infinite there; `_powers` sees to these.
+    places = np.setdiff1d(places, _rough(profile))
     if ends := _ends(profile):
         places = places[(places > ends[0]) & (places < ends[1])]
     return np.asarray(places)
+
+
+def _rough(profile: Profile) -> Array:
+    """Algebraic points at which the third derivative is not continuous."""
+    points = np.asarray(profile.algebraic_points, dtype=np.float64)
+    return np.asarray(np.unique(points[points[:, 1] <= 3.0, 0]))
+
+
+def _powers(profile: Profile, x: Array) -> Iterator[str]:
+    """Algebraic points by differences of an order so high that all that is smooth vanishes faster than the powers, on either side."""
+    points = np.asarray(profile.algebraic_points, dtype=np.float64)
+    lo, hi = _window(profile)
+    others = np.concatenate((profile.breakpoints, _ends(profile)))
+    for s in np.unique(points[:, 0]):
+        reach = float(_reach(np.array([s]), others, hi - lo, profile.period is not None)[0])
+        for side, column in ((-1.0, 2), (1.0, 3)):
+            n, c = points[points[:, 0] == s][:, [1, column]].T
+            ratio = _power_left(profile, float(s), side * reach, n, c)
+            if ratio > _POWER:
+                told = ", ".join(f"{one:.6g} |x - s|^{power:.6g}" for power, one in zip(n, c, strict=True))
+                where = "left" if side < 0 else "right"
+                yield f"algebraic point declared at {s:.6g}, {told} on its {where}: the profile differs by {ratio:.2g} of that"
+
+
+def _power_left(profile: Profile, s: float, reach: float, n: Array, c: Array) -> float:
+    """The least part of declared powers that high differences of the profile do not show, over a ladder of steps; 0 where rounding hides
+    them, or hides them before what is smooth has fallen away."""
+    derived = profile.slope_is_derived
+    function = profile.height if derived else profile.slope
+    power, size = (n, c) if derived else (n - 1, np.sign(reach) * n * c)
+    weights = np.array([(-1.0) ** k * comb(_DIFFERENCES, k) for k in range(_DIFFERENCES + 1)])
+    found = []
+    for j in range(_HALVED):
+        # Not at s itself: of a low power the rounding of the place is seen there.
+        y = abs(reach) / (_DIFFERENCES + 1) * 0.5**j * np.arange(1, _DIFFERENCES + 2)
+        values = np.asarray(function(s + np.sign(reach) * y), dtype=np.float64)
+        declared = float(weights @ (y[:, None] ** power @ size))
+        # Of the places too: next to s these are told to a few digits.
+        rounding = _UNIT * float(np.abs(weights) @ np.abs(values)) * (1.0 + abs(s) / y[0])
+        if abs(declared) > 10 * rounding / _POWER:
+            found.append(abs(float(weights @ values) - declared) / abs(declared))
+    return 0.0 if len(found) < 3 or found[-1] < _FALLING * found[-2] else min(found)
 
 
 def _reach(places: Array, others: Array, width: float, periodic: bool) -> Array:
@@ -546,5 +597,5 @@ def _ends(profile: Profile) -> tuple[float, ...]:
 _CHECKS: tuple[tuple[str, Callable[[Profile, Array], Iterator[str]]], ...] = (
     ("declarations", _declarations), ("values", _values), ("shapes", _shapes), ("periodicity", _periodicity),
     ("continuity", _continuity), ("slope", _slope), ("symmetry", _symmetry), ("kinks", _kinks),
-    ("jumps", _higher_jumps), ("summits", _summits), ("conjugate", _conjugate),
+    ("jumps", _higher_jumps), ("powers", _powers), ("summits", _summits), ("conjugate", _conjugate),
 )

@@ -29,13 +29,15 @@ if TYPE_CHECKING:
     from sie.free_ends.motions import EndRates, end_motions, end_rates
     from sie.free_ends.newton import Free, find_ends
     from sie.free_ends.sources import Answers, answers
+    from sie.jumps.poles import AlgebraicPoints
     from sie.slits.density import SlitDensity
     from sie.slits.system import AnyDensity, AnyState, solve_zones
     from sie.solver import NotConverged, Solution, solve
 
 __all__ = [
-    "Amplitude", "Answers", "AnyDensity", "AnyState", "Array", "BOUNDED", "Complex", "Condition", "CountError", "Density", "End",
-    "EndRates", "EqualPotential", "Equation", "FREE", "Forcing", "Free", "Index", "Kept", "Kernel", "Level", "Mask", "NotConverged",
+    "AlgebraicPoints", "Amplitude", "Answers", "AnyDensity", "AnyState", "Array", "BOUNDED",
+    "Complex", "Condition", "CountError", "Density", "End", "EndRates",
+    "EqualPotential", "Equation", "FREE", "Forcing", "Free", "Index", "Kept", "Kernel", "Level", "Mask", "NotConverged",
     "PiecewiseTransform", "Rows", "SINGULAR", "SingularSystem", "SlitDensity", "Smooth", "Solution", "State", "Total",
     "TotalWidth", "Weighted", "ZoneMoments", "ZoneTotals", "Zones", "answers", "cauchy", "end_motions", "end_rates",
     "find_ends", "free_with_intensity", "hilbert", "images", "moment", "nearest_image", "record", "solve", "solve_fixed",
@@ -57,6 +59,7 @@ _HOMES = {
     "sie.free_ends.motions": "EndRates end_motions end_rates",
     "sie.free_ends.newton": "Free find_ends",
     "sie.free_ends.sources": "Answers answers",
+    "sie.jumps.poles": "AlgebraicPoints",
     "sie.slits.density": "SlitDensity",
     "sie.slits.system": "AnyDensity AnyState solve_zones",
     "sie.solver": "NotConverged Solution solve",

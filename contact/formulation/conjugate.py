@@ -6,9 +6,10 @@ Bernoulli polynomials, whose conjugates are, with u = (x - s)/L and J the jump,
     q = 0   (J / pi) ln|2 sin(pi u)|,    q = 1   -(J L / 2 pi^2) Cl_2(2 pi u),    q = 2   (J L^2 / 4 pi^3) Cl_3(2 pi u),
     Cl_2(y) = sum_k sin(ky)/k^2,         Cl_3(y) = sum_k cos(ky)/k^3,
 
-and what is left is smooth, a Fourier series. The polynomials of many jumps are one piecewise quadratic, whose conjugate takes a time
-that does not grow with their number (pieces.py). The logarithms are kept apart: beside a kink they must be taken at a distance that is
-known better than x (sie.jumps.density), and everything else is `smooth`.
+and what is left is smooth, a Fourier series. The poles of algebraic points (sie.AlgebraicPoints) are taken out too, 1/(y - i eta) as
+(pi/L) cot(pi (y - i eta)/L), whose conjugate is i times it and pi/L. The polynomials of many jumps are one piecewise quadratic, whose
+conjugate takes a time that does not grow with their number (pieces.py). The logarithms are kept apart: beside a kink they must be taken
+at a distance that is known better than x (sie.jumps.density), and everything else is `smooth`.
 """
 
 from collections.abc import Callable
@@ -27,7 +28,7 @@ from contact.errors import SceneError
 from contact.formulation.pieces import Pieces
 from contact.model.profiles.base import Profile, is_of_package
 from contact.model.profiles.trigonometric import Sum
-from sie import Array, record
+from sie import Array, Complex, record
 
 _LARGEST = 2**18
 _LEAST = 256
@@ -64,6 +65,8 @@ _2K = 2.0 * np.arange(1, 27)
 _SECOND = 2 * zeta(_2K) / (2 * pi) ** _2K / (_2K * (_2K + 1))
 _THIRD = _SECOND / (_2K + 2)
 _ZETA3 = float(zeta(3))
+# Of the period: the poles of an algebraic point no farther away than this are taken out; insensitive, 0.1 to 0.5.
+_POLES = 0.25
 # Beside a kink a closed form with its logarithm taken off is a difference of large numbers: closer than this part of
 # the period it is continued by a straight line.
 _BESIDE = 1e-5
@@ -194,17 +197,20 @@ def _series(profile: Profile, length: float) -> Transform:
     of_jumps = Pieces.of(profile.x0, length, at, np.concatenate((heights, -over[:, None] * [0.0, 0.0, 1.0])))
     of_kinks = Pieces.of(profile.x0, length, kinks[:, 0], kinks[:, 1, None] * [1.0, 0.0, 0.0])
 
-    def polynomials(x: Array) -> Array:
-        return np.asarray(of_kinks(x) + of_jumps(x) + over_jumps(x, first, -over * length**2, length, _bernoulli3))
+    points = _PeriodicPoles.of(profile, length)
+
+    def closed(x: Array) -> Array:
+        return np.asarray(of_kinks(x) + of_jumps(x) + over_jumps(x, first, -over * length**2, length, _bernoulli3) + points(x, False))
 
     # The parts that are taken out may be much larger than their sum.
     rounding = 2.2e-16 * float(np.abs(kinks[:, 1]).sum() + (np.abs(jumps[:, 2]) * length**orders).sum()) / 12
+    rounding += 2.2e-16 * points.size
     # Fewer even samples than the shape asks for show waves that are none of its.
     n = int(np.clip(2 ** np.ceil(np.log2(8 * length / (profile.resolution or length))), _LEAST, _LARGEST))
     while True:
         x = profile.x0 + length * (np.arange(n) + 0.5) / n
         slope = np.asarray(profile.slope(x))
-        coefficients = np.asarray(fft.rfft(slope - polynomials(x))) / n
+        coefficients = np.asarray(fft.rfft(slope - closed(x))) / n
         size = np.abs(coefficients)
         scale = max(float(size.max()), float(np.abs(slope).max()))
         noise = max(rounding, _noise(size, scale))
@@ -222,6 +228,7 @@ def _series(profile: Profile, length: float) -> Transform:
         x = np.asarray(x, dtype=float)
         turns = (np.asarray(profile.wrap(x)) - profile.x0) / length
         out = np.zeros(x.shape) if left is None else left(turns.ravel()).reshape(x.shape)
+        out = out + points(x, True)
         if len(jumps) == 0:
             return np.asarray(out)
         return np.asarray(out + of_jumps.conjugate(x) + over_jumps(x, first, over * length**2 / (4 * pi**3), length, clausen3))
@@ -263,6 +270,48 @@ def _limit_of_series(x: Array, smooth: Array, size: Array, settled: bool) -> str
     if steps[at] > _OPTIONS.stands_out * float(np.median(steps)):
         return f"the slope jumps by {steps[at]:.3g} at x = {x[at]:.6g} m, and kinks of the profile does not say so"
     return f"the slope, but for the jumps that are declared, varies over less than {x[1] - x[0]:.1e} m"
+
+
+@record
+class _PeriodicPoles:
+    """Poles of the algebraic points of a periodic slope: by point, tanh(pi eta/L) and c of each.
+
+    With s = sin(pi y/L), k = cos(pi y/L), T = tanh(pi eta/L): cot(pi (y - i eta)/L) = (s k (1 - T^2) + i T) / (s^2 + k^2 T^2).
+    """
+
+    length: float
+    points: sie.AlgebraicPoints
+    poles: list[tuple[Array, Complex]]
+
+    @classmethod
+    def of(cls, profile: Profile, length: float) -> "_PeriodicPoles":
+        at, n, left, right = np.asarray(profile.algebraic_points, dtype=float).T
+        points = sie.AlgebraicPoints(at, n - 1, -n * left, n * right)
+        some = [points.poles(k, _POLES * length) for k in range(len(points.places))]
+        return cls(length, points, [(np.tanh(pi * away / length), size * (pi / length)) for away, size in some])
+
+    @property
+    def size(self) -> float:
+        """What their sum does not exceed."""
+        return float(sum((np.abs(size) / tanh).sum() for tanh, size in self.poles))
+
+    def __call__(self, x: Array, conjugate: bool) -> Array:
+        """Their sum, or its conjugate, at x of any shape."""
+        out, flat = np.zeros(np.size(x)), np.ravel(x)
+        for place, (at, (tanh, size)) in enumerate(zip(self.points.places.tolist(), self.poles, strict=True)):
+            turns = (flat - at) / self.length
+            turns -= np.round(turns)
+            c = 1j * size if conjugate else size
+            weights = np.column_stack((c.real * (1 - tanh) * (1 + tanh), c.imag * tanh))
+            mean = size.real.sum() if conjugate else 0.0
+            for here in range(0, len(flat), max(1, _BLOCK // len(tanh))):
+                s, k = (wave(pi * turns[here : here + _BLOCK // len(tanh)]) for wave in (np.sin, np.cos))
+                odd, even = (1 / ((s * s)[:, None] + (k * k)[:, None] * tanh**2) @ weights).T
+                out[here : here + len(s)] += s * k * odd - even + mean
+            if conjugate:
+                # i c / (-i eta)
+                out[turns == 0.0] -= self.points.left_out(place, _POLES * self.length).real
+        return out.reshape(np.shape(x))
 
 
 def _noise(size: Array, scale: float) -> float:

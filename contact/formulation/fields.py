@@ -178,9 +178,9 @@ class ZoneFields(sie.Kept):
             return np.inf
         if not self.problem.interaction.strip:
             return (mean_shape(self.problem) + self.mean_displacement + self.level) * units.height
-        total, kinks = 0.0, self.problem.forcing.kinks[0]
+        total, breaks = 0.0, self.problem.forcing.broken_at
         for lo, hi, _, _ in self.open_intervals():
-            x, weights = panels(cuts_between(lo, hi, max(0.5 * self.spacing, (hi - lo) / _MOST_PANELS), kinks))
+            x, weights = panels(cuts_between(lo, hi, max(0.5 * self.spacing, (hi - lo) / _MOST_PANELS), breaks))
             total += float(self.scaled_gap(x) @ weights)
         return total / self.problem.repeat_length * units.height
 
@@ -430,6 +430,9 @@ class ZoneFields(sie.Kept):
             reach[group], peak = reaches(values).max(axis=1), max(peak, float(values.max()))
         zones = np.argsort(reach)[-_PEAKS:]
         highest = max(self._highest_on(int(zone), int(counts[zone])) for zone in zones[reach[zones] >= peak])
+        if self.problem.algebraic is not None:
+            # The tips of low powers: there the pressure has a cusp.
+            highest = max(highest, float(self.density(np.asarray(self.problem.algebraic.at)).max()))
         return highest * self.problem.units.pressure
 
     def _highest_on(self, zone: int, count: int) -> float:

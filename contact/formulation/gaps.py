@@ -159,7 +159,11 @@ class GapFields(sie.Kept):
         if not np.all(self.density.locate(tips)[2]):
             return np.inf
         x, value = self.samples
-        return maximum(self.formal_pressure, x, value=value)[1] * self.problem.units.pressure
+        highest = maximum(self.formal_pressure, x, value=value)[1]
+        if self.problem.algebraic is not None:
+            # The tips of low powers: there the pressure has a cusp.
+            highest = max(highest, float(self.formal_pressure(np.asarray(self.problem.algebraic.at)).max()))
+        return highest * self.problem.units.pressure
 
     @cached_property
     def samples(self) -> tuple[Array, Array]:

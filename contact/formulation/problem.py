@@ -128,9 +128,26 @@ class Problem(sie.Kept):
         at = nearest_image(at, self.centre, self.cell if self.reference else self.period)
         resolution = None if profile.resolution is None else self.detail
         exact = profile.exact_places
-        whole = sie.Forcing(self.slope, self.shape, at, heights, orders, resolution=resolution, placed=units.placed, exact=exact)
+        whole = sie.Forcing(
+            self.slope, self.shape, at, heights, orders, algebraic=self.algebraic, resolution=resolution, placed=units.placed, exact=exact
+        )
         # Beside the border of a strip what presses beyond it varies over any length.
         return replace(whole, resolution=None, spline=self._profile_slope) if self.amplitude else whole
+
+    @cached_property
+    def algebraic(self) -> sie.AlgebraicPoints | None:
+        """The profile's algebraic points as those of its scaled slope; None without any."""
+        points, units = np.asarray(self.profile.algebraic_points), self.units
+        if not len(points):
+            return None
+        at, exponents, left, right = points.T
+        at = nearest_image(np.asarray(units.scaled(at)), self.centre, self.cell if self.reference else self.period)
+        factor = exponents * units.length ** (exponents - 1.0) / units.slope
+        if self.cell is not None and self.kernel.period is None:
+            # One cell alone ends at a point on its border on both sides; without this, symmetric zones would see it on one.
+            at, exponents, left, right, factor = (np.tile(part, 3) for part in (at, exponents, left, right, factor))
+            at = at + np.repeat([-self.cell, 0.0, self.cell], len(points))
+        return sie.AlgebraicPoints(at, exponents - 1.0, -factor * left, factor * right)
 
     def slope(self, x: Array) -> Array:
         """f' over the unit of slope, and what the given amplitude of the column adds: a part of the right side has as many modes as it

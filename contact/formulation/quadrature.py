@@ -8,6 +8,8 @@ import numpy as np
 from contact.model.profiles.base import Profile
 from sie import Array
 
+# Panels on either side of an algebraic point halve in length this often: what the last one misses of |y|^n, n > 1, is 2^(-2 * 28).
+_HALVED = 28
 # Nodes of a panel that crowd at its ends, and of one of a period.
 IN_PANEL, _OF_PERIOD = 32, 12
 
@@ -58,6 +60,9 @@ def over_period(profile: Profile, least: int = 8) -> tuple[Array, Array, Array]:
     assert length is not None
     panels = int(np.clip(np.ceil(2 * length / (profile.resolution or length / 8)), max(8, least), 2**16))
     inner = (np.asarray(profile.breakpoints) - profile.x0) / length
+    points = (np.asarray(profile.algebraic_points)[:, :1] - profile.x0) / length
+    beside = (points + np.outer([1.0, -1.0], 0.5 ** np.arange(1, _HALVED) / panels).ravel()).ravel()
+    inner = np.concatenate((inner, beside, beside + 1.0))
     cuts = np.unique(np.concatenate((np.arange(panels + 1) / panels, inner[(inner > 0) & (inner < 1)])))
     turns, weights = gauss(cuts, _OF_PERIOD)
     return profile.x0 + length * turns, turns, weights

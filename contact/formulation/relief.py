@@ -181,8 +181,10 @@ def height_noise(profile: Profile) -> float:
 
 
 def period_samples(profile: Profile) -> Array:
-    """Even samples of a period, closer than anything varies, as far as the profile tells."""
+    """Even samples of a period, closer than anything varies, as far as the profile tells, and its algebraic points."""
     length = profile.period
     assert length is not None
     n = int(np.clip(16 * length / (profile.resolution or length / 16), 64, 2**17))
-    return np.asarray(profile.x0 + length * np.arange(n + 1) / n)
+    even = np.asarray(profile.x0 + length * np.arange(n + 1) / n)
+    points = np.asarray(profile.algebraic_points)[:, 0]
+    return np.union1d(even, points) if len(points) else even

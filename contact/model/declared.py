@@ -28,7 +28,10 @@ from contact.model.symbols import WAVES, checked
 from sie import Array
 
 # Shapes of what arrays with one row a place must have beyond the first axis.
-_TABLES = {"kinks": (2, "position and jump of the slope"), "jumps": (3, "position, order, and jump of that derivative")}
+_TABLES = {
+    "kinks": (2, "position and jump of the slope"), "jumps": (3, "position, order, and jump of that derivative"),
+    "algebraic_points": (4, "position, exponent, and the coefficients of that power of the distance on the left and on the right"),
+}
 _SPREAD = np.array([[-0.43, -0.21, -0.057], [0.11, 0.29, 0.47]])
 _DECADES = np.array([[-0.43, -1.1e-3, -1.3e-9], [1.7e-6, 1.9e-4, 0.29]])
 
@@ -54,6 +57,10 @@ def require_declarations(profile: Profile) -> None:
         if not (isinstance(table, np.ndarray) and _is_real(table, 2) and table.shape[1] == columns):
             allowed = f"a numpy array of finite rows of {columns}: {meaning} (a property, not a method)"
             raise SceneError.of(f"profile.{name}", table, allowed)
+    low = profile.algebraic_points[profile.algebraic_points[:, 1] <= 1.0]
+    if len(low):
+        allowed = "rows whose exponent is above 1 (1 is a kink: declare it in kinks; below 1 is a cusp, infinitely steep)"
+        raise SceneError.of("profile.algebraic_points", low[0].tolist(), allowed)
     tips = _read(profile, "summits")
     if tips is not None and not (_is_real(tips, 1) and np.size(tips)):
         raise SceneError.of("profile.summits", tips, "None, or a one-dimensional array of positions [m]")

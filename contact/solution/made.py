@@ -36,9 +36,12 @@ def of_zones(
         plan["symmetry"].reason = "the zones straddle the border of the cell"
     plan["zone ends"].detail = f"{len(found.free.trace)} Newton steps, {found.rounds} rounds"
     plan["certificate"].detail = f"{found.certificate.points} points"
-    plan["kinks"].used = len(density.jumps) > 0
+    poles = density.jumps.poles
+    jumps = len(density.jumps) - len(poles)
+    plan["kinks"].used = jumps > 0 or len(poles.points[0]) > 0
     if plan["kinks"].used:
-        plan["kinks"].reason = f"{len(density.jumps)} jumps of the slope or its derivatives inside zones"
+        powers = f", {len(poles.points[0])} algebraic points" if len(poles.points[0]) else ""
+        plan["kinks"].reason = f"{jumps} jumps of the slope or its derivatives inside zones{powers}"
     if density.slit_count:
         plan["slits"].used, plan["slits"].reason = True, "narrow gaps between zones"
         plan["slits"].detail = f"{density.slit_count} in {len(zones) - density.slit_count} wide zones"

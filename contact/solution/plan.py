@@ -115,7 +115,8 @@ def plan(scene: Scene) -> Plan:
     if not isinstance(scene, Scene):
         raise SceneError.of("scene", scene, "a contact.Scene")
     profile, model = scene.profile, scene.interaction
-    given, single, kinks = scene.held(Quantity.HALF_WIDTH) is not None, starts_from_one_zone(scene), len(profile.kinks)
+    given, single = scene.held(Quantity.HALF_WIDTH) is not None, starts_from_one_zone(scene)
+    kinks = len(profile.kinks) + len(profile.algebraic_points)
     why_no_search = "zones are given" if given else "one symmetric asperity"
     only_images = f"{model.name}: nothing repeats beyond its images"
     return Plan([

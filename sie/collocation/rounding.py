@@ -158,7 +158,8 @@ def primitive_rounding(forcing: Forcing, zones: Zones, period: float | None) -> 
     ahead = zones.a[1:] if period is None else np.append(zones.a[1:], zones.a[0] + period)
     between = 0.5 * (ahead + zones.b[: len(ahead)])
     between = between[(between > forcing.within[0]) & (between < forcing.within[1])]
-    heights = np.asarray(forcing.primitive(np.concatenate((ends, between))))
+    # A zone that stands alone knows nothing of the heights beside it: those of steep powers are many decades larger.
+    heights = np.asarray(forcing.primitive(ends if len(zones) == 1 else np.concatenate((ends, between))))
     look = ends[:: max(1, len(ends) // _LOOKS)]
     near = look[:, None] + 4 * np.spacing(np.abs(look))[:, None] * np.arange(-4, 5)
     bend = 0.5 * np.abs(np.diff(np.asarray(forcing.primitive(near.ravel())).reshape(near.shape), 2, axis=1))

@@ -31,6 +31,8 @@ def many_jumps(forcing: Forcing, zones: Zones, jumps: ForcingJumps) -> Index:
         return np.zeros(0, dtype=np.intp)
     count = np.bincount(jumps.zone[jumps.order > 0], minlength=len(zones))
     count[list(jumps.splines)] += MANY_JUMPS
+    # Beside algebraic points the right side is not smooth between its jumps.
+    count[list(jumps.poles.by_zone)] = 0
     return np.asarray(zones.solved[count[zones.solved] >= MANY_JUMPS])
 
 

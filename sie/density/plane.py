@@ -113,9 +113,10 @@ class Plane:
         out[far] = of_t(self._of_jumps[[zone]], seen[far], np.full(int(far.sum()), w), datum, np.zeros(int(far.sum()), np.intp), what)
         near = np.flatnonzero(~far)
         k = jumps.by_zone[zone]
-        for here in pair_blocks(len(near), max(1, len(k))):
+        for here in pair_blocks(len(near), max(1, len(k), 2 * len(jumps.poles.of_zone(zone)))):
             some = seen[near[here]]
             value = of_jumps(jumps, k, some, what) + jumps.near.in_plane(jumps.near.of(zone), some, what)
+            value = value + jumps.poles.in_plane(jumps.poles.of_zone(zone), some, what)
             spline = jumps.splines.get(zone)
             if spline is not None and what == "potential":
                 c, row = spline.t_coefficients(min(_OF_SPLINES * len(spline.knots), 1 << 15))[None], np.zeros(len(value), dtype=np.intp)

@@ -9,7 +9,7 @@ arithmetic: per zone the index, one for each free end, one for each unknown ampl
 import math
 from collections import Counter
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from typing import Any
 
@@ -23,6 +23,7 @@ from sie.equation.conditions import Condition, EndCondition
 from sie.jumps.density import DensityJumps
 from sie.jumps.forcing import ForcingJumps
 from sie.jumps.formulas import HIGHEST
+from sie.jumps.poles import AlgebraicPoints, Poles
 
 Function = Callable[[Array], Array]
 
@@ -58,6 +59,8 @@ class Forcing(Kept):
     density_jumps_at, density_jumps, density_orders : array_like
         The same of jumps of the wanted density, where g has (J/pi) (x - s)^q ln|x - s| / q!; for q = 0 this is (J/pi) Lambda(x, s), Lambda
         the kernel's potential, and is left out of `value`. Either jumps or density_jumps.
+    algebraic : AlgebraicPoints or None
+        Points beside which g, or the wanted density, is algebraic; of the density's, g has the transform in its values.
     spline : callable or None
         A quadratic spline with the jumps or density_jumps of order 2, where it is known and is not all of g: of very many it keeps the
         digits.
@@ -103,6 +106,7 @@ class Forcing(Kept):
     density_jumps_at: Array = field(default_factory=lambda: np.zeros(0))
     density_jumps: Array = field(default_factory=lambda: np.zeros(0))
     density_orders: Index | None = None
+    algebraic: AlgebraicPoints | None = None
     spline: Function | None = None
     modes: int | None = None
     between: bool = False
@@ -148,13 +152,24 @@ class Forcing(Kept):
         """Positions and heights of the jumps of the wanted density itself."""
         return _of_order_zero(self.density_jumps_at, self.density_jumps, self.density_orders)
 
+    @cached_property
+    def broken_at(self) -> Array:
+        """Positions at which g, or the wanted density, is not smooth."""
+        points = np.zeros(0) if self.algebraic is None else np.asarray(self.algebraic.at)
+        return np.concatenate((np.asarray(self.jumps_at), np.asarray(self.density_jumps_at), points))
+
     @property
     def cornered(self) -> bool:
         """Whether g or the wanted density jumps anywhere: then the distances of ends from there count."""
         return len(self.kinks[0]) + len(self.logarithms[0]) > 0
 
     def jumps_within(self, zones: Zones, kernel: Kernel) -> ForcingJumps:
-        """The jumps that lie inside zones."""
+        """The jumps that lie inside zones, and the poles of algebraic points."""
+        found = self._jumps_within(zones, kernel)
+        poles = Poles.of(zones, self.algebraic, kernel.period)
+        return replace(found, poles=poles) if len(poles) else found
+
+    def _jumps_within(self, zones: Zones, kernel: Kernel) -> ForcingJumps:
         if len(self.density_jumps_at):
             orders = np.zeros(len(self.density_jumps_at), dtype=np.intp) if self.density_orders is None else self.density_orders
             return DensityJumps.inside(zones, self.density_jumps_at, self.density_jumps, orders, kernel, self.spline)

@@ -64,6 +64,7 @@ def far_off(state: AnyState, moves: Mask, delta: Array) -> Index:
     alone &= np.bincount(place)[place] == 1
     smooth = whole.sizes.own <= _NODES
     smooth[list(whole.density.jumps.kinked)] = False
+    smooth[list(whole.density.jumps.poles.by_zone)] = False
     return np.flatnonzero(off & alone & smooth[place] & moves.all(axis=0))
 
 

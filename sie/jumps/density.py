@@ -36,6 +36,7 @@ from sie.jumps.exterior import ExteriorLogarithms, potential_series
 from sie.jumps.forcing import ForcingJumps
 from sie.jumps.formulas import HIGHEST, raised
 from sie.jumps.local_spline import LocalSpline
+from sie.jumps.poles import NO_POLES
 
 # From this number of jumps of order 2 on a spline takes their place. What the powers of n of them lose, n^2 units in the last digit, the
 # zones beside this one see; those of the right side need not tell these, since what is seen of them is found from g itself.
@@ -118,12 +119,12 @@ class DensityJumps(ForcingJumps):
     @cached_property
     def _higher(self) -> ForcingJumps:
         """The jumps of the density's derivatives alone."""
-        return replace(self.chosen(self.order > 0), logarithms=None)
+        return replace(self.chosen(self.order > 0), logarithms=None, poles=NO_POLES)
 
     @cached_property
     def _kinks(self) -> "DensityJumps":
         """Those of the density itself alone."""
-        return self.chosen(self.order == 0)
+        return replace(self.chosen(self.order == 0), poles=NO_POLES)
 
     # the right side -------------------------------------------------------------------------------------------------
     def smooth_part(self, zone: Index, left: Array) -> Array:
@@ -131,7 +132,7 @@ class DensityJumps(ForcingJumps):
         if self.logarithms is not None:
             for i, here in Grouped.by(zone).places().items():
                 out[here] += self.logarithms.on_zone(i, left[here])
-        return out
+        return out - self.poles.own_transform(zone, left) if len(self.poles) else out
 
     def level_part(self, zone: Index, left: Array) -> Array:
         return np.zeros(left.shape)
@@ -183,7 +184,8 @@ class DensityJumps(ForcingJumps):
         rho = np.where(seen.on, 0.5 * (seen.left - seen.right) + 1j * root, seen.rho)
         log, kinks = np.log(2 * np.abs(rho)), self._kinks
         out = kinks.summed(zone, lambda at, k: kinks.of_kinks(k, log[at], rho[at]).real)
-        return out + self._higher._closed_potential(zone, seen) + self.near.potential(zone, log, rho)
+        out += self._higher._closed_potential(zone, seen) + self.near.potential(zone, log, rho)
+        return out + self.poles.potential(zone, seen) if len(self.poles) else out
 
     def of_kinks(self, k: Index, log: Any, rho: Any) -> Any:
         """Potential over w and h / pi, less c_0 log(w), of jumps k of the density itself; log: of 2 rho."""

@@ -36,6 +36,7 @@ from sie.basis.zones import Zones
 from sie.jumps.exterior import NOWHERE, ExteriorLogarithms
 from sie.jumps.formulas import HIGHEST, Jumps, of_sines
 from sie.jumps.local_spline import MANY, LocalSpline, with_jumps
+from sie.jumps.poles import NO_POLES, Poles
 from sie.jumps.zone_spline import ZoneSpline
 
 # What takes the place of very many jumps of order 2 in one zone, of the right side's or of the density's own: with the same methods, of
@@ -50,12 +51,14 @@ _REACH, _TERMS, _JUMPS = np.array([0.25, 0.6, 0.87]), np.array([32, 80, 288]), (
 
 @record
 class ForcingJumps(Jumps):
-    """Jumps inside the zones. splines: of zones with very many jumps of order 2, what carries most of these."""
+    """Jumps inside the zones. splines: of zones with very many jumps of order 2, what carries most of these. poles: those of the algebraic
+    points in zones and near them."""
 
     splines: dict[int, Spline] = field(default_factory=dict)
+    poles: Poles = NO_POLES
 
     def __len__(self) -> int:
-        return len(self.zone) + len(self.near)
+        return len(self.zone) + len(self.near) + len(self.poles)
 
     @classmethod
     def none(cls) -> "ForcingJumps":
@@ -115,10 +118,10 @@ class ForcingJumps(Jumps):
     @property
     def count(self) -> Index:
         """Jumps in each zone, those of its spline included, as far as there are zones with any."""
-        out = np.bincount(self.zone, minlength=max(self.splines, default=-1) + 1)
+        out = np.bincount(self.zone, minlength=max((*self.splines, *self.poles.by_zone), default=-1) + 1)
         for zone in self.splines:
             out[zone] = len(self.places(zone)[0])
-        return out
+        return out + np.bincount(self.poles.points[0], minlength=len(out))
 
     def places(self, zone: int) -> tuple[Array, Index]:
         """(distances from the left end over w, orders) of the jumps of a zone, those of its spline included."""
@@ -142,12 +145,13 @@ class ForcingJumps(Jumps):
         out = np.asarray(2.2e-16 * np.bincount(self.zone, np.abs(self.height), minlength=count))
         for zone, spline in self.splines.items():
             out[zone] += 2.2e-16 * spline.size
-        return out
+        return out + self.poles.rounding(count)
 
     @cached_property
     def by_zone(self) -> dict[int, Index]:
-        """Places of the jumps of each zone that has any, or logarithms near it."""
-        return {zone: np.zeros(0, np.intp) for zone in (*self.splines, *self.near.by_zone)} | self.grouped.places()
+        """Places of the jumps of each zone that has any, or logarithms near it, or poles."""
+        others = *self.splines, *self.near.by_zone, *self.poles.by_zone
+        return {zone: np.zeros(0, np.intp) for zone in others} | self.grouped.places()
 
     # at points (n,) of zones, by their distances from the zone's ends over w ------------------------------------------
     def smooth_part(self, zone: Index, left: Array) -> Array:
@@ -156,14 +160,14 @@ class ForcingJumps(Jumps):
 
     def level_part(self, zone: Index, left: Array) -> Array:
         """The same of the jumps of g itself alone: they have no slope."""
-        return -replace(self.chosen(self.order == 0), splines={}).carried(zone, left)
+        return -replace(self.chosen(self.order == 0), splines={}, poles=NO_POLES).carried(zone, left)
 
     def carried(self, zone: Index, left: Array) -> Array:
         """What the kernel makes of the parts of zones on these."""
         out = self.summed(zone, lambda at, k: self.on_zone(k, left[at]))
         for spline, here in self._in_splines(zone):
             out[here] += spline.own_transform(left[here])
-        return out
+        return out + self.poles.own_transform(zone, left) if len(self.poles) else out
 
     def own_transform(self, zone: Index, left: Array) -> Array:
         """Transform of a zone's parts on the zone itself."""
@@ -175,6 +179,8 @@ class ForcingJumps(Jumps):
         out = self.summed(zone, lambda at, k: self.of_density(k, left[at], right[at]))
         for spline, here in self._in_splines(zone):
             out[here] += spline.density(left[here], right[here])
+        if len(self.poles):
+            out += self.poles.density(zone, left, right)
         return out + self.near.density(zone, left, right) if len(self.near) else out
 
     def integral(self, zone: Index, left: Array, right: Array) -> Array:
@@ -182,6 +188,8 @@ class ForcingJumps(Jumps):
         out = self.summed(zone, lambda at, k: self.integral_of(k, left[at], right[at]))
         for spline, here in self._in_splines(zone):
             out[here] += spline.integral(left[here])
+        if len(self.poles):
+            out += self.poles.integral(zone, left, right)
         return out + self.near.integral(zone, left, right) if len(self.near) else out
 
     def transform(self, zone: Index, seen: OnLine) -> Array:
@@ -200,14 +208,14 @@ class ForcingJumps(Jumps):
         out[near] = self.summed(zone[near], lambda at, k: self.off_zone(k, z[near[at]], rho[near[at]]))
         for spline, here in self._in_splines(zone):
             out[here] += spline.transform_off(z[here], rho[here])
-        return out + self.near.transform(zone, rho)
+        return out + self.near.transform(zone, rho) + self.poles.transform(zone, rho)
 
     def sharp_potential(self, zone: Index, seen: OnLine) -> Array:
         """Potential of the closed parts of zones over w, less c_0 log(w) (see the head of this file)."""
         out = self._closed_potential(zone, seen)
         for spline, here in self._in_splines(zone):
             out[here] += spline.potential(seen.left[here], seen.right[here], seen.rho[here])
-        return out
+        return out + self.poles.potential(zone, seen) if len(self.poles) else out
 
     def _closed_potential(self, zone: Index, seen: OnLine) -> Array:
         l, r, rho, far = seen.left, seen.right, seen.rho, self._far(zone, seen)
@@ -261,7 +269,7 @@ class ForcingJumps(Jumps):
         out = np.asarray(np.bincount(self.zone, parts, minlength=len(zones)), dtype=float)
         for zone, spline in self.splines.items():
             out[zone] += spline.mean_offset
-        return out
+        return out + self.poles.mean_offsets(len(zones)) if len(self.poles) else out
 
     def t_coefficients(self, zones: Zones, count: int) -> Array:
         """First `count` coefficients c_l of these parts as sums of T_l / sqrt(1 - t^2); shape (zones, count)."""
@@ -270,11 +278,13 @@ class ForcingJumps(Jumps):
             out[zone] += spline.t_coefficients(count)
         if len(self.near):
             np.add.at(out, self.near.zone, of_sines(self.near.sine_coefficients(count + 1))[:, :count])
+        if len(self.poles):
+            out += of_sines(self.poles.sine_coefficients(len(zones), count + 1))[:, :count]
         return out
 
     def first_coefficients(self, zones: Zones, counts: Index) -> Array:
         """The same, of each zone so many (Z,), zeros after them."""
-        if len(self.near):
+        if len(self.near) or len(self.poles):
             count = int(counts.max(initial=0))
             return np.where(np.arange(count) < counts[:, None], self.t_coefficients(zones, count), 0.0)
         out = self._coefficients(counts)
@@ -303,6 +313,8 @@ class ForcingJumps(Jumps):
             out += [np.bincount(self.near.zone, part, minlength=len(zones)) for part in self.near.edge_slopes()]
         for zone, spline in self.splines.items():
             out[:, zone] += spline.edge_slopes
+        if len(self.poles):
+            out += self.poles.edge_slopes(len(zones))
         return out[0], out[1]
 
     def _edge_slopes(self) -> tuple[Array, Array]:
@@ -312,10 +324,12 @@ class ForcingJumps(Jumps):
 
     def sharpest(self, zone: int) -> tuple[Array, Array]:
         """(distances from the left end over w, heights) of a zone's jumps beside which its density is steepest: the kinks, without any
-        the jumps of the next order, none of those beyond."""
+        the jumps of the next order, none of those beyond; and of its algebraic points with exponents below 1."""
         k = self.by_zone.get(zone, np.zeros(0, dtype=np.intp))
         k = k[(self.order[k] == self.order[k].min(initial=2)) & (self.order[k] < HIGHEST)]
-        return self.left[k], self.height[k]
+        of_zone, left, exponent, _ = self.poles.points
+        steep = left[(of_zone == zone) & (exponent < 1.0)]
+        return np.append(self.left[k], steep), np.append(self.height[k], np.full(len(steep), np.inf))
 
     def left_out(self, x: Array) -> Array:
         """What the right side has at points x beyond the values that the caller gives: nothing."""

@@ -133,9 +133,11 @@ def _plain(pieces: Zones) -> bool:
 
 
 def _bent(equation: Equation, pieces: Zones, after: Array) -> Mask:
-    """Gaps with a jump of a higher derivative of the right side in them than the first."""
+    """Gaps with a jump of a higher derivative of the right side in them than the first, or with an algebraic point."""
     forcing = equation.forcing
     at = forcing.jumps_at[forcing.orders > 1] if forcing.orders is not None else np.zeros(0)
+    if forcing.algebraic is not None:
+        at = np.concatenate((at, np.asarray(forcing.algebraic.at)))
     at = wrapped(at, pieces.a[0], equation.kernel.period)
     i = np.searchsorted(pieces.a, at, side="right") - 1
     within = (i >= 0) & (at >= pieces.b[i]) & (at <= pieces.b[i] + after[i])

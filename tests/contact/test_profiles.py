@@ -16,6 +16,7 @@ from contact import (
     Fourier,
     Parabola,
     Polynomial,
+    Power,
     Profile,
     Sampled,
     SceneError,
@@ -36,6 +37,9 @@ PROFILES: list[Profile] = [
     Wedge(0.1, L),
     Parabola(1e-2),
     Parabola(1e-2, L),
+    Power(0.1, 1.5),
+    Power(0.1, 1.5, L),
+    Power(20.0, 2.7, L),
     Biquadratic(1e-2, 1e-4),
     Biquadratic(1e-2, 1e-4, L),
     Flat(1e-4),
@@ -53,6 +57,7 @@ PROFILES: list[Profile] = [
     Combined(Sampled(_uneven, _heights, 1.02e-4), Wedge(0.01, 0.51e-4), 1e-5),
     Combined(Sampled(_uneven, _heights), Sampled(_uneven, _heights[::-1], 1.02e-4), 1e-5, mirrored=True),
     Combined(Wedge(0.1), Parabola(1e-2)),
+    Combined(Power(0.1, 1.5, L), Power(0.02, 2.5, L / 2), 3e-5, mirrored=True),
     Combined(Flat(1e-4), Wedge(0.02, L / 7), 1e-5),
     Combined(Sinusoid(1e-7, L / 2), Flat(1e-4, L), 1e-5),
 ]
@@ -85,7 +90,10 @@ def test_wrap_moves_into_the_cell_and_leaves_the_cell_alone(profile: Profile) ->
 @pytest.mark.parametrize("profile", PERIODIC, ids=name_of)
 def test_the_slope_integrates_to_zero_over_a_period(profile: Profile) -> None:
     assert profile.period is not None
-    cuts = np.unique(np.append(profile.breakpoints, [profile.x0, profile.x0 + profile.period]))
+    # Towards algebraic points panels halve in length.
+    beside = profile.period * np.outer([1.0, -1.0], 0.5 ** np.arange(1, 50)).ravel()
+    beside = profile.wrap((profile.algebraic_points[:, :1] + beside).ravel())
+    cuts = np.unique(np.concatenate((profile.breakpoints, [profile.x0, profile.x0 + profile.period], beside)))
     t, w = np.polynomial.legendre.leggauss(96)
     half = np.diff(cuts)[:, None] / 2
     values = profile.slope(cuts[:-1, None] + half * (1 + t)) * w * half
@@ -210,6 +218,9 @@ def test_fourier_works_in_blocks_of_bounded_memory_without_changing_values() -> 
         (lambda v: Sinusoid(1.0, v), "period"),
         (lambda v: Wedge(v), "slope"),
         (lambda v: Wedge(1.0, v), "period"),
+        (lambda v: Power(v, 1.5), "coefficient"),
+        (lambda v: Power(1.0, v), "exponent"),
+        (lambda v: Power(1.0, 1.5, v), "period"),
         (lambda v: Parabola(v), "radius"),
         (lambda v: Parabola(1.0, v), "period"),
         (lambda v: Biquadratic(v, 1.0), "radius"),

@@ -53,8 +53,8 @@ class Profile(sie.Kept):
     """Base of all profiles; subclasses are frozen dataclasses that check their fields when made.
 
     A profile has a `height(x)`: the gap at zero load [m], at x [m] of any shape, growing away from contact; a constant does not matter. All
-    else may be left out: `slope`, `period`, `symmetric`, `kinks`, `jumps`, `support`, `extent`, `summits`, `resolution`,
-    `slope_conjugate` make solving faster or sharper (docs/own-profile.md).
+    else may be left out: `slope`, `period`, `symmetric`, `kinks`, `jumps`, `algebraic_points`,
+    `support`, `extent`, `summits`, `resolution`, `slope_conjugate` make solving faster or sharper (docs/own-profile.md).
 
     Examples
     --------
@@ -123,6 +123,15 @@ class Profile(sie.Kept):
         return np.empty((0, 3))
 
     @property
+    def algebraic_points(self) -> Array:
+        """Places in the cell beside which f is smooth but for a power n > 1, one a row: position s, exponent n, and the coefficients of
+        (s - x)^n for x < s and of (x - s)^n for x > s [m^(1-n)].
+
+        None need be declared; a power that is not a whole number has no other way to be told.
+        """
+        return np.empty((0, 4))
+
+    @property
     def support(self) -> tuple[float, float] | None:
         """The interval beyond which f = +inf (a sharp-cornered punch); None if there is no such end."""
         return None
@@ -169,7 +178,7 @@ class Profile(sie.Kept):
     @property
     def breakpoints(self) -> Array:
         """Positions in the cell where f or one of its derivatives jumps."""
-        return np.unique(np.concatenate((self.kinks[:, 0], self.jumps[:, 0])))
+        return np.unique(np.concatenate((self.kinks[:, 0], self.jumps[:, 0], self.algebraic_points[:, 0])))
 
     def slope_conjugate(self, x: ArrayLike) -> Array | None:
         """H f' = (1/L) PV int f'(xi) cot(pi (x - xi)/L) dxi over a period; None if not known."""

@@ -180,6 +180,15 @@ class Combined(Profile):
         return np.asarray(self._broken[self._broken[:, 1] > 1])
 
     @cached_property
+    def algebraic_points(self) -> Array:
+        rows = np.concatenate([self._repeated(stood.algebraic(), stood.body.period) for stood in self._stood.values()])
+        rows = rows[np.argsort(rows[:, 0], kind="stable")]
+        # Those of both bodies at one place are at the very same number.
+        apart = np.diff(rows[:, 0], prepend=-np.inf) > (self._alike(rows[:, 0]) if len(rows) else 0.0)
+        rows[:, 0] = rows[apart, 0][np.cumsum(apart) - 1]
+        return rows
+
+    @cached_property
     def breakpoints(self) -> Array:
         at = np.append(self._broken[:, 0], self.support or ())
         return self._summed(np.column_stack((at, np.zeros(len(at)), np.ones(len(at)))))[:, 0]
@@ -294,7 +303,7 @@ class Combined(Profile):
         return self._summed(np.concatenate([self._repeated(stood.broken(), stood.body.period) for stood in self._stood.values()]))
 
     def _repeated(self, rows: Array, period: float | None) -> Array:
-        """Rows of place, order and jump of a body, once for each of its cells."""
+        """Rows of a body that begin with a place, once for each of its cells."""
         ends = self.support or self.extent
         if period is not None and len(rows):
             if self.period is not None:
@@ -303,7 +312,7 @@ class Combined(Profile):
                 assert ends is not None
                 first, last = (ends[0] - rows[:, 0].max()) / period, (ends[1] - rows[:, 0].min()) / period
                 turns = np.arange(np.floor(first), np.ceil(last) + 1)
-            rows = np.concatenate([rows + [turn * period, 0.0, 0.0] for turn in turns])
+            rows = np.concatenate([rows + np.eye(1, rows.shape[1]) * turn * period for turn in turns])
         if self.period is not None and len(rows):
             rows[:, 0] = self.wrap(rows[:, 0])
             rows[rows[:, 0] >= self.x0 + self.period - self._alike(rows[:, 0]), 0] = self.x0
@@ -350,6 +359,12 @@ class _Stood:
         """A stretch of the body as it stands."""
         lo, hi = np.sort(self.above(np.array(ends))).tolist()
         return lo, hi
+
+    def algebraic(self) -> Array:
+        """Its algebraic points where they stand; looked at from the other side right and left change places."""
+        rows = np.array(self.body.algebraic_points, dtype=np.float64)[:, [0, 1, 3, 2] if self.mirrored else slice(None)]
+        rows[:, 0] = self.above(rows[:, 0])
+        return rows
 
     def broken(self) -> Array:
         """Place, order and jump of its kinks (of order 1), its jumps and its other breakpoints (of order 0), where they stand."""

@@ -38,6 +38,10 @@ class Tilted(Profile):
         return self._within(self.profile.jumps)
 
     @property
+    def algebraic_points(self) -> Array:
+        return self._within(self.profile.algebraic_points)
+
+    @property
     def breakpoints(self) -> Array:
         return self._within(np.asarray(self.profile.breakpoints)[:, None])[:, 0]
 

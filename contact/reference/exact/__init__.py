@@ -15,14 +15,15 @@ from contact.reference.exact.jkr import JKRCylinder, JKRWave, JKRZone
 from contact.reference.exact.localized import LocalizedZone, correction_load, correction_pressure, localized_at_load
 from contact.reference.exact.pair import EvenPair, PeriodicBiquadratic
 from contact.reference.exact.parabola import HertzLine, PeriodicParabola
+from contact.reference.exact.power import IsolatedPower, PeriodicPower
 from contact.reference.exact.sinusoid import FullContactSinusoid, IsolatedSinusoid, Westergaard, sinusoid
 from contact.reference.exact.tilted import TiltedParabola, TiltedPunch, TiltedWedge, TiltedZone
 from contact.reference.exact.wedge import IsolatedWedge, PeriodicWedge
 
 __all__ = [
     "AdhesiveZone", "DugdaleCylinder", "DugdaleWave", "DugdaleZone", "EvenPair", "FullContactSinusoid", "HertzLine",
-    "IsolatedBiquadratic", "IsolatedPunch", "IsolatedSinusoid", "IsolatedWedge", "JKRCylinder", "JKRWave",
-    "JKRZone", "LocalizedZone", "MetDugdaleZone", "PeriodicBiquadratic", "PeriodicParabola", "PeriodicPunch",
+    "IsolatedBiquadratic", "IsolatedPower", "IsolatedPunch", "IsolatedSinusoid", "IsolatedWedge", "JKRCylinder", "JKRWave",
+    "JKRZone", "LocalizedZone", "MetDugdaleZone", "PeriodicBiquadratic", "PeriodicParabola", "PeriodicPower", "PeriodicPunch",
     "PeriodicWedge", "SymmetricZone", "TiltedParabola", "TiltedPunch", "TiltedWedge", "TiltedZone", "Westergaard",
     "correction_load", "correction_pressure", "localized_at_load", "sinusoid",
 ]

@@ -139,7 +139,8 @@ class PressedStrip(StripsOnGrids[AtCentre]):
 def even_in_angle(problem: Problem) -> bool:
     """Whether grids even in the angle serve: a strip of a half-plane, and a profile without corners."""
     profile = problem.profile
-    return problem.operator.strip_rest is None and profile.support is None and len(profile.kinks) == 0
+    corners = len(profile.kinks) + len(profile.algebraic_points)
+    return problem.operator.strip_rest is None and profile.support is None and corners == 0
 
 
 def pressed(problem: Problem, nominal: float, column: Callable[[Array], Array], x: Array) -> Array:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -38,7 +39,7 @@ class ByGaps:
         right = sie.Forcing(
             self.relief.forcing, density_jumps_at=np.asarray(jumps.jumps_at), density_jumps=np.asarray(jumps.jumps),
             density_orders=jumps.orders,
-            spline=jumps.value,
+            spline=jumps.value, algebraic=None if jumps.algebraic is None else replace(jumps.algebraic, of_density=True),
         )
         conditions, ends = control.gap_conditions(self.problem.repeat_length, partial(mean_shape, problem), problem.compression)
         return sie.Equation(problem.inverse_kernel, right, conditions, (sie.Forcing(minus_one, modes=1),), ends)

@@ -78,7 +78,8 @@ def _of_tips(scene: Scene, tips: list[float], limit: float) -> Iterator[Sheet]:
             kink = height
         elif abs(at) < inside:
             return
-    if any(abs(at) < inside for at, _, _ in np.asarray(profile.jumps).tolist()):
+    broken = np.append(np.asarray(profile.jumps)[:, 0], np.asarray(profile.algebraic_points)[:, 0])
+    if any(abs(at) < inside for at in broken.tolist()):
         return
     low, high = min(tips), max(tips)
     if low != -high:

@@ -1,0 +1,397 @@
+r"""Algebraic points of the right side, carried as sums of poles.
+
+Beside an algebraic point s the right side g is a smooth function and
+
+    left (s - x)^p  for x < s,      right (x - s)^p  for x > s,      p > -1.
+
+With y = x - s, the integrals of eta^(p+1) / (y^2 + eta^2) and eta^p y / (y^2 + eta^2) by eta from 0 to
+infinity are multiples of |y|^p and sgn(y) |y|^p, continued analytically in p. The trapezoidal rule in
+log(eta), of step h, gives
+
+    g = Re sum_k c_k / (y - i eta_k),
+    c_k = (h/pi) eta_k^(p+1) (cos(pi p/2) (right - left) + i sin(pi p/2) (right + left)),
+
+with an aliasing error of exp(-pi^2/h) of |y|^p, at all y alike (L. N. Trefethen, J. A. C. Weideman,
+SIAM Rev. 56, 2014, 385-458). The poles farther away than the zone is wide are smooth on it and are
+left to its modes. The transform of the line takes c_k to i c_k: so are carried the algebraic points
+of the wanted density.
+
+With t = (x - middle)/w, z a pole in t, rho = z - (z^2 - 1)^(1/2) and q = -2 c / (z^2 - 1)^(1/2),
+the density of a pole, its transform off the zone, and its potential there without c_0 log(w) are
+
+    Re (q/2) (1 - t^2)^(1/2) / (z - t),     Re q rho rho_x / (1 - rho rho_x),
+    Re (q/2) ((rho - 1/rho) log(1 - rho rho_x) - rho_x - rho log(2 |rho_x|)).
+
+On the zone the transform is Re c / (t - z) less its mean Re q/2.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import product
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.special import cosdg, sindg
+
+from sie.basis.data import Array, Complex, Index, Kept, record
+from sie.basis.interval import LOG2, InPlane, OnLine, What, theta
+from sie.basis.sums import Grouped
+from sie.basis.zones import Zones
+
+
+@dataclass(frozen=True)
+class PoleOptions:
+    """Numbers of the trapezoidal rule."""
+
+    step: float = 0.25
+    """In log(eta): exp(-pi^2/step) is 7e-18."""
+    nearest: float = 39.0
+    """-log of the part of |y|^p, or of its integral, that the poles left out next to the point
+    carry: 1e-17.
+    """
+    reach: float = 0.5
+    """Distance from a zone over its half width, up to which points outside it are carried;
+    insensitive, 0.3 to 1.
+    """
+
+
+_OPTIONS = PoleOptions()
+
+
+@dataclass(frozen=True, eq=False)
+class AlgebraicPoints:
+    """Points beside which the right side, or the wanted density, is algebraic.
+
+    Parameters
+    ----------
+    at : array_like
+        Positions s (k,). For a kernel with a period they repeat.
+    exponents : array_like
+        Exponents p (k,), above -1.
+    left, right : array_like
+        Coefficients (k,): of (s - x)^p for x < s, and of (x - s)^p for x > s. What is left of the
+        function is smooth at s.
+    of_density : bool
+        Whether the wanted density is so, and not the right side; the right side is then singular as
+        its transform.
+
+    Raises
+    ------
+    ValueError
+        If an exponent is -1 or less.
+
+    Examples
+    --------
+    A contact of the shape 2|x|^(3/2) / 3, half width 1, bears the load int_-1^1 |x|^(3/2) / sqrt(1
+    - x^2) dx.
+
+    >>> import math
+    >>> import numpy as np, sie
+    >>> points = sie.AlgebraicPoints([0.0], [0.5], [-1.0], [1.0])
+    >>> root = sie.Forcing(lambda x: np.sign(x) * np.sqrt(np.abs(x)), algebraic=points)
+    >>> load = math.sqrt(math.pi) * math.gamma(1.25) / math.gamma(1.75)
+    >>> equation = sie.Equation(sie.cauchy(), root, (sie.Total(load),))
+    >>> sie.solve(equation, sie.Zones.of([[-0.7, 1.2]])).zones.table.round(9).tolist()
+    [[-1.0, 1.0]]
+    """
+
+    at: ArrayLike
+    exponents: ArrayLike
+    left: ArrayLike
+    right: ArrayLike
+    of_density: bool = False
+
+    def __post_init__(self) -> None:
+        for name in ("at", "exponents", "left", "right"):
+            object.__setattr__(self, name, np.asarray(getattr(self, name), dtype=float))
+        if np.any(np.asarray(self.exponents) <= -1.0):
+            raise ValueError(
+                f"exponents of algebraic points must be above -1, got {self.exponents!r}"
+            )
+
+    def __len__(self) -> int:
+        return len(np.asarray(self.at))
+
+    @cached_property
+    def weights(self) -> Complex:
+        """c_k / (h eta_k^(p+1))."""
+        p, left, right = (np.asarray(part) for part in (self.exponents, self.left, self.right))
+        # In degrees the zeros of sine and cosine are exact: a polynomial has no poles.
+        odd, even = cosdg(90.0 * p) * (right - left), sindg(90.0 * p) * (right + left)
+        return np.asarray((odd + 1j * even) / np.pi * (1j if self.of_density else 1.0))
+
+    @cached_property
+    def places(self) -> Array:
+        """Positions (n,), each once."""
+        return np.unique(np.asarray(self.at))
+
+    def lowest(self, place: int) -> float:
+        """The least exponent at a place."""
+        return float(np.asarray(self.exponents)[self._at(place)].min())
+
+    def poles(self, place: int, farthest: float) -> tuple[Array, Complex]:
+        """(eta_k, c_k) of a place, the largest eta `farthest`: all powers there have the same
+        poles.
+        """
+        rows = self._at(place)
+        p, weights = np.asarray(self.exponents)[rows], self.weights[rows]
+        depth = _OPTIONS.nearest / np.minimum(1.0 + p, np.maximum(p, 1.0)).min()
+        away = farthest * np.exp(-_OPTIONS.step * np.arange(int(depth / _OPTIONS.step) + 1))
+        return away, _OPTIONS.step * (away[:, None] ** (p + 1.0)) @ weights
+
+    def left_out(self, place: int, farthest: float) -> complex:
+        """Sum of c / eta of the poles nearer to the place than those of `poles`: seen at the place
+        itself alone, where p is small.
+        """
+        p = np.asarray(self.exponents)[self._at(place)]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            nearest = self.poles(place, farthest)[0][-1]
+            parts = (
+                _OPTIONS.step
+                * self.weights[self._at(place)]
+                * nearest**p
+                / np.expm1(_OPTIONS.step * p)
+            )
+        return complex(parts.sum()) if np.all(p > 0.0) else complex(np.inf)
+
+    def _at(self, place: int) -> Index:
+        return np.flatnonzero(np.asarray(self.at) == self.places[place])
+
+
+@record
+class Poles(Kept):
+    """Poles of the right side in and beside zones. zone: of each; left, right: distances of its
+    point from the zone's ends over w; away: eta over w; size: c over w. points: of each place
+    inside a zone the zone, the distance from its left end over w, its least exponent, and what
+    poles left out add to the density there."""
+
+    zone: Index
+    left: Array
+    right: Array
+    away: Array
+    size: Complex
+    points: tuple[Index, Array, Array, Array]
+
+    @classmethod
+    def of(cls, zones: Zones, points: AlgebraicPoints | None, period: float | None) -> "Poles":
+        """The poles of all points in zones and near them."""
+        if points is None or not np.any(points.weights):
+            return NO_POLES
+        found, inside = [], []
+        for place, i, left, right in _seen(zones, points.places, period):
+            w = float(zones.half[i])
+            away, size = points.poles(place, w)
+            if size.any():
+                one = np.ones(len(away))
+                found.append((i * one, left / w * one, right / w * one, away / w, size / w))
+                if min(left, right) > 0:
+                    at_place = points.left_out(place, w).real
+                    inside.append((i, left / w, points.lowest(place), at_place))
+        if not found:
+            return NO_POLES
+        table = [np.concatenate(parts) for parts in zip(*found, strict=True)]
+        own, at_left, exponent, more = np.array(inside, dtype=np.float64).reshape(-1, 4).T
+        held = own.astype(np.intp), at_left, exponent, more
+        return cls(table[0].astype(np.intp), table[1], table[2], table[3], table[4], held)
+
+    def __len__(self) -> int:
+        return len(self.zone)
+
+    @cached_property
+    def grouped(self) -> Grouped:
+        """By zone."""
+        return Grouped.by(self.zone)
+
+    @cached_property
+    def by_zone(self) -> dict[int, Index]:
+        return self.grouped.places()
+
+    def of_zone(self, zone: int) -> Index:
+        """Those of a zone."""
+        return self.by_zone.get(zone, np.zeros(0, dtype=np.intp))
+
+    @cached_property
+    def roots(self) -> tuple[Complex, Complex]:
+        """((z + 1)^(1/2), (z - 1)^(1/2)), both in the first quadrant: no digit is lost beside an
+        end.
+        """
+        return np.sqrt(self.left + 1j * self.away), np.sqrt(-self.right + 1j * self.away)
+
+    @cached_property
+    def z(self) -> Complex:
+        return np.asarray(0.5 * (self.left - self.right) + 1j * self.away)
+
+    @cached_property
+    def rho(self) -> Complex:
+        p, m = self.roots
+        return np.asarray(2.0 / (p + m) ** 2)
+
+    @cached_property
+    def q(self) -> Complex:
+        p, m = self.roots
+        return np.asarray(-2.0 * self.size / (p * m))
+
+    def summed(self, zone: Index, of: Callable[[Index, Index], Array]) -> Array:
+        """Real part of the sums over the poles of the zones of points; of: of a pole, by points and
+        poles.
+        """
+        return self.grouped.summed(zone, np.ones(len(self.zone)), of)
+
+    # at points (n,) of zones, by their distances from the zone's ends over w ----------------------
+    def _past(self, at: Index, k: Index, left: Array, right: Array) -> Complex:
+        """t - z, by the nearer end."""
+        past = np.where(left[at] <= right[at], left[at] - self.left[k], self.right[k] - right[at])
+        return np.asarray(past - 1j * self.away[k])
+
+    def own_transform(self, zone: Index, left: Array) -> Array:
+        """What the kernel makes of their density on the zone."""
+
+        def part(at: Index, k: Index) -> Array:
+            return np.real(
+                self.size[k] / (left[at] - self.left[k] - 1j * self.away[k]) - 0.5 * self.q[k]
+            )
+
+        return self.summed(zone, part)
+
+    def density(self, zone: Index, left: Array, right: Array) -> Array:
+        root = np.sqrt(np.maximum(left * right, 0.0))
+        out = root * self.summed(
+            zone, lambda at, k: np.real(-0.5 * self.q[k] / self._past(at, k, left, right))
+        )
+        for own, at, _, more in zip(*self.points, strict=True):
+            out[(zone == own) & (left == at)] += more
+        return out
+
+    def integral(self, zone: Index, left: Array, right: Array) -> Array:
+        """Integral of the density from the zone's left end over w."""
+        angle, sine = theta(right, left), np.sqrt(np.maximum(left * right, 0.0))
+        p, m = self.roots
+        tangent = np.sqrt(left / np.maximum(right, 1e-300))
+
+        def part(at: Index, k: Index) -> Array:
+            whole = (
+                self.z[k] * angle[at]
+                - sine[at]
+                - 2.0 * p[k] * m[k] * np.arctan(m[k] / p[k] * tangent[at])
+            )
+            return np.real(0.5 * self.q[k] * whole)
+
+        return self.summed(zone, part)
+
+    def transform(self, zone: Index, rho: Array) -> Array:
+        """Off the zone."""
+
+        def part(at: Index, k: Index) -> Array:
+            both = self.rho[k] * rho[at]
+            return np.real(self.q[k] * both / (1.0 - both))
+
+        return self.summed(zone, part)
+
+    def potential_on(self, zone: Index, left: Array, right: Array) -> Array:
+        """Potential over w on the zone, less c_0 log(w)."""
+        t = 0.5 * (left - right)
+
+        def part(at: Index, k: Index) -> Array:
+            rho = self.rho[k]
+            log = np.log(-2.0 * rho * self._past(at, k, left, right))
+            return np.real(0.5 * self.q[k] * (0.5 * (rho - 1.0 / rho) * log - t[at] - LOG2 * rho))
+
+        return self.summed(zone, part)
+
+    def potential_off(self, zone: Index, rho: Array) -> Array:
+        """And off it."""
+
+        def part(at: Index, k: Index) -> Array:
+            return np.real(
+                0.5
+                * self.q[k]
+                * self._potential(self.rho[k], rho[at], np.log(2.0 * np.abs(rho[at])))
+            )
+
+        return self.summed(zone, part)
+
+    @staticmethod
+    def _potential(rho: Complex, seen: Complex | Array, log: Complex | Array) -> Complex:
+        return np.asarray((rho - 1.0 / rho) * np.log1p(-rho * seen) - seen - rho * log)
+
+    def potential(self, zone: Index, seen: OnLine) -> Array:
+        """Potential over w, on the zone and off it, less c_0 log(w)."""
+        out, on, off = np.empty(len(zone)), np.flatnonzero(seen.on), np.flatnonzero(~seen.on)
+        out[on] = self.potential_on(zone[on], seen.left[on], seen.right[on])
+        out[off] = self.potential_off(zone[off], seen.rho[off])
+        return out
+
+    # per zone -------------------------------------------------------------------------------------
+    def sine_coefficients(self, zones: int, count: int) -> Array:
+        """Coefficients of sin(j theta), j = 1 ... count, of the density of each zone: of T_j those
+        of the right side.
+        """
+        out, power = np.empty((count, zones)), self.q.copy()
+        for j in range(count):
+            power *= self.rho
+            out[j] = np.bincount(self.zone, power.real, zones)
+        return out.T
+
+    def mean_offsets(self, zones: int) -> Array:
+        """See `ForcingJumps.mean_offsets`: 1 / (j^2 - 1) of T_j of odd order, -1/4 of the first
+        one.
+        """
+        p, m = self.roots
+        parts = 0.25 * self.q * (1.0 / self.rho - self.rho) * np.log(4.0 * p * m / (p + m) ** 2)
+        return np.asarray(np.bincount(self.zone, parts.real, zones), dtype=float)
+
+    def edge_slopes(self, zones: int) -> tuple[Array, Array]:
+        """Coefficient of the angle from the left and from the right end."""
+        p, m = self.roots
+        left, right = (0.5 * self.q / root**2 for root in (p, m))
+        out = np.array(
+            [np.bincount(self.zone, part.real, zones) for part in (left, right)], dtype=float
+        )
+        return out[0], out[1]
+
+    def rounding(self, zones: int) -> Array:
+        """What rounding of their sum comes to."""
+        return np.asarray(np.bincount(self.zone, 2.2e-16 * np.abs(self.q), zones), dtype=float)
+
+    # at complex points (see `plane`) --------------------------------------------------------------
+    def in_plane(self, k: Index, seen: InPlane, what: What) -> Complex:
+        """What poles k do at points of the upper half plane, the derivative by zeta; the potential
+        over w, and less c_0 log(w).
+        """
+        at, rho = seen.rho[:, None], np.concatenate((self.rho[k], np.conj(self.rho[k])))
+        weight = 0.5 * np.concatenate((self.q[k], np.conj(self.q[k])))
+        if what == "potential":
+            return np.asarray((0.5 * self._potential(rho, at, LOG2 - seen.log[:, None])) @ weight)
+        both = rho * at
+        if what == "transform":
+            return np.asarray((both / (1.0 - both)) @ weight)
+        return np.asarray(-((both / (1.0 - both) ** 2) @ weight) / seen.root)
+
+
+def _seen(
+    zones: Zones, places: Array, period: float | None
+) -> Iterator[tuple[int, int, float, float]]:
+    """Number of a place, zone, and distances of the place from both ends, for all within reach."""
+    shifts = np.zeros(1)
+    if period is not None:
+        places = places + np.ceil((zones.a[0] - places) / period) * period
+        shifts = period * np.arange(-2.0, 3.0)
+    every = np.arange(len(zones))
+    for place, shift in product(range(len(places)), shifts.tolist()):
+        at = np.full(len(zones), places[place] + shift)
+        left, right = zones.beyond_a(at, every), zones.before_b(at, every)
+        near = np.flatnonzero(np.minimum(left, right) > -_OPTIONS.reach * zones.half)
+        for i in near.tolist():
+            yield place, i, float(left[i]), float(right[i])
+
+
+_NONE = np.zeros(0)
+NO_POLES = Poles(
+    np.zeros(0, np.intp),
+    _NONE,
+    _NONE,
+    _NONE,
+    np.zeros(0, complex),
+    (np.zeros(0, np.intp), _NONE, _NONE, _NONE),
+)
