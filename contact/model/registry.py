@@ -9,12 +9,28 @@ import dataclasses
 import inspect
 import warnings
 from collections.abc import Callable, Mapping
-from typing import Any, TypeVar
+from typing import Any, ClassVar, TypeVar
 
 from contact.errors import SceneError
 from contact.extras import entry_points
+from contact.model.checks import of_author
 
 C = TypeVar("C", bound=type)
+
+
+class Named:
+    """Base of the parts of a scene. A class is called what it is registered as, what its own `name` says, or else its class name."""
+
+    name: ClassVar[str]
+
+    def __init_subclass__(cls, **kwargs: Any) -> None:
+        super().__init_subclass__(**kwargs)
+        if "name" not in cls.__dict__:
+            annotation = str(inspect.get_annotations(cls).get("name", "ClassVar"))
+            if "ClassVar" not in annotation:
+                allowed = "called otherwise: the name of a class is what scene files and messages call it"
+                raise SceneError.of(f"a field of {cls.__name__}", "name", allowed)
+            cls.name = cls.__name__
 
 
 class Registry:
@@ -99,6 +115,16 @@ def construct(cls: Callable[..., Any], what: str, params: Mapping[str, Any]) -> 
 def parameters(part: Any) -> dict[str, Any]:
     """What to give the class of a part, by name, to make it again."""
     return {f.name: getattr(part, f.name) for f in dataclasses.fields(part) if f.init} if dataclasses.is_dataclass(part) else {}
+
+
+def remade(part: Any, changes: Mapping[str, Any]) -> Any:
+    """The same part with other values of its parameters; SceneError where its class cannot be called with them."""
+    kind = type(part)
+    named = ", ".join(f"{name}=..." for name in {**parameters(part), **changes})
+    hint = "; a frozen dataclass takes its fields by name"
+    with of_author(f"{kind.__name__}({named})", next(iter(changes), kind.__name__), hint=hint):
+        made = kind(**{**parameters(part), **changes})
+    return made
 
 
 PROFILES = Registry("profile", "contact.profiles", ("height", "from_table"))

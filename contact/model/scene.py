@@ -10,7 +10,7 @@ zero load f(x) - tilt x, or by as much as a given `moment` of the pressure, int 
 Everything is checked when the scene is made, so that the solver need not check it again.
 """
 
-from dataclasses import KW_ONLY, dataclass, replace
+from dataclasses import KW_ONLY, dataclass
 from functools import cached_property
 from math import isfinite
 
@@ -26,6 +26,7 @@ from contact.model.laws import Frictionless, Law
 from contact.model.operator import Operator
 from contact.model.profiles.base import Profile
 from contact.model.registry import CONTROLS as REGISTERED
+from contact.model.registry import remade
 from contact.model.substrates import HalfPlane, Substrate
 
 
@@ -161,7 +162,7 @@ class Scene(sie.Kept):
         control = self.control_object
         name = control.name
         value = finite(name, control.value) if control.signed(self) else positive(name, control.value)
-        control = replace(control, value=value)
+        control = remade(control, {"value": value})
         object.__setattr__(self, *(("given", control) if self.given is not None else (name, value)))
         self.__dict__["control_object"] = control
 
@@ -179,7 +180,7 @@ class Scene(sie.Kept):
     def under(self, name: str, value: float) -> "Scene":
         """The same under another value of a control, or another control: of all else nothing is looked at again."""
         other = object.__new__(type(self))
-        other.__dict__.update({**self.__dict__, **fields_under(name, value)})
+        other.__dict__.update({**self.__dict__, **fields_under(name, value, self.given)})
         other.__dict__.pop("control_object", None)
         other._check_control()
         return other
