@@ -39,6 +39,16 @@ def require_declared(profile: Profile) -> None:
     x = _places(profile)
     for name in ("height", "slope"):
         _require_by_elements(profile, name, x)
+    if profile.period is not None:
+        _require_conjugate(profile, x)
+
+
+def _require_conjugate(profile: Profile, x: Array) -> None:
+    with of_author("profile.slope_conjugate(x)", "slope_conjugate", f" for an array of shape {x.shape}"):
+        value = profile.slope_conjugate(x.copy())
+    array = np.zeros(x.shape) if value is None else as_array(value)
+    if array.dtype.kind not in "iuf" or array.shape != x.shape:
+        raise SceneError.of("profile.slope_conjugate(x)", value, f"None, or real numbers of the shape of x, {x.shape}")
 
 
 def require_declarations(profile: Profile) -> None:
@@ -214,7 +224,8 @@ def require_body(substrate: Substrate) -> None:
             "substrate.symbol(q)", float(values[-1]), f"1 for short waves, as it is not at q = {WAVES[-1]:.0e} 1/m: what is solved is the "
             "body's compliance over that of a half-plane of its own surface's modulus E_star",
         )
-    compression: Any = substrate.compression
+    with of_author("substrate.compression", "substrate.compression"):
+        compression: Any = substrate.compression
     if compression is not None:
         allowed = "None, or a length of at least 0 [m] (a property, not a method)"
         compression = such("substrate.compression", compression, allowed, lambda length: length >= 0)

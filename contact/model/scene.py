@@ -12,7 +12,6 @@ Everything is checked when the scene is made, so that the solver need not check 
 
 from dataclasses import KW_ONLY, dataclass
 from functools import cached_property
-from math import isfinite
 
 import numpy as np
 
@@ -24,6 +23,7 @@ from contact.model.declared import require_body, require_declared, require_elast
 from contact.model.interactions.base import Interaction
 from contact.model.laws import Frictionless, Law
 from contact.model.operator import Operator
+from contact.model.parts import Told, held_by, is_own, require_attributes, require_calls, require_form, require_law
 from contact.model.profiles.base import Profile
 from contact.model.registry import CONTROLS as REGISTERED
 from contact.model.registry import remade
@@ -139,11 +139,15 @@ class Scene(sie.Kept):
     def __post_init__(self) -> None:
         _require_instance("profile", self.profile, Profile, "Sinusoid(amplitude=1e-6, period=1e-4)")
         for body in self.profile.bodies.values():
-            if not type(body).__module__.startswith("contact."):
+            if is_own(body):
+                require_calls(Profile, body)
                 require_declared(body)
+                require_attributes(Profile, body)
         _require_instance("interaction", self.interaction, Interaction, "Periodic()")
         _require_instance("substrate", self.substrate, Substrate, "HalfPlane()")
         _require_instance("law", self.law, Law, "Frictionless()")
+        for kind, part in ((Interaction, self.interaction), (Substrate, self.substrate), (Law, self.law)):
+            require_form(kind, part)
         keep(self, positive, "E_star")
         keep(self, finite_or_none, *TURNING)
         if self.interaction.needs_period and self.profile.period is None:
@@ -159,16 +163,20 @@ class Scene(sie.Kept):
             raise SceneError.of("control", given or None, f"exactly one of {', '.join(CONTROLS)}")
         if self.given is not None:
             _require_instance("given", self.given, Control, "one of your own")
+            require_form(Control, self.given)
+            if is_own(self.given) and self.given.name in CONTROLS:
+                raise SceneError.of("control.name", self.given.name, "another name: it is that of a control of the package")
         control = self.control_object
         name = control.name
-        value = finite(name, control.value) if control.signed(self) else positive(name, control.value)
+        signed = Told("control.signed(scene)", "control").value(control.signed, self)
+        value = finite(name, control.value) if signed else positive(name, control.value)
         control = remade(control, {"value": value})
         object.__setattr__(self, *(("given", control) if self.given is not None else (name, value)))
         self.__dict__["control_object"] = control
 
         named = control if name in CONTROLS else self._named(control)
         self._check_admitted(control, "load" if named is None else named.name)
-        control.check(self)
+        Told("control.check(scene)", "control").value(control.check, self)
         if named is not None and named is not control:
             named.check(self)
         self._check_law()
@@ -250,7 +258,7 @@ class Scene(sie.Kept):
     def _named(self, control: Control) -> Control | None:
         """What a control of one's own has the solver hold, as if it were given under its name; None where it has none, as a width without
         a period, or where a load is looked for."""
-        held, period = control.held(self), self.profile.period
+        held, period = held_by(control, self), self.profile.period
         if held is None or (held.quantity is Quantity.WIDTH and period is None):
             return None
         name, value = held.quantity.name.lower(), held.value
@@ -263,14 +271,14 @@ class Scene(sie.Kept):
     def _check_body(self) -> None:
         """The substrate, and the interaction on it: each by itself, and whether they go together."""
         model, body = self.interaction, self.substrate
-        if not type(body).__module__.startswith("contact."):
+        if is_own(body):
             require_body(body)
         operator = self.operator
         if operator.is_own:
             if not isinstance(body, HalfPlane):
                 allowed = f"left out with {model.name}, which gives a kernel of its own in place of the substrate's"
                 raise SceneError.of("substrate", body.name, allowed)
-            if not type(model).__module__.startswith("contact."):
+            if is_own(model):
                 ends, resolution = self.profile.support, self.profile.resolution
                 require_elastic(operator, resolution or (ends[1] - ends[0] if ends else self.profile.period or 1.0))
         elif body.compression is not None and model.datum is not None:
@@ -285,10 +293,9 @@ class Scene(sie.Kept):
         if not law.turns and self.turned:
             ((turning, value),) = self.turning.items()
             raise SceneError.of(turning, value, f"left out: {law.name} is not solved for bodies that turn")
-        if not isfinite(law.intensity(self.E_star)):
-            raise SceneError.of("law.intensity(E_star)", law.intensity(self.E_star), "finite [Pa m^(1/2)]")
-        why = law.refuses(self)
-        if why is not None:
+        require_law(law, self.E_star)
+        why = Told("law.refuses(scene)", "law").text(law.refuses, self)
+        if why:
             raise SceneError.of("law", law.name, f"another one: {law.name} {why}")
 
     def _check_turning(self) -> None:

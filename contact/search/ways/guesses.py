@@ -161,8 +161,8 @@ def from_grid(task: Task, scaled: ScaledScene, held: bool = False, points: int |
     if control.load is not None and not control.load > 0.0:
         # A grid is pressed together without tension.
         raise OutOfRange(
-            f"{control.told(problem.units)}: the law {task.scene.law.name} gives no `bare` law to begin from, and zones without it are looked "
-            "for under loads above 0 only: give a half width"
+            f"{control.told(problem.units)}: the law {task.scene.law.name} has no `bare` law to begin from, "
+            "and without one zones are looked for under loads above 0 only: give a half width"
         )
     failure: Missed | None = None
     most, touched, widened, full, width = _MOST_POINTS, False, 0, False, 0.0
