@@ -5,12 +5,14 @@ in any system of units; lengths only of files, whose numbers have a unit, and th
 """
 
 import math
+from collections.abc import Iterable
 
 import numpy as np
 
 from contact.model.scene import Scene
 from contact.model.units import quantity
 from contact.solution.answer import Answer
+from contact.solution.preparation import of_preparation
 from sie import Array
 
 STEEPEST = 0.3
@@ -44,12 +46,20 @@ def of_scene(scene: Scene) -> tuple[str, ...]:
 def of_answer(solution: Answer) -> tuple[str, ...]:
     """What can be said of the answer."""
     inside = _inside(solution)
-    return (*_of_slopes(solution, inside), *_of_pressure(solution, inside))
+    return (*_of_slopes(solution, inside), *_of_pressure(solution, inside), *of_preparation(solution))
 
 
 def of_solution(solution: Answer) -> tuple[str, ...]:
     """What can be said of the answer, and of its scene."""
     return (*of_scene(solution.scene), *of_answer(solution))
+
+
+def of_curve(solutions: Iterable[Answer]) -> tuple[str, ...]:
+    """What can be said of many answers of one scene: of the highest load, and of where the lowest one is borne."""
+    by_load = sorted(solutions, key=lambda solution: solution.load)
+    highest = of_solution(by_load[-1])
+    at_highest = of_preparation(by_load[-1])
+    return highest if at_highest else (*highest, *of_preparation(by_load[0]))
 
 
 def everything(solution: Answer) -> list[str]:

@@ -235,6 +235,11 @@ class Profile(Named, sie.Kept):
         """What there was before, by name."""
         return {}
 
+    @property
+    def unmeasured(self) -> tuple[Any, ...]:
+        """Of a prepared trace: intervals (left, right, kind) in its own positions [m] in which its heights are not the measured ones."""
+        return ()
+
     def varied(self, changes: Mapping[str, Mapping[str, Any]]) -> "Profile":
         """The same with other values of parameters, by table and name."""
         return remade(self, {**self.parameters(), **changes.get("profile", {})})
