@@ -148,6 +148,8 @@ class Scene(sie.Kept):
         _require_instance("law", self.law, Law, "Frictionless()")
         for kind, part in ((Interaction, self.interaction), (Substrate, self.substrate), (Law, self.law)):
             require_form(kind, part)
+        if self.interaction.strip and not self.interaction.needs_period:
+            raise SceneError.of("interaction.needs_period", self.interaction.needs_period, "True: a strip is cut from a period")
         keep(self, positive, "E_star")
         keep(self, finite_or_none, *TURNING)
         if self.interaction.needs_period and self.profile.period is None:
