@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from contact.errors import SceneError
-from contact.model.checks import as_array, of_author, such
+from contact.model.checks import as_array, finite, of_author, such
 from contact.model.controls.base import CONTROLS, Control, Held, Quantity
 from contact.model.interactions.base import Interaction
 from contact.model.laws.base import Law
@@ -52,7 +52,7 @@ _NAMES = Form(_are_controls, f"a tuple of names of controls, of {', '.join(CONTR
 _TABLE = Form(lambda value: isinstance(value, Mapping), 'a dictionary of units by parameter, such as {"depth": "m"}')
 _QUANTITY = Form(lambda value: value is None or isinstance(value, Quantity), "None, or a contact.model.controls.Quantity")
 _BARE = Form(lambda value: value is None or isinstance(value, Law), "None, or a law, such as contact.Frictionless()")
-_START = Form(lambda value: isinstance(value, (int, float, np.number)) and not np.isnan(value), f"a position [m] {_NO_METHOD}")
+_START = Form(lambda value: isinstance(value, (int, float)) and value == value, f"a position [m] {_NO_METHOD}")
 _PLACES = Form(_are_places, f"a one-dimensional array of positions [m] {_NO_METHOD}")
 
 # By kind of part: its attributes with their forms, and its methods with the arguments that they are called with.
@@ -137,7 +137,10 @@ class Told(NamedTuple):
     part: str
 
     def value(self, method: Callable[..., Any], *arguments: Any) -> Any:
-        """What it returns; SceneError where it raises."""
+        """What it returns; SceneError where it raises. The package's own methods are called without that, which takes time."""
+        owner = getattr(method, "__self__", None)
+        if owner is not None and not is_own(owner):
+            return method(*arguments)
         with of_author(self.what, self.part):
             value = method(*arguments)
         return value
@@ -165,10 +168,12 @@ class Told(NamedTuple):
 
 def require_law(law: Law, E_star: float) -> None:
     """SceneError where what a law says of the ends of zones is none of adhesion."""
-    told, allowed = Told("law.intensity(E_star)", "law"), "finite [Pa m^(1/2)]"
-    intensity = told.number(law.intensity, E_star, allowed=allowed)
+    allowed = "finite [Pa m^(1/2)]"
     if not is_own(law):
+        finite("law.intensity(E_star)", law.intensity(E_star), allowed)
         return
+    told = Told("law.intensity(E_star)", "law")
+    intensity = told.number(law.intensity, E_star, allowed=allowed)
     if intensity > 0:
         why = "no pressure rises without bound at an end that is free to move"
         raise SceneError.of(told.what, intensity, f"{allowed} and at most 0: {why}")
@@ -180,6 +185,8 @@ def require_law(law: Law, E_star: float) -> None:
 
 def held_by(control: Control, scene: Any) -> Held | None:
     """What a control has the solver hold; SceneError where it says neither that nor which value a solution has."""
+    if not is_own(control):
+        return control.held(scene)
     told = Told("control.held(scene)", "control")
     held = told.value(control.held, scene)
     if held is None and type(control).of is Control.of:

@@ -10,7 +10,7 @@ zero load f(x) - tilt x, or by as much as a given `moment` of the pressure, int 
 Everything is checked when the scene is made, so that the solver need not check it again.
 """
 
-from dataclasses import KW_ONLY, dataclass
+from dataclasses import KW_ONLY, dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -28,6 +28,12 @@ from contact.model.profiles.base import Profile
 from contact.model.registry import CONTROLS as REGISTERED
 from contact.model.registry import remade
 from contact.model.substrates import HalfPlane, Substrate
+
+
+# What is asked of a control and a law of someone's own.
+_SIGNED = Told("control.signed(scene)", "control")
+_CHECK = Told("control.check(scene)", "control")
+_REFUSES = Told("law.refuses(scene)", "law")
 
 
 def E_star(E1: float, nu1: float, E2: float | None = None, nu2: float | None = None) -> float:
@@ -170,15 +176,15 @@ class Scene(sie.Kept):
                 raise SceneError.of("control.name", self.given.name, "another name: it is that of a control of the package")
         control = self.control_object
         name = control.name
-        signed = Told("control.signed(scene)", "control").value(control.signed, self)
+        signed = _SIGNED.value(control.signed, self)
         value = finite(name, control.value) if signed else positive(name, control.value)
-        control = remade(control, {"value": value})
+        control = remade(control, {"value": value}) if is_own(control) else replace(control, value=value)
         object.__setattr__(self, *(("given", control) if self.given is not None else (name, value)))
         self.__dict__["control_object"] = control
 
         named = control if name in CONTROLS else self._named(control)
         self._check_admitted(control, "load" if named is None else named.name)
-        Told("control.check(scene)", "control").value(control.check, self)
+        _CHECK.value(control.check, self)
         if named is not None and named is not control:
             named.check(self)
         self._check_law()
@@ -296,7 +302,7 @@ class Scene(sie.Kept):
             ((turning, value),) = self.turning.items()
             raise SceneError.of(turning, value, f"left out: {law.name} is not solved for bodies that turn")
         require_law(law, self.E_star)
-        why = Told("law.refuses(scene)", "law").text(law.refuses, self)
+        why = _REFUSES.text(law.refuses, self)
         if why:
             raise SceneError.of("law", law.name, f"another one: {law.name} {why}")
 

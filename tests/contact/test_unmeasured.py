@@ -1,4 +1,4 @@
-"""Load that a trace bears where its heights are not the measured ones is warned of: tapered ends, dropouts, the piece that closes a period."""
+"""Load that a trace bears where its heights are not the measured ones, as in tapered ends and dropouts, is warned of."""
 
 from __future__ import annotations
 
