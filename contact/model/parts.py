@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Iterable, Mapping
+from math import isnan
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -39,7 +40,7 @@ def _are_controls(value: Any) -> bool:
 
 def _are_places(value: Any) -> bool:
     places = as_array(value)
-    return places.dtype.kind in "iuf" and places.ndim == 1 and bool(np.isfinite(places).all())
+    return bool(places.dtype.kind in "iuf" and places.ndim == 1 and np.isfinite(places).all())
 
 
 _NO_METHOD = "(a property, not a method)"
@@ -47,12 +48,12 @@ _FLAG = Form(lambda value: isinstance(value, (bool, np.bool_)), f"True or False 
 _TEXT = Form(lambda value: isinstance(value, str) and bool(value.strip()), "a non-empty string")
 _NOT_BELOW_0 = Form(lambda value: _is_number(value) and value >= 0, f"a finite number >= 0 {_NO_METHOD}")
 _LENGTH = Form(lambda value: value is None or (_is_number(value) and value > 0), f"None, or a length > 0 [m] {_NO_METHOD}")
-_COUNT = Form(lambda value: isinstance(value, (int, np.integer)) and not isinstance(value, bool) and value >= 0, "a whole number >= 0")
+_COUNT = Form(lambda value: isinstance(value, (int, np.integer)) and not isinstance(value, bool) and bool(value >= 0), "a whole number >= 0")
 _NAMES = Form(_are_controls, f"a tuple of names of controls, of {', '.join(CONTROLS)}")
 _TABLE = Form(lambda value: isinstance(value, Mapping), 'a dictionary of units by parameter, such as {"depth": "m"}')
 _QUANTITY = Form(lambda value: value is None or isinstance(value, Quantity), "None, or a contact.model.controls.Quantity")
 _BARE = Form(lambda value: value is None or isinstance(value, Law), "None, or a law, such as contact.Frictionless()")
-_START = Form(lambda value: isinstance(value, (int, float)) and value == value, f"a position [m] {_NO_METHOD}")
+_START = Form(lambda value: isinstance(value, (int, float)) and not isnan(value), f"a position [m] {_NO_METHOD}")
 _PLACES = Form(_are_places, f"a one-dimensional array of positions [m] {_NO_METHOD}")
 
 # By kind of part: its attributes with their forms, and its methods with the arguments that they are called with.

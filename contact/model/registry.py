@@ -117,14 +117,17 @@ def parameters(part: Any) -> dict[str, Any]:
     return {f.name: getattr(part, f.name) for f in dataclasses.fields(part) if f.init} if dataclasses.is_dataclass(part) else {}
 
 
-def remade(part: Any, changes: Mapping[str, Any]) -> Any:
-    """The same part with other values of its parameters; SceneError where its class cannot be called with them."""
-    kind = type(part)
-    named = ", ".join(f"{name}=..." for name in {**parameters(part), **changes})
-    hint = "; a frozen dataclass takes its fields by name"
-    with of_author(f"{kind.__name__}({named})", next(iter(changes), kind.__name__), hint=hint):
-        made = kind(**{**parameters(part), **changes})
+def anew(kind: Callable[..., Any], arguments: Mapping[str, Any]) -> Any:
+    """A part of that class with these arguments; SceneError where it cannot be called with them."""
+    name = getattr(kind, "__name__", str(kind))
+    with of_author(f"{name}({', '.join(f'{key}=...' for key in arguments)})", name, hint="; a frozen dataclass takes its fields by name"):
+        made = kind(**arguments)
     return made
+
+
+def remade(part: Any, changes: Mapping[str, Any]) -> Any:
+    """The same part with other values of some of its parameters."""
+    return anew(type(part), {**parameters(part), **changes})
 
 
 PROFILES = Registry("profile", "contact.profiles", ("height", "from_table"))

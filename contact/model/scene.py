@@ -29,7 +29,6 @@ from contact.model.registry import CONTROLS as REGISTERED
 from contact.model.registry import remade
 from contact.model.substrates import HalfPlane, Substrate
 
-
 # What is asked of a control and a law of someone's own.
 _SIGNED = Told("control.signed(scene)", "control")
 _CHECK = Told("control.check(scene)", "control")

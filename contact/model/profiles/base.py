@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 
 import sie
 from contact.model.profiles.derive import detail_of, right_by_step, slope_of
-from contact.model.registry import Named, construct, parameters, remade
+from contact.model.registry import Named, anew, construct, parameters
 from sie import Array
 
 # Places a period at which slopes are read.
@@ -242,7 +242,7 @@ class Profile(Named, sie.Kept):
 
     def varied(self, changes: Mapping[str, Mapping[str, Any]]) -> "Profile":
         """The same with other values of parameters, by table and name."""
-        return remade(self, {**self.parameters(), **changes.get("profile", {})})
+        return anew(type(self), {**self.parameters(), **changes.get("profile", {})})
 
     @property
     def no_period(self) -> str:
