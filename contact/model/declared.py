@@ -39,16 +39,6 @@ def require_declared(profile: Profile) -> None:
     x = _places(profile)
     for name in ("height", "slope"):
         _require_by_elements(profile, name, x)
-    if profile.period is not None:
-        _require_conjugate(profile, x)
-
-
-def _require_conjugate(profile: Profile, x: Array) -> None:
-    with of_author("profile.slope_conjugate(x)", "slope_conjugate", f" for an array of shape {x.shape}"):
-        value = profile.slope_conjugate(x.copy())
-    array = np.zeros(x.shape) if value is None else as_array(value)
-    if array.dtype.kind not in "iuf" or array.shape != x.shape:
-        raise SceneError.of("profile.slope_conjugate(x)", value, f"None, or real numbers of the shape of x, {x.shape}")
 
 
 def require_declarations(profile: Profile) -> None:

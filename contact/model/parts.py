@@ -1,8 +1,8 @@
-"""Whether the parts of a scene that are classes of someone's own have the form that the rest of the package counts on.
+"""Checks of a scene's parts whose classes are someone's own: the form of attributes and methods.
 
-`require_form` is asked once, when a scene is made, of every part whose class is not the package's own. It looks at attributes and at the
-arguments that methods take, and names the first that is wrong. What methods return is looked at where they are first called, by
-`Told.number`, `Told.text` and `Told.rows`.
+`require_form` runs once, when a scene is made. It checks the attributes and the arguments that the
+methods take, and names the first that is wrong. `Told.number`, `Told.text` and `Told.rows` check what
+the methods return, where they are called.
 """
 
 from __future__ import annotations
@@ -31,11 +31,17 @@ class Form(NamedTuple):
 
 
 def _is_number(value: Any) -> bool:
-    return isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool) and bool(np.isfinite(value))
+    return (
+        isinstance(value, (int, float, np.integer, np.floating))
+        and not isinstance(value, bool)
+        and bool(np.isfinite(value))
+    )
 
 
 def _are_controls(value: Any) -> bool:
-    return isinstance(value, (tuple, list)) and all(isinstance(name, str) and name in CONTROLS for name in value)
+    return isinstance(value, (tuple, list)) and all(
+        isinstance(name, str) and name in CONTROLS for name in value
+    )
 
 
 def _are_places(value: Any) -> bool:
@@ -43,20 +49,45 @@ def _are_places(value: Any) -> bool:
     return bool(places.dtype.kind in "iuf" and places.ndim == 1 and np.isfinite(places).all())
 
 
+_PARTS = np.array(
+    [[0.07, 0.213, 0.441], [0.61, 0.787, 0.932]]
+)  # of a period, at which a transform is asked
 _NO_METHOD = "(a property, not a method)"
 _FLAG = Form(lambda value: isinstance(value, (bool, np.bool_)), f"True or False {_NO_METHOD}")
 _TEXT = Form(lambda value: isinstance(value, str) and bool(value.strip()), "a non-empty string")
-_NOT_BELOW_0 = Form(lambda value: _is_number(value) and value >= 0, f"a finite number >= 0 {_NO_METHOD}")
-_LENGTH = Form(lambda value: value is None or (_is_number(value) and value > 0), f"None, or a length > 0 [m] {_NO_METHOD}")
-_COUNT = Form(lambda value: isinstance(value, (int, np.integer)) and not isinstance(value, bool) and bool(value >= 0), "a whole number >= 0")
+_NOT_BELOW_0 = Form(
+    lambda value: _is_number(value) and value >= 0, f"a finite number >= 0 {_NO_METHOD}"
+)
+_LENGTH = Form(
+    lambda value: value is None or (_is_number(value) and value > 0),
+    f"None, or a length > 0 [m] {_NO_METHOD}",
+)
+_COUNT = Form(
+    lambda value: (
+        isinstance(value, (int, np.integer)) and not isinstance(value, bool) and bool(value >= 0)
+    ),
+    "a whole number >= 0",
+)
 _NAMES = Form(_are_controls, f"a tuple of names of controls, of {', '.join(CONTROLS)}")
-_TABLE = Form(lambda value: isinstance(value, Mapping), 'a dictionary of units by parameter, such as {"depth": "m"}')
-_QUANTITY = Form(lambda value: value is None or isinstance(value, Quantity), "None, or a contact.model.controls.Quantity")
-_BARE = Form(lambda value: value is None or isinstance(value, Law), "None, or a law, such as contact.Frictionless()")
-_START = Form(lambda value: isinstance(value, (int, float)) and not isnan(value), f"a position [m] {_NO_METHOD}")
+_TABLE = Form(
+    lambda value: isinstance(value, Mapping),
+    'a dictionary of units by parameter, such as {"depth": "m"}',
+)
+_QUANTITY = Form(
+    lambda value: value is None or isinstance(value, Quantity),
+    "None, or a contact.model.controls.Quantity",
+)
+_BARE = Form(
+    lambda value: value is None or isinstance(value, Law),
+    "None, or a law, such as contact.Frictionless()",
+)
+_START = Form(
+    lambda value: isinstance(value, (int, float)) and not isnan(value),
+    f"a position [m] {_NO_METHOD}",
+)
 _PLACES = Form(_are_places, f"a one-dimensional array of positions [m] {_NO_METHOD}")
 
-# By kind of part: its attributes with their forms, and its methods with the arguments that they are called with.
+# By kind of part: the forms of its attributes, and the arguments of its methods.
 _ATTRIBUTES: dict[type, dict[str, Form]] = {
     Profile: {
         "name": _TEXT, "units": _TABLE, "x0": _START, "feature": _LENGTH, "exact_places": _FLAG, "breakpoints": _PLACES,
@@ -93,7 +124,7 @@ def is_own(part: Any) -> bool:
 
 
 def require_form(kind: type, part: Any) -> None:
-    """SceneError that names the first attribute or method of a part that has not the form it must have. kind: its base class."""
+    """SceneError that names the first attribute or method of a wrong form. kind: the base class."""
     if not is_own(part):
         return
     require_calls(kind, part)
@@ -126,19 +157,36 @@ def _require_call(method: Any, place: str, arguments: tuple[str, ...]) -> None:
     try:
         inspect.signature(method).bind(*arguments)
     except TypeError as error:
-        raise SceneError(f"{place} is refused: it must be {allowed} ({error})", place, method, allowed) from error
+        raise SceneError(
+            f"{place} is refused: it must be {allowed} ({error})", place, method, allowed
+        ) from error
     except ValueError:  # of functions written in C nothing is known
         return
 
 
+def require_conjugate(profile: Profile) -> None:
+    """SceneError where the transform of the slope has another shape than its argument."""
+    if profile.period is None:
+        return
+    x = profile.x0 + profile.period * _PARTS
+    told = Told("profile.slope_conjugate(x)", "slope_conjugate")
+    value = told.value(profile.slope_conjugate, x.copy())
+    array = np.zeros(x.shape) if value is None else as_array(value)
+    if array.dtype.kind not in "iuf" or array.shape != x.shape:
+        raise SceneError.of(told.what, value, f"None, or real numbers of the shape of x, {x.shape}")
+
+
 class Told(NamedTuple):
-    """What a method of an author's class is asked: its name in messages, and the part of the scene that has it."""
+    """A call of an author's method: how messages name it, and the part of the scene that has it."""
 
     what: str
     part: str
 
     def value(self, method: Callable[..., Any], *arguments: Any) -> Any:
-        """What it returns; SceneError where it raises. The package's own methods are called without that, which takes time."""
+        """The value that it returns; SceneError where it raises.
+
+        The package's own methods are called directly: the guard takes a few microseconds.
+        """
         owner = getattr(method, "__self__", None)
         if owner is not None and not is_own(owner):
             return method(*arguments)
@@ -146,7 +194,9 @@ class Told(NamedTuple):
             value = method(*arguments)
         return value
 
-    def number(self, method: Callable[..., Any], *arguments: Any, allowed: str = "a finite real number") -> float:
+    def number(
+        self, method: Callable[..., Any], *arguments: Any, allowed: str = "a finite real number"
+    ) -> float:
         """The finite number that it returns."""
         return such(self.what, self.value(method, *arguments), allowed, lambda number: True)
 
@@ -168,7 +218,7 @@ class Told(NamedTuple):
 
 
 def require_law(law: Law, E_star: float) -> None:
-    """SceneError where what a law says of the ends of zones is none of adhesion."""
+    """SceneError where the intensity or the tension of a law is not one of adhesion."""
     allowed = "finite [Pa m^(1/2)]"
     if not is_own(law):
         finite("law.intensity(E_star)", law.intensity(E_star), allowed)
@@ -179,20 +229,30 @@ def require_law(law: Law, E_star: float) -> None:
         why = "no pressure rises without bound at an end that is free to move"
         raise SceneError.of(told.what, intensity, f"{allowed} and at most 0: {why}")
     if intensity < 0 and not law.pulls:
-        raise SceneError.of("law.pulls", law.pulls, f"True, as its intensity {intensity:.6g} makes the pressure negative at every end")
+        raise SceneError.of(
+            "law.pulls",
+            law.pulls,
+            f"True, as its intensity {intensity:.6g} makes the pressure negative at every end",
+        )
     if (law.tension > 0) != (law.reach > 0):
-        raise SceneError.of("law.reach", law.reach, f"above 0 [m] where the tension is, and 0 where it is 0 (tension = {law.tension!r})")
+        raise SceneError.of(
+            "law.reach",
+            law.reach,
+            f"above 0 [m] where the tension is, and 0 where it is 0 (tension = {law.tension!r})",
+        )
 
 
 def held_by(control: Control, scene: Any) -> Held | None:
-    """What a control has the solver hold; SceneError where it says neither that nor which value a solution has."""
+    """The quantity that the solver holds under a control; SceneError where it has neither that nor `of`."""
     if not is_own(control):
         return control.held(scene)
     told = Told("control.held(scene)", "control")
     held = told.value(control.held, scene)
     if held is None and type(control).of is Control.of:
-        allowed = "defined: the value that a solution has (or `held`, or `quantity`: what the solver is to hold)"
+        allowed = "defined: it returns the value that a solution has (or define `held` or `quantity`)"
         raise SceneError.of("control.of(solution)", None, allowed)
     if held is not None and not (isinstance(held, Held) and isinstance(held.quantity, Quantity)):
-        raise SceneError.of(told.what, held, "None, or contact.model.controls.Held(Quantity..., value)")
+        raise SceneError.of(
+            told.what, held, "None, or contact.model.controls.Held(Quantity..., value)"
+        )
     return held

@@ -19,7 +19,10 @@ C = TypeVar("C", bound=type)
 
 
 class Named:
-    """Base of the parts of a scene. A class is called what it is registered as, what its own `name` says, or else its class name."""
+    """Base of the parts of a scene, which gives each class a name.
+
+    It is the name it is registered under, else its own attribute `name`, else its class name.
+    """
 
     name: ClassVar[str]
 
@@ -120,7 +123,8 @@ def parameters(part: Any) -> dict[str, Any]:
 def anew(kind: Callable[..., Any], arguments: Mapping[str, Any]) -> Any:
     """A part of that class with these arguments; SceneError where it cannot be called with them."""
     name = getattr(kind, "__name__", str(kind))
-    with of_author(f"{name}({', '.join(f'{key}=...' for key in arguments)})", name, hint="; a frozen dataclass takes its fields by name"):
+    call = f"{name}({', '.join(f'{key}=...' for key in arguments)})"
+    with of_author(call, name, hint="; a frozen dataclass takes its fields by name"):
         made = kind(**arguments)
     return made
 

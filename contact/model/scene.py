@@ -23,7 +23,16 @@ from contact.model.declared import require_body, require_declared, require_elast
 from contact.model.interactions.base import Interaction
 from contact.model.laws import Frictionless, Law
 from contact.model.operator import Operator
-from contact.model.parts import Told, held_by, is_own, require_attributes, require_calls, require_form, require_law
+from contact.model.parts import (
+    Told,
+    held_by,
+    is_own,
+    require_attributes,
+    require_calls,
+    require_conjugate,
+    require_form,
+    require_law,
+)
 from contact.model.profiles.base import Profile
 from contact.model.registry import CONTROLS as REGISTERED
 from contact.model.registry import remade
@@ -148,6 +157,7 @@ class Scene(sie.Kept):
                 require_calls(Profile, body)
                 require_declared(body)
                 require_attributes(Profile, body)
+                require_conjugate(body)
         _require_instance("interaction", self.interaction, Interaction, "Periodic()")
         _require_instance("substrate", self.substrate, Substrate, "HalfPlane()")
         _require_instance("law", self.law, Law, "Frictionless()")

@@ -1,4 +1,4 @@
-"""Load that is borne where the heights of a trace are not the measured ones (contact.model.traces.unmeasured): how much, and where.
+"""Load in the unmeasured intervals of a trace (contact.model.traces.unmeasured): share and places.
 
 Every route to a solution is asked the same: its zones, their loads, and the pressure at places.
 """
@@ -17,15 +17,17 @@ from sie import Array
 
 @dataclass(frozen=True)
 class ShareOptions:
-    """How closely the load of an interval is integrated, and which share of it is told."""
+    """Accuracy of the share of an interval, and the share from which it is told."""
 
-    told_from: float = 0.01  # part of the load; what lies below is within what a preparation does to any trace
-    places: int = 4096  # in contact altogether, as many in every zone: of one zone 1/4096 is a cell, and 1e-3 is well told
+    told_from: float = (
+        0.01  # part of the load; what lies below is within what a preparation does to any trace
+    )
+    places: int = 4096  # over all zones, as many in each: shares are then good to about 1e-3
     intervals_told: int = 3  # in one message; the others are counted
 
 
 class Borne(NamedTuple):
-    """Load in the unmeasured intervals of one kind of a body: its share of all load, whether the highest pressure is there, and where."""
+    """Share of the load in the intervals of one kind of a body; `highest`: the peak is there."""
 
     place: str
     kind: Any
@@ -35,13 +37,17 @@ class Borne(NamedTuple):
 
 
 def of_preparation(solution: Answer, options: ShareOptions = ShareOptions()) -> tuple[str, ...]:
-    """What is said of load, or of the highest pressure, in unmeasured intervals: a sentence for each kind of them."""
-    told = (borne for borne in shares(solution, options) if borne.share > options.told_from or borne.highest)
+    """A sentence for each kind of interval that bears load or the highest pressure."""
+    told = (
+        borne
+        for borne in shares(solution, options)
+        if borne.share > options.told_from or borne.highest
+    )
     return tuple(_sentence(borne, options) for borne in told)
 
 
 def shares(solution: Answer, options: ShareOptions = ShareOptions()) -> list[Borne]:
-    """What each kind of unmeasured interval bears, of every body that has some."""
+    """The share of each kind of interval, for every body that has some."""
     profile = solution.scene.profile
     bodies = {place: body.unmeasured for place, body in profile.bodies.items() if body.unmeasured}
     if not bodies:
@@ -57,8 +63,12 @@ def shares(solution: Answer, options: ShareOptions = ShareOptions()) -> list[Bor
             of_kind = [interval for interval in intervals if interval.kind is kind]
             inside = [(own >= left) & (own <= right) for left, right, _ in of_kind]
             borne = [float(load[here].sum() / load.sum()) for here in inside]
-            where = [interval for interval, share in zip(of_kind, borne, strict=True) if share > 0.0]
-            found.append(Borne(place, kind, sum(borne), any(bool(here[peak]) for here in inside), where))
+            where = [
+                interval for interval, share in zip(of_kind, borne, strict=True) if share > 0.0
+            ]
+            found.append(
+                Borne(place, kind, sum(borne), any(bool(here[peak]) for here in inside), where)
+            )
     return found
 
 
@@ -68,13 +78,18 @@ def _sentence(borne: Borne, options: ShareOptions) -> str:
     share = f"{percent:.{0 if percent >= 10 else 1}f} % of the load"
     of = "" if borne.place == "profile" else f" of the {borne.place}"
     places = [f"{quantity(left, 'm')} to {quantity(right, 'm')}" for left, right, _ in borne.where]
-    more = f" and {len(places) - options.intervals_told} more" if len(places) > options.intervals_told else ""
+    more = (
+        f" and {len(places) - options.intervals_told} more"
+        if len(places) > options.intervals_told
+        else ""
+    )
     where = f"x = {', '.join(places[: options.intervals_told])}{more}"
-    return f"{share}{' and the highest pressure lie' if borne.highest else ' lies'} in {what}{of} ({where}): {cure}"
+    lies = " and the highest pressure lie" if borne.highest else " lies"
+    return f"{share}{lies} in {what}{of} ({where}): {cure}"
 
 
 def _places_in_contact(solution: Answer, options: ShareOptions) -> tuple[Array, Array, Array]:
-    """Places in contact, the load about each, and the pressure there. Loads count without their signs, as adhesion has both."""
+    """Places in contact, the load about each (without its sign), and the pressure there."""
     profile, zones = solution.scene.profile, np.asarray(solution.zones)
     if not len(zones):
         if profile.period is None or not solution.load > 0.0:  # surfaces apart

@@ -85,7 +85,7 @@ def of_solution(solution: Answer) -> tuple[str, ...]:
 
 
 def of_curve(solutions: Iterable[Answer]) -> tuple[str, ...]:
-    """What can be said of many answers of one scene: of the highest load, and of where the lowest one is borne."""
+    """What can be said of many answers of one scene: of the highest load, and of unmeasured load."""
     by_load = sorted(solutions, key=lambda solution: solution.load)
     highest = of_solution(by_load[-1])
     at_highest = of_preparation(by_load[-1])

@@ -1,4 +1,4 @@
-"""Load that a trace bears where its heights are not the measured ones, as in tapered ends and dropouts, is warned of."""
+"""Load in tapered ends, dropouts and closing pieces of a trace is warned of, on every route."""
 
 from __future__ import annotations
 
@@ -23,9 +23,13 @@ E_STAR = 1e11
 def surface(crest: float, seed: int = 0) -> np.ndarray:
     """Waves of 1 to 10 nm and a crest of 100 nm about a part of the length."""
     rng = np.random.default_rng(seed)
-    waves = sum(rng.normal() * np.cos(2 * np.pi * (k * X / LENGTH + rng.random())) / k for k in range(1, 30))
+    waves = sum(
+        rng.normal() * np.cos(2 * np.pi * (k * X / LENGTH + rng.random())) / k for k in range(1, 30)
+    )
     distance = np.abs(X / LENGTH - crest)
-    return 5e-9 * np.asarray(waves) + 1e-7 * np.exp(-((np.minimum(distance, 1 - distance) / 0.05) ** 2))
+    return 5e-9 * np.asarray(waves) + 1e-7 * np.exp(
+        -((np.minimum(distance, 1 - distance) / 0.05) ** 2)
+    )
 
 
 def trace(folder: Path, crest: float, lost: slice | None = None, **keys: object) -> contact.Sampled:
@@ -33,7 +37,9 @@ def trace(folder: Path, crest: float, lost: slice | None = None, **keys: object)
     if lost is not None:
         told[lost] = ["nan"] * len(told[lost])
     path = folder / "trace.csv"
-    path.write_text("x [m];z [m]\n" + "".join(f"{x:.7e};{z}\n" for x, z in zip(X, told, strict=True)))
+    path.write_text(
+        "x [m];z [m]\n" + "".join(f"{x:.7e};{z}\n" for x, z in zip(X, told, strict=True))
+    )
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         return contact.read_trace(path, **keys)
@@ -49,7 +55,9 @@ def with_crest_in(kind: Kind, folder: Path) -> contact.Sampled:
     return trace(folder, 0.5, slice(195, 206), fill=fill, taper=0.01, period=True)
 
 
-def scene(profile: contact.Profile, interaction: contact.Interaction = PERIODIC, **keys: object) -> contact.Scene:
+def scene(
+    profile: contact.Profile, interaction: contact.Interaction = PERIODIC, **keys: object
+) -> contact.Scene:
     return contact.Scene(profile, E_STAR, interaction, **keys)  # type: ignore[arg-type]
 
 
@@ -79,25 +87,41 @@ def integrated(solution: contact.Solution, kind: Kind) -> float:
     place = "counter" if "counter" in profile.bodies else "profile"
     body = profile.bodies[place]
     x = profile.x0 + body.period * (np.arange(200_000) + 0.5) / 200_000
-    pressure = np.abs(solution.pressure(x)) * (solution.pressure(x) > 0 if solution.scene.law.tension else 1)
+    pressure = np.abs(solution.pressure(x)) * (
+        solution.pressure(x) > 0 if solution.scene.law.tension else 1
+    )
     own = body.wrap(profile.facing(x)[place])
-    inside = np.any([(own >= left) & (own <= right) for left, right, what in body.unmeasured if what is kind], axis=0)
+    inside = np.any(
+        [(own >= left) & (own <= right) for left, right, what in body.unmeasured if what is kind],
+        axis=0,
+    )
     return float(pressure[inside].sum() / pressure.sum())
 
 
 # One cell that stands alone ends where the piece that joins it to the next one is.
-PAIRS = [(route, kind) for route in ROUTES for kind in Kind if kind is not Kind.JOINED or route not in ("isolated", "tilted")]
+PAIRS = [
+    (route, kind)
+    for route in ROUTES
+    for kind in Kind
+    if kind is not Kind.JOINED or route not in ("isolated", "tilted")
+]
 
 
 @pytest.mark.parametrize(("route", "kind"), PAIRS)
-def test_the_share_that_is_told_is_the_integral_of_the_pressure_on_every_route(route: str, kind: Kind, tmp_path: Path) -> None:
+def test_the_share_that_is_told_is_the_integral_of_the_pressure_on_every_route(
+    route: str, kind: Kind, tmp_path: Path
+) -> None:
     solution = contact.solve(ROUTES[route](with_crest_in(kind, tmp_path)), tol=1e-5)
     (borne,) = [borne for borne in shares(solution) if borne.kind is kind]
     assert borne.share > 0.02
     # Cells of the even places at the ends of zones, where adhesion has an infinite pressure, and of the zones that are split.
-    assert borne.share == pytest.approx(integrated(solution, kind), abs=2e-2 if solution.scene.law.pulls else 5e-3)
+    assert borne.share == pytest.approx(
+        integrated(solution, kind), abs=2e-2 if solution.scene.law.pulls else 5e-3
+    )
     (told,) = [line for line in solution.warnings if kind.value[0] in line]
-    assert float(told.split(" %")[0]) == pytest.approx(100 * borne.share, abs=0.5) and "x = " in told
+    assert (
+        float(told.split(" %")[0]) == pytest.approx(100 * borne.share, abs=0.5) and "x = " in told
+    )
 
 
 @pytest.mark.parametrize("route", [name for name in ROUTES if name not in ("gaps", "full")])
@@ -114,7 +138,9 @@ def test_points_that_are_given_as_measured_have_no_unmeasured_piece() -> None:
 
 
 @pytest.mark.filterwarnings("always::contact.ModelWarning")
-def test_it_is_told_in_python_on_a_curve_in_json_and_on_one_line_of_the_command_line(tmp_path: Path) -> None:
+def test_it_is_told_in_python_on_a_curve_in_json_and_on_one_line_of_the_command_line(
+    tmp_path: Path,
+) -> None:
     pytest.importorskip("click")
     from click.testing import CliRunner
 
@@ -128,10 +154,14 @@ def test_it_is_told_in_python_on_a_curve_in_json_and_on_one_line_of_the_command_
         with pytest.warns(contact.ModelWarning, match="tapered ends") as caught:
             curve(given, [200.0, 300.0], tol=1e-5)
         assert len(caught) == 1
-    tables = '[profile]\nshape = "sampled"\nfile = "trace.csv"\ntaper = 0.2\nperiod = true\n[material]\nE_star = 1e11\n' \
+    tables = (
+        '[profile]\nshape = "sampled"\nfile = "trace.csv"\ntaper = 0.2\nperiod = true\n[material]\nE_star = 1e11\n'
         '[interaction]\nmodel = "periodic"\n[control]\nload = 200.0\n'
+    )
     (tmp_path / "scene.toml").write_text(tables)
-    result = CliRunner().invoke(cli.main, ["solve", str(tmp_path / "scene.toml"), "--json", "--tol", "1e-5"])
+    result = CliRunner().invoke(
+        cli.main, ["solve", str(tmp_path / "scene.toml"), "--json", "--tol", "1e-5"]
+    )
     assert result.exit_code == 0, result.stderr
     (said,) = json.loads(result.stdout)["warnings"]
     assert "tapered ends" in said and result.stderr == f"contact: warning: {said}\n"

@@ -90,12 +90,12 @@ class Control(Named):
 
 
 def known_controls(given: Control | None) -> dict[str, type[Control]]:
-    """All controls by name: those that are registered, and the one that a scene was given, which need not be."""
+    """All controls by name: the registered ones, and the one that a scene was given."""
     return REGISTERED.all() if given is None else {**REGISTERED.all(), given.name: type(given)}
 
 
 def fields_under(name: str, value: float, given: Control | None = None) -> dict[str, Any]:
-    """The fields of a scene that hold the control of this name. given: the control that the scene has now, if it is none of its fields."""
+    """The fields of a scene under the control of this name. given: its present `given`, if any."""
     if name in CONTROLS:
         own: dict[str, Any] = {name: value}
     elif given is not None and name == given.name:

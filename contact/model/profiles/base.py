@@ -237,7 +237,7 @@ class Profile(Named, sie.Kept):
 
     @property
     def unmeasured(self) -> tuple[Any, ...]:
-        """Of a prepared trace: intervals (left, right, kind) in its own positions [m] in which its heights are not the measured ones."""
+        """Intervals (left, right, kind) [m] of a prepared trace whose heights were not measured."""
         return ()
 
     def varied(self, changes: Mapping[str, Mapping[str, Any]]) -> "Profile":

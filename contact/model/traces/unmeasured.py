@@ -1,7 +1,7 @@
-"""Intervals of a prepared trace in which its heights are not the measured ones: tapered ends, dropouts, and the piece that closes a period.
+"""Intervals of a prepared trace whose heights were not measured: tapered ends, dropouts, closures.
 
-They follow from the points that were read, what was done to them, and the points that came of it. A load that is borne there is one of
-the preparation (contact.solution.preparation).
+They follow from the points that were read, the preparation, and the prepared points. Load in them is
+an artefact of the preparation: contact.solution.preparation says how much there is.
 """
 
 from __future__ import annotations
@@ -20,18 +20,25 @@ _ROUNDING = 1e-6  # relative: pieces between points that agree this far are equa
 
 
 class Kind(Enum):
-    """What was done to the heights of an interval: in words, and what to do where contact lies in it."""
+    """What was done to an interval, in words, and what to do where it bears load."""
 
     TAPERED = (
         "the tapered ends",
-        'a smaller taper changes less, detrend = "quadratic" or a higher degree takes off a form that lifts the ends, and without period '
-        "no taper is needed",
+        'a smaller taper changes less, detrend = "quadratic" or a higher degree takes off a form that '
+        "lifts the ends, and without period no taper is needed",
     )
-    FILLED = ("dropouts that were filled by straight lines", "nothing was measured there: measure again, or cut the trace")
-    DROPPED = ("dropouts, across which only the spline goes", "nothing was measured there: measure again, or cut the trace")
+    FILLED = (
+        "dropouts that were filled by straight lines",
+        "nothing was measured there: measure again, or cut the trace",
+    )
+    DROPPED = (
+        "dropouts, across which only the spline goes",
+        "nothing was measured there: measure again, or cut the trace",
+    )
     JOINED = (
         "the piece between the last point and the first of the next period",
-        "nothing was measured there: give the length with which the trace repeats, or taper it and give period = true",
+        "nothing was measured there: give the length with which the trace repeats, or taper it and "
+        "give period = true",
     )
 
 
@@ -43,8 +50,10 @@ class Interval(NamedTuple):
     kind: Kind
 
 
-def intervals(source: tuple[Reading, Preparation] | None, x: Array, period: float | None) -> tuple[Interval, ...]:
-    """Those of points x [m] that were prepared from a source; source None: the points are as they were measured."""
+def intervals(
+    source: tuple[Reading, Preparation] | None, x: Array, period: float | None
+) -> tuple[Interval, ...]:
+    """The intervals of points x [m]; source None: the points are as they were measured."""
     found = [*_joined(x, period)]
     if source is not None:
         reading, by = source
@@ -57,7 +66,11 @@ def _joined(x: Array, period: float | None) -> list[Interval]:
     if period is None:
         return []
     left, right = float(x[-1]), float(x[0]) + period
-    return [Interval(left, right, Kind.JOINED)] if right - left > (1 + _ROUNDING) * float(np.max(np.diff(x))) else []
+    return (
+        [Interval(left, right, Kind.JOINED)]
+        if right - left > (1 + _ROUNDING) * float(np.max(np.diff(x)))
+        else []
+    )
 
 
 def _dropouts(reading: Reading, by: Preparation) -> list[Interval]:
@@ -74,4 +87,7 @@ def _tapered(reading: Reading, by: Preparation, start: float) -> list[Interval]:
     known = reading.x[np.isfinite(reading.height)]
     length = float(np.ptp(known))
     reach = by.taper * length
-    return [Interval(start, start + reach, Kind.TAPERED), Interval(start + length - reach, start + length, Kind.TAPERED)]
+    return [
+        Interval(start, start + reach, Kind.TAPERED),
+        Interval(start + length - reach, start + length, Kind.TAPERED),
+    ]

@@ -12,7 +12,7 @@ from dataclasses import field
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from contact.errors import OutOfRange, SceneError
+from contact.errors import OutOfRange
 from contact.formulation.tables import in_cell, runs_of
 from contact.model.profiles.base import Profile
 from contact.search.grid.centring import Unrest
@@ -203,20 +203,12 @@ def propose(
     while True:
         x, h = _midpoints(cell, n), width / n
         f = np.asarray(height(x), dtype=np.float64)
-        _require_heights(f, x)
         # What a grid before the last is wrong by, the next one puts right.
         state = solve_grid(f, response.on(n, h), load=load, level=level, start=start, tol=tol if n >= target else max(tol, _PASSING))
         if n >= target and (narrowest(state) >= NARROW or 2 * n > limit):
             break
         n, start = 2 * n, _refine(state.pressure, response.periodic)
     return Proposal(zones_of(state, x, between_points), n, state.full, state.touches_border, state)
-
-
-def _require_heights(f: Array, x: Array) -> None:
-    wrong = np.flatnonzero(np.isnan(f) | np.isneginf(f))
-    if wrong.size:
-        allowed = "a finite number or +inf wherever the profile is: `extent` says where it is known, `support` where it ends"
-        raise SceneError.of(f"profile.height({x[wrong[0]]:.6g})", float(f[wrong[0]]), allowed)
 
 
 def _features(width: float, resolution: float | None) -> float:
