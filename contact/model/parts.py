@@ -70,8 +70,8 @@ _COUNT = Form(
 )
 _NAMES = Form(_are_controls, f"a tuple of names of controls, of {', '.join(CONTROLS)}")
 _TABLE = Form(
-    lambda value: isinstance(value, Mapping),
-    'a dictionary of units by parameter, such as {"depth": "m"}',
+    lambda value: value is None or isinstance(value, Mapping),
+    'None, or a dictionary of units by parameter, such as {"depth": "m"}',
 )
 _QUANTITY = Form(
     lambda value: value is None or isinstance(value, Quantity),

@@ -19,9 +19,7 @@ from sie import Array
 class ShareOptions:
     """Accuracy of the share of an interval, and the share from which it is told."""
 
-    told_from: float = (
-        0.01  # part of the load; what lies below is within what a preparation does to any trace
-    )
+    told_from: float = 0.01  # part of the load: more than a short taper bears of a heavy load
     places: int = 4096  # over all zones, as many in each: shares are then good to about 1e-3
     intervals_told: int = 3  # in one message; the others are counted
 
