@@ -16,7 +16,7 @@ import numpy as np
 from contact.errors import ContactError
 from contact.model.controls import TURNING, Quantity
 from contact.model.profiles.base import Profile
-from contact.model.registry import CONTROLS, PROFILES, parameters
+from contact.model.registry import PROFILES, parameters
 from contact.model.scene import Scene
 from contact.solution.solution import Solution
 from contact.sweeps.sweep.keys import MODULUS, varied
@@ -52,7 +52,8 @@ class Handle:
 
 def handles(scene: Scene, solution: Solution | None = None) -> tuple[Handle, ...]:
     """What can be turned of a scene, its control first, in the order in which it is to be applied. solution: of it, where there is one."""
-    found = [_control(scene, solution)]
+    unit = str(scene.control_object.unit)
+    found = [replace(_control(scene, solution), unit="" if unit == "1" else unit)]
     found += [_between(f"control.{name}", value, -2 * abs(value), 2 * abs(value)) for name, value in scene.turning.items() if value]
     found += _shape(scene, "profile")
     for place in scene.profile.bodies:
@@ -82,17 +83,12 @@ def turned(scene: Scene, moved: Mapping[str, float], known: tuple[Handle, ...]) 
 def _between(key: str, value: float, low: float, high: float, log: bool = False) -> Handle:
     """The number of a scene that has a key (`contact.sweeps.sweep.keys`)."""
     name = key.rpartition(".")[2]
-    return Handle(name, _unit(name), value, low, high, lambda now, to: varied(now, {key: to}), log)
+    return Handle(name, UNITS.get(name, ""), value, low, high, lambda now, to: varied(now, {key: to}), log)
 
 
 def _times(key: str, value: float, reach: tuple[float, float] = _NUMBER) -> Handle:
     """One above zero."""
     return _between(key, value, reach[0] * value, reach[1] * value, log=True)
-
-
-def _unit(name: str) -> str:
-    unit = CONTROLS.all()[name].unit if name in CONTROLS.all() else UNITS.get(name, "")
-    return "" if unit == "1" else unit
 
 
 def _control(scene: Scene, solution: Solution | None) -> Handle:
@@ -101,7 +97,7 @@ def _control(scene: Scene, solution: Solution | None) -> Handle:
     if held is not None and held.quantity is Quantity.WIDTH:
         return _between(key, value, min(0.005, value), 1.0)
     if scene.law.pulls and scene.control_object.signed(scene):
-        off = solution.pull_off if solution is not None else None
+        off = solution.pull_off if solution is not None and scene.law.bare is not None else None
         pull = getattr(off, name, None) if off is not None else None
         reach = max(abs(value), abs(pull or 0.0)) or scene.E_star * 1e-6
         return _between(key, value, -1.2 * reach, 4 * reach)
@@ -193,7 +189,7 @@ def _together(
         for chosen in combinations(names, count):
             try:
                 other = type(profile)(**{**given, **{name: _scaled(given[name], 2.0) for name in chosen}})
-            except (ContactError, TypeError, ValueError):
+            except Exception:  # whatever an author's class raises: these are not for doubling
                 continue
             if _alike(height, np.asarray(other.height(lengths * x))):
                 return chosen

@@ -22,6 +22,7 @@ from contact.formulation.units import Units
 from contact.model.interactions.base import Interaction
 from contact.model.laws.base import Law
 from contact.model.operator import Operator
+from contact.model.parts import Told
 from contact.model.profiles.base import Profile, onto
 from contact.model.profiles.tilted import Tilted
 from contact.model.substrates.base import Substrate
@@ -229,7 +230,8 @@ class Problem(sie.Kept):
         if self.amplitude is None and self.interaction.follows_isolated:
             closure = (sie.Amplitude(0, 0.0),)
         elif self.amplitude is None:
-            closure = self.interaction.placed_conditions(self.period, self.units.scaled)
+            told = Told("interaction.side_conditions(period)", "interaction")
+            closure = told.rows(sie.Condition, self.interaction.placed_conditions, self.period, self.units.scaled)
         conditions, ends = control.conditions()
         if self.moment is not None:
             # The tilt that is missing, in units of the slope.

@@ -221,7 +221,8 @@ def require_body(substrate: Substrate) -> None:
             "substrate.symbol(q)", float(values[-1]), f"1 for short waves, as it is not at q = {WAVES[-1]:.0e} 1/m: what is solved is the "
             "body's compliance over that of a half-plane of its own surface's modulus E_star",
         )
-    compression: Any = substrate.compression
+    with of_author("substrate.compression", "substrate.compression"):
+        compression: Any = substrate.compression
     if compression is not None:
         allowed = "None, or a length of at least 0 [m] (a property, not a method)"
         compression = such("substrate.compression", compression, allowed, lambda length: length >= 0)

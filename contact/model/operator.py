@@ -36,6 +36,7 @@ import scipy.special
 import sie
 from contact.errors import SceneError
 from contact.model.interactions.base import Interaction, Scaled
+from contact.model.parts import Told
 from contact.model.substrates.base import Substrate
 from contact.model.symbols import SmoothPart, checked, excess, kernel_of
 from sie import Array, record
@@ -200,7 +201,8 @@ class Operator(sie.Kept):
         interaction = self.interaction
         period = None if self.period is None else self.period / unit
         if self.is_own or self.own_columns or not interaction.strip:
-            return interaction.placed_columns(period, centre, scaled)
+            told = Told("interaction.columns(period, centre)", "interaction")
+            return told.rows(sie.Forcing, interaction.placed_columns, period, centre, scaled)
         assert period is not None
         half = 0.5 * (2 * interaction.neighbours + 1) * period
         beyond = BeyondStrip(half, period, centre, self.smooth_part, unit, self.compression)

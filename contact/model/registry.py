@@ -9,12 +9,31 @@ import dataclasses
 import inspect
 import warnings
 from collections.abc import Callable, Mapping
-from typing import Any, TypeVar
+from typing import Any, ClassVar, TypeVar
 
 from contact.errors import SceneError
 from contact.extras import entry_points
+from contact.model.checks import of_author
 
 C = TypeVar("C", bound=type)
+
+
+class Named:
+    """Base of the parts of a scene, which gives each class a name.
+
+    It is the name it is registered under, else its own attribute `name`, else its class name.
+    """
+
+    name: ClassVar[str]
+
+    def __init_subclass__(cls, **kwargs: Any) -> None:
+        super().__init_subclass__(**kwargs)
+        if "name" not in cls.__dict__:
+            annotation = str(inspect.get_annotations(cls).get("name", "ClassVar"))
+            if "ClassVar" not in annotation:
+                allowed = "called otherwise: the name of a class is what scene files and messages call it"
+                raise SceneError.of(f"a field of {cls.__name__}", "name", allowed)
+            cls.name = cls.__name__
 
 
 class Registry:
@@ -99,6 +118,20 @@ def construct(cls: Callable[..., Any], what: str, params: Mapping[str, Any]) -> 
 def parameters(part: Any) -> dict[str, Any]:
     """What to give the class of a part, by name, to make it again."""
     return {f.name: getattr(part, f.name) for f in dataclasses.fields(part) if f.init} if dataclasses.is_dataclass(part) else {}
+
+
+def anew(kind: Callable[..., Any], arguments: Mapping[str, Any]) -> Any:
+    """A part of that class with these arguments; SceneError where it cannot be called with them."""
+    name = getattr(kind, "__name__", str(kind))
+    call = f"{name}({', '.join(f'{key}=...' for key in arguments)})"
+    with of_author(call, name, hint="; a frozen dataclass takes its fields by name"):
+        made = kind(**arguments)
+    return made
+
+
+def remade(part: Any, changes: Mapping[str, Any]) -> Any:
+    """The same part with other values of some of its parameters."""
+    return anew(type(part), {**parameters(part), **changes})
 
 
 PROFILES = Registry("profile", "contact.profiles", ("height", "from_table"))

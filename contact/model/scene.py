@@ -12,7 +12,6 @@ Everything is checked when the scene is made, so that the solver need not check 
 
 from dataclasses import KW_ONLY, dataclass, replace
 from functools import cached_property
-from math import isfinite
 
 import numpy as np
 
@@ -24,9 +23,25 @@ from contact.model.declared import require_body, require_declared, require_elast
 from contact.model.interactions.base import Interaction
 from contact.model.laws import Frictionless, Law
 from contact.model.operator import Operator
+from contact.model.parts import (
+    Told,
+    held_by,
+    is_own,
+    require_attributes,
+    require_calls,
+    require_conjugate,
+    require_form,
+    require_law,
+)
 from contact.model.profiles.base import Profile
 from contact.model.registry import CONTROLS as REGISTERED
+from contact.model.registry import remade
 from contact.model.substrates import HalfPlane, Substrate
+
+# What is asked of a control and a law of someone's own.
+_SIGNED = Told("control.signed(scene)", "control")
+_CHECK = Told("control.check(scene)", "control")
+_REFUSES = Told("law.refuses(scene)", "law")
 
 
 def E_star(E1: float, nu1: float, E2: float | None = None, nu2: float | None = None) -> float:
@@ -138,11 +153,18 @@ class Scene(sie.Kept):
     def __post_init__(self) -> None:
         _require_instance("profile", self.profile, Profile, "Sinusoid(amplitude=1e-6, period=1e-4)")
         for body in self.profile.bodies.values():
-            if not type(body).__module__.startswith("contact."):
+            if is_own(body):
+                require_calls(Profile, body)
                 require_declared(body)
+                require_attributes(Profile, body)
+                require_conjugate(body)
         _require_instance("interaction", self.interaction, Interaction, "Periodic()")
         _require_instance("substrate", self.substrate, Substrate, "HalfPlane()")
         _require_instance("law", self.law, Law, "Frictionless()")
+        for kind, part in ((Interaction, self.interaction), (Substrate, self.substrate), (Law, self.law)):
+            require_form(kind, part)
+        if self.interaction.strip and not self.interaction.needs_period:
+            raise SceneError.of("interaction.needs_period", self.interaction.needs_period, "True: a strip is cut from a period")
         keep(self, positive, "E_star")
         keep(self, finite_or_none, *TURNING)
         if self.interaction.needs_period and self.profile.period is None:
@@ -158,16 +180,20 @@ class Scene(sie.Kept):
             raise SceneError.of("control", given or None, f"exactly one of {', '.join(CONTROLS)}")
         if self.given is not None:
             _require_instance("given", self.given, Control, "one of your own")
+            require_form(Control, self.given)
+            if is_own(self.given) and self.given.name in CONTROLS:
+                raise SceneError.of("control.name", self.given.name, "another name: it is that of a control of the package")
         control = self.control_object
         name = control.name
-        value = finite(name, control.value) if control.signed(self) else positive(name, control.value)
-        control = replace(control, value=value)
+        signed = _SIGNED.value(control.signed, self)
+        value = finite(name, control.value) if signed else positive(name, control.value)
+        control = remade(control, {"value": value}) if is_own(control) else replace(control, value=value)
         object.__setattr__(self, *(("given", control) if self.given is not None else (name, value)))
         self.__dict__["control_object"] = control
 
         named = control if name in CONTROLS else self._named(control)
         self._check_admitted(control, "load" if named is None else named.name)
-        control.check(self)
+        _CHECK.value(control.check, self)
         if named is not None and named is not control:
             named.check(self)
         self._check_law()
@@ -179,7 +205,7 @@ class Scene(sie.Kept):
     def under(self, name: str, value: float) -> "Scene":
         """The same under another value of a control, or another control: of all else nothing is looked at again."""
         other = object.__new__(type(self))
-        other.__dict__.update({**self.__dict__, **fields_under(name, value)})
+        other.__dict__.update({**self.__dict__, **fields_under(name, value, self.given)})
         other.__dict__.pop("control_object", None)
         other._check_control()
         return other
@@ -249,7 +275,7 @@ class Scene(sie.Kept):
     def _named(self, control: Control) -> Control | None:
         """What a control of one's own has the solver hold, as if it were given under its name; None where it has none, as a width without
         a period, or where a load is looked for."""
-        held, period = control.held(self), self.profile.period
+        held, period = held_by(control, self), self.profile.period
         if held is None or (held.quantity is Quantity.WIDTH and period is None):
             return None
         name, value = held.quantity.name.lower(), held.value
@@ -262,14 +288,14 @@ class Scene(sie.Kept):
     def _check_body(self) -> None:
         """The substrate, and the interaction on it: each by itself, and whether they go together."""
         model, body = self.interaction, self.substrate
-        if not type(body).__module__.startswith("contact."):
+        if is_own(body):
             require_body(body)
         operator = self.operator
         if operator.is_own:
             if not isinstance(body, HalfPlane):
                 allowed = f"left out with {model.name}, which gives a kernel of its own in place of the substrate's"
                 raise SceneError.of("substrate", body.name, allowed)
-            if not type(model).__module__.startswith("contact."):
+            if is_own(model):
                 ends, resolution = self.profile.support, self.profile.resolution
                 require_elastic(operator, resolution or (ends[1] - ends[0] if ends else self.profile.period or 1.0))
         elif body.compression is not None and model.datum is not None:
@@ -284,10 +310,9 @@ class Scene(sie.Kept):
         if not law.turns and self.turned:
             ((turning, value),) = self.turning.items()
             raise SceneError.of(turning, value, f"left out: {law.name} is not solved for bodies that turn")
-        if not isfinite(law.intensity(self.E_star)):
-            raise SceneError.of("law.intensity(E_star)", law.intensity(self.E_star), "finite [Pa m^(1/2)]")
-        why = law.refuses(self)
-        if why is not None:
+        require_law(law, self.E_star)
+        why = _REFUSES.text(law.refuses, self)
+        if why:
             raise SceneError.of("law", law.name, f"another one: {law.name} {why}")
 
     def _check_turning(self) -> None:

@@ -18,6 +18,7 @@ from contact.formulation.roots import maximum
 from contact.formulation.tables import in_cell
 from contact.model.checks import real
 from contact.model.controls import Quantity
+from contact.model.parts import Told
 from contact.model.scene import Scene
 from contact.solution.plan import Plan
 from contact.verify.certificate import Certificate
@@ -195,7 +196,8 @@ class Answer(sie.Kept):
         if elastic is None:
             return None
         width = float(np.sum(self.zone_widths)) if period is None else self.fields.contact_fraction * period
-        return Energy(elastic, self.scene.law.surface_energy(self.fields, width) + 0.0)
+        told = Told("law.surface_energy(fields, width)", "law")
+        return Energy(elastic, told.number(self.scene.law.surface_energy, self.fields, width) + 0.0)
 
     @property
     def stiffness(self) -> float | None:

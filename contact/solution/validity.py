@@ -1,22 +1,31 @@
 """What the model does not cover, said and not refused: slopes, pressures, moduli and traces that are none of a rough elastic surface.
 
 The bodies are half-planes, their strains small and elastic. Slopes and pressures over E* are numbers without a unit and are judged
-in any system of units; lengths only of files, whose numbers have a unit, and the modulus where the lengths show that it should have one.
+in any system of units. Lengths are judged in files, whose numbers have a unit, and where the modulus can only be one in pascals; the
+modulus is judged where lengths can only be metres.
 """
 
 import math
+from collections.abc import Iterable
 
 import numpy as np
 
+from contact.model.profiles.base import Profile
 from contact.model.scene import Scene
 from contact.model.units import quantity
 from contact.solution.answer import Answer
+from contact.solution.preparation import of_preparation
 from sie import Array
 
 STEEPEST = 0.3
 HIGHEST = 0.1  # of E*
 # [Pa]: gels, and diamond on diamond.
 _SOFTEST, _STIFFEST = 1e3, 2e12
+# Diamond has 1.2e6 MPa: a larger number is one of pascals, and lengths are metres.
+_PASCALS = 1e7
+# [m]: from a few atoms to the longest machine parts, as of traces (contact.model.traces.prepare); and an atom.
+_LENGTHS = (1e-9, 1.0)
+_SHALLOWEST = 1e-11
 # [m]: bodies this long are not given in micrometres, and with so low a modulus their scene has units of its own.
 _OF_NO_UNIT = 1e-2
 # Places a period in full contact, and in a zone.
@@ -30,9 +39,32 @@ _FEW, _PEAK = 4, 10.0
 
 def of_scene(scene: Scene) -> tuple[str, ...]:
     """What can be said before it is solved."""
-    modulus, profile = scene.E_star, scene.profile
-    extent = profile.extent
-    length = profile.period if extent is None else extent[1] - extent[0]
+    return (*_of_modulus(scene), *_of_lengths(scene))
+
+
+def _length(profile: Profile) -> float | None:
+    """Length of the period, or from end to end; None of a shape that goes on for ever."""
+    ends = profile.extent or profile.support
+    return profile.period if ends is None or profile.period is not None else ends[1] - ends[0]
+
+
+def _of_lengths(scene: Scene) -> tuple[str, ...]:
+    """Lengths of shapes that were written by hand: a file's are looked at when it is read."""
+    profile, length = scene.profile, _length(scene.profile)
+    if not _PASCALS <= scene.E_star <= _STIFFEST or length is None or any(body.preparation for body in profile.bodies.values()):
+        return ()
+    told = f"a profile {quantity(length, 'm')} long"
+    if not _LENGTHS[0] <= length <= _LENGTHS[1]:
+        return (f"{told} on E_star = {quantity(scene.E_star, 'Pa')} is not that of a surface: all lengths of a scene are in metres",)
+    # From the lowest to the highest place it is no more than half of the slopes' integral.
+    depth = 0.5 * profile.slope_sizes[1] * length
+    if 0.0 < depth < _SHALLOWEST:
+        return (f"{told} is no deeper than {quantity(depth, 'm', 2)}, less than an atom: all lengths of a scene are in metres",)
+    return ()
+
+
+def _of_modulus(scene: Scene) -> tuple[str, ...]:
+    modulus, length = scene.E_star, _length(scene.profile)
     if modulus > _STIFFEST:
         return (f"E_star = {modulus:.3g} Pa is that of no material, diamond's being 1.2e12 Pa: E_star is in pascals",)
     if modulus < _SOFTEST and modulus != 1.0 and length is not None and length < _OF_NO_UNIT:
@@ -44,12 +76,20 @@ def of_scene(scene: Scene) -> tuple[str, ...]:
 def of_answer(solution: Answer) -> tuple[str, ...]:
     """What can be said of the answer."""
     inside = _inside(solution)
-    return (*_of_slopes(solution, inside), *_of_pressure(solution, inside))
+    return (*_of_slopes(solution, inside), *_of_pressure(solution, inside), *of_preparation(solution))
 
 
 def of_solution(solution: Answer) -> tuple[str, ...]:
     """What can be said of the answer, and of its scene."""
     return (*of_scene(solution.scene), *of_answer(solution))
+
+
+def of_curve(solutions: Iterable[Answer]) -> tuple[str, ...]:
+    """What can be said of many answers of one scene: of the highest load, and of unmeasured load."""
+    by_load = sorted(solutions, key=lambda solution: solution.load)
+    highest = of_solution(by_load[-1])
+    at_highest = of_preparation(by_load[-1])
+    return highest if at_highest else (*highest, *of_preparation(by_load[0]))
 
 
 def everything(solution: Answer) -> list[str]:

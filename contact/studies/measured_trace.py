@@ -32,7 +32,7 @@ _LIMIT = 60.0
 
 
 def stylus() -> contact.Sampled:
-    """As docs/stylus.md prepares it."""
+    """As docs/stylus.md prepares it, but for longer tapers: over a twentieth of the length each."""
     return contact.Sampled.from_file(STYLUS, units="um", detrend="quadratic", regrid=True, taper=0.05, period=True)
 
 

@@ -34,7 +34,7 @@ from contact.solution.plan import plan
 from contact.solution.plotting import panels
 from contact.solution.sampling import surfaces
 from contact.solution.solution import Solution
-from contact.solution.validity import of_solution
+from contact.solution.validity import of_curve
 from contact.solver import solved_at, task_of
 from contact.sweeps.path_plot import draw_curve, draw_surfaces
 from contact.sweeps.path_table import Event
@@ -247,7 +247,7 @@ def adhesive_path(
             run.stood(here)
             solutions.append(run.solved(here, float(value), before if k else 0.0))
             passed.append(tuple(events))
-    warn(of_solution(max(solutions, key=lambda solution: solution.load)), stacklevel=4)
+    warn(of_curve(solutions), stacklevel=4)
     return AdhesivePath(tuple(solutions), tuple(passed), given, control, stiffness, np.array(run.followed).reshape(-1, 4))
 
 

@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from contact.errors import ContactError, SceneError, unwarned, warn
-from contact.model.checks import finite_array, integer
-from contact.model.registry import CONTROLS
+from contact.model.checks import finite_array, integer, one_of
+from contact.model.controls import known_controls
 from contact.model.scene import Scene
 from contact.search.topology.loop import Progress
 from contact.solution.solution import Solution
-from contact.solution.validity import of_solution
+from contact.solution.validity import of_curve
 from contact.solver import tolerance
 from contact.sweeps.curve import Curve
 from contact.sweeps.sweep.chunks import Chunk
@@ -73,7 +73,7 @@ def solve_many(
     if not isinstance(scene, Scene):
         raise SceneError.of("scene", scene, "a contact.Scene")
     name = scene.control[0] if control is None else control
-    CONTROLS.find(name, "control")
+    one_of("control", name, known_controls(scene.given))
     given = finite_array("values", values)
     several = workers is None or integer("workers", workers, 1) > 1
     curve = Curve(scene, name, tolerance(tol), progress)
@@ -92,7 +92,7 @@ def solve_many(
                     progress(name, len(found), len(given))
                 found[int(place)] = curve.at(float(given[place]))
     # Of the highest load, where slopes and pressures are.
-    warn(of_solution(max(found.values(), key=lambda solution: solution.load)))
+    warn(of_curve(found.values()))
     return [found[k] for k in range(len(given))]
 
 

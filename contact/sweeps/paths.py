@@ -32,7 +32,7 @@ from contact.search.topology.loop import Progress
 from contact.search.topology.missed import WrongTopology
 from contact.solution.export import new_file
 from contact.solution.solution import Solution
-from contact.solution.validity import of_solution
+from contact.solution.validity import of_curve
 from contact.sweeps import path_table
 from contact.sweeps.curve import Curve
 from contact.sweeps.hidden import ends_and_rates, may_hide
@@ -156,7 +156,7 @@ def growing_path(scene: Scene, values: Array, tol: float, progress: Progress | N
             passed.append(tuple(run.between(solutions[-1], here)) if solutions else ())
             solutions.append(here)
     # Of the highest load, where slopes and pressures are; of the line that called `contact.path`.
-    warn(of_solution(max(solutions, key=lambda solution: solution.load)), stacklevel=4)
+    warn(of_curve(solutions), stacklevel=4)
     return Path(tuple(solutions), tuple(passed))
 
 

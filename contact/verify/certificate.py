@@ -18,6 +18,7 @@ from contact.formulation.fields import ZoneFields
 from contact.formulation.full import NARROWEST
 from contact.formulation.quadrature import sides
 from contact.formulation.tables import runs_of
+from contact.model.parts import Told
 from contact.verify.minima import DIP_ROUNDING, Signs, lowest, signs_on
 from sie import Array, Index, Mask, record
 
@@ -152,7 +153,7 @@ def certify(fields: ZoneFields, load: float | None, held: Control | None = None,
             told = "its ends are given" if stability is None else f"locally stable under a held {name}"
             told = "all ends are held at sharp corners" if stability == np.inf else told
             note = f"one of several equilibria: intensities at the ends, no overlap, balance, {told}{'; ' + note if note else ''}"
-    broken = law.fault(fields, load)
+    broken = Told("law.fault(fields, load)", "law").text(law.fault, fields, load)
     if broken:
         holds, note = False, f"{law.name}: {broken}"
     return Certificate(

@@ -55,8 +55,14 @@ IN_GPA = scene(contact.Sinusoid(1e-6, L), 110.0, contact_fraction=0.1)
         (scene(contact.Wedge(0.5), 1.0, ISOLATED, load=1.0), ("slopes up to 0.5", "mean contact pressure")),
         (scene(contact.Flat(1.0), 1.0, ISOLATED, load=0.3), ("mean contact pressure of 300 mPa, 0.3 of E*",)),
         (scene(contact.Sinusoid(0.02, 1.0), 1.0, mean_pressure=0.2), ("pressure of",)),
+        (scene(contact.Sinusoid(1.0, 100.0), contact_fraction=0.1), ("a profile 100 m long",)),  # in micrometres
+        (scene(contact.Parabola(50.0, 20.0), contact_fraction=0.01), ("a profile 20 m long",)),
+        (scene(contact.Flat(40.0), interaction=ISOLATED, load=1e3), ("a profile 40 m long",)),
+        (scene(contact.Sampled(np.arange(8.0), 0.1 * np.cos(np.arange(8.0)), period=8.0), contact_fraction=0.1), ("8 m long",)),
+        (scene(contact.Fourier(1e-10, [1e-12]), contact_fraction=0.5), ("100 pm long",)),
+        (scene(contact.Sinusoid(1e-12, L), contact_fraction=0.5), ("less than an atom",)),
     ],
-    ids="steep pressed rigid GPa wedge punch full".split(),
+    ids="steep pressed rigid GPa wedge punch full micrometres rollers width points short shallow".split(),
 )
 def test_what_the_model_hardly_covers_is_solved_and_said(given, words):
     solution = []
@@ -75,9 +81,11 @@ def test_what_the_model_hardly_covers_is_solved_and_said(given, words):
         scene(contact.Flat(1.0), 1.0, ISOLATED, load=1e-3),
         scene(contact.Sinusoid(1e-6, L), 1.0, mean_pressure=1e-3),  # pressures over E*
         scene(contact.Parabola(1.0), 1e-9, ISOLATED, load=1e-12),
+        scene(contact.Parabola(1.0), 1e11, ISOLATED, load=1e3),
+        scene(contact.Sinusoid(1e-3, 5.0), 2.1e5, mean_pressure=1.0),  # millimetres and megapascals
         scene(contact.Sampled(np.arange(8.0), 0.1 * np.cos(np.arange(8.0)), period=8.0), 1.0, mean_pressure=1e-3),
     ],
-    ids="wave parabola wedge punch modulus soft trace".split(),
+    ids="wave parabola wedge punch modulus soft roller megapascals trace".split(),
 )
 def test_numbers_without_units_are_nothing_to_warn_of(given):
     assert told(lambda: contact.solve(given)) == []

@@ -9,6 +9,7 @@ from enum import Enum
 from typing import Any, ClassVar, NamedTuple
 
 from contact.model.registry import CONTROLS as REGISTERED
+from contact.model.registry import Named, construct, remade
 
 # Those that are fields of a scene.
 CONTROLS = ("load", "mean_pressure", "approach", "half_width", "contact_fraction")
@@ -31,7 +32,7 @@ class Held(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Control:
+class Control(Named):
     """Base of the controls.
 
     Parameters
@@ -68,7 +69,6 @@ class Control:
     """
 
     value: float
-    name: ClassVar[str]
     unit: ClassVar[str] = "1"
     quantity: ClassVar[Quantity | None] = None
     falls: ClassVar[bool] = False
@@ -89,7 +89,17 @@ class Control:
         raise NotImplementedError
 
 
-def fields_under(name: str, value: float) -> dict[str, Any]:
-    """The fields of a scene that say what is given, for the control of a name alone."""
-    own = {} if name in CONTROLS else {"given": REGISTERED.find(name)(value)}
-    return {**dict.fromkeys(CONTROLS), "given": None, **(own or {name: value})}
+def known_controls(given: Control | None) -> dict[str, type[Control]]:
+    """All controls by name: the registered ones, and the one that a scene was given."""
+    return REGISTERED.all() if given is None else {**REGISTERED.all(), given.name: type(given)}
+
+
+def fields_under(name: str, value: float, given: Control | None = None) -> dict[str, Any]:
+    """The fields of a scene under the control of this name. given: its present `given`, if any."""
+    if name in CONTROLS:
+        own: dict[str, Any] = {name: value}
+    elif given is not None and name == given.name:
+        own = {"given": remade(given, {"value": value})}
+    else:
+        own = {"given": construct(REGISTERED.find(name, "control"), f"control {name!r}", {"value": value})}
+    return {**dict.fromkeys(CONTROLS), "given": None, **own}

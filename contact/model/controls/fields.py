@@ -62,6 +62,8 @@ class ContactFraction(Control):
     """Width in contact over the period [1], above 0 and at most 1."""
 
     def check(self, scene: Any) -> None:
+        if scene.period is None:
+            raise SceneError.of(self.name, self.value, f"left out: under {scene.interaction.name} nothing repeats")
         if self.value > 1.0:
             raise SceneError.of(self.name, self.value, "above 0 and at most 1")
         if scene.is_flat:

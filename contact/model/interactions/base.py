@@ -12,12 +12,13 @@ from typing import Any, ClassVar
 
 import sie
 from contact.model.controls.base import CONTROLS
+from contact.model.registry import Named
 from sie import Array
 
 Scaled = Callable[[Array], Array]
 
 
-class Interaction:
+class Interaction(Named):
     """Base of the interaction models. A model is a frozen dataclass in a file of its own.
 
     All is in scaled lengths that count from an origin of the solver's own. `columns` and `side_conditions` may speak of loads, widths and
@@ -62,7 +63,6 @@ class Interaction:
     True
     """
 
-    name: ClassVar[str]
     units: ClassVar[Mapping[str, str]] = {}
     needs_period: ClassVar[bool] = False
     allows: ClassVar[tuple[str, ...]] = CONTROLS

@@ -10,9 +10,10 @@ from typing import Any, ClassVar
 
 import sie
 from contact.model.controls.base import CONTROLS
+from contact.model.registry import Named
 
 
-class Law(sie.Kept):
+class Law(Named, sie.Kept):
     """Base of the laws. A law is a frozen dataclass in a file of its own; what it leaves out is not taken for granted.
 
     Attributes
@@ -55,7 +56,6 @@ class Law(sie.Kept):
     True
     """
 
-    name: ClassVar[str]
     units: ClassVar[Mapping[str, str]] = {}
     allows: ClassVar[tuple[str, ...]] = CONTROLS
     turns: ClassVar[bool] = False

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 
 import sie
 from contact.model.profiles.derive import detail_of, right_by_step, slope_of
-from contact.model.registry import construct, parameters
+from contact.model.registry import Named, anew, construct, parameters
 from sie import Array
 
 # Places a period at which slopes are read.
@@ -49,7 +49,7 @@ def told_by(name: str) -> Any:
     return property(attrgetter(name))
 
 
-class Profile(sie.Kept):
+class Profile(Named, sie.Kept):
     """Base of all profiles; subclasses are frozen dataclasses that check their fields when made.
 
     A profile has a `height(x)`: the gap at zero load [m], at x [m] of any shape, growing away from contact; a constant does not matter. All
@@ -71,7 +71,6 @@ class Profile(sie.Kept):
     (1, True)
     """
 
-    name: ClassVar[str] = ""
     # Of parameters, by name, as tables and axes tell them; what is not here has none told.
     units: ClassVar[Mapping[str, str]] = {}
     period: float | None = None
@@ -257,9 +256,14 @@ class Profile(sie.Kept):
         """What there was before, by name."""
         return {}
 
+    @property
+    def unmeasured(self) -> tuple[Any, ...]:
+        """Intervals (left, right, kind) [m] of a prepared trace whose heights were not measured."""
+        return ()
+
     def varied(self, changes: Mapping[str, Mapping[str, Any]]) -> "Profile":
         """The same with other values of parameters, by table and name."""
-        return type(self)(**{**self.parameters(), **changes.get("profile", {})})
+        return anew(type(self), {**self.parameters(), **changes.get("profile", {})})
 
     @property
     def no_period(self) -> str:

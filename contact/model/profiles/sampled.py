@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 
 # What reads files and prepares what they hold, and what tells the roughness.
 _READING, _ROUGHNESS = "contact.model.traces.prepare", "contact.model.traces.roughness"
+_UNMEASURED = "contact.model.traces.unmeasured"
 
 _FEWEST = 4  # a not-a-knot cubic has four coefficients
 # Of how a trace is prepared: what may be a whole number.
@@ -223,6 +224,10 @@ class Sampled(Profile):
             return super().varied(changes)
         whole = {key: int(value) for key, value in own.items() if key in _WHOLE and isinstance(value, float) and value == int(value)}
         return _prepared_again(self.source[0], replace(self.source[1], **{**own, **whole}))
+
+    @cached_property
+    def unmeasured(self) -> tuple[Any, ...]:
+        return tuple(require(_UNMEASURED).intervals(self.source, self.x, self.period))
 
     def trace_summary(self) -> dict[str, Any]:
         return {"history": list(self.history), **vars(require(_ROUGHNESS).roughness(self))}

@@ -10,11 +10,12 @@ from functools import cached_property
 from typing import ClassVar
 
 import sie
+from contact.model.registry import Named
 from contact.model.symbols import SmoothPart
 from sie import Array
 
 
-class Substrate(sie.Kept):
+class Substrate(Named, sie.Kept):
     """Base of the substrates. A substrate is a frozen dataclass in a file of its own, with one method, `symbol`.
 
     Attributes
@@ -43,7 +44,6 @@ class Substrate(sie.Kept):
     True
     """
 
-    name: ClassVar[str]
     units: ClassVar[Mapping[str, str]] = {}
     compression: float | None = None
 

@@ -18,6 +18,7 @@ from dataclasses import replace
 import numpy as np
 
 from contact.errors import NotConverged, OutOfRange
+from contact.model.parts import Told
 from contact.model.scene import Scene
 from contact.solution.solution import Solution
 
@@ -131,6 +132,7 @@ def by_quantity(
     """The contact under a control that the solver does not hold. solve: under a load."""
     control, sign = scene.control_object, -1.0 if scene.control_object.falls else 1.0
     tighter = max(_TIGHTER * tol, _LEAST)
+    told = Told(f"{control.name}.of(solution)", "control")
     pairs: dict[float, Solution] = {}
 
     def under(load: float, close: Solution | None) -> Solution:
@@ -140,8 +142,8 @@ def by_quantity(
 
     def grown(solution: Solution) -> tuple[float, float]:
         beside = pairs[solution.load]
-        value = control.of(solution)
-        return sign * value, sign * (value - control.of(beside)) / (solution.load - beside.load)
+        value = told.number(control.of, solution)
+        return sign * value, sign * (value - told.number(control.of, beside)) / (solution.load - beside.load)
 
     first = near.load if near is not None else _FIRST * scene.E_star * _length(scene)
     best: Solution | None = None

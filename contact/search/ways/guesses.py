@@ -158,6 +158,12 @@ def from_grid(task: Task, scaled: ScaledScene, held: bool = False, points: int |
     problem, control, plan = scaled.problem, scaled.control, task.plan
     part = plan["coarse search"]
     part.used, part.reason = True, part.reason if part.used else "one zone did not pass the certificate"
+    if control.load is not None and not control.load > 0.0:
+        # A grid is pressed together without tension.
+        raise OutOfRange(
+            f"{control.told(problem.units)}: the law {task.scene.law.name} has no `bare` law to begin from, "
+            "and without one zones are looked for under loads above 0 only: give a half width"
+        )
     failure: Missed | None = None
     most, touched, widened, full, width = _MOST_POINTS, False, 0, False, 0.0
     while points is None or points <= most:

@@ -8,8 +8,8 @@ import numpy as np
 
 from contact.errors import SceneError
 from contact.model.checks import one_of
-from contact.model.controls import TURNING, fields_under
-from contact.model.registry import CONTROLS, parameters
+from contact.model.controls import TURNING, fields_under, known_controls
+from contact.model.registry import parameters, remade
 from contact.model.scene import Scene
 
 Value = float | int | str
@@ -64,7 +64,7 @@ def keys_of(scene: Scene) -> dict[str, Any]:
             if value is None or np.ndim(value) == 0:
                 known[f"{table}.{name}"] = value
     given, value = scene.control
-    controls = {name: value if name == given else None for name in CONTROLS.all()}
+    controls = {name: value if name == given else None for name in known_controls(scene.given)}
     if not scene.law.convex:
         known[BRANCH] = BRANCHES[0]
     return known | {f"control.{name}": at for name, at in (controls | {name: getattr(scene, name) for name in TURNING}).items()}
@@ -90,14 +90,13 @@ def varied(scene: Scene, settings: Mapping[str, Value]) -> Scene:
         if key == MODULUS:
             changed["E_star"] = value
         elif table == "control":
-            changed |= {**dict.fromkeys(TURNING), name: value} if name in TURNING else fields_under(name, float(value))
+            changed |= {**dict.fromkeys(TURNING), name: value} if name in TURNING else fields_under(name, float(value), scene.given)
         else:
             others.setdefault(table, {})[name] = value
     # All values of a part at once: one by one they might not go together.
     for table in PARTS:
         if table in others:
-            part = getattr(scene, table)
-            changed[table] = type(part)(**{**parameters(part), **others[table]})
+            changed[table] = remade(getattr(scene, table), others[table])
     if any(table in scene.profile.bodies for table in others):
         changed["profile"] = scene.profile.varied(others)
     return replace(scene, **changed)
@@ -134,7 +133,7 @@ def _unit(scene: Scene, key: str) -> str:
     if key == MODULUS:
         return "Pa"
     if table == "control":
-        return TURNING.get(name) or str(CONTROLS.find(name).unit)
+        return TURNING.get(name) or str(known_controls(scene.given)[name].unit)
     body = scene.profile.bodies.get(table)
     for part in (getattr(scene, table),) if body is None else (body, scene.profile):
         units = getattr(type(part), "units", {})

@@ -64,11 +64,26 @@ def solved_in_processes(scene: Scene, chunks: Sequence[Chunk], tol: float, worke
                     done = wait(running, return_when=FIRST_COMPLETED).done
                     # What is solved first: one that is not may tell of a process that has ended.
                     for future in sorted(done, key=lambda future: future.exception() is not None):
+                        if why := _not_sent_back(future):
+                            break
                         rows = future.result()
                         waiting.extendleft(running.pop(future).without(rows))
                         yield rows
+                    if why:
+                        break
+        if why:
+            warnings.warn(f"solved in this process alone, as other processes {why}", RuntimeWarning, stacklevel=4)
+            waiting.extendleft(running.values())
+            break
         yield from _point_by_point(given, list(running.values()), tol)
     yield from solved_here(scene, waiting, tol)
+
+
+def _not_sent_back(future: Future[Rows]) -> str:
+    """Why a process cannot send its solutions back (an author's class cannot be pickled), or empty."""
+    error = future.exception()
+    lost = isinstance(error, pickle.PicklingError) or (isinstance(error, (AttributeError, TypeError)) and "pickle" in str(error))
+    return f"cannot send solutions back ({type(error).__name__}: {error})" if lost else ""
 
 
 def _sent(pool: ProcessPoolExecutor, scene: Scene) -> tuple[bytes, str]:

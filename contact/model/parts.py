@@ -1,0 +1,258 @@
+"""Checks of a scene's parts whose classes are someone's own: the form of attributes and methods.
+
+`require_form` runs once, when a scene is made. It checks the attributes and the arguments that the
+methods take, and names the first that is wrong. `Told.number`, `Told.text` and `Told.rows` check what
+the methods return, where they are called.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Iterable, Mapping
+from math import isnan
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from contact.errors import SceneError
+from contact.model.checks import as_array, finite, of_author, such
+from contact.model.controls.base import CONTROLS, Control, Held, Quantity
+from contact.model.interactions.base import Interaction
+from contact.model.laws.base import Law
+from contact.model.profiles.base import Profile
+from contact.model.substrates.base import Substrate
+
+
+class Form(NamedTuple):
+    """What an attribute must be: a test of its value, and the same in words."""
+
+    holds: Callable[[Any], bool]
+    allowed: str
+
+
+def _is_number(value: Any) -> bool:
+    return (
+        isinstance(value, (int, float, np.integer, np.floating))
+        and not isinstance(value, bool)
+        and bool(np.isfinite(value))
+    )
+
+
+def _are_controls(value: Any) -> bool:
+    return isinstance(value, (tuple, list)) and all(
+        isinstance(name, str) and name in CONTROLS for name in value
+    )
+
+
+def _are_places(value: Any) -> bool:
+    places = as_array(value)
+    return bool(places.dtype.kind in "iuf" and places.ndim == 1 and np.isfinite(places).all())
+
+
+_PARTS = np.array(
+    [[0.07, 0.213, 0.441], [0.61, 0.787, 0.932]]
+)  # of a period, at which a transform is asked
+_NO_METHOD = "(a property, not a method)"
+_FLAG = Form(lambda value: isinstance(value, (bool, np.bool_)), f"True or False {_NO_METHOD}")
+_TEXT = Form(lambda value: isinstance(value, str) and bool(value.strip()), "a non-empty string")
+_NOT_BELOW_0 = Form(
+    lambda value: _is_number(value) and value >= 0, f"a finite number >= 0 {_NO_METHOD}"
+)
+_LENGTH = Form(
+    lambda value: value is None or (_is_number(value) and value > 0),
+    f"None, or a length > 0 [m] {_NO_METHOD}",
+)
+_COUNT = Form(
+    lambda value: (
+        isinstance(value, (int, np.integer)) and not isinstance(value, bool) and bool(value >= 0)
+    ),
+    "a whole number >= 0",
+)
+_NAMES = Form(_are_controls, f"a tuple of names of controls, of {', '.join(CONTROLS)}")
+_TABLE = Form(
+    lambda value: value is None or isinstance(value, Mapping),
+    'None, or a dictionary of units by parameter, such as {"depth": "m"}',
+)
+_QUANTITY = Form(
+    lambda value: value is None or isinstance(value, Quantity),
+    "None, or a contact.model.controls.Quantity",
+)
+_BARE = Form(
+    lambda value: value is None or isinstance(value, Law),
+    "None, or a law, such as contact.Frictionless()",
+)
+_START = Form(
+    lambda value: isinstance(value, (int, float)) and not isnan(value),
+    f"a position [m] {_NO_METHOD}",
+)
+_PLACES = Form(_are_places, f"a one-dimensional array of positions [m] {_NO_METHOD}")
+
+# By kind of part: the forms of its attributes, and the arguments of its methods.
+_ATTRIBUTES: dict[type, dict[str, Form]] = {
+    Profile: {
+        "name": _TEXT, "units": _TABLE, "x0": _START, "feature": _LENGTH, "exact_places": _FLAG, "breakpoints": _PLACES,
+    },
+    Interaction: {
+        "name": _TEXT, "units": _TABLE, "allows": _NAMES, "datum": _LENGTH, "neighbours": _COUNT,
+        **dict.fromkeys(("needs_period", "exact", "strip", "turns", "follows_isolated"), _FLAG),
+    },
+    Substrate: {"name": _TEXT, "units": _TABLE},
+    Law: {
+        "name": _TEXT, "units": _TABLE, "allows": _NAMES, "tension": _NOT_BELOW_0, "reach": _NOT_BELOW_0, "bare": _BARE,
+        **dict.fromkeys(("turns", "pulls", "convex", "by_gaps", "full_contact"), _FLAG),
+    },
+    Control: {"name": _TEXT, "unit": _TEXT, "quantity": _QUANTITY, "falls": _FLAG},
+}  # fmt: skip
+_METHODS: dict[type, dict[str, tuple[str, ...]]] = {
+    Profile: {"height": ("x",), "slope": ("x",), "slope_conjugate": ("x",)},
+    Interaction: {
+        "kernel": ("period", "unit"), "symbol": ("q",), "columns": ("period", "centre"), "side_conditions": ("period",),
+        "placed_columns": ("period", "centre", "scaled"), "placed_conditions": ("period", "scaled"),
+    },
+    Substrate: {"symbol": ("q",)},
+    Law: {
+        "intensity": ("E_star",), "without_range": ("share",), "surface_energy": ("fields", "width"), "refuses": ("scene",),
+        "fault": ("fields", "load"),
+    },
+    Control: {"signed": ("scene",), "check": ("scene",), "held": ("scene",), "of": ("solution",)},
+}  # fmt: skip
+
+
+def is_own(part: Any) -> bool:
+    """Whether the class of a part is someone's own."""
+    return not type(part).__module__.startswith("contact.")
+
+
+def require_form(kind: type, part: Any) -> None:
+    """SceneError that names the first attribute or method of a wrong form. kind: the base class."""
+    if not is_own(part):
+        return
+    require_calls(kind, part)
+    require_attributes(kind, part)
+
+
+def require_calls(kind: type, part: Any) -> None:
+    """SceneError that names the first method of a part that cannot be called as it will be."""
+    place = kind.__name__.lower()
+    for name, arguments in _METHODS[kind].items():
+        with of_author(f"{place}.{name}", place):
+            method = getattr(part, name)
+        _require_call(method, f"{place}.{name}", arguments)
+
+
+def require_attributes(kind: type, part: Any) -> None:
+    """SceneError that names the first attribute of a part that has not the form it must have."""
+    place = kind.__name__.lower()
+    for name, form in _ATTRIBUTES[kind].items():
+        with of_author(f"{place}.{name}", place):
+            value = getattr(part, name)
+        if not form.holds(value):
+            raise SceneError.of(f"{place}.{name}", value, form.allowed)
+
+
+def _require_call(method: Any, place: str, arguments: tuple[str, ...]) -> None:
+    allowed = f"a method that is called as {place}({', '.join(arguments)})"
+    if not callable(method):
+        raise SceneError.of(place, method, allowed)
+    try:
+        inspect.signature(method).bind(*arguments)
+    except TypeError as error:
+        raise SceneError(
+            f"{place} is refused: it must be {allowed} ({error})", place, method, allowed
+        ) from error
+    except ValueError:  # of functions written in C nothing is known
+        return
+
+
+def require_conjugate(profile: Profile) -> None:
+    """SceneError where the transform of the slope has another shape than its argument."""
+    if profile.period is None:
+        return
+    x = profile.x0 + profile.period * _PARTS
+    told = Told("profile.slope_conjugate(x)", "slope_conjugate")
+    value = told.value(profile.slope_conjugate, x.copy())
+    array = np.zeros(x.shape) if value is None else as_array(value)
+    if array.dtype.kind not in "iuf" or array.shape != x.shape:
+        raise SceneError.of(told.what, value, f"None, or real numbers of the shape of x, {x.shape}")
+
+
+class Told(NamedTuple):
+    """A call of an author's method: how messages name it, and the part of the scene that has it."""
+
+    what: str
+    part: str
+
+    def value(self, method: Callable[..., Any], *arguments: Any) -> Any:
+        """The value that it returns; SceneError where it raises.
+
+        The package's own methods are called directly: the guard takes a few microseconds.
+        """
+        owner = getattr(method, "__self__", None)
+        if owner is not None and not is_own(owner):
+            return method(*arguments)
+        with of_author(self.what, self.part):
+            value = method(*arguments)
+        return value
+
+    def number(
+        self, method: Callable[..., Any], *arguments: Any, allowed: str = "a finite real number"
+    ) -> float:
+        """The finite number that it returns."""
+        return such(self.what, self.value(method, *arguments), allowed, lambda number: True)
+
+    def text(self, method: Callable[..., Any], *arguments: Any) -> str:
+        """The words that it returns, empty for None."""
+        value = self.value(method, *arguments)
+        if value is None or isinstance(value, str):
+            return value or ""
+        raise SceneError.of(self.what, value, "words that end a sentence, or None")
+
+    def rows(self, kind: type, method: Callable[..., Any], *arguments: Any) -> tuple[Any, ...]:
+        """The objects of one kind that it returns."""
+        value = self.value(method, *arguments)
+        if isinstance(value, Iterable):
+            value = tuple(value)
+            if all(isinstance(item, kind) for item in value):
+                return value
+        raise SceneError.of(self.what, value, f"a tuple of sie.{kind.__name__} objects")
+
+
+def require_law(law: Law, E_star: float) -> None:
+    """SceneError where the intensity or the tension of a law is not one of adhesion."""
+    allowed = "finite [Pa m^(1/2)]"
+    if not is_own(law):
+        finite("law.intensity(E_star)", law.intensity(E_star), allowed)
+        return
+    told = Told("law.intensity(E_star)", "law")
+    intensity = told.number(law.intensity, E_star, allowed=allowed)
+    if intensity > 0:
+        why = "no pressure rises without bound at an end that is free to move"
+        raise SceneError.of(told.what, intensity, f"{allowed} and at most 0: {why}")
+    if intensity < 0 and not law.pulls:
+        raise SceneError.of(
+            "law.pulls",
+            law.pulls,
+            f"True, as its intensity {intensity:.6g} makes the pressure negative at every end",
+        )
+    if (law.tension > 0) != (law.reach > 0):
+        raise SceneError.of(
+            "law.reach",
+            law.reach,
+            f"above 0 [m] where the tension is, and 0 where it is 0 (tension = {law.tension!r})",
+        )
+
+
+def held_by(control: Control, scene: Any) -> Held | None:
+    """The quantity that the solver holds under a control; SceneError where it has neither that nor `of`."""
+    if not is_own(control):
+        return control.held(scene)
+    told = Told("control.held(scene)", "control")
+    held = told.value(control.held, scene)
+    if held is None and type(control).of is Control.of:
+        allowed = "defined: it returns the value that a solution has (or define `held` or `quantity`)"
+        raise SceneError.of("control.of(solution)", None, allowed)
+    if held is not None and not (isinstance(held, Held) and isinstance(held.quantity, Quantity)):
+        raise SceneError.of(
+            told.what, held, "None, or contact.model.controls.Held(Quantity..., value)"
+        )
+    return held

@@ -1,0 +1,93 @@
+"""Intervals of a prepared trace whose heights were not measured: tapered ends, dropouts, closures.
+
+They follow from the points that were read, the preparation, and the prepared points. Load in them is
+an artefact of the preparation: contact.solution.preparation says how much there is.
+"""
+
+from __future__ import annotations
+
+from enum import Enum
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from sie import Array
+
+if TYPE_CHECKING:
+    from contact.model.traces.prepare import Preparation, Reading
+
+_ROUNDING = 1e-6  # relative: pieces between points that agree this far are equally long
+
+
+class Kind(Enum):
+    """What was done to an interval, in words, and what to do where it bears load."""
+
+    TAPERED = (
+        "the tapered ends",
+        'a smaller taper changes less, detrend = "quadratic" or a higher degree takes off a form that '
+        "lifts the ends, and without period no taper is needed",
+    )
+    FILLED = (
+        "dropouts that were filled by straight lines",
+        "nothing was measured there: measure again, or cut the trace",
+    )
+    DROPPED = (
+        "dropouts, across which only the spline goes",
+        "nothing was measured there: measure again, or cut the trace",
+    )
+    JOINED = (
+        "the piece between the last point and the first of the next period",
+        "nothing was measured there: give the length with which the trace repeats, or taper it and "
+        "give period = true",
+    )
+
+
+class Interval(NamedTuple):
+    """From left to right [m]."""
+
+    left: float
+    right: float
+    kind: Kind
+
+
+def intervals(
+    source: tuple[Reading, Preparation] | None, x: Array, period: float | None
+) -> tuple[Interval, ...]:
+    """The intervals of points x [m]; source None: the points are as they were measured."""
+    found = [*_joined(x, period)]
+    if source is not None:
+        reading, by = source
+        found += [*_dropouts(reading, by), *_tapered(reading, by, float(x[0]))]
+    return tuple(found)
+
+
+def _joined(x: Array, period: float | None) -> list[Interval]:
+    """The piece that closes the period, where it is longer than every piece between two points."""
+    if period is None:
+        return []
+    left, right = float(x[-1]), float(x[0]) + period
+    return (
+        [Interval(left, right, Kind.JOINED)]
+        if right - left > (1 + _ROUNDING) * float(np.max(np.diff(x)))
+        else []
+    )
+
+
+def _dropouts(reading: Reading, by: Preparation) -> list[Interval]:
+    order = np.argsort(reading.x, kind="stable")
+    x, known = reading.x[order], np.flatnonzero(np.isfinite(reading.height[order]))
+    gaps = np.flatnonzero(np.diff(known) > 1)
+    kind = Kind.FILLED if by.fill == "linear" else Kind.DROPPED
+    return [Interval(float(x[known[gap]]), float(x[known[gap + 1]]), kind) for gap in gaps]
+
+
+def _tapered(reading: Reading, by: Preparation, start: float) -> list[Interval]:
+    if by.taper is None:
+        return []
+    known = reading.x[np.isfinite(reading.height)]
+    length = float(np.ptp(known))
+    reach = by.taper * length
+    return [
+        Interval(start, start + reach, Kind.TAPERED),
+        Interval(start + length - reach, start + length, Kind.TAPERED),
+    ]

@@ -1,0 +1,108 @@
+"""Load in the unmeasured intervals of a trace (contact.model.traces.unmeasured): share and places.
+
+Every route to a solution is asked the same: its zones, their loads, and the pressure at places.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from contact.model.units import quantity
+from contact.solution.answer import Answer
+from sie import Array
+
+
+@dataclass(frozen=True)
+class ShareOptions:
+    """Accuracy of the share of an interval, and the share from which it is told."""
+
+    told_from: float = 0.01  # part of the load: more than a short taper bears of a heavy load
+    places: int = 4096  # over all zones, as many in each: shares are then good to about 1e-3
+    intervals_told: int = 3  # in one message; the others are counted
+
+
+class Borne(NamedTuple):
+    """Share of the load in the intervals of one kind of a body; `highest`: the peak is there."""
+
+    place: str
+    kind: Any
+    share: float
+    highest: bool
+    where: list[Any]
+
+
+def of_preparation(solution: Answer, options: ShareOptions = ShareOptions()) -> tuple[str, ...]:
+    """A sentence for each kind of interval that bears load or the highest pressure."""
+    told = (
+        borne
+        for borne in shares(solution, options)
+        if borne.share > options.told_from or borne.highest
+    )
+    return tuple(_sentence(borne, options) for borne in told)
+
+
+def shares(solution: Answer, options: ShareOptions = ShareOptions()) -> list[Borne]:
+    """The share of each kind of interval, for every body that has some."""
+    profile = solution.scene.profile
+    bodies = {place: body.unmeasured for place, body in profile.bodies.items() if body.unmeasured}
+    if not bodies:
+        return []
+    at, load, pressure = _places_in_contact(solution, options)
+    if not load.sum() > 0.0:
+        return []
+    peak, found = int(np.argmax(pressure)), []
+    for place, intervals in bodies.items():
+        # Each body counts its own positions, in its own cell.
+        own = np.asarray(profile.bodies[place].wrap(profile.facing(at)[place]))
+        for kind in dict.fromkeys(interval.kind for interval in intervals):
+            of_kind = [interval for interval in intervals if interval.kind is kind]
+            inside = [(own >= left) & (own <= right) for left, right, _ in of_kind]
+            borne = [float(load[here].sum() / load.sum()) for here in inside]
+            where = [
+                interval for interval, share in zip(of_kind, borne, strict=True) if share > 0.0
+            ]
+            found.append(
+                Borne(place, kind, sum(borne), any(bool(here[peak]) for here in inside), where)
+            )
+    return found
+
+
+def _sentence(borne: Borne, options: ShareOptions) -> str:
+    what, cure = borne.kind.value
+    percent = 100 * borne.share
+    share = f"{percent:.{0 if percent >= 10 else 1}f} % of the load"
+    of = "" if borne.place == "profile" else f" of the {borne.place}"
+    places = [f"{quantity(left, 'm')} to {quantity(right, 'm')}" for left, right, _ in borne.where]
+    more = (
+        f" and {len(places) - options.intervals_told} more"
+        if len(places) > options.intervals_told
+        else ""
+    )
+    where = f"x = {', '.join(places[: options.intervals_told])}{more}"
+    lies = " and the highest pressure lie" if borne.highest else " lies"
+    return f"{share}{lies} in {what}{of} ({where}): {cure}"
+
+
+def _places_in_contact(solution: Answer, options: ShareOptions) -> tuple[Array, Array, Array]:
+    """Places in contact, the load about each (without its sign), and the pressure there."""
+    profile, zones = solution.scene.profile, np.asarray(solution.zones)
+    if not len(zones):
+        if profile.period is None or not solution.load > 0.0:  # surfaces apart
+            return np.zeros(0), np.zeros(0), np.zeros(0)
+        at = profile.x0 + profile.period * (np.arange(options.places) + 0.5) / options.places
+        pressure = np.asarray(solution.pressure(at))
+        return at, np.abs(pressure), pressure
+    widths = np.asarray(solution.zone_widths)
+    count = -(-options.places // len(zones))
+    zone = np.repeat(np.arange(len(zones)), count)
+    angle = np.tile(np.pi * (np.arange(count) + 0.5) / count, len(zones))
+    at = zones[zone, 0] + widths[zone] * np.sin(0.5 * angle) ** 2
+    pressure = np.nan_to_num(np.asarray(solution.pressure(at)), posinf=0.0, neginf=0.0)
+    # Gauss-Chebyshev weights, scaled to the load of each zone.
+    weight = np.abs(pressure) * np.sin(angle)
+    sums = np.bincount(zone, weight, len(zones))
+    scale = np.abs(np.asarray(solution.zone_loads)) / np.where(sums > 0.0, sums, 1.0)
+    return at, weight * scale[zone], pressure
