@@ -1,170 +1,277 @@
 """The slope of a profile whose author gave only its height.
 
-Complex step: f'(x) = Im f(x + ih)/h for analytic f, exact to rounding (Squire & Trapp 1998, doi
-10.1137/S003614459631241X).
-It is believed only where central differences agree; else sixth-order central differences at a ladder of
-steps, the step of each point chosen where two neighbouring steps agree best.
+Complex step: f'(x) = Im f(x + ih)/h, exact to rounding for analytic f (Squire & Trapp 1998, doi
+10.1137/S003614459631241X). A height that takes |x| or drops the imaginary part makes it wrong, so it is used only
+where the rise of the height does not contradict its integral (`verdicts`).
+
+Else central differences, extrapolated (Richardson 1911, doi 10.1098/rsta.1911.0009). The step of each place is
+the best one of those that agree with all shorter steps to within rounding (Lepski 1991, doi 10.1137/1135065).
+Both look only as far from a place as it takes, and no place is judged by the values at another.
 """
 
 import warnings
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
-from sie import Array, Mask
+from sie import Array, Index, record
 
-_TINY = 1e-100  # its square vanishes beside any length met, so the step has no truncation error
-_APART = (1e2, 1e4, 1e6)  # how many times farther apart to look again
-_SIXTH = ((1, 3 / 4), (2, -3 / 20), (3, 1 / 60))  # f' = sum c_k (f(x + kh) - f(x - kh)) / h + O(h^6)
-# Heights that tell how finely a shape varies, at first and at the most; terms of its slope that count, over the largest, and of one whose
-# series has not come to its end, as of sharp corners; parts of a length that are looked at of any shape.
-_FIRST, _LAST, _COUNTS, _OF_SHARP, _COARSEST = 256, 2**14, 1e-5, 0.1, 16
-# By how much, over the largest slope, wide steps may differ from complex ones.
-_WIDE = 1e-3
-# Values that are the same but for their own rounding, over that.
-_SAME = 16
-# Rounding over a sixth difference that is nothing else; and over that which the size of f tells, where it is far more.
-_OF_SIXTH, _FAR_MORE = 0.1, 4.0
-# The doubt of a step that does not resolve f.
-_LEAST_BELIEVED = 1e300
+_TINY = 1e-100  # the complex step: its square vanishes beside any length, so there is no truncation error
+_EPS = float(np.finfo(np.float64).eps)
+
+Function = Callable[[Any], Any]
 
 
-def slope_of(height: Callable[[Any], Any], x: Array, length: float | None = None, believed: bool = False) -> Array:
-    """f'(x) from f alone; `length` is one over which f varies, if known; believed: complex steps have been checked."""
-    if x.size == 0:
-        return np.zeros(x.shape)
-    if believed and (by_step := _complex_step(height, x)) is not None:
+@dataclass(frozen=True)
+class VerdictOptions:
+    """How rises of a height are compared with integrals of its slope."""
+
+    nodes: int = 9  # Chebyshev points of an interval; more cost more and decide no more (7 to 13 tried)
+    ratio: float = 8.0  # of an interval over the next smaller one
+    finer: int = 12  # intervals below the scale of a place: down to 1e-11 of it
+    wider: int = 4  # intervals above that scale
+    differs: float = 100.0  # over the truncation and rounding of both sides: more is no longer either
+    counts: float = 1e-6  # of a rise: smaller contradictions do not count
+    last: int = 4  # coefficients that tell the truncation: two of them vanish by chance
+    hides: float = 16.0  # rounding that hides in small heights, over that of the highest ones: no more
+    digits: float = 1e-3  # truncated part of heights, over their variation, with which they still tell something
+
+
+@dataclass(frozen=True)
+class DifferenceOptions:
+    """Steps of the central differences; each step is twice the one before."""
+
+    finer: int = 36  # steps below the scale of a place: down to 1e-11 of it
+    wider: int = 24  # steps above that scale: heights with a large constant, or a rounding that hides, need wide ones
+    sure: int = 8  # steps that agree: the rounding of the last one is 2^8 times smaller
+    margin: float = 3.0  # rounding of an extrapolated quotient, over that of a height over the least step: 1.7 at the most
+    together: int = 32  # places side by side that share what is known of the rounding
+    half_window: int = 3  # steps whose median roughness is compared with that of the next as many
+    level: float = 2.0  # growth of it up to which it is rounding: a kink's grows by eight
+    spread: float = 4.0  # of a largest rounding, over the median one
+    hides: float = 16.0  # rounding that hides in small heights, over that of the largest heights met: no more
+
+
+VERDICTS = VerdictOptions()
+DIFFERENCES = DifferenceOptions()
+CHECKED = 32  # places at which a set of complex steps is checked: errors of a formula are as wide as its terms
+COVERS = 16.0  # how much wider than a set of places the interval may be that was checked before
+
+
+class DerivedSlope:
+    """f' from f alone. length: one over which f varies, if known; ends: beyond which there is no f."""
+
+    def __init__(self, height: Function, length: float | None, ends: tuple[float, float] | None) -> None:
+        self._height, self._length, self._ends = height, length, ends
+        self._complex = True
+        self._checked = (np.inf, -np.inf)
+
+    def __call__(self, x: Array) -> Array:
+        return self._of(x.ravel()).reshape(x.shape) if x.size else np.zeros(x.shape)
+
+    def _of(self, x: Array) -> Array:
+        by_step = self._by_step(x)
+        if by_step is None:
+            return differences(self._height, x, scale_of(x, self._length), self._ends)[0]
+        lost = ~np.isfinite(by_step)
+        if lost.any():
+            by_step[lost] = differences(self._height, x[lost], scale_of(x[lost], self._length), self._ends)[0]
         return by_step
-    by_differences, doubt = by_ladder(height, x, length)
-    by_step = _complex_step(height, x)
-    if by_step is None:
-        return by_differences
-    agrees = borne_out(height, x, length, by_step, by_differences, doubt)
-    if agrees is not None:
-        return by_step if agrees else by_differences
-    # Points may be too close together for differences to tell f' from rounding: farther apart they can, of the same function.
-    few = x.ravel()[:: max(1, x.size // 16)]
-    middle, reach = few.mean(), np.ptp(few) or float(np.max(np.abs(few))) or 1.0
-    for factor in _APART:
-        spread = middle + factor * reach * np.linspace(-0.43, 0.5, 16)
-        step = _complex_step(height, spread)
-        if step is None:
-            break
-        if agree(step, *by_ladder(height, spread, length)):
-            return by_step
-    return by_differences
+
+    def _by_step(self, x: Array) -> Array | None:
+        """Complex steps; None where they cannot be taken or once they have been contradicted."""
+        by_step = complex_step(self._height, x) if self._complex else None
+        if by_step is None:
+            return None
+        lo, hi = float(x.min()), float(x.max())
+        known = self._checked[0] <= lo and hi <= self._checked[1]
+        if not (known and self._checked[1] - self._checked[0] <= COVERS * (hi - lo)):
+            few = np.sort(x)[np.linspace(0, x.size - 1, min(x.size, CHECKED)).astype(np.intp)]
+            judged = verdicts(self._height, self._step, few, scale_of(few, self._length, self._ends))
+            self._complex, self._checked = not judged.contradicted.any(), (lo, hi)
+        return by_step if self._complex else None
+
+    def _step(self, x: Array) -> Array:
+        by_step = complex_step(self._height, x)
+        return np.full(x.shape, np.nan) if by_step is None else by_step
 
 
-def right_by_step(height: Callable[[Any], Any], x: Array, length: float | None) -> bool:
-    """Whether complex steps are right at all of these places at which differences are sure."""
-    by_step = _complex_step(height, x)
-    return by_step is not None and bool(agree(by_step, *by_ladder(height, x, length)))
+def scale_of(x: Array, length: float | None = None, ends: tuple[float, float] | None = None) -> Array:
+    """A length for each place from which steps are tried: one that is known, else how far the place is from 0 or the next place."""
+    if length is None:
+        places, which = np.unique(x, return_inverse=True)
+        apart = np.diff(places, prepend=-np.inf, append=np.inf)
+        next_one = np.minimum(apart[:-1], apart[1:])[which].reshape(x.shape)
+        scale = np.maximum(np.abs(x), np.where(np.isfinite(next_one), next_one, 0.0))
+        scale = np.where(scale > 0, scale, 1.0)
+    else:
+        scale = np.full(x.shape, length)
+    if ends is not None:
+        room = np.minimum(x - ends[0], ends[1] - x)
+        scale = np.where(room > 0, np.minimum(scale, room), scale)
+    return scale
 
 
-def borne_out(
-    height: Callable[[Any], Any], x: Array, length: float | None, by_step: Array, by_differences: Array, doubt: Array
-) -> bool | None:
-    """Whether differences bear complex steps out; None where they do not tell. They may be sure of what rounding makes of f, where a height
-    like cosh(x) - 1 hides that: wider steps are not."""
-    return agree(by_step, by_differences, doubt) or agree(by_step, *by_ladder(height, x, length, wide=True), _WIDE)
+def complex_step(height: Function, x: Array) -> Array | None:
+    """Im f(x + ih)/h, not finite where f is not; None where the height takes no complex numbers."""
+    value = complex_value(height, x + 1j * _TINY)
+    return None if value is None else value.imag / _TINY
 
 
-def agree(by_step: Array, by_differences: Array, doubt: Array, off: float = 1e-6) -> bool | None:
-    """Whether complex steps are right (off: about) where differences are sure; None where they are so at half of the points or fewer.
-
-    A height that takes |x| or drops the imaginary part gives a wrong answer of the size of f' itself.
-    """
-    scale = np.max(np.abs(by_differences), initial=0.0)
-    sure = doubt <= 0.1 * off * scale
-    tells = scale > 0.0 and 2 * np.sum(sure) > sure.size
-    return bool(np.all(np.abs(by_step - by_differences)[sure] <= off * scale)) if tells else None
-
-
-def imaginary(function: Callable[[Any], Any], z: NDArray[Any]) -> Array | None:
-    """Imaginary part of an author's function of complex numbers; None where it takes none, or is not finite."""
+def complex_value(function: Function, z: NDArray[Any]) -> NDArray[Any] | None:
+    """An author's function of complex numbers; None where it takes none."""
     with warnings.catch_warnings(), np.errstate(all="ignore"):
         warnings.simplefilter("error")  # a cast that discards the imaginary part is a warning of numpy
         try:
             value = np.asarray(function(z))
         except Exception:  # it may refuse them in any way it likes
             return None
-    if value.dtype.kind != "c" or value.shape != z.shape:
-        return None
-    return np.asarray(value.imag, dtype=np.float64) if np.isfinite(value.imag).all() else None
+    return value if value.dtype.kind == "c" and value.shape == z.shape else None
 
 
-def _complex_step(height: Callable[[Any], Any], x: Array) -> Array | None:
-    value = imaginary(height, x + 1j * _TINY)
-    return None if value is None else value / _TINY
+@record
+class Verdicts:
+    """For each place, whether the height contradicts or confirms a slope. Where it contradicts: by what part of the slope it is off on the
+    interval that shows it best, and the mean slope there as claimed by the slope and seen in the height."""
+
+    contradicted: NDArray[np.bool_]
+    confirmed: NDArray[np.bool_]
+    off: Array
+    claimed: Array
+    seen: Array
 
 
-def by_ladder(
-    height: Callable[[Any], Any], x: Array, length: float | None, wide: bool = False, doubted: bool = False
-) -> tuple[Array, Array]:
-    """Central differences at the best step of each point, and how far they may be off.
+def verdicts(height: Function, slope: Function, x: Array, scale: Array, options: VerdictOptions = VERDICTS) -> Verdicts:
+    """Compare rises of the height with integrals of its slope on intervals about the places x.
 
-    The doubt is the change from the step before plus what rounding of f makes of it: at tiny steps two
-    quotients can agree exactly and be wrong together. At wide ones too, where f is level beside a narrow dip: steps that do not
-    resolve f are believed least. wide: by the widest steps that come to something. Heights may be rounded by more than their size tells,
-    as those of cosh(x) - 1 are: it is looked for in each step where wide or doubted, else in the sixth differences of all of them.
+    An interval tells only where both are resolved by a polynomial through its nodes, and heights have digits left.
     """
-    if length is not None:
-        steps = length * 0.1 * 2.0 ** -np.arange(14)
-    else:
-        # No length is known: from the widest argument down by powers of four, to below any plausible feature.
-        widest = max(float(np.max(np.abs(x))), 1.0)
-        steps = widest * 4.0 ** -np.arange(24 + np.ceil(0.5 * np.log2(widest)))
-    enough = 0.1 * _WIDE if wide else 0.0
-    best, doubt = np.full(x.shape, np.nan), np.full(x.shape, np.inf)
+    n = options.nodes
+    t = np.cos(np.pi * (np.arange(n) + 0.5) / n)
+    fit = np.linalg.inv(chebyshev.chebvander(t, n - 1))
+    rise, last = chebyshev.chebvander(t, n) @ chebyshev.chebint(fit), fit[-options.last :].T
+    contradicted, confirmed = np.zeros(x.shape, dtype=bool), np.zeros(x.shape, dtype=bool)
+    claimed, seen, worst = np.zeros(x.shape), np.zeros(x.shape), np.zeros(x.shape)
+    highest = np.zeros(x.shape)
+    for power in range(options.wider, -options.finer - 1, -1):
+        h = scale * options.ratio**power
+        at = x[:, None] + h[:, None] * t
+        with np.errstate(all="ignore"):
+            heights, slopes = np.asarray(height(at), dtype=np.float64), np.asarray(slope(at), dtype=np.float64)
+            off = heights - h[:, None] * (slopes @ rise.T)
+            off = np.ptp(off, axis=1)
+            total, largest = np.ptp(heights, axis=1), np.abs(slopes).max(axis=1)
+            size = np.maximum(total, h * largest)
+            truncated = np.abs(heights @ last).max(axis=1), h * np.abs(slopes @ last).max(axis=1)
+            height_here = np.abs(heights).max(axis=1)
+            highest = np.fmax(highest, np.where(np.isfinite(height_here), height_here, 0.0))
+            # Heights that do not change at all may be rounded as the highest are.
+            rounded = _EPS * (np.where(total > 0, height_here, options.hides * highest) + np.abs(x) * largest)
+            tells = (truncated[0] <= options.digits * total) & (rounded <= options.digits * size) & np.isfinite(off)
+            unexplained = off - options.differs * (truncated[0] + truncated[1] + rounded)
+            differs = tells & (unexplained > options.counts * size)
+            confirmed |= tells & (off <= options.counts * size)
+            share = np.where(differs, off / size, 0.0)
+        better = share > worst
+        contradicted |= differs
+        worst = np.where(better, share, worst)
+        j, k = np.argmax(heights, axis=1), np.argmin(heights, axis=1)
+        rows = np.arange(len(x))
+        apart = at[rows, j] - at[rows, k]
+        with np.errstate(all="ignore"):
+            claimed = np.where(better, ((slopes @ rise.T)[rows, j] - (slopes @ rise.T)[rows, k]) * h / apart, claimed)
+            seen = np.where(better, total / apart, seen)
+    return Verdicts(contradicted, confirmed, worst, claimed, seen)
+
+
+def differences(
+    height: Function, x: Array, scale: Array, ends: tuple[float, float] | None = None, options: DifferenceOptions = DIFFERENCES
+) -> tuple[Array, Array]:
+    """f' at places (n,) by central differences at the best step of each, and what rounding of the height may do to it.
+
+    Places side by side share what is known of the rounding: few digits of a height near its tip tell nothing of it.
+    """
+    order = np.argsort(x)
+    best, doubt = np.empty(x.shape), np.empty(x.shape)
+    blocks = np.array_split(order, max(1, -(-len(x) // options.together)))
     with np.errstate(all="ignore"):
-        here = np.asarray(height(x), dtype=np.float64)
-        rungs = [_difference(height, x, h, here) for h in steps]
-        hidden = 0.0 if wide or doubted else _hidden(here, [sixth for *_, sixth in rungs])
-        last = rungs[0][0]
-        for h, (new, size, resolved, seen, _) in zip(steps[1:], rungs[1:], strict=True):
-            if wide or doubted:
-                hidden = seen or hidden
-            noise = np.maximum(np.finfo(np.float64).eps * size, hidden)
-            off = np.where(resolved, np.abs(new - last) + noise / h, _LEAST_BELIEVED)
-            ended = doubt <= enough * np.max(np.abs(best), initial=0.0, where=np.isfinite(best))
-            better = (off < doubt) & ~ended
-            best = np.where(better, new, best)
-            doubt = np.where(better, off, doubt)
-            last = new
+        parts = [_quotients(height, x[some], scale[some], ends, options) for some in blocks]
+        values, noise = (np.concatenate(part, axis=1) for part in zip(*parts, strict=True))
+        best[order], doubt[order] = _first_run(values, noise, options)
     return best, doubt
 
 
-def _hidden(heights: Array, sixths: list[float]) -> float:
-    """What heights are rounded by where that is far more than their size tells, else 0. sixths: medians of sixth differences, one for
-    each step: of short ones they are rounding alone."""
-    rounded = _OF_SIXTH * min((sixth for sixth in sixths if 0.0 < sixth < np.inf), default=0.0)
-    return rounded if rounded > _FAR_MORE * np.finfo(np.float64).eps * float(np.median(np.abs(heights))) else 0.0
+def _quotients(
+    height: Function, x: Array, scale: Array, ends: tuple[float, float] | None, options: DifferenceOptions
+) -> tuple[Array, Array]:
+    """Extrapolated difference quotients of places side by side, steps growing by rows, and the rounding of each."""
+    steps = scale * 2.0 ** np.arange(-options.finer, options.wider + 1)[:, None]
+    if ends is not None:
+        steps = np.where((x - steps >= ends[0]) & (x + steps <= ends[1]), steps, 0.0)
+    here = np.asarray(height(x), dtype=np.float64)
+    right, left = (np.asarray(height(at), dtype=np.float64) for at in (x + steps, x - steps))
+    quotients = (right - left) / ((x + steps) - (x - steps))  # the steps taken, not those asked for
+    sizes = np.maximum(np.maximum(np.abs(right), np.abs(left)), np.max(np.abs(here)))
+    rounding = _EPS * (sizes + np.abs(x * quotients))
+    hidden = _hidden(right - 2 * here + left, rounding, options)
+    # Combined so that no terms of h^2 and h^4 are left.
+    values = (64 * quotients[:-2] - 20 * quotients[1:-1] + quotients[2:]) / 45
+    return values, options.margin * (np.maximum(rounding[:-2], rounding[2:]) + hidden) / steps[:-2]
 
 
-def _difference(height: Callable[[Any], Any], x: Array, h: float, here: Array) -> tuple[Array, Array, Mask, float, float]:
-    """(the quotient, the size of f, whether its sixth difference is small beside its changes, what f may be rounded to, the median of the
-    sixth difference); here: f(x)."""
-    total, size, sixth = np.zeros(x.shape), np.abs(here), -20.0 * here
-    low = high = here
-    values = [here]
-    for (k, weight), binomial in zip(_SIXTH, (15.0, -6.0, 1.0), strict=True):
-        # The step actually taken in floating point, not the one asked for.
-        ahead, behind = x + k * h, x - k * h
-        right, left = np.asarray(height(ahead)), np.asarray(height(behind))
-        total = total + 2 * k * weight * (right - left) / (ahead - behind)
-        values += [left, right]
-        low, high = np.minimum(low, np.minimum(left, right)), np.maximum(high, np.maximum(left, right))
-        size = np.maximum(size, np.maximum(np.abs(right), np.abs(left)))
-        sixth = sixth + binomial * (right + left)
-    # Values are no closer than they are rounded to, and a sixth difference is at least that, but where steps change nothing.
-    apart, least = np.diff(np.unique(values)), _SAME * np.finfo(np.float64).eps * np.max(np.abs(here), initial=0.0)
-    quantum = float(np.min(apart[apart > least])) if np.any(apart > least) else 0.0
-    largest = float(np.max(np.abs(sixth), initial=0.0))
-    hidden = min(quantum, _OF_SIXTH * largest) if largest > least else quantum
-    resolved = np.abs(sixth) <= high - low + 64 * np.finfo(np.float64).eps * size
-    return total, size, resolved, hidden, float(np.median(np.abs(sixth)))
+def _first_run(values: Array, noise: Array, options: DifferenceOptions) -> tuple[Array, Array]:
+    """For each column the best value of a run of rows that agree to within noise, and the noise of it.
+
+    It is the first run that is sure, else the longest: what agrees at wide steps only is an alias. The best value is the last but one
+    before noise grows or the run ends: the last one may be off by as much as its noise lets pass.
+    """
+    n = values.shape[1]
+    best, doubt = np.full(n, np.nan), np.full(n, np.inf)
+    lo, hi, least = np.full(n, -np.inf), np.full(n, np.inf), np.full(n, np.inf)
+    value, last, value_noise, last_noise = (np.full(n, np.nan) for _ in range(4))
+    length, longest, done = np.zeros(n, dtype=np.intp), np.zeros(n, dtype=np.intp), np.zeros(n, dtype=bool)
+    for new, off in zip(values, noise, strict=True):
+        counts = np.isfinite(new) & np.isfinite(off) & ~done
+        goes_on = counts & (length > 0) & (new >= lo - off) & (new <= hi + off)
+        done |= counts & ~goes_on & (length >= options.sure)
+        begins = counts & ~goes_on & ~done
+        lo = np.where(begins, new - off, np.where(goes_on, np.maximum(lo, new - off), lo))
+        hi = np.where(begins, new + off, np.where(goes_on, np.minimum(hi, new + off), hi))
+        last, last_noise = np.where(begins, new, last), np.where(begins, off, last_noise)
+        better = begins | (goes_on & (off < least))
+        value, value_noise = np.where(better, last, value), np.where(better, last_noise, value_noise)
+        last, last_noise, least = np.where(counts, new, last), np.where(counts, off, last_noise), np.where(better, off, least)
+        length = np.where(begins, 1, length + goes_on)
+        leads = (begins | goes_on) & (length > longest)
+        best, doubt = np.where(leads, value, best), np.where(leads, value_noise, doubt)
+        longest = np.maximum(longest, length)
+    return best, doubt
+
+
+def _hidden(evens: Array, rounding: Array, options: DifferenceOptions) -> float:
+    """Rounding of heights side by side that their size hides, as of cosh(x) - 1; else 0.
+
+    evens: second differences. A combination of them of sixth order is level while it is rounding, and grows with the step where it is
+    not.
+    """
+    rough = np.abs(evens[2:] - 20 * evens[1:-1] + 64 * evens[:-2]) / 128
+    rough = np.median(np.where(np.isfinite(rough), rough, np.inf), axis=1)
+    windows = np.lib.stride_tricks.sliding_window_view(rough, 2 * options.half_window)
+    first, then = np.split(windows, 2, axis=1)
+    before, after = np.median(first, axis=1), np.median(then, axis=1)
+    level = (before > 0.0) & np.isfinite(before) & (after <= options.level * before)
+    found = float(np.min(np.max(windows, axis=1), where=level, initial=np.inf))
+    most = options.hides * float(np.max(rounding, where=np.isfinite(rounding), initial=0.0))
+    return min(options.spread * found, most) if np.isfinite(found) else 0.0
+
+
+# Heights that tell how finely a shape varies, at first and at the most; terms of its slope that count, over the largest, and of one whose
+# series has not come to its end, as of sharp corners; parts of a length that are looked at of any shape.
+_FIRST, _LAST, _COUNTS, _OF_SHARP, _COARSEST = 256, 2**14, 1e-5, 0.1, 16
 
 
 def detail_of(height: Callable[[Array], Any], lo: float, hi: float) -> float:
