@@ -52,6 +52,7 @@ class DifferenceOptions:
     together: int = 32  # places side by side that share what is known of the rounding
     half_window: int = 3  # steps whose median roughness is compared with that of the next as many
     level: float = 2.0  # growth of it up to which it is rounding: a kink's grows by eight
+    begins: float = 128.0  # rounding over what a first height that changes by it shows: by the weights of the combination
     spread: float = 4.0  # of a largest rounding, over the median one
     hides: float = 16.0  # rounding that hides in small heights, over that of the largest heights met: no more
 
@@ -168,7 +169,7 @@ def verdicts(height: Function, slope: Function, x: Array, scale: Array, options:
             size = np.maximum(total, h * largest)
             truncated = np.abs(heights @ last).max(axis=1), h * np.abs(slopes @ last).max(axis=1)
             height_here = np.abs(heights).max(axis=1)
-            highest = np.fmax(highest, np.where(np.isfinite(height_here), height_here, 0.0))
+            highest = np.maximum(highest, np.where(np.isfinite(heights), np.abs(heights), 0.0).max(axis=1))
             # Heights that do not change at all may be rounded as the highest are.
             rounded = _EPS * (np.where(total > 0, height_here, options.hides * highest) + np.abs(x) * largest)
             tells = (truncated[0] <= options.digits * total) & (rounded <= options.digits * size) & np.isfinite(off)
@@ -218,9 +219,9 @@ def _quotients(
     sizes = np.maximum(np.maximum(np.abs(right), np.abs(left)), np.max(np.abs(here)))
     rounding = _EPS * (sizes + np.abs(x * quotients))
     hidden = _hidden(right - 2 * here + left, rounding, options)
-    # Combined so that no terms of h^2 and h^4 are left.
-    values = (64 * quotients[:-2] - 20 * quotients[1:-1] + quotients[2:]) / 45
-    return values, options.margin * (np.maximum(rounding[:-2], rounding[2:]) + hidden) / steps[:-2]
+    # Combined so that no terms of h^2, h^4 and h^6 are left.
+    values = (4096 * quotients[:-3] - 1344 * quotients[1:-2] + 84 * quotients[2:-1] - quotients[3:]) / 2835
+    return values, options.margin * (np.maximum(rounding[:-3], rounding[3:]) + hidden) / steps[:-3]
 
 
 def _first_run(values: Array, noise: Array, options: DifferenceOptions) -> tuple[Array, Array]:
@@ -264,9 +265,10 @@ def _hidden(evens: Array, rounding: Array, options: DifferenceOptions) -> float:
     first, then = np.split(windows, 2, axis=1)
     before, after = np.median(first, axis=1), np.median(then, axis=1)
     level = (before > 0.0) & np.isfinite(before) & (after <= options.level * before)
-    found = float(np.min(np.max(windows, axis=1), where=level, initial=np.inf))
+    found = np.max(windows[level], axis=1)
+    found = found[found <= options.begins * np.min(found, initial=np.inf)]
     most = options.hides * float(np.max(rounding, where=np.isfinite(rounding), initial=0.0))
-    return min(options.spread * found, most) if np.isfinite(found) else 0.0
+    return min(options.spread * float(np.max(found, initial=0.0)), most)
 
 
 # Heights that tell how finely a shape varies, at first and at the most; terms of its slope that count, over the largest, and of one whose
