@@ -216,7 +216,7 @@ def _quotients(
     here = np.asarray(height(x), dtype=np.float64)
     right, left = (np.asarray(height(at), dtype=np.float64) for at in (x + steps, x - steps))
     quotients = (right - left) / ((x + steps) - (x - steps))  # the steps taken, not those asked for
-    sizes = np.maximum(np.maximum(np.abs(right), np.abs(left)), np.max(np.abs(here)))
+    sizes = np.maximum(np.maximum(np.abs(right), np.abs(left)), np.max(np.abs(here), where=np.isfinite(here), initial=0.0))
     rounding = _EPS * (sizes + np.abs(x * quotients))
     hidden = _hidden(right - 2 * here + left, rounding, options)
     # Combined so that no terms of h^2, h^4 and h^6 are left.

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from contact.errors import OutOfRange
 from contact.formulation.tables import in_cell, runs_of
+from contact.model.declared import require_numbers
 from contact.model.profiles.base import Profile
 from contact.search.grid.centring import Unrest
 from contact.search.grid.conjugate_gradient import GridState, Response, solve_grid
@@ -203,6 +204,7 @@ def propose(
     while True:
         x, h = _midpoints(cell, n), width / n
         f = np.asarray(height(x), dtype=np.float64)
+        require_numbers(x, f)
         # What a grid before the last is wrong by, the next one puts right.
         state = solve_grid(f, response.on(n, h), load=load, level=level, start=start, tol=tol if n >= target else max(tol, _PASSING))
         if n >= target and (narrowest(state) >= NARROW or 2 * n > limit):
@@ -271,10 +273,11 @@ class _Window:
         x = _midpoints(window, _POINTS)
         with np.errstate(over="ignore"):  # far outside heights may overflow to inf: these points do not touch
             f = np.asarray(self.height(x), dtype=np.float64)
-        if np.any(np.isnan(f)) or np.any(f == -np.inf):
+        lost = np.isnan(f) | np.isneginf(f)
+        if lost.any():
             raise OutOfRange(
-                f"the profile is not a number, or unbounded below, somewhere in the window {window} [m]: if it is known on a part of the "
-                "line only, give it an `extent`, and a `resolution` to begin with"
+                f"profile.height(x) is {f[lost][0]} at x = {x[lost][0]:.9g} m, in the window {window} [m] that was looked at first: if it is "
+                "known on a part of the line only, give it an `extent`, and a `resolution` to begin with"
             )
         # So high nothing touches, and beside such heights those of the tip have no digits.
         with np.errstate(over="ignore", invalid="ignore"):
