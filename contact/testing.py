@@ -21,7 +21,7 @@ import numpy as np
 from contact.errors import ContactError, SceneError, shown
 from contact.model.declared import require_body, require_declarations
 from contact.model.profiles.base import Profile
-from contact.model.profiles.derive import scale_of, verdicts
+from contact.model.profiles.derive import detail_of, scale_of, verdicts
 from contact.model.substrates.base import Substrate
 from sie import Array, Mask
 
@@ -78,6 +78,8 @@ def jumps_at(profile: Profile, places: Array, reach: Array, nearest: float = 0.0
 _POINTS = 400
 _SAME = 1e-9  # of the largest value met: two evaluations of one quantity
 _SLOPE = 1e-6  # of the largest slope: what differences of the height can vouch for
+_NEAREST = 1e-8  # of where a kink is first seen: from how near it is looked at
+_RESOLVED = 1e-2  # of a window: a smallest length of the shape that is well seen in it
 _JUMP = 1e-3  # of the largest slope: a jump smaller than this cannot be told from a steep slope
 _STEP = 1e-6  # of a declared jump, and of the largest slope over the window to the power that fits: less is rounding
 _ONE = 1e-12  # of the window: places this near are one
@@ -240,7 +242,20 @@ def _window(profile: Profile) -> tuple[float, float]:
     if length is None and dataclasses.is_dataclass(profile):
         sizes = [getattr(profile, f.name) for f in dataclasses.fields(profile)]
         length = next((float(s) for s in sizes if isinstance(s, float) and s > 0), None)
-    return -(length or 1.0), length or 1.0
+    half = length or _half_window(profile)
+    return -half, half
+
+
+def _half_window(profile: Profile) -> float:
+    """Half width [m] of a window about 0 in which a shape of unknown size is smooth and finite; 1 m if there is none."""
+    half = 1.0
+    for _ in range(_HALVED):
+        with np.errstate(all="ignore"):
+            finite = np.isfinite(np.asarray(profile.height(np.linspace(-half, half, _POINTS)))).all()
+        if finite and detail_of(profile.height, -half, half) > _RESOLVED * half:
+            return half
+        half /= 4
+    return 1.0
 
 
 def _points(profile: Profile, window: tuple[float, float] | None) -> Array:
@@ -347,7 +362,8 @@ def _slope(profile: Profile, x: Array) -> Iterator[str]:
 
 def _continuity(profile: Profile, x: Array) -> Iterator[str]:
     lo, hi = float(x[0]), float(x[-1])
-    size = float(np.ptp(np.asarray(profile.height(x))))
+    heights = np.asarray(profile.height(x))
+    size = max(float(np.ptp(heights)), 4 * _UNIT * float(np.max(np.abs(heights))) / _JUMP)
     for s, step in _jumps(lambda t: np.asarray(profile.height(t)), lo, hi, 1e-10 * (hi - lo), size):
         yield f"the height jumps by {step:.6g} at {s:.6g}: it must be continuous"
         return
@@ -379,27 +395,62 @@ def _kinks(profile: Profile, x: Array) -> Iterator[str]:
         lo = profile.x0 - 0.0123456789 * width
     scale = float(np.max(np.abs(np.asarray(profile.slope(x)))))
     declared = np.asarray(profile.kinks, dtype=np.float64).reshape(-1, 2)
-    slope, reach = _sharp_slope(profile, width)
+    slope, reach, rounding = _sharp_slope(profile, width, x)
     for s, jump in declared:
         seen = float(np.diff(slope(np.array([s - 2 * reach, s + 2 * reach])))[0])
-        if abs(seen - jump) > _JUMP * max(scale, abs(jump)):
+        if abs(seen - jump) > _JUMP * max(scale, abs(jump)) + rounding:
             yield f"kink declared at {s:.6g} with jump {jump:.6g}: the slope jumps by {seen:.6g} there"
-    for s, jump in _jumps(slope, lo, lo + width, reach, scale):
+    for s, jump in _jumps(slope, lo, lo + width, reach, max(scale, rounding / _JUMP)):
         at = float(profile.wrap(s)) if profile.period is not None else s
         away = np.abs(declared[:, 0] - at)
         if profile.period is not None:
             away = np.minimum(away, profile.period - away)
-        if not np.any(away <= max(4 * reach, 1e-6 * width)):
-            yield f"the slope jumps by {jump:.6g} at {at:.9g}, and kinks does not say so"
+        if np.any(away <= max(4 * reach, 1e-6 * width)):
+            continue
+        found = _kink(profile, s, jump, 4 * reach)
+        if found is not None:
+            at = float(profile.wrap(found[0])) if profile.period is not None else found[0]
+            yield f"the slope jumps by {found[1]:.6g} at {at:.9g}, and kinks does not say so"
 
 
-def _sharp_slope(profile: Profile, width: float) -> tuple[Callable[[Array], Array], float]:
-    """The slope and the distance at which its two sides can be told apart."""
+def _kink(profile: Profile, s: float, jump: float, h: float) -> tuple[float, float] | None:
+    """Place and jump of a kink about s, looked at from ever nearer, as far as rounding lets.
+
+    None where there is no kink: of a bend that is only sharp the jump falls with the distance, of rounding it grows.
+    """
+    least, found = max(64 * _UNIT * abs(s), _NEAREST * h), None
+    while h > least:
+        at = s + h * np.linspace(-1, 1, 17)
+        h /= 4
+        if profile.slope_is_derived:
+            right, here, left = (np.asarray(profile.height(at + k * h)) for k in (1, 0, -1))
+            bends, rounding = (right - 2 * here + left) / h, 4 * _UNIT * float(np.max(np.abs(here))) / h
+        else:
+            right, left = (np.asarray(profile.slope(at + k * h)) for k in (1, -1))
+            bends, rounding = right - left, 4 * _UNIT * float(np.max(np.abs(right)))
+        if rounding > _CLEAR * abs(jump):
+            break
+        s = float(at[np.argmax(np.abs(bends))])
+        beside = s + h * np.array([-3.0, -1.0, 1.0, 3.0])
+        if profile.slope_is_derived:
+            rises = np.diff(np.asarray(profile.height(beside))) / (2 * h)
+            seen = float(rises[2] - rises[0])
+        else:
+            seen = float(np.diff(np.asarray(profile.slope(beside[1:3])))[0])
+        if not 0.5 < abs(seen / jump) < 3.0:
+            return None
+        jump, found = seen, (s, seen)
+    return found
+
+
+def _sharp_slope(profile: Profile, width: float, x: Array) -> tuple[Callable[[Array], Array], float, float]:
+    """The slope, the distance at which its two sides can be told apart, and its rounding."""
     if not profile.slope_is_derived:
-        return (lambda x: np.asarray(profile.slope(x))), 1e-10 * width
+        return (lambda x: np.asarray(profile.slope(x))), 1e-10 * width, 0.0
     # The derived slope is no use beside a kink; short differences of the height blur it by their step only.
     h = 1e-6 * width
-    return (lambda x: (np.asarray(profile.height(x + h)) - np.asarray(profile.height(x - h))) / (2 * h)), h
+    rounding = 4 * _UNIT * float(np.max(np.abs(np.asarray(profile.height(x))))) / h
+    return (lambda x: (np.asarray(profile.height(x + h)) - np.asarray(profile.height(x - h))) / (2 * h)), h, rounding
 
 
 def _jumps(slope: Callable[[Array], Array], lo: float, hi: float, reach: float, scale: float) -> list[tuple[float, float]]:

@@ -52,8 +52,9 @@ def _require_heights(profile: Profile, x: Array) -> None:
     x = np.linspace(*ends, _LOOKED_AT) if ends is not None else x
     with of_author("profile.height(x)", "height"):
         heights = np.asarray(profile.height(x.copy()), dtype=np.float64)
-    require_numbers(x, heights)
-    # Without ends, far places may be as high as they like.
+    # Without ends, far places need not matter: where it is looked for the contact, they do.
+    if ends is not None:
+        require_numbers(x, heights)
     near = heights if ends is not None else heights[np.abs(x) <= np.median(np.abs(x))]
     with np.errstate(over="ignore"):
         size = float(np.ptp(near[np.isfinite(near)])) if np.isfinite(near).any() else 0.0

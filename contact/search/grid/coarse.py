@@ -24,6 +24,7 @@ from sie import Array, record
 Height = Callable[[Array], ArrayLike]
 
 _POINTS = 128  # of a window
+_SHRINKS = 40  # of a window to an eighth: from metres to below atoms, and from lengths far beyond
 _TOWERING = 1e6  # heights above the lowest, over the window
 COARSEST = 64  # points of the first of the nested grids
 MOST_POINTS = 2**23  # of the last grid, however fine the shape is
@@ -269,10 +270,22 @@ class _Window:
     response: Response
     limits: tuple[float, float] | None
 
+    def _heights(self, x: Array) -> Array:
+        with np.errstate(over="ignore"):  # far outside heights may overflow to inf: these points do not touch
+            return np.asarray(self.height(x), dtype=np.float64)
+
+    def _with_body(self, window: tuple[float, float]) -> tuple[float, float]:
+        """The window, shrunk about its middle until some height in it is no overflow."""
+        for _ in range(_SHRINKS):
+            if not np.isposinf(self._heights(_midpoints(window, _POINTS))).all():
+                break
+            middle, half = 0.5 * (window[0] + window[1]), 0.5 * (window[1] - window[0])
+            window = middle - half / 8, middle + half / 8
+        return window
+
     def _solve(self, window: tuple[float, float], load: float) -> tuple[Array, GridState]:
         x = _midpoints(window, _POINTS)
-        with np.errstate(over="ignore"):  # far outside heights may overflow to inf: these points do not touch
-            f = np.asarray(self.height(x), dtype=np.float64)
+        f = self._heights(x)
         lost = np.isnan(f) | np.isneginf(f)
         if lost.any():
             raise OutOfRange(
@@ -293,6 +306,7 @@ class _Window:
 
     def at_load(self, load: float, window: tuple[float, float]) -> tuple[tuple[float, float], GridState]:
         floor, shrunk = 0.0, False
+        window = self._with_body(window)
         for _ in range(300):
             x, state = self._solve(window, load)
             width = window[1] - window[0]
