@@ -169,7 +169,7 @@ class ArraysOnly(Good):
 
 def test_a_profile_that_takes_arrays_only_has_no_fault() -> None:
     report = check_profile(ArraysOnly())
-    assert report.ok and any("takes no list" in note for note in report.notes)
+    assert report.ok and any("takes no number" in note for note in report.notes)
 
 
 # Correct shapes of all sizes: what is sharp from afar is no kink, what is rounded is no step.

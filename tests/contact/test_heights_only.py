@@ -69,7 +69,7 @@ SHAPES = {
     "hyperbola": (lambda x: np.sqrt(1 + x**2) - 1, lambda x: x / np.sqrt(1 + x**2), None),
     "step": (lambda x: 0.05 * np.tanh((x - 0.3) / 0.02) + x**2 / 2, lambda x: 2.5 / np.cosh((x - 0.3) / 0.02) ** 2 + x, None),
     "pieces": (lambda x: np.where(x > 0.2, (x - 0.2) ** 4, 0) + x**2, lambda x: np.where(x > 0.2, 4 * (x - 0.2) ** 3, 0) + 2 * x, None),
-    "mixed": (lambda x: x**2 + 0.3 * np.abs(x) * x**3, lambda x: 2 * x + 1.2 * np.abs(x) * x**2, None),
+    "mixed": (lambda x: x**2 + 0.3 * np.abs(x) * x**2, lambda x: 2 * x + 0.9 * np.abs(x) * x, None),
     "wave": (
         lambda x: 3 + 1e-2 * np.cos(TURN * x) + 1e-3 * np.cos(3 * TURN * x + 0.3),
         lambda x: -TURN * (1e-2 * np.sin(TURN * x) + 3e-3 * np.sin(3 * TURN * x + 0.3)),
@@ -142,7 +142,8 @@ def test_a_slope_that_misses_the_ripples_is_no_rounding_of_the_heights():
     wrong = Given(rippled, lambda x: x / RADIUS)
     with pytest.raises(contact.ContactError) as refused:
         contact.solve(contact.Scene(wrong, 1e11, contact.Isolated(), load=1e4))
-    assert "slope disagrees with the height" in str(refused.value) and "rounded" not in str(refused.value)
+    assert "rounded" not in str(refused.value)
+    assert "slope disagrees with the height" in str(refused.value) or "not an antiderivative" in str(refused.value)
 
 
 @pytest.mark.slow

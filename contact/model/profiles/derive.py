@@ -37,7 +37,6 @@ class VerdictOptions:
     differs: float = 100.0  # over the truncation and rounding of both sides: more is no longer either
     counts: float = 1e-6  # of a rise: smaller contradictions do not count
     last: int = 4  # coefficients that tell the truncation: two of them vanish by chance
-    hides: float = 16.0  # rounding that hides in small heights, over that of the highest ones: no more
     digits: float = 1e-3  # truncated part of heights, over their variation, with which they still tell something
 
 
@@ -49,6 +48,7 @@ class DifferenceOptions:
     wider: int = 24  # steps above that scale: heights with a large constant, or a rounding that hides, need wide ones
     sure: int = 8  # steps that agree: the rounding of the last one is 2^8 times smaller
     margin: float = 3.0  # rounding of an extrapolated quotient, over that of a height over the least step: 1.7 at the most
+    at_once: int = 2**12  # places, which bounds the memory
     together: int = 32  # places side by side that share what is known of the rounding
     half_window: int = 3  # steps whose median roughness is compared with that of the next as many
     level: float = 2.0  # growth of it up to which it is rounding: a kink's grows by eight
@@ -157,8 +157,7 @@ def verdicts(height: Function, slope: Function, x: Array, scale: Array, options:
     rise, last = chebyshev.chebvander(t, n) @ chebyshev.chebint(fit), fit[-options.last :].T
     contradicted, confirmed = np.zeros(x.shape, dtype=bool), np.zeros(x.shape, dtype=bool)
     claimed, seen, worst = np.zeros(x.shape), np.zeros(x.shape), np.zeros(x.shape)
-    highest = np.zeros(x.shape)
-    for power in range(options.wider, -options.finer - 1, -1):
+    for power in range(-options.finer, options.wider + 1):
         h = scale * options.ratio**power
         at = x[:, None] + h[:, None] * t
         with np.errstate(all="ignore"):
@@ -168,11 +167,10 @@ def verdicts(height: Function, slope: Function, x: Array, scale: Array, options:
             total, largest = np.ptp(heights, axis=1), np.abs(slopes).max(axis=1)
             size = np.maximum(total, h * largest)
             truncated = np.abs(heights @ last).max(axis=1), h * np.abs(slopes @ last).max(axis=1)
-            height_here = np.abs(heights).max(axis=1)
-            highest = np.maximum(highest, np.where(np.isfinite(heights), np.abs(heights), 0.0).max(axis=1))
-            # Heights that do not change at all may be rounded as the highest are.
-            rounded = _EPS * (np.where(total > 0, height_here, options.hides * highest) + np.abs(x) * largest)
-            tells = (truncated[0] <= options.digits * total) & (rounded <= options.digits * size) & np.isfinite(off)
+            rounded = _EPS * (np.abs(heights).max(axis=1) + np.abs(x) * largest)
+            # Heights that do not change may hide a change below their rounding.
+            tells = (total > 0) & (truncated[0] <= options.digits * total) & (rounded <= options.digits * size)
+            tells &= np.isfinite(off)
             unexplained = off - options.differs * (truncated[0] + truncated[1] + rounded)
             differs = tells & (unexplained > options.counts * size)
             confirmed |= tells & (off <= options.counts * size)
@@ -198,27 +196,30 @@ def differences(
     """
     order = np.argsort(x)
     best, doubt = np.empty(x.shape), np.empty(x.shape)
-    blocks = np.array_split(order, max(1, -(-len(x) // options.together)))
     with np.errstate(all="ignore"):
-        parts = [_quotients(height, x[some], scale[some], ends, options) for some in blocks]
-        values, noise = (np.concatenate(part, axis=1) for part in zip(*parts, strict=True))
-        best[order], doubt[order] = _first_run(values, noise, options)
+        for some in np.array_split(order, max(1, -(-len(x) // options.at_once))):
+            # Whole blocks, the last one filled up with its last place.
+            whole = np.append(some, np.full(-len(some) % min(options.together, len(some)), some[-1]))
+            found = _first_run(*_quotients(height, x[whole], scale[whole], ends, options), options)
+            best[some], doubt[some] = (part[: len(some)] for part in found)
     return best, doubt
 
 
 def _quotients(
     height: Function, x: Array, scale: Array, ends: tuple[float, float] | None, options: DifferenceOptions
 ) -> tuple[Array, Array]:
-    """Extrapolated difference quotients of places side by side, steps growing by rows, and the rounding of each."""
+    """Extrapolated difference quotients of ascending places, steps growing by rows, and the rounding of each."""
     steps = scale * 2.0 ** np.arange(-options.finer, options.wider + 1)[:, None]
     if ends is not None:
         steps = np.where((x - steps >= ends[0]) & (x + steps <= ends[1]), steps, 0.0)
     here = np.asarray(height(x), dtype=np.float64)
     right, left = (np.asarray(height(at), dtype=np.float64) for at in (x + steps, x - steps))
     quotients = (right - left) / ((x + steps) - (x - steps))  # the steps taken, not those asked for
-    sizes = np.maximum(np.maximum(np.abs(right), np.abs(left)), np.max(np.abs(here), where=np.isfinite(here), initial=0.0))
-    rounding = _EPS * (sizes + np.abs(x * quotients))
-    hidden = _hidden(right - 2 * here + left, rounding, options)
+    blocks = min(options.together, len(x))
+    finite = np.where(np.isfinite(here), np.abs(here), 0.0)
+    highest = np.repeat(finite.reshape(-1, blocks).max(axis=1), blocks)
+    rounding = _EPS * (np.maximum(np.maximum(np.abs(right), np.abs(left)), highest) + np.abs(x * quotients))
+    hidden = np.repeat(_hidden(right - 2 * here + left, rounding, blocks, options), blocks)
     # Combined so that no terms of h^2, h^4 and h^6 are left.
     values = (4096 * quotients[:-3] - 1344 * quotients[1:-2] + 84 * quotients[2:-1] - quotients[3:]) / 2835
     return values, options.margin * (np.maximum(rounding[:-3], rounding[3:]) + hidden) / steps[:-3]
@@ -253,22 +254,22 @@ def _first_run(values: Array, noise: Array, options: DifferenceOptions) -> tuple
     return best, doubt
 
 
-def _hidden(evens: Array, rounding: Array, options: DifferenceOptions) -> float:
-    """Rounding of heights side by side that their size hides, as of cosh(x) - 1; else 0.
+def _hidden(evens: Array, rounding: Array, blocks: int, options: DifferenceOptions) -> Array:
+    """Rounding of heights in each block that their size hides, as of cosh(x) - 1; else 0.
 
     evens: second differences. A combination of them of sixth order is level while it is rounding, and grows with the step where it is
     not.
     """
     rough = np.abs(evens[2:] - 20 * evens[1:-1] + 64 * evens[:-2]) / 128
-    rough = np.median(np.where(np.isfinite(rough), rough, np.inf), axis=1)
-    windows = np.lib.stride_tricks.sliding_window_view(rough, 2 * options.half_window)
-    first, then = np.split(windows, 2, axis=1)
-    before, after = np.median(first, axis=1), np.median(then, axis=1)
+    rough = np.median(np.where(np.isfinite(rough), rough, np.inf).reshape(len(rough), -1, blocks), axis=2)
+    windows = np.lib.stride_tricks.sliding_window_view(rough, 2 * options.half_window, axis=0)
+    before, after = (np.median(half, axis=2) for half in np.split(windows, 2, axis=2))
     level = (before > 0.0) & np.isfinite(before) & (after <= options.level * before)
-    found = np.max(windows[level], axis=1)
-    found = found[found <= options.begins * np.min(found, initial=np.inf)]
-    most = options.hides * float(np.max(rounding, where=np.isfinite(rounding), initial=0.0))
-    return min(options.spread * float(np.max(found, initial=0.0)), most)
+    found = np.where(level, np.max(windows, axis=2), np.inf)
+    found = np.where(found <= options.begins * np.min(found, axis=0), found, 0.0)
+    found = np.max(np.where(np.isfinite(found), found, 0.0), axis=0)
+    sizes = np.where(np.isfinite(rounding), rounding, 0.0).reshape(len(rounding), -1, blocks)
+    return np.asarray(np.minimum(options.spread * found, options.hides * np.max(sizes, axis=(0, 2))))
 
 
 # Heights that tell how finely a shape varies, at first and at the most; terms of its slope that count, over the largest, and of one whose
