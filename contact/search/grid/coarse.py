@@ -289,8 +289,8 @@ class _Window:
         lost = np.isnan(f) | np.isneginf(f)
         if lost.any():
             raise OutOfRange(
-                f"profile.height(x) is {f[lost][0]} at x = {x[lost][0]:.9g} m, in the window {window} [m] that was looked at first: if it is "
-                "known on a part of the line only, give it an `extent`, and a `resolution` to begin with"
+                f"profile.height(x) is {f[lost][0]} at x = {x[lost][0]:.9g} m, in the window {window} [m] looked at: "
+                "if it is known on a part of the line only, give it an `extent`, and a `resolution` to begin with"
             )
         # So high nothing touches, and beside such heights those of the tip have no digits.
         with np.errstate(over="ignore", invalid="ignore"):
