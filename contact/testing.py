@@ -247,7 +247,7 @@ def _window(profile: Profile) -> tuple[float, float]:
 
 
 def _half_window(profile: Profile) -> float:
-    """Half width [m] of a window about 0 in which a shape of unknown size is smooth and finite; 1 m if there is none."""
+    """Half width [m] of a window about 0 in which a shape is smooth and finite, else 1 m."""
     half = 1.0
     for _ in range(_HALVED):
         with np.errstate(all="ignore"):
@@ -416,7 +416,8 @@ def _kinks(profile: Profile, x: Array) -> Iterator[str]:
 def _kink(profile: Profile, s: float, jump: float, h: float) -> tuple[float, float] | None:
     """Place and jump of a kink about s, looked at from ever nearer, as far as rounding lets.
 
-    None where there is no kink: of a bend that is only sharp the jump falls with the distance, of rounding it grows.
+    None where there is no kink: the jump of a bend that is only sharp falls with the distance,
+    that of rounding grows.
     """
     least, found = max(64 * _UNIT * abs(s), _NEAREST * h), None
     while h > least:

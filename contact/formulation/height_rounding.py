@@ -27,9 +27,10 @@ def told(problem: Problem, table: Array) -> str:
     here, rise, apart = _missing(problem, middle, half)
     if not here > _COARSE * rise:
         return ""
-    # Heights that contradict the slope where they have digits are not rounded: one of the two is wrong.
+    # Heights with digits that contradict the slope are not rounded: one of the two is wrong.
     at = middle + half * np.linspace(-1, 1, _PLACES)
-    if verdicts(problem.shape, problem.slope, at, np.full(at.shape, half / _PLACES)).contradicted.any():
+    scale = np.full(at.shape, half / _PLACES)
+    if verdicts(problem.shape, problem.slope, at, scale).contradicted.any():
         return ""
     for wider in _WIDER:
         there, risen, _ = _missing(problem, middle, wider * half)

@@ -29,7 +29,7 @@ from sie import Array
 
 # Shapes of what arrays with one row a place must have beyond the first axis.
 _TABLES = {"kinks": (2, "position and jump of the slope"), "jumps": (3, "position, order, and jump of that derivative")}
-# Places of a cell, or of a part that is known, at which heights must be numbers: few beside what a solution asks for.
+# Places of a cell, or of a part that is known, at which heights must be numbers.
 _LOOKED_AT = 4097
 # A variation of heights [m] whose square, times that of a length, is a number.
 _LARGEST = 1e120
@@ -47,7 +47,10 @@ def require_declared(profile: Profile) -> None:
 
 
 def _require_heights(profile: Profile, x: Array) -> None:
-    """Heights are numbers, and no larger than can be squared; x: where to look at a profile that goes on for ever."""
+    """SceneError where heights are no numbers, or larger than can be squared.
+
+    x: where to look at a profile without ends.
+    """
     ends = profile.known or profile.support
     x = np.linspace(*ends, _LOOKED_AT) if ends is not None else x
     with of_author("profile.height(x)", "height"):
@@ -59,8 +62,11 @@ def _require_heights(profile: Profile, x: Array) -> None:
     with np.errstate(over="ignore"):
         size = float(np.ptp(near[np.isfinite(near)])) if np.isfinite(near).any() else 0.0
     if not size < _LARGEST:
-        told = f"profile.height(x) varies by {size:.3g} m about x = {np.median(x):.3g} m: more than {_LARGEST:.0e} m cannot be squared in "
-        raise SceneError(told + "numbers as computers have them; is the unit of length the metre?", "height", size)
+        told = (
+            f"profile.height(x) varies by {size:.3g} m about x = {np.median(x):.3g} m: more than "
+            f"{_LARGEST:.0e} m cannot be squared as a number; is the unit of length the metre?"
+        )
+        raise SceneError(told, "height", size)
 
 
 def require_numbers(x: Array, heights: Array) -> None:
@@ -69,7 +75,10 @@ def require_numbers(x: Array, heights: Array) -> None:
     if lost.any():
         x, heights = x[lost], heights[lost]
         k = int(np.argmin(x))
-        told = f"profile.height(x) is {heights.ravel()[k]} at x = {x.ravel()[k]:.9g} m: it must be a number, or +inf where there is no body"
+        told = (
+            f"profile.height(x) is {heights.ravel()[k]} at x = {x.ravel()[k]:.9g} m: "
+            "it must be a number, or +inf where there is no body"
+        )
         raise SceneError(told, "height", float(heights.ravel()[k]))
 
 

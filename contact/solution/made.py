@@ -127,7 +127,10 @@ def in_cell(scene: Scene, table: Array) -> Array:
 
 
 def fault_of_profile(scene: Scene, zones: Array | None = None) -> str:
-    """The first fault of a profile of someone's own, in words; empty if there is none. zones: where to look, of a shape without ends."""
+    """The first fault of a profile of someone's own, in words; empty if there is none.
+
+    zones: where to look at a shape without ends [m].
+    """
     for profile in scene.profile.bodies.values():
         if type(profile).__module__.startswith("contact."):
             continue

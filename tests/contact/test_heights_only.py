@@ -1,4 +1,4 @@
-"""Profiles that give their height and nothing else: solved as those that give their slope, or refused with the true reason."""
+"""Profiles by height alone: solved as with their slope, or refused with the true reason."""
 
 import numpy as np
 import pytest
@@ -56,19 +56,35 @@ def rippled_slope(x):
 @pytest.mark.parametrize("kind", [lambda height: height, of_floats], ids=["complex", "floats"])
 def test_scales_far_apart_are_solved_by_heights_alone(load, zones, kind):
     own, known = Heights(kind(rippled)), Given(rippled, rippled_slope)
-    found, told = (contact.solve(contact.Scene(p, 1e11, contact.Isolated(), load=load)) for p in (own, known))
+    found, told = (
+        contact.solve(contact.Scene(p, 1e11, contact.Isolated(), load=load)) for p in (own, known)
+    )
     assert len(found.zones) == zones
-    assert np.all(np.abs(found.zones - told.zones) <= (found.error + told.error) * np.diff(told.zones))
+    assert np.all(
+        np.abs(found.zones - told.zones) <= (found.error + told.error) * np.diff(told.zones)
+    )
 
 
 # Height, slope, period, and what an isolated contact of about 0.1 takes.
 SHAPES = {
     "catenary": (np.cosh, np.sinh, None),
     "constant": (lambda x: 100 + x**2 / 2, lambda x: x, None),
-    "bump far away": (lambda x: -0.2 * np.exp(-((x - 300) ** 2)), lambda x: 0.4 * (x - 300) * np.exp(-((x - 300) ** 2)), None),
+    "bump far away": (
+        lambda x: -0.2 * np.exp(-((x - 300) ** 2)),
+        lambda x: 0.4 * (x - 300) * np.exp(-((x - 300) ** 2)),
+        None,
+    ),
     "hyperbola": (lambda x: np.sqrt(1 + x**2) - 1, lambda x: x / np.sqrt(1 + x**2), None),
-    "step": (lambda x: 0.05 * np.tanh((x - 0.3) / 0.02) + x**2 / 2, lambda x: 2.5 / np.cosh((x - 0.3) / 0.02) ** 2 + x, None),
-    "pieces": (lambda x: np.where(x > 0.2, (x - 0.2) ** 4, 0) + x**2, lambda x: np.where(x > 0.2, 4 * (x - 0.2) ** 3, 0) + 2 * x, None),
+    "step": (
+        lambda x: 0.05 * np.tanh((x - 0.3) / 0.02) + x**2 / 2,
+        lambda x: 2.5 / np.cosh((x - 0.3) / 0.02) ** 2 + x,
+        None,
+    ),
+    "pieces": (
+        lambda x: np.where(x > 0.2, (x - 0.2) ** 4, 0) + x**2,
+        lambda x: np.where(x > 0.2, 4 * (x - 0.2) ** 3, 0) + 2 * x,
+        None,
+    ),
     "mixed": (lambda x: x**2 + 0.3 * np.abs(x) * x**2, lambda x: 2 * x + 0.9 * np.abs(x) * x, None),
     "wave": (
         lambda x: 3 + 1e-2 * np.cos(TURN * x) + 1e-3 * np.cos(3 * TURN * x + 0.3),
@@ -76,11 +92,18 @@ SHAPES = {
         1.0,
     ),
     "sharp wave": (
-        lambda x: 1e-2 / (1.02 - np.cos(TURN * x)), lambda x: -1e-2 * TURN * np.sin(TURN * x) / (1.02 - np.cos(TURN * x)) ** 2, 1.0,
+        lambda x: 1e-2 / (1.02 - np.cos(TURN * x)),
+        lambda x: -1e-2 * TURN * np.sin(TURN * x) / (1.02 - np.cos(TURN * x)) ** 2,
+        1.0,
     ),
 }
 LONE = [{"load": 1e2}, {"load": 1e6}]
-REPEATED = [{"contact_fraction": 0.3}, {"contact_fraction": 0.97}, {"contact_fraction": 1.0}, {"approach": 2e-3}]
+REPEATED = [
+    {"contact_fraction": 0.3},
+    {"contact_fraction": 0.97},
+    {"contact_fraction": 1.0},
+    {"approach": 2e-3},
+]
 
 
 @pytest.mark.parametrize("kind", [lambda height: height, of_floats], ids=["complex", "floats"])
@@ -90,9 +113,14 @@ def test_heights_alone_give_the_contact_of_the_slope_on_all_routes(shape, kind):
     for control in LONE if period is None else REPEATED:
         model = contact.Isolated() if period is None else contact.Periodic()
         own, known = Heights(kind(height), period), Given(height, slope, period)
-        found, told = (contact.solve(contact.Scene(p, E_STAR, model, **control), tol=1e-6) for p in (own, known))
+        found, told = (
+            contact.solve(contact.Scene(p, E_STAR, model, **control), tol=1e-6)
+            for p in (own, known)
+        )
         assert found.zones.shape == told.zones.shape
-        assert np.all(np.abs(found.zones - told.zones) <= 2 * (found.error + told.error) * np.diff(told.zones))
+        assert np.all(
+            np.abs(found.zones - told.zones) <= 2 * (found.error + told.error) * np.diff(told.zones)
+        )
         assert found.load == pytest.approx(told.load, rel=10 * (found.error + told.error))
 
 
@@ -102,15 +130,28 @@ DIFFERENTIATED = {
     "ripples and far places": (rippled, rippled_slope, np.append(4e-5 * SPREAD, [0.84, -3.0])),
     "wave at its tip": (lambda x: 1e-6 * (1 - np.cos(x)), lambda x: 1e-6 * np.sin(x), 3 * SPREAD),
     "hidden rounding": (lambda x: np.cosh(x) - 1, np.sinh, 1e-5 * SPREAD),
-    "bump far away": (lambda x: -np.exp(-((x - 1e3) ** 2)), lambda x: 2 * (x - 1e3) * np.exp(-((x - 1e3) ** 2)), 1e3 + SPREAD),
+    "bump far away": (
+        lambda x: -np.exp(-((x - 1e3) ** 2)),
+        lambda x: 2 * (x - 1e3) * np.exp(-((x - 1e3) ** 2)),
+        1e3 + SPREAD,
+    ),
     "flat top": (
         lambda x: np.where(np.abs(x) < 0.5, 0, (np.abs(x) - 0.5) ** 2),
-        lambda x: np.where(np.abs(x) < 0.5, 0, 2 * (np.abs(x) - 0.5) * np.sign(x)), 0.7 * SPREAD,
+        lambda x: np.where(np.abs(x) < 0.5, 0, 2 * (np.abs(x) - 0.5) * np.sign(x)),
+        0.7 * SPREAD,
     ),
-    "steep step": (lambda x: np.tanh(1e3 * (x - 0.3)), lambda x: 1e3 / np.cosh(np.minimum(1e3 * np.abs(x - 0.3), 300)) ** 2, SPREAD),
+    "steep step": (
+        lambda x: np.tanh(1e3 * (x - 0.3)),
+        lambda x: 1e3 / np.cosh(np.minimum(1e3 * np.abs(x - 0.3), 300)) ** 2,
+        SPREAD,
+    ),
     "corners": (lambda x: np.abs(x), np.sign, SPREAD),
     "Bessel": (lambda x: 1 - j0(x), j1, 5 * SPREAD),
-    "nanometres": (lambda x: 1e-9 * np.sin(x / 1e-9) ** 2, lambda x: np.sin(2 * x / 1e-9), 2e-9 * SPREAD),
+    "nanometres": (
+        lambda x: 1e-9 * np.sin(x / 1e-9) ** 2,
+        lambda x: np.sin(2 * x / 1e-9),
+        2e-9 * SPREAD,
+    ),
 }
 
 
@@ -143,21 +184,33 @@ def test_a_slope_that_misses_the_ripples_is_no_rounding_of_the_heights():
     with pytest.raises(contact.ContactError) as refused:
         contact.solve(contact.Scene(wrong, 1e11, contact.Isolated(), load=1e4))
     assert "rounded" not in str(refused.value)
-    assert "slope disagrees with the height" in str(refused.value) or "not an antiderivative" in str(refused.value)
+    assert "slope disagrees with the height" in str(
+        refused.value
+    ) or "not an antiderivative" in str(refused.value)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("height", [
-    lambda x: 1e-2 * np.maximum(np.abs((x + 0.5) % 1 - 0.5) - 0.1, 0),
-    lambda x: np.interp((x + 0.5) % 1 - 0.5, np.linspace(-0.5, 0.5, 5), 1e-2 * np.array([0, 0.5, 0.2, 0.8, 0])),
-], ids=["truncated tooth", "np.interp"])
+@pytest.mark.parametrize(
+    "height",
+    [
+        lambda x: 1e-2 * np.maximum(np.abs((x + 0.5) % 1 - 0.5) - 0.1, 0),
+        lambda x: np.interp(
+            (x + 0.5) % 1 - 0.5, np.linspace(-0.5, 0.5, 5), 1e-2 * np.array([0, 0.5, 0.2, 0.8, 0])
+        ),
+    ],
+    ids=["truncated tooth", "np.interp"],
+)
 def test_a_refusal_names_the_corner_that_was_not_declared(height):
     with pytest.raises(contact.NotConverged, match="kinks does not say so"):
-        contact.solve(contact.Scene(Heights(height, 1.0), E_STAR, contact.Periodic(), contact_fraction=0.3))
+        contact.solve(
+            contact.Scene(Heights(height, 1.0), E_STAR, contact.Periodic(), contact_fraction=0.3)
+        )
 
 
 @pytest.mark.parametrize("lo", [0.2, -0.01, 0.123])
-@pytest.mark.parametrize("control", [{"contact_fraction": 0.3}, {"contact_fraction": 0.9}, {"mean_pressure": 1e5}])
+@pytest.mark.parametrize(
+    "control", [{"contact_fraction": 0.3}, {"contact_fraction": 0.9}, {"mean_pressure": 1e5}]
+)
 def test_heights_that_are_no_numbers_in_places_are_refused_with_the_first_one(lo, control):
     def height(x):
         return np.where((x > lo) & (x < lo + 1e-3), np.nan, 1e-3 * (1 - np.cos(TURN * x)))
@@ -175,7 +228,9 @@ def test_heights_that_are_no_numbers_beside_a_lone_contact_are_told_with_the_fir
 
 @pytest.mark.parametrize("period", [1.0, None])
 def test_heights_that_cannot_be_squared_are_refused_for_that(period):
-    huge = Heights((lambda x: 1e200 * np.sin(np.pi * x) ** 2) if period else (lambda x: 1e200 * x**2), period)
+    huge = Heights(
+        (lambda x: 1e200 * np.sin(np.pi * x) ** 2) if period else (lambda x: 1e200 * x**2), period
+    )
     model = contact.Periodic() if period else contact.Isolated()
     with pytest.raises(contact.SceneError, match="cannot be squared"):
         contact.solve(contact.Scene(huge, E_STAR, model, load=1e207))
@@ -186,5 +241,12 @@ def test_heights_that_cannot_be_squared_are_refused_for_that(period):
 def test_walls_that_overflow_a_metre_away_hide_no_contact(unit, load):
     own = Heights(lambda x: unit * 2 * np.sinh(x / unit / 2) ** 2)
     found = contact.solve(contact.Scene(own, E_STAR, contact.Isolated(), load=load * E_STAR * unit))
-    exact = contact.solve(contact.Scene(Heights(lambda x: 2 * np.sinh(x / 2) ** 2), E_STAR, contact.Isolated(), load=load * E_STAR))
+    exact = contact.solve(
+        contact.Scene(
+            Heights(lambda x: 2 * np.sinh(x / 2) ** 2),
+            E_STAR,
+            contact.Isolated(),
+            load=load * E_STAR,
+        )
+    )
     assert np.allclose(found.zones / unit, exact.zones, rtol=0, atol=2e-8 * exact.zones[0, 1])
