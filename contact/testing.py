@@ -21,7 +21,7 @@ import numpy as np
 from contact.errors import ContactError, SceneError, shown
 from contact.model.declared import require_body, require_declarations
 from contact.model.profiles.base import Profile
-from contact.model.profiles.derive import by_ladder
+from contact.model.profiles.derive import detail_of, scale_of, verdicts
 from contact.model.substrates.base import Substrate
 from sie import Array, Mask
 
@@ -81,6 +81,8 @@ def jumps_at(profile: Profile, places: Array, reach: Array, nearest: float = 0.0
 _POINTS = 400
 _SAME = 1e-9  # of the largest value met: two evaluations of one quantity
 _SLOPE = 1e-6  # of the largest slope: what differences of the height can vouch for
+_NEAREST = 1e-8  # of where a kink is first seen: from how near it is looked at
+_RESOLVED = 1e-2  # of a window: a smallest length of the shape that is well seen in it
 _JUMP = 1e-3  # of the largest slope: a jump smaller than this cannot be told from a steep slope
 _STEP = 1e-6  # of a declared jump, and of the largest slope over the window to the power that fits: less is rounding
 _ONE = 1e-12  # of the window: places this near are one
@@ -243,7 +245,20 @@ def _window(profile: Profile) -> tuple[float, float]:
     if length is None and dataclasses.is_dataclass(profile):
         sizes = [getattr(profile, f.name) for f in dataclasses.fields(profile)]
         length = next((float(s) for s in sizes if isinstance(s, float) and s > 0), None)
-    return -(length or 1.0), length or 1.0
+    half = length or _half_window(profile)
+    return -half, half
+
+
+def _half_window(profile: Profile) -> float:
+    """Half width [m] of a window about 0 in which a shape is smooth and finite, else 1 m."""
+    half = 1.0
+    for _ in range(_HALVED):
+        with np.errstate(all="ignore"):
+            finite = np.isfinite(np.asarray(profile.height(np.linspace(-half, half, _POINTS)))).all()
+        if finite and detail_of(profile.height, -half, half) > _RESOLVED * half:
+            return half
+        half /= 4
+    return 1.0
 
 
 def _points(profile: Profile, window: tuple[float, float] | None) -> Array:
@@ -301,8 +316,6 @@ def _shapes(profile: Profile, x: Array) -> Iterator[str]:
         # A derived slope chooses its steps from all its points, so single values may differ a little.
         tolerance = (_SLOPE if name == "slope" and profile.slope_is_derived else _SAME) * size
         tries: list[tuple[str, Any, Array]] = [
-            ("a number", float(x[0]), whole[0]),
-            ("a list", x[:6].tolist(), whole),
             ("an array of shape (2, 3)", x[:6].reshape(2, 3), whole.reshape(2, 3)),
             ("an empty array", np.empty(0), np.empty(0)),
         ]
@@ -316,6 +329,11 @@ def _shapes(profile: Profile, x: Array) -> Iterator[str]:
                 yield f"{name}(x) for {what} has shape {got.shape}, not {np.shape(expected)}"
             elif np.any(np.abs(got - expected) > tolerance):
                 yield f"{name}(x) for {what} differs from its values elsewhere: it must work by elements"
+        for what, argument in (("a number", float(x[0])), ("a list", x[:6].tolist())):
+            try:
+                function(argument)
+            except Exception:
+                yield f"note: {name}(x) takes no {what[2:]}: np.asarray(x) lets it"
 
 
 def _periodicity(profile: Profile, x: Array) -> Iterator[str]:
@@ -336,26 +354,20 @@ def _periodicity(profile: Profile, x: Array) -> Iterator[str]:
 
 
 def _slope(profile: Profile, x: Array) -> Iterator[str]:
-    slope = np.asarray(profile.slope(x))
-    lo, hi = float(x[0]), float(x[-1])
-    inside = x[(x > lo + 0.02 * (hi - lo)) & (x < hi - 0.02 * (hi - lo))] if _ends(profile) else x
-    length = profile.resolution or (hi - lo)
-    seen, spread = by_ladder(profile.height, inside, min(length, 0.1 * (hi - lo)))
-    scale = max(float(np.max(np.abs(slope))), float(np.max(np.abs(seen), initial=0.0)))
-    sure = spread <= 0.1 * _SLOPE * scale
-    if sure.mean() < 0.8:
-        yield f"height is not smooth: differences settle at {sure.sum()} of {sure.size} points (steps?)"
-    off = np.where(sure, np.abs(np.asarray(profile.slope(inside)) - seen), 0.0)
-    if np.max(off, initial=0.0) > _SLOPE * scale:
-        i = int(np.argmax(off))
-        claimed = float(profile.slope(inside)[i])
-        told = f"slope({inside[i]:.6g}) = {claimed:.9g}, differences of the height give {seen[i]:.9g}"
+    if profile.slope_is_derived:
+        return
+    scale = scale_of(x, profile.resolution, (float(x[0]), float(x[-1])))
+    judged = verdicts(profile.height, profile.slope, x, scale)
+    if judged.contradicted.any():
+        i = int(np.argmax(np.where(judged.contradicted, judged.off, 0.0)))
+        told = f"about x = {x[i]:.6g} its mean is {judged.claimed[i]:.9g}, and the height rises by {judged.seen[i]:.9g} a length"
         yield f"slope disagrees with the height: {told}"
 
 
 def _continuity(profile: Profile, x: Array) -> Iterator[str]:
     lo, hi = float(x[0]), float(x[-1])
-    size = float(np.ptp(np.asarray(profile.height(x))))
+    heights = np.asarray(profile.height(x))
+    size = max(float(np.ptp(heights)), 4 * _UNIT * float(np.max(np.abs(heights))) / _JUMP)
     for s, step in _jumps(lambda t: np.asarray(profile.height(t)), lo, hi, 1e-10 * (hi - lo), size):
         yield f"the height jumps by {step:.6g} at {s:.6g}: it must be continuous"
         return
@@ -387,30 +399,66 @@ def _kinks(profile: Profile, x: Array) -> Iterator[str]:
         lo = profile.x0 - 0.0123456789 * width
     scale = float(np.max(np.abs(np.asarray(profile.slope(x)))))
     declared = np.asarray(profile.kinks, dtype=np.float64).reshape(-1, 2)
-    slope, reach = _sharp_slope(profile, width)
+    slope, reach, rounding = _sharp_slope(profile, width, x)
     points = np.asarray(profile.algebraic_points, dtype=np.float64)
     for s, jump in declared:
         seen = float(np.diff(slope(np.array([s - 2 * reach, s + 2 * reach])))[0])
         # An algebraic point of an exponent near 1 looks like a kink from anywhere.
         seen -= sum((left + right) * n * (2 * reach) ** (n - 1) for at, n, left, right in points if at == s)
-        if abs(seen - jump) > _JUMP * max(scale, abs(jump)):
+        if abs(seen - jump) > _JUMP * max(scale, abs(jump)) + rounding:
             yield f"kink declared at {s:.6g} with jump {jump:.6g}: the slope jumps by {seen:.6g} there"
-    for s, jump in _jumps(slope, lo, lo + width, reach, scale):
+    for s, jump in _jumps(slope, lo, lo + width, reach, max(scale, rounding / _JUMP)):
         at = float(profile.wrap(s)) if profile.period is not None else s
         away = np.abs(np.append(declared[:, 0], points[:, 0]) - at)
         if profile.period is not None:
             away = np.minimum(away, profile.period - away)
-        if not np.any(away <= max(4 * reach, 1e-6 * width)):
-            yield f"the slope jumps by {jump:.6g} at {at:.9g}, and kinks does not say so"
+        if np.any(away <= max(4 * reach, 1e-6 * width)):
+            continue
+        found = _kink(profile, s, jump, 4 * reach)
+        if found is not None:
+            at = float(profile.wrap(found[0])) if profile.period is not None else found[0]
+            yield f"the slope jumps by {found[1]:.6g} at {at:.9g}, and kinks does not say so"
 
 
-def _sharp_slope(profile: Profile, width: float) -> tuple[Callable[[Array], Array], float]:
-    """The slope and the distance at which its two sides can be told apart."""
+def _kink(profile: Profile, s: float, jump: float, h: float) -> tuple[float, float] | None:
+    """Place and jump of a kink about s, looked at from ever nearer, as far as rounding lets.
+
+    None where there is no kink: the jump of a bend that is only sharp falls with the distance,
+    that of rounding grows.
+    """
+    least, found = max(64 * _UNIT * abs(s), _NEAREST * h), None
+    while h > least:
+        at = s + h * np.linspace(-1, 1, 17)
+        h /= 4
+        if profile.slope_is_derived:
+            right, here, left = (np.asarray(profile.height(at + k * h)) for k in (1, 0, -1))
+            bends, rounding = (right - 2 * here + left) / h, 4 * _UNIT * float(np.max(np.abs(here))) / h
+        else:
+            right, left = (np.asarray(profile.slope(at + k * h)) for k in (1, -1))
+            bends, rounding = right - left, 4 * _UNIT * float(np.max(np.abs(right)))
+        if rounding > _CLEAR * abs(jump):
+            break
+        s = float(at[np.argmax(np.abs(bends))])
+        beside = s + h * np.array([-3.0, -1.0, 1.0, 3.0])
+        if profile.slope_is_derived:
+            rises = np.diff(np.asarray(profile.height(beside))) / (2 * h)
+            seen = float(rises[2] - rises[0])
+        else:
+            seen = float(np.diff(np.asarray(profile.slope(beside[1:3])))[0])
+        if not 0.5 < abs(seen / jump) < 3.0:
+            return None
+        jump, found = seen, (s, seen)
+    return found
+
+
+def _sharp_slope(profile: Profile, width: float, x: Array) -> tuple[Callable[[Array], Array], float, float]:
+    """The slope, the distance at which its two sides can be told apart, and its rounding."""
     if not profile.slope_is_derived:
-        return (lambda x: np.asarray(profile.slope(x))), 1e-10 * width
+        return (lambda x: np.asarray(profile.slope(x))), 1e-10 * width, 0.0
     # The derived slope is no use beside a kink; short differences of the height blur it by their step only.
     h = 1e-6 * width
-    return (lambda x: (np.asarray(profile.height(x + h)) - np.asarray(profile.height(x - h))) / (2 * h)), h
+    rounding = 4 * _UNIT * float(np.max(np.abs(np.asarray(profile.height(x))))) / h
+    return (lambda x: (np.asarray(profile.height(x + h)) - np.asarray(profile.height(x - h))) / (2 * h)), h, rounding
 
 
 def _jumps(slope: Callable[[Array], Array], lo: float, hi: float, reach: float, scale: float) -> list[tuple[float, float]]:

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from contact.model.profiles.derive import borne_out, by_ladder, imaginary
+from contact.model.profiles.derive import complex_value, differences, verdicts
 from sie import Array, record
 
 _DEGREES = (24, 96, 384)
@@ -43,21 +43,24 @@ class LogDerivative:
 
     def __call__(self, r: Array) -> Array:
         t = np.log(r)
-        by_step = None if self._trusted is False else self._complex_step(r)
-        if by_step is not None and self._trusted:
-            return by_step
-        by_differences, doubt = by_ladder(self._of_log, t, 1.0, doubted=True)
-        if by_step is None:
-            return by_differences
-        self._trusted = borne_out(self._of_log, t, 1.0, by_step, by_differences, doubt)
-        return by_differences if self._trusted is False else by_step
+        by_step = None if self._trusted is False else self._by_step(t)
+        if by_step is not None and self._trusted is None:
+            judged = verdicts(self._of_log, self._finite_or_nan, t, np.ones(t.shape))
+            if judged.contradicted.any() or judged.confirmed.any():
+                self._trusted = not judged.contradicted.any()
+        return differences(self._of_log, t, np.ones(t.shape))[0] if by_step is None or self._trusted is False else by_step
 
     def _of_log(self, t: Array) -> Array:
         return np.asarray(self._function(np.exp(t)))
 
-    def _complex_step(self, r: Array) -> Array | None:
-        value = imaginary(self._function, r * complex(1.0, _STEP))
-        return None if value is None else value / _STEP
+    def _by_step(self, t: Array) -> Array | None:
+        """None where the height takes no complex numbers, or is not finite."""
+        slope = self._finite_or_nan(t)
+        return slope if np.isfinite(slope).all() else None
+
+    def _finite_or_nan(self, t: Array) -> Array:
+        value = complex_value(self._function, np.exp(t) * complex(1.0, _STEP))
+        return np.full(t.shape, np.nan) if value is None else value.imag / _STEP
 
 
 @record

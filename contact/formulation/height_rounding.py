@@ -9,6 +9,7 @@ import math
 import numpy as np
 
 from contact.formulation.problem import Problem
+from contact.model.profiles.derive import verdicts
 from sie import Array
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
@@ -25,6 +26,11 @@ def told(problem: Problem, table: Array) -> str:
     middle, half = 0.5 * float(zone[0] + zone[1]), 0.5 * float(zone[1] - zone[0])
     here, rise, apart = _missing(problem, middle, half)
     if not here > _COARSE * rise:
+        return ""
+    # Heights with digits that contradict the slope are not rounded: one of the two is wrong.
+    at = middle + half * np.linspace(-1, 1, _PLACES)
+    scale = np.full(at.shape, half / _PLACES)
+    if verdicts(problem.shape, problem.slope, at, scale).contradicted.any():
         return ""
     for wider in _WIDER:
         there, risen, _ = _missing(problem, middle, wider * half)

@@ -32,6 +32,10 @@ _TABLES = {
     "kinks": (2, "position and jump of the slope"), "jumps": (3, "position, order, and jump of that derivative"),
     "algebraic_points": (4, "position, exponent, and the coefficients of that power of the distance on the left and on the right"),
 }
+# Places of a cell, or of a part that is known, at which heights must be numbers.
+_LOOKED_AT = 4097
+# A variation of heights [m] whose square, times that of a length, is a number.
+_LARGEST = 1e120
 _SPREAD = np.array([[-0.43, -0.21, -0.057], [0.11, 0.29, 0.47]])
 _DECADES = np.array([[-0.43, -1.1e-3, -1.3e-9], [1.7e-6, 1.9e-4, 0.29]])
 
@@ -40,8 +44,45 @@ def require_declared(profile: Profile) -> None:
     """SceneError that names the first attribute or method of the profile that has not the form it must have."""
     require_declarations(profile)
     x = _places(profile)
-    for name in ("height", "slope"):
-        _require_by_elements(profile, name, x)
+    _require_by_elements(profile, "height", x)
+    _require_heights(profile, x)
+    _require_by_elements(profile, "slope", x)
+
+
+def _require_heights(profile: Profile, x: Array) -> None:
+    """SceneError where heights are no numbers, or larger than can be squared.
+
+    x: where to look at a profile without ends.
+    """
+    ends = profile.known or profile.support
+    x = np.linspace(*ends, _LOOKED_AT) if ends is not None else x
+    with of_author("profile.height(x)", "height"):
+        heights = np.asarray(profile.height(x.copy()), dtype=np.float64)
+    # Without ends, far places need not matter: where it is looked for the contact, they do.
+    if ends is not None:
+        require_numbers(x, heights)
+    near = heights if ends is not None else heights[np.abs(x) <= np.median(np.abs(x))]
+    with np.errstate(over="ignore"):
+        size = float(np.ptp(near[np.isfinite(near)])) if np.isfinite(near).any() else 0.0
+    if not size < _LARGEST:
+        told = (
+            f"profile.height(x) varies by {size:.3g} m about x = {np.median(x):.3g} m: more than "
+            f"{_LARGEST:.0e} m cannot be squared as a number; is the unit of length the metre?"
+        )
+        raise SceneError(told, "height", size)
+
+
+def require_numbers(x: Array, heights: Array) -> None:
+    """SceneError that names the first place at which a height is nan, or below all numbers."""
+    lost = np.isnan(heights) | np.isneginf(heights)
+    if lost.any():
+        x, heights = x[lost], heights[lost]
+        k = int(np.argmin(x))
+        told = (
+            f"profile.height(x) is {heights.ravel()[k]} at x = {x.ravel()[k]:.9g} m: "
+            "it must be a number, or +inf where there is no body"
+        )
+        raise SceneError(told, "height", float(heights.ravel()[k]))
 
 
 def require_declarations(profile: Profile) -> None:

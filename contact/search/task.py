@@ -15,7 +15,6 @@ import numpy as np
 
 import sie
 from contact.errors import ContactError, NotConverged, OutOfRange, SceneError
-from contact.extras import require
 from contact.formulation import height_rounding
 from contact.formulation.controls import Control, Machine, scaled_control
 from contact.formulation.fields import ZoneFields
@@ -31,7 +30,7 @@ from contact.search.topology.carried import Passed
 from contact.search.topology.first_gaps import FirstGaps
 from contact.search.topology.loop import ROUNDS, Newton, Progress, refine_topology
 from contact.search.topology.missed import Missed
-from contact.solution.made import in_cell
+from contact.solution.made import fault_of_profile, in_cell
 from contact.solution.plan import Plan, plan, starts_from_one_zone
 from contact.solution.solution import Solution
 from contact.verify.accuracy import Found
@@ -163,19 +162,11 @@ class Task:
             return OutOfRange(missed.reason)
         free = missed.free
         if free is None:
-            return NotConverged(f"not converged: {missed.reason}{self._fault_of_profile()}")
+            return NotConverged(f"not converged: {missed.reason}{fault_of_profile(self.scene)}")
         rounded = height_rounding.told(problem, free.density.zones.table)
         if rounded:
             return SceneError(rounded, "profile", self.scene.profile)
         table = in_cell(self.scene, np.asarray(problem.units.x(free.density.zones.table)))
         certificate = replace(NOT_CHECKED, holds=False, note=missed.reason)
         best = Solution(self.scene, table, ZoneFields(problem, free.state), math.inf, certificate, self.plan, free.trace)
-        return NotConverged(f"not converged: {missed.reason}{self._fault_of_profile()}", free.trace, best)
-
-    def _fault_of_profile(self) -> str:
-        """What is wrong with a profile of someone's own that did not lead to a solution, in words; empty if nothing is."""
-        profile = self.scene.profile
-        if type(profile).__module__.startswith("contact."):
-            return ""
-        faults = require("contact.testing").check_profile(profile, raises=False).faults
-        return f"; the profile contradicts itself, says contact.testing.check_profile: {faults[0]}" if faults else ""
+        return NotConverged(f"not converged: {missed.reason}{fault_of_profile(self.scene, table)}", free.trace, best)

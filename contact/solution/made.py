@@ -10,6 +10,7 @@ import numpy as np
 
 import sie
 from contact.errors import NotConverged
+from contact.extras import require
 from contact.formulation import claims, tables
 from contact.formulation.fields import ZoneFields, mean_shape
 from contact.formulation.full import ApartFields, FullFields, FullLimit, lowest, period_samples
@@ -135,6 +136,24 @@ def in_cell(scene: Scene, table: Array) -> Array:
     return tables.in_cell(table, scene.profile.x0, scene.period)
 
 
+def fault_of_profile(scene: Scene, zones: Array | None = None) -> str:
+    """The first fault of a profile of someone's own, in words; empty if there is none.
+
+    zones: where to look at a shape without ends [m].
+    """
+    for profile in scene.profile.bodies.values():
+        if type(profile).__module__.startswith("contact."):
+            continue
+        window = None
+        if zones is not None and len(zones) and not (profile.known or profile.support):
+            lo, hi = float(zones.min()), float(zones.max())
+            window = lo - (hi - lo), hi + (hi - lo)
+        faults = require("contact.testing").check_profile(profile, window, raises=False).faults
+        if faults:
+            return f"; the profile contradicts itself, says contact.testing.check_profile: {faults[0]}"
+    return ""
+
+
 def _tell_sizes(plan: Plan, zones: int, state: sie.AnyState) -> None:
     sizes = state.sizes
     if sizes.iterations:
@@ -155,5 +174,6 @@ def _within(tol: float, solution: Solution, free: sie.Free, of: str, positions: 
         end = fields.problem.end if isinstance(fields, ZoneFields) else sie.FREE
         why = limit_of_approach(solution, tol) or thin or beside or limit(free, tol, of, positions, end, solution.error)
         told = f"the stated error {solution.error:.2g} is above the tolerance {tol:.2g}{': ' if why else ''}{why}"
-        raise NotConverged(f"{told}; the best state is attached", solution.trace, solution)
+        fault = "" if why else fault_of_profile(solution.scene, solution.zones)
+        raise NotConverged(f"{told}; the best state is attached{fault}", solution.trace, solution)
     return solution

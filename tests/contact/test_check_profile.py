@@ -61,11 +61,6 @@ FAULTS = {
         variant(slope=lambda s, x: Good.slope(s, x) + 0 * x + (np.abs(x) > L)),
         "not periodic",
     ),
-    "a number only": (
-        variant(height=lambda s, x: 1e-6 * (1 - np.cos(K * x[:])) if np.ndim(x) else [1.0]),
-        "shape",
-    ),
-    "no lists": (variant(height=lambda s, x: 1e-6 * (1 - np.cos(x * K))), "for a list"),
     "flattened": (variant(height=lambda s, x: np.ravel(Good.height(s, x))), "shape"),
     "depends on its neighbours": (
         variant(height=lambda s, x: Good.height(s, x) - np.min(x)),
@@ -162,6 +157,46 @@ def test_a_slope_left_out_is_a_hint_and_no_fault() -> None:
 
     report = check_profile(Cosh(1e-5))
     assert report.ok and any("derived" in note for note in report.notes)
+
+
+class ArraysOnly(Good):
+    def height(self, x):  # type: ignore[no-untyped-def]
+        return super().height(x.copy())
+
+    def slope(self, x):  # type: ignore[no-untyped-def]
+        return super().slope(x.copy())
+
+
+def test_a_profile_that_takes_arrays_only_has_no_fault() -> None:
+    report = check_profile(ArraysOnly())
+    assert report.ok and any("takes no number" in note for note in report.notes)
+
+
+# Correct shapes of all sizes: what is sharp from afar is no kink, what is rounded is no step.
+CORRECT = {
+    "catenary": (lambda x: np.cosh(x), np.sinh),
+    "hyperbola": (lambda x: np.sqrt(1 + x**2), lambda x: x / np.sqrt(1 + x**2)),
+    "soft corner": (lambda x: 0.1 * np.logaddexp(10 * x, -10 * x), lambda x: np.tanh(10 * x)),
+    "circle": (lambda x: 1e4 - np.sqrt(1e8 - x**2), lambda x: x / np.sqrt(1e8 - x**2)),
+    "constant": (lambda x: 100 + x**2 / 2, lambda x: x),
+}
+
+
+@pytest.mark.parametrize("unit", [1e-9, 1.0, 1e3])
+@pytest.mark.parametrize("shape", CORRECT)
+@pytest.mark.parametrize("given", [True, False])
+def test_a_correct_profile_of_any_size_has_no_fault(shape: str, unit: float, given: bool) -> None:
+    height, slope = CORRECT[shape]
+    members = {"height": lambda s, x: unit * height(np.asarray(x) / unit), "slope": lambda s, x: slope(np.asarray(x) / unit)}
+    made = type("Correct", (Profile,), members if given else {"height": members["height"]})()
+    report = check_profile(made, raises=False)
+    assert report.ok, report
+
+
+def test_a_kink_that_is_reported_can_be_copied() -> None:
+    tooth = type("Tooth", (Profile,), {"height": lambda s, x: np.maximum(np.abs(np.asarray(x)) - 0.1, 0.0)})()
+    faults = check_profile(tooth, raises=False).faults
+    assert "jumps by 1 at -0.1," in faults[0] and "jumps by 1 at 0.1," in faults[1]
 
 
 def test_something_that_is_no_profile_is_told_so() -> None:

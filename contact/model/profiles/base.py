@@ -17,14 +17,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import sie
-from contact.model.profiles.derive import detail_of, right_by_step, slope_of
+from contact.model.profiles.derive import DerivedSlope, detail_of
 from contact.model.registry import Named, anew, construct, parameters
 from sie import Array
 
 # Places a period at which slopes are read.
 _PLACES = 1024
-# Places at which complex steps are checked, over the length in which heights vary; of shapes that ask for more all are, each time.
-_CHECKS, _MOST_CHECKS = 8, 2**14
 
 # The one tip of many shapes.
 AT_ORIGIN = np.zeros(1)
@@ -87,16 +85,11 @@ class Profile(Named, sie.Kept):
 
     def slope(self, x: ArrayLike) -> Array:
         """f'(x), derived numerically from the height: give it in closed form where you can."""
-        return slope_of(self.height, np.asarray(x, dtype=np.float64), self._length(), self._takes_complex_steps)
+        return self._derived(np.asarray(x, dtype=np.float64))
 
     @cached_property
-    def _takes_complex_steps(self) -> bool:
-        """Whether complex steps of the height are right at places as close as it varies: they need not be checked anew at every place."""
-        if self.period is None or self._detail is None:
-            return False
-        lo, hi = self.support or (self.x0, self.x0 + self.period)
-        count = math.ceil(_CHECKS * (hi - lo) / self._detail)
-        return count <= _MOST_CHECKS and right_by_step(self.height, lo + (hi - lo) * (np.arange(count) + 0.5) / count, self._length())
+    def _derived(self) -> DerivedSlope:
+        return DerivedSlope(self.height, self._length(), self.extent if self.support is None else self.support)
 
     @property
     def slope_is_derived(self) -> bool:

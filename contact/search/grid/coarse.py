@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from contact.errors import OutOfRange
 from contact.formulation.tables import in_cell, runs_of
+from contact.model.declared import require_numbers
 from contact.model.profiles.base import Profile
 from contact.search.grid.centring import Unrest
 from contact.search.grid.conjugate_gradient import GridState, Response, solve_grid
@@ -23,6 +24,7 @@ from sie import Array, record
 Height = Callable[[Array], ArrayLike]
 
 _POINTS = 128  # of a window
+_SHRINKS = 40  # of a window to an eighth: from metres to below atoms, and from lengths far beyond
 _TOWERING = 1e6  # heights above the lowest, over the window
 COARSEST = 64  # points of the first of the nested grids
 MOST_POINTS = 2**23  # of the last grid, however fine the shape is
@@ -203,6 +205,7 @@ def propose(
     while True:
         x, h = _midpoints(cell, n), width / n
         f = np.asarray(height(x), dtype=np.float64)
+        require_numbers(x, f)
         # What a grid before the last is wrong by, the next one puts right.
         state = solve_grid(f, response.on(n, h), load=load, level=level, start=start, tol=tol if n >= target else max(tol, _PASSING))
         if n >= target and (narrowest(state) >= NARROW or 2 * n > limit):
@@ -267,14 +270,27 @@ class _Window:
     response: Response
     limits: tuple[float, float] | None
 
+    def _heights(self, x: Array) -> Array:
+        with np.errstate(over="ignore"):  # far outside heights may overflow to inf: these points do not touch
+            return np.asarray(self.height(x), dtype=np.float64)
+
+    def _with_body(self, window: tuple[float, float]) -> tuple[float, float]:
+        """The window, shrunk about its middle until some height in it is no overflow."""
+        for _ in range(_SHRINKS):
+            if not np.isposinf(self._heights(_midpoints(window, _POINTS))).all():
+                break
+            middle, half = 0.5 * (window[0] + window[1]), 0.5 * (window[1] - window[0])
+            window = middle - half / 8, middle + half / 8
+        return window
+
     def _solve(self, window: tuple[float, float], load: float) -> tuple[Array, GridState]:
         x = _midpoints(window, _POINTS)
-        with np.errstate(over="ignore"):  # far outside heights may overflow to inf: these points do not touch
-            f = np.asarray(self.height(x), dtype=np.float64)
-        if np.any(np.isnan(f)) or np.any(f == -np.inf):
+        f = self._heights(x)
+        lost = np.isnan(f) | np.isneginf(f)
+        if lost.any():
             raise OutOfRange(
-                f"the profile is not a number, or unbounded below, somewhere in the window {window} [m]: if it is known on a part of the "
-                "line only, give it an `extent`, and a `resolution` to begin with"
+                f"profile.height(x) is {f[lost][0]} at x = {x[lost][0]:.9g} m, in the window {window} [m] looked at: "
+                "if it is known on a part of the line only, give it an `extent`, and a `resolution` to begin with"
             )
         # So high nothing touches, and beside such heights those of the tip have no digits.
         with np.errstate(over="ignore", invalid="ignore"):
@@ -290,6 +306,7 @@ class _Window:
 
     def at_load(self, load: float, window: tuple[float, float]) -> tuple[tuple[float, float], GridState]:
         floor, shrunk = 0.0, False
+        window = self._with_body(window)
         for _ in range(300):
             x, state = self._solve(window, load)
             width = window[1] - window[0]
