@@ -234,7 +234,7 @@ def _series(profile: Profile, length: float) -> Transform:
         return np.asarray(out + of_jumps.conjugate(x) + over_jumps(x, first, over * length**2 / (4 * pi**3), length, clausen3))
 
     error = _series_error(size, len(k), noise)
-    return Transform(smooth, error, _limit_of_series(x, slope - polynomials(x), size, settled), settled, scale)
+    return Transform(smooth, error, _limit_of_series(x, slope - closed(x), size, settled), settled, scale)
 
 
 def _series_error(size: Array, used: int, noise: float) -> float:
