@@ -218,9 +218,9 @@ def _told(state: AnyState, search: Free | None = None) -> Solution:
         return Solution(state.density, zones, math.inf, value, errors=unknown, state=state, search=search)
     of_ends, moved = np.zeros(len(zones)), np.zeros(len(zones))
     if search is not None:
-        ends = search.end_error + state.end_truncation
+        ends = search.end_error + search.end_truncation
         _, by_left, by_right = state.density.sensitivity
-        of_ends, moved = ends.max(axis=1), ends[:, 0] * by_left + ends[:, 1] * by_right
+        of_ends, moved = ends.max(axis=1), ends[:, 0] * by_left + ends[:, 1] * by_right + search.followed
     moved = moved + _jump_rounding(state)
     sizes = np.where(state.zone_sizes > 0.0, state.zone_sizes, math.inf)
     error = max(float(of_ends.max()), float(moved.max()) / max(state.size, 1e-300) + state.density_error)

@@ -184,8 +184,12 @@ def density_rounding(state: Solved, missing: Array, low: Array) -> Array:
     rounding = np.hypot(rounding, _row_truncation(state, solver, missing, low))
     shaken = rounding[:, None] * chance.standard_normal((solver.size, _SHAKEN))
     shaken[state.conditions_from :] += state.level_rows @ (levels[:, None] * chance.standard_normal((_SHAKEN, len(levels))).T)
-    changes = [system.layout.padded(state.symmetry.unfold(change)) for change in solver(shaken).T]
-    largest = _largest(np.concatenate(changes)).reshape(_SHAKEN, -1)
+    return density_changes(state, [state.symmetry.unfold(change) for change in solver(shaken).T])
+
+
+def density_changes(state: Solved, unknowns: list[Array]) -> Array:
+    """Size of a random change of the density on each zone (Z,), from a few samples of the change of the unknowns."""
+    largest = _largest(np.concatenate([state.system.layout.padded(one) for one in unknowns])).reshape(len(unknowns), -1)
     return np.asarray(SAFETY * np.sqrt(np.mean(largest**2, axis=0)))
 
 
