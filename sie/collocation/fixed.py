@@ -136,11 +136,13 @@ class State(Solved):
         """Error of the density on each zone over these sizes (Z,): neglected coefficients, the residual between the nodes, and what
         truncation and rounding of all rows do to the solution, which no residual shows. 0 where a size is 0.
 
-        With its singularity taken out, T_k / sqrt(1 - t^2) reaches 0.73 k near an end: so much does an error of c_k count.
+        With its singularity taken out, T_k / sqrt(1 - t^2) reaches 0.73 k near an end: so much does an error of c_k count. Coefficients
+        of one sign that fall slowly add up within (1 - fall)^2 of the end alone, where the weight sqrt(1 - t^2) is about 1 - fall^2.
         """
         zones, modes_of = self.density.zones, self.system.layout.m
         solved, sizes = zones.solved, np.where(sizes > 0.0, sizes, np.inf)
-        error = self.made_of(self._missing) + _AT_ENDS * self._missing_fields * modes_of
+        fields = self._missing_fields * (1 - self._falls**2)
+        error = self.made_of(self._missing) + _AT_ENDS * fields * modes_of
         error = (error + self.linear_error + self.density_rounding) / sizes
         seen = residual_errors(self._residuals, sizes[solved], modes_of[solved], self.jumps_rounding[solved])
         error[solved] += seen
@@ -216,9 +218,14 @@ class State(Solved):
     def _missing_fields(self) -> Array:
         """Sum of the coefficients beyond the coupled modes of what other zones do (Z,): they fall as their distance has it. Of those that a
         user's functions may have the last three are taken as they are."""
-        fall = np.exp(-modes.decay(self.density.zones, self.density.kernel))
+        fall = self._falls
         last = _last_of_fields(self.system, self.unknowns, None if self.system.equation.grows else fall)
         return np.asarray(last * fall / np.maximum(1 - fall, 1e-3))
+
+    @cached_property
+    def _falls(self) -> Array:
+        """Ratio of each coefficient of what other zones do to the one before (Z,), as their distance has it."""
+        return np.exp(-modes.decay(self.density.zones, self.density.kernel))
 
     @cached_property
     def noise(self) -> Array:
