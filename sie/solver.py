@@ -194,8 +194,9 @@ def _best(solutions: Iterator[Solution], tol: float) -> Solution:
 def _fixed(equation: Equation, zones: Zones, tol: float) -> Iterator[Solution]:
     """On zones whose ends stay; once more with all the modes that rounding allows, if the first are too few."""
     for decay in (max(_DECAY * tol, _LEAST), _LEAST):
-        state = solve_zones(equation, zones, decay)
-        yield _told(state)
+        yield _told(solve_zones(equation, zones, decay))
+        if _hidden(equation, zones, tol) is not None:
+            break  # more modes are not to be had
 
 
 def _free(
@@ -248,12 +249,17 @@ def _why(found: Solution, tol: float) -> str:
         return reached + f"rounding leaves the ends of zone {zone} (counted from 0) uncertain by {worst:.1e} of its width"
     if float(state.linear_error.max(initial=0.0)) > 0.1 * tol * state.size:
         return reached + "the iteration by which so many zones are solved does not come to rest: conditions nearly contradict each other"
-    told = modes.decay(found.zones, state.equation.kernel) * modes.COUPLED_SIZES[-1]
-    if float(told.min()) < -math.log(_DECAY * tol):
-        zone = int(told.argmin())
+    zone = _hidden(state.equation, found.zones, tol)
+    if zone is not None:
         return reached + f"zone {zone} (counted from 0) lies so close to another one, or to an image, that its modes do not show all of it"
     if state.unresolved:
         return reached + "a column or the kernel's regular part varies more than the modes of a zone show"
     if found.error < 1e-11:
         return reached + "that is what rounding leaves"
     return reached + "the right side is not smooth enough on a zone: jumps of it or of its derivatives are to be declared (sie.Forcing)"
+
+
+def _hidden(equation: Equation, zones: Zones, tol: float) -> int | None:
+    """The zone so close to another one that the most modes do not show this one to the tolerance; None if there is none."""
+    fallen = modes.decay(zones, equation.kernel) * modes.COUPLED_SIZES[-1]
+    return int(fallen.argmin()) if float(fallen.min()) < -math.log(_DECAY * tol) else None
