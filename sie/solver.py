@@ -18,6 +18,8 @@ _EPS = float(np.finfo(float).eps)
 # What the coefficients are asked for at least, over the tolerance; and what the ends are asked for in turn, until the error is met.
 _DECAY, _ENDS = 0.1, (0.1, 1e-3, 1e-5)
 _LEAST = 3e-16
+# Rounding of a density's value, relative: of its coefficients, of the root at the place, of both ends.
+_EVALUATION = 4 * _EPS
 
 
 @dataclass(frozen=True, eq=False)
@@ -224,9 +226,9 @@ def _told(state: AnyState, search: Free | None = None) -> Solution:
         of_ends, moved = ends.max(axis=1), ends[:, 0] * by_left + ends[:, 1] * by_right + search.followed
     moved = moved + _jump_rounding(state)
     sizes = np.where(state.zone_sizes > 0.0, state.zone_sizes, math.inf)
-    error = max(float(of_ends.max()), float(moved.max()) / max(state.size, 1e-300) + state.density_error)
-    errors = np.maximum(of_ends, moved / sizes + state.zone_errors)
-    return Solution(state.density, zones, error + _EPS, value, errors=errors + _EPS, state=state, search=search)
+    error = max(float(of_ends.max()), float(moved.max()) / max(state.size, 1e-300) + state.density_error) + _EVALUATION
+    errors = np.maximum(of_ends, moved / sizes + state.zone_errors) + _EVALUATION
+    return Solution(state.density, zones, error, value, errors=errors, state=state, search=search)
 
 
 def _jump_rounding(state: AnyState) -> Array:

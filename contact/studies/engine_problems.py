@@ -30,13 +30,14 @@ import sie
 
 Array = NDArray[Any]
 
-# The trapezoidal rule: its step leaves exp(-2 pi^2 / step) = 1e-21, and its last node exp(-reach / 2).
-STEP, REACH = 0.4, 92.0
+# The trapezoidal rule: its step leaves exp(-2 pi^2 / step) = 1e-21, and its last node exp(-step nodes / 2) = 1e-20.
+STEP = 0.4
+NODES = 230
 # Angles of each zone at which densities are compared.
 ANGLES = (np.arange(9) + 0.5) * np.pi / 9
 SLOW_SECONDS = 20.0
 # Two answers whose ends differ by more than this part of a width are two roots of the same problem.
-OTHER_ROOT = 0.05
+OTHER_ROOT = 1e-3
 # Errors below this are the rounding of the designed density and of its conditions.
 ROUNDING = 4e-15
 
@@ -105,7 +106,7 @@ class Design:
 
     def integral(self, a: float, b: float, weight: Callable[[Array], Array] = np.ones_like) -> float:
         """Of P |Y| times a weight from an end to the next one."""
-        s = np.arange(-REACH, REACH + STEP, STEP, dtype=np.longdouble)
+        s = STEP * np.arange(-NODES, NODES + 1, dtype=np.longdouble)
         width = np.longdouble(b) - np.longdouble(a)
         left, right = width / (1 + np.exp(-s)), width / (1 + np.exp(s))
         start, away = np.where(s < 0, np.longdouble(a), np.longdouble(b)), np.where(s < 0, left, -right)

@@ -219,7 +219,7 @@ class State(Solved):
         """Sum of the coefficients beyond the coupled modes of what other zones do (Z,): they fall as their distance has it. Of those that a
         user's functions may have the last three are taken as they are."""
         fall = self._falls
-        last = _last_of_fields(self.system, self.unknowns, None if self.system.equation.grows else fall)
+        last = _last_of_fields(self.system, self.unknowns, fall, continued=not self.system.equation.grows)
         return np.asarray(last * fall / np.maximum(1 - fall, 1e-3))
 
     @cached_property
@@ -540,10 +540,10 @@ def field_tails(system: System, y: Array, density: Density) -> Array:
     return np.asarray(tail / np.where(top > 0, top, 1.0))
 
 
-def _last_of_fields(system: System, y: Array, fall: Array | None = None) -> Array:
+def _last_of_fields(system: System, y: Array, fall: Array | None = None, continued: bool = True) -> Array:
     """Largest of the last three coupled coefficients of what the other zones and the columns do (Z,); of few modes zero.
 
-    fall: ratio of each coefficient to the one before, by which they are continued to the last. Samples at m nodes fold coefficient
+    fall: ratio of each coefficient to the one before; continued: whether all three are continued to the last by it. Samples at m nodes fold coefficient
     m + 1 + j back onto m + 1 - j, so that of a slow fall nearly nothing is left there: 1 - fall^(2 j) of it.
     """
     layout, g = system.layout, system.lowest
@@ -552,6 +552,6 @@ def _last_of_fields(system: System, y: Array, fall: Array | None = None) -> Arra
     of_g = np.where(last < g.shape[1], g[some, np.minimum(last, g.shape[1] - 1)], 0.0)
     size = np.abs(y[layout.offset[some] + last] + of_g)
     if fall is not None:
-        size = size * fall[some] ** away / (1 - fall[some] ** (2 * (away + 1)))
+        size = size * fall[some] ** (away * continued) / (1 - fall[some] ** (2 * (away + 1)))
     out[some[:, 0]] = size.max(axis=1, initial=0.0)
     return out
