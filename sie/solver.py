@@ -251,9 +251,9 @@ def _why(found: Solution, tol: float) -> str:
         return reached + f"rounding leaves the ends of zone {zone} (counted from 0) uncertain by {worst:.1e} of its width"
     if float(state.linear_error.max(initial=0.0)) > 0.1 * tol * state.size:
         return reached + "the iteration by which so many zones are solved does not come to rest: conditions nearly contradict each other"
-    zone = _hidden(state.equation, found.zones, tol)
-    if zone is not None:
-        return reached + f"zone {zone} (counted from 0) lies so close to another one, or to an image, that its modes do not show all of it"
+    hidden = _hidden(state.equation, found.zones, tol)
+    if hidden is not None:
+        return reached + f"zone {hidden} (counted from 0) lies so close to another one, or to an image, that its modes do not show all of it"
     if state.unresolved:
         return reached + "a column or the kernel's regular part varies more than the modes of a zone show"
     if found.error < 1e-11:

@@ -113,7 +113,8 @@ class Design:
         return float(STEP * (self.product(start, away) * weight(start + away) * left * right / width).sum())
 
     def total(self, zone: int, weight: Callable[[Array], Array] = np.ones_like) -> float:
-        return -self.orientation(zone) * int(self.signs[zone, 1]) * self.integral(*self.ends[zone], weight)
+        a, b = self.ends[zone].tolist()
+        return -self.orientation(zone) * int(self.signs[zone, 1]) * self.integral(a, b, weight)
 
     def step(self, zone: int) -> float:
         """Level of the next zone less that of a zone."""
@@ -237,7 +238,7 @@ def judged(seed: int, tol: float = 1e-10) -> Judged:
     if not np.isfinite(found.error) or off.max() > OTHER_ROOT:
         return Judged(what if what == "refused" else "other root", seconds, told=told)
     each, sides = np.arange(len(width)), (2 * np.cos(ANGLES / 2) ** 2, 2 * np.sin(ANGLES / 2) ** 2)
-    exact = np.array([design.density(zone, ANGLES) for zone in each])
+    exact = np.array([design.density(zone, ANGLES) for zone in range(len(width))])
     missed = (np.abs(found.density.at(each[:, None], *sides) - exact) * np.sin(ANGLES)).max(axis=1)
     ratio = max(off.max(), missed.max() / found.state.size) / (found.error + ROUNDING)
     sizes = np.maximum(found.state.zone_sizes, 1e-300)

@@ -127,8 +127,9 @@ def truncation_through_rows(state: Solved, missing: Array, low: Array) -> Array:
 def _row_truncation(state: Solved, solver: Factored, missing: Array, low: Array) -> Array:
     """Error of each row by truncation: what the coefficients that zones lack would add to it, and the residual's lowest modes.
 
-    missing: sum of these coefficients (Z,); low: of the residual on the solved zones (solved zones, modes). Coefficients beyond the last one act on the rows as the last one does, or less. Their effect on the zone's own density is local,
-    but the conditions may turn it into much more elsewhere: K = 0 at an end beside a strong zone fixes the total of a distant one.
+    missing: sum of these coefficients (Z,); low: of the residual on the solved zones (solved zones, modes). Coefficients beyond the
+    last one act on the rows as the last one does, or less. The conditions may carry their effect to other zones, and enlarge it:
+    K = 0 at an end beside a strong zone fixes the total of a distant one.
     """
     system = state.system
     layout, solved = system.layout, system.zones.solved
@@ -174,7 +175,7 @@ def density_rounding(state: Solved, missing: Array, low: Array) -> Array:
     Where the conditions nearly depend on each other it is many times the errors of the rows themselves. So the rows are shaken by
     these, by chance but always alike, and the change of the density is measured. missing, low: see `_row_truncation`.
     """
-    system, zones, solver = state.system, state.density.zones, state.direct
+    zones, solver = state.density.zones, state.direct
     if _stands_alone(state):
         return np.zeros(len(zones))
     if solver is None:
