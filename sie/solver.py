@@ -253,7 +253,8 @@ def _why(found: Solution, tol: float) -> str:
         return reached + "the iteration by which so many zones are solved does not come to rest: conditions nearly contradict each other"
     hidden = _hidden(state.equation, found.zones, tol)
     if hidden is not None:
-        return reached + f"zone {hidden} (counted from 0) lies so close to another one, or to an image, that its modes do not show all of it"
+        close = f"zone {hidden} (counted from 0) lies so close to another one, or to an image, that its modes do not show all of it"
+        return reached + close
     if state.unresolved:
         return reached + "a column or the kernel's regular part varies more than the modes of a zone show"
     if found.error < 1e-11:

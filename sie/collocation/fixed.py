@@ -543,8 +543,8 @@ def field_tails(system: System, y: Array, density: Density) -> Array:
 def _last_of_fields(system: System, y: Array, fall: Array | None = None, continued: bool = True) -> Array:
     """Largest of the last three coupled coefficients of what the other zones and the columns do (Z,); of few modes zero.
 
-    fall: ratio of each coefficient to the one before; continued: whether all three are continued to the last by it. Samples at m nodes fold coefficient
-    m + 1 + j back onto m + 1 - j, so that of a slow fall nearly nothing is left there: 1 - fall^(2 j) of it.
+    fall: ratio of each coefficient to the one before; continued: whether all three are continued to the last by it. Samples at m nodes
+    fold coefficient m + 1 + j back onto m + 1 - j, so that of a slow fall nearly nothing is left there: 1 - fall^(2 j) of it.
     """
     layout, g = system.layout, system.lowest
     some, away = np.flatnonzero(layout.m >= 8)[:, None], np.arange(3)
