@@ -255,6 +255,8 @@ def _why(found: Solution, tol: float) -> str:
     if hidden is not None:
         close = f"zone {hidden} (counted from 0) lies so close to another one, or to an image, that its modes do not show all of it"
         return reached + close
+    if float(state.density_rounding.max()) > 0.1 * tol * state.size:
+        return reached + "the side conditions nearly depend on each other, which enlarges what rounding and truncation leave"
     if state.unresolved:
         return reached + "a column or the kernel's regular part varies more than the modes of a zone show"
     if found.error < 1e-11:

@@ -355,6 +355,11 @@ class SlitState(Answered):
         return self._errors_over(self.zone_sizes) * self._sines.max(axis=1)
 
     @cached_property
+    def density_rounding(self) -> Array:
+        """See `State.density_rounding`, of the wide zones."""
+        return density_rounding(self.whole, self.missing, self._no_modes)
+
+    @cached_property
     def zone_sizes(self) -> Array:
         """The largest of the density times sqrt(1 - t^2) on each piece (n,)."""
         left, right = sides(fixed.THETA)
@@ -370,8 +375,7 @@ class SlitState(Answered):
         """Error of the density on each piece, times the wide zone's sqrt(1 - t^2), over these sizes (n,)."""
         wide, zone = self.whole, self.merged.piece_zone
         sizes = np.where(sizes > 0.0, sizes, np.inf)
-        carried = density_rounding(wide, self.missing, self._no_modes)
-        of_wide = wide.made_of(self._neglected) + self._tails + carried + wide.linear_error + self.rest * self.size
+        of_wide = wide.made_of(self._neglected) + self._tails + self.density_rounding + wide.linear_error + self.rest * self.size
         alone, rounding = np.bincount(zone)[zone] == 1, wide.jumps_rounding[zone]
         seen = fixed.residual_errors(self._residuals, sizes, wide.system.layout.m[zone], rounding, alone)
         return np.asarray(of_wide[zone] / sizes + seen)

@@ -72,3 +72,8 @@ def test_a_faint_zone_has_an_error_of_its_own(faint: float) -> None:
     off = (off * np.sin(ANGLES)).max(axis=1)
     assert np.all(off <= (loose.errors + tight.errors) * loose.state.zone_sizes)
     assert loose.errors.shape == (2,) and loose.error <= loose.errors.max()
+
+
+def test_conditions_that_nearly_depend_on_each_other_are_named_as_the_reason() -> None:
+    one = judged(1038)
+    assert one.what == "refused" and "nearly depend" in one.told and not one.fault
