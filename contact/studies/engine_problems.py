@@ -230,7 +230,9 @@ def judged(seed: int, tol: float = 1e-10) -> Judged:
         if stopped.best is None:
             return Judged("refused", time.process_time() - began, told=stopped.reason)
         what, told, found = "refused", stopped.reason, stopped.best
-    except Exception:
+    except Exception as error:
+        if isinstance(error.__cause__, sie.SingularSystem):  # to rounding the conditions depend on each other
+            return Judged("refused", time.process_time() - began, told=str(error))
         return Judged("exception", time.process_time() - began, told=traceback.format_exc(limit=-2))
     seconds, design, zones = time.process_time() - began, posed.design, found.zones
     width = np.diff(design.ends, axis=1)
