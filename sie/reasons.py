@@ -21,8 +21,8 @@ _COUNTS = 0.01
 _ROUNDED = 8 * _EPS
 # An iteration that leaves this part of the error is its cause.
 _OF_ITERATION = 1e-3
-# Side conditions that make so much of rounding nearly depend on each other.
-_DEPENDENT = 1e5
+# Side conditions that make so much more of what is left open in the rows nearly depend on each other.
+_DEPENDENT = 1e4
 
 
 def of_search(search: Free) -> str:
@@ -46,14 +46,14 @@ def of_error(state: AnyState, search: Free | None, tol: float) -> str:
             f"the iteration by which so many zones are solved does not come to rest: {iteration:.1e} of the density is open, as where "
             "side conditions nearly contradict each other"
         )
-    if conditions > resolution:
-        dependent = (
-            ": the side conditions nearly depend on each other"
-            if conditions > _DEPENDENT * _EPS
-            else ""
+    worst = _Worst.of(state)
+    rows = max(max(_causes(worst).values()), _EPS * worst.terms / max(state.size, 1e-300))
+    if conditions > max(resolution, _DEPENDENT * rows):
+        return (
+            f"what is left open in the rows changes the density by {conditions:.1e}, {conditions / rows:.0e} times as much: "
+            "the side conditions nearly depend on each other"
         )
-        return f"rounding of the side conditions and of the rows changes the density by {conditions:.1e}{dependent}"
-    return _of_resolution(_Worst.of(state), tol)
+    return _of_resolution(worst, tol)
 
 
 def _parts(state: AnyState) -> tuple[float, float, float]:
@@ -62,7 +62,7 @@ def _parts(state: AnyState) -> tuple[float, float, float]:
     iteration = float(state.linear_error.max(initial=0.0)) / size
     if isinstance(state, SlitState):
         iteration += state.rest
-    conditions = state.whole.density_rounding / size
+    conditions = float(state.whole.density_rounding.max(initial=0.0)) / size
     return iteration, conditions, state.density_error - iteration - conditions
 
 
@@ -119,26 +119,34 @@ def whole_zone(state: AnyState, piece: int) -> int:
     return int(state.wide_of(np.array([piece]))[1][0])
 
 
-def _of_resolution(worst: _Worst, tol: float) -> str:
-    """What keeps the functions on the worst zone from being shown by its modes, the largest of what is measured."""
+def _causes(worst: _Worst) -> dict[str, float]:
+    """What keeps the functions on the worst zone from being shown by its modes, as measured, by cause."""
     state, zone = worst.state, worst.zone
-    zones, equation, m = state.density.zones, state.equation, int(state.system.layout.m[worst.zone])
+    zones, equation, m = state.density.zones, state.equation, int(state.system.layout.m[zone])
     fall = float(modes.decay(zones, equation.kernel)[zone])
-    beside = math.exp(-fall * m) if fall < modes.ALONE else 0.0
     # Beyond what every number is rounded to.
     rounded = max(float(modes.place_rounding(zones, np.array([zone]))[0]) - 4 * _EPS, 0.0)
-    most, noisy = (
-        m >= modes.most(equation.kernel),
-        state.sizes.growth is not None and state.sizes.growth.floor[zone] > 0.0,
-    )
     # What fell as far as it was asked to is no cause, nor what more functions were not tried for.
     unfallen = bool(state._stopped[zone]) or int(state.sizes.own[zone]) >= modes.MOST_OWN
-    causes = {
+    grown = m >= modes.most(equation.kernel) or _is_noisy(worst)
+    return {
         "right side": float(state.truncation[zone]) if unfallen else 0.0,
-        "beside": beside,
+        "beside": math.exp(-fall * m) if fall < modes.ALONE else 0.0,
         "places": rounded,
-        "fields": float(state.tails[zone]) if equation.grows and (most or noisy) else 0.0,
+        "fields": float(state.tails[zone]) if equation.grows and grown else 0.0,
     }
+
+
+def _is_noisy(worst: _Worst) -> bool:
+    """Whether more modes no longer make a column or the kernel's regular part smaller."""
+    growth = worst.state.sizes.growth
+    return growth is not None and bool(growth.floor[worst.zone] > 0.0)
+
+
+def _of_resolution(worst: _Worst, tol: float) -> str:
+    """The largest of these causes in words."""
+    state, m, causes = worst.state, int(worst.state.system.layout.m[worst.zone]), _causes(worst)
+    beside, rounded, noisy = causes["beside"], causes["places"], _is_noisy(worst)
     cause = max(causes, key=lambda name: causes[name])
     if causes[cause] < max(_COUNTS * tol, _ROUNDED):
         cause = "none"

@@ -10,6 +10,7 @@ from sie import reasons
 from sie.basis import inputs
 from sie.basis.data import Array
 from sie.basis.zones import Zones
+from sie.collocation import modes
 from sie.collocation.fixed import SingularSystem
 from sie.equation.equation import Equation
 from sie.free_ends.newton import Free, find_ends
@@ -19,6 +20,8 @@ _EPS = float(np.finfo(float).eps)
 # What the coefficients are asked for at least, over the tolerance; and what the ends are asked for in turn, until the error is met.
 _DECAY, _ENDS = 0.1, (0.1, 1e-3, 1e-5)
 _LEAST = 3e-16
+# Rounding of a density's value, relative: of its coefficients, of the root at the place, of both ends.
+_EVALUATION = 4 * _EPS
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,6 +37,9 @@ class Solution:
     error : float
         Bounds, relative, (i) the density's error at equal normalised position in its zone, times sqrt(1 - t^2), over the density's
         largest coefficient, and (ii) each free end's error over its zone's width. Infinite where the ends have not come to rest.
+    errors : ndarray
+        The same for each zone (n,), its density's error over its own largest coefficient: a faint zone beside strong ones is known
+        to fewer digits than `error` tells.
     value : float or None
         Value of the condition whose value was unknown, if there was one.
     state : State
@@ -54,6 +60,7 @@ class Solution:
     zones: Zones
     error: float
     value: float | None = None
+    errors: Array = field(repr=False, kw_only=True)
     state: AnyState = field(repr=False, kw_only=True)
     search: Free | None = field(default=None, repr=False, kw_only=True)
 
@@ -193,8 +200,9 @@ def _best(solutions: Iterator[Solution], tol: float) -> Solution:
 def _fixed(equation: Equation, zones: Zones, tol: float) -> Iterator[Solution]:
     """On zones whose ends stay; once more with all the modes that rounding allows, if the first are too few."""
     for decay in (max(_DECAY * tol, _LEAST), _LEAST):
-        state = solve_zones(equation, zones, decay)
-        yield Solution(state.density, zones, _of_density(state) + _EPS, state=state)
+        yield _told(solve_zones(equation, zones, decay))
+        if _hidden(equation, zones, tol):
+            break  # more modes are not to be had
 
 
 def _free(
@@ -203,28 +211,35 @@ def _free(
     """With the ends that are found, to more digits if those asked for first turn out to be too few."""
     for part in _ENDS:
         free = find_ends(equation, zones, max(part * tol, _LEAST), max_steps, value=value, signs=signs)
-        yield _told(free)
+        yield _told(free.state, free)
         if not free.converged:
             break
         zones, value = free.density.zones, free.value or 0.0
 
 
-def _told(free: Free) -> Solution:
-    state = free.state
-    error = math.inf
-    if free.converged:
-        ends = free.end_error + state.end_truncation
+def _told(state: AnyState, search: Free | None = None) -> Solution:
+    """The solution with its stated errors; search: for its ends, if any are free."""
+    zones, value = state.density.zones, None if search is None else search.value
+    if search is not None and not search.converged:
+        unknown = np.full(len(zones), math.inf)
+        return Solution(state.density, zones, math.inf, value, errors=unknown, state=state, search=search)
+    of_ends, moved = np.zeros(len(zones)), np.zeros(len(zones))
+    if search is not None:
+        ends = search.end_error + search.end_truncation
         _, by_left, by_right = state.density.sensitivity
-        moved = float((ends[:, 0] * by_left + ends[:, 1] * by_right).max(initial=0.0)) / max(state.size, 1e-300)
-        error = max(float(ends.max(initial=0.0)), moved + _of_density(state)) + _EPS
-    return Solution(state.density, state.density.zones, error, free.value, state=state, search=free)
+        of_ends, moved = ends.max(axis=1), ends[:, 0] * by_left + ends[:, 1] * by_right + search.followed
+    moved = moved + _jump_rounding(state)
+    sizes = np.where(state.zone_sizes > 0.0, state.zone_sizes, math.inf)
+    error = max(float(of_ends.max()), float(moved.max()) / max(state.size, 1e-300) + state.density_error) + _EVALUATION
+    errors = np.maximum(of_ends, moved / sizes + state.zone_errors) + _EVALUATION
+    return Solution(state.density, zones, error, value, errors=errors, state=state, search=search)
 
 
-def _of_density(state: AnyState) -> float:
-    """The density's error on the zones as they are: with the rounding of what is subtracted for jumps, which may cancel."""
-    carried = state.density.jumps
-    jumps = float((np.abs(carried.height) * carried.sine).max(initial=0.0)) / max(state.size, 1e-300)
-    return state.density_error + 2 * _EPS * jumps
+def _jump_rounding(state: AnyState) -> Array:
+    """Rounding in each zone's density (n,) of what is subtracted for jumps, which may be much larger than their sum."""
+    jumps, out = state.density.jumps, np.zeros(len(state.whole.density.zones))
+    np.maximum.at(out, jumps.zone, 2 * _EPS * np.abs(jumps.height) * jumps.sine)
+    return out[state.wide_of(np.arange(len(state.density.zones)))[1]]
 
 
 def _why(found: Solution, tol: float) -> str:
@@ -233,3 +248,9 @@ def _why(found: Solution, tol: float) -> str:
     if search is not None and not search.converged:
         return reasons.of_search(search)
     return f"the error has come to {found.error:.1e}, not to {tol:.1e}: {reasons.of_error(found.state, search, tol)}"
+
+
+def _hidden(equation: Equation, zones: Zones, tol: float) -> bool:
+    """Whether a zone lies so close to another one that the most modes do not show it to the tolerance."""
+    fallen = modes.decay(zones, equation.kernel) * modes.COUPLED_SIZES[-1]
+    return float(fallen.min()) < -math.log(_DECAY * tol)

@@ -46,7 +46,7 @@ class Found(Solved):
     @property
     def ends(self) -> Array:
         """How far the ends may be off, over the widths of their zones (Z, 2)."""
-        return np.asarray(self.free.end_error + self.fields.state.end_truncation + self.off)
+        return np.asarray(self.free.end_error + self.free.end_truncation + self.off)
 
     @cached_property
     def error(self) -> float:

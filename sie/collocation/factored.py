@@ -16,12 +16,16 @@ _ONE_BY_ONE = 1024
 
 @record
 class Factored:
-    """LU factors of the rows; size_of_rows: root of the sum of squares of each row's terms at the solution, and of what they are
-    made of; rows: themselves, where intensities are prescribed and will be asked for their rates."""
+    """LU factors of the rows.
+
+    size_of_rows: root of the sum of squares of each row's terms at the solution, and of what they are made of; last: columns of the
+    last coefficient of each solved zone; rows: themselves, where intensities are prescribed and will be asked for their rates.
+    """
 
     lu: Array
     pivots: Index
     size_of_rows: Array = field(default_factory=lambda: np.zeros(0))
+    last: Array = field(default_factory=lambda: np.zeros((0, 0)), repr=False)
     rows: Array | None = field(default=None, repr=False)
 
     @staticmethod

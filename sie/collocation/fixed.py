@@ -16,8 +16,8 @@ from sie.basis.zones import Zones
 from sie.collocation import modes
 from sie.collocation.factored import Factored
 from sie.collocation.iterative import CoarseOperator, Iterative, IterativeSystem, unfit
-from sie.collocation.rounding import density_rounding, intensity_rounding
-from sie.collocation.solved import Carried, Sizes, Solved, Solver, density_of
+from sie.collocation.rounding import density_rounding, intensity_rounding, truncation_through_rows
+from sie.collocation.solved import Carried, Sizes, Solved, Solver, coefficient_sizes, density_of
 from sie.collocation.system import System, condition_rows
 from sie.density.density import Density
 from sie.equation.checks import look_at
@@ -120,44 +120,75 @@ class State(Solved):
 
     @cached_property
     def size(self) -> float:
-        """The largest coefficient of all zones."""
+        """The largest coefficient of the density on all zones."""
         return float(self.zone_sizes.max())
 
     @cached_property
     def density_error(self) -> float:
-        """Estimated error of the density on these zones, over its `size`: neglected coefficients, the equation's residual
-        between the nodes, and the rounding of the side conditions, which no residual shows.
-
-        With its singularity taken out, T_k / sqrt(1 - t^2) reaches 0.73 k (near an end): so much does c_k's error
-        count.
-        """
-        if self.size == 0.0:
-            return 0.0
-        neglected = self.made_of(self._missing)
-        neglected += _AT_ENDS * float((self._missing_fields * self.system.layout.m).max()) / self.size
-        coupled = self.system.layout.m[self.density.zones.solved]
-        seen = residual_error(self._residuals, self.size, coupled, self.jumps_rounding[self.density.zones.solved])
-        return neglected + seen + (float(self.linear_error.max()) + self.density_rounding) / self.size
+        """Estimated error of the density on these zones, over its `size`."""
+        return float(self._errors_over(np.full(len(self.zone_sizes), self.size)).max())
 
     @cached_property
-    def density_rounding(self) -> float:
-        """What rounding of the rows and of the side conditions does to the density."""
-        return density_rounding(self)
+    def zone_errors(self) -> Array:
+        """Estimated error of the density on each zone, over that zone's own largest coefficient (Z,)."""
+        return self._errors_over(self.zone_sizes)
+
+    def _errors_over(self, sizes: Array) -> Array:
+        """Error of the density on each zone over these sizes (Z,): neglected coefficients, the residual between the nodes, and what
+        truncation and rounding of all rows do to the solution, which no residual shows. 0 where a size is 0.
+
+        With its singularity taken out, T_k / sqrt(1 - t^2) reaches 0.73 k near an end: so much does an error of c_k count. Coefficients
+        of one sign that fall slowly add up within (1 - fall)^2 of the end alone, where the weight sqrt(1 - t^2) is about 1 - fall^2.
+        """
+        zones, modes_of = self.density.zones, self.system.layout.m
+        solved, sizes = zones.solved, np.where(sizes > 0.0, sizes, np.inf)
+        fields = self._missing_fields * (1 - self._falls**2)
+        error = self.made_of(self._missing) + _AT_ENDS * fields * modes_of
+        error = (error + self.linear_error + self.density_rounding) / sizes
+        seen = residual_errors(self._residuals, sizes[solved], modes_of[solved], self.jumps_rounding[solved])
+        error[solved] += seen
+        return np.maximum(error, error[::-1]) if zones.symmetric else error
+
+    @cached_property
+    def density_rounding(self) -> Array:
+        """What truncation and rounding of the rows of all zones do to the density on each (Z,)."""
+        return density_rounding(self, self.missing, self.low_residuals)
 
     @cached_property
     def end_truncation(self) -> Array:
-        """What the density's error may shift moving ends by, over their zone's width (Z, 2): 2 K / A by its K."""
-        zones, solved = self.density.zones, self.density.zones.solved
-        missing = self._missing + self._missing_fields
-        rounding = 2e-15 * self.zone_sizes + self.jumps_rounding
-        missing[solved] += 3 * np.maximum(self._residual - rounding[solved], 0.0)
+        """Shift of moving ends by the truncation, over their zone's width (Z, 2): 2 K / A by its K."""
+        zones = self.density.zones
         slopes = np.where(zones.moves, np.abs(self.density.edge_slopes), np.inf)
-        return np.asarray(edge_scale(zones.half) * missing / np.maximum(slopes, 1e-300) / zones.half).T
+        return np.asarray(self.intensity_truncation / np.maximum(slopes, 1e-300) / zones.half).T
+
+    @cached_property
+    def intensity_truncation(self) -> Array:
+        """Error of K at the left and right ends by truncation (2, Z): of the zone's own coefficients, and through all rows."""
+        through_rows = truncation_through_rows(self, self.missing, self.low_residuals)
+        return np.asarray(edge_scale(self.density.zones.half) * self.missing + through_rows)
+
+    @cached_property
+    def missing(self) -> Array:
+        """Sum of the coefficients that each zone lacks (Z,): its own, those of the other zones' fields, and the residual."""
+        out, solved = self._missing + self._missing_fields, self.density.zones.solved
+        out[solved] += 3 * np.maximum(self._residual - self.residual_rounding[solved], 0.0)
+        return np.maximum(out, out[::-1]) if self.density.zones.symmetric else out
+
+    @cached_property
+    def residual_rounding(self) -> Array:
+        """Rounding in the residual of each zone (Z,)."""
+        return 2e-15 * self.zone_sizes + self.jumps_rounding
+
+    @cached_property
+    def low_residuals(self) -> Array:
+        """Coefficients of the residual's lowest modes on each solved zone (solved zones, 7), above rounding."""
+        rounding = self.residual_rounding[self.density.zones.solved, None]
+        return np.maximum(np.abs(self._residuals @ _FIRST_OF.T) - rounding, 0.0)
 
     @cached_property
     def zone_sizes(self) -> Array:
-        """The largest coefficient of each zone, what is subtracted for jumps included (Z,)."""
-        return row_sizes(self.density.coefficients) + row_sizes(self.system.known)
+        """The largest coefficient of the density on each zone, jumps included (Z,)."""
+        return coefficient_sizes(self.density)
 
     @cached_property
     def jumps_rounding(self) -> Array:
@@ -169,9 +200,9 @@ class State(Solved):
         """Sum of the coefficients that each zone neglects (Z,), as the decay of the last ones has it."""
         return np.asarray(self.neglected * self.zone_sizes / np.maximum(self.sizes.own[: len(self.neglected)], 1))
 
-    def made_of(self, left_out: Array) -> float:
-        """What such sums make of the density, over its `size`."""
-        return _FOLDED * float((left_out * np.maximum(self.sizes.own[: len(left_out)], 1)).max()) / self.size
+    def made_of(self, left_out: Array) -> Array:
+        """What such sums make of the density of each zone (Z,)."""
+        return np.asarray(_FOLDED * left_out * np.maximum(self.sizes.own[: len(left_out)], 1))
 
     @cached_property
     def _missing(self) -> Array:
@@ -188,9 +219,14 @@ class State(Solved):
     def _missing_fields(self) -> Array:
         """Sum of the coefficients beyond the coupled modes of what other zones do (Z,): they fall as their distance has it. Of those that a
         user's functions may have the last three are taken as they are."""
-        fall = np.exp(-modes.decay(self.density.zones, self.density.kernel))
-        last = _last_of_fields(self.system, self.unknowns, None if self.system.equation.grows else fall)
+        fall = self._falls
+        last = _last_of_fields(self.system, self.unknowns, fall, continued=not self.system.equation.grows)
         return np.asarray(last * fall / np.maximum(1 - fall, 1e-3))
+
+    @cached_property
+    def _falls(self) -> Array:
+        """Ratio of each coefficient of what other zones do to the one before (Z,), as their distance has it."""
+        return np.exp(-modes.decay(self.density.zones, self.density.kernel))
 
     @cached_property
     def noise(self) -> Array:
@@ -280,17 +316,21 @@ def beside_ends(kept: Index, residual: Callable[[Index, Array], Array]) -> Array
     return out
 
 
-def residual_error(residuals: Array, size: float, coupled: Index, rounding: Array, separated: Mask | bool = True) -> float:
-    """Error of the density over its size for residuals of the equation at THETA on zones (n, LOOKS), which rounding of the jumps'
-    parts has its share in; separated: where these tell the first modes from the rest, of which only the largest value is known, and that
-    the density is off by up to as many times as there are modes."""
+def residual_errors(
+    residuals: Array, size: Array | float, coupled: Index, rounding: Array, separated: Mask | bool = True
+) -> Array:
+    """Error of the density over its size on zones (n,), for residuals of the equation at THETA (n, LOOKS).
+
+    rounding: of the jumps' parts, which has its share in the residuals; separated: where the points tell the first modes from the rest.
+    Of the rest only the largest value is known; the density is off by up to as many times that as there are modes.
+    """
     low = residuals @ _FIRST_OF.T
     rest = np.abs(residuals - low @ _FIRST.T).max(axis=1)
     high = np.where(separated, rest, np.abs(residuals).max(axis=1)) / size
     low = np.where(separated, np.abs(low) @ np.maximum(_AT_ENDS * np.arange(1, low.shape[1] + 1), 1.0), 0.0) / size
     # A few points see the residual to a factor; its rounding adds up as the modes do, but not with their order.
     beyond = 3 * np.maximum(high - 4e-15 - rounding / size, 0.0) * coupled + 1.5 * low
-    return float((beyond + high + 5e-16 * coupled).max())
+    return np.asarray(beyond + high + 5e-16 * coupled)
 
 
 def first_sizes(equation: Equation, zones: Zones, tolerance: float = 0.0) -> Sizes:
@@ -413,7 +453,8 @@ def _solve_once(
         raise SingularSystem(_singular(equation))
     folded = solver(right)
     terms = np.hypot(root_of_squares(matrix, folded), right)
-    solver = replace(solver, size_of_rows=_size_of_rows(system, terms), rows=matrix if zones.follow_ends else None)
+    last = matrix[:, system.last_unknowns]
+    solver = replace(solver, size_of_rows=_size_of_rows(system, terms), last=last, rows=matrix if zones.follow_ends else None)
     sizes.kernel_evaluations += matrix.size
     return _state(system, solver, folded, matrix.shape[0] - len(scale), scale, samples, sizes)
 
@@ -496,7 +537,7 @@ def _state(
     y = system.symmetry.unfold(folded)
     density = density_of(system, y)
     sizes.solves += 1
-    top = row_sizes(density.coefficients[:, 1:]) + row_sizes(system.known)
+    top = coefficient_sizes(density, 1)
     truncation = samples.tail / np.where(top > 0, top, 1.0)
     tail = np.maximum(field_tails(system, y, density), system.source_tails)
     if system.zones.symmetric:
@@ -529,7 +570,7 @@ def field_tails(system: System, y: Array, density: Density) -> Array:
     if layout.m.max() < 8:
         return np.zeros(len(layout.m))
     last = _last_of_fields(system, y)
-    top = np.maximum(row_sizes(density.coefficients), row_sizes(system.known))
+    top = coefficient_sizes(density)
     # What is left is a difference of numbers of the size of the right side and of the fields that were summed: below their rounding
     # there is no tail, as where a zone has little of a load that its neighbours share.
     rounding = 8 * 2.2e-16 * row_sizes(g)
@@ -539,13 +580,18 @@ def field_tails(system: System, y: Array, density: Density) -> Array:
     return np.asarray(tail / np.where(top > 0, top, 1.0))
 
 
-def _last_of_fields(system: System, y: Array, fall: Array | None = None) -> Array:
-    """Largest of the last three coupled coefficients of what the other zones and the columns do (Z,); of few modes zero. fall: from each to
-    the next, if they are to be continued to the last."""
+def _last_of_fields(system: System, y: Array, fall: Array | None = None, continued: bool = True) -> Array:
+    """Largest of the last three coupled coefficients of what the other zones and the columns do (Z,); of few modes zero.
+
+    fall: ratio of each coefficient to the one before; continued: whether all three are continued to the last by it. Samples at m nodes
+    fold coefficient m + 1 + j back onto m + 1 - j, so that of a slow fall nearly nothing is left there: 1 - fall^(2 j) of it.
+    """
     layout, g = system.layout, system.lowest
     some, away = np.flatnonzero(layout.m >= 8)[:, None], np.arange(3)
     last, out = layout.m[some] - away, np.zeros(len(layout.m))
     of_g = np.where(last < g.shape[1], g[some, np.minimum(last, g.shape[1] - 1)], 0.0)
     size = np.abs(y[layout.offset[some] + last] + of_g)
-    out[some[:, 0]] = (size if fall is None else size * fall[some] ** away).max(axis=1, initial=0.0)
+    if fall is not None:
+        size = size * fall[some] ** (away * continued) / (1 - fall[some] ** (2 * (away + 1)))
+    out[some[:, 0]] = size.max(axis=1, initial=0.0)
     return out

@@ -48,7 +48,7 @@ COUPLED_SIZES = np.array(
     ]
 )
 # Modes at the most: as a rule, and of a regular kernel that is known to ask for more, or of zones beside narrow gaps whose ends stay, as
-# long as these are so few that a matrix of each has no more numbers together than the last. Ends that move are not far from those of one
+# long as the matrix has no more numbers than the last. Ends that move are not far from those of one
 # zone with a slit, or of gaps.
 _MOST, _MOST_KNOWN, _OF_FEW = 768, 3072, 4e7
 # The rounding of a regular kernel's coefficients over its size: they fall no further.
@@ -128,7 +128,7 @@ def coupled(zones: Zones, kernel: Kernel, tolerance: float, least: int | Index) 
     most_here = _MOST if zones.moves.any() else _MOST_KNOWN
     want = np.minimum(np.where(by < ALONE, -np.log(tolerance) / np.maximum(by, 1e-3), 0.0), most_here)
     # Those that ask for the most give way first.
-    while want.max(initial=0.0) > _MOST and (want**2).sum() > _OF_FEW:
+    while want.max(initial=0.0) > _MOST and want.sum() ** 2 > _OF_FEW:
         want = np.minimum(want, max(_MOST, 0.8 * want.max()))
     return COUPLED_SIZES[np.searchsorted(COUPLED_SIZES, np.maximum(want, np.minimum(least, most(kernel))))]
 

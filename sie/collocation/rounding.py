@@ -21,6 +21,8 @@ from sie.equation.equation import Forcing
 EPS = 2.2e-16
 # The largest of some hundred roundings over their mean square: what is stated is to be exceeded nowhere.
 SAFETY = 4.0
+# To what the answer to a truncation is found by iteration, relative.
+_LOOSE = 0.1
 # How often rows are shaken, and angles of each zone at which the density is looked at.
 _SHAKEN, _ANGLES = 12, 24
 # Distance from an end, over the half width, within which what is singular there is left out.
@@ -88,17 +90,76 @@ def _of_levels(state: Solved) -> Array | float:
 
 def _through_rows(state: Solved) -> Array:
     """Root mean square of what the rounding of all rows does to each K, (2, Z)."""
-    system, solver = state.system, state.direct
+    solver = state.direct
     assert solver is not None
-    zones = system.zones
-    (left, _), (right, _) = system.intensities()
-    rows = system.symmetry.fold(np.concatenate((left, right)))
-    effect = solver.transposed(rows.T)
+    effect = _effect_on_intensities(state, solver)
     rounding, levels = _of_rows(state, solver)
     of_levels = state.level_rows.T @ effect[state.conditions_from :]
+    both = np.hypot(root_of_squares(effect.T, rounding), root_of_squares(of_levels.T, levels))
+    return _of_solved(state, both.reshape(2, -1))
+
+
+def _effect_on_intensities(state: Solved, solver: Factored) -> Array:
+    """Derivatives of K at the left, then at the right ends of the solved zones by the right sides of the rows (rows, 2 zones)."""
+    (left, _), (right, _) = state.system.intensities()
+    return solver.transposed(state.symmetry.fold(np.concatenate((left, right))).T)
+
+
+def _of_solved(state: Solved, values: Array) -> Array:
+    """Values at the left and right ends of the solved zones (2, n) for all zones (2, Z)."""
+    zones = state.system.zones
     out = np.zeros((2, len(zones)))
-    out[:, zones.solved] = np.hypot(root_of_squares(effect.T, rounding), root_of_squares(of_levels.T, levels)).reshape(2, -1)
+    out[:, zones.solved] = values
     return np.maximum(out, out[::-1, ::-1]) if zones.symmetric else out
+
+
+def truncation_through_rows(state: Solved, missing: Array, low: Array) -> Array:
+    """What the truncation of all rows does to K at the left and right end of each zone (2, Z); see `_row_truncation`."""
+    solver = state.direct
+    if solver is None:
+        change = np.abs(_iterated_truncation(state, missing))
+        return np.asarray(edge_scale(state.density.zones.half) * change.sum(axis=1) * np.ones((2, 1)))
+    if _stands_alone(state):
+        return np.zeros((2, len(state.density.zones)))
+    effect = np.abs(_effect_on_intensities(state, solver))
+    return _of_solved(state, (_row_truncation(state, solver, missing, low) @ effect).reshape(2, -1))
+
+
+def _row_truncation(state: Solved, solver: Factored, missing: Array, low: Array) -> Array:
+    """Error of each row by truncation: what the coefficients that zones lack would add to it, and the residual's lowest modes.
+
+    missing: sum of these coefficients (Z,); low: of the residual on the solved zones (solved zones, modes). Coefficients beyond the
+    last one act on the rows as the last one does, or less. The conditions may carry their effect to other zones, and enlarge it:
+    K = 0 at an end beside a strong zone fixes the total of a distant one.
+    """
+    system = state.system
+    layout, solved = system.layout, system.zones.solved
+    out = np.abs(solver.last) @ np.where(layout.m[solved] > 0, missing[solved], 0.0)
+    rows = system.diagonal
+    zone = np.searchsorted(layout.offset, rows, side="right") - 1
+    mode = rows - layout.offset[zone] - 1
+    some = np.flatnonzero(mode < low.shape[1])
+    out[some] += low[np.searchsorted(solved, zone[some]), mode[some]]
+    return np.asarray(out)
+
+
+def _iterated_truncation(state: Solved, missing: Array) -> Array:
+    """Coefficients (zones, modes) that answer a truncation of all rows by chance, found by a loose iteration.
+
+    What zones lack acts on the ends and on other zones as their last coefficients do, but on their own rows by chance: else the
+    answer would be these coefficients, and nothing elsewhere.
+    """
+    iteration, layout, zones = state.iteration, state.system.layout, state.density.zones
+    assert iteration is not None
+    last, shaken = state.system.last_unknowns, np.zeros(state.symmetry.size)
+    missing = np.where(layout.m[zones.solved] > 0, missing[zones.solved], 0.0)
+    shaken[last], own = missing * np.random.default_rng(0).choice([-1.0, 1.0], (2, len(missing)))
+    right, left_over = iteration.rows(shaken, rough=True), iteration.error
+    own_row = np.isin(state.symmetry.position(state.system.diagonal), last)
+    right[: len(own_row)][own_row] = own[missing > 0.0] if own_row.sum() == (missing > 0.0).sum() else 0.0
+    answer = state.symmetry.unfold(iteration(right, None, _LOOSE))
+    iteration.error = left_over
+    return layout.padded(answer)
 
 
 def _of_rows(state: Solved, solver: Factored) -> tuple[Array, Array]:
@@ -109,24 +170,29 @@ def _of_rows(state: Solved, solver: Factored) -> tuple[Array, Array]:
     return rounding, np.broadcast_to(_level_noise(state), (count,)) if of_levels.any() else np.zeros(count)
 
 
-def density_rounding(state: Solved) -> float:
-    """What the rounding of all rows, those of the side conditions among them, may do to the density, its singularities taken out.
+def density_rounding(state: Solved, missing: Array, low: Array) -> Array:
+    """What truncation and rounding of all rows may do to the density of each zone, its singularities taken out (Z,).
 
-    Where the conditions nearly depend on each other it is many times the rounding itself: so the rows are shaken by their roundings, by
-    chance but always alike, and what that does to the density is looked at.
+    Where the conditions nearly depend on each other it is many times the errors of the rows themselves. So the rows are shaken by
+    these, by chance but always alike, and the change of the density is measured. missing, low: see `_row_truncation`.
     """
-    system, zones, solver = state.system, state.density.zones, state.direct
+    zones, solver = state.density.zones, state.direct
     if _stands_alone(state):
-        return 0.0
+        return np.zeros(len(zones))
     if solver is None:
-        return float(np.max(_of_levels(state) / edge_scale(zones.half)))
+        return _of_levels(state) / edge_scale(zones.half) + SAFETY * _largest(_iterated_truncation(state, missing))
     chance = np.random.default_rng(0)
     rounding, levels = _of_rows(state, solver)
+    rounding = np.hypot(rounding, _row_truncation(state, solver, missing, low))
     shaken = rounding[:, None] * chance.standard_normal((solver.size, _SHAKEN))
     shaken[state.conditions_from :] += state.level_rows @ (levels[:, None] * chance.standard_normal((_SHAKEN, len(levels))).T)
-    changes = [system.layout.padded(state.symmetry.unfold(change)) for change in solver(shaken).T]
-    largest = _largest(np.concatenate(changes)).reshape(_SHAKEN, -1).max(axis=1)
-    return SAFETY * _root_mean_square(largest)
+    return density_changes(state, [state.symmetry.unfold(change) for change in solver(shaken).T])
+
+
+def density_changes(state: Solved, unknowns: list[Array]) -> Array:
+    """Size of a random change of the density on each zone (Z,), from a few samples of the change of the unknowns."""
+    largest = _largest(np.concatenate([state.system.layout.padded(one) for one in unknowns])).reshape(len(unknowns), -1)
+    return np.asarray(SAFETY * root_of_squares(largest.T, np.full(len(unknowns), len(unknowns) ** -0.5)))
 
 
 def _largest(coefficients: Array) -> Array:

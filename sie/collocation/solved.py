@@ -234,7 +234,7 @@ class Solved(Answered):
     @cached_property
     def natural(self) -> Array:
         """Size of each zone's density, but for its total."""
-        return row_sizes(self.density.coefficients[:, 1:]) + row_sizes(self.system.known)
+        return coefficient_sizes(self.density, 1)
 
     @property
     def direct(self) -> Factored | None:
@@ -266,6 +266,19 @@ class Solved(Answered):
         """The density with unknowns y, no right side and no jumps."""
         layout, density = self.system.layout, self.density
         return Density(density.zones, density.kernel, layout.padded(y), ForcingJumps.none(), y[layout.coefficients :])
+
+
+# The largest coefficient of what jumps add to a density is among so many first ones.
+LEADING_COEFFICIENTS = 8
+
+
+def coefficient_sizes(density: Density, start: int = 0) -> Array:
+    """The largest coefficient of the whole density on each zone, jumps included, from coefficient `start` on (Z,)."""
+    sizes = row_sizes(density.coefficients[:, start:])
+    if len(density.jumps) == 0:
+        return sizes
+    leading = density.first(LEADING_COEFFICIENTS)[:, start:]
+    return np.maximum(row_sizes(leading), row_sizes(density.coefficients[:, LEADING_COEFFICIENTS:]))
 
 
 def density_of(system: System, y: Array) -> Density:

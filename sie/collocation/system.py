@@ -296,6 +296,13 @@ class System(Rows):
         return self.own[self.kept]
 
     @cached_property
+    def last_unknowns(self) -> Index:
+        """Where the last kept coefficient of each solved zone stands among the kept unknowns: of a zone about the centre an even one."""
+        solved, m = self.zones.solved, self.layout.m
+        last = m[solved] - (m[solved] % 2) * ((np.arange(len(solved)) == 0) & self.zones.central)
+        return self.symmetry.position(self.layout.offset[solved] + last)
+
+    @cached_property
     def symmetry(self) -> "MirrorSymmetry":
         return MirrorSymmetry.of(self.zones, self.layout)
 

@@ -162,6 +162,12 @@ class IteratedMotions(FreeEnds):
             levels = self.system.level_changes(y + moved.coefficients) + moved.own_level[self.zones.solved]
         return at_ends, levels
 
+    def responses(self, d: Array) -> list[Array]:
+        """See `DirectMotions.responses`."""
+        none = np.zeros(self.solver.size)
+        folded = [self.solver(-self._applied(none, one)[0], None, _RESPONSE) for one in d.T]
+        return [self.system.symmetry.unfold(one) for one in folded]
+
     def meeting(self, change: Array, tolerance: float = STEP) -> Array:
         """Motions of the ends (E,) that change K there like this; not a number where none are found."""
         count = self.solver.size
@@ -289,6 +295,11 @@ def end_rates(state: State) -> EndRates:
     >>> bool(np.allclose(np.abs(sie.end_rates(state).intensities).sum(axis=1), 0.25))
     True
     """
+    return _rates_and_responses(state)[0]
+
+
+def _rates_and_responses(state: State) -> tuple[EndRates, Array]:
+    """(the rates, unknowns of the responses to the motion of each free end (unknowns, E), none where they are found by iteration)."""
     system, zones, layout = state.system, state.density.zones, state.system.layout
     free, solved, levels = FreeEnds(state), zones.solved, np.zeros((len(zones.solved), 0))
     each = np.eye(len(free.ends))
@@ -297,7 +308,7 @@ def end_rates(state: State) -> EndRates:
         columns = [motions.rates(one) for one in each]
         if system.wants_levels and len(columns):
             levels = np.column_stack([levels for _, levels in columns])
-        return EndRates(free.ends, np.array([k for k, _ in columns]).reshape(each.shape).T, levels)
+        return EndRates(free.ends, np.array([k for k, _ in columns]).reshape(each.shape).T, levels), np.zeros((layout.size, 0))
     moved = Moved.of(state, free.spread(each))
     singular, own_level, own = moved.coefficients, moved.own_level, moved.own
     matrix = rows_of(state)
@@ -314,7 +325,7 @@ def end_rates(state: State) -> EndRates:
     intensities = (np.array([part @ unknowns for part, _ in system.intensities()]) + own[:, solved])[free.side, free.at]
     if system.wants_levels:
         levels = system.levels()[0] @ (unknowns + singular) + own_level[solved]
-    return EndRates(free.ends, intensities, levels)
+    return EndRates(free.ends, intensities, levels), unknowns
 
 
 def end_motions(state: State, change: Array) -> tuple[Array, Array]:
@@ -366,7 +377,7 @@ class DirectMotions(FreeEnds):
 
     def __init__(self, state: State) -> None:
         super().__init__(state)
-        self._rates = end_rates(state)
+        self._rates, self._responses = _rates_and_responses(state)
         # Rounding alone keeps the rates of a motion that changes nothing from being zero.
         neutral = len(self.ends) > 0 and not np.linalg.cond(self._rates.intensities) < _NEUTRAL_FROM
         self._inverse = np.full_like(self._rates.intensities, np.nan) if neutral else np.linalg.inv(self._rates.intensities)
@@ -380,6 +391,10 @@ class DirectMotions(FreeEnds):
     def rates(self, d: Array, tolerance: float = 0.0) -> tuple[Array, Array]:
         levels = self._rates.levels
         return self._rates.intensities @ d, levels @ d if levels.size else np.zeros(0)
+
+    def responses(self, d: Array) -> list[Array]:
+        """Unknowns of the densities by which the zones respond to motions of the ends (E, n), at places that stay."""
+        return list((self._responses @ d).T)
 
     def growth(self, signs: Array, normal: Array | None = None, by_value: Array | None = None) -> float:
         """Largest real part of the eigenvalues of what drives the ends by their motions; with a condition on the ends, which the unknown

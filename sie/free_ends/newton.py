@@ -10,6 +10,7 @@ with the end is d^(-3/2)-singular and couples all ends (`motions`).
 
 import math
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -19,6 +20,7 @@ from sie.basis.zones import FREE, SINGULAR, End, Zones
 from sie.collocation import modes
 from sie.collocation.fixed import SingularSystem, State, first_sizes, sizes_like
 from sie.collocation.iterative import Iterative
+from sie.collocation.rounding import density_changes
 from sie.collocation.solved import Sizes
 from sie.equation.equation import Equation
 from sie.free_ends.motions import STEP, DirectMotions, IteratedMotions, motions_of
@@ -54,6 +56,8 @@ _MANY, _LONGEST_FALL = 60, 1e-4
 # What zones said to be near are expected to move by, over their widths: what a rougher solution would add does not fall as steps do.
 _STEP_NEAR = 1e-4
 
+# Samples of what random errors of all ends do to the density; its size varies little from one to the next.
+_SAMPLES = 4
 # The same, found by iteration: motions over what they are of each zone by itself.
 _AMPLIFIED = 1e10
 _FOUND = "the ends are at rest"
@@ -82,8 +86,7 @@ class Free:
     converged : bool
         Whether the ends have come to rest.
     end_error : ndarray
-        Each end's remaining move over its zone's width (Z, 2), with roundoff but without what truncated coefficients shift it by
-        (`state.end_truncation`).
+        Each end's remaining move over its zone's width (Z, 2), with roundoff but without `end_truncation`.
     rounding : ndarray
         That part of it alone (Z, 2).
     trace : tuple of Step
@@ -132,6 +135,33 @@ class Free:
     @property
     def density(self) -> AnyDensity:
         return self.state.density
+
+    @cached_property
+    def end_truncation(self) -> Array:
+        """Shift of each end by truncated coefficients, over its zone's width (Z, 2)."""
+        if not self.density.zones.follow_ends:
+            return self.state.end_truncation
+        return np.asarray((self._motions.local(self.state.whole.intensity_truncation) / self._width).T)
+
+    @cached_property
+    def followed(self) -> Array:
+        """Error of the density on each zone (Z,) by what the ends of all zones are off, at places that stay.
+
+        Where intensities are prescribed, the motion of an end changes the density of all zones; else it changes none.
+        """
+        if not self.density.zones.follow_ends:
+            return np.zeros(len(self.density.zones))
+        off = self._motions.of((self.end_error + self.end_truncation).T * self._width)
+        signs = np.random.default_rng(0).choice([-1.0, 1.0], (len(off), _SAMPLES))
+        return density_changes(self.state.whole, self._motions.responses(off[:, None] * signs))
+
+    @cached_property
+    def _motions(self) -> DirectMotions | IteratedMotions:
+        return motions_of(self.state.whole)
+
+    @property
+    def _width(self) -> Array:
+        return np.asarray(self.density.zones.b - self.density.zones.a)
 
     @property
     def unresolved(self) -> bool:

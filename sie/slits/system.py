@@ -13,10 +13,11 @@ import numpy as np
 from scipy.linalg import norm
 
 from sie.basis.data import Array, Index, Kept, record, row_sizes, widened
-from sie.basis.interval import edge_scale
+from sie.basis.interval import edge_scale, sides
 from sie.basis.zones import Zones
 from sie.collocation import fixed
 from sie.collocation.fixed import SingularSystem, State
+from sie.collocation.rounding import density_rounding, truncation_through_rows
 from sie.collocation.solved import Answered, Carried, Sizes, Solver, density_of
 from sie.collocation.system import System
 from sie.density.density import Density
@@ -322,14 +323,18 @@ class SlitState(Answered):
     @cached_property
     def _residuals(self) -> Array:
         """Residual of the equation times the wide zone's sqrt(1 - t^2) at a few points of each piece."""
-        zones, merged = self.density.zones, self.merged
-        t = np.cos(fixed.THETA)
+        zones, t = self.density.zones, np.cos(fixed.THETA)
         x = (zones.middle[:, None] + zones.half[:, None] * t).ravel()
         value = self.density.transform(x) - self.right_side(x)
+        return np.asarray(value.reshape(-1, fixed.LOOKS) * self._wide_sines)
+
+    @cached_property
+    def _wide_sines(self) -> Array:
+        """sqrt(1 - t^2) of the wide zone at a few points of each piece (n, LOOKS)."""
+        zones, merged, t = self.density.zones, self.merged, np.cos(fixed.THETA)
         left = merged.start[:, None] + (zones.half[:, None] * (1 + t))
         right = merged.rest[:, None] + (zones.half[:, None] * (1 - t))
-        root = np.sqrt(left * right) / merged.wide.half[merged.piece_zone][:, None]
-        return np.asarray(value.reshape(root.shape) * root)
+        return np.asarray(np.sqrt(left * right) / merged.wide.half[merged.piece_zone][:, None])
 
     def _wide_residuals(self, wide: Index, theta: Array) -> Array:
         """Residual of the equation times sqrt(1 - t^2) on wide zones (n,) at angles (n, points), 0 in slits."""
@@ -343,21 +348,52 @@ class SlitState(Answered):
     @cached_property
     def density_error(self) -> float:
         """See `State.density_error`."""
-        wide, peak = self.whole, self.size
-        if peak == 0.0:
-            return 0.0
-        coupled = wide.system.layout.m
-        zone = self.merged.piece_zone
-        seen = fixed.residual_error(self._residuals, peak, coupled[zone], wide.jumps_rounding[zone], np.bincount(zone)[zone] == 1)
-        slits = (float(self._tails.max()) + wide.density_rounding) / peak + self.rest
-        return wide.made_of(self._neglected) + seen + slits
+        return float(self._errors_over(np.full(len(self.density.zones), self.size)).max())
+
+    @cached_property
+    def zone_errors(self) -> Array:
+        """See `State.zone_errors`, of the pieces."""
+        return self._errors_over(self.zone_sizes) * self._sines.max(axis=1)
+
+    @cached_property
+    def density_rounding(self) -> Array:
+        """See `State.density_rounding`, of the wide zones."""
+        return density_rounding(self.whole, self.missing, self._no_modes)
+
+    @cached_property
+    def zone_sizes(self) -> Array:
+        """The largest of the density times sqrt(1 - t^2) on each piece (n,)."""
+        left, right = sides(fixed.THETA)
+        piece = np.arange(len(self.density.zones))[:, None]
+        return np.asarray(np.abs(self.density.at(piece, left, right) * np.sin(fixed.THETA)).max(axis=1))
+
+    @cached_property
+    def _sines(self) -> Array:
+        """sqrt(1 - t^2) of each piece over that of its wide zone, at a few points (n, LOOKS)."""
+        return np.asarray(np.sin(fixed.THETA) / self._wide_sines)
+
+    def _errors_over(self, sizes: Array) -> Array:
+        """Error of the density on each piece, times the wide zone's sqrt(1 - t^2), over these sizes (n,)."""
+        wide, zone = self.whole, self.merged.piece_zone
+        sizes = np.where(sizes > 0.0, sizes, np.inf)
+        of_wide = wide.made_of(self._neglected) + self._tails + self.density_rounding + wide.linear_error + self.rest * self.size
+        alone, rounding = np.bincount(zone)[zone] == 1, wide.jumps_rounding[zone]
+        seen = fixed.residual_errors(self._residuals, sizes, wide.system.layout.m[zone], rounding, alone)
+        return np.asarray(of_wide[zone] / sizes + seen)
 
     @cached_property
     def end_truncation(self) -> Array:
         """See `State.end_truncation`, of the pieces."""
         zones = self.density.zones
         slopes = np.where(zones.moves, np.abs(np.array(self.density.edge_slopes)), np.inf)
-        return np.asarray(self._intensities_of(self.missing) / np.maximum(slopes, 1e-300) / zones.half).T
+        through_rows = truncation_through_rows(self.whole, self.missing, self._no_modes).max(axis=0)
+        missing = self.missing + through_rows / edge_scale(self.merged.wide.half)
+        return np.asarray(self._intensities_of(missing) / np.maximum(slopes, 1e-300) / zones.half).T
+
+    @property
+    def _no_modes(self) -> Array:
+        """Lowest modes of the residual on the solved wide zones: none, since the points in pieces do not tell them."""
+        return np.zeros((len(self.merged.wide.solved), 0))
 
 
 AnyState = State | SlitState

@@ -30,7 +30,8 @@ def test_a_problem_times_a_number_has_the_density_times_it_and_the_same_ends_and
     one, many = (sie.solve(*ROUTES[route](a)[:2], tol, **ROUTES[route](a)[2]) for a in (1.0, size))
     width = np.diff(one.zones.table)
     assert np.abs(many.zones.table - one.zones.table).max() <= 10 * tol * width.max()
-    assert many.error == pytest.approx(one.error, rel=0.5, abs=1e-13)
+    # Rounding goes into the stated error by random samples, and 1e200 is no power of two.
+    assert one.error / 3 <= many.error + 1e-13 and many.error / 3 <= one.error + 1e-13
     scale = np.abs(one.density.totals).max() + one.state.size
     assert np.abs(many.density.totals / size - one.density.totals).max() <= 10 * tol * scale
 

@@ -160,7 +160,8 @@ def test_tandem_aerofoils_with_hardly_a_gap_between_them(gap):
     theta = np.linspace(0.01, np.pi - 0.01, 300)
     left, right = 2 * np.cos(theta / 2) ** 2, 2 * np.sin(theta / 2) ** 2
     zones = sie.Zones.of([[-1.0, 0.0], [gap, 1.2]], sie.SINGULAR, sie.BOUNDED)
-    found = sie.solve(sie.Equation(sie.cauchy(), sie.Forcing(np.ones_like, lambda x: x), ()), zones, 1e-9)
+    # At 1e-5 the 3,072 modes leave 4e-9 of the field, and the stated error counts it.
+    found = sie.solve(sie.Equation(sie.cauchy(), sie.Forcing(np.ones_like, lambda x: x), ()), zones, max(1e-9, 1e-13 / gap))
     (first, second), (a, b) = zones.half, (left, right)
     others = np.sqrt((first * b + 2 * second + gap) / (first * b + gap)), np.sqrt((second * a + gap) / (second * a + gap + 2 * first))
     for zone, other in enumerate(others):
