@@ -73,7 +73,7 @@ class Found(Solved):
 def _of_body(found: Found) -> float:
     """What a body that is no half-plane adds: its smooth part, where it nearly cancels the line load of the half-plane, as that of a thin
     layer does, leaves rounding and neglected modes that are large beside the little that remains."""
-    operator, units = found.fields.problem.operator, found.fields.problem.units
+    operator = found.fields.problem.operator
     if operator.is_plain or operator.is_own or found.fields.state.density.slit_count:
         return 0.0
     state = found.fields.state.whole
@@ -106,8 +106,9 @@ def too_thin(problem: Problem, table: Array) -> str:
     if not width > _MOST_LENGTHS * kernel.length:
         return ""
     told = (
-        f"a zone {width * unit:.3g} m wide is {width / kernel.length:.0f} times as wide as the length {kernel.length * unit:.2g} m over which "
-        f"the kernel of {problem.substrate.name} varies, and more than {_MOST_LENGTHS:.0f} times takes too long: ask for narrower zones"
+        f"a zone {width * unit:.3g} m wide is {width / kernel.length:.0f} times as wide as the length {kernel.length * unit:.2g} m "
+        f"over which the kernel of {problem.substrate.name} varies, and more than {_MOST_LENGTHS:.0f} times takes too long: ask for "
+        "narrower zones"
     )
     if not problem.operator.compression:
         return told

@@ -19,7 +19,6 @@ from contact.search.equilibria.relaxation import relaxed
 from contact.solution.answer import PullOff
 from contact.threads import one_of_blas
 
-
 # Part of the rate with the value that lies along the null vector: below it the value does not move the turning point. Insensitive.
 _SEEN = 1e-3
 
