@@ -29,11 +29,11 @@ def steps(rng):
 
 @pytest.mark.parametrize("substrate", [contact.HalfPlane(), contact.Layer(0.05, 0.3), contact.Layer(0.02, 0.4, "smooth")], ids=repr)
 @pytest.mark.parametrize("shape", [tops, steps])
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 def test_every_control_leads_to_the_contact_of_the_load_however_full(shape, seed, substrate):
     rng = np.random.default_rng(seed)
     profile = contact.Sampled(PLACES, shape(rng), period=1.0)
-    for fraction in (0.6, 0.9, 0.97, 0.99):
+    for fraction in (0.9, 0.97):
         model = dict(substrate=substrate)
         given = solve(profile, contact.Periodic(), E_star=1e11, tol=1e-8, contact_fraction=fraction, **model)
         for control in ("load", "mean_pressure", "approach"):
