@@ -65,9 +65,9 @@ class LagTable:
         for start in range(0, flat.size, OPTIONS.block):
             # The place in the cell comes before the sum with `cells`: near the lag 0 no digit is lost.
             place = flat[start : start + OPTIONS.block] / self.step
-            cell = np.floor(place)
+            cell = np.clip(np.floor(place), -self.cells, self.cells - 1)
             place = 2.0 * (place - cell) - 1.0
-            index = np.clip(cell.astype(np.intp) + self.cells, 0, 2 * self.cells - 1)
+            index = cell.astype(np.intp) + self.cells
             total = self.coefficients[-1].take(index)
             for row in self.coefficients[-2::-1]:
                 total *= place
