@@ -21,6 +21,11 @@ _LONGEST_MESSAGE = 400
 class ContactError(Exception):
     """Base of every error the package raises on purpose.
 
+    Parameters
+    ----------
+    *args : object
+        The message; one of more than 400 characters loses its middle.
+
     Examples
     --------
     >>> import contact
