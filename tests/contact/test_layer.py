@@ -142,7 +142,7 @@ class TestLimits:
 
 @pytest.mark.parametrize("base, nu", KINDS)
 @pytest.mark.parametrize("interaction", [PERIODIC, ALONE])
-@pytest.mark.parametrize("thickness", [3e-3, 1e-3])
+@pytest.mark.parametrize("thickness", [3e-3, pytest.param(1e-3, marks=pytest.mark.slow)])
 def test_a_contact_of_hundreds_of_thicknesses_has_few_unknowns_under_every_control(base, nu, interaction, thickness):
     """Between layers beside its ends, a thickness wide, the pressure is smooth: its modes grow as the root of the width."""
     layer = contact.Layer(thickness, nu, base)
