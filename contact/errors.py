@@ -25,6 +25,8 @@ class ContactError(Exception):
     ----------
     *args : object
         The message; one of more than 400 characters loses its middle.
+    **named : object
+        What a built-in error that it also is takes by name.
 
     Examples
     --------
@@ -36,8 +38,8 @@ class ContactError(Exception):
     amplitude = -1.0 is refused: it must be a finite number > 0
     """
 
-    def __init__(self, *args: Any) -> None:
-        super().__init__(*(_cut(arg, _LONGEST_MESSAGE) if isinstance(arg, str) else arg for arg in args))
+    def __init__(self, *args: Any, **named: Any) -> None:
+        super().__init__(*(_cut(arg, _LONGEST_MESSAGE) if isinstance(arg, str) else arg for arg in args), **named)
 
 
 class SceneError(ContactError, ValueError):
