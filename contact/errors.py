@@ -21,13 +21,6 @@ _LONGEST_MESSAGE = 400
 class ContactError(Exception):
     """Base of every error the package raises on purpose.
 
-    Parameters
-    ----------
-    *args : object
-        The message; one of more than 400 characters loses its middle.
-    **named : object
-        What a built-in error that it also is takes by name.
-
     Examples
     --------
     >>> import contact
@@ -38,8 +31,9 @@ class ContactError(Exception):
     amplitude = -1.0 is refused: it must be a finite number > 0
     """
 
-    def __init__(self, *args: Any, **named: Any) -> None:
-        super().__init__(*(_cut(arg, _LONGEST_MESSAGE) if isinstance(arg, str) else arg for arg in args), **named)
+    def __str__(self) -> str:
+        """The message; one of more than 400 characters loses its middle."""
+        return _cut(super().__str__(), _LONGEST_MESSAGE)
 
 
 class SceneError(ContactError, ValueError):
