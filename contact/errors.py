@@ -11,7 +11,11 @@ from contextlib import contextmanager
 from difflib import get_close_matches
 from typing import Any
 
+import numpy as np
+
 _LONGEST_VALUE = 80
+# What a terminal shows in five lines. What users give, and what their own code raises, may be of any length.
+_LONGEST_MESSAGE = 400
 
 
 class ContactError(Exception):
@@ -26,6 +30,10 @@ class ContactError(Exception):
     ...     print(error)
     amplitude = -1.0 is refused: it must be a finite number > 0
     """
+
+    def __str__(self) -> str:
+        """The message; one of more than 400 characters loses its middle."""
+        return _cut(super().__str__(), _LONGEST_MESSAGE)
 
 
 class SceneError(ContactError, ValueError):
@@ -149,7 +157,7 @@ class ModelWarning(UserWarning):
 def warn(messages: Iterable[str], stacklevel: int = 3) -> None:
     """Give out each message as a ModelWarning of the line that called the caller."""
     for message in messages:
-        warnings.warn(message, ModelWarning, stacklevel=stacklevel)
+        warnings.warn(_cut(message, _LONGEST_MESSAGE), ModelWarning, stacklevel=stacklevel)
 
 
 @contextmanager
@@ -161,9 +169,20 @@ def unwarned() -> Iterator[None]:
 
 
 def shown(value: Any) -> str:
-    """A value as it stands in a message: its repr on one line, its middle left out where it is long (a path's end names the file)."""
-    text = " ".join(repr(value).split())
-    if len(text) <= _LONGEST_VALUE:
+    """A value as it stands in a message: on one line, of an array its first and last numbers, the middle of a long text left out (a path's
+    end names the file)."""
+    if isinstance(value, np.ndarray):
+        text = np.array2string(value, separator=", ", threshold=8, edgeitems=3)
+    else:
+        # Numbers of numpy as plain ones, in lists too.
+        with np.printoptions(legacy="1.25"):
+            text = repr(value)
+    return _cut(" ".join(text.split()), _LONGEST_VALUE)
+
+
+def _cut(text: str, longest: int) -> str:
+    """A text with its middle left out where it is longer than that."""
+    if len(text) <= longest:
         return text
-    kept = _LONGEST_VALUE - 3
+    kept = longest - 3
     return text[: kept // 2] + "..." + text[kept // 2 - kept :]

@@ -25,6 +25,8 @@ _SHOWN = {
     "load": 4, "mean_pressure": 4, "max_pressure": 4, "approach": 4, "contact_fraction": 4, "total_width": 4, "mean_gap": 4, "stiffness": 3,
     "zone_count": 5, "error": 2,
 }
+# The option that gives the values of a control.
+_OPTIONS = {"load": "loads", "mean_pressure": "pressures", "approach": "approaches"}
 _HEADS = {"zone_count": "zones", "stiffness": "stiff-\nness"}
 
 
@@ -60,12 +62,21 @@ def path_command(
     outputs = Outputs(overwrite)
     outputs.add("--csv", table, {".csv": lambda found, name, overwrite: found.save(name, overwrite)})
     outputs.add_figure(figure, lambda found: found.plot())
-    with Progress(wanted=not quiet) as progress:
-        if no_events:
-            alone = tuple(solve_many(problem, values, control, tol=tol, progress=progress, workers=workers))
-            found = LoadPath(alone, ((),) * len(alone))
-        else:
-            found = path(problem, values, tol=tol, progress=progress, control=control, stiffness=stiffness)
+    try:
+        with Progress(wanted=not quiet) as progress:
+            if no_events:
+                alone = tuple(solve_many(problem, values, control, tol=tol, progress=progress, workers=workers))
+                found = LoadPath(alone, ((),) * len(alone))
+            else:
+                found = path(problem, values, tol=tol, progress=progress, control=control, stiffness=stiffness)
+    except SceneError as error:
+        # By the names that the command has for what the functions are given.
+        if error.allowed is None or error.field not in ("values", "control", "stiffness"):
+            raise
+        if error.field == "stiffness":
+            raise SceneError.of("--stiffness", stiffness, error.allowed) from error
+        given = {"load": loads, "mean_pressure": pressures, "approach": approaches}[control]
+        raise SceneError.of(f"--{_OPTIONS[control]}", given, error.allowed) from error
     outputs.finish(found, as_json, quiet, lambda: _show(found))
 
 
@@ -74,7 +85,7 @@ def _values(scene: Scene, given: Mapping[str, str | None], back: bool) -> tuple[
     names = [name for name, text in given.items() if text is not None]
     if len(names) != 1:
         if names:
-            raise SceneError.of(" and ".join(f"--{name}" for name in names), "given", "one of them")
+            raise SceneError(f"{' and '.join(f'--{name}' for name in names)} are given together: give one of them", names[0])
         raise SceneError(f"--loads is missing, or one of {', '.join(f'--{name}' for name in given if name != 'loads')}", "loads")
     text = given[names[0]] or ""
     values = values_of(f"--{names[0]}", text)
@@ -83,7 +94,7 @@ def _values(scene: Scene, given: Mapping[str, str | None], back: bool) -> tuple[
         values = values[values != 0]
         if not values.size:
             raise SceneError.of(f"--{names[0]}", text, "at least one value other than 0")
-    control = {"loads": "load", "pressures": "mean_pressure", "approaches": "approach"}[names[0]]
+    control = next(control for control, option in _OPTIONS.items() if option == names[0])
     return control, np.concatenate([values, values[-2::-1]]) if back else values
 
 

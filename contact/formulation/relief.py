@@ -18,7 +18,7 @@ from contact.formulation.quadrature import over_period
 from contact.formulation.units import Units
 from contact.model.operator import Operator
 from contact.model.profiles.base import Profile
-from contact.model.profiles.trigonometric import Sum
+from contact.model.profiles.trigonometric import Sum, coefficients
 from sie import Array, Complex, Index, record
 
 # Samples of R a shortest length of the profile.
@@ -161,14 +161,7 @@ def harmonics(profile: Profile, count: int) -> Complex:
     resolution and as the waves."""
     x, turns, weights = over_period(profile, 2 * count)
     heights = np.asarray(profile.height(x), dtype=np.float64)
-    heights = (heights - heights.min()) * weights
-    step = np.exp(-2j * np.pi * turns)
-    wave, out = np.ones_like(step), np.zeros(count, dtype=np.complex128)
-    for n in range(count):
-        # Powers of the first wave, begun anew now and then so that rounding does not add up.
-        wave = np.exp(-2j * np.pi * ((n + 1) * turns % 1.0)) if n % 16 == 0 else wave * step
-        out[n] = heights @ wave
-    return out
+    return coefficients((heights - heights.min()) * weights, turns, count)
 
 
 def height_noise(profile: Profile) -> float:

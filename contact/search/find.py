@@ -11,10 +11,11 @@ A way leads to the contact, or is left with the reason; the first refusal is rai
 there is no contact at all.
 """
 
-from contact.errors import OutOfRange
+from contact.errors import NotConverged, OutOfRange
 from contact.extras import require
 from contact.model.controls import Quantity
 from contact.search.feasibility import refuse_below_plateau, refuse_unbounded
+from contact.search.grid.conjugate_gradient import LevelOfFullGrid
 from contact.search.grid.proposals import placed
 from contact.search.grid.scaling import ScaledScene, scaled_scene, scaled_scene_about
 from contact.search.task import Task
@@ -22,7 +23,7 @@ from contact.search.topology.missed import NOT_MINE, Missed, attempted
 from contact.search.ways.along import from_last
 from contact.search.ways.full_contact import smallest_full
 from contact.search.ways.guesses import Outcome, search
-from contact.search.ways.loads import NEAR_LOAD, at_approach, at_level
+from contact.search.ways.loads import NEAR_LOAD, NEARER_LOAD, at_approach, at_level
 from contact.threads import one_of_blas
 
 # Loaded by the scenes that they are for.
@@ -90,13 +91,13 @@ def _as_given(task: Task, refused: Missed | None) -> Outcome | Missed:
     def given() -> Outcome:
         return _of_scaled(task, scaled_scene(task.scene, task.single, tilt or 0.0))
 
-    if not _loads_may_tell(task):
+    if task.scene.turned or task.scene.held(Quantity.APPROACH) is None:
         return given()
     outcome: Outcome | Missed = attempted(given)
-    if isinstance(outcome, Missed) and task.scene.interaction.needs_period and isinstance(outcome.refusal, OutOfRange):
-        # A period has one lowest place, which the grid has found.
-        raise outcome.refusal
-    return outcome
+    refusal = outcome.refusal if isinstance(outcome, Missed) else None
+    if refusal is None or isinstance(refusal, LevelOfFullGrid) or _loads_may_tell(task, refusal):
+        return outcome
+    raise refusal
 
 
 def _by_loads(task: Task, refused: Missed | None) -> Outcome | Missed:
@@ -124,11 +125,13 @@ def _of_unknown_tilt(task: Task) -> bool:
     return scene.turned and scene.moment is not None and scene.held(Quantity.APPROACH) is not None
 
 
-def _loads_may_tell(task: Task) -> bool:
+def _loads_may_tell(task: Task, refusal: OutOfRange | NotConverged) -> bool:
     """Whether loads may lead to an approach that the grid does not find: its lowest point may lie above the profile's by more than the
-    approach of a lone body, and narrow gaps between its points."""
-    scene = task.scene
-    return task.near is None and not scene.turned and scene.held(Quantity.APPROACH) is not None and scene.interaction.exact
+    approach of a lone body, and narrow gaps between its points. A period has one lowest place, which the grid has found."""
+    model = task.scene.interaction
+    if not model.exact:
+        return False
+    return not isinstance(refusal, OutOfRange) if model.needs_period else task.near is None
 
 
 def _of_scaled(task: Task, scaled: ScaledScene) -> Outcome:
@@ -147,4 +150,9 @@ def _under_loads(task: Task) -> Outcome:
     if not task.scene.interaction.needs_period:
         return at_level(task)
     # Grids are searched by load: the zones are about those of the load that has the approach.
-    return _of_scaled(task.beside(at_approach(task, NEAR_LOAD)), scaled_scene(task.scene, task.single))
+    task = task.beside(at_approach(task, NEAR_LOAD))
+    outcome = attempted(lambda: _of_scaled(task, scaled_scene(task.scene, task.single)))
+    if not isinstance(outcome, Missed):
+        return outcome
+    task.left("zones under a load of about this approach", outcome)
+    return _of_scaled(task.beside(at_approach(task, NEARER_LOAD)), scaled_scene(task.scene, task.single))

@@ -14,7 +14,7 @@ from contact.search.ways.full_contact import Full
 from contact.search.ways.gaps import tightened_gaps
 from contact.search.ways.guesses import Outcome
 from contact.search.ways.tightened import tightened
-from contact.verify.accuracy import Found, FoundByGaps, limit, of_positions, too_thin
+from contact.verify.accuracy import Found, FoundByGaps, limit, limit_of_body, of_positions
 
 # Zones of a lone body farther than so many times their span from the origin of places.
 _FAR_OFF = 64.0
@@ -109,8 +109,8 @@ def _from_the_same(task: Task, found: Found) -> Found | None:
 
 
 def _is_rounding(task: Task, found: Found) -> bool:
-    """Whether rounding alone, of a solution that no iteration left an error in, is above the wanted error, or what modes do not show."""
-    if found.rounded or too_thin(found.fields.problem, found.free.density.zones.table):
+    """Whether rounding alone, of a solution that no iteration left an error in, is above the wanted error."""
+    if found.rounded or limit_of_body(found.fields.problem, found.free.density.zones.table, task.tol):
         return True
     end = found.fields.problem.end
     return not found.free.state.iterated and bool(limit(found.free, 4 * task.tol, "zone", 4 * of_positions(found), end))

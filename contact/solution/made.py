@@ -21,7 +21,7 @@ from contact.model.units import quantity
 from contact.solution.answer import PullOff
 from contact.solution.plan import Plan
 from contact.solution.solution import Solution, limit_of_approach
-from contact.verify.accuracy import Found, FoundByGaps, limit, of_positions, too_thin
+from contact.verify.accuracy import Found, FoundByGaps, limit, limit_of_body, of_positions
 from contact.verify.certificate import Certificate, told_of_left_out
 from sie import Array
 
@@ -170,9 +170,9 @@ def _within(tol: float, solution: Solution, free: sie.Free, of: str, positions: 
     """beside: what a law adds, in words, where that is most of the error."""
     if solution.error > tol:
         fields = solution.fields
-        thin = too_thin(fields.problem, fields.density.zones.table) if isinstance(fields, ZoneFields) else ""
+        body = limit_of_body(fields.problem, fields.density.zones.table, tol) if isinstance(fields, ZoneFields) else ""
         end = fields.problem.end if isinstance(fields, ZoneFields) else sie.FREE
-        why = limit_of_approach(solution, tol) or thin or beside or limit(free, tol, of, positions, end, solution.error)
+        why = limit_of_approach(solution, tol) or body or beside or limit(free, tol, of, positions, end, solution.error)
         told = f"the stated error {solution.error:.2g} is above the tolerance {tol:.2g}{': ' if why else ''}{why}"
         fault = "" if why else fault_of_profile(solution.scene, solution.zones)
         raise NotConverged(f"{told}; the best state is attached{fault}", solution.trace, solution)

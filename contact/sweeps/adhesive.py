@@ -223,7 +223,7 @@ def adhesive_path(
     scene: Scene, values: ArrayLike, tol: float, progress: Progress | None, control: str, stiffness: float | None
 ) -> AdhesivePath:
     """See `contact.path`."""
-    given = finite_array(VALUES[control], values)
+    given = finite_array("values", values)
     give = None if stiffness is None else 1.0 / positive("stiffness", stiffness)
     run = _Run(scene.under(control, 0.0), control, tol, give)
     run.refuse(given)
@@ -385,7 +385,7 @@ class _Run:
             surface = self.scene.profile.counter_height(x) - fields.displacement(x)
             drawn = np.array([x, surface, surface + fields.gap(x)])
         value = float(jump.before.value * self.unit)
-        place = float(units.x(np.array(jump.place)))
+        place = float(self.scene.profile.wrap(units.x(np.array(jump.place))))
         return AdhesiveEvent(jump.kind, load, place, zones, zones_after, value, load_after, approach, approach_after, lost, drawn)
 
     def _state(self, standing: Standing) -> tuple[float, float | None, float | None, Array]:

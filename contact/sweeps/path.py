@@ -80,9 +80,10 @@ def path(
     if name == "approach":
         what, given = ("control", control) if stiffness is None else ("stiffness", stiffness)
         raise SceneError.of(what, given, f"left out: under {scene.law.name} a path goes by the load, and no spring changes it")
-    loads = finite_array(VALUES[name], values)
+    loads = finite_array("values", values)
     if np.any(loads <= 0):
-        raise SceneError.of(VALUES[name], values, "positive")
+        first = int(np.argmax(loads <= 0))
+        raise SceneError.of("values", loads, f"positive {VALUES[name]} (element {first} is {loads[first]:.6g})")
     if name == "mean_pressure":
         if scene.profile.period is None:
             raise SceneError.of("control", control, "load: without a period there is no mean pressure")

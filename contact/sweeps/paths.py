@@ -272,7 +272,7 @@ class _Condition:
         or the least pressure between two zones that have become one."""
         function = fields.formal_gap if self.of_gap else fields.formal_pressure
         place, value = maximum(lambda x: -function(x), np.linspace(*self.where, 33), levels=_ZOOMS, peaks=1)
-        self.position = float(self.problem.units.x(np.array(place)))
+        self.position = float(self.problem.profile.wrap(self.problem.units.x(np.array(place))))
         return -value
 
     def __init__(self, fields: Any, change: Change) -> None:
@@ -324,4 +324,4 @@ def _full_event(load: float, full: Solution, low: Solution) -> list[Event]:
     if np.any((over > first) & (over < last)):
         return []
     place, _ = maximum(lambda points: -full.pressure(points), np.linspace(first, last, 65))
-    return [Event("full", load, place, low.zones, np.zeros((0, 2)))]
+    return [Event("full", load, float(low.scene.profile.wrap(place)), low.zones, np.zeros((0, 2)))]

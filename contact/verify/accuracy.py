@@ -27,9 +27,9 @@ _SINGULAR = 8
 _EPS = 2.2e-16
 # Angles of a zone at which the pressure is looked at for its size.
 _LOOKS = 64
-# Half widths of a zone over the length of the kernel's smooth part, up to which the modes of a zone show it to rounding, and from which on
-# not at all.
-RESOLVED, HOPELESS = 40.0, 300.0
+# A zone wider than this many lengths of the kernel's smooth part is refused: its solution, of 20,000 unknown values, takes more than 5 s.
+# The time grows as the power 3/2 of the width.
+_MOST_LENGTHS = 3000.0
 # Of neglected modes what they may make of the pressure, and of rounding over the compliance that is left: several times what layers of
 # known contact have.
 _MODES, _CANCELLED = 5.0, 4e-15
@@ -73,26 +73,46 @@ class Found(Solved):
 def _of_body(found: Found) -> float:
     """What a body that is no half-plane adds: its smooth part, where it nearly cancels the line load of the half-plane, as that of a thin
     layer does, leaves rounding and neglected modes that are large beside the little that remains."""
-    operator, units = found.fields.problem.operator, found.fields.problem.units
+    operator = found.fields.problem.operator
     if operator.is_plain or operator.is_own or found.fields.state.density.slit_count:
         return 0.0
     state = found.fields.state.whole
-    zones = state.density.zones
-    wave = np.array([np.pi / (2 * float(zones.half.max()) * units.length)])
     left = state.field_tail if np.isfinite(state.system.equation.kernel.length) else 0.0
-    return _MODES * left + _CANCELLED / float(operator.substrate.symbol(wave)[0])
+    return _MODES * left + _cancelled(found.fields.problem, state.density.zones.table)
 
 
-def too_thin(problem: Problem, table: Array, limit: float = RESOLVED) -> str:
-    """Why modes do not show the smooth part of the body's kernel on scaled zones (n, 2), so many times as wide; empty if they do."""
+def _cancelled(problem: Problem, table: Array) -> float:
+    """Rounding of the half-plane's kernel over the compliance of a body at the longest wave of the widest of scaled zones (n, 2)."""
+    width = float((table[:, 1] - table[:, 0]).max()) * problem.units.length
+    return _CANCELLED / float(problem.operator.substrate.symbol(np.array([np.pi / width]))[0])
+
+
+def limit_of_body(problem: Problem, table: Array, tolerance: float) -> str:
+    """Why the body's kernel does not let scaled zones (n, 2) be found to a tolerance; empty if it does."""
+    operator = problem.operator
+    if operator.is_plain or operator.is_own or len(table) == 0 or not _cancelled(problem, table) > tolerance:
+        return ""
+    part = _CANCELLED / _cancelled(problem, table)
+    return (
+        f"under a zone as wide as this {problem.substrate.name} gives way by {part:.1e} of what a half-plane does, and the rounding of the "
+        "rest is large beside that: ask for a larger tolerance, or for narrower zones"
+    )
+
+
+def too_thin(problem: Problem, table: Array) -> str:
+    """Why scaled zones (n, 2) are too wide for the body's kernel to be solved in seconds; empty if they are not."""
     kernel, unit = problem.kernel, problem.units.length
     width = float((table[:, 1] - table[:, 0]).max(initial=0.0))
-    if not width > 2 * limit * kernel.length:
+    if not width > _MOST_LENGTHS * kernel.length:
         return ""
-    return (
-        f"the kernel of {problem.substrate.name} varies over {kernel.length * unit:.2g} m, 1/{width / kernel.length:.0f} of a zone's "
-        "width, more than the modes of a zone show: ask for a larger tolerance, or for narrower zones"
+    told = (
+        f"a zone {width * unit:.3g} m wide is {width / kernel.length:.0f} times as wide as the length {kernel.length * unit:.2g} m "
+        f"over which the kernel of {problem.substrate.name} varies, and more than {_MOST_LENGTHS:.0f} times takes too long: ask for "
+        "narrower zones"
     )
+    if not problem.operator.compression:
+        return told
+    return f"{told}. Away from the ends the pressure is E_star (approach - f) / (2 compression) there, as of springs"
 
 
 def of_positions(found: Found) -> float:

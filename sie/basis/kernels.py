@@ -96,6 +96,11 @@ class Kernel(Kept):
         """Panels and skeletons of the regular part that have been looked at (`fast.panels`)."""
         return {}
 
+    @cached_property
+    def kept_tables(self) -> dict[tuple[bool, int], Any]:
+        """Tables of the regular part over the lag that have been made (`sie.basis.lag_table`)."""
+        return {}
+
     def __add__(self, other: "Smooth | Regular") -> "Kernel":
         """This kernel plus a smooth one."""
         smooth = _smooth(other)
@@ -388,5 +393,9 @@ MAKERS = (cauchy, hilbert, images)
 def regular_size(kernel: Kernel, half_width: float, m: int) -> int:
     """Quadrature nodes a zone needs for the regular part: until the kernel's own coefficients have decayed."""
     if not kernel.sure:
-        return m + 2
+        if math.isinf(kernel.length):
+            return m + 2
+        # Gauss' rule takes coefficient 2q - k of the kernel for part of that of T_k, k <= m: this one is rounding.
+        decayed = -math.log(1e-17) / math.asinh(kernel.length / half_width)
+        return max(m + 2, math.ceil(0.5 * (m + decayed)))
     return max(4, math.ceil(-math.log(1e-17) / float(fall(max(kernel.reach / half_width - 1, 0.05)))))

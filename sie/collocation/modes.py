@@ -56,8 +56,11 @@ _KERNEL_ROUNDING = 2e-15
 # A user's kernel may be noisier. Its noise is what two more steps of COUPLED_SIZES, half as many modes again, do not halve, where the last
 # coefficients are below this part of the largest: those of a kernel as rough as |x - xi| still fall by more.
 _KERNEL_NOISE = 1e-5
-# Modes to begin with to a half width over the length of a regular kernel: exp(-12) of it is left.
+# Modes to begin with, to a half width over the length of a regular kernel: coefficients have fallen to exp(-12).
 _PER_LENGTH = 12.0
+# The same of a wide zone, to the square root of that: its density varies over the length beside the ends alone, where modes are as dense as
+# that. 24 leave about 1e-12; modes grow where they are too few.
+_PER_ROOT = 24.0
 
 
 def most(kernel: Kernel) -> int:
@@ -102,7 +105,8 @@ class Growth:
 
 def least(zones: Zones, kernel: Kernel) -> Index:
     """Coupled modes of each zone to begin with, where the kernel's regular part is a user's own."""
-    return np.maximum(16, np.ceil(_PER_LENGTH * zones.half / kernel.length)).astype(np.intp)
+    lengths = zones.half / kernel.length
+    return np.maximum(16, np.ceil(np.minimum(_PER_LENGTH * lengths, _PER_ROOT * np.sqrt(lengths)))).astype(np.intp)
 
 
 def own_at_first(zones: Zones, singular_at: Array, period: float | None) -> Index:

@@ -20,6 +20,7 @@ from sie.basis import chebyshev
 from sie.basis.data import Array, Index, Mask, numbered, record, root_of_squares, widened
 from sie.basis.interval import Outside, edge_scale, mean_potential
 from sie.basis.kernels import Kernel, regular_size
+from sie.basis.lag_table import regular_values
 from sie.basis.zones import Zones
 from sie.collocation.spline_moments import coefficients as coefficients_between
 from sie.collocation.spline_moments import many_jumps
@@ -30,6 +31,8 @@ from sie.fast.panels import Panels, panels_over
 from sie.fast.skeleton import Skeleton
 from sie.jumps.forcing import ForcingJumps
 
+# Pairs of points and nodes handled at once: 30 MB of values.
+_PAIRS = 2**22
 # Most quadrature nodes a zone spends on the weight of a side condition.
 _LARGEST_WEIGHT = 8192
 
@@ -171,8 +174,11 @@ def _add_regular(out: Array, zones: Zones, kernel: Kernel, x: Array, layout: Lay
     for middle, w, m, first in zip(zones.middle, zones.half, layout.m.tolist(), layout.offset, strict=True):
         q = regular_size(kernel, w, m)
         count = min(m, q - 1) + 1
-        block = chebyshev.t_means(regular(x[:, None], middle + w * chebyshev.gauss(q)), count)
-        out[:, first : first + count] += block if potential else w * block
+        nodes = middle + w * chebyshev.gauss(q)
+        for start in range(0, len(x), rows := max(1, _PAIRS // q)):
+            some = slice(start, start + rows)
+            block = chebyshev.t_means(regular_values(kernel, x[some], nodes, potential), count)
+            out[some, first : first + count] += block if potential else w * block
 
 
 def _panel_moments(zones: Zones, panels: Panels | Skeleton, layout: Layout, over_width: bool) -> Array:
@@ -239,9 +245,12 @@ class System(Rows):
             return np.zeros((0, layout.size)), np.zeros(0)
         raw = fields(zones, self.equation.kernel, self.targets, layout, potential=False)
         if self.equation.kernel.grows and panels_over(self.equation.kernel, zones) is None:
-            # A regular kernel of a user's own: its last coefficients in xi tell whether they are enough.
-            last = layout.offset + layout.m - np.minimum([[0], [1], [2]], layout.m)
-            self.source_tails = np.abs(raw[:, last]).max(axis=(0, 1)) / max(1.0, np.abs(raw).max())
+            # The last coefficients of the kernel in xi show whether the quadrature resolves it.
+            if np.isfinite(self.equation.kernel.length):
+                self.source_tails = self._quadrature_tails()
+            else:
+                last = layout.offset + layout.m - np.minimum([[0], [1], [2]], layout.m)
+                self.source_tails = np.abs(raw[:, last]).max(axis=(0, 1)) / max(1.0, np.abs(raw).max())
         for number, column in enumerate(self.equation.columns):
             raw[:, layout.coefficients + number] = -column.value(self.targets.x)
         if self.equation.grows:
@@ -253,6 +262,19 @@ class System(Rows):
             right -= self.of_panels(self.unseen_moments)[0]
         rows[np.arange(len(rows)), self.own] -= 1.0
         return rows[self.kept], right[self.kept]
+
+    def _quadrature_tails(self) -> Array:
+        """Error of the quadrature over each zone (Z,), of a kernel that declares its length: as large as the coefficient of the kernel that
+        Gauss' rule takes for part of the highest mode. Seen from the ends and from the middle of the zone."""
+        zones, kernel, tails = self.zones, self.equation.kernel, np.zeros(len(self.zones))
+        assert kernel.regular is not None
+        for i, (middle, half, m) in enumerate(zip(zones.middle, zones.half, self.layout.m.tolist(), strict=True)):
+            q = regular_size(kernel, half, m)
+            x = middle + half * np.array([[-1.0], [0.0], [1.0]])
+            size = np.abs(chebyshev.t_means(kernel.regular(x, middle + half * chebyshev.gauss(q))))
+            fallen = size[:, -3:].max() / max(size.max(), 1e-300)
+            tails[i] = min(size.max(), 1.0) * fallen ** (2.0 - m / q) if fallen > 0.0 else 0.0
+        return tails
 
     def projected(self, values: Array) -> Array:
         """U coefficients k = 1 ... m on each solved zone, one zone after the other, of what has these values at the targets (n, ...)."""

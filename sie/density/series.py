@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from sie.basis import chebyshev, interval
 from sie.basis.data import Array, Index, widened
 from sie.basis.kernels import Kernel, Regular, regular_size
+from sie.basis.lag_table import regular_values
 from sie.basis.zones import Zones
 from sie.density.located import Located
 from sie.fast.panels import Panels, panels_over
@@ -29,6 +30,8 @@ _MOST_PLACES = 2**14
 LOOKS, _KINKS = 256, 32
 # Largest number of (point, source) pairs handled at once: bounds the memory of an evaluation.
 CHUNK = 16_000
+# The same of a kernel that is tabulated over its lag: a table is made for many pairs.
+_TABLED = 2**21
 
 
 @dataclass(frozen=True, eq=False)
@@ -240,14 +243,22 @@ def regular_at(density: Series, x: Array, regular: Regular) -> Array:
     if density.panel_moments is not None:
         panels, moments = density.panel_moments
         return panels.at(panels.spread(x), moments, regular is not density.kernel.regular)
-    return by_quadrature(density.quadrature, x, regular)
+    potential = regular is not density.kernel.regular
+    kernel = density.kernel
+
+    def values(some: Array, xi: Array) -> Array:
+        return regular_values(kernel, some[:, 0], xi[0], potential)
+
+    return by_quadrature(density.quadrature, x, values, CHUNK if np.isinf(kernel.length) else _TABLED)
 
 
-def by_quadrature(parts: list[tuple[Array, Array]], x: NDArray[Any], regular: Callable[..., NDArray[Any]]) -> NDArray[Any]:
-    """Sums over nodes with weights, at real or complex points."""
+def by_quadrature(
+    parts: list[tuple[Array, Array]], x: NDArray[Any], regular: Callable[..., NDArray[Any]], pairs: int = CHUNK
+) -> NDArray[Any]:
+    """Sums over nodes with weights, at real or complex points, so many pairs at once."""
     out = np.zeros(x.shape, dtype=x.dtype)
     for xi, weights in parts:
-        block = max(1, CHUNK // weights.size)
+        block = max(1, pairs // weights.size)
         for s in range(0, len(x), block):
             out[s : s + block] += regular(x[s : s + block, None], xi[None, :]) @ weights
     return out

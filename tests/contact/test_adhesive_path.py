@@ -232,7 +232,7 @@ def test_what_a_path_cannot_follow_is_refused_by_name():
     for kwargs, name in wrong:
         with pytest.raises(contact.SceneError, match=name):
             contact.path(wave, [0.0], **kwargs)
-    with pytest.raises(contact.SceneError, match="loads"):
+    with pytest.raises(contact.SceneError, match="values"):
         contact.path(wave, [])
     with pytest.raises(contact.OutOfRange, match="mean of the profile"):
         contact.path(wave, [0.0, DELTA], control="approach")

@@ -358,3 +358,15 @@ def test_growth_and_motions_are_those_of_the_rates_whichever_way_they_are_told(l
     if part <= 1.0:
         driven = here.rates @ motions
         assert np.abs(driven - here.weight[:, None] * motions * growth).max() < 1e-9 * np.abs(driven).max()
+
+
+@pytest.mark.parametrize("work", [1e-3, 1e-7, 1e-9, 2e-12])
+@pytest.mark.parametrize("half_width, control", [(0.447, "load"), (0.447, "approach"), (0.2, "load")])
+def test_the_load_of_pull_off_is_that_of_its_zone_however_wide_the_contact_was(work, half_width, control):
+    """Westergaard's load less that of the edge intensities, sqrt(2 E* w L tan(pi a / L)); work: w L / (E* A^2)."""
+    wave, law = contact.Sinusoid(1.0, 1.0), contact.JKR(work)
+    at_first = contact.solve(contact.Scene(wave, 1.0, contact.Periodic(), law=law, half_width=half_width))
+    scene = contact.Scene(wave, 1.0, contact.Periodic(), law=law, **{control: getattr(at_first, control)})
+    last = contact.solve(scene).pull_off
+    s = np.pi * last.zones[0, 1]
+    assert last.load == pytest.approx(np.pi * np.sin(s) ** 2 - np.sqrt(2 * work * np.tan(s)), rel=1e-12)

@@ -134,10 +134,24 @@ class TestLimits:
         row = solve(contact.Biquadratic(1.0, 0.4, period=4.0), PERIODIC, tol=1e-9, substrate=layer, load=0.02)
         assert true_error(alone, row) < alone.error + row.error
 
-    def test_a_layer_too_thin_for_the_modes_of_a_zone_is_refused_with_the_reason(self):
-        scene = contact.Scene(contact.Parabola(1.0), 1.0, ALONE, substrate=contact.Layer(0.5e-3, 0.3), half_width=0.4)
-        with pytest.raises(contact.OutOfRange, match="the kernel of layer varies over 0.00089 m, 1/901 of a zone's width"):
+    def test_a_zone_too_wide_for_its_layer_is_refused_with_the_reason(self):
+        scene = contact.Scene(contact.Parabola(1.0), 1.0, ALONE, substrate=contact.Layer(0.5e-4, 0.3), half_width=0.4)
+        with pytest.raises(contact.OutOfRange, match=r"9015 times as wide as the length 8.9e-05 m over which the kernel of layer varies"):
             contact.solve(scene)
+
+
+@pytest.mark.parametrize("base, nu", KINDS)
+@pytest.mark.parametrize("interaction", [PERIODIC, ALONE])
+@pytest.mark.parametrize("thickness", [3e-3, pytest.param(1e-3, marks=pytest.mark.slow)])
+def test_a_contact_of_hundreds_of_thicknesses_has_few_unknowns_under_every_control(base, nu, interaction, thickness):
+    """Between layers beside its ends, a thickness wide, the pressure is smooth: its modes grow as the root of the width."""
+    layer = contact.Layer(thickness, nu, base)
+    given = contact.solve(contact.Scene(WAVE, 1.0, interaction, substrate=layer, half_width=0.15), tol=1e-6)
+    assert given.plan.counts["coupled_unknowns"] < 40 * np.sqrt(0.3 / thickness)
+    for control in ("load", "approach") + ("contact_fraction",) * interaction.needs_period:
+        again = contact.solve(contact.Scene(WAVE, 1.0, interaction, substrate=layer, **{control: getattr(given, control)}), tol=1e-6)
+        assert true_error(again, given) < 3 * (again.error + given.error) + 1e-9
+        assert again.plan.counts["solves"] < 15
 
 
 @dataclass(frozen=True)

@@ -101,7 +101,7 @@ def test_full_contact_is_reached_at_the_closed_form_load():
 
 @pytest.mark.parametrize("loads", [[], [0.0], [-1.0], [np.nan], "many", None])
 def test_loads_that_are_none_are_refused_by_name(loads):
-    with pytest.raises(contact.SceneError, match="loads"):
+    with pytest.raises(contact.SceneError, match="values"):
         path(scene(BIQUADRATIC, contact.Isolated()), loads)
 
 

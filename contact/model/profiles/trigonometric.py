@@ -71,6 +71,20 @@ class Sum:
         return out
 
 
+def coefficients(weights: Array, turns: Array, count: int) -> Complex:
+    """sum_j w_j exp(-2 pi i k x_j), k = 1 ... `count`, of weights (m,) at x (m,) in turns: the transpose of `Sum`, to 1e-15 sum |w_j|."""
+    n = 1 << int(np.ceil(np.log2(4 * (count + 1))))
+    place = turns * n
+    first = np.ceil(place - _HALF)
+    away, index = (place - first) / _HALF, first.astype(np.intp)
+    grid = np.zeros(n)
+    for j in range(_WIDTH):
+        d = away - j / _HALF
+        psi = np.exp(_STEEP * (np.sqrt(np.maximum(1 - d * d, 0.0)) - 1))
+        grid += np.bincount((index + j) % n, weights * psi, minlength=n)
+    return np.asarray(scipy.fft.rfft(grid)[1 : count + 1] / _transform(count, n))
+
+
 def in_turns(x: Array, period: float) -> tuple[Array, Array]:
     """x / period in two words: the quotient, and what rounding has left of it (Dekker's exact product, Numer. Math. 18, 1971)."""
     turns = x / period

@@ -19,6 +19,9 @@ from contact.search.equilibria.relaxation import relaxed
 from contact.solution.answer import PullOff
 from contact.threads import one_of_blas
 
+# Part of the rate with the value that lies along the null vector: below it the value does not move the turning point. Insensitive.
+_SEEN = 1e-3
+
 
 @dataclass(frozen=True)
 class Parting:
@@ -43,7 +46,22 @@ def _without_range(fields: ZoneFields, held: Control) -> Point:
     # Under a held approach ends that recede may drive others on.
     recede = receded if held.load is not None else relaxed
     here = curve.at(fields.density.zones.table, held.value)
-    return pull_off(curve, lowered_by_load(curve, here, near_the_last), recede)
+    return _on_its_zones(curve, pull_off(curve, lowered_by_load(curve, here, near_the_last), recede))
+
+
+def _on_its_zones(curve: Equilibria, last: Point) -> Point:
+    """The last equilibrium, its control's value found anew on its zones.
+
+    The curve was followed from values that may be 1e10 times as large, and its own value is rounded to what these are. At a turning point
+    the residual r changes with the zones in all directions but one, y, the left null vector of its rates: y r = 0 gives the value up to the
+    square of the error of the zones.
+    """
+    here = curve.at(last.table, last.value)
+    y = np.linalg.svd(here.rates)[0][:, -1]
+    by_value = float(y @ here.by_value)
+    if here.held.any() or abs(by_value) < _SEEN * float(np.linalg.norm(here.by_value)):
+        return last
+    return curve.at(last.table, last.value - float(y @ here.residual) / by_value)
 
 
 def _under_tension(fields: PulledFields, held: Control) -> Point:

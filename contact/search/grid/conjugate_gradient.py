@@ -45,6 +45,12 @@ Symbol = Callable[[Array], Array]
 
 # Iterations at the most.
 _MOST = 10_000
+
+
+class LevelOfFullGrid(OutOfRange):
+    """The level is that of full contact as far as a grid tells: the mean of its heights is not that of the profile."""
+
+
 _AS_GOOD_AS_FULL = (
     "the approach is the mean of the profile, as nearly as a grid can tell: contact is full or as good as full; give a load, a mean "
     "pressure or a contact fraction"
@@ -405,7 +411,7 @@ class _Run:
             gap = np.where(self.allowed, self.f - level, np.inf)
             return GridState(np.zeros(inf.n), gap, level, 0.0, 0, True, self.f, inf)
         if inf.is_periodic and not inf.yields and np.all(self.allowed) and depth >= float(np.mean(self.shape)):
-            raise OutOfRange(_AS_GOOD_AS_FULL)
+            raise LevelOfFullGrid(_AS_GOOD_AS_FULL)
         load = 0.5 * E * depth if guess is None else float(guess.sum()) * h
         low, high = 0.0, np.inf
         while True:
@@ -421,7 +427,7 @@ class _Run:
                 high = load
             if high < np.inf and high - low <= 1e-9 * high:
                 if inf.is_periodic:
-                    raise OutOfRange(_AS_GOOD_AS_FULL)
+                    raise LevelOfFullGrid(_AS_GOOD_AS_FULL)
                 raise OutOfRange(f"level {level} is above the largest approach, {state.level}")
             guess = state.pressure
             load += step

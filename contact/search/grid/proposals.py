@@ -30,6 +30,8 @@ _CENTRINGS = 2
 _ABOUT, _SEEN, _PER_FEATURE, _ROUGHLY = 0.03, 64, 2, 1e-3
 # The same from the finest grid, of many zones and of few, how many such grids, and the least rate that a width grows with.
 _CLOSE, _FINE_GRIDS, _FLATTEST = (1e-3, 0.05), 3, 0.2
+# Lengths of the kernel to a shortest length of the shape: a cell is about two of them.
+_LENGTHS = 32.0
 # Zones missing, or too many, that a grid may leave to Newton, as far as the width tells.
 _MISSED = 0.3
 # Change of a load, over it, after which a grid's contact is a good start.
@@ -46,6 +48,9 @@ def proposed(
     stays where it is; near: under another load, to begin with."""
     units, profile, interaction, by_load = problem.units, problem.profile, problem.interaction, control.load is not None
     detail = profile.feature or detail_of(profile.height, *scaled.cell) if points is None else None
+    if detail is not None:
+        # Newton moves an end by about the kernel's length in a step: the grid comes as near.
+        detail = min(detail, _LENGTHS * problem.kernel.length * units.length)
     found = propose(
         partial(grid_height, profile) if by_load else profile.height, scaled.cell, whole_response(problem),
         resolution=detail, points=points, load=control.value * units.load if by_load else None,

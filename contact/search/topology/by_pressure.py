@@ -16,7 +16,7 @@ from contact.formulation.tables import parted_at_wide
 from contact.search.topology.intervals import united, without
 from contact.search.topology.loop import Newton, off
 from contact.search.topology.missed import EXACT, WrongTopology
-from contact.verify.accuracy import HOPELESS, Found, too_thin
+from contact.verify.accuracy import Found, too_thin
 from contact.verify.certificate import Certificate, Solved, certify
 from sie import Array, record, wrapped
 
@@ -38,7 +38,7 @@ class ByPressure:
         if len(table) == 0:
             raise WrongTopology("all zones vanished", None)
         _within_strip(self.problem, table)
-        if thin := too_thin(self.problem, table, HOPELESS):
+        if thin := too_thin(self.problem, table):
             raise WrongTopology(thin, None, beyond=True)
         return kinds(self.problem, control, table)
 

@@ -130,6 +130,9 @@ def _from_grid(task: Task, problem: Problem, control: Control, proposal: Proposa
     found_by_gaps = by_gaps(task, problem, control, control.value, table)
     if isinstance(found_by_gaps, FoundByGaps):
         return found_by_gaps
+    # All zones are widened alike to the wanted width: ends that start as near move by less than the kernel of a thin layer varies over.
+    half = np.diff(table) / 2
+    table = table + half * [-1.0, 1.0] * (control.value / (2 * half.sum()) - 1.0)
     return task.refine_topology(problem, control, table, value=proposal.load / problem.units.load, steps=_FEW, rounds=_FEW_ROUNDS)
 
 
