@@ -9,13 +9,11 @@ import warnings
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from difflib import get_close_matches
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
 _LONGEST_VALUE = 80
-# What a terminal shows in five lines. What users give, and what their own code raises, may be of any length.
-_LONGEST_MESSAGE = 400
 
 
 class ContactError(Exception):
@@ -31,9 +29,12 @@ class ContactError(Exception):
     amplitude = -1.0 is refused: it must be a finite number > 0
     """
 
+    # A longer message loses its middle. What a terminal shows in five lines.
+    longest: ClassVar[int] = 400
+
     def __str__(self) -> str:
-        """The message; one of more than 400 characters loses its middle."""
-        return _cut(super().__str__(), _LONGEST_MESSAGE)
+        """The message, at most `longest` characters of it."""
+        return _cut(super().__str__(), self.longest)
 
 
 class SceneError(ContactError, ValueError):
@@ -157,7 +158,7 @@ class ModelWarning(UserWarning):
 def warn(messages: Iterable[str], stacklevel: int = 3) -> None:
     """Give out each message as a ModelWarning of the line that called the caller."""
     for message in messages:
-        warnings.warn(_cut(message, _LONGEST_MESSAGE), ModelWarning, stacklevel=stacklevel)
+        warnings.warn(_cut(message, ContactError.longest), ModelWarning, stacklevel=stacklevel)
 
 
 @contextmanager

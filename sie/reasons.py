@@ -36,9 +36,9 @@ def of_error(state: AnyState, search: Free | None, tol: float) -> str:
     """What most of the stated error is made of."""
     if search is not None:
         zone = int(search.rounding.max(axis=1).argmax())
-        worst = float(search.rounding[zone].max())
-        if worst > 0.1 * tol:
-            return f"rounding leaves the ends of zone {zone} (counted from 0) uncertain by {worst:.1e} of its width"
+        open_ = float(search.rounding[zone].max())
+        if open_ > 0.1 * tol:
+            return f"rounding leaves the ends of zone {zone} (counted from 0) uncertain by {open_:.1e} of its width"
     iteration, conditions, resolution = _parts(state)
     # What an iteration leaves is in the residual too, as many times as there are modes.
     if iteration > max(0.1 * tol, _OF_ITERATION * resolution):

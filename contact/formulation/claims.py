@@ -246,6 +246,9 @@ def _of_kinks(profile: Profile, panels: _Panels) -> str:
     kinks = np.asarray(profile.kinks, dtype=np.float64)
     if profile.slope_is_derived or len(kinks) == 0:
         return ""
+    # Jumps at one place of the cell add up.
+    at, which = np.unique(np.asarray(profile.wrap(kinks[:, 0])), return_inverse=True)
+    kinks = np.column_stack((at, np.bincount(which, kinks[:, 1])))
     kinks = kinks[:: max(1, len(kinks) // OPTIONS.most_kinks)]
     places = np.unique(np.asarray(profile.breakpoints, dtype=np.float64))
     apart = float(np.diff(places).min(initial=float(np.max(panels.b - panels.a))))
@@ -300,13 +303,11 @@ def _differ(x: Array, here: Array, there: Array, panels: _Panels, told: str, y: 
     """The pair of heights, at x and y, that differs most, in words; empty if all agree."""
     places = 8 * _EPS * (np.abs(x) + np.abs(y)) * panels.largest
     off = np.abs(here - there) - OPTIONS.margin * (panels.noise + places)
-    size = (
-        float(np.ptp(panels.heights[np.isfinite(panels.heights)]))
-        if np.isfinite(panels.heights).any()
-        else 0.0
-    )
-    worst = int(np.argmax(np.where(np.isfinite(off), off, -np.inf)))
-    if not off[worst] > OPTIONS.refused * size:
+    # Beyond sharp corners heights are infinite.
+    off = np.where(np.isfinite(off), off, -np.inf)
+    heights = panels.heights[np.isfinite(panels.heights)]
+    worst = int(np.argmax(off))
+    if not off[worst] > OPTIONS.refused * float(np.ptp(heights)):
         return ""
     return told.format(here[worst], x[worst], there[worst], y[worst])
 

@@ -44,13 +44,18 @@ def found(task: Task) -> Outcome:
         if outcome is NOT_MINE:
             continue
         task.left(name, outcome)
-        if outcome.refusal is not None and (refused is None or isinstance(outcome.refusal, OutOfRange)):
+        if outcome.refusal is not None and (refused is None or _tells_more(outcome.refusal, refused.refusal)):
             refused = outcome
         if way is _along:
             # From the same zones once more it would be no shorter.
             task = task.beside(None)
     assert refused is not None and refused.refusal is not None
     raise refused.refusal
+
+
+def _tells_more(later: Exception, first: Exception | None) -> bool:
+    """Whether a later refusal says why there is no contact, where the first one said less."""
+    return isinstance(later, OutOfRange) and not isinstance(first, LevelOfFullGrid)
 
 
 def _full(task: Task, refused: Missed | None) -> Outcome | Missed:

@@ -69,7 +69,7 @@ MUTATIONS = (
     ),
     Mutation(
         "datum twice as long", "sie/basis/kernels.py",
-        "return Kernel(datum=float(datum))", "return Kernel(datum=2 * float(datum))",
+        'return Kernel(datum=inputs.positive("datum", datum))', 'return Kernel(datum=2 * inputs.positive("datum", datum))',
     ),
     Mutation(
         "height of kinks one part in 1e6 too large", "contact/formulation/problem.py",
@@ -147,8 +147,8 @@ MUTATIONS = (
     ),
     Mutation(
         "events of a load path displaced", "contact/sweeps/paths.py",
-        "self.position = float(self.problem.units.x(np.array(place)))",
-        "self.position = float(self.problem.units.x(np.array(place + 1e-4)))", ("tests/contact/test_path.py",),
+        "self.position = float(self.problem.profile.wrap(self.problem.units.x(np.array(place))))",
+        "self.position = float(self.problem.profile.wrap(self.problem.units.x(np.array(place + 1e-4))))", ("tests/contact/test_path.py",),
     ),
     Mutation(
         "adhesion: the intensity one part in 1e6 too strong", "contact/model/laws/jkr.py",

@@ -180,7 +180,10 @@ def test_zones_are_born_and_gaps_close_as_they_are_carried_on():
         assert carried(before, float(np.log(0.99 * event.load)))[1] == 0 < carried(before, float(np.log(1.01 * event.load)))[1]
     birth = events[0]
     zones, _ = carried(passed(profile, 0.98 * birth.load), float(np.log(1.01 * birth.load)))
-    assert len(zones) == 2 and np.any((zones[:, 0] < birth.position) & (birth.position < zones[:, 1]))
+    # Positions lie in the cell, zones carried on may lie in the next one.
+    middles = zones.mean(axis=1)
+    away = np.abs(birth.position - middles - np.round(birth.position - middles))
+    assert len(zones) == 2 and np.any(away < 0.5 * np.diff(zones, axis=1)[:, 0])
 
 
 @pytest.mark.slow

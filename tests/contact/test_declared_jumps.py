@@ -9,8 +9,8 @@ import pytest
 
 import contact
 from contact import Biquadratic, Flat, Fourier, Parabola, Polynomial, Profile, Sampled, Sinusoid, Wedge
+from contact.jump_checks import jumps_at
 from contact.model.profiles.tilted import Tilted
-from contact.testing import jumps_at
 
 _POSITIONS = (0.0, 1.0, -100.0)  # of a trace's first point, in lengths of the trace
 
