@@ -363,7 +363,7 @@ def alone_on_a_grid(solution, points, tol):
 class TestFirstOrderSearch:
     """Scenes drawn at random at which the search for the nominal pressure went wrong."""
 
-    @pytest.mark.parametrize("seed, tighter", [(12601, 1e-11), (12805, 1e-12), (24907, 1e-11)])
+    @pytest.mark.parametrize("seed, tighter", [(12601, 1e-11), (12805, 1e-12), (24907, 1e-10)])
     def test_the_stated_error_covers_what_the_nominal_pressure_is_off(self, seed, tighter):
         scene = random_scenes.draw(seed).scene
         solution, tight = (contact.solve(scene, tol) for tol in (1e-8, tighter))
