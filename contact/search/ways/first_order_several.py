@@ -21,6 +21,7 @@ from contact.errors import OutOfRange
 from contact.formulation.controls import Control, Load
 from contact.formulation.problem import Problem
 from contact.model.interactions.isolated import Isolated
+from contact.search.grid.centring import Unrest
 from contact.search.grid.coarse import grid_height
 from contact.search.grid.scaling import ScaledScene
 from contact.search.grid.strip_at_rest import ROUGHLY, AtCentre, StripsOnGrids
@@ -29,7 +30,7 @@ from contact.search.topology.by_pressure import ByPressure
 from contact.search.topology.loop import Newton, refine_topology
 from contact.search.topology.missed import NOT_MINE, Missed
 from contact.search.ways.first_order_contacts import At, Rates, aside, spread, table_of, width_of
-from contact.search.ways.guesses import INSTEAD
+from contact.search.ways.guesses import INSTEAD, no_rest
 from contact.verify.accuracy import Found
 from sie import Array
 
@@ -44,6 +45,7 @@ class ClosureOptions:
     widening: float = 1.5  # factor to the next nominal pressure while the root has no bracket
     max_fraction_closed: float = 0.5  # of a zone or a gap, in the zones expected after a step
     least_rate: float = 64 * float(np.finfo(float).eps)  # d ln width / d ln pressure: round-off of a width
+    jump: float = 3.0  # Newton steps from both ends over a bracket in which W - W0 jumps over zero
     margin: float = 2.0  # stated error of the root over its last Newton step
 
 
@@ -62,6 +64,7 @@ class SeveralZones:
         """
         low, high, before, factor = 0.0, math.inf, math.inf, self.options.widening
         at: At | None = None
+        asked = [0.0, 0.0]
         for _ in range(self.options.max_steps):
             at = self._at(pressure, start, at)
             rates = Rates(at)
@@ -71,7 +74,10 @@ class SeveralZones:
             ends = rates.of_ends(off)
             if float(rates.of_ends(step).max()) <= self.task.tolerance:
                 return self._solved(at, rates, ends)
+            asked[miss < 0.0] = abs(step[1])
             low, high = (pressure, high) if miss > 0.0 else (low, pressure)
+            if min(asked) > self.options.jump * (high - low):
+                raise no_rest(self.scaled.problem, self.scaled.control, Unrest.JUMP)
             bracketed, there = low > 0.0 and high < math.inf, pressure + float(step[1])
             # Zones that come or go change the slope: Newton's steps may then go to and fro.
             slow = abs(step[1]) > 0.5 * before
