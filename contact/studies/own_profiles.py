@@ -120,14 +120,18 @@ def against(answer: Any, offset: float = 0.0, known_to: float = 1e-13) -> Judge:
             return f"{len(solution.zones)} zones for {len(answer.zones)}"
         if len(answer.zones) == 0:
             return _against_full_twin(solution, answer, known_to)
-        widths, right = solution.zone_widths, np.diff(answer.zones)[:, 0]
+        right = np.diff(answer.zones)[:, 0]
         period = solution.scene.period or np.inf
         # A zone at the border of the cell may be the first or the last.
         zones = np.arange(len(right))
-        turn = min(zones, key=lambda k: float(np.abs(widths - np.roll(right, -k)).max()))
-        order = np.roll(zones, -turn)
-        away = solution.zones - offset - answer.zones[order]
-        away = away - (np.round(away / period) * period if np.isfinite(period) else 0.0)
+
+        def away_of(order: Any) -> Array:
+            away = solution.zones - offset - answer.zones[order]
+            return away - (np.round(away / period) * period if np.isfinite(period) else 0.0)
+
+        orders = [np.roll(zones, -turn) for turn in zones]
+        order = min(orders, key=lambda order: float(np.abs(away_of(order)).max()))
+        away = away_of(order)
         # The positions of the ends are numbers of double precision.
         spacing = 2 * np.spacing(np.abs(solution.zones).max() + abs(offset))
         ends = float(((np.abs(away) - spacing) / right[order, None]).max())
