@@ -373,10 +373,10 @@ class _Run:
                 continue
             gap = u + self.shape - level
             # Signs below the error of the linear solve, in p or in u on one cell, mean nothing.
-            drop = mask & (p < -error if tol == self.tol else p <= 0.0)
+            drop = mask & (p < 0.0)
             add = self.allowed & ~mask & (gap < -error * self.influence.h / self.influence.E)
             changes = int(np.count_nonzero(drop) + np.count_nonzero(add))
-            if changes == 0 and tol == self.tol:
+            if tol == self.tol and not np.any(add) and np.all(p >= -error):
                 converged = solved
                 break
             if changes <= 2:  # a few digits at a time: most of the points that still change do so early
