@@ -13,10 +13,12 @@ from numpy.typing import NDArray
 import contact
 from contact import inverse
 from contact.errors import OutOfRange
-from contact.search.grid import coarse
+from contact.search.grid import coarse, proposals
 from contact.search.grid.coarse import NARROW, find_window, narrowest, propose, zones_of
 from contact.search.grid.conjugate_gradient import GridState, Influence, Response, solve_grid
+from contact.search.grid.scaling import scaled_scene
 from contact.search.topology.intervals import merged
+from contact.studies.trace_kinds import drawn
 
 Array = NDArray[np.float64]
 Shape = Callable[[Array], Array]
@@ -368,6 +370,55 @@ def test_the_work_from_no_start_is_bounded_on_a_rough_profile_of_16384_points() 
     state = solve_grid(rough(n // 16, 8)(midpoints(n)), Influence.periodic(n, 1 / n, E), load=1.0)
     assert_complementary(state)
     assert state.iterations < 300
+
+
+def flat_with_needles(n: int) -> Array:
+    """A flat top on 0.7 of the period, with twelve needles of one cell on it."""
+    rng, beside = np.random.default_rng(1), np.abs(midpoints(n)) - 0.35
+    f = 1e-2 * np.maximum(beside, 0.0)
+    f[rng.choice(np.flatnonzero(beside < 0.0), 12, replace=False)] -= 1e-5 * rng.uniform(0.5, 1.0, 12)
+    return np.asarray(f)
+
+
+@pytest.mark.parametrize("periodic", [True, False])
+@pytest.mark.parametrize("tol", [1e-3, 1e-5])
+@pytest.mark.parametrize("load", [1e-4, 2e-5, 1e-5])
+def test_on_a_flat_below_needles_ends_move_by_more_than_a_cell_in_a_linear_solve(
+    load: float, tol: float, periodic: bool
+) -> None:
+    n = 2**15
+    f, influence = flat_with_needles(n), (Influence.periodic if periodic else Influence.isolated)(n, 1 / n, 1.0)
+    exact = solve_grid(f, influence, load=load, tol=1e-9).pressure
+    heavier = solve_grid(f, influence, load=10 * load, tol=tol).pressure
+    for start in (None, heavier):
+        state = solve_grid(f, influence, load=load, tol=tol, start=start)
+        assert state.converged
+        assert state.iterations < 140
+        assert np.linalg.norm(state.pressure - exact) < 10 * tol * np.linalg.norm(exact)
+
+
+@pytest.mark.parametrize(("seed", "fraction"), [(1, 0.05), (4, 0.02), (7, 0.005), (10, 0.02)])
+def test_where_the_width_jumps_with_the_load_the_nearest_of_the_fine_grids_is_proposed(
+    seed: int, fraction: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    fine: list[coarse.Proposal] = []
+
+    def kept(*arguments: Any, **options: Any) -> coarse.Proposal:
+        found = proposed(*arguments, **options)
+        if arguments[3] is None:  # as many points as the profile asks for
+            fine.append(found)
+        return found
+
+    proposed = proposals.proposed
+    monkeypatch.setattr(proposals, "proposed", kept)
+    profile = drawn(np.random.default_rng(seed), "wear_flats", 500)
+    scene = contact.Scene(profile, E_star=2e11, interaction=contact.Periodic(), contact_fraction=fraction)
+    scaled = scaled_scene(scene, single=False)
+    found = proposals.of_width(scaled, scaled.problem, scaled.control.value)
+    assert profile.period is not None
+    fractions = np.array([each.width for each in (found, *fine)]) / profile.period
+    misses = np.abs(np.log(fractions / (1.0 - fractions)) - np.log(fraction / (1.0 - fraction)))
+    assert misses[0] == misses[1:].min()
 
 
 @pytest.mark.parametrize("radius", [1e-9, 1e-3, 1e6])

@@ -114,7 +114,7 @@ def of_width(scaled: ScaledScene, problem: Problem, width: float) -> Proposal:
     period, length = problem.repeat_length, problem.units.length
     load, rate, roughly = _load_of_width(scaled, problem, width)
     before: tuple[float, float] | None = None
-    found = roughly
+    found, fine = roughly, list[tuple[float, Proposal]]()
     for _ in range(_FINE_GRIDS):
         # Farther off than that, coarser grids are the shorter way.
         beside = before is not None and abs(math.log(load / before[0])) < _BESIDE
@@ -122,11 +122,13 @@ def of_width(scaled: ScaledScene, problem: Problem, width: float) -> Proposal:
         miss = _miss(found.width / length, width, period)
         if before is not None and math.isfinite(miss - before[1]) and load != before[0]:
             rate = max((miss - before[1]) / math.log(load / before[0]), _FLATTEST)
+        fine.append((abs(miss), found))
         # So near that hardly a zone is missing, or one too many.
         if not math.isfinite(miss) or abs(miss) < min(max(_MISSED / max(len(found.zones), 1), _CLOSE[0]), _CLOSE[1]):
             break
         before, load = (load, miss), load * math.exp(min(max(-miss / rate, -0.5), 0.5))
-    return found
+    # Where the width jumps with the load, the last step may leave the bracket: the nearest grid is the start.
+    return min(fine, key=lambda tried: tried[0])[1]
 
 
 def _miss(found: float, width: float, period: float) -> float:
