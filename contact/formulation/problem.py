@@ -130,7 +130,8 @@ class Problem(sie.Kept):
         resolution = None if profile.resolution is None else self.detail
         exact = profile.exact_places
         whole = sie.Forcing(
-            self.slope, self.shape, at, heights, orders, algebraic=self.algebraic, resolution=resolution, placed=units.placed, exact=exact
+            self.slope, self.shape, at, heights, orders, algebraic=self.algebraic, resolution=resolution,
+            placed=units.placed, exact=exact, rounding=profile.slope_rounding / units.slope,
         )
         # Beside the border of a strip what presses beyond it varies over any length.
         return replace(whole, resolution=None, spline=self._profile_slope) if self.amplitude else whole

@@ -174,7 +174,8 @@ def sample(forcing: Forcing, zones: Zones, jumps: ForcingJumps, own: Index, tole
     knots = np.bincount(jumps.zone[jumps.order > 0], minlength=len(zones))
     bent = knots > 0
     bent[jumps.kinked] = False
-    noise = jumps.rounding(len(zones))
+    # The largest of many coefficients of noise is some four times their standard deviation.
+    noise = np.maximum(jumps.rounding(len(zones)), 4 * np.sqrt(2) * forcing.rounding)
     found: list[tuple[Index, Array]] = []
     # The last two sizes and tails of each zone so far.
     sizes, tails = np.ones((len(zones), 2)), np.full((len(zones), 2), -np.inf)

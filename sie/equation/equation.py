@@ -80,6 +80,8 @@ class Forcing(Kept):
         Whether `value` loses nothing of the places that it is given: then ends of zones are kept to more digits than their positions have.
     looked_at : bool
         Whether it is known to be in order, and its primitive to rise as its value says: then that is not looked at again.
+    rounding : float
+        Standard deviation of the noise of `value`, in its unit; coefficients are not asked to fall below it.
     within : (float, float)
         The open interval on which the function is defined: it is not called outside, and free ends stay inside.
 
@@ -115,6 +117,7 @@ class Forcing(Kept):
     placed: Function | None = None
     exact: bool = False
     looked_at: bool = False
+    rounding: float = 0.0
     within: tuple[float, float] = (-math.inf, math.inf)
 
     def sampled(self, start: Array, away: Array, slope: Function) -> Array:

@@ -23,6 +23,8 @@ from sie import Array
 
 # Places a period at which slopes are read.
 _PLACES = 1024
+# Places at which the noise of a derived slope is looked at: its median hardly depends on them.
+_LOOKS = 64
 
 # The one tip of many shapes.
 AT_ORIGIN = np.zeros(1)
@@ -89,7 +91,17 @@ class Profile(Named, sie.Kept):
 
     @cached_property
     def _derived(self) -> DerivedSlope:
-        return DerivedSlope(self.height, self._length(), self.extent if self.support is None else self.support)
+        ends = self.extent if self.support is None else self.support
+        return DerivedSlope(self.height, self._length(), ends, self.period)
+
+    @cached_property
+    def slope_rounding(self) -> float:
+        """Noise of a slope that is derived from the heights of a cell, or of a known part; else 0."""
+        known = self.support or self.known
+        if not self.slope_is_derived or known is None:
+            return 0.0
+        lo, hi = known
+        return self._derived.rounding(lo + (hi - lo) * (np.arange(_LOOKS) + 0.5) / _LOOKS)
 
     @property
     def slope_is_derived(self) -> bool:

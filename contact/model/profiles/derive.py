@@ -11,7 +11,7 @@ each place is the best one of those that agree with all shorter steps to within 
 
 import warnings
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -55,6 +55,8 @@ class DifferenceOptions:
     finer: int = 36
     # Steps above it: heights with a large constant or with hidden rounding need wide ones.
     wider: int = 24
+    # The widest step over the period of a height that repeats.
+    of_period: float = 0.25
     # Steps that agree before a run is sure: the rounding of the last one is 2^8 times smaller.
     sure: int = 8
     # Rounding of an extrapolated quotient, over that of a height over the least step: below 2.
@@ -71,8 +73,8 @@ class DifferenceOptions:
     begins: float = 128.0
     # A largest rounding over the median one.
     spread: float = 4.0
-    # Hidden rounding over that of the highest heights met: more is no rounding.
-    hides: float = 16.0
+    # Hidden rounding over that of the highest heights met: places may be counted from far away.
+    hides: float = 1e7
 
 
 @dataclass(frozen=True)
@@ -93,12 +95,22 @@ CHECKS = CheckOptions()
 class DerivedSlope:
     """f' from f alone.
 
-    length: one over which f varies, if known; ends: beyond which there is no f.
+    length: one over which f varies, if known; ends: beyond which there is no f; period: with which
+    f repeats, if it does.
     """
 
     def __init__(
-        self, height: Function, length: float | None, ends: tuple[float, float] | None
+        self,
+        height: Function,
+        length: float | None,
+        ends: tuple[float, float] | None,
+        period: float | None = None,
     ) -> None:
+        self._options = DIFFERENCES
+        if period is not None and length is not None:
+            # Steps of whole periods see no slope, and all agree.
+            wider = int(np.floor(np.log2(DIFFERENCES.of_period * period / length)))
+            self._options = replace(DIFFERENCES, wider=min(DIFFERENCES.wider, wider))
         self._height, self._length, self._ends = height, length, ends
         self._complex = True
         self._checked = (np.inf, -np.inf)
@@ -109,13 +121,22 @@ class DerivedSlope:
     def _of(self, x: Array) -> Array:
         by_step = self._by_step(x)
         if by_step is None:
-            return differences(self._height, x, scale_of(x, self._length), self._ends)[0]
+            return self._differences(x)
         lost = ~np.isfinite(by_step)
         if lost.any():
-            by_step[lost] = differences(
-                self._height, x[lost], scale_of(x[lost], self._length), self._ends
-            )[0]
+            by_step[lost] = self._differences(x[lost])
         return by_step
+
+    def rounding(self, x: Array) -> float:
+        """Median rounding of f' at some places; 0 where complex steps are taken."""
+        if self._by_step(x) is not None:
+            return 0.0
+        scale = scale_of(x, self._length)
+        return float(np.median(differences(self._height, x, scale, self._ends, self._options)[1]))
+
+    def _differences(self, x: Array) -> Array:
+        scale = scale_of(x, self._length)
+        return differences(self._height, x, scale, self._ends, self._options)[0]
 
     def _by_step(self, x: Array) -> Array | None:
         """Complex steps; None where they cannot be taken or once they have been contradicted."""
