@@ -26,7 +26,6 @@ from sie.equation.equation import Equation
 from sie.free_ends.motions import STEP, DirectMotions, IteratedMotions, motions_of
 from sie.free_ends.near_steps import bent_steps, corner_distances, gap_steps, tips_between
 from sie.free_ends.progress import Motion, Progress, Rest, Step, Turn
-from sie.free_ends.single import far_off, moved_singly
 from sie.slits.system import AnyDensity, AnyState, solve_zones
 
 # A step moves an end by at most these parts of its zone's width and of the gap beside it.
@@ -276,10 +275,9 @@ def find_ends(
             return Free(state, False, rest.error, rest.rounding, tuple(progress.trace), found, abs(motion.change), reason=reason)
         value += motion.change
         closes, vanishes = _closes(zones, equation, motion.delta), _vanishes(zones, motion, drops)
-        outward, gone = _limited(state, zones, motion, signs, unit)
+        outward = _limit(zones, state.equation, motion.delta)
         zones = _held_at(zones.moved(outward, keeps), limits)
         lost, met = progress.vanished(zones, modes.gaps(zones, equation.kernel)[1], vanishes, closes)
-        lost = np.union1d(lost, gone) if drops else lost
         changes = len(lost) + len(met)
         if drops and 0 < changes < len(zones) and not zones.symmetric:
             # What is lost bore little: the search goes on from the others.
@@ -386,22 +384,6 @@ def _why_not(state: AnyState, progress: Progress, motion: Motion, beyond: Beyond
     )
 
 
-def _limited(
-    state: AnyState, zones: Zones, motion: Motion, signs: tuple[float, float], unit: AnyDensity | None
-) -> tuple[Array, Index]:
-    """(moves cut to what widths and gaps allow, those of zones far off that stand alone by steps of their own; zones of which nothing is
-    left)."""
-    limited = _limit(zones, state.equation, motion.delta)
-    single = far_off(state, motion.moves, motion.delta)
-    if not len(single):
-        return limited, single
-    added = None if unit is None else (unit.whole, motion.change)
-    near_a, near_b, came, gone = moved_singly(state, single, lambda d, size: _alone(d, size, signs), signs, added)
-    limited[0, single] = np.where(came, zones.a[single] - near_a, limited[0, single])
-    limited[1, single] = np.where(came, near_b - zones.b[single], limited[1, single])
-    return limited, single[gone]
-
-
 def _closes(zones: Zones, equation: Equation, delta: Array) -> Mask:
     """Whether the steps of both ends at the gap right of each zone would leave nothing of it."""
     gap = modes.gaps(zones, equation.kernel)[1]
@@ -414,13 +396,6 @@ def _vanishes(zones: Zones, motion: Motion, drops: bool) -> Mask:
     width = np.pad(zones.b - zones.a, 1)
     slight = drops & (width[1:-1] < _SLIGHT * np.maximum(width[:-2], width[2:]))
     return np.asarray((motion.delta.sum(axis=0) <= zones.a - zones.b) | (motion.weak & slight))
-
-
-def _alone(density: AnyDensity, natural: Array, signs: tuple[float, float]) -> Array:
-    """Outward steps of free zones that stand alone, cut to what their widths allow."""
-    safe, _ = _safe_slopes(density, natural, signs)
-    width = density.zones.b - density.zones.a
-    return np.clip(2 * np.array(density.intensities) / safe, -INWARD * width, OUTWARD * width)
 
 
 def _safe_slopes(density: AnyDensity, natural: Array, signs: tuple[float, float]) -> tuple[Array, Mask]:

@@ -1,4 +1,4 @@
-"""Zones moved on their own, what neighbours do to a small zone, and places known beyond their last digit."""
+"""What neighbours do to a small zone, zones in doubt, and places known beyond their last digit."""
 
 from dataclasses import replace
 
@@ -6,13 +6,11 @@ import mpmath
 import numpy as np
 import pytest
 
-import contact
 import sie
 from contact.reference.inverse import random_problem
 from sie.collocation import modes
-from sie.collocation.modes import conformal_radius, felt
+from sie.collocation.modes import conformal_radius
 from sie.free_ends import newton as free_boundary
-from sie.free_ends.single import Moving
 from sie.jumps.forcing import ForcingJumps
 
 
@@ -20,80 +18,6 @@ def equation(problem):
     kernel = sie.hilbert(problem.period)
     forcing = sie.Forcing(problem.profile.slope, problem.profile.height, resolution=problem.period / 64)
     return sie.Equation(kernel, forcing, (sie.Total(problem.load), sie.EqualPotential()))
-
-
-def misplaced(zones, which, widths):
-    """Zones of which some are moved by so many of their widths."""
-    table = zones.copy()
-    table[which] += np.asarray(widths)[:, None] * np.diff(zones[which])
-    return sie.Zones.of(table)
-
-
-class TestFarOffZones:
-    """A rough profile with its narrowest zones put beside their places, where a coarse grid may see them."""
-
-    @pytest.fixture
-    def solved(self):
-        k = np.arange(4, 301)
-        phase = np.random.default_rng(2).uniform(0, 2 * np.pi, len(k))
-        cosine, sine = np.zeros(300), np.zeros(300)
-        cosine[3:], sine[3:] = 1e-3 * k**-1.3 * np.cos(phase), 1e-3 * k**-1.3 * np.sin(phase)
-        profile = contact.Fourier(1.0, cosine, sine)
-        solution = contact.solve(contact.Scene(profile, 2.0, contact.Periodic(), mean_pressure=1e-3), tol=1e-11)
-        forcing = sie.Forcing(profile.slope, profile.height, resolution=1 / 300)
-        problem = sie.Equation(sie.hilbert(1.0), forcing, (sie.Total(solution.load), sie.EqualPotential()))
-        return problem, solution.zones
-
-    def start(self, zones, widths):
-        return misplaced(zones, np.argsort(np.diff(zones)[:, 0])[: len(widths)], widths)
-
-    @pytest.mark.parametrize("widths", [[1.8], [-1.5, 1.2], [1.0, -1.6, 0.8]], ids=len)
-    def test_their_ends_are_found_in_as_few_steps_as_the_others(self, solved, widths):
-        problem, zones = solved
-        found = sie.find_ends(problem, self.start(zones, widths), 1e-10)
-        assert found.converged
-        assert np.abs((found.density.zones.table - zones) / np.diff(zones)).max() < 1e-8
-        assert len(found.trace) <= 6
-
-    def test_without_it_all_would_wait_for_them(self, solved, monkeypatch):
-        problem, zones = solved
-        monkeypatch.setattr(free_boundary, "far_off", lambda *_: np.zeros(0, dtype=np.intp))
-        assert len(sie.find_ends(problem, self.start(zones, [1.8]), 1e-10).trace) > 8
-
-
-@pytest.mark.parametrize("half", [1e-2, 1e-3, 1e-5])
-def test_a_zone_narrower_than_the_distance_between_nodes_is_found_at_its_tip(half):
-    """A parabola at a level L < 0: (a^2 / 2) (log(a / 2) - 1/2) = L."""
-    level = 0.5 * half**2 * (np.log(0.5 * half) - 0.5)
-    parabola = sie.Forcing(lambda x: 1.0 * x, lambda x: 0.5 * x * x, resolution=1.0)
-    zones = sie.Zones.of([[0.003 - 0.5 * half, 0.003 + 0.5 * half]])
-    moving = Moving(sie.solve_fixed(sie.Equation(sie.cauchy(), parabola, (sie.Level(level),)), zones), np.array([0]))
-    assert not moving.to_tips()[0]
-    assert moving.half == pytest.approx(half, rel=1e-3) and moving.middle == pytest.approx(0.0, abs=1e-3 * half)
-
-
-def test_level_follows_a_zone_to_where_it_goes():
-    """Level plus the mean of the primitive of h, against quadrature of h from interval to interval."""
-    problem = random_problem(np.random.default_rng(1), zones=6, period=1.0, E_star=2.0)
-    zones = misplaced(problem.zones, np.array([2]), [0.1])
-    state = sie.solve_fixed(equation(problem), zones, 1e-13)
-    moving = Moving(state, np.array([2]))
-    intervals, levels = [], []
-    for shift, stretch in ((0.0, 1.0), (0.4, 2.0), (0.2, 0.7), (-0.3, 3.0)):
-        moving.to(zones.middle[[2]] + shift * zones.half[2], stretch * zones.half[[2]])
-        intervals.append((moving.middle[0], moving.half[0]))
-        levels.append(moving.level[0])
-    t, weights = np.polynomial.legendre.leggauss(60)
-
-    def primitive(x):
-        """Integral of h from the first interval's middle to x."""
-        middle = intervals[0][0]
-        half = 0.5 * (x - middle)
-        places = middle + half * (1 + t)
-        return half * weights @ (problem.profile.slope(places) - moving.field(places[None])[0])
-
-    means = [np.mean([primitive(m + w * z) for z in np.cos((np.arange(40) + 0.5) * np.pi / 40)]) for m, w in intervals]
-    assert np.diff(levels) == pytest.approx(np.diff(means), rel=1e-9)
 
 
 class TestBetweenNeighbours:
@@ -116,14 +40,6 @@ class TestBetweenNeighbours:
         # c_0 w log(w / 2R) is the potential, 1.
         radius = 0.5 * w * np.exp(-1 / (w * density.coefficients[1, 0]))
         assert radius == pytest.approx(float(conformal_radius(np.array(left), np.array(right))), rel=3e-3)
-
-    @pytest.mark.parametrize("left, right", [(1.0, 1.0), (0.3, 2.0), (5.0, 0.7)])
-    def test_what_is_felt_is_the_harmonic_measure(self, left, right):
-        zones = np.array([[-left - self.LONG, -left], [right, right + self.LONG]])
-        potential = float(self.levels(zones, [1.0, -1.0]).potential(0.0))
-        of_left, of_right = felt(np.array(left), np.array(right))
-        assert potential == pytest.approx(float(of_left - of_right), abs=2e-3)
-        assert of_left + of_right == 1.0
 
 
 class TestPlacesBeyondTheLastDigit:
