@@ -270,3 +270,11 @@ def conformal_radius(left: Array, right: Array) -> Array:
     """R, of distances to the neighbours; one of them may be infinite, and R is with both."""
     with np.errstate(divide="ignore"):
         return np.asarray(4 / (1 / left + 1 / right))
+
+
+def felt(left: Array, right: Array) -> tuple[Array, Array]:
+    """Parts of the left and of the right neighbour's level that are felt between them; they add up to one."""
+    with np.errstate(invalid="ignore", divide="ignore"):
+        # sqrt(left / right) is the tangent of half the angle that asin(s) is from -pi / 2.
+        of_right = np.where(np.isinf(left) & np.isinf(right), 0.5, 2 / np.pi * np.arctan(np.sqrt(left / right)))
+    return 1 - of_right, of_right

@@ -9,7 +9,7 @@ import pytest
 import sie
 from contact.reference.inverse import random_problem
 from sie.collocation import modes
-from sie.collocation.modes import conformal_radius
+from sie.collocation.modes import conformal_radius, felt
 from sie.free_ends import newton as free_boundary
 from sie.jumps.forcing import ForcingJumps
 
@@ -40,6 +40,14 @@ class TestBetweenNeighbours:
         # c_0 w log(w / 2R) is the potential, 1.
         radius = 0.5 * w * np.exp(-1 / (w * density.coefficients[1, 0]))
         assert radius == pytest.approx(float(conformal_radius(np.array(left), np.array(right))), rel=3e-3)
+
+    @pytest.mark.parametrize("left, right", [(1.0, 1.0), (0.3, 2.0), (5.0, 0.7)])
+    def test_what_is_felt_is_the_harmonic_measure(self, left, right):
+        zones = np.array([[-left - self.LONG, -left], [right, right + self.LONG]])
+        potential = float(self.levels(zones, [1.0, -1.0]).potential(0.0))
+        of_left, of_right = felt(np.array(left), np.array(right))
+        assert potential == pytest.approx(float(of_left - of_right), abs=2e-3)
+        assert of_left + of_right == 1.0
 
 
 class TestPlacesBeyondTheLastDigit:
