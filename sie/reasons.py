@@ -23,6 +23,8 @@ _ROUNDED = 8 * _EPS
 _OF_ITERATION = 1e-3
 # Side conditions that make so much more of what is left open in the rows nearly depend on each other.
 _DEPENDENT = 1e4
+# A cause from which on functions are not shown at all, whatever the conditions make of it.
+_SHOWN = 1e-2
 
 
 def of_search(search: Free) -> str:
@@ -47,8 +49,9 @@ def of_error(state: AnyState, search: Free | None, tol: float) -> str:
             "side conditions nearly contradict each other"
         )
     worst = _Worst.of(state)
-    rows = max(max(_causes(worst).values()), _EPS * worst.terms / max(state.size, 1e-300))
-    if conditions > max(resolution, _DEPENDENT * rows):
+    largest = max(_causes(worst).values())
+    rows = max(largest, _EPS * worst.terms / max(state.size, 1e-300))
+    if largest < _SHOWN and conditions > max(resolution, _DEPENDENT * rows):
         return (
             f"what is left open in the rows changes the density by {conditions:.1e}, {conditions / rows:.0e} times as much: "
             "the side conditions nearly depend on each other"

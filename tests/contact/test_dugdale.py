@@ -511,7 +511,8 @@ def test_two_equal_tips_that_touch_last_are_found():
 def test_a_zone_that_snaps_shut_among_a_hundred_is_led_to_its_width_by_a_law_without_range(monkeypatch):
     # 17 states, of which five widened one new interval; and pull-off went the whole way down twice.
     base = contact.load_scene(Path(__file__).parents[2] / "examples" / "stylus.toml")
-    scene = replace(base, mean_pressure=7 * base.mean_pressure, law=contact.Dugdale(1e-3, 1e8))
+    profile = base.profile.varied({"profile": {"taper": 0.05}})
+    scene = replace(base, profile=profile, mean_pressure=7 * 6.473e6, law=contact.Dugdale(1e-3, 1e8))
     states, tips = [], []
     real, at = Cohesive.from_zones, Equilibria.at
     monkeypatch.setattr(Cohesive, "from_zones", lambda self, *given, **named: states.append(1) or real(self, *given, **named))

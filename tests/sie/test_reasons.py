@@ -196,7 +196,7 @@ def test_modes_stop_growing_where_the_kernel_has_nothing_but_rounding_left(count
     except sie.NotConverged as stopped:
         assert noisy and stopped.best.error < 1e-5
         found = stopped.best
-    assert found.state.system.layout.m.max() <= (800 if noisy else 400)
+    assert found.state.system.layout.m.max() <= (1024 if noisy else 400)
 
 
 def test_modes_grow_past_a_lull_of_the_coefficients():
