@@ -272,14 +272,6 @@ class TestLimits:
             solve(ROUGH, SELF, load=0.85 * full)
 
 
-def height_where_cut(solution):
-    """Of the profile where its period is cut, from 0 at its lowest place to 1 at its highest."""
-    problem, profile = solution.fields.problem, solution.scene.profile
-    border = float(problem.units.x(np.array(problem.centre + 0.5 * problem.period)))
-    heights = profile.height(np.linspace(0, profile.period, 400))
-    return float((profile.height(border) - heights.min()) / np.ptp(heights))
-
-
 class TestSelfConsistentStrip:
     def test_it_is_cut_where_its_centre_stays_even_if_a_gap_in_it_is_wider(self):
         wave = Swinging(1.3357133912296777, 0.6150541064175756, 0.0)

@@ -70,10 +70,9 @@ class SeveralZones:
             rates = Rates(at)
             miss = width_of(at.strip) - width_of(at.alone)
             step = self._step(rates, miss)
-            off = self.options.margin * (np.abs(step) + np.abs(self._step(rates, self._width_error(at))))
-            ends = rates.of_ends(off)
             if float(rates.of_ends(step).max()) <= self.task.tolerance:
-                return self._solved(at, rates, ends)
+                off = np.abs(step) + np.abs(self._step(rates, self._width_error(at)))
+                return self._solved(at, rates, rates.of_ends(self.options.margin * off))
             asked[miss < 0.0] = abs(step[1])
             low, high = (pressure, high) if miss > 0.0 else (low, pressure)
             if min(asked) > self.options.jump * (high - low):
