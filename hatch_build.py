@@ -1,9 +1,11 @@
-"""README.md as an index of packages shows it: there its links to files of this folder would lead nowhere.
+"""README.md as an index of packages shows it: there its links to files of this folder would lead
+nowhere.
 
-Where pyproject.toml gives the project a `Source` among its urls, and says by which address a file of a version is read there
-(`[tool.hatch.metadata.hooks.custom]`: `files`, `images`), links and pictures lead there. Else links are the names of the files
-that they lead to, which the archive of source has, and pictures are what they show, in words. Links within the page stay, as do
-those to other places.
+Where pyproject.toml gives the project a `Source` among its urls, and says by which address a file
+of a version is read there (`[tool.hatch.metadata.hooks.custom]`: `files`, `images`), links and
+pictures lead there. Else links are the names of the files that they lead to, which the archive of
+source has, and pictures are what they show, in words. Links within the page stay, as do those to
+other places.
 """
 
 from __future__ import annotations
@@ -24,7 +26,10 @@ WHERE = "\nFiles named here, `docs/...` and others, are in the archive of source
 class ReadmeHook(MetadataHookInterface):
     def update(self, metadata: dict[str, Any]) -> None:
         text = (Path(self.root) / "README.md").read_text(encoding="utf-8")
-        metadata["readme"] = {"content-type": "text/markdown", "text": as_shown(text, metadata, self.config)}
+        metadata["readme"] = {
+            "content-type": "text/markdown",
+            "text": as_shown(text, metadata, self.config),
+        }
 
 
 def as_shown(text: str, project: Mapping[str, Any], addresses: Mapping[str, str]) -> str:
@@ -47,6 +52,12 @@ def as_shown(text: str, project: Mapping[str, Any], addresses: Mapping[str, str]
         return f"`{path}`" if label in (path, Path(path).name) else f"{label} (`{path}`)"
 
     # What stands between marks of code is no link: every second part.
-    parts = [part if place % 2 else LINK.sub(led, part) for place, part in enumerate(CODE.split(text))]
-    told = "" if source and addresses.get("files") else WHERE.format(project["name"].replace("-", "_"), project["version"])
+    parts = [
+        part if place % 2 else LINK.sub(led, part) for place, part in enumerate(CODE.split(text))
+    ]
+    told = (
+        ""
+        if source and addresses.get("files")
+        else WHERE.format(project["name"].replace("-", "_"), project["version"])
+    )
     return "".join(parts) + told

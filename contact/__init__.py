@@ -1,4 +1,6 @@
-"""Plane elastic contact solved exactly: zones, pressure and gap of rough and textured profiles, with a stated error."""
+"""Plane elastic contact solved exactly: zones, pressure and gap of rough and textured profiles,
+with a stated error.
+"""
 
 from typing import TYPE_CHECKING, Any
 
@@ -8,7 +10,14 @@ from contact.extras import require, version
 from sie import uncollected
 
 with uncollected():
-    from contact.errors import ContactError, MissingExtra, ModelWarning, NotConverged, OutOfRange, SceneError
+    from contact.errors import (
+        ContactError,
+        MissingExtra,
+        ModelWarning,
+        NotConverged,
+        OutOfRange,
+        SceneError,
+    )
     from contact.model.controls import Control
     from contact.model.interactions import Interaction, Isolated, Localized, Periodic
     from contact.model.laws import JKR, Dugdale, Frictionless, Law
@@ -59,7 +68,8 @@ if TYPE_CHECKING:
     from contact.sweeps.paths import Path
     from contact.sweeps.sweep.run import sweep
 
-# What a single solve does not need is loaded when it is asked for. The imports above, for readers and type checkers, say the same.
+# What a single solve does not need is loaded when it is asked for. The imports above, for readers
+# and type checkers, say the same.
 _HOMES = {
     "contact.explorer.explore": "explore",
     "contact.model.scene_file": "load_scene",
@@ -95,11 +105,64 @@ def __dir__() -> list[str]:
 
 
 __all__ = [
-    "AdhesiveEvent", "AdhesivePath", "Biquadratic", "Combined", "ContactError", "Control", "Dugdale", "E_star", "Event", "Flat",
-    "Fourier", "Frictionless", "HalfPlane", "Interaction", "Isolated", "JKR", "Law", "Layer", "Localized", "MissingExtra",
-    "ModelWarning", "NotConverged", "OutOfRange", "Parabola", "Path", "Periodic", "Plan", "Polynomial", "Power", "Profile", "Sampled",
-    "Scene", "SceneError", "Sinusoid", "Solution", "Substrate", "Wedge", "controls", "explore",
-    "interaction", "interactions", "law", "laws", "load_scene", "path", "plan", "profile",
-    "profiles", "read_trace", "register_control", "register_interaction", "register_law", "register_profile", "register_substrate",
-    "self_affine", "solve", "solve_many", "substrate", "substrates", "sweep",
+    "AdhesiveEvent",
+    "AdhesivePath",
+    "Biquadratic",
+    "Combined",
+    "ContactError",
+    "Control",
+    "Dugdale",
+    "E_star",
+    "Event",
+    "Flat",
+    "Fourier",
+    "Frictionless",
+    "HalfPlane",
+    "Interaction",
+    "Isolated",
+    "JKR",
+    "Law",
+    "Layer",
+    "Localized",
+    "MissingExtra",
+    "ModelWarning",
+    "NotConverged",
+    "OutOfRange",
+    "Parabola",
+    "Path",
+    "Periodic",
+    "Plan",
+    "Polynomial",
+    "Power",
+    "Profile",
+    "Sampled",
+    "Scene",
+    "SceneError",
+    "Sinusoid",
+    "Solution",
+    "Substrate",
+    "Wedge",
+    "controls",
+    "explore",
+    "interaction",
+    "interactions",
+    "law",
+    "laws",
+    "load_scene",
+    "path",
+    "plan",
+    "profile",
+    "profiles",
+    "read_trace",
+    "register_control",
+    "register_interaction",
+    "register_law",
+    "register_profile",
+    "register_substrate",
+    "self_affine",
+    "solve",
+    "solve_many",
+    "substrate",
+    "substrates",
+    "sweep",
 ]

@@ -1,4 +1,6 @@
-"""`python -m contact`, and the console script: the command line, or one line that says what it lacks."""
+"""`python -m contact`, and the console script: the command line, or one line that says what it
+lacks.
+"""
 
 import sys
 
@@ -8,7 +10,9 @@ from contact.extras import require
 
 
 def main() -> None:
-    """Run the command line; its packages are an extra, and without them this is the only place that can say so."""
+    """Run the command line; its packages are an extra, and without them this is the only place that
+    can say so.
+    """
     interrupts.install()
     try:
         try:

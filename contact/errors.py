@@ -1,8 +1,9 @@
 """What can go wrong, by name: every error of the package is a ContactError.
 
-Bad input is a SceneError that names the field, the value and what is allowed; a run that does not reach its
-tolerance is a NotConverged that carries its best state; a load or approach no zone can carry is OutOfRange. What
-is solved all the same, though the model hardly covers it, is a ModelWarning.
+Bad input is a SceneError that names the field, the value and what is allowed; a run that does not
+reach its tolerance is a NotConverged that carries its best state; a load or approach no zone can
+carry is OutOfRange. What is solved all the same, though the model hardly covers it, is a
+ModelWarning.
 """
 
 import warnings
@@ -38,7 +39,8 @@ class ContactError(Exception):
 
 
 class SceneError(ContactError, ValueError):
-    """Bad input; `field`, `value` and `allowed` are None where the message is about more than one field.
+    """Bad input; `field`, `value` and `allowed` are None where the message is about more than one
+    field.
 
     Parameters
     ----------
@@ -61,7 +63,9 @@ class SceneError(ContactError, ValueError):
     profile sinusiod
     """
 
-    def __init__(self, message: str, field: str | None = None, value: Any = None, allowed: str | None = None) -> None:
+    def __init__(
+        self, message: str, field: str | None = None, value: Any = None, allowed: str | None = None
+    ) -> None:
         super().__init__(message)
         self.field = field
         self.value = value
@@ -70,7 +74,9 @@ class SceneError(ContactError, ValueError):
     @classmethod
     def of(cls, field: str, value: Any, allowed: str) -> "SceneError":
         """The usual message: the field, its value, what is allowed."""
-        return cls(f"{field} = {shown(value)} is refused: it must be {allowed}", field, value, allowed)
+        return cls(
+            f"{field} = {shown(value)} is refused: it must be {allowed}", field, value, allowed
+        )
 
     @classmethod
     def unknown(cls, what: str, name: Any, known: Iterable[str]) -> "SceneError":
@@ -79,14 +85,17 @@ class SceneError(ContactError, ValueError):
         near = get_close_matches(name, names, n=1) if isinstance(name, str) else []
         hint = f" (did you mean {near[0]!r}?)" if near else ""
         allowed = f"one of {', '.join(names) if names else '(none)'}"
-        return cls(f"{what} = {shown(name)} is not known{hint}: it must be {allowed}", what, name, allowed)
+        return cls(
+            f"{what} = {shown(name)} is not known{hint}: it must be {allowed}", what, name, allowed
+        )
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (str(self), self.field, self.value, self.allowed)
 
 
 class NotConverged(ContactError):
-    """The tolerance was not met: `trace` is the list of steps, `best` the best solution reached or None.
+    """The tolerance was not met: `trace` is the list of steps, `best` the best solution reached or
+    None.
 
     Parameters
     ----------
@@ -130,7 +139,8 @@ class OutOfRange(ContactError):
 
 
 class MissingExtra(ContactError, ImportError):
-    """An optional package is needed that is not installed; the message names the extra that brings it.
+    """An optional package is needed that is not installed; the message names the extra that brings
+    it.
 
     Examples
     --------
@@ -170,8 +180,9 @@ def unwarned() -> Iterator[None]:
 
 
 def shown(value: Any) -> str:
-    """A value as it stands in a message: on one line, of an array its first and last numbers, the middle of a long text left out (a path's
-    end names the file)."""
+    """A value as it stands in a message: on one line, of an array its first and last numbers, the
+    middle of a long text left out (a path's end names the file).
+    """
     if isinstance(value, np.ndarray):
         text = np.array2string(value, separator=", ", threshold=8, edgeitems=3)
     else:

@@ -1,8 +1,10 @@
-"""Ctrl-C in a command: one line and status 130, from the first module that is imported to the last line that is printed.
+"""Ctrl-C in a command: one line and status 130, from the first module that is imported to the last
+line that is printed.
 
-While modules are imported KeyboardInterrupt is of no use: nothing is there yet to catch it, and what it breaks off, half imported,
-may answer with another error or go on without it. There the process ends at once; nothing has been computed or written by then.
-Only commands are handled so: who imports `contact` keeps the signals as they are.
+While modules are imported KeyboardInterrupt is of no use: nothing is there yet to catch it, and
+what it breaks off, half imported, may answer with another error or go on without it. There the
+process ends at once; nothing has been computed or written by then. Only commands are handled so:
+who imports `contact` keeps the signals as they are.
 """
 
 import os
@@ -16,7 +18,9 @@ _started = False
 
 
 def is_command() -> bool:
-    """Whether this process is the command `contact` or `python -m contact`, told while the package is being imported."""
+    """Whether this process is the command `contact` or `python -m contact`, told while the package
+    is being imported.
+    """
     name = os.path.basename(sys.argv[0]) if sys.argv else ""
     if name == "-m":  # where `python -m` still looks for the module
         given = sys.orig_argv
@@ -43,7 +47,9 @@ def stop() -> None:
     """End the process."""
     try:
         # A progress bar may have hidden the cursor.
-        os.write(2, b"\x1b[?25h\rcontact: interrupted\n" if os.isatty(2) else b"contact: interrupted\n")
+        os.write(
+            2, b"\x1b[?25h\rcontact: interrupted\n" if os.isatty(2) else b"contact: interrupted\n"
+        )
     except OSError:
         pass
     os._exit(STATUS)

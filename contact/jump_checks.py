@@ -1,9 +1,11 @@
-"""Jumps and powers in a profile, seen from its values: what `contact.testing` holds declared ones against.
+"""Jumps and powers in a profile, seen from its values: what `contact.testing` holds declared ones
+against.
 
-Jumps of f', f'' and f''' at a place are seen from its two sides. On either side a polynomial goes through points s +- h, s +- 2h, ... and
-is differentiated at s, for a ladder of steps h. Long steps reach past what the shape does beside s, short ones lose their digits to
-rounding: the step is chosen where two neighbours agree best. A bend that is smooth, only sharp, looks like a jump from afar: a jump
-counts as one only if it is there from as near as rounding lets.
+Jumps of f', f'' and f''' at a place are seen from its two sides. On either side a polynomial goes
+through points s +- h, s +- 2h, ... and is differentiated at s, for a ladder of steps h. Long steps
+reach past what the shape does beside s, short ones lose their digits to rounding: the step is
+chosen where two neighbours agree best. A bend that is smooth, only sharp, looks like a jump from
+afar: a jump counts as one only if it is there from as near as rounding lets.
 """
 
 import dataclasses
@@ -28,17 +30,22 @@ _CLEAR = 0.05  # of a jump: rounding below this still shows it
 _UNCHANGED = 0.2  # of a jump: how far it may seem to change from nearer by
 _NEAREST = 1e-8  # of where a kink is first seen: from how near it is looked at
 _JUMP = 1e-3  # of the largest slope: a jump smaller than this cannot be told from a steep slope
-_STEP = 1e-6  # of a declared jump, and of the largest slope over the window to the power that fits: less is rounding
+# of a declared jump, and of the largest slope over the window to the power that fits: less is
+# rounding
+_STEP = 1e-6
 _ONE = 1e-12  # of the window: places this near are one
 _FARTHEST = 0.1  # of the window: how far to look from a place
-_BEND = 1e-7  # of the window: differences of the slope over this show the second derivative where it is smooth
+# of the window: differences of the slope over this show the second derivative where it is smooth
+_BEND = 1e-7
 _PLACED = 1e-9  # of the window: how well the place of a jump is known then
 _MOST_BENDS = 50  # places looked at where the second derivative seems to jump
 
 
 @dataclasses.dataclass(frozen=True)
 class Seen:
-    """Jumps of f^(1), f^(2), f^(3), one place a row: their heights, how far these may be off, and whether each is there from near by."""
+    """Jumps of f^(1), f^(2), f^(3), one place a row: their heights, how far these may be off, and
+    whether each is there from near by.
+    """
 
     height: Array
     doubt: Array
@@ -46,7 +53,8 @@ class Seen:
 
 
 def jumps_at(profile: Profile, places: Array, reach: Array, nearest: float = 0.0) -> Seen:
-    """Jumps at places, looked at from no farther than `reach` (one for each place, beyond which there may be other jumps).
+    """Jumps at places, looked at from no farther than `reach` (one for each place, beyond which
+    there may be other jumps).
 
     nearest: the shortest step, for places that are not known to the last digit.
     """
@@ -54,14 +62,18 @@ def jumps_at(profile: Profile, places: Array, reach: Array, nearest: float = 0.0
     first = 0 if profile.slope_is_derived else 1
     function = profile.height if profile.slope_is_derived else profile.slope
     k = np.arange(1.0, _A_SIDE + 1)
-    # Row m of the inverse holds the weights of the m-th derivative at 0 over m!, for points a step apart.
+    # Row m of the inverse holds the weights of the m-th derivative at 0 over m!, for points a step
+    # apart.
     taylor = np.linalg.inv(np.vander(k, increasing=True))
     seen, rounding = np.zeros((_HALVED, len(places), 3)), np.full((_HALVED, len(places), 3), np.inf)
     for j in range(_HALVED):
         h = reach / _A_SIDE * 0.5**j
         if j > 1 and not np.any(h >= nearest):
             break
-        right, left = (np.asarray(function(places[:, None] + side * h[:, None] * k), dtype=float) for side in (1, -1))
+        right, left = (
+            np.asarray(function(places[:, None] + side * h[:, None] * k), dtype=float)
+            for side in (1, -1)
+        )
         size = np.maximum(np.abs(right), np.abs(left)).max(axis=1)
         # The place itself is rounded too: by what that moves the values.
         moved = np.abs(places) / h * np.maximum(np.ptp(right, axis=1), np.ptp(left, axis=1))
@@ -74,7 +86,9 @@ def jumps_at(profile: Profile, places: Array, reach: Array, nearest: float = 0.0
     off = np.abs(np.diff(seen, axis=0)) + rounding[1:]
     best = np.argmin(off, axis=0)
     height, doubt = (np.take_along_axis(a, best[None], axis=0)[0] for a in (seen[1:], off))
-    near = (rounding[1:] <= _CLEAR * np.abs(height)) & (np.arange(_HALVED - 1)[:, None, None] >= best)
+    near = (rounding[1:] <= _CLEAR * np.abs(height)) & (
+        np.arange(_HALVED - 1)[:, None, None] >= best
+    )
     sharp = np.all(~near | (np.abs(seen[1:] - height) <= _UNCHANGED * np.abs(height)), axis=0)
     return Seen(height, doubt, sharp)
 
@@ -83,7 +97,8 @@ def kinks(profile: Profile, x: Array) -> Iterator[str]:
     lo, hi = float(x[0]), float(x[-1])
     width = hi - lo
     if profile.period is not None:
-        # A cell that starts off any likely kink, so that the border of the profile's own cell lies inside.
+        # A cell that starts off any likely kink, so that the border of the profile's own cell lies
+        # inside.
         width = profile.period
         lo = profile.x0 - 0.0123456789 * width
     scale = float(np.max(np.abs(np.asarray(profile.slope(x)))))
@@ -93,7 +108,9 @@ def kinks(profile: Profile, x: Array) -> Iterator[str]:
     for s, jump in declared:
         seen = float(np.diff(slope(np.array([s - 2 * reach, s + 2 * reach])))[0])
         # An algebraic point of an exponent near 1 looks like a kink from anywhere.
-        seen -= sum((left + right) * n * (2 * reach) ** (n - 1) for at, n, left, right in points if at == s)
+        seen -= sum(
+            (left + right) * n * (2 * reach) ** (n - 1) for at, n, left, right in points if at == s
+        )
         if abs(seen - jump) > _JUMP * max(scale, abs(jump)) + rounding:
             yield f"kink declared at {s:.6g} with jump {jump:.6g}: the slope jumps by {seen:.6g} there"
     for s, jump in slope_jumps(slope, lo, lo + width, reach, max(scale, rounding / _JUMP)):
@@ -121,7 +138,10 @@ def _kink(profile: Profile, s: float, jump: float, h: float) -> tuple[float, flo
         h /= 4
         if profile.slope_is_derived:
             right, here, left = (np.asarray(profile.height(at + k * h)) for k in (1, 0, -1))
-            bends, rounding = (right - 2 * here + left) / h, 4 * _UNIT * float(np.max(np.abs(here))) / h
+            bends, rounding = (
+                (right - 2 * here + left) / h,
+                4 * _UNIT * float(np.max(np.abs(here))) / h,
+            )
         else:
             right, left = (np.asarray(profile.slope(at + k * h)) for k in (1, -1))
             bends, rounding = right - left, 4 * _UNIT * float(np.max(np.abs(right)))
@@ -140,18 +160,33 @@ def _kink(profile: Profile, s: float, jump: float, h: float) -> tuple[float, flo
     return found
 
 
-def _sharp_slope(profile: Profile, width: float, x: Array) -> tuple[Callable[[Array], Array], float, float]:
+def _sharp_slope(
+    profile: Profile, width: float, x: Array
+) -> tuple[Callable[[Array], Array], float, float]:
     """The slope, the distance at which its two sides can be told apart, and its rounding."""
     if not profile.slope_is_derived:
         return (lambda x: np.asarray(profile.slope(x))), 1e-10 * width, 0.0
-    # The derived slope is no use beside a kink; short differences of the height blur it by their step only.
+    # The derived slope is no use beside a kink; short differences of the height blur it by their
+    # step only.
     h = 1e-6 * width
     rounding = 4 * _UNIT * float(np.max(np.abs(np.asarray(profile.height(x))))) / h
-    return (lambda x: (np.asarray(profile.height(x + h)) - np.asarray(profile.height(x - h))) / (2 * h)), h, rounding
+    return (
+        (
+            lambda x: (
+                (np.asarray(profile.height(x + h)) - np.asarray(profile.height(x - h))) / (2 * h)
+            )
+        ),
+        h,
+        rounding,
+    )
 
 
-def slope_jumps(slope: Callable[[Array], Array], lo: float, hi: float, reach: float, scale: float) -> list[tuple[float, float]]:
-    """Where the slope jumps: intervals of a fine grid, halved towards the larger change down to `reach`."""
+def slope_jumps(
+    slope: Callable[[Array], Array], lo: float, hi: float, reach: float, scale: float
+) -> list[tuple[float, float]]:
+    """Where the slope jumps: intervals of a fine grid, halved towards the larger change down to
+    `reach`.
+    """
     edges = np.linspace(lo, hi, 2001)
     a, b = edges[:-1], edges[1:]
     fa, fb = slope(a), slope(b)
@@ -189,7 +224,8 @@ def higher_jumps(profile: Profile, x: Array) -> Iterator[str]:
     if len(found):
         reach = _reach(found, np.concatenate((declared, found, ends)), width, periodic)
         seen = jumps_at(profile, found, reach, nearest=100 * _BEND * width)
-        # Both sides' slopes are continued to a place beside that of the jump: there they differ by the distance times it.
+        # Both sides' slopes are continued to a place beside that of the jump: there they differ by
+        # the distance times it.
         beside = seen.height[:, 0] / np.where(seen.height[:, 1] == 0, np.inf, seen.height[:, 1])
         found = found - np.where(np.abs(beside) < 10 * _BEND * width, beside, 0.0)
         seen = jumps_at(profile, found, reach, nearest=_PLACED * width)
@@ -197,10 +233,16 @@ def higher_jumps(profile: Profile, x: Array) -> Iterator[str]:
 
 
 def _declared_places(profile: Profile, lo: float, width: float) -> Array:
-    """Where something may jump by what the profile says of itself; the border of its cell is one of them."""
+    """Where something may jump by what the profile says of itself; the border of its cell is one of
+    them.
+    """
     tips = [] if profile.summits is None else [np.asarray(profile.summits, dtype=np.float64)]
     border = [lo] if profile.period is not None else []
-    places = np.unique(np.concatenate((border, profile.kinks[:, 0], profile.jumps[:, 0], profile.breakpoints, *tips)))
+    places = np.unique(
+        np.concatenate(
+            (border, profile.kinks[:, 0], profile.jumps[:, 0], profile.breakpoints, *tips)
+        )
+    )
     places = places[np.append(True, np.diff(places) > _ONE * width)] if len(places) else places
     # Derivatives of low powers are infinite there; `powers` sees to these.
     places = np.setdiff1d(places, _rough(profile))
@@ -216,7 +258,9 @@ def _rough(profile: Profile) -> Array:
 
 
 def powers(profile: Profile, x: Array) -> Iterator[str]:
-    """Algebraic points by differences of an order so high that all that is smooth vanishes faster than the powers, on either side."""
+    """Algebraic points by differences of an order so high that all that is smooth vanishes faster
+    than the powers, on either side.
+    """
     points = np.asarray(profile.algebraic_points, dtype=np.float64)
     lo, hi = window_of(profile)
     others = np.concatenate((profile.breakpoints, ends_of(profile)))
@@ -226,14 +270,18 @@ def powers(profile: Profile, x: Array) -> Iterator[str]:
             n, c = points[points[:, 0] == s][:, [1, column]].T
             ratio = _power_left(profile, float(s), side * reach, n, c)
             if ratio > _POWER:
-                told = ", ".join(f"{one:.6g} |x - s|^{power:.6g}" for power, one in zip(n, c, strict=True))
+                told = ", ".join(
+                    f"{one:.6g} |x - s|^{power:.6g}" for power, one in zip(n, c, strict=True)
+                )
                 where = "left" if side < 0 else "right"
                 yield f"algebraic point declared at {s:.6g}, {told} on its {where}: the profile differs by {ratio:.2g} of that"
 
 
 def _power_left(profile: Profile, s: float, reach: float, n: Array, c: Array) -> float:
-    """The least part of declared powers that high differences of the profile do not show, over a ladder of steps; 0 where rounding hides
-    them, or hides them before what is smooth has fallen away."""
+    """The least part of declared powers that high differences of the profile do not show, over a
+    ladder of steps; 0 where rounding hides them, or hides them before what is smooth has fallen
+    away.
+    """
     derived = profile.slope_is_derived
     function = profile.height if derived else profile.slope
     power, size = (n, c) if derived else (n - 1, np.sign(reach) * n * c)
@@ -257,11 +305,17 @@ def _reach(places: Array, others: Array, width: float, periodic: bool) -> Array:
     others = np.concatenate(([-np.inf], np.sort(others), [np.inf]))
     before = others[np.searchsorted(others, places - _ONE * width) - 1]
     after = others[np.searchsorted(others, places + _ONE * width)]
-    return np.asarray(np.minimum(0.9 * np.minimum(places - before, after - places), _FARTHEST * width))
+    return np.asarray(
+        np.minimum(0.9 * np.minimum(places - before, after - places), _FARTHEST * width)
+    )
 
 
-def _against_declared(profile: Profile, places: Array, seen: Seen, scale: float, width: float) -> Iterator[str]:
-    """Jumps of the second and third derivative at each place against what is declared there; `kinks` sees to those of the slope."""
+def _against_declared(
+    profile: Profile, places: Array, seen: Seen, scale: float, width: float
+) -> Iterator[str]:
+    """Jumps of the second and third derivative at each place against what is declared there;
+    `kinks` sees to those of the slope.
+    """
     for order in (2, 3):
         listed = profile.jumps[profile.jumps[:, 1] == order]
         which = np.searchsorted(places, listed[:, 0] - _ONE * width)
@@ -270,7 +324,10 @@ def _against_declared(profile: Profile, places: Array, seen: Seen, scale: float,
         claimed = np.bincount(which[known], listed[known, 2], len(places))
         height, doubt = seen.height[:, order - 1], seen.doubt[:, order - 1]
         off = np.abs(height - claimed) - 10 * doubt
-        least = np.maximum(_STEP * np.maximum(np.abs(height), np.abs(claimed)), _STEP * scale / width ** (order - 1))
+        least = np.maximum(
+            _STEP * np.maximum(np.abs(height), np.abs(claimed)),
+            _STEP * scale / width ** (order - 1),
+        )
         for i in np.flatnonzero((off > least) & ((claimed != 0) | seen.sharp[:, order - 1])):
             s = places[i]
             if claimed[i]:
@@ -287,12 +344,18 @@ def _bends(profile: Profile, lo: float, width: float, scale: float) -> Array:
         lo -= 0.0123456789 * width  # so that the border of the cell lies inside
 
     def bend(x: Array) -> Array:
-        return np.asarray((np.asarray(profile.slope(x + h)) - np.asarray(profile.slope(x - h))) / (2 * h))
+        return np.asarray(
+            (np.asarray(profile.slope(x + h)) - np.asarray(profile.slope(x - h))) / (2 * h)
+        )
 
-    first, last = (lo, lo + width) if profile.period is not None else (lo + 2 * h, lo + width - 2 * h)
+    first, last = (
+        (lo, lo + width) if profile.period is not None else (lo + 2 * h, lo + width - 2 * h)
+    )
     size = max(float(np.max(np.abs(bend(np.linspace(first, last, 997))))), scale / width)
     places = np.array([s for s, _ in slope_jumps(bend, first, last, 2 * h, size)][:_MOST_BENDS])
-    return np.asarray(profile.wrap(places), dtype=np.float64) if profile.period is not None else places
+    return (
+        np.asarray(profile.wrap(places), dtype=np.float64) if profile.period is not None else places
+    )
 
 
 def window_of(profile: Profile) -> tuple[float, float]:
@@ -312,7 +375,9 @@ def _half_window(profile: Profile) -> float:
     half = 1.0
     for _ in range(_HALVED):
         with np.errstate(all="ignore"):
-            finite = np.isfinite(np.asarray(profile.height(np.linspace(-half, half, _POINTS)))).all()
+            finite = np.isfinite(
+                np.asarray(profile.height(np.linspace(-half, half, _POINTS)))
+            ).all()
         if finite and detail_of(profile.height, -half, half) > _RESOLVED * half:
             return half
         half /= 4

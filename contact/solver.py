@@ -1,11 +1,12 @@
 """Scene -> formulation -> first guess -> zones -> certificate -> solution.
 
-    scene          what is given, checked when it is made                                   contact.model
-    formulation    a scaled equation, by the pressure, by the gaps, or none in full contact   contact.formulation
-    first guess    ways to the zones, in order; what was left and why is in the plan        contact.search.find
-    zones          Newton on their ends, signs, corrections, and again                      contact.search.topology
-    certificate    what was looked at on the whole line, and the stated error               contact.verify
-    solution       in SI units, with its plan                                               contact.solution
+scene          what is given, checked when it is made
+contact.model formulation    a scaled equation, by the pressure, by the gaps, or none in full
+contact   contact.formulation first guess    ways to the zones, in order; what was left and why is
+in the plan        contact.search.find zones          Newton on their ends, signs, corrections, and
+again                      contact.search.topology certificate    what was looked at on the whole
+line, and the stated error               contact.verify solution       in SI units, with its plan
+contact.solution
 """
 
 import time
@@ -33,14 +34,21 @@ from contact.solution.solution import Solution
 from contact.threads import one_of_blas
 from contact.verify.accuracy import FoundByGaps
 
-# Smallest lengths of a shape in its period, or where it is known: from where on BLAS takes one thread, and memory is kept.
-_ROUGH, _LARGE = 2**6, 2**17
+# Smallest lengths of a shape in its period, or where it is known: from where on BLAS takes one
+# thread, and memory is kept.
+_ROUGH = 2**6
+_LARGE = 2**17
 
 
 def solve(
-    scene: Scene, tol: float = 1e-8, progress: Progress | None = None, near: Solution | None = None, branch: str = "advancing"
+    scene: Scene,
+    tol: float = 1e-8,
+    progress: Progress | None = None,
+    near: Solution | None = None,
+    branch: str = "advancing",
 ) -> Solution:
-    """Solve a scene: zones, pressure, gap, and numbers, with error at most `tol` (see `Solution.error`).
+    """Solve a scene: zones, pressure, gap, and numbers, with error at most `tol` (see
+    `Solution.error`).
 
     Parameters
     ----------
@@ -51,11 +59,12 @@ def solve(
     progress : callable or None
         Called with (stage, done, total or None).
     near : Solution or None
-        A solution of the same profile and model whose zones are a good start; it saves the search, and never changes the answer.
+        A solution of the same profile and model whose zones are a good start; it saves the search,
+        and never changes the answer.
     branch : str
-        Which of several equilibria is meant, under laws that have more than one: "advancing", reached from first touch by raising the
-        control to its value (under tension: raised to no load, then lowered), or "receding", reached by lowering it from the greatest
-        contact.
+        Which of several equilibria is meant, under laws that have more than one: "advancing",
+        reached from first touch by raising the control to its value (under tension: raised to no
+        load, then lowered), or "receding", reached by lowering it from the greatest contact.
 
     Returns
     -------
@@ -75,10 +84,8 @@ def solve(
     ModelWarning
         What the model hardly covers; also in the `warnings` of the solution.
 
-    Examples
-    --------
-    Half of a wave in contact carries half the load of full contact (H. M. Westergaard, J. Appl. Mech. 6, 1939, A49,
-    doi 10.1115/1.4008919).
+    Examples -------- Half of a wave in contact carries half the load of full contact (H. M.
+    Westergaard, J. Appl. Mech. 6, 1939, A49, doi 10.1115/1.4008919).
 
     >>> import contact
     >>> import numpy as np
@@ -96,7 +103,11 @@ def solve(
     if near is not None and not isinstance(near, Solution):
         raise SceneError.of("near", near, "None, or a contact.Solution")
     if near is not None and _of(near.scene) != _of(scene):
-        raise SceneError("near must be a solution of the same profile, interaction model, substrate and law", "near", near.scene)
+        raise SceneError(
+            "near must be a solution of the same profile, interaction model, substrate and law",
+            "near",
+            near.scene,
+        )
     warn(validity.of_scene(scene))
     solution = _solved(scene, tol, progress, near, Shared(scene), branch)
     warn(validity.of_answer(solution))
@@ -118,7 +129,9 @@ def _of(scene: Scene) -> tuple[object, ...]:
 def solved_along(
     scene: Scene, tol: float, progress: Progress | None, shared: Shared, along: tuple[Passed, ...]
 ) -> Solution:
-    """One scene on a curve of its control's values. shared: what it has in common with the others; along: the last of them."""
+    """One scene on a curve of its control's values. shared: what it has in common with the others;
+    along: the last of them.
+    """
     near = along[-1].solution if along else None
     if scene.control_object.held(scene) is None:
         return _solved(scene, tol, progress, near, shared)
@@ -135,22 +148,41 @@ def task_of(scene: Scene, tol: float) -> Task:
 
 
 def solved_at(task: Task, found: Outcome, told: str) -> Solution:
-    """A contact that was followed to where it is, by the branch of the task; told: how it was come by."""
+    """A contact that was followed to where it is, by the branch of the task; told: how it was come
+    by.
+    """
+
     def lost(_: Task) -> Outcome:
-        raise NotConverged("only the contact that was followed is meant, and no other search for it")
+        raise NotConverged(
+            "only the contact that was followed is meant, and no other search for it"
+        )
 
     task.plan["branch"].detail = told
     return _solution(task, refined(task, found, lost))
 
 
 def _solved(
-    scene: Scene, tol: float, progress: Progress | None, near: Solution | None, shared: Shared, branch: str = "advancing"
+    scene: Scene,
+    tol: float,
+    progress: Progress | None,
+    near: Solution | None,
+    shared: Shared,
+    branch: str = "advancing",
 ) -> Solution:
     if scene.control_object.held(scene) is None:
-        return by_quantity(scene, tol, near, lambda loaded, tighter, beside: _solved(loaded, tighter, progress, beside, shared))
+        return by_quantity(
+            scene,
+            tol,
+            near,
+            lambda loaded, tighter, beside: _solved(loaded, tighter, progress, beside, shared),
+        )
     claims.of(scene.profile)
     direct = directly(scene, tol)
-    return direct if direct is not None else _run(Task.of(scene, tol, progress, near, _solved, shared, branch))
+    return (
+        direct
+        if direct is not None
+        else _run(Task.of(scene, tol, progress, near, _solved, shared, branch))
+    )
 
 
 def _run(task: Task) -> Solution:
@@ -166,7 +198,9 @@ def _features(scene: Scene) -> float:
     """How many of its smallest lengths a shape has in its period, or where it is known."""
     profile = scene.profile
     known = profile.known
-    return 0.0 if profile.feature is None or known is None else (known[1] - known[0]) / profile.feature
+    return (
+        0.0 if profile.feature is None or known is None else (known[1] - known[0]) / profile.feature
+    )
 
 
 def _solution(task: Task, outcome: Outcome) -> Solution:
@@ -177,5 +211,9 @@ def _solution(task: Task, outcome: Outcome) -> Solution:
         return made.of_full(scene, task.full, outcome.mean_pressure, plan, tol, branch)
     if isinstance(outcome, FoundByGaps):
         return made.of_gaps(scene, outcome, plan, tol)
-    parting = require("contact.search.equilibria.parting").Parting(task.control(outcome.fields.problem)) if followed else None
+    parting = (
+        require("contact.search.equilibria.parting").Parting(task.control(outcome.fields.problem))
+        if followed
+        else None
+    )
     return made.of_zones(scene, outcome, plan, tol, branch, parting)

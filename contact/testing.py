@@ -1,7 +1,8 @@
-"""For authors of profiles and substrates: `check_profile(MyProfile(...))`, `check_substrate(MyBody(...))` say what is wrong with one.
+"""For authors of profiles and substrates: `check_profile(MyProfile(...))`,
+`check_substrate(MyBody(...))` say what is wrong with one.
 
-Every claim a profile makes (its slope, period, symmetry, kinks, tips, conjugate) is held against its height; those of a substrate against
-its symbol.
+Every claim a profile makes (its slope, period, symmetry, kinks, tips, conjugate) is held against
+its height; those of a substrate against its symbol.
 """
 
 import copy
@@ -26,7 +27,9 @@ _POINTS = 400
 _SAME = 1e-9  # of the largest value met: two evaluations of one quantity
 _SLOPE = 1e-6  # of the largest slope: what differences of the height can vouch for
 _JUMP = 1e-3  # of the largest slope: a jump smaller than this cannot be told from a steep slope
-_CONJUGATE = 2e-3  # of the largest slope: the rule below is of second order and kinks cost it digits
+_CONJUGATE = (
+    2e-3  # of the largest slope: the rule below is of second order and kinks cost it digits
+)
 
 
 class Fault(ContactError, AssertionError):
@@ -62,12 +65,18 @@ class Report:
         return not self.faults
 
     def __str__(self) -> str:
-        head = f"{self.subject}: " + ("nothing wrong found" if self.ok else f"{len(self.faults)} fault(s)")
-        lines = [f"  - {fault}" for fault in self.faults] + [f"  (note: {note})" for note in self.notes]
+        head = f"{self.subject}: " + (
+            "nothing wrong found" if self.ok else f"{len(self.faults)} fault(s)"
+        )
+        lines = [f"  - {fault}" for fault in self.faults] + [
+            f"  (note: {note})" for note in self.notes
+        ]
         return "\n".join([head, *lines, f"  checked: {', '.join(self.checked)}"])
 
 
-def check_profile(profile: Profile, window: tuple[float, float] | None = None, raises: bool = True) -> Report:
+def check_profile(
+    profile: Profile, window: tuple[float, float] | None = None, raises: bool = True
+) -> Report:
     """Check what a profile says of itself against its height.
 
     Parameters
@@ -118,12 +127,18 @@ def check_profile(profile: Profile, window: tuple[float, float] | None = None, r
             if faults and what in ("declarations", "values"):
                 break  # the rest would only repeat it
         if profile.slope_is_derived:
-            notes.append("slope(x) is derived from the height: a closed form is faster and more accurate")
-    return _reported(Report(shown(profile), tuple(checked), tuple(faults), tuple(notes)), ProfileFault if raises else None)
+            notes.append(
+                "slope(x) is derived from the height: a closed form is faster and more accurate"
+            )
+    return _reported(
+        Report(shown(profile), tuple(checked), tuple(faults), tuple(notes)),
+        ProfileFault if raises else None,
+    )
 
 
 def check_substrate(substrate: Substrate, raises: bool = True) -> Report:
-    """Check a substrate: that its symbol is one of an elastic body, and that scenes can hold and compare it.
+    """Check a substrate: that its symbol is one of an elastic body, and that scenes can hold and
+    compare it.
 
     Parameters
     ----------
@@ -162,10 +177,16 @@ def check_substrate(substrate: Substrate, raises: bool = True) -> Report:
             if substrate != copy.copy(substrate) or hash(substrate) != hash(copy.copy(substrate)):
                 faults.append("it does not equal its own copy: make it a frozen dataclass")
         except Exception as error:  # the author's code may fail in any way; the report says how
-            faults.append(f"it cannot be compared or hashed ({type(error).__name__}: {error}): make it a frozen dataclass")
+            faults.append(
+                f"it cannot be compared or hashed ({type(error).__name__}: {error}): make it a frozen dataclass"
+            )
         if not getattr(type(substrate), "name", ""):
-            notes.append("it has no name: @contact.register_substrate(\"...\") makes it known to scene files")
-    report = Report(shown(substrate), ("symbol", "compression", "copies"), tuple(faults), tuple(notes))
+            notes.append(
+                'it has no name: @contact.register_substrate("...") makes it known to scene files'
+            )
+    report = Report(
+        shown(substrate), ("symbol", "compression", "copies"), tuple(faults), tuple(notes)
+    )
     return _reported(report, SubstrateFault if raises else None)
 
 
@@ -196,7 +217,11 @@ def _declarations(profile: Profile, x: Array) -> Iterator[str]:
     period = profile.period
     if period is not None:
         for name in ("kinks", "algebraic_points"):
-            outside = [s for s in getattr(profile, name)[:, 0].tolist() if not profile.x0 <= s < profile.x0 + period]
+            outside = [
+                s
+                for s in getattr(profile, name)[:, 0].tolist()
+                if not profile.x0 <= s < profile.x0 + period
+            ]
             if outside:
                 yield f"{name} at {outside} lie outside the cell [{profile.x0:g}, {profile.x0 + period:g})"
     if not dataclasses.is_dataclass(profile) or not profile.__dataclass_params__.frozen:
@@ -228,7 +253,8 @@ def _shapes(profile: Profile, x: Array) -> Iterator[str]:
         size = float(np.max(np.abs(np.asarray(function(x.copy())))))
         if not np.array_equal(given, x[:6]):
             yield f"{name}(x) changes the array it is given"
-        # A derived slope chooses its steps from all its points, so single values may differ a little.
+        # A derived slope chooses its steps from all its points, so single values may differ a
+        # little.
         tolerance = (_SLOPE if name == "slope" and profile.slope_is_derived else _SAME) * size
         tries: list[tuple[str, Any, Array]] = [
             ("an array of shape (2, 3)", x[:6].reshape(2, 3), whole.reshape(2, 3)),
@@ -283,7 +309,9 @@ def _continuity(profile: Profile, x: Array) -> Iterator[str]:
     lo, hi = float(x[0]), float(x[-1])
     heights = np.asarray(profile.height(x))
     size = max(float(np.ptp(heights)), 4 * _UNIT * float(np.max(np.abs(heights))) / _JUMP)
-    for s, step in slope_jumps(lambda t: np.asarray(profile.height(t)), lo, hi, 1e-10 * (hi - lo), size):
+    for s, step in slope_jumps(
+        lambda t: np.asarray(profile.height(t)), lo, hi, 1e-10 * (hi - lo), size
+    ):
         yield f"the height jumps by {step:.6g} at {s:.6g}: it must be continuous"
         return
 
@@ -312,7 +340,9 @@ def _summits(profile: Profile, x: Array) -> Iterator[str]:
     near = 1e-4 * (profile.resolution or float(x[-1] - x[0]))
     top = np.asarray(profile.height(tips))
     for side in (-near, near):
-        lower = np.asarray(profile.height(tips + side)) < top - _SAME * float(np.ptp(profile.height(x)))
+        lower = np.asarray(profile.height(tips + side)) < top - _SAME * float(
+            np.ptp(profile.height(x))
+        )
         if lower.any():
             yield f"summits names {tips[lower].tolist()}, but the height is smaller beside: tips are minima"
             return
@@ -337,7 +367,16 @@ def _conjugate(profile: Profile, x: Array) -> Iterator[str]:
 
 
 _CHECKS: tuple[tuple[str, Callable[[Profile, Array], Iterator[str]]], ...] = (
-    ("declarations", _declarations), ("values", _values), ("shapes", _shapes), ("periodicity", _periodicity),
-    ("continuity", _continuity), ("slope", _slope), ("symmetry", _symmetry), ("kinks", kinks),
-    ("jumps", higher_jumps), ("powers", powers), ("summits", _summits), ("conjugate", _conjugate),
+    ("declarations", _declarations),
+    ("values", _values),
+    ("shapes", _shapes),
+    ("periodicity", _periodicity),
+    ("continuity", _continuity),
+    ("slope", _slope),
+    ("symmetry", _symmetry),
+    ("kinks", kinks),
+    ("jumps", higher_jumps),
+    ("powers", powers),
+    ("summits", _summits),
+    ("conjugate", _conjugate),
 )

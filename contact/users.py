@@ -7,7 +7,9 @@ from typing import Any
 
 
 class WhileUsed:
-    """Begun by the first who uses it and ended by the last, in any thread; ended is called with what begun gave."""
+    """Begun by the first who uses it and ended by the last, in any thread; ended is called with
+    what begun gave.
+    """
 
     def __init__(self, begun: Callable[[], Any], ended: Callable[[Any], object]) -> None:
         self._begun, self._ended = begun, ended

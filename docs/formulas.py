@@ -1,4 +1,6 @@
-"""Formulas are set when the pages are built: TeX becomes MathML, which browsers show without a script, a font or a network."""
+"""Formulas are set when the pages are built: TeX becomes MathML, which browsers show without a
+script, a font or a network.
+"""
 
 from __future__ import annotations
 
@@ -12,15 +14,22 @@ from mkdocs.exceptions import PluginError
 # What pymdownx.arithmatex makes of $...$ and $$...$$.
 FORMULA = re.compile(r'<(span|div) class="arithmatex">\\[(\[](.*?)\\[)\]]</\1>', re.DOTALL)
 
-# What the converter leaves as letters and signs between two sides: names of functions, fractions in a line, bars, primes, accents.
+# What the converter leaves as letters and signs between two sides: names of functions, fractions in
+# a line, bars, primes, accents.
 NAMES = "arccos|arcsin|arctan|arctanh|artanh|cos|cosh|cot|coth|csc|det|exp|ln|log|sec|sgn|sin|sinh|tan|tanh|Re|Im"
 TIGHT = '<mo lspace="0" rspace="0" stretchy="false">'
 SPACED = (
-    (rf"<mi>({NAMES})</mi>(?=<mo[^>]*>(?:\(|&#x00028;))", r'<mo lspace="0.17em" rspace="0">\1</mo>'),
+    (
+        rf"<mi>({NAMES})</mi>(?=<mo[^>]*>(?:\(|&#x00028;))",
+        r'<mo lspace="0.17em" rspace="0">\1</mo>',
+    ),
     (rf"<mi>({NAMES})</mi>", r'<mo lspace="0.17em" rspace="0.17em">\1</mo>'),
     (r'<mo(?: stretchy="false")?>(/|&#x0002F;|\||&#x0007C;)</mo>', rf"{TIGHT}\1</mo>"),
     (r"<mi>(&#x0203[2-4];|[\u2032-\u2034])</mi>", rf"{TIGHT}\1</mo>"),
-    (r'<mover>(<mi>[^<]*</mi>)<mo stretchy="true">(?:&#x000AF;|\u00af)</mo>', rf'<mover accent="true">\1{TIGHT}&#x203E;</mo>'),
+    (
+        r'<mover>(<mi>[^<]*</mi>)<mo stretchy="true">(?:&#x000AF;|\u00af)</mo>',
+        rf'<mover accent="true">\1{TIGHT}&#x203E;</mo>',
+    ),
 )
 
 

@@ -1,6 +1,8 @@
-"""Pages of the examples, made when the site is built: docstring, picture, script, and what it prints.
+"""Pages of the examples, made when the site is built: docstring, picture, script, and what it
+prints.
 
-Pictures and prints are kept in docs/gallery, where `python -m contact.studies.gallery` puts them. Without one of them nothing is built.
+Pictures and prints are kept in docs/gallery, where `python -m contact.studies.gallery` puts them.
+Without one of them nothing is built.
 """
 
 from __future__ import annotations
@@ -29,12 +31,17 @@ def scripts() -> dict[str, list[Path]]:
 
 
 def told(script: Path) -> tuple[str, str]:
-    """Title and text of an example: the first line of its docstring, or of its comment, up to a colon or a full stop, and from there on."""
+    """Title and text of an example: the first line of its docstring, or of its comment, up to a
+    colon or a full stop, and from there on.
+    """
     source = script.read_text(encoding="utf-8")
     if script.suffix == ".py":
         said = ast.get_docstring(ast.parse(source)) or ""
     else:
-        said = "\n".join(line.lstrip("# ") for line in takewhile(lambda line: line.startswith("#"), source.splitlines()))
+        said = "\n".join(
+            line.lstrip("# ")
+            for line in takewhile(lambda line: line.startswith("#"), source.splitlines())
+        )
     first, _, rest = said.partition("\n")
     title, *more = re.split(r": |\. ", first, maxsplit=1)
     text = "".join(f"{part[:1].upper()}{part[1:]}" for part in more)
@@ -45,7 +52,9 @@ def page(script: Path) -> str:
     """Markdown of one example."""
     title, text = told(script)
     parts = [f"# {title}", text, f"![{title}]({script.stem}.png)"]
-    parts.append(f'```{"python" if script.suffix == ".py" else "toml"}\n--8<-- "{script.relative_to(ROOT).as_posix()}"\n```')
+    parts.append(
+        f'```{"python" if script.suffix == ".py" else "toml"}\n--8<-- "{script.relative_to(ROOT).as_posix()}"\n```'
+    )
     printed = (ROOT / "docs" / "gallery" / f"{script.stem}.txt").read_text(encoding="utf-8")
     if printed:
         parts += ["It prints" if script.suffix == ".py" else "Solved:", f"```text\n{printed}```"]
@@ -59,22 +68,34 @@ def index() -> str:
         parts.append(f"## {heading}\n")
         for script in files:
             title, _ = told(script)
-            parts.append(f'<a class="example" href="../gallery/{script.stem}/"><img alt="" src="../gallery/{script.stem}.png">{title}</a>')
+            parts.append(
+                f'<a class="example" href="../gallery/{script.stem}/"><img alt="" src="../gallery/{script.stem}.png">{title}</a>'
+            )
     return "\n".join(parts)
 
 
 def on_config(config: Any, **_: Any) -> Any:
     """Called by mkdocs first: the pages stand in the navigation below the gallery."""
-    below = [{heading: [{told(script)[0]: f"gallery/{script.stem}.md"} for script in files]} for heading, files in scripts().items()]
-    config["nav"] = [{"Examples": ["examples.md", *below]} if entry == {"Examples": "examples.md"} else entry for entry in config["nav"]]
+    below = [
+        {heading: [{told(script)[0]: f"gallery/{script.stem}.md"} for script in files]}
+        for heading, files in scripts().items()
+    ]
+    config["nav"] = [
+        {"Examples": ["examples.md", *below]} if entry == {"Examples": "examples.md"} else entry
+        for entry in config["nav"]
+    ]
     return config
 
 
 def on_files(files: Any, config: Any, **_: Any) -> Any:
     """Called by mkdocs with the files of the folder: the pages are added."""
     for script in (script for found in scripts().values() for script in found):
-        if not all((ROOT / "docs" / "gallery" / f"{script.stem}.{end}").exists() for end in ("png", "txt")):
-            raise PluginError(f"{script.name} has no picture yet: python -m contact.studies.gallery {script.stem}")
+        if not all(
+            (ROOT / "docs" / "gallery" / f"{script.stem}.{end}").exists() for end in ("png", "txt")
+        ):
+            raise PluginError(
+                f"{script.name} has no picture yet: python -m contact.studies.gallery {script.stem}"
+            )
         files.append(File.generated(config, f"gallery/{script.stem}.md", content=page(script)))
     return files
 

@@ -1,4 +1,6 @@
-"""Public names that a page of the reference does not name yet stand at its end when the site is built: none is left out."""
+"""Public names that a page of the reference does not name yet stand at its end when the site is
+built: none is left out.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +17,11 @@ PACKAGES = ("contact", "sie")
 def public(package: str) -> list[str]:
     """What a package exports."""
     tree = ast.parse((ROOT / package / "__init__.py").read_text(encoding="utf-8"))
-    (names,) = (node.value for node in tree.body if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "__all__")
+    (names,) = (
+        node.value
+        for node in tree.body
+        if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "__all__"
+    )
     return list(ast.literal_eval(names))
 
 
@@ -34,4 +40,8 @@ def completed(page: str, package: str) -> str:
 def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
     """Called by mkdocs with the text of every page."""
     package = page.file.src_uri.removeprefix("api/").removesuffix(".md")
-    return completed(markdown, package) if page.file.src_uri == f"api/{package}.md" and package in PACKAGES else markdown
+    return (
+        completed(markdown, package)
+        if page.file.src_uri == f"api/{package}.md" and package in PACKAGES
+        else markdown
+    )

@@ -1,4 +1,6 @@
-"""Singular integral equations with Cauchy and Hilbert kernels on any number of zones, fixed or with unknown ends."""
+"""Singular integral equations with Cauchy and Hilbert kernels on any number of zones, fixed or with
+unknown ends.
+"""
 
 from typing import TYPE_CHECKING, Any
 
@@ -35,17 +37,64 @@ if TYPE_CHECKING:
     from sie.solver import NotConverged, Solution, solve
 
 __all__ = [
-    "AlgebraicPoints", "Amplitude", "Answers", "AnyDensity", "AnyState", "Array", "BOUNDED",
-    "Complex", "Condition", "CountError", "Density", "End", "EndRates",
-    "EqualPotential", "Equation", "FREE", "Forcing", "Free", "Index", "Kept", "Kernel", "Level", "Mask", "NotConverged",
-    "PiecewiseTransform", "Rows", "SINGULAR", "SingularSystem", "SlitDensity", "Smooth", "Solution", "State", "Total",
-    "TotalWidth", "Weighted", "ZoneMoments", "ZoneTotals", "Zones", "answers", "cauchy", "end_motions", "end_rates",
-    "find_ends", "free_with_intensity", "hilbert", "images", "moment", "nearest_image", "record", "solve", "solve_fixed",
-    "solve_zones", "uncollected", "wrapped",
+    "AlgebraicPoints",
+    "Amplitude",
+    "Answers",
+    "AnyDensity",
+    "AnyState",
+    "Array",
+    "BOUNDED",
+    "Complex",
+    "Condition",
+    "CountError",
+    "Density",
+    "End",
+    "EndRates",
+    "EqualPotential",
+    "Equation",
+    "FREE",
+    "Forcing",
+    "Free",
+    "Index",
+    "Kept",
+    "Kernel",
+    "Level",
+    "Mask",
+    "NotConverged",
+    "PiecewiseTransform",
+    "Rows",
+    "SINGULAR",
+    "SingularSystem",
+    "SlitDensity",
+    "Smooth",
+    "Solution",
+    "State",
+    "Total",
+    "TotalWidth",
+    "Weighted",
+    "ZoneMoments",
+    "ZoneTotals",
+    "Zones",
+    "answers",
+    "cauchy",
+    "end_motions",
+    "end_rates",
+    "find_ends",
+    "free_with_intensity",
+    "hilbert",
+    "images",
+    "moment",
+    "nearest_image",
+    "record",
+    "solve",
+    "solve_fixed",
+    "solve_zones",
+    "uncollected",
+    "wrapped",
 ]
 
-# Loaded when they are first asked for: a program that needs a zone does not load the search for ends. The imports above, for readers and
-# type checkers, say the same.
+# Loaded when they are first asked for: a program that needs a zone does not load the search for
+# ends. The imports above, for readers and type checkers, say the same.
 _HOMES = {
     "sie.basis.data": "Array Complex Index Kept Mask nearest_image record wrapped",
     "sie.basis.kernels": "Kernel Smooth cauchy hilbert images",

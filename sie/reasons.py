@@ -1,4 +1,6 @@
-"""Why a solution is no better than it is: the largest part of its stated error, and what is measured where that part comes from."""
+"""Why a solution is no better than it is: the largest part of its stated error, and what is
+measured where that part comes from.
+"""
 
 from __future__ import annotations
 
@@ -13,15 +15,18 @@ from sie.free_ends.newton import Free
 from sie.slits.system import AnyState, SlitState
 
 _EPS = float(np.finfo(float).eps)
-# A residual below so many units in the last digit of the terms that it is the difference of is their rounding.
+# A residual below so many units in the last digit of the terms that it is the difference of is
+# their rounding.
 _ROUNDINGS = 1e3
-# A cause counts where it is at least this part of the tolerance: what it leaves is multiplied by the number of modes.
+# A cause counts where it is at least this part of the tolerance: what it leaves is multiplied by
+# the number of modes.
 _COUNTS = 0.01
 # No cause is below what numbers are rounded to.
 _ROUNDED = 8 * _EPS
 # An iteration that leaves this part of the error is its cause.
 _OF_ITERATION = 1e-3
-# Side conditions that make so much more of what is left open in the rows nearly depend on each other.
+# Side conditions that make so much more of what is left open in the rows nearly depend on each
+# other.
 _DEPENDENT = 1e4
 # A cause from which on functions are not shown at all, whatever the conditions make of it.
 _SHOWN = 1e-2
@@ -60,7 +65,9 @@ def of_error(state: AnyState, search: Free | None, tol: float) -> str:
 
 
 def _parts(state: AnyState) -> tuple[float, float, float]:
-    """Parts of the density's error over its size: of the iteration, of rounding of the rows, and all else."""
+    """Parts of the density's error over its size: of the iteration, of rounding of the rows, and
+    all else.
+    """
     size = max(state.size, 1e-300)
     iteration = float(state.linear_error.max(initial=0.0)) / size
     if isinstance(state, SlitState):
@@ -73,8 +80,9 @@ def _parts(state: AnyState) -> tuple[float, float, float]:
 class _Worst:
     """The zone with the largest residual, and what is measured of it.
 
-    state: of the zones without slits; zone: among these; where: its name; residual, place: the largest residual times sqrt(1 - t^2), and
-    where it is; terms: size of what it is the difference of.
+    state: of the zones without slits; zone: among these; where: its name; residual, place: the
+    largest residual times sqrt(1 - t^2), and where it is; terms: size of what it is the difference
+    of.
     """
 
     state: State
@@ -123,7 +131,9 @@ def whole_zone(state: AnyState, piece: int) -> int:
 
 
 def _causes(worst: _Worst) -> dict[str, float]:
-    """What keeps the functions on the worst zone from being shown by its modes, as measured, by cause."""
+    """What keeps the functions on the worst zone from being shown by its modes, as measured, by
+    cause.
+    """
     state, zone = worst.state, worst.zone
     zones, equation, m = state.density.zones, state.equation, int(state.system.layout.m[zone])
     fall = float(modes.decay(zones, equation.kernel)[zone])

@@ -1,4 +1,6 @@
-"""One call for fixed and free ends alike: the density, the zones and one stated error, or the reason why there is none."""
+"""One call for fixed and free ends alike: the density, the zones and one stated error, or the
+reason why there is none.
+"""
 
 import math
 from collections.abc import Iterator
@@ -17,10 +19,13 @@ from sie.free_ends.newton import Free, find_ends
 from sie.slits.system import AnyDensity, AnyState, solve_zones
 
 _EPS = float(np.finfo(float).eps)
-# What the coefficients are asked for at least, over the tolerance; and what the ends are asked for in turn, until the error is met.
-_DECAY, _ENDS = 0.1, (0.1, 1e-3, 1e-5)
+# What the coefficients are asked for at least, over the tolerance; and what the ends are asked for
+# in turn, until the error is met.
+_DECAY = 0.1
+_ENDS = (0.1, 1e-3, 1e-5)
 _LEAST = 3e-16
-# Rounding of a density's value, relative: of its coefficients, of the root at the place, of both ends.
+# Rounding of a density's value, relative: of its coefficients, of the root at the place, of both
+# ends.
 _EVALUATION = 4 * _EPS
 
 
@@ -33,17 +38,20 @@ class Solution:
     density : Density or SlitDensity
         The wanted function: call it at points of the line, see `Density`.
     zones : Zones
-        The zones, n of them, free ends where they have come to rest; `zones.table` is the (n, 2) array of ends.
+        The zones, n of them, free ends where they have come to rest; `zones.table` is the (n, 2)
+        array of ends.
     error : float
-        Bounds, relative, (i) the density's error at equal normalised position in its zone, times sqrt(1 - t^2), over the density's
-        largest coefficient, and (ii) each free end's error over its zone's width. Infinite where the ends have not come to rest.
+        Bounds, relative, (i) the density's error at equal normalised position in its zone, times
+        sqrt(1 - t^2), over the density's largest coefficient, and (ii) each free end's error over
+        its zone's width. Infinite where the ends have not come to rest.
     errors : ndarray
-        The same for each zone (n,), its density's error over its own largest coefficient: a faint zone beside strong ones is known
-        to fewer digits than `error` tells.
+        The same for each zone (n,), its density's error over its own largest coefficient: a faint
+        zone beside strong ones is known to fewer digits than `error` tells.
     value : float or None
         Value of the condition whose value was unknown, if there was one.
     state : State
-        What was solved at last: levels, responses to further right sides, and what the error is made of.
+        What was solved at last: levels, responses to further right sides, and what the error is
+        made of.
     search : Free or None
         How the ends were found, step by step; None if all were fixed.
 
@@ -71,7 +79,9 @@ class Solution:
 
     @property
     def levels(self) -> Array:
-        """Mean over each solved zone of the density's potential less the primitive of the right side (n,)."""
+        """Mean over each solved zone of the density's potential less the primitive of the right
+        side (n,).
+        """
         return self.state.levels
 
 
@@ -83,7 +93,8 @@ class NotConverged(ArithmeticError):
     reason : str
         Why, in words.
     best : Solution or None
-        The best that was reached, with its own error; None if not even a first system could be solved.
+        The best that was reached, with its own error; None if not even a first system could be
+        solved.
 
     Examples
     --------
@@ -102,8 +113,13 @@ class NotConverged(ArithmeticError):
 
 
 def solve(
-    equation: Equation, zones: Zones, tol: float = 1e-10, *, value: float = 0.0,
-    signs: tuple[float, float] = (1.0, 1.0), max_steps: int = 40,
+    equation: Equation,
+    zones: Zones,
+    tol: float = 1e-10,
+    *,
+    value: float = 0.0,
+    signs: tuple[float, float] = (1.0, 1.0),
+    max_steps: int = 40,
 ) -> Solution:
     """Solve a singular integral equation on zones with fixed ends, free ends, or both.
 
@@ -118,7 +134,8 @@ def solve(
     value : float
         First guess for the value of a condition whose value is unknown.
     signs : (float, float)
-        Signs of the wanted density beside free left and free right ends; they tell outward from inward far from the solution.
+        Signs of the wanted density beside free left and free right ends; they tell outward from
+        inward far from the solution.
     max_steps : int
         Newton steps of the ends at most.
 
@@ -130,14 +147,13 @@ def solve(
     Raises
     ------
     ValueError
-        For wrong input: what is missing, too much or out of range, in words. `CountError`, a ValueError, if side conditions and
-        unknowns do not match.
+        For wrong input: what is missing, too much or out of range, in words. `CountError`, a
+        ValueError, if side conditions and unknowns do not match.
     NotConverged
         With `reason` and `best`, if the error cannot be brought below tol.
 
-    Examples
-    --------
-    Half a period of a wave touches: sin^2(pi a / L) = load / (amplitude L) (H. M. Westergaard, J. Appl. Mech. 6, 1939, A49).
+    Examples -------- Half a period of a wave touches: sin^2(pi a / L) = load / (amplitude L) (H. M.
+    Westergaard, J. Appl. Mech. 6, 1939, A49).
 
     >>> import numpy as np, sie
     >>> wave = sie.Forcing(lambda x: np.sin(2 * np.pi * x))
@@ -152,31 +168,58 @@ def solve(
 
 
 def _solve(
-    equation: Equation, zones: Zones, tol: float, value: float, signs: tuple[float, float], max_steps: int
+    equation: Equation,
+    zones: Zones,
+    tol: float,
+    value: float,
+    signs: tuple[float, float],
+    max_steps: int,
 ) -> Solution:
     moving = any(end.moves for end in (*zones.left, *zones.right))
     try:
-        found = _best(_free(equation, zones, tol, value, signs, max_steps) if moving else _fixed(equation, zones, tol), tol)
+        found = _best(
+            _free(equation, zones, tol, value, signs, max_steps)
+            if moving
+            else _fixed(equation, zones, tol),
+            tol,
+        )
     except SingularSystem as error:
         if moving and _solvable(equation, zones):
-            raise NotConverged(f"the search for the ends came to zones on which there is no solution: {error}") from error
+            raise NotConverged(
+                f"the search for the ends came to zones on which there is no solution: {error}"
+            ) from error
         raise ValueError(f"{error}") from error
     if found.error <= tol:
         return found
     raise NotConverged(_why(found, tol), found)
 
 
-def _look_at(equation: Equation, zones: Zones, tol: float, value: float, signs: tuple[float, float], max_steps: int) -> None:
+def _look_at(
+    equation: Equation,
+    zones: Zones,
+    tol: float,
+    value: float,
+    signs: tuple[float, float],
+    max_steps: int,
+) -> None:
     """ValueError for what cannot be solved with at all."""
     if not isinstance(equation, Equation):
         raise ValueError(f"the equation must be a sie.Equation, got {type(equation).__name__}")
     if not isinstance(zones, Zones):
-        raise ValueError(f"the zones must be sie.Zones, as sie.Zones.of([[a, b]], left, right) makes them, got {type(zones).__name__}")
+        raise ValueError(
+            f"the zones must be sie.Zones, as sie.Zones.of([[a, b]], left, right) makes them, got {type(zones).__name__}"
+        )
     if not (inputs.is_number(tol) and 0 < tol < 1):
         raise ValueError(f"tol must be a number between 0 and 1, got {inputs.shown(tol)}")
     inputs.number("the first guess of the unknown value", value)
-    if not (isinstance(signs, tuple | list) and len(signs) == 2 and all(inputs.is_number(sign) and sign in (-1, 1) for sign in signs)):
-        raise ValueError(f"signs must be two of 1 and -1, of the density beside left and beside right ends, got {inputs.shown(signs)}")
+    if not (
+        isinstance(signs, tuple | list)
+        and len(signs) == 2
+        and all(inputs.is_number(sign) and sign in (-1, 1) for sign in signs)
+    ):
+        raise ValueError(
+            f"signs must be two of 1 and -1, of the density beside left and beside right ends, got {inputs.shown(signs)}"
+        )
     inputs.whole("max_steps", max_steps, 1)
 
 
@@ -198,7 +241,9 @@ def _best(solutions: Iterator[Solution], tol: float) -> Solution:
 
 
 def _fixed(equation: Equation, zones: Zones, tol: float) -> Iterator[Solution]:
-    """On zones whose ends stay; once more with all the modes that rounding allows, if the first are too few."""
+    """On zones whose ends stay; once more with all the modes that rounding allows, if the first are
+    too few.
+    """
     for decay in (max(_DECAY * tol, _LEAST), _LEAST):
         yield _told(solve_zones(equation, zones, decay))
         if _hidden(equation, zones, tol):
@@ -206,11 +251,18 @@ def _fixed(equation: Equation, zones: Zones, tol: float) -> Iterator[Solution]:
 
 
 def _free(
-    equation: Equation, zones: Zones, tol: float, value: float, signs: tuple[float, float], max_steps: int
+    equation: Equation,
+    zones: Zones,
+    tol: float,
+    value: float,
+    signs: tuple[float, float],
+    max_steps: int,
 ) -> Iterator[Solution]:
     """With the ends that are found, to more digits if those asked for first turn out to be too few."""
     for part in _ENDS:
-        free = find_ends(equation, zones, max(part * tol, _LEAST), max_steps, value=value, signs=signs)
+        free = find_ends(
+            equation, zones, max(part * tol, _LEAST), max_steps, value=value, signs=signs
+        )
         yield _told(free.state, free)
         if not free.converged:
             break
@@ -222,21 +274,33 @@ def _told(state: AnyState, search: Free | None = None) -> Solution:
     zones, value = state.density.zones, None if search is None else search.value
     if search is not None and not search.converged:
         unknown = np.full(len(zones), math.inf)
-        return Solution(state.density, zones, math.inf, value, errors=unknown, state=state, search=search)
+        return Solution(
+            state.density, zones, math.inf, value, errors=unknown, state=state, search=search
+        )
     of_ends, moved = np.zeros(len(zones)), np.zeros(len(zones))
     if search is not None:
         ends = search.end_error + search.end_truncation
         _, by_left, by_right = state.density.sensitivity
-        of_ends, moved = ends.max(axis=1), ends[:, 0] * by_left + ends[:, 1] * by_right + search.followed
+        of_ends, moved = (
+            ends.max(axis=1),
+            ends[:, 0] * by_left + ends[:, 1] * by_right + search.followed,
+        )
     moved = moved + _jump_rounding(state)
     sizes = np.where(state.zone_sizes > 0.0, state.zone_sizes, math.inf)
-    error = max(float(of_ends.max()), float(moved.max()) / max(state.size, 1e-300) + state.density_error) + _EVALUATION
+    error = (
+        max(
+            float(of_ends.max()), float(moved.max()) / max(state.size, 1e-300) + state.density_error
+        )
+        + _EVALUATION
+    )
     errors = np.maximum(of_ends, moved / sizes + state.zone_errors) + _EVALUATION
     return Solution(state.density, zones, error, value, errors=errors, state=state, search=search)
 
 
 def _jump_rounding(state: AnyState) -> Array:
-    """Rounding in each zone's density (n,) of what is subtracted for jumps, which may be much larger than their sum."""
+    """Rounding in each zone's density (n,) of what is subtracted for jumps, which may be much
+    larger than their sum.
+    """
     jumps, out = state.density.jumps, np.zeros(len(state.whole.density.zones))
     np.maximum.at(out, jumps.zone, 2 * _EPS * np.abs(jumps.height) * jumps.sine)
     return out[state.wide_of(np.arange(len(state.density.zones)))[1]]
@@ -251,6 +315,8 @@ def _why(found: Solution, tol: float) -> str:
 
 
 def _hidden(equation: Equation, zones: Zones, tol: float) -> bool:
-    """Whether a zone lies so close to another one that the most modes do not show it to the tolerance."""
+    """Whether a zone lies so close to another one that the most modes do not show it to the
+    tolerance.
+    """
     fallen = modes.decay(zones, equation.kernel) * modes.COUPLED_SIZES[-1]
     return float(fallen.min()) < -math.log(_DECAY * tol)

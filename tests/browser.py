@@ -1,4 +1,6 @@
-"""A real browser for tests: Debian's Chromium without a window, told by its DevTools protocol what to do. Nothing is downloaded."""
+"""A real browser for tests: Debian's Chromium without a window, told by its DevTools protocol what
+to do. Nothing is downloaded.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +20,14 @@ from urllib.request import Request, urlopen
 
 from tornado.websocket import websocket_connect
 
-CHROMIUM = next((found for name in ("chromium", "chromium-browser", "google-chrome") if (found := shutil.which(name))), None)
+CHROMIUM = next(
+    (
+        found
+        for name in ("chromium", "chromium-browser", "google-chrome")
+        if (found := shutil.which(name))
+    ),
+    None,
+)
 MISSING = "no Chromium is installed (Debian: apt-get install chromium)"
 
 # What stands in shadow roots is found too.
@@ -32,7 +41,9 @@ function deep(wanted, root = document) {
 
 
 class Page:
-    """One tab. `requests` are the addresses it has asked for, `told` what sockets have sent it, `faults` what its scripts complained of."""
+    """One tab. `requests` are the addresses it has asked for, `told` what sockets have sent it,
+    `faults` what its scripts complained of.
+    """
 
     def __init__(self, socket: Any, loop: asyncio.AbstractEventLoop) -> None:
         self._socket, self._loop, self._count = socket, loop, 0
@@ -43,7 +54,9 @@ class Page:
     def tell(self, method: str, **params: Any) -> dict[str, Any]:
         """One command, and its result."""
         self._count += 1
-        self._loop.run_until_complete(self._send({"id": self._count, "method": method, "params": params}))
+        self._loop.run_until_complete(
+            self._send({"id": self._count, "method": method, "params": params})
+        )
         while True:
             heard = json.loads(self._loop.run_until_complete(self._hear()))
             self._note(heard)
@@ -67,7 +80,10 @@ class Page:
         if heard.get("method") == "Network.webSocketFrameReceived":
             self.told.append(params["response"]["payloadData"])
         if heard.get("method") == "Runtime.exceptionThrown":
-            self.faults.append(params["exceptionDetails"].get("text", "") + str(params["exceptionDetails"].get("exception", "")))
+            self.faults.append(
+                params["exceptionDetails"].get("text", "")
+                + str(params["exceptionDetails"].get("exception", ""))
+            )
 
     def open(self, address: str) -> None:
         for domain in ("Network", "Page", "Runtime"):
@@ -75,8 +91,15 @@ class Page:
         self.tell("Page.navigate", url=address)
 
     def run(self, script: str) -> Any:
-        """The value of an expression; `deep(selector)` lists elements, those in shadow roots among them."""
-        done = self.tell("Runtime.evaluate", expression=f"(() => {{ {_DEEP}; return {script}; }})()", returnByValue=True, awaitPromise=True)
+        """The value of an expression; `deep(selector)` lists elements, those in shadow roots among
+        them.
+        """
+        done = self.tell(
+            "Runtime.evaluate",
+            expression=f"(() => {{ {_DEEP}; return {script}; }})()",
+            returnByValue=True,
+            awaitPromise=True,
+        )
         if "exceptionDetails" in done:
             raise RuntimeError(f"{script}: {done['exceptionDetails']}")
         return done["result"].get("value")
@@ -86,7 +109,9 @@ class Page:
         end = time.monotonic() + seconds
         while not (value := holds()):
             if time.monotonic() > end:
-                raise TimeoutError(f"after {seconds} s: {self.run('document.body.innerText')!r}, {self.faults}")
+                raise TimeoutError(
+                    f"after {seconds} s: {self.run('document.body.innerText')!r}, {self.faults}"
+                )
             time.sleep(0.05)
         return value
 
@@ -110,13 +135,21 @@ class Page:
 
     def middle(self, script: str) -> tuple[float, float]:
         self.run(f"({script}).scrollIntoView({{block: 'center'}})")
-        return tuple(self.run(f"(b => [b.x + b.width / 2, b.y + b.height / 2])(({script}).getBoundingClientRect())"))
+        return tuple(
+            self.run(
+                f"(b => [b.x + b.width / 2, b.y + b.height / 2])(({script}).getBoundingClientRect())"
+            )
+        )
 
     def type(self, text: str) -> None:
         self.tell("Input.insertText", text=text)
 
     def picture(self, file: Path) -> None:
-        file.write_bytes(base64.b64decode(self.tell("Page.captureScreenshot", captureBeyondViewport=True)["data"]))
+        file.write_bytes(
+            base64.b64decode(
+                self.tell("Page.captureScreenshot", captureBeyondViewport=True)["data"]
+            )
+        )
 
 
 @contextlib.contextmanager
@@ -125,14 +158,34 @@ def browser(width: int = 1300, height: int = 1000) -> Iterator[Page]:
     assert CHROMIUM is not None, MISSING
     loop = asyncio.new_event_loop()
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as home:
-        options = ["--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--no-first-run", "--disable-extensions",
-                   "--disable-background-networking", "--disable-component-update", "--remote-debugging-port=0",
-                   f"--window-size={width},{height}", f"--user-data-dir={home}", "about:blank"]  # fmt: skip
+        options = [
+            "--headless=new",
+            "--no-sandbox",
+            "--disable-gpu",
+            "--disable-dev-shm-usage",
+            "--no-first-run",
+            "--disable-extensions",
+            "--disable-background-networking",
+            "--disable-component-update",
+            "--remote-debugging-port=0",
+            # fmt: skip
+            f"--window-size={width},{height}",
+            f"--user-data-dir={home}",
+            "about:blank",
+        ]
         silent = subprocess.DEVNULL
-        process = subprocess.Popen([CHROMIUM, *options], stdin=silent, stdout=silent, stderr=silent, env={**os.environ, "HOME": home})
+        process = subprocess.Popen(
+            [CHROMIUM, *options],
+            stdin=silent,
+            stdout=silent,
+            stderr=silent,
+            env={**os.environ, "HOME": home},
+        )
         try:
             port = _port(Path(home) / "DevToolsActivePort")
-            with urlopen(Request(f"http://127.0.0.1:{port}/json/new?about:blank", method="PUT"), timeout=30) as answer:
+            with urlopen(
+                Request(f"http://127.0.0.1:{port}/json/new?about:blank", method="PUT"), timeout=30
+            ) as answer:
                 address = json.load(answer)["webSocketDebuggerUrl"]
             socket = loop.run_until_complete(_connect(address))
             yield Page(socket, loop)

@@ -1,4 +1,6 @@
-"""The same tests everywhere: one hypothesis profile, names that no process makes otherwise, one thread for each of those side by side."""
+"""The same tests everywhere: one hypothesis profile, names that no process makes otherwise, one
+thread for each of those side by side.
+"""
 
 from __future__ import annotations
 
@@ -12,29 +14,45 @@ import pytest
 from hypothesis import settings
 
 if "PYTEST_XDIST_WORKER" in os.environ:
-    # Once numpy is loaded they count no more: nothing named in pyproject.toml may import it, so the filter of warnings stands here.
+    # Once numpy is loaded they count no more: nothing named in pyproject.toml may import it, so the
+    # filter of warnings stands here.
     if "numpy" in sys.modules:
-        warnings.warn("numpy was loaded before conftest.py: every process uses every core, and the tests are slow", stacklevel=1)
+        warnings.warn(
+            "numpy was loaded before conftest.py: every process uses every core, and the tests are slow",
+            stacklevel=1,
+        )
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ.setdefault(name, "1")
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Fewer examples where the slow tests are left out; shapes steeper than surfaces are may be solved, to see more of them."""
+    """Fewer examples where the slow tests are left out; shapes steeper than surfaces are may be
+    solved, to see more of them.
+    """
     config.addinivalue_line("filterwarnings", "ignore::contact.ModelWarning")
     count = 10 if config.getoption("markexpr") == "not slow" else 60
-    settings.register_profile("ci", derandomize=True, deadline=None, max_examples=count, database=None)
+    settings.register_profile(
+        "ci", derandomize=True, deadline=None, max_examples=count, database=None
+    )
     settings.load_profile("ci")
 
 
 def pytest_make_parametrize_id(config: pytest.Config, val: Any, argname: str) -> str | None:
-    """Bytes (packed files have the time in them), long texts and long numbers are named by their argument."""
+    """Bytes (packed files have the time in them), long texts and long numbers are named by their
+    argument.
+    """
     text = isinstance(val, str) and len(val) > 60
-    return argname if text or isinstance(val, bytes) or (type(val) is int and abs(val) > 10**18) else None
+    return (
+        argname
+        if text or isinstance(val, bytes) or (type(val) is int and abs(val) > 10**18)
+        else None
+    )
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Processes that share the tests must call them by the same names, so there are no addresses in these."""
+    """Processes that share the tests must call them by the same names, so there are no addresses in
+    these.
+    """
     for item in items:
         if re.search(r" at 0x[0-9a-f]+", item.nodeid):
             raise pytest.UsageError(f"{item.nodeid}: its name has an address in it; give it an id")

@@ -1,4 +1,6 @@
-"""The pages: each is in the navigation, links lead somewhere, the reference is of public names, and nothing is loaded from elsewhere."""
+"""The pages: each is in the navigation, links lead somewhere, the reference is of public names, and
+nothing is loaded from elsewhere.
+"""
 
 from __future__ import annotations
 
@@ -39,7 +41,13 @@ def entries(nav: Any) -> Iterator[str]:
 
 def prose(page: Path) -> str:
     """A page without its blocks of code and spans of it."""
-    return re.sub(r"`[^`\n]+`", "", re.sub(r"^```.*?^```", "", page.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL))
+    return re.sub(
+        r"`[^`\n]+`",
+        "",
+        re.sub(
+            r"^```.*?^```", "", page.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL
+        ),
+    )
 
 
 def anchors(page: Path) -> set[str]:
@@ -53,7 +61,9 @@ def anchors(page: Path) -> set[str]:
 
 def prose_with_code(page: Path) -> str:
     """A page without its blocks of code, whose comments are no headings."""
-    return re.sub(r"^```.*?^```", "", page.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL)
+    return re.sub(
+        r"^```.*?^```", "", page.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL
+    )
 
 
 def test_every_page_is_in_the_navigation_once_and_every_entry_is_a_page() -> None:
@@ -75,7 +85,9 @@ def test_links_of_a_page_lead_to_what_is_there(page: Path) -> None:
 @pytest.mark.parametrize("page", PAGES, ids=lambda p: p.relative_to(DOCS).as_posix())
 def test_a_page_loads_nothing_from_elsewhere(page: Path) -> None:
     text = prose(page)
-    loaded = re.findall(r"!\[[^]]*\]\(([^)\s]+)", text) + re.findall(r"""(?:src|srcset|data)=["']([^"']+)""", text)
+    loaded = re.findall(r"!\[[^]]*\]\(([^)\s]+)", text) + re.findall(
+        r"""(?:src|srcset|data)=["']([^"']+)""", text
+    )
     assert [target for target in loaded if IS_AWAY.match(target)] == []
     assert re.findall(r"<(?:script|link|iframe)\b", text) == []
 
@@ -93,9 +105,13 @@ def hook(name: str) -> ModuleType:
 def test_the_reference_has_every_public_name_and_no_other(package: Any) -> None:
     reference = hook("reference")
     page = (DOCS / "api" / f"{package.__name__}.md").read_text(encoding="utf-8")
-    assert sorted(reference.named(reference.completed(page, package.__name__))) == sorted(package.__all__)
+    assert sorted(reference.named(reference.completed(page, package.__name__))) == sorted(
+        package.__all__
+    )
     assert set(reference.named(page)) <= set(package.__all__)
-    assert sorted(reference.named(reference.completed("", package.__name__))) == sorted(package.__all__)
+    assert sorted(reference.named(reference.completed("", package.__name__))) == sorted(
+        package.__all__
+    )
 
 
 def test_a_heading_that_is_not_there_is_noticed(tmp_path: Path) -> None:
@@ -107,23 +123,44 @@ def test_a_heading_that_is_not_there_is_noticed(tmp_path: Path) -> None:
 @pytest.fixture(scope="module")
 def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The pages, built."""
-    if importlib.util.find_spec("material") is None or importlib.util.find_spec("mkdocstrings") is None:
+    if (
+        importlib.util.find_spec("material") is None
+        or importlib.util.find_spec("mkdocstrings") is None
+    ):
         pytest.skip("the extra `docs` is not installed")
     folder = tmp_path_factory.mktemp("site")
-    command = [sys.executable, "-m", "mkdocs", "build", "--quiet", "--strict", "--site-dir", str(folder)]
-    subprocess.run(command, cwd=ROOT, check=True, capture_output=True, stdin=subprocess.DEVNULL, timeout=300)
+    command = [
+        sys.executable,
+        "-m",
+        "mkdocs",
+        "build",
+        "--quiet",
+        "--strict",
+        "--site-dir",
+        str(folder),
+    ]
+    subprocess.run(
+        command, cwd=ROOT, check=True, capture_output=True, stdin=subprocess.DEVNULL, timeout=300
+    )
     return folder
 
 
 @pytest.mark.slow
 def test_no_built_page_or_style_names_anything_to_load_from_elsewhere(site: Path) -> None:
     sources = r"""<(?:script|img|iframe|source)\b[^>]*?\bsrc=["']([^"']+)"""
-    loads = re.compile(sources + r"""|<link\b(?![^>]*rel=["'](?:canonical|prev|next))[^>]*?\bhref=["']([^"']+)""")
+    loads = re.compile(
+        sources + r"""|<link\b(?![^>]*rel=["'](?:canonical|prev|next))[^>]*?\bhref=["']([^"']+)"""
+    )
     for page in site.rglob("*.html"):
         found = [one or other for one, other in loads.findall(page.read_text(encoding="utf-8"))]
         assert found and [target for target in found if IS_AWAY.match(target)] == [], page
     for style in site.rglob("*.css"):
-        assert re.findall(r"""(?:url\(|@import\s+)["']?(?:https?:)?//""", style.read_text(encoding="utf-8")) == [], style
+        assert (
+            re.findall(
+                r"""(?:url\(|@import\s+)["']?(?:https?:)?//""", style.read_text(encoding="utf-8")
+            )
+            == []
+        ), style
 
 
 @pytest.mark.slow
@@ -131,19 +168,30 @@ def test_the_site_is_searched_in_a_browser_that_asks_no_other_machine(site: Path
     if CHROMIUM is None:
         pytest.skip(MISSING)
     quiet = type("Quiet", (http.server.SimpleHTTPRequestHandler,), {"log_message": lambda *_: None})
-    with http.server.ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(quiet, directory=str(site))) as server:
+    with http.server.ThreadingHTTPServer(
+        ("127.0.0.1", 0), functools.partial(quiet, directory=str(site))
+    ) as server:
         threading.Thread(target=server.serve_forever, daemon=True).start()
         try:
             with browser() as page:
                 own = f"http://127.0.0.1:{server.server_port}/"
                 page.open(own)
-                page.until(lambda: page.run("document.querySelectorAll('input.md-search__input').length"))
+                page.until(
+                    lambda: page.run("document.querySelectorAll('input.md-search__input').length")
+                )
                 page.click("document.querySelector('input.md-search__input')")
                 page.type("stated error")
                 found = "[...document.querySelectorAll('.md-search-result__link')].map(one => one.getAttribute('href'))"
                 links = page.until(lambda: page.run(found))
                 assert any("errors" in link for link in links)
-                asked = [address for address in page.requests if not address.startswith(("data:", "blob:"))]
-                assert len(asked) > 5 and [address for address in asked if not address.startswith(own)] == []
+                asked = [
+                    address
+                    for address in page.requests
+                    if not address.startswith(("data:", "blob:"))
+                ]
+                assert (
+                    len(asked) > 5
+                    and [address for address in asked if not address.startswith(own)] == []
+                )
         finally:
             server.shutdown()

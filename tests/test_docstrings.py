@@ -20,7 +20,10 @@ NAMES = {
     for package in (contact, sie, exact, inverse, axisymmetric)
     for name in package.__all__
     if inspect.isclass(getattr(package, name)) or inspect.isfunction(getattr(package, name))
-} | {f"contact.testing.{name}": getattr(contact.testing, name) for name in ("check_profile", "check_substrate")}
+} | {
+    f"contact.testing.{name}": getattr(contact.testing, name)
+    for name in ("check_profile", "check_substrate")
+}
 HEADINGS = ("Parameters", "Attributes", "Returns", "Raises", "Warns", "Examples")
 
 
@@ -48,7 +51,11 @@ def taken(thing: Any) -> set[str]:
 
 def failures(name: str, thing: Any) -> int:
     (found,) = doctest.DocTestFinder(recurse=False).find(thing, name, globs={})
-    return doctest.DocTestRunner(optionflags=doctest.ELLIPSIS).run(found).failed if found.examples else -1
+    return (
+        doctest.DocTestRunner(optionflags=doctest.ELLIPSIS).run(found).failed
+        if found.examples
+        else -1
+    )
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -67,7 +74,9 @@ def test_an_exported_name_says_what_it_takes_and_returns(name: str) -> None:
     assert not inspect.isfunction(thing) or said["Returns"].strip()
 
 
-def test_an_example_that_says_something_wrong_is_noticed(capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_example_that_says_something_wrong_is_noticed(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
     def wrong() -> None:
         """
         >>> 1 + 1

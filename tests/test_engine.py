@@ -14,7 +14,9 @@ SCRIPTS = sorted((ROOT / "examples" / "engine").glob("*.py"))
 
 
 def run(name: str) -> ModuleType:
-    spec = importlib.util.spec_from_file_location(f"examples_engine_{name}", ROOT / "examples" / "engine" / f"{name}.py")
+    spec = importlib.util.spec_from_file_location(
+        f"examples_engine_{name}", ROOT / "examples" / "engine" / f"{name}.py"
+    )
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
@@ -25,7 +27,9 @@ def run(name: str) -> ModuleType:
 def test_an_example_of_the_engine_is_short_has_a_picture_and_needs_no_contact(script: Path) -> None:
     text = script.read_text(encoding="utf-8")
     assert len(text.splitlines()) <= 40 and "contact" not in text
-    assert f"examples/engine/{script.name}" in (ROOT / "docs" / "engine.md").read_text(encoding="utf-8")
+    assert f"examples/engine/{script.name}" in (ROOT / "docs" / "engine.md").read_text(
+        encoding="utf-8"
+    )
     assert 0 < (ROOT / "docs" / "gallery" / f"{script.stem}.png").stat().st_size <= 60_000
 
 
@@ -44,12 +48,15 @@ def test_plates_in_tandem_lift_what_the_closed_form_says_and_together_no_more_th
 
 
 def vortices(module: ModuleType, count: int) -> np.ndarray:
-    """Lift coefficients by discrete vortices at the quarter points of panels, no flow through their three-quarter points
-    (R. M. James, Comput. Methods Appl. Mech. Eng. 1 (1972) 59)."""
+    """Lift coefficients by discrete vortices at the quarter points of panels, no flow through their
+    three-quarter points (R. M. James, Comput. Methods Appl. Mech. Eng. 1 (1972) 59).
+    """
     length = np.diff(module.PLATES) / count
     starts = module.PLATES[:, :1] + length * np.arange(count)
     at, through = (starts + 0.25 * length).ravel(), (starts + 0.75 * length).ravel()
-    circulation = np.linalg.solve(1 / (through[:, None] - at), np.full(2 * count, 2 * np.pi * module.ALPHA))
+    circulation = np.linalg.solve(
+        1 / (through[:, None] - at), np.full(2 * count, 2 * np.pi * module.ALPHA)
+    )
     return 2 * circulation.reshape(2, count).sum(axis=1) / np.diff(module.PLATES)[:, 0]
 
 

@@ -1,4 +1,6 @@
-"""Every example runs, says something true, and is short enough to read; every scene file solves to its tolerance."""
+"""Every example runs, says something true, and is short enough to read; every scene file solves to
+its tolerance.
+"""
 
 from __future__ import annotations
 
@@ -53,12 +55,18 @@ NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?")
 
 def differing(said: str, printed: str) -> list[tuple[str, str]]:
     """Words, and numbers that are no rounding, of two prints that are not the same."""
-    ours, theirs = ((NUMBER.sub("", text).split(), NUMBER.findall(text)) for text in (said, printed))
+    ours, theirs = (
+        (NUMBER.sub("", text).split(), NUMBER.findall(text)) for text in (said, printed)
+    )
     far = [
-        (a, b) for a, b in zip(ours[1], theirs[1], strict=False)
-        if max(abs(float(a)), abs(float(b))) > 1e-8 and abs(float(a) - float(b)) > 1e-3 * abs(float(a)) + 2e-4
+        (a, b)
+        for a, b in zip(ours[1], theirs[1], strict=False)
+        if max(abs(float(a)), abs(float(b))) > 1e-8
+        and abs(float(a) - float(b)) > 1e-3 * abs(float(a)) + 2e-4
     ]
-    return far if ours[0] == theirs[0] and len(ours[1]) == len(theirs[1]) else [*far, (said, printed)]
+    return (
+        far if ours[0] == theirs[0] and len(ours[1]) == len(theirs[1]) else [*far, (said, printed)]
+    )
 
 
 def test_prints_that_differ_by_more_than_rounding_are_noticed() -> None:
@@ -66,8 +74,9 @@ def test_prints_that_differ_by_more_than_rounding_are_noticed() -> None:
     assert differing("a 1.0", "a 1.1") and differing("a 1.0", "b 1.0")
 
 
-# At most: solves of the linear system, modes of one solution, kernel evaluations, places at which a profile is asked for anything.
-# About three times what was counted: what a change makes slow costs ten times as much and more.
+# At most: solves of the linear system, modes of one solution, kernel evaluations, places at which a
+# profile is asked for anything. About three times what was counted: what a change makes slow costs
+# ten times as much and more.
 COUNTS = {
     "adhesion": (300, 300, 1e6, 6e5),
     "compare_models": (100, 72, 1e4, 1e5),
@@ -96,7 +105,9 @@ COUNTS = {
 
 @pytest.fixture
 def work(monkeypatch: pytest.MonkeyPatch) -> Counter[str]:
-    """What `contact.solve` has cost: the counts of its plans, and the places at which its profiles were asked for anything."""
+    """What `contact.solve` has cost: the counts of its plans, and the places at which its profiles
+    were asked for anything.
+    """
     spent: Counter[str] = Counter()
     solve = contact.solve
 
@@ -125,9 +136,13 @@ def work(monkeypatch: pytest.MonkeyPatch) -> Counter[str]:
 
 
 def assert_within(name: str, spent: Counter[str]) -> None:
-    for kind, most in zip(("solves", "own_modes", "kernel_evaluations", "places"), COUNTS[name], strict=True):
+    for kind, most in zip(
+        ("solves", "own_modes", "kernel_evaluations", "places"), COUNTS[name], strict=True
+    ):
         # One zone by itself is solved in one series, without kernels.
-        assert (spent[kind] > 0 or kind == "kernel_evaluations") and spent[kind] <= most, f"{kind}: {spent[kind]} for {most:g}"
+        assert (spent[kind] > 0 or kind == "kernel_evaluations") and spent[kind] <= most, (
+            f"{kind}: {spent[kind]} for {most:g}"
+        )
 
 
 @pytest.mark.parametrize("script", SCRIPTS, ids=lambda f: f.stem)
@@ -141,17 +156,25 @@ def test_an_example_takes_no_more_work_than_it_is_stated_to_and_prints_what_its_
 
 
 @pytest.mark.parametrize("scene", SCENES, ids=lambda f: f.stem)
-def test_a_scene_file_is_solved_to_the_tolerance_with_a_certificate(scene: Path, work: Counter[str]) -> None:
+def test_a_scene_file_is_solved_to_the_tolerance_with_a_certificate(
+    scene: Path, work: Counter[str]
+) -> None:
     solution = contact.solve(contact.load_scene(scene))
     assert solution.error <= 1e-8
     assert solution.certificate.holds
     assert_within(scene.stem, work)
-    assert differing((DOCS / "gallery" / f"{scene.stem}.txt").read_text(encoding="utf-8"), numbers(solution)) == []
+    assert (
+        differing(
+            (DOCS / "gallery" / f"{scene.stem}.txt").read_text(encoding="utf-8"), numbers(solution)
+        )
+        == []
+    )
 
 
 def test_the_rounded_wedge_carries_the_load_of_its_closed_form(own_names) -> None:
     solution = module("own_profile").main()
-    # One symmetric zone: P = int f' x / sqrt(a^2 - x^2) dx E*/2, here by Gauss-Chebyshev in x = a t.
+    # One symmetric zone: P = int f' x / sqrt(a^2 - x^2) dx E*/2, here by Gauss-Chebyshev in x = a
+    # t.
     a, t = solution.zones[0, 1], np.cos((np.arange(400) + 0.5) * np.pi / 800)
     load = 0.5e11 * np.pi * a * np.mean(solution.scene.profile.slope(a * t) * t)
     assert load == pytest.approx(solution.load, rel=1e-12)
@@ -161,14 +184,17 @@ def test_the_rounded_wedge_carries_the_load_of_its_closed_form(own_names) -> Non
 def test_a_coat_on_a_base_that_hardly_yields_is_a_bonded_layer(own_names) -> None:
     coats = module("own_substrate").Coats
     q = np.geomspace(3e6, 3e7, 9)
-    assert coats((1e-6,), (1e-9,)).symbol(q) == pytest.approx(contact.Layer(1e-6, 0.3).symbol(q), rel=1e-8)
+    assert coats((1e-6,), (1e-9,)).symbol(q) == pytest.approx(
+        contact.Layer(1e-6, 0.3).symbol(q), rel=1e-8
+    )
     assert np.abs(coats((1e-6, 2e-6), (1.0, 1.0)).symbol(q) - 1).max() < 1e-14
     assert contact.testing.check_substrate(coats((1e-6, 2e-6), (2.0, 4.0))).ok
 
 
 def test_the_rounded_punch_carries_the_load_of_its_closed_form() -> None:
-    # M. Ciavarella, D. A. Hills, G. Monno, Proc. IMechE C 212 (1998) 319, doi 10.1243/0954406981521259, with sin(phi) = b/a:
-    # P = (E* b^2/4 R)((pi - 2 phi)/sin(phi)^2 - 2 cot(phi))
+    # M. Ciavarella, D. A. Hills, G. Monno, Proc. IMechE C 212 (1998) 319, doi
+    # 10.1243/0954406981521259, with sin(phi) = b/a: P = (E* b^2/4 R)((pi - 2 phi)/sin(phi)^2 - 2
+    # cot(phi))
     for solution in module("rounded_punch").main():
         a = solution.zones[0, 1]
         phi = np.arcsin(1e-3 / a)
@@ -188,10 +214,14 @@ def test_textures_under_one_pressure_differ_as_their_page_says() -> None:
     found = module("textures").main()
     for name in ("wave", "two tips", "wedge", "rounded flats"):
         along = [found[name, pressure] for pressure in (1e7, 1e8, 5e8)]
-        assert np.all(np.diff([one.contact_fraction for one in along]) > 0) and np.all(np.diff([one.mean_gap for one in along]) < 0)
+        assert np.all(np.diff([one.contact_fraction for one in along]) > 0) and np.all(
+            np.diff([one.mean_gap for one in along]) < 0
+        )
     # A wave: H. M. Westergaard, J. Appl. Mech. 6 (1939) A49.
     wave = found["wave", 5e8]
-    assert wave.mean_pressure == pytest.approx(np.pi * 1.1e11 * 5e-3 * np.sin(np.pi * wave.contact_fraction / 2) ** 2, rel=1e-9)
+    assert wave.mean_pressure == pytest.approx(
+        np.pi * 1.1e11 * 5e-3 * np.sin(np.pi * wave.contact_fraction / 2) ** 2, rel=1e-9
+    )
 
 
 def test_two_faces_mate_where_the_tips_of_one_stand_in_the_valleys_of_the_other() -> None:
@@ -201,7 +231,9 @@ def test_two_faces_mate_where_the_tips_of_one_stand_in_the_valleys_of_the_other(
     # Beyond, it is the same the other way round: both faces are symmetric.
     pair = found[5].scene.profile
     beyond = contact.Combined(pair.profile, pair.counter, -pair.shift)
-    other = contact.solve(contact.Scene(beyond, 1.1e11, contact.Periodic(), mean_pressure=1e8), tol=1e-9)
+    other = contact.solve(
+        contact.Scene(beyond, 1.1e11, contact.Periodic(), mean_pressure=1e8), tol=1e-9
+    )
     assert other.zones[0] == pytest.approx(-found[5].zones[0, ::-1], abs=1e-12)
 
 
@@ -240,7 +272,9 @@ def test_a_punch_lifts_off_one_corner_when_the_load_is_far_off_its_middle() -> N
 
 
 def rms_slope(profile: contact.Sampled) -> float:
-    """Of the spline itself: f' squared is of degree 4 between knots, which three Gauss points integrate exactly."""
+    """Of the spline itself: f' squared is of degree 4 between knots, which three Gauss points
+    integrate exactly.
+    """
     knots = np.append(profile.x, profile.x[0] + profile.period)
     t, weights = np.polynomial.legendre.leggauss(3)
     half, middle = 0.5 * np.diff(knots), 0.5 * (knots[1:] + knots[:-1])
@@ -248,8 +282,13 @@ def rms_slope(profile: contact.Sampled) -> float:
     return float(np.sqrt(half @ (squares @ weights) / profile.period))
 
 
-@pytest.mark.parametrize(("name", "part", "zones"), quick([("stylus", 0.003, 6), ("stylus-ground", 0.0155, 84)], [("stylus", 0.003, 6)]))
+@pytest.mark.parametrize(
+    ("name", "part", "zones"),
+    quick([("stylus", 0.003, 6), ("stylus-ground", 0.0155, 84)], [("stylus", 0.003, 6)]),
+)
 def test_the_trace_touches_where_its_page_says(name: str, part: float, zones: int) -> None:
     scene = contact.load_scene(FOLDER / f"{name}.toml")
-    assert scene.control[1] == pytest.approx(part * scene.E_star * rms_slope(scene.profile), rel=2e-4)
+    assert scene.control[1] == pytest.approx(
+        part * scene.E_star * rms_slope(scene.profile), rel=2e-4
+    )
     assert len(contact.solve(scene).zones) == zones

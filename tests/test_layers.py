@@ -1,4 +1,6 @@
-"""Who may import whom: `contact` stands on the public names of `sie`; within each package files stand in an order."""
+"""Who may import whom: `contact` stands on the public names of `sie`; within each package files
+stand in an order.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +17,8 @@ import sie
 
 ROOT = Path(__file__).parents[1]
 
-# From the ground up: what stands in a room, or in a file beside the rooms, imports from its own room and those to its left only.
+# From the ground up: what stands in a room, or in a file beside the rooms, imports from its own
+# room and those to its left only.
 ORDER = {
     "sie": "basis fast jumps equation density collocation slits free_ends reasons solver __init__",
     "contact": """
@@ -26,13 +29,28 @@ ORDER = {
 }
 # The only files that import by name: what is heavy, where a scene needs it.
 ON_DEMAND = {"contact.extras", "sie.fast.lazy"}
-HEAVY = ("numba", "matplotlib", "xarray", "click", "rich", "pydantic", "scipy.interpolate", "scipy.optimize", "pandas", "panel", "bokeh")
+HEAVY = (
+    "numba",
+    "matplotlib",
+    "xarray",
+    "click",
+    "rich",
+    "pydantic",
+    "scipy.interpolate",
+    "scipy.optimize",
+    "pandas",
+    "panel",
+    "bokeh",
+)
 
 
 def modules(package: str) -> dict[str, Path]:
     """Name below the package, such as `model.scene` or `model.__init__`, to file."""
     folder = ROOT / package.replace(".", "/")
-    return {".".join(f.relative_to(folder).with_suffix("").parts): f for f in sorted(folder.rglob("*.py"))}
+    return {
+        ".".join(f.relative_to(folder).with_suffix("").parts): f
+        for f in sorted(folder.rglob("*.py"))
+    }
 
 
 def imports(tree: ast.AST) -> Iterator[tuple[str, str | None]]:
@@ -69,7 +87,10 @@ def upward(package: str, text: str) -> list[str]:
 def circles(package: str) -> list[str]:
     """Files that import themselves by way of others."""
     names = modules(package)
-    below = {name: set(targets(package, names, ast.parse(file.read_text(encoding="utf-8")))) for name, file in names.items()}
+    below = {
+        name: set(targets(package, names, ast.parse(file.read_text(encoding="utf-8"))))
+        for name, file in names.items()
+    }
     while ground := [name for name, others in below.items() if not others]:
         for name in ground:
             del below[name]
@@ -105,7 +126,10 @@ def test_an_order_turned_upside_down_is_noticed() -> None:
 
 def test_the_engine_never_imports_contact() -> None:
     for name, file in modules("sie").items():
-        found = {module.partition(".")[0] for module, _ in imports(ast.parse(file.read_text(encoding="utf-8")))}
+        found = {
+            module.partition(".")[0]
+            for module, _ in imports(ast.parse(file.read_text(encoding="utf-8")))
+        }
         assert "contact" not in found, name
 
 
@@ -117,11 +141,15 @@ def test_contact_uses_only_what_the_engine_exports() -> None:
         tree = ast.parse(file.read_text(encoding="utf-8"))
         for module, what in imports(tree):
             assert not module.startswith("sie."), f"contact.{name} imports {module}"
-            assert module != "sie" or what is None or what in public, f"contact.{name} imports sie.{what}"
+            assert module != "sie" or what is None or what in public, (
+                f"contact.{name} imports sie.{what}"
+            )
         used = {
             node.attr
             for node in ast.walk(tree)
-            if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id == "sie"
+            if isinstance(node, ast.Attribute)
+            and isinstance(node.value, ast.Name)
+            and node.value.id == "sie"
         }
         assert used <= public, f"contact.{name} uses {used - public} of sie"
 
@@ -153,10 +181,17 @@ def code_lines(text: str) -> int:
     """Lines of a file that are neither blank nor comments nor docstrings."""
     documented: set[int] = set()
     for node in ast.walk(ast.parse(text)):
-        if isinstance(node, (ast.Module, ast.ClassDef, ast.FunctionDef)) and ast.get_docstring(node, clean=False) is not None:
+        if (
+            isinstance(node, (ast.Module, ast.ClassDef, ast.FunctionDef))
+            and ast.get_docstring(node, clean=False) is not None
+        ):
             documented |= set(range(node.body[0].lineno, (node.body[0].end_lineno or 0) + 1))
     lines = enumerate(text.splitlines(), 1)
-    return sum(1 for number, line in lines if number not in documented and line.strip() and not line.lstrip().startswith("#"))
+    return sum(
+        1
+        for number, line in lines
+        if number not in documented and line.strip() and not line.lstrip().startswith("#")
+    )
 
 
 def test_files_stay_short() -> None:
@@ -174,10 +209,14 @@ def test_few_files_import_by_name() -> None:
 
 
 def loaded_after(code: str, names: tuple[str, ...] = HEAVY) -> set[str]:
-    """Those of the modules, heavy ones if none are named, that are in sys.modules after the code has run in a fresh interpreter."""
+    """Those of the modules, heavy ones if none are named, that are in sys.modules after the code
+    has run in a fresh interpreter.
+    """
     report = f"\nimport sys; print(*[m for m in {names!r} if m in sys.modules])"
     command = [sys.executable, "-c", code + report]
-    run = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True, stdin=subprocess.DEVNULL)
+    run = subprocess.run(
+        command, cwd=ROOT, capture_output=True, text=True, check=True, stdin=subprocess.DEVNULL
+    )
     return set(run.stdout.split())
 
 
@@ -186,7 +225,9 @@ def test_importing_contact_loads_nothing_heavy() -> None:
 
 
 def test_a_wave_is_solved_without_anything_heavy() -> None:
-    scene = "contact.Scene(contact.Sinusoid(1e-6, 1e-4), 1e11, contact.Periodic(), mean_pressure=1e8)"
+    scene = (
+        "contact.Scene(contact.Sinusoid(1e-6, 1e-4), 1e11, contact.Periodic(), mean_pressure=1e8)"
+    )
     assert loaded_after(f"import contact; contact.solve({scene}).pressure(0.0)") == set()
 
 
@@ -206,18 +247,28 @@ def test_every_name_of_the_engine_is_found_where_it_is_said_to_be() -> None:
     assert set(homes) == set(sie.__all__) <= set(dir(sie))
     tree = ast.parse((ROOT / "sie" / "__init__.py").read_text(encoding="utf-8"))
     assert {name: module for module, name in imports(tree) if name in homes} == homes
-    assert all(getattr(sie, name) is getattr(sys.modules[module], name) for name, module in homes.items())
+    assert all(
+        getattr(sie, name) is getattr(sys.modules[module], name) for name, module in homes.items()
+    )
 
 
 def test_a_wave_is_solved_without_the_search_for_ends() -> None:
-    scene = "contact.Scene(contact.Sinusoid(1e-6, 1e-4), 1e11, contact.Periodic(), mean_pressure=1e8)"
+    scene = (
+        "contact.Scene(contact.Sinusoid(1e-6, 1e-4), 1e11, contact.Periodic(), mean_pressure=1e8)"
+    )
     engine = ("sie.solver", "sie.collocation.fixed", "sie.free_ends.newton", "sie.slits.system")
     assert loaded_after(f"import contact; contact.solve({scene}).gap(0.0)", engine)
     assert loaded_after(f"import contact; contact.solve({scene}).max_pressure", engine) == set()
 
 
 def test_a_series_is_solved_without_tables_pictures_or_what_belongs_to_a_tension() -> None:
-    late = ("contact.solution.export", "contact.solution.plotting", "html", "contact.testing", "contact.formulation.tension.pulled")
+    late = (
+        "contact.solution.export",
+        "contact.solution.plotting",
+        "html",
+        "contact.testing",
+        "contact.formulation.tension.pulled",
+    )
     scene = "contact.Scene(contact.Fourier(1e-4, [-1e-6, 2e-7]), 1e11, contact.Periodic(), mean_pressure=1e8)"
     solve = f"import contact; solution = contact.solve({scene}); solution.gap(0.0), solution.energy"
     assert loaded_after(solve, late) == set()
@@ -229,5 +280,8 @@ def test_every_name_of_contact_that_is_loaded_late_is_found_where_it_is_said_to_
     assert set(homes) < set(contact.__all__)
     tree = ast.parse((ROOT / "contact" / "__init__.py").read_text(encoding="utf-8"))
     assert {name: module for module, name in imports(tree) if name in homes} == homes
-    assert all(getattr(contact, name) is getattr(sys.modules[module], name) for name, module in homes.items())
+    assert all(
+        getattr(contact, name) is getattr(sys.modules[module], name)
+        for name, module in homes.items()
+    )
     assert loaded_after("import contact", tuple(set(homes.values()))) == set()

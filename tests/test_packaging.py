@@ -1,4 +1,6 @@
-"""What the package says of itself agrees in every place, and what it tells to install can be installed."""
+"""What the package says of itself agrees in every place, and what it tells to install can be
+installed.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +29,11 @@ CONTAINER = (ROOT / "Containerfile").read_text(encoding="utf-8")
 def bounds(requirements: list[str]) -> dict[str, str]:
     """Lower bound of each package, under the name it has on conda-forge."""
     found = (re.match(r"([\w-]+) ?(.*)", line) for line in requirements)
-    return {one[1].replace("matplotlib-base", "matplotlib"): one[2] for one in found if one and one[1] != "python"}
+    return {
+        one[1].replace("matplotlib-base", "matplotlib"): one[2]
+        for one in found
+        if one and one[1] != "python"
+    }
 
 
 def test_recipe_and_citation_name_the_same_package_version_and_licence() -> None:
@@ -39,9 +45,17 @@ def test_recipe_and_citation_name_the_same_package_version_and_licence() -> None
 
 def test_the_recipe_needs_what_the_package_needs() -> None:
     assert bounds(RECIPE["requirements"]["run"]) == bounds(PROJECT["dependencies"])
-    optional = bounds([line for name in ("plot", "io", "explore") for line in PROJECT["optional-dependencies"][name]])
+    optional = bounds(
+        [
+            line
+            for name in ("plot", "io", "explore")
+            for line in PROJECT["optional-dependencies"][name]
+        ]
+    )
     assert bounds(RECIPE["requirements"]["run_constraints"]) == optional
-    assert RECIPE["build"]["python"]["entry_points"] == [f"{name} = {place}" for name, place in PROJECT["scripts"].items()]
+    assert RECIPE["build"]["python"]["entry_points"] == [
+        f"{name} = {place}" for name, place in PROJECT["scripts"].items()
+    ]
 
 
 def test_all_brings_every_extra() -> None:
@@ -58,21 +72,31 @@ def test_what_the_container_copies_is_there() -> None:
 
 
 @pytest.mark.parametrize("checkout", [True, False])
-def test_what_is_missing_is_installed_as_this_package_was(checkout: bool, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_what_is_missing_is_installed_as_this_package_was(
+    checkout: bool, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
     monkeypatch.setattr(extras, "SOURCE", ROOT if checkout else tmp_path)
     monkeypatch.setitem(extras.EXTRAS, "no_such_package", "plot")
     with pytest.raises(contact.MissingExtra) as told:
         extras.require("no_such_package")
-    assert str(told.value).endswith(f"pip install -e '.[plot]' in {ROOT}" if checkout else "pip install 'sie-contact[plot]'")
+    assert str(told.value).endswith(
+        f"pip install -e '.[plot]' in {ROOT}" if checkout else "pip install 'sie-contact[plot]'"
+    )
 
 
 @pytest.mark.parametrize("other", [[], ["contact-forms"]])
-def test_a_package_that_takes_the_name_is_told_with_the_version(other: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_package_that_takes_the_name_is_told_with_the_version(
+    other: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
     metadata = extras.require("importlib.metadata")
     seen = {"contact": ["sie_contact", *other]}
-    stand_in = SimpleNamespace(packages_distributions=lambda: seen, version=lambda name: PROJECT["version"])
+    stand_in = SimpleNamespace(
+        packages_distributions=lambda: seen, version=lambda name: PROJECT["version"]
+    )
     require = extras.require
-    monkeypatch.setattr(extras, "require", lambda name: stand_in if name == metadata.__name__ else require(name))
+    monkeypatch.setattr(
+        extras, "require", lambda name: stand_in if name == metadata.__name__ else require(name)
+    )
     done = CliRunner().invoke(main, ["--version"])
     assert done.stdout == f"contact {PROJECT['version']}\n"
     told = "contact: warning: contact-forms is imported as `contact` too: keep one of them in an environment\n"
@@ -107,16 +131,33 @@ def test_its_modules_for_users_are_there_once_it_is_imported() -> None:
     subprocess.run([sys.executable, "-c", code], check=True, timeout=60, stdout=subprocess.DEVNULL)
 
 
-def test_the_readme_of_an_index_has_no_link_that_leads_nowhere_and_names_files_that_are_there() -> None:
+def test_the_readme_of_an_index_has_no_link_that_leads_nowhere_and_names_files_that_are_there() -> (
+    None
+):
     page, shown = (ROOT / "README.md").read_text(encoding="utf-8"), readme_as_shown()
-    assert [link for link in re.findall(r"\]\(([^)]+)\)", without_code(shown)) if not re.match(r"https?://|#", link)] == []
+    assert [
+        link
+        for link in re.findall(r"\]\(([^)]+)\)", without_code(shown))
+        if not re.match(r"https?://|#", link)
+    ] == []
     named = re.findall(r"`((?:docs|examples)/[\w./-]+|[A-Z]+\.md)`", shown)
-    linked = {link.partition("#")[0] for link in re.findall(r"\]\(([^)]+)\)", without_code(page)) if not re.match(r"https?://|#", link)}
+    linked = {
+        link.partition("#")[0]
+        for link in re.findall(r"\]\(([^)]+)\)", without_code(page))
+        if not re.match(r"https?://|#", link)
+    }
     assert linked <= set(named) and all((ROOT / name).exists() for name in linked)
-    assert re.findall(r"^```.*?^```", shown, re.MULTILINE | re.DOTALL) == re.findall(r"^```.*?^```", page, re.MULTILINE | re.DOTALL)
+    assert re.findall(r"^```.*?^```", shown, re.MULTILINE | re.DOTALL) == re.findall(
+        r"^```.*?^```", page, re.MULTILINE | re.DOTALL
+    )
     # What is said of the archive of source is true of it.
-    included = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["hatch"]["build"]["targets"]["sdist"]["include"]
-    assert all(f"/{name.partition('/')[0]}" in included for name in linked) and "/hatch_build.py" in included
+    included = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"][
+        "hatch"
+    ]["build"]["targets"]["sdist"]["include"]
+    assert (
+        all(f"/{name.partition('/')[0]}" in included for name in linked)
+        and "/hatch_build.py" in included
+    )
     assert f"sie_contact-{PROJECT['version']}.tar.gz" in shown
 
 
@@ -124,6 +165,9 @@ def test_with_an_address_of_its_source_the_readme_of_an_index_leads_there() -> N
     files, images = "{source}/blob/v{version}/{path}", "{source}/raw/v{version}/{path}"
     shown = readme_as_shown(source="https://example.org/x/", files=files, images=images)
     at = f"https://example.org/x/blob/v{PROJECT['version']}"
-    assert f"[Quick start]({at}/docs/quickstart.md)" in shown and f"]({at}/docs/theory.md#errata)" in shown
+    assert (
+        f"[Quick start]({at}/docs/quickstart.md)" in shown
+        and f"]({at}/docs/theory.md#errata)" in shown
+    )
     assert f"](https://example.org/x/raw/v{PROJECT['version']}/docs/images/stylus.png)" in shown
     assert "tar.gz" not in shown

@@ -1,5 +1,7 @@
-"""One file outside the package brings a profile, an interaction, a substrate, a law or a side condition of one's own: imported, named in a
-scene file, or found in an installed package, it is solved with, and comes to its closed form."""
+"""One file outside the package brings a profile, an interaction, a substrate, a law or a side
+condition of one's own: imported, named in a scene file, or found in an installed package, it is
+solved with, and comes to its closed form.
+"""
 
 from __future__ import annotations
 
@@ -17,13 +19,22 @@ from contact.model import registry
 
 FOLDER = Path(__file__).parents[1] / "examples"
 REGISTRIES = {
-    "profile": registry.PROFILES, "interaction": registry.INTERACTIONS, "substrate": registry.SUBSTRATES, "law": registry.LAWS
+    "profile": registry.PROFILES,
+    "interaction": registry.INTERACTIONS,
+    "substrate": registry.SUBSTRATES,
+    "law": registry.LAWS,
 }
-# File: kind, name, class and its keys in a scene file. A side condition has no name of its own: an interaction brings it.
+# File: kind, name, class and its keys in a scene file. A side condition has no name of its own: an
+# interaction brings it.
 OWN: dict[str, tuple[str, str, str, dict[str, Any]]] = {
     "own_profile": ("profile", "rounded-wedge", "RoundedWedge", {"tangent": 0.05, "r": 1e-5}),
     "own_interaction": ("interaction", "bed", "Bed", {"eps": 0.5}),
-    "own_substrate": ("substrate", "coats", "Coats", {"thicknesses": [1e-6, 2e-6], "moduli": [2.0, 4.0]}),
+    "own_substrate": (
+        "substrate",
+        "coats",
+        "Coats",
+        {"thicknesses": [1e-6, 2e-6], "moduli": [2.0, 4.0]},
+    ),
     "own_law": ("law", "adhesive", "Adhesive", {"work": 0.05}),
     "own_condition": ("interaction", "surrounded", "Surrounded", {"share": 0.4}),
 }
@@ -48,7 +59,9 @@ def names() -> Iterator[None]:
 
 
 class Package:
-    """What an installed package declares: the name of an entry point, and the module that is imported for it."""
+    """What an installed package declares: the name of an entry point, and the module that is
+    imported for it.
+    """
 
     def __init__(self, file: str) -> None:
         self.file, (_, self.name, self.cls, _) = file, OWN[file]
@@ -58,7 +71,9 @@ class Package:
 
 
 def table_of(name: str, key: str, values: dict[str, Any]) -> str:
-    return "\n".join([f"{key} = {name!r}".replace("'", '"'), *(f"{k} = {v!r}" for k, v in values.items())])
+    return "\n".join(
+        [f"{key} = {name!r}".replace("'", '"'), *(f"{k} = {v!r}" for k, v in values.items())]
+    )
 
 
 def scene_file(file: str, folder: Path) -> Path:
@@ -71,7 +86,9 @@ def scene_file(file: str, folder: Path) -> Path:
         "control": "load = 100.0",
     } | {kind: table_of(name, "shape" if kind == "profile" else "model", values)}
     path = folder / "scene.toml"
-    path.write_text("".join(f"[{table}]\n{lines}\n" for table, lines in tables.items()), encoding="utf-8")
+    path.write_text(
+        "".join(f"[{table}]\n{lines}\n" for table, lines in tables.items()), encoding="utf-8"
+    )
     return path
 
 
@@ -83,11 +100,16 @@ def test_it_is_made_in_python_by_its_class_and_by_its_name(file: str) -> None:
 
 
 @pytest.mark.parametrize("file", OWN)
-def test_a_scene_file_that_names_it_is_solved_as_the_scene_in_python(file: str, tmp_path: Path) -> None:
+def test_a_scene_file_that_names_it_is_solved_as_the_scene_in_python(
+    file: str, tmp_path: Path
+) -> None:
     kind, _, cls, values = OWN[file]
     module = loaded(file)
     read = contact.load_scene(scene_file(file, tmp_path))
-    parts: dict[str, Any] = {"profile": contact.Sinusoid(1e-6, 1e-4), "interaction": contact.Periodic()}
+    parts: dict[str, Any] = {
+        "profile": contact.Sinusoid(1e-6, 1e-4),
+        "interaction": contact.Periodic(),
+    }
     parts |= {"interaction": contact.Isolated()} if kind == "profile" else {}
     made = contact.Scene(**(parts | {kind: getattr(module, cls)(**values)}), E_star=1e9, load=100.0)
     assert read == made
@@ -97,7 +119,9 @@ def test_a_scene_file_that_names_it_is_solved_as_the_scene_in_python(file: str, 
 
 
 @pytest.mark.parametrize("file", OWN)
-def test_an_installed_package_brings_it_to_a_scene_file(file: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_installed_package_brings_it_to_a_scene_file(
+    file: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     kind, name, _, _ = OWN[file]
     known = REGISTRIES[kind]
     asked: list[str] = []
@@ -120,7 +144,9 @@ def test_the_bed_carries_the_load_of_its_closed_form() -> None:
 
 def test_the_coated_body_comes_into_full_contact_at_the_pressure_of_its_symbol() -> None:
     body, q = loaded("own_substrate").Coats((1e-6, 2e-6), (2.0, 4.0)), 2 * np.pi / 1e-4
-    full = contact.Scene(contact.Sinusoid(1e-6, 1e-4), 1e11, contact.Periodic(), substrate=body, contact_fraction=1.0)
+    full = contact.Scene(
+        contact.Sinusoid(1e-6, 1e-4), 1e11, contact.Periodic(), substrate=body, contact_fraction=1.0
+    )
     closed = 1e11 * q * 1e-6 / (2 * body.symbol(np.array([q]))[0])
     assert contact.solve(full).mean_pressure == pytest.approx(closed, rel=1e-13)
 
@@ -131,7 +157,9 @@ def test_the_adhering_wave_carries_the_load_of_its_closed_form() -> None:
     assert solution.mean_pressure != pytest.approx(closed * (1 + 1e-11), rel=1e-12)
 
 
-def test_a_share_of_one_is_the_self_consistent_localization_and_a_smaller_one_touches_more() -> None:
+def test_a_share_of_one_is_the_self_consistent_localization_and_a_smaller_one_touches_more() -> (
+    None
+):
     less, one, localized = loaded("own_condition").main()
     assert one.zones == pytest.approx(localized.zones, rel=1e-12)
     assert less.contact_fraction > 1.01 * one.contact_fraction

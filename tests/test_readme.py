@@ -1,4 +1,6 @@
-"""README promises two commands to a newcomer, once each, one line each, naming what exists; its examples print what they say."""
+"""README promises two commands to a newcomer, once each, one line each, naming what exists; its
+examples print what they say.
+"""
 
 from __future__ import annotations
 
@@ -22,7 +24,12 @@ from contact.model.registry import INTERACTIONS, LAWS, PROFILES, SUBSTRATES
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-PAGES = [ROOT / "README.md", ROOT / "CHANGELOG.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
+PAGES = [
+    ROOT / "README.md",
+    ROOT / "CHANGELOG.md",
+    ROOT / "CONTRIBUTING.md",
+    *sorted((ROOT / "docs").glob("*.md")),
+]
 MARKED = re.findall(r"^<!-- ci: (\w+) -->\n```bash\n(.*?)\n```$", README, re.MULTILINE | re.DOTALL)
 
 
@@ -70,12 +77,16 @@ def test_links_and_headings_they_point_to_exist(page: Path) -> None:
         assert file.exists(), target
         if anchor:
             headings = re.findall(r"^#+ (.*)$", file.read_text(encoding="utf-8"), re.MULTILINE)
-            assert anchor in {re.sub(r"[^\w -]", "", h.lower()).strip().replace(" ", "-") for h in headings}, target
+            assert anchor in {
+                re.sub(r"[^\w -]", "", h.lower()).strip().replace(" ", "-") for h in headings
+            }, target
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
 def test_python_blocks_are_python(page: Path) -> None:
-    for block in re.findall(r"^```python\n(.*?)^```", page.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL):
+    for block in re.findall(
+        r"^```python\n(.*?)^```", page.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL
+    ):
         if not block.startswith("--8<--"):
             compile(block, page.name, "exec")
 
@@ -86,7 +97,9 @@ BLOCKS = re.findall(r"^```python\n(.*?)^```", README, re.MULTILINE | re.DOTALL)
 
 
 def missed(block: str, capsys: pytest.CaptureFixture[str]) -> tuple[list[str], dict[str, Any]]:
-    """Numbers in the comments of a block that its line does not print, to the digits that are given; the names it leaves."""
+    """Numbers in the comments of a block that its line does not print, to the digits that are
+    given; the names it leaves.
+    """
     names: dict[str, Any] = {}
     lacking: list[str] = []
     for statement in ast.parse(block).body:
@@ -95,12 +108,16 @@ def missed(block: str, capsys: pytest.CaptureFixture[str]) -> tuple[list[str], d
         _, _, comment = block.splitlines()[(statement.end_lineno or 1) - 1].partition("#")
         for said in NUMBER.finditer(comment):
             half = 0.5000001 * 10.0 ** (int(said[2] or 0) - len(said[1]))
-            lacking += [] if any(abs(float(said[0]) - number) <= half for number in printed) else [said[0]]
+            lacking += (
+                [] if any(abs(float(said[0]) - number) <= half for number in printed) else [said[0]]
+            )
     return lacking, names
 
 
 @pytest.mark.parametrize("package", ["contact", "sie"])
-def test_a_python_example_of_the_readme_prints_what_it_says(package: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_python_example_of_the_readme_prints_what_it_says(
+    package: str, capsys: pytest.CaptureFixture[str]
+) -> None:
     (block,) = (block for block in BLOCKS if f"import {package}\n" in block)
     assert len(NUMBER.findall(block.partition("print")[2])) >= 1
     lacking, names = missed(block, capsys)
@@ -118,22 +135,44 @@ def test_a_number_that_is_not_printed_is_noticed(capsys: pytest.CaptureFixture[s
 
 
 CONTRIBUTING = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
-STARTS = re.findall(r"^\*\*(.*?)\*\*:.*?^```python\n(.*?)^```", CONTRIBUTING, re.MULTILINE | re.DOTALL)
+STARTS = re.findall(
+    r"^\*\*(.*?)\*\*:.*?^```python\n(.*?)^```", CONTRIBUTING, re.MULTILINE | re.DOTALL
+)
 
 
 def test_a_new_part_of_each_kind_starts_from_under_ten_lines() -> None:
-    kinds = ["Profile", "Interaction", "Substrate", "Law", "Side condition", "Control", "First guess"]
+    kinds = [
+        "Profile",
+        "Interaction",
+        "Substrate",
+        "Law",
+        "Side condition",
+        "Control",
+        "First guess",
+    ]
     assert [kind for kind, _ in STARTS] == kinds
     assert all(len(block.splitlines()) < 10 for _, block in STARTS)
 
 
 def test_what_they_start_from_solves() -> None:
-    names: dict[str, Any] = {"np": np, "contact": contact, "sie": sie, "dataclass": dataclass, "ClassVar": ClassVar, "Control": Control}
+    names: dict[str, Any] = {
+        "np": np,
+        "contact": contact,
+        "sie": sie,
+        "dataclass": dataclass,
+        "ClassVar": ClassVar,
+        "Control": Control,
+    }
     try:
         for _, block in STARTS:
             exec(compile(block, "CONTRIBUTING.md", "exec"), names)
     finally:
-        for known, name in ((PROFILES, "cosh"), (INTERACTIONS, "pair"), (SUBSTRATES, "coated"), (LAWS, "sticky")):
+        for known, name in (
+            (PROFILES, "cosh"),
+            (INTERACTIONS, "pair"),
+            (SUBSTRATES, "coated"),
+            (LAWS, "sticky"),
+        ):
             known.forget(name)
     cosh, wave = names["Cosh"](1.0), contact.Sinusoid(0.01, 1.0)
     for scene in (
@@ -155,10 +194,14 @@ FIGURE = re.compile(r"\d+(?:\.\d+)? (?:µs|ms|s)\b|\d(?:\.\d+)?e-\d+|\d{1,3}(?:,
 
 
 def unfounded(text: str) -> list[tuple[str, str]]:
-    """(page, figure) of every figure in a row of a table that does not stand on the page which the row names."""
+    """(page, figure) of every figure in a row of a table that does not stand on the page which the
+    row names.
+    """
     rows = [(found[1], found[0]) for found in MEASURED.finditer(text)]
     return [
-        (page, figure) for page, row in rows for figure in FIGURE.findall(re.sub(r"`[^`]*`", "", row))
+        (page, figure)
+        for page, row in rows
+        for figure in FIGURE.findall(re.sub(r"`[^`]*`", "", row))
         if figure not in (ROOT / page).read_text(encoding="utf-8")
     ]
 
@@ -172,7 +215,9 @@ def test_a_figure_that_its_page_does_not_have_is_noticed() -> None:
     assert unfounded(row.format("123456.7 s, 9e-99, 987,654,321")) == [
         ("docs/benchmarks.md", figure) for figure in ("123456.7 s", "9e-99", "987,654,321")
     ]
-    assert unfounded(row.format("2187 zones")) == [] and unfounded("| no page | 123456.7 s |\n") == []
+    assert (
+        unfounded(row.format("2187 zones")) == [] and unfounded("| no page | 123456.7 s |\n") == []
+    )
 
 
 def test_every_row_of_measured_figures_names_its_page() -> None:

@@ -1,4 +1,6 @@
-"""Round spots of contact in three dimensions: axisymmetric asperities alone, on a lattice, and of several heights."""
+"""Round spots of contact in three dimensions: axisymmetric asperities alone, on a lattice, and of
+several heights.
+"""
 
 from contact.axisymmetric.answer import Spot
 from contact.axisymmetric.lattices import Density, Hexagonal, Lattice, Square, own_radius
@@ -7,7 +9,22 @@ from contact.axisymmetric.profiles import AxisymmetricProfile, Cone, PowerLaw, R
 from contact.axisymmetric.spot import correction_share, first_step_load, solve_spot
 
 __all__ = [
-    "AxisymmetricProfile", "Cone", "Density", "Hexagonal", "Lattice", "Level", "LevelsSolution", "PowerLaw", "Revolved",
-    "Sphere", "Spot", "Square", "correction_share", "first_step_load", "own_radius",
-    "solve_levels", "solve_spot", "touch_pressures",
+    "AxisymmetricProfile",
+    "Cone",
+    "Density",
+    "Hexagonal",
+    "Lattice",
+    "Level",
+    "LevelsSolution",
+    "PowerLaw",
+    "Revolved",
+    "Sphere",
+    "Spot",
+    "Square",
+    "correction_share",
+    "first_step_load",
+    "own_radius",
+    "solve_levels",
+    "solve_spot",
+    "touch_pressures",
 ]

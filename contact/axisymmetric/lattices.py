@@ -62,7 +62,8 @@ class Density:
 
 @dataclass(frozen=True)
 class Lattice:
-    """Spots that repeat in the plane; the base of the lattices: a subclass names its two unit vectors.
+    """Spots that repeat in the plane; the base of the lattices: a subclass names its two unit
+    vectors.
 
     Parameters
     ----------
@@ -117,7 +118,8 @@ class Lattice:
         return 1.0 / (self.unit_area * self.spacing**2)
 
     def distances(self, shift: Site, reach: float) -> Array:
-        """|R + shift|/l up to `reach`, ascending, over all cells R; the shift in fractions of the unit vectors.
+        """|R + shift|/l up to `reach`, ascending, over all cells R; the shift in fractions of the
+        unit vectors.
 
         The distance 0, the spot's own, is left out.
         """
@@ -135,7 +137,9 @@ class Lattice:
         return radii * self.spacing, counts
 
     def rings(self, shifts: list[Site], reach: float) -> tuple[Array, NDArray[np.int64]]:
-        """Radius/l and number of spots of the rings up to a reach, of the lattice's points moved by all the shifts."""
+        """Radius/l and number of spots of the rings up to a reach, of the lattice's points moved by
+        all the shifts.
+        """
         found = np.sort(np.concatenate([self.distances(s, reach) for s in shifts]))
         first = np.flatnonzero(np.diff(found, prepend=-1.0) > _SAME)
         return found[first], np.diff(np.append(first, found.size))
@@ -147,8 +151,14 @@ class Lattice:
         return found[0][:count], found[1][:count]
 
     def cut(self, shifts: list[Site], rings: float) -> float:
-        """Distance/l of the last ring kept, rings counted over the lattice's points moved by all the shifts; inf: all are kept."""
-        return rings if rings == 0 or isinf(rings) else float(self._first_rings(shifts, int(rings))[0][-1])
+        """Distance/l of the last ring kept, rings counted over the lattice's points moved by all
+        the shifts; inf: all are kept.
+        """
+        return (
+            rings
+            if rings == 0 or isinf(rings)
+            else float(self._first_rings(shifts, int(rings))[0][-1])
+        )
 
     def holds(self, shift: Site) -> bool:
         """Whether it is a point of the lattice, in fractions of the unit vectors."""
@@ -249,4 +259,6 @@ def as_lattice(value: Any) -> Lattice | Density | None:
     """A lattice or a density, or None: a spot alone."""
     if value is None or isinstance(value, (Lattice, Density)):
         return value
-    raise SceneError.of("lattice", value, "Hexagonal(spacing), Square(spacing), Density(value) or None")
+    raise SceneError.of(
+        "lattice", value, "Hexagonal(spacing), Square(spacing), Density(value) or None"
+    )

@@ -1,11 +1,12 @@
-r"""Asperities of several heights: each level touches in turn, and from then on presses on all the others.
+r"""Asperities of several heights: each level touches in turn, and from then on presses on all the
+others.
 
-Level j has its tip d_j below the highest. It touches when the deformed surface at its tip meets it, delta - u(tip) =
-d_j; u there is what the levels in contact make, exactly in the mean over the angle for the neighbours kept and by
-their nominal pressures N_i P_i beyond. Once it touches it is one more kind of spot in the same system: all share one
-delta, and sum N_i P_i is the nominal pressure. Where no neighbour is kept, a spot's own level presses outside that
-level's share of area, (pi N_j)^(-1/2) as in (1), and each other level outside a share of all asperities, (pi sum
-N_i)^(-1/2).
+Level j has its tip d_j below the highest. It touches when the deformed surface at its tip meets it,
+delta - u(tip) = d_j; u there is what the levels in contact make, exactly in the mean over the angle
+for the neighbours kept and by their nominal pressures N_i P_i beyond. Once it touches it is one
+more kind of spot in the same system: all share one delta, and sum N_i P_i is the nominal pressure.
+Where no neighbour is kept, a spot's own level presses outside that level's share of area, (pi
+N_j)^(-1/2) as in (1), and each other level outside a share of all asperities, (pi sum N_i)^(-1/2).
 """
 
 from collections.abc import Iterator, Sequence
@@ -19,7 +20,14 @@ from contact.axisymmetric.answer import Spot
 from contact.axisymmetric.lattices import Lattice, Site, as_lattice, own_radius
 from contact.axisymmetric.neighbours import Surroundings, surroundings
 from contact.axisymmetric.profiles import as_profile
-from contact.axisymmetric.spot import first_radius, one_control, refined, ring_count, settled, spot_of
+from contact.axisymmetric.spot import (
+    first_radius,
+    one_control,
+    refined,
+    ring_count,
+    settled,
+    spot_of,
+)
 from contact.axisymmetric.system import Kind, closed_edge, room, total_load
 from contact.axisymmetric.system import approach as given_approach
 from contact.errors import OutOfRange, SceneError
@@ -40,12 +48,14 @@ class Level:
     density : float or None
         Asperities per unit area [1/m^2], where there is no lattice.
     sites : sequence of pairs or None
-        Places in fractions of the lattice's unit vectors; all sites of a level must see the same surroundings.
+        Places in fractions of the lattice's unit vectors; all sites of a level must see the same
+        surroundings.
 
     Raises
     ------
     SceneError
-        If the depth is negative, a density or site is refused, or not exactly one of `density` and `sites` is given.
+        If the depth is negative, a density or site is refused, or not exactly one of `density` and
+        `sites` is given.
 
     Examples
     --------
@@ -80,11 +90,13 @@ class LevelsSolution:
     nominal_pressure : float
         Load over area [Pa].
     approach : float
-        By how much the body has come down from first touch of the highest level, to the mean plane of the surface [m].
+        By how much the body has come down from first touch of the highest level, to the mean plane
+        of the surface [m].
     spots : tuple of Spot or None
         The spot of every level; None for a level that does not touch.
     touch_pressures, touch_approaches : array, (levels,)
-        Nominal pressure [Pa] and approach [m] at which each level begins to touch; inf where spots would merge before it does.
+        Nominal pressure [Pa] and approach [m] at which each level begins to touch; inf where spots
+        would merge before it does.
 
     Attributes
     ----------
@@ -131,7 +143,10 @@ class LevelsSolution:
     @property
     def shares(self) -> Array:
         """The part of the nominal pressure each level carries; their sum is one."""
-        return np.array([0.0 if s is None else s.load * s.density for s in self.spots]) / self.nominal_pressure
+        return (
+            np.array([0.0 if s is None else s.load * s.density for s in self.spots])
+            / self.nominal_pressure
+        )
 
     @property
     def error(self) -> float:
@@ -140,8 +155,14 @@ class LevelsSolution:
 
 
 def solve_levels(
-    levels: Sequence[Level], E_star: float, lattice: Lattice | None = None, *, nominal_pressure: float | None = None,
-    approach: float | None = None, rings: float = 0, tol: float = 1e-10,
+    levels: Sequence[Level],
+    E_star: float,
+    lattice: Lattice | None = None,
+    *,
+    nominal_pressure: float | None = None,
+    approach: float | None = None,
+    rings: float = 0,
+    tol: float = 1e-10,
 ) -> LevelsSolution:
     """Which levels touch at a nominal pressure [Pa] or an approach [m], and their spots.
 
@@ -183,24 +204,39 @@ def solve_levels(
     condition = total_load(value / E) if name == "nominal_pressure" else given_approach(value)
 
     contacts = list(_contacts(kinds, tol))
-    met = [c for c in contacts if (c.pressure * E if name == "nominal_pressure" else c.delta) < value]
+    met = [
+        c for c in contacts if (c.pressure * E if name == "nominal_pressure" else c.delta) < value
+    ]
     active = sorted(j for c in met for j in c.kinds)
     start = _start(kinds, active, value / E if name == "nominal_pressure" else None, value)
-    found = refined(settled(kinds, start, condition), lambda state: [spot_of(j, kinds, state, E, kept) for j in active], tol)
+    found = refined(
+        settled(kinds, start, condition),
+        lambda state: [spot_of(j, kinds, state, E, kept) for j in active],
+        tol,
+    )
     spots = dict(zip(active, found, strict=True))
     pressures, deltas = np.full(len(kinds), inf), np.full(len(kinds), inf)
     for c in contacts:
         pressures[c.kinds], deltas[c.kinds] = E * c.pressure, c.delta
     return LevelsSolution(
-        nominal_pressure=sum(s.load * s.density for s in found), approach=found[0].approach,
-        spots=tuple(spots.get(j) for j in range(len(kinds))), touch_pressures=pressures, touch_approaches=deltas,
+        nominal_pressure=sum(s.load * s.density for s in found),
+        approach=found[0].approach,
+        spots=tuple(spots.get(j) for j in range(len(kinds))),
+        touch_pressures=pressures,
+        touch_approaches=deltas,
     )
 
 
 def touch_pressures(
-    levels: Sequence[Level], E_star: float, lattice: Lattice | None = None, *, rings: float = 0, tol: float = 1e-10
+    levels: Sequence[Level],
+    E_star: float,
+    lattice: Lattice | None = None,
+    *,
+    rings: float = 0,
+    tol: float = 1e-10,
 ) -> Array:
-    """The nominal pressure at which each level begins to touch; inf where spots would merge before it does.
+    """The nominal pressure at which each level begins to touch; inf where spots would merge before
+    it does.
 
     Parameters
     ----------
@@ -259,7 +295,8 @@ def _contacts(kinds: Sequence[Kind], tol: float) -> Iterator[_Contact]:
     active = [j for j, kind in enumerate(kinds) if kind.depth == 0.0]
     yield _Contact(list(active), 0.0, 0.0)
     while waiting := [j for j in range(len(kinds)) if j not in active]:
-        # Each candidate as if no other came before it: the first is right, and the others are found anew.
+        # Each candidate as if no other came before it: the first is right, and the others are found
+        # anew.
         found = [_first_touch(j, kinds, active, tol) for j in waiting]
         first = min(found, key=lambda c: c.pressure)
         if isinf(first.pressure):
@@ -274,10 +311,14 @@ def _first_touch(j: int, kinds: Sequence[Kind], active: list[int], tol: float) -
     last = inf
     try:
         for state in settled(kinds, _start(kinds, active, None, kinds[j].depth), closed_edge(j)):
-            pressure = sum(kind.density * float(force) for kind, force in zip(kinds, state.forces, strict=True))
+            pressure = sum(
+                kind.density * float(force) for kind, force in zip(kinds, state.forces, strict=True)
+            )
             if not pressure > 0:
                 break
-            if abs(pressure - last) <= 0.1 * tol * pressure or not any(s.sources for s in state.surfaces):
+            if abs(pressure - last) <= 0.1 * tol * pressure or not any(
+                s.sources for s in state.surfaces
+            ):
                 return _Contact([j], pressure, state.delta)
             last = pressure
     except OutOfRange:
@@ -286,7 +327,9 @@ def _first_touch(j: int, kinds: Sequence[Kind], active: list[int], tol: float) -
 
 
 def _start(kinds: Sequence[Kind], active: list[int], pressure: float | None, delta: float) -> Array:
-    """Radii of spots that do not feel each other, at an approach or a nominal pressure over E*: a start for Newton's method."""
+    """Radii of spots that do not feel each other, at an approach or a nominal pressure over E*: a
+    start for Newton's method.
+    """
     scale = min(own_radius(kind.density) for kind in kinds)
     if pressure is not None:
         # Shared by all spots alike, of which the highest ones tell how far they come down.
@@ -303,26 +346,39 @@ def _start(kinds: Sequence[Kind], active: list[int], pressure: float | None, del
     return radii
 
 
-def _system(levels: Sequence[Level], lattice: Lattice | None, rings: float) -> tuple[list[Kind], float]:
+def _system(
+    levels: Sequence[Level], lattice: Lattice | None, rings: float
+) -> tuple[list[Kind], float]:
     """Kinds of spots, and how many rings of neighbours are kept."""
     levels = list(levels)
     if not levels or not all(isinstance(level, Level) for level in levels):
         raise SceneError.of("levels", levels, "a sequence of one Level or more")
     if min(level.depth for level in levels) != 0.0:
-        raise SceneError.of("depth", min(level.depth for level in levels), "0 for the highest level")
+        raise SceneError.of(
+            "depth", min(level.depth for level in levels), "0 for the highest level"
+        )
     kept = ring_count(rings, as_lattice(lattice))
-    densities, sites = ([given for level in levels if (given := getattr(level, name)) is not None] for name in ("density", "sites"))
+    densities, sites = (
+        [given for level in levels if (given := getattr(level, name)) is not None]
+        for name in ("density", "sites")
+    )
     if lattice is None:
         if sites:
-            raise SceneError("a level has sites but no lattice is given: give the lattice, or its density")
+            raise SceneError(
+                "a level has sites but no lattice is given: give the lattice, or its density"
+            )
         return _kinds(levels, densities), kept
     if not isinstance(lattice, Lattice):
-        raise SceneError.of("lattice", lattice, "a lattice, or None where the levels have densities")
+        raise SceneError.of(
+            "lattice", lattice, "a lattice, or None where the levels have densities"
+        )
     if densities:
         raise SceneError("a lattice is given but a level has only a density: give its sites")
     around = []
     for own in sites:
-        views = [[[(x - site[0], y - site[1]) for x, y in other] for other in sites] for site in own]
+        views = [
+            [[(x - site[0], y - site[1]) for x, y in other] for other in sites] for site in own
+        ]
         _same_views(lattice, views)
         if kept:
             cut = lattice.cut([s for view in views[0] for s in view], kept)
@@ -330,21 +386,39 @@ def _system(levels: Sequence[Level], lattice: Lattice | None, rings: float) -> t
     return _kinds(levels, [lattice.density * len(s) for s in sites], around), kept
 
 
-def _kinds(levels: Sequence[Level], densities: Sequence[float], around: Sequence[Sequence[Surroundings]] = ()) -> list[Kind]:
+def _kinds(
+    levels: Sequence[Level],
+    densities: Sequence[float],
+    around: Sequence[Sequence[Surroundings]] = (),
+) -> list[Kind]:
     """The spots of each level; where no neighbour is kept, circles are around them only."""
     share = own_radius(sum(densities))
     each = range(len(densities))
-    around = around or [[Surroundings(None, own_radius(densities[i]) if i == j else share, densities[i]) for i in each] for j in each]
-    return [Kind(level.profile, level.depth, n, seen) for level, n, seen in zip(levels, densities, around, strict=True)]
+    around = around or [
+        [
+            Surroundings(None, own_radius(densities[i]) if i == j else share, densities[i])
+            for i in each
+        ]
+        for j in each
+    ]
+    return [
+        Kind(level.profile, level.depth, n, seen)
+        for level, n, seen in zip(levels, densities, around, strict=True)
+    ]
 
 
 def _same_views(lattice: Lattice, views: list[list[list[Site]]]) -> None:
     """Refuse a level whose sites see different surroundings."""
-    rows = [[np.sort(np.concatenate([lattice.distances(s, 4.0) for s in shifts])) for shifts in view] for view in views]
+    rows = [
+        [np.sort(np.concatenate([lattice.distances(s, 4.0) for s in shifts])) for shifts in view]
+        for view in views
+    ]
     for row in rows[1:]:
         for mine, first in zip(row, rows[0], strict=True):
             if mine.size != first.size or not np.allclose(mine, first, rtol=0, atol=1e-8):
-                raise SceneError("the sites of a level see different surroundings: make them levels of their own")
+                raise SceneError(
+                    "the sites of a level see different surroundings: make them levels of their own"
+                )
 
 
 def _sites(value: Any) -> tuple[Site, ...]:

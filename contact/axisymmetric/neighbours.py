@@ -1,28 +1,32 @@
 r"""What neighbouring spots do to a spot, in the plane of its Abel transform.
 
-A point force Q at distance D lifts the ring of radius r < D by (Q/(pi E*)) mean 1/|r - D| = (2Q/(pi^2 E* D)) K(r/D),
-and that is (2/pi) int_0^r psi(x) dx/sqrt(r^2 - x^2) with psi = (Q/(pi E*))/sqrt(D^2 - x^2). Averaged over the places
-of an axisymmetric pressure with u = (2/pi) int w/sqrt(r^2 - t^2) of its own, 1/sqrt(D^2 - x^2) is the potential of
-that pressure at the height i x, where complex sources t give it in closed form:
+A point force Q at distance D lifts the ring of radius r < D by (Q/(pi E*)) mean 1/|r - D| =
+(2Q/(pi^2 E* D)) K(r/D), and that is (2/pi) int_0^r psi(x) dx/sqrt(r^2 - x^2) with psi = (Q/(pi
+E*))/sqrt(D^2 - x^2). Averaged over the places of an axisymmetric pressure with u = (2/pi) int
+w/sqrt(r^2 - t^2) of its own, 1/sqrt(D^2 - x^2) is the potential of that pressure at the height i x,
+where complex sources t give it in closed form:
 
     psi(x) = (1/pi) int_-a^a w(t) dt / sqrt(D^2 - (x - t)^2),        |x| + a < D.
 
-The azimuthal mean of every neighbour is thus exact, and one smooth difference kernel. Beyond the rings that are kept
-stands the nominal pressure N P outside the circle A of the same number of spots, pi A^2 N = their number (A = 0: none
-kept):
+The azimuthal mean of every neighbour is thus exact, and one smooth difference kernel. Beyond the
+rings that are kept stands the nominal pressure N P outside the circle A of the same number of
+spots, pi A^2 N = their number (A = 0: none kept):
 
     psi(x) = -(2 N P/E*) sqrt(A^2 - x^2),                            x < A,
 
-from the mean plane. All rings: no circle, and lattice sums in place of the far part of the series in (x - t)^2/D^2.
+from the mean plane. All rings: no circle, and lattice sums in place of the far part of the series
+in (x - t)^2/D^2.
 
-The sums of |R + d|^(-s) over a plane lattice, R + d = 0 left out, are found by Ewald's split at one cell area V:
+The sums of |R + d|^(-s) over a plane lattice, R + d = 0 left out, are found by Ewald's split at one
+cell area V:
 
     Z(s; d) = pi^(s/2)/Gamma(s/2) [ sum' Gamma(s/2, pi rho^2/V) (pi rho^2)^(-s/2)
-              + (1/V) sum_(k != 0) cos(2 pi k.d) (pi k^2)^(s/2-1) Gamma(1 - s/2, pi k^2 V)
-              + V^(-s/2)/(s/2 - 1) - [d on the lattice] V^(-s/2)/(s/2) ],   rho = |R + d|, k reciprocal.
+              + (1/V) sum_(k != 0) cos(2 pi k.d) (pi k^2)^(s/2-1) Gamma(1 - s/2, pi k^2 V) +
+              V^(-s/2)/(s/2 - 1) - [d on the lattice] V^(-s/2)/(s/2) ],   rho = |R + d|, k
+              reciprocal.
 
-For s > 2 it is the plain sum; for s = 1, where that diverges, it is the sum less the potential of the same load spread
-evenly: with it the displacement is measured from its own mean.
+For s > 2 it is the plain sum; for s = 1, where that diverges, it is the sum less the potential of
+the same load spread evenly: with it the displacement is measured from its own mean.
 """
 
 from dataclasses import dataclass
@@ -45,9 +49,11 @@ _BINOMIAL = np.cumprod([1.0, *((2 * k - 1) / (2 * k) for k in range(1, _TERMS))]
 
 @dataclass(frozen=True)
 class NeighbourKernel:
-    """K(y) = sum of 1/sqrt(D^2 - y^2) over the spots of one kind around a spot, less a constant where a circle is.
+    """K(y) = sum of 1/sqrt(D^2 - y^2) over the spots of one kind around a spot, less a constant
+    where a circle is.
 
-    Built by `kernel_of`. `radii`, `counts`: the near rings [m]; `tail`: coefficients of (y/l)^(2k)/l for the rest.
+    Built by `kernel_of`. `radii`, `counts`: the near rings [m]; `tail`: coefficients of
+    (y/l)^(2k)/l for the rest.
     """
 
     radii: Array
@@ -63,31 +69,43 @@ class NeighbourKernel:
         y = np.asarray(y, dtype=np.float64)
         far = np.polynomial.polynomial.polyval((y / self.spacing) ** 2, self.tail)
         rings = zip(self.radii, self.counts, strict=True)
-        return np.asarray(sum((n / np.sqrt((r - y) * (r + y)) for r, n in rings), far / self.spacing))
+        return np.asarray(
+            sum((n / np.sqrt((r - y) * (r + y)) for r, n in rings), far / self.spacing)
+        )
 
     def slope(self, y: ArrayLike) -> Array:
         """K'(y)."""
         y = np.asarray(y, dtype=np.float64)
-        far = np.polynomial.polynomial.polyval((y / self.spacing) ** 2, 2 * np.arange(1, self.tail.size) * self.tail[1:])
+        far = np.polynomial.polynomial.polyval(
+            (y / self.spacing) ** 2, 2 * np.arange(1, self.tail.size) * self.tail[1:]
+        )
         rings = zip(self.radii, self.counts, strict=True)
-        return np.asarray(y * sum((n / ((r - y) * (r + y)) ** 1.5 for r, n in rings), far / self.spacing**3))
+        return np.asarray(
+            y * sum((n / ((r - y) * (r + y)) ** 1.5 for r, n in rings), far / self.spacing**3)
+        )
 
 
 @dataclass(frozen=True)
 class Surroundings:
-    """The spots of one kind as seen from a spot: their kernel, None if none is kept, and their circle A, 0 if none."""
+    """The spots of one kind as seen from a spot: their kernel, None if none is kept, and their
+    circle A, 0 if none.
+    """
 
     kernel: NeighbourKernel | None
     circle: float
     density: float
 
     def outside(self, x: ArrayLike) -> Array:
-        """sqrt(A^2 - x^2), less the A that the kernel's constant holds; 0 without a circle and beyond it."""
+        """sqrt(A^2 - x^2), less the A that the kernel's constant holds; 0 without a circle and
+        beyond it.
+        """
         x = np.asarray(x, dtype=np.float64)
         root = np.sqrt(np.maximum((self.circle - x) * (self.circle + x), 0.0))
         if self.kernel is None:
             return root
-        return np.where(x < self.circle, -(x**2) / np.maximum(self.circle + root, 1e-300), -self.circle)
+        return np.where(
+            x < self.circle, -(x**2) / np.maximum(self.circle + root, 1e-300), -self.circle
+        )
 
     def outside_slope(self, x: ArrayLike) -> Array:
         """-x/sqrt(A^2 - x^2), x < A."""
@@ -106,7 +124,9 @@ class Surroundings:
 
 
 def surroundings(lattice: Lattice, shifts: list[Site], cut: float) -> Surroundings:
-    """Of the points of the lattice moved by the shifts: those within `cut` spacings kept, inf for all of them."""
+    """Of the points of the lattice moved by the shifts: those within `cut` spacings kept, inf for
+    all of them.
+    """
     density = lattice.density * len(shifts)
     radii, counts = lattice.rings(shifts, min(cut, _NEAR) if isinf(cut) else cut)
     near = radii <= _NEAR
@@ -121,9 +141,12 @@ def surroundings(lattice: Lattice, shifts: list[Site], cut: float) -> Surroundin
         if not radii.size:
             return Surroundings(None, circle, density)
         sums = np.sum(counts[~near] * radii[~near] ** powers[:, None], axis=1)
-        # The mean 2 pi N A of the same load spread over the circle, so that no large constants meet later.
+        # The mean 2 pi N A of the same load spread over the circle, so that no large constants meet
+        # later.
         sums[0] -= 2.0 * pi * density * circle * lattice.spacing
-    kernel = NeighbourKernel(radii[near] * lattice.spacing, counts[near], _BINOMIAL * sums, lattice.spacing)
+    kernel = NeighbourKernel(
+        radii[near] * lattice.spacing, counts[near], _BINOMIAL * sums, lattice.spacing
+    )
     return Surroundings(kernel, circle, density)
 
 
@@ -145,7 +168,9 @@ def epstein(lattice: Lattice, shift: Site, s: int) -> float:
     phase = np.cos(2.0 * pi * (i[other] * shift[0] + j[other] * shift[1]))
     far = phase * square ** (0.5 * s - 1.0) * _upper_gamma(s, square * cell) / cell
 
-    loose = cell ** (-0.5 * s) * (1.0 / (0.5 * s - 1.0) - (1.0 / (0.5 * s) if lattice.holds(shift) else 0.0))
+    loose = cell ** (-0.5 * s) * (
+        1.0 / (0.5 * s - 1.0) - (1.0 / (0.5 * s) if lattice.holds(shift) else 0.0)
+    )
     return float(pi ** (0.5 * s) / gamma(0.5 * s) * (np.sum(direct) + np.sum(far) + loose))
 
 

@@ -1,9 +1,12 @@
-"""r f'(r) of an axisymmetric shape whose author gave only f or f', and its derivative, by Chebyshev series on octaves [2^k, 2^(k+1)] of r.
+"""r f'(r) of an axisymmetric shape whose author gave only f or f', and its derivative, by Chebyshev
+series on octaves [2^k, 2^(k+1)] of r.
 
-Octaves follow any power of r down to the tip, so a cone and r^1.5 are as good as a paraboloid; each one is made when first met. The values
-come from a derivative in ln r (no step leaves r > 0), by a complex step where the author's function takes complex numbers; one more
-derivative is the series' own. Towards the tip differences of heights are ever more their rounding: from where a power of r, fitted to the
-octave above, is better, r f' is that. What rounding leaves of the pressure is told by the series' last coefficients.
+Octaves follow any power of r down to the tip, so a cone and r^1.5 are as good as a paraboloid; each
+one is made when first met. The values come from a derivative in ln r (no step leaves r > 0), by a
+complex step where the author's function takes complex numbers; one more derivative is the series'
+own. Towards the tip differences of heights are ever more their rounding: from where a power of r,
+fitted to the octave above, is better, r f' is that. What rounding leaves of the pressure is told by
+the series' last coefficients.
 """
 
 from collections.abc import Callable
@@ -20,10 +23,15 @@ from sie import Array, record
 
 _DEGREES = (24, 96, 384)
 _RESOLVED = 1e-12  # of the largest coefficient, where the series may end
-# Last coefficients that tell what is left; what falls by less than this with four times as many is rounding; the largest of that over
-# theirs; the least, over the largest coefficient; a derivative that nothing is wrong with, over itself; and values that are the same, over
-# noise.
-_LAST, _FALLS, _ABOVE, _LEAST, _EXACT, _SAME = 6, 0.2, 4.0, 2e-17, 1e-13, 30.0
+# Last coefficients that tell what is left; what falls by less than this with four times as many is
+# rounding; the largest of that over theirs; the least, over the largest coefficient; a derivative
+# that nothing is wrong with, over itself; and values that are the same, over noise.
+_LAST = 6
+_FALLS = 0.2
+_ABOVE = 4.0
+_LEAST = 2e-17
+_EXACT = 1e-13
+_SAME = 30.0
 # Radii whose squares are 0.
 _UNDERFLOW = 2.0**-500
 _ENDS = np.linspace(-1.0, 1.0, 9)
@@ -32,7 +40,8 @@ _STEP = 1e-30  # relative; its square is far below rounding, and no product unde
 
 
 class LogDerivative:
-    """r F'(r) = dF/d ln r: by a complex step, if differences bear it out at the first radii where they are good.
+    """r F'(r) = dF/d ln r: by a complex step, if differences bear it out at the first radii where
+    they are good.
 
     Near the tip f itself may be all rounding, 1 - cos r for one, and differences no judge.
     """
@@ -48,7 +57,11 @@ class LogDerivative:
             judged = verdicts(self._of_log, self._finite_or_nan, t, np.ones(t.shape))
             if judged.contradicted.any() or judged.confirmed.any():
                 self._trusted = not judged.contradicted.any()
-        return differences(self._of_log, t, np.ones(t.shape))[0] if by_step is None or self._trusted is False else by_step
+        return (
+            differences(self._of_log, t, np.ones(t.shape))[0]
+            if by_step is None or self._trusted is False
+            else by_step
+        )
 
     def _of_log(self, t: Array) -> Array:
         return np.asarray(self._function(np.exp(t)))
@@ -65,8 +78,9 @@ class LogDerivative:
 
 @record
 class Octave:
-    """r f' on [half/2, half] by its series, that of its derivative, and by how much it may be off: noise its values, error the derivative,
-    but for what evens out in pressures."""
+    """r f' on [half/2, half] by its series, that of its derivative, and by how much it may be off:
+    noise its values, error the derivative, but for what evens out in pressures.
+    """
 
     half: float
     series: Array
@@ -88,12 +102,17 @@ class Octave:
 
     def follows(self, other: "Octave", noise: float) -> bool:
         """Whether the other one's values are these, but for noise."""
-        return bool(np.max(np.abs(chebyshev.chebval(_ENDS, chebyshev.chebsub(self.series, other.series)))) <= _SAME * noise)
+        return bool(
+            np.max(np.abs(chebyshev.chebval(_ENDS, chebyshev.chebsub(self.series, other.series))))
+            <= _SAME * noise
+        )
 
 
 @record
 class Law:
-    """r f' = value (r / radius)^exponent, as it goes on towards the tip; off: what its derivative may be off by, over itself."""
+    """r f' = value (r / radius)^exponent, as it goes on towards the tip; off: what its derivative
+    may be off by, over itself.
+    """
 
     radius: float
     value: float
@@ -102,19 +121,38 @@ class Law:
 
     @classmethod
     def of(cls, octave: Octave) -> "Law | None":
-        """From the lower end of an octave; how it leaves the rest of it, which is farther from the tip, tells how good it is."""
+        """From the lower end of an octave; how it leaves the rest of it, which is farther from the
+        tip, tells how good it is.
+        """
         r = 0.5 * octave.half
-        value, slope = float(chebyshev.chebval(-1.0, octave.series)), float(chebyshev.chebval(-1.0, octave.derivative))
+        value, slope = (
+            float(chebyshev.chebval(-1.0, octave.series)),
+            float(chebyshev.chebval(-1.0, octave.derivative)),
+        )
         if not (value > 0.0 and slope > 0.0):
             return None
         law = cls(r, value, slope * r / value, 0.0)
         there = law.on(octave.half)
-        off = np.max(np.abs(chebyshev.chebval(_ENDS, chebyshev.chebsub(there.derivative, octave.derivative)))) / there.size
+        off = (
+            np.max(
+                np.abs(
+                    chebyshev.chebval(_ENDS, chebyshev.chebsub(there.derivative, octave.derivative))
+                )
+            )
+            / there.size
+        )
         return replace(law, off=float(off + octave.error / octave.size))
 
     def on(self, half: float) -> Octave:
         """The octave below half."""
-        octave = Octave(half, _interpolated(lambda r: self.value * (r / self.radius) ** self.exponent, half, _DEGREES[0]), 0.0, 0.0)
+        octave = Octave(
+            half,
+            _interpolated(
+                lambda r: self.value * (r / self.radius) ** self.exponent, half, _DEGREES[0]
+            ),
+            0.0,
+            0.0,
+        )
         return replace(octave, error=self.off * octave.size)
 
 
@@ -138,21 +176,29 @@ class Octaves:
         return self._evaluate(r, lambda octave: octave.derivative)
 
     def error(self, a: float) -> float:
-        """By how much the derivative may be off below a, added up over the octaves that were asked for."""
+        """By how much the derivative may be off below a, added up over the octaves that were asked
+        for.
+        """
         return sum(octave.error for octave in self._known.values() if octave.half < 2.0 * a)
 
     def _evaluate(self, r: Array, series: Callable[[Octave], Array]) -> Array:
         fraction, exponent = np.frexp(r)
         exponent = np.where(r > 0, np.maximum(exponent, _LOWEST), _LOWEST)
         value = np.zeros(r.shape)
-        for k in np.unique(exponent)[::-1]:  # large radii first: they tell which derivative to trust
+        for k in np.unique(exponent)[
+            ::-1
+        ]:  # large radii first: they tell which derivative to trust
             here = exponent == k
             # frexp's fraction is in [1/2, 1): the octave in [-1, 1).
-            value[here] = chebyshev.chebval(4.0 * fraction[here] - 3.0, series(self._octave(int(k))))
+            value[here] = chebyshev.chebval(
+                4.0 * fraction[here] - 3.0, series(self._octave(int(k)))
+            )
         return value
 
     def _octave(self, k: int) -> Octave:
-        """Below where rounding of the heights leaves less of the derivative than how it goes on from the octave above, that is taken."""
+        """Below where rounding of the heights leaves less of the derivative than how it goes on
+        from the octave above, that is taken.
+        """
         if k > self._highest:
             # What goes on may do so from higher up.
             self._highest, self._law = k, None
@@ -168,26 +214,35 @@ class Octaves:
         return self._known[k]
 
     def _best(self, k: int) -> Octave:
-        """What its values tell, or what goes on from the octaves above: where that is better and the values are that but for noise, and
-        from there on."""
+        """What its values tell, or what goes on from the octaves above: where that is better and
+        the values are that but for noise, and from there on.
+        """
         above, half = self._known.get(k + 1), float(np.ldexp(1.0, k))
         if self._law is not None and half <= self._law.radius:
             return self._law.on(half)
         octave, law = self._told(k), None if above is None else Law.of(above)
         if above is not None and law is not None:
             on = law.on(half)
-            if (on.error < octave.error or octave.size == 0.0) and octave.follows(on, max(octave.noise, above.noise)):
+            if (on.error < octave.error or octave.size == 0.0) and octave.follows(
+                on, max(octave.noise, above.noise)
+            ):
                 self._law, octave = law, on
         return octave
 
     def _told(self, k: int) -> Octave:
-        """From values: on more and more nodes, until their series has ended, in rounding if need be."""
+        """From values: on more and more nodes, until their series has ended, in rounding if need
+        be.
+        """
         if k in self._from_values:
             return self._from_values[k]
         half, left = float(np.ldexp(1.0, k)), inf
         for degree in _DEGREES:
             series = _interpolated(self._r_slope, half, degree)
-            size, before, left = np.max(np.abs(series)), left, float(np.max(np.abs(series[-_LAST:])))
+            size, before, left = (
+                np.max(np.abs(series)),
+                left,
+                float(np.max(np.abs(series[-_LAST:]))),
+            )
             if not left > _RESOLVED * size:
                 break
             if left > _FALLS * before:
@@ -203,5 +258,7 @@ class Octaves:
 
 def _interpolated(function: Callable[[Array], Array], half: float, degree: int) -> Array:
     """Chebyshev series of a function on [half/2, half]."""
-    series: Array = np.asarray(chebyshev.chebinterpolate(lambda t: function(0.25 * half * (t + 3.0)), degree))  # type: ignore[type-var]
+    series: Array = np.asarray(
+        chebyshev.chebinterpolate(lambda t: function(0.25 * half * (t + 3.0)), degree)
+    )  # type: ignore[type-var]
     return series

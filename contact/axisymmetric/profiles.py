@@ -1,12 +1,13 @@
-r"""Axisymmetric asperities f(r), f(0) = 0, and what their Abel transform says of a round spot of radius a.
+r"""Axisymmetric asperities f(r), f(0) = 0, and what their Abel transform says of a round spot of
+radius a.
 
     g(x)     = x int_0^x f'(r) dr / sqrt(x^2 - r^2)             the equivalent plane profile
     P(a)     = 2 E* int_0^a r^2 f'(r) dr / sqrt(a^2 - r^2)      = 2 E* int_0^a x g'(x) dx
     p(r)     = (E*/pi) int_r^a g'(x) dx / sqrt(x^2 - r^2)       = (E*/pi) int_0^a (s f')'(s) M(r, s) ds
     M(r, s)  = int_max(r,s)^a dx / sqrt((x^2 - r^2)(x^2 - s^2))
 
-(Galin; Green & Collins; Sneddon 1965, doi 10.1016/0020-7225(65)90019-4; method of dimensionality reduction). Any f will
-do; a subclass needs its slope alone, and may give the rest in closed form.
+(Galin; Green & Collins; Sneddon 1965, doi 10.1016/0020-7225(65)90019-4; method of dimensionality
+reduction). Any f will do; a subclass needs its slope alone, and may give the rest in closed form.
 """
 
 from collections.abc import Callable, Sequence
@@ -30,15 +31,17 @@ from sie import Array
 class AxisymmetricProfile(sie.Kept):
     """An axisymmetric asperity f(r), f(0) = 0; the base of all shapes.
 
-    A subclass is a frozen dataclass that defines `slope`, and closed forms of the rest where it has them. Equations: the head of this
-    module (I. N. Sneddon (1965), doi 10.1016/0020-7225(65)90019-4).
+    A subclass is a frozen dataclass that defines `slope`, and closed forms of the rest where it has
+    them. Equations: the head of this module (I. N. Sneddon (1965), doi
+    10.1016/0020-7225(65)90019-4).
 
     Attributes
     ----------
     height, slope, r_laplacian : callable
         f [m], f' and (r f')' at radii r >= 0 [m] of any shape.
     line, line_slope : callable
-        g(x) [m], the equivalent plane profile (the penetration of a spot of radius x alone), and g'(x).
+        g(x) [m], the equivalent plane profile (the penetration of a spot of radius x alone), and
+        g'(x).
     load_integral : callable
         P/E* of a spot of radius a alone [m^2].
     pressure_shape : callable
@@ -82,8 +85,9 @@ class AxisymmetricProfile(sie.Kept):
         return Octaves(lambda r: r * self.slope(r))
 
     def derived_error(self, a: float) -> float:
-        """By how much what was derived of the shape may make p/E* of a spot of radius a wrong: of (r f')' the integral of M(r, s) over an
-        octave of s is at most about pi/2."""
+        """By how much what was derived of the shape may make p/E* of a spot of radius a wrong: of
+        (r f')' the integral of M(r, s) over an octave of s is at most about pi/2.
+        """
         return 0.5 * self._octaves.error(a) if "_octaves" in vars(self) else 0.0
 
     @property
@@ -93,32 +97,46 @@ class AxisymmetricProfile(sie.Kept):
 
     @property
     def jumps(self) -> Array:
-        """f'(b+) - f'(b-) at the breakpoints: an edge, and a logarithmic peak of pressure, where not 0."""
+        """f'(b+) - f'(b-) at the breakpoints: an edge, and a logarithmic peak of pressure, where
+        not 0.
+        """
         b = self.breakpoints
         return self.slope(np.nextafter(b, inf)) - self.slope(np.nextafter(b, 0.0))
 
     def edges(self, a: float = inf) -> list[tuple[float, float]]:
         """Breakpoints below a radius at which f' jumps, and by how much."""
-        return [(b, jump) for b, jump in zip(self.breakpoints, self.jumps, strict=True) if jump != 0 and b < a]
+        return [
+            (b, jump)
+            for b, jump in zip(self.breakpoints, self.jumps, strict=True)
+            if jump != 0 and b < a
+        ]
 
     def pointed(self, a: float) -> bool:
-        """Whether f'(0+) is not 0, seen from a spot of radius a: the pressure at the tip is infinite."""
+        """Whether f'(0+) is not 0, seen from a spot of radius a: the pressure at the tip is
+        infinite.
+        """
         tip, near, far = self.slope(a * np.array([1e-200, 1e-100, 0.5]))
         return bool(tip > 0.5 * near and tip > 1e-7 * abs(far))
 
     def line(self, x: ArrayLike) -> Array:
-        """g(x) [m], the equivalent plane profile; g(a) is the penetration of an isolated spot of radius a."""
+        """g(x) [m], the equivalent plane profile; g(a) is the penetration of an isolated spot of
+        radius a.
+        """
         r, weight = quarter(x, self.breakpoints)
         return np.asarray(np.asarray(x) * np.sum(weight * self.slope(r), axis=-1))
 
     def line_slope(self, x: ArrayLike) -> Array:
-        """g'(x) = int_0^(pi/2) (r f')'(x sin phi) dphi + sum of b J/sqrt(x^2 - b^2) over the edges inside x."""
+        """g'(x) = int_0^(pi/2) (r f')'(x sin phi) dphi + sum of b J/sqrt(x^2 - b^2) over the edges
+        inside x.
+        """
         x = np.asarray(x, dtype=np.float64)
         r, weight = quarter(x, self.breakpoints)
         total = np.sum(weight * self.r_laplacian(r), axis=-1)
         for b, jump in self.edges():
             outside = x > b
-            total = total + np.where(outside, b * jump / np.sqrt(np.where(outside, (x - b) * (x + b), 1.0)), 0.0)
+            total = total + np.where(
+                outside, b * jump / np.sqrt(np.where(outside, (x - b) * (x + b), 1.0)), 0.0
+            )
         return np.asarray(total)
 
     def load_integral(self, a: float) -> float:
@@ -136,7 +154,12 @@ class AxisymmetricProfile(sie.Kept):
         sharp = self.edges(a)
         infinite = np.isin(r, [b for b, _ in sharp]) | ((r == 0) & self.pointed(a))
         safe = np.where(infinite, 0.5 * a, r)
-        edges = np.sort(np.stack([np.broadcast_to(np.minimum(b, a), safe.shape) for b in (*self.breakpoints, safe)]), 0)
+        edges = np.sort(
+            np.stack(
+                [np.broadcast_to(np.minimum(b, a), safe.shape) for b in (*self.breakpoints, safe)]
+            ),
+            0,
+        )
         s, weight = panels([np.zeros_like(safe), *edges, np.full_like(safe, a)])
         total = np.sum(weight * self.r_laplacian(s) * abel_kernel(safe[..., None], s, a), axis=-1)
         for b, jump in sharp:
@@ -145,21 +168,29 @@ class AxisymmetricProfile(sie.Kept):
 
 
 def abel_kernel(r: ArrayLike, s: ArrayLike, a: float) -> Array:
-    """M(r, s) of this file's head, by Carlson's R_F (DLMF 19.29.4): no cancellation at r = s nor at a.
+    """M(r, s) of this file's head, by Carlson's R_F (DLMF 19.29.4): no cancellation at r = s nor at
+    a.
 
     H1 of the paper's (3) is 4 s M(r, s).
     """
     far, near = np.maximum(r, s), np.minimum(r, s)
     whole = (a - near) * (a + near)
     with np.errstate(divide="ignore", invalid="ignore"):
-        # The logarithm at r = s is cut below rounding: a node that falls there has no weight to speak of.
+        # The logarithm at r = s is cut below rounding: a node that falls there has no weight to
+        # speak of.
         apart = np.maximum((far - near) * (far + near) / whole, 1e-33)
-        value = np.sqrt((a - far) * (a + far) / whole) / far * elliprf(apart, apart * (a / far) ** 2, 1.0)
+        value = (
+            np.sqrt((a - far) * (a + far) / whole)
+            / far
+            * elliprf(apart, apart * (a / far) ** 2, 1.0)
+        )
     return np.asarray(np.where((0 < far) & (far < a), value, 0.0))
 
 
 class Power(AxisymmetricProfile):
-    """f = scale r^exponent in closed form: g = k f(x), k = sqrt(pi) Gamma(n/2 + 1)/Gamma((n + 1)/2); P = 2 E* n/(n + 1) a g(a)."""
+    """f = scale r^exponent in closed form: g = k f(x), k = sqrt(pi) Gamma(n/2 + 1)/Gamma((n +
+    1)/2); P = 2 E* n/(n + 1) a g(a).
+    """
 
     # Annotations only: a subclass has them as its fields or its own.
     exponent: float
@@ -173,7 +204,9 @@ class Power(AxisymmetricProfile):
         return np.asarray(self.scale * np.asarray(r, dtype=np.float64) ** self.exponent)
 
     def slope(self, r: ArrayLike) -> Array:
-        return np.asarray(self.exponent * self.scale * np.asarray(r, dtype=np.float64) ** (self.exponent - 1.0))
+        return np.asarray(
+            self.exponent * self.scale * np.asarray(r, dtype=np.float64) ** (self.exponent - 1.0)
+        )
 
     def r_laplacian(self, r: ArrayLike) -> Array:
         return self.exponent * self.slope(r)
@@ -193,7 +226,8 @@ class Power(AxisymmetricProfile):
 
 @dataclass(frozen=True)
 class Sphere(Power):
-    """A paraboloid f = r^2/(2 radius), the contact of Hertz: g = x^2/R, P = 4 E* a^3/(3R), p = (2 E*/(pi R)) sqrt(a^2 - r^2).
+    """A paraboloid f = r^2/(2 radius), the contact of Hertz: g = x^2/R, P = 4 E* a^3/(3R), p = (2
+    E*/(pi R)) sqrt(a^2 - r^2).
 
     I. N. Sneddon (1965), doi 10.1016/0020-7225(65)90019-4.
 
@@ -235,7 +269,8 @@ class Sphere(Power):
 
 @dataclass(frozen=True)
 class Cone(Power):
-    """A cone f = slope r (Sneddon): g = pi slope x/2, P = pi E* slope a^2/2, p = (E* slope/2) arcosh(a/r).
+    """A cone f = slope r (Sneddon): g = pi slope x/2, P = pi E* slope a^2/2, p = (E* slope/2)
+    arcosh(a/r).
 
     I. N. Sneddon (1965), doi 10.1016/0020-7225(65)90019-4.
 
@@ -283,7 +318,8 @@ class Cone(Power):
 class PowerLaw(Power):
     """A shape f = scale r^exponent, exponent n >= 1: g = k scale x^n, P = 2 E* n/(n+1) a g(a).
 
-    k = sqrt(pi) Gamma(n/2 + 1)/Gamma((n + 1)/2). Galin; Popov 2013; I. N. Sneddon (1965), doi 10.1016/0020-7225(65)90019-4.
+    k = sqrt(pi) Gamma(n/2 + 1)/Gamma((n + 1)/2). Galin; Popov 2013; I. N. Sneddon (1965), doi
+    10.1016/0020-7225(65)90019-4.
 
     Parameters
     ----------
@@ -317,7 +353,12 @@ class PowerLaw(Power):
     scale: float
 
     def __post_init__(self) -> None:
-        exponent = such("exponent", self.exponent, "a finite number from 1 to 300", lambda exponent: 1.0 <= exponent <= 300.0)
+        exponent = such(
+            "exponent",
+            self.exponent,
+            "a finite number from 1 to 300",
+            lambda exponent: 1.0 <= exponent <= 300.0,
+        )
         object.__setattr__(self, "exponent", exponent)
         keep(self, positive, "scale")
 
@@ -331,9 +372,11 @@ class Revolved(AxisymmetricProfile):
     height_of, slope_of : callable or None
         f(r) [m] and f'(r); one of them may be left out.
     second : callable or None
-        f''(r) [1/m]; else it is derived (exactly, by a complex step, where the slope takes complex numbers).
+        f''(r) [1/m]; else it is derived (exactly, by a complex step, where the slope takes complex
+        numbers).
     breaks : sequence of float
-        Radii where f is not smooth, an edge for instance [m]; with them `slope_of` and `second` must be given.
+        Radii where f is not smooth, an edge for instance [m]; with them `slope_of` and `second`
+        must be given.
 
     Attributes
     ----------
@@ -343,7 +386,8 @@ class Revolved(AxisymmetricProfile):
     Raises
     ------
     SceneError
-        If neither f nor f' is given, one is no function of an array that returns as many real numbers, or a break lacks its derivatives.
+        If neither f nor f' is given, one is no function of an array that returns as many real
+        numbers, or a break lacks its derivatives.
 
     Examples
     --------
@@ -362,7 +406,11 @@ class Revolved(AxisymmetricProfile):
     breaks: Sequence[float] = ()
 
     def __post_init__(self) -> None:
-        given = [field for field in ("height_of", "slope_of", "second") if getattr(self, field) is not None]
+        given = [
+            field
+            for field in ("height_of", "slope_of", "second")
+            if getattr(self, field) is not None
+        ]
         for field in given:
             if not callable(getattr(self, field)):
                 raise SceneError.of(field, getattr(self, field), "a callable of r, or left out")
@@ -370,7 +418,9 @@ class Revolved(AxisymmetricProfile):
             raise SceneError("height_of and slope_of are both left out: one of them must be given")
         breaks = tuple(sorted(positive("breaks", b) for b in self.breaks))
         if breaks and (self.slope_of is None or self.second is None):
-            raise SceneError("breaks need slope_of and second: a difference across an edge is not a derivative")
+            raise SceneError(
+                "breaks need slope_of and second: a difference across an edge is not a derivative"
+            )
         object.__setattr__(self, "breaks", breaks)
         for field in given:
             self._called(field, np.array([0.25, 0.5]))
@@ -379,7 +429,11 @@ class Revolved(AxisymmetricProfile):
         """What the author's function makes of r, refused if it is not as many real numbers."""
         value = np.asarray(getattr(self, field)(r))
         if value.dtype.kind not in "iuf" or value.shape not in ((), r.shape):
-            raise SceneError.of(field, getattr(self, field), "a function of an array that returns as many real numbers")
+            raise SceneError.of(
+                field,
+                getattr(self, field),
+                "a function of an array that returns as many real numbers",
+            )
         return np.broadcast_to(value, r.shape).astype(np.float64)
 
     @property
@@ -407,7 +461,11 @@ class Revolved(AxisymmetricProfile):
 
     @cached_property
     def _octaves(self) -> Octaves:
-        return Octaves(LogDerivative(self.height_of)) if self.slope_of is None and self.height_of else super()._octaves
+        return (
+            Octaves(LogDerivative(self.height_of))
+            if self.slope_of is None and self.height_of
+            else super()._octaves
+        )
 
 
 def as_profile(shape: Any) -> AxisymmetricProfile:

@@ -1,6 +1,8 @@
-"""Double-exponential rules over panels: rounding accuracy for any algebraic or logarithmic end of a panel.
+"""Double-exponential rules over panels: rounding accuracy for any algebraic or logarithmic end of a
+panel.
 
-Takahasi & Mori (1974), doi 10.2977/prims/1195192451. Every radius where a profile is not smooth is a panel's end.
+Takahasi & Mori (1974), doi 10.2977/prims/1195192451. Every radius where a profile is not smooth is
+a panel's end.
 """
 
 from collections.abc import Sequence
@@ -25,14 +27,20 @@ def panels(edges: Sequence[ArrayLike]) -> tuple[Array, Array]:
         # From the nearer end: neither end loses digits.
         nodes.append(np.where(FROM_LEFT < 0.5, lo + width * FROM_LEFT, hi - width * FROM_RIGHT))
         weights.append(width * WEIGHT)
-    return np.concatenate(np.broadcast_arrays(*nodes), axis=-1), np.concatenate(np.broadcast_arrays(*weights), axis=-1)
+    return np.concatenate(np.broadcast_arrays(*nodes), axis=-1), np.concatenate(
+        np.broadcast_arrays(*weights), axis=-1
+    )
 
 
 def quarter(x: ArrayLike, breaks: ArrayLike) -> tuple[Array, Array]:
-    """Rule for int_0^(pi/2) F(x sin phi) dphi, broken where x sin phi passes a break: x sin phi and weights."""
+    """Rule for int_0^(pi/2) F(x sin phi) dphi, broken where x sin phi passes a break: x sin phi and
+    weights.
+    """
     x = np.asarray(x, dtype=np.float64)
     with np.errstate(divide="ignore", invalid="ignore"):
-        inner = [np.arcsin(np.clip(np.where(x > 0, b / x, 1.0), 0.0, 1.0)) for b in np.asarray(breaks)]
+        inner = [
+            np.arcsin(np.clip(np.where(x > 0, b / x, 1.0), 0.0, 1.0)) for b in np.asarray(breaks)
+        ]
     phi, weight = panels([np.zeros_like(x), *inner, np.full_like(x, 0.5 * pi)])
     return x[..., None] * np.sin(phi), weight
 

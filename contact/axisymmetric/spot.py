@@ -1,13 +1,17 @@
-r"""Equal spots on a lattice by the localization principle: the paper's (1)-(4), and its second, more accurate step.
+r"""Equal spots on a lattice by the localization principle: the paper's (1)-(4), and its second,
+more accurate step.
 
-`rings` = 0 is (1) with (4): the spot's own pressure and, outside A = (pi N)^(-1/2), the nominal pressure N P_s,
+`rings` = 0 is (1) with (4): the spot's own pressure and, outside A = (pi N)^(-1/2), the nominal
+pressure N P_s,
 
     p(r) = p_f(r) + (2/pi) N P_s arctan(sqrt(a^2 - r^2)/sqrt(A^2 - a^2)),    P_s = 2 pi int_0^a p r dr,
 
-so P_s (1 - F) = P_f(a), F = (2/pi)[arcsin(a/A) - (a/A) sqrt(1 - a^2/A^2)]. `rings` = n keeps n rings of neighbours in
-their places, `math.inf` all of them: then only what varies with the angle is left out.
+so P_s (1 - F) = P_f(a), F = (2/pi)[arcsin(a/A) - (a/A) sqrt(1 - a^2/A^2)]. `rings` = n keeps n
+rings of neighbours in their places, `math.inf` all of them: then only what varies with the angle is
+left out.
 
-Nodes are added until nothing changes: the error of a spot is stated from what was seen, not from a rate believed.
+Nodes are added until nothing changes: the error of a spot is stated from what was seen, not from a
+rate believed.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -21,7 +25,16 @@ from contact.axisymmetric.answer import Spot
 from contact.axisymmetric.lattices import Density, Lattice, as_lattice, own_radius
 from contact.axisymmetric.neighbours import Surroundings, surroundings
 from contact.axisymmetric.profiles import AxisymmetricProfile, as_profile
-from contact.axisymmetric.system import Condition, Kind, Linear, State, closed_edge, force, refine_topology, touching
+from contact.axisymmetric.system import (
+    Condition,
+    Kind,
+    Linear,
+    State,
+    closed_edge,
+    force,
+    refine_topology,
+    touching,
+)
 from contact.errors import NotConverged, OutOfRange, SceneError
 from contact.model.checks import integer, positive
 from contact.reference.exact.roots import root
@@ -31,10 +44,18 @@ _ALONE = Surroundings(None, 0.0, 0.0)
 
 
 def solve_spot(
-    profile: Any, E_star: float, lattice: Lattice | Density | None = None, *, load: float | None = None,
-    nominal_pressure: float | None = None, spot_radius: float | None = None, rings: float = 0, tol: float = 1e-10,
+    profile: Any,
+    E_star: float,
+    lattice: Lattice | Density | None = None,
+    *,
+    load: float | None = None,
+    nominal_pressure: float | None = None,
+    spot_radius: float | None = None,
+    rings: float = 0,
+    tol: float = 1e-10,
 ) -> Spot:
-    """The spot under a load per spot [N], a nominal pressure [Pa] or of a given radius [m]: exactly one of them.
+    """The spot under a load per spot [N], a nominal pressure [Pa] or of a given radius [m]: exactly
+    one of them.
 
     Parameters
     ----------
@@ -60,9 +81,8 @@ def solve_spot(
     SceneError, OutOfRange, NotConverged
         If the input is bad, no spot answers the control, or the tolerance was not met.
 
-    Examples
-    --------
-    Hertz: a^3 = 3 P R / (4 E*) (K. L. Johnson, Contact Mechanics, 1985, doi 10.1017/CBO9781139171731, section 4.2).
+    Examples -------- Hertz: a^3 = 3 P R / (4 E*) (K. L. Johnson, Contact Mechanics, 1985, doi
+    10.1017/CBO9781139171731, section 4.2).
 
     >>> from contact.axisymmetric import Sphere, solve_spot
     >>> spot = solve_spot(Sphere(radius=1e-3), 1e11, load=1.0)
@@ -76,7 +96,12 @@ def solve_spot(
     density = 0.0 if place is None else place.density
     if name == "nominal_pressure":
         if place is None:
-            raise SceneError("nominal_pressure needs a lattice or a density", name, value, "left out for a spot alone")
+            raise SceneError(
+                "nominal_pressure needs a lattice or a density",
+                name,
+                value,
+                "left out for a spot alone",
+            )
         value /= density
 
     seen = _seen(place, kept)
@@ -84,8 +109,12 @@ def solve_spot(
     limit = min(inf if seen.kernel is None else 0.5 * seen.kernel.nearest, seen.circle or inf)
     if name == "spot_radius":
         if not value < limit:
-            raise OutOfRange(f"spot_radius = {value:.6g} m is out of range: it must be below {limit:.6g} m")
-        states: Iterable[State] = (Linear(kinds, np.array([value]), n).solve(closed_edge(0)) for n in NODES)
+            raise OutOfRange(
+                f"spot_radius = {value:.6g} m is out of range: it must be below {limit:.6g} m"
+            )
+        states: Iterable[State] = (
+            Linear(kinds, np.array([value]), n).solve(closed_edge(0)) for n in NODES
+        )
     else:
         start = first_radius(shape.load_integral, value / E, 1.0 if isinf(limit) else limit)
         states = settled(kinds, np.array([min(start, 0.9 * limit)]), force(0, value / E))
@@ -93,7 +122,8 @@ def solve_spot(
 
 
 def correction_share(ratio: float) -> float:
-    """F(a/A), the part of P_s that the nominal pressure around brings to the spot in the first step: (2/pi)(arcsin q - q sqrt(1 - q^2)).
+    """F(a/A), the part of P_s that the nominal pressure around brings to the spot in the first
+    step: (2/pi)(arcsin q - q sqrt(1 - q^2)).
 
     Parameters
     ----------
@@ -124,7 +154,8 @@ def correction_share(ratio: float) -> float:
 
 
 def first_step_load(profile: Any, E_star: float, density: float, spot_radius: float) -> float:
-    """The load of a spot on a lattice in the first step of the localization, P_s = P_f(a)/(1 - F(a/A)): the closed form of (1) with (4).
+    """The load of a spot on a lattice in the first step of the localization, P_s = P_f(a)/(1 -
+    F(a/A)): the closed form of (1) with (4).
 
     Parameters
     ----------
@@ -178,7 +209,9 @@ def one_control(**given: float | None) -> tuple[str, float]:
 
 
 def ring_count(rings: Any, place: Lattice | Density | None) -> float:
-    """How many rings of neighbours are kept: a whole number, or inf; more than 0 needs their places."""
+    """How many rings of neighbours are kept: a whole number, or inf; more than 0 needs their
+    places.
+    """
     count: float = inf if isinstance(rings, float) and rings == inf else integer("rings", rings)
     if count > 0 and not isinstance(place, Lattice):
         raise SceneError.of("rings", rings, "0 where no lattice says where the neighbours stand")
@@ -219,13 +252,25 @@ def spot_of(j: int, kinds: Sequence[Kind], state: State, E_star: float, rings: f
         elif seen.circle > 0:
             reach = min(reach, seen.circle)
     return Spot(
-        kind.profile, E_star, float(state.radii[j]), E_star * float(state.forces[j]), kind.depth, state.delta,
-        kind.density, rings, state.surfaces[j], reach,
+        kind.profile,
+        E_star,
+        float(state.radii[j]),
+        E_star * float(state.forces[j]),
+        kind.depth,
+        state.delta,
+        kind.density,
+        rings,
+        state.surfaces[j],
+        reach,
     )
 
 
-def refined(states: Iterable[State], spots_of: Callable[[State], list[Spot]], tol: float) -> list[Spot]:
-    """The spots of the first state that differs from the one before by less than tol, checked, their error stated."""
+def refined(
+    states: Iterable[State], spots_of: Callable[[State], list[Spot]], tol: float
+) -> list[Spot]:
+    """The spots of the first state that differs from the one before by less than tol, checked,
+    their error stated.
+    """
     last: list[Spot] | None = None
     trace: list[float] = []
     for state in states:
@@ -240,7 +285,9 @@ def refined(states: Iterable[State], spots_of: Callable[[State], list[Spot]], to
         if trace[-1] <= tol:
             return [_stated(spot, trace, tol) for spot in spots]
         last = spots
-    raise NotConverged(f"{NODES[-1]} nodes leave a change of {trace[-1]:.2e}, above tol = {tol:.2e}", trace, last)
+    raise NotConverged(
+        f"{NODES[-1]} nodes leave a change of {trace[-1]:.2e}, above tol = {tol:.2e}", trace, last
+    )
 
 
 def _difference(new: Spot, old: Spot) -> float:
@@ -254,25 +301,39 @@ def _difference(new: Spot, old: Spot) -> float:
 
 
 def _stated(spot: Spot, trace: list[float], tol: float) -> Spot:
-    """The spot with its error: the last change, or the balance of load and pressure if that is worse."""
+    """The spot with its error: the last change, or the balance of load and pressure if that is
+    worse.
+    """
     spot.check()
-    # A spot just born feels the rounding of approach and depth, which are much larger than its own penetration.
+    # A spot just born feels the rounding of approach and depth, which are much larger than its own
+    # penetration.
     own = float(spot.profile.line(spot.radius))
     derived = spot.profile.derived_error(spot.radius) * spot.E_star / spot.mean_pressure
-    error = max(trace[-1], abs(spot.balance()), _ROUNDING, derived, 4.0 * _EPS * (abs(spot.approach) + spot.depth) / own)
+    error = max(
+        trace[-1],
+        abs(spot.balance()),
+        _ROUNDING,
+        derived,
+        4.0 * _EPS * (abs(spot.approach) + spot.depth) / own,
+    )
     spot = replace(spot, error=error)
     if error > tol and error == derived:
         give = "slope_of, a height that takes complex numbers or is exact near the tip (2 sinh(r/2)^2, not cosh(r) - 1), or a larger tol"
         left = f"rounding of the heights leaves the pressure an error of {error:.2e}, above tol = {tol:.2e}"
         raise NotConverged(f"{left}: give {give}", trace, spot)
     if error > tol:
-        why = "the profile's derivatives are not that good" if trace[-1] < error else "too few nodes"
-        raise NotConverged(f"load and pressure balance to {error:.2e} only, tol = {tol:.2e}: {why}", trace, spot)
+        why = (
+            "the profile's derivatives are not that good" if trace[-1] < error else "too few nodes"
+        )
+        raise NotConverged(
+            f"load and pressure balance to {error:.2e} only, tol = {tol:.2e}: {why}", trace, spot
+        )
     return spot
 
 
 def first_radius(growing: Callable[[float], Any], target: float, scale: float) -> float:
-    """The smallest radius where a quantity that starts from 0 reaches the target: a start for Newton.
+    """The smallest radius where a quantity that starts from 0 reaches the target: a start for
+    Newton.
 
     A fall on the way ends the branch from zero load: OutOfRange.
     """
@@ -284,7 +345,9 @@ def first_radius(growing: Callable[[float], Any], target: float, scale: float) -
     for _ in range(2000):
         new = growing(a * _GROW)
         if not np.isfinite(new) or new < last * (1.0 - 1e-9):
-            raise OutOfRange(f"no spot carries this: what it carries falls beyond a radius of {a:.6g} m")
+            raise OutOfRange(
+                f"no spot carries this: what it carries falls beyond a radius of {a:.6g} m"
+            )
         if new >= target:
             return root(lambda radius: float(growing(radius)) - target, a, a * _GROW)
         a, last = a * _GROW, new

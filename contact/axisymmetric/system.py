@@ -1,17 +1,18 @@
-r"""Spots of one or several kinds that carry each other's neighbours: the second-kind equation, and Newton for the
-radii.
+r"""Spots of one or several kinds that carry each other's neighbours: the second-kind equation, and
+Newton for the radii.
 
-With w_j(x), |x| <= a_j, the Abel transform of kind j's own displacement (P_j = E* int w_j, p_j = -(E*/pi) int
-w_j'/sqrt),
+With w_j(x), |x| <= a_j, the Abel transform of kind j's own displacement (P_j = E* int w_j, p_j =
+-(E*/pi) int w_j'/sqrt),
 
     w_j(x) = delta - d_j - g_j(x) - e_j(x) + sum_i (2 N_i P_i/E*) sqrt(A_ji^2 - x^2),
     e_j(x) = (1/pi) sum_i int_-a_i^a_i w_i(t) K_ji(x - t) dt,
 
-g_j the profile's transform, d_j the depth of its tip, K and A from `neighbours`. For given radii this is linear in
-e_j at Gauss nodes, the loads and delta, closed by one side condition: a total load, w = 0 at the edge, or a tip that
-just touches. The right radii have w_j(a_j) = 0. A shift of a_j changes the integrals by w_j(a_j) da_j only, which
-vanishes there: the Jacobian of the edge values is diagonal, w_j'(a_j), and a_j -> a_j - w_j(a_j)/w_j'(a_j) is
-Newton's step, under any side condition.
+g_j the profile's transform, d_j the depth of its tip, K and A from `neighbours`. For given radii
+this is linear in e_j at Gauss nodes, the loads and delta, closed by one side condition: a total
+load, w = 0 at the edge, or a tip that just touches. The right radii have w_j(a_j) = 0. A shift of
+a_j changes the integrals by w_j(a_j) da_j only, which vanishes there: the Jacobian of the edge
+values is diagonal, w_j'(a_j), and a_j -> a_j - w_j(a_j)/w_j'(a_j) is Newton's step, under any side
+condition.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -34,7 +35,9 @@ _ROUNDING = 1e-15  # of w at an edge, to the approach: a spot just born settles 
 
 @dataclass(frozen=True)
 class Kind:
-    """Spots of one profile, tip depth and density [1/m^2]; around: the spots of every kind as seen from one of these."""
+    """Spots of one profile, tip depth and density [1/m^2]; around: the spots of every kind as seen
+    from one of these.
+    """
 
     profile: AxisymmetricProfile
     depth: float
@@ -65,7 +68,9 @@ def both_sides(function: Callable[[Array], Array], x: Array, t: Array) -> Array:
 
 @dataclass(frozen=True)
 class Surface:
-    """What all the other spots do to one: the Abel transform of the displacement they make, from the mean plane."""
+    """What all the other spots do to one: the Abel transform of the displacement they make, from
+    the mean plane.
+    """
 
     sources: tuple[Source, ...]
     nominal: tuple[tuple[float, Surroundings], ...]  # 2 N P/E* outside its circle
@@ -77,7 +82,9 @@ class Surface:
 
     def slope(self, x: ArrayLike) -> Array:
         x = np.asarray(x, dtype=np.float64)
-        return self.kept_slope(x) - sum((s * around.outside_slope(x) for s, around in self.nominal), np.zeros(x.shape))
+        return self.kept_slope(x) - sum(
+            (s * around.outside_slope(x) for s, around in self.nominal), np.zeros(x.shape)
+        )
 
     def kept_slope(self, x: ArrayLike) -> Array:
         """That of the neighbours kept, without the nominal pressure: smooth up to D - a."""
@@ -86,7 +93,9 @@ class Surface:
 
 @dataclass(frozen=True)
 class State:
-    """A solved system: radii, P/E* and w(a) of every kind (0 where it does not touch), delta, and what acts on whom."""
+    """A solved system: radii, P/E* and w(a) of every kind (0 where it does not touch), delta, and
+    what acts on whom.
+    """
 
     radii: Array
     forces: Array
@@ -100,7 +109,8 @@ Condition = Callable[["Linear"], tuple[Array, float]]
 
 
 class Linear:
-    """The linear system at given radii; the unknowns are e at the nodes of every touching kind, P/E*, and delta.
+    """The linear system at given radii; the unknowns are e at the nodes of every touching kind,
+    P/E*, and delta.
 
     What is linear in them is kept as rows: the factors of the unknowns, and a constant last.
     """
@@ -115,7 +125,8 @@ class Linear:
         self.at_force = {j: len(self.active) * m + k for k, j in enumerate(self.active)}
         self.at_delta = len(self.active) * (m + 1)
         self.size = self.at_delta + 1
-        # w at nodes and 2 x weights: all of it but the profile's g, and that, which need not be smooth.
+        # w at nodes and 2 x weights: all of it but the profile's g, and that, which need not be
+        # smooth.
         self.smooth = {j: (radii[j] * self.unit, 2.0 * radii[j] * self.weight) for j in self.active}
         self.rough = {j: self._rough(j) for j in self.active}
         every = np.eye(self.size + 1)
@@ -133,7 +144,9 @@ class Linear:
         rows[:, self.at_delta] += 1.0
         rows[:, -1] -= self.kinds[j].depth
         for k in self.active:
-            rows[:, self.at_force[k]] += 2.0 * self.kinds[k].density * self.kinds[j].around[k].outside(x)
+            rows[:, self.at_force[k]] += (
+                2.0 * self.kinds[k].density * self.kinds[j].around[k].outside(x)
+            )
         return rows
 
     def e(self, j: int, x: Array) -> Array:
@@ -166,7 +179,9 @@ class Linear:
             matrix[row, at] = weights
             matrix[row, self.at_delta] = -2.0 * a
             for k in self.active:
-                matrix[row, self.at_force[k]] -= 2.0 * self.kinds[k].density * kind.around[k].outside_integral(a)
+                matrix[row, self.at_force[k]] -= (
+                    2.0 * self.kinds[k].density * kind.around[k].outside_integral(a)
+                )
             right[row] = -2.0 * (a * kind.depth + kind.profile.line_integral(a))
         matrix[-1], right[-1] = condition(self)
         # Rows and columns have units; bring each row, then each column, to size one.
@@ -174,8 +189,9 @@ class Linear:
         columns = 1.0 / np.max(np.abs(matrix * rows[:, None]), axis=0)
         matrix, right = matrix * rows[:, None] * columns, right * rows
         unknown = np.linalg.solve(matrix, right)
-        # The rows of a spot just born have terms far smaller than others: elimination is exact to the largest term of all, and with
-        # one step of refinement to the largest of each row (Skeel 1980, doi 10.1090/S0025-5718-1980-0572859-4).
+        # The rows of a spot just born have terms far smaller than others: elimination is exact to
+        # the largest term of all, and with one step of refinement to the largest of each row (Skeel
+        # 1980, doi 10.1090/S0025-5718-1980-0572859-4).
         unknown += np.linalg.solve(matrix, right - matrix @ unknown)
         return self._state(columns * unknown)
 
@@ -186,16 +202,29 @@ class Linear:
         for i in self.active:
             forces[i] = unknown[self.at_force[i]]
             (t, weights), (s, rough) = self.smooth[i], self.rough[i]
-            sources[i] = np.concatenate([t, s]), np.concatenate([weights * (self.w[i] @ np.append(unknown, 1.0)), rough])
+            sources[i] = (
+                np.concatenate([t, s]),
+                np.concatenate([weights * (self.w[i] @ np.append(unknown, 1.0)), rough]),
+            )
         surfaces = []
         for j, kind in enumerate(self.kinds):
             seen = {i: kind.around[i] for i in self.active}
-            acting = tuple(Source(*sources[i], around.kernel) for i, around in seen.items() if around.kernel is not None)
-            nominal = tuple((2.0 * self.kinds[i].density * forces[i], around) for i, around in seen.items() if around.circle > 0)
+            acting = tuple(
+                Source(*sources[i], around.kernel)
+                for i, around in seen.items()
+                if around.kernel is not None
+            )
+            nominal = tuple(
+                (2.0 * self.kinds[i].density * forces[i], around)
+                for i, around in seen.items()
+                if around.circle > 0
+            )
             surfaces.append(Surface(acting, nominal))
             if j in self.active:
                 a = self.radii[j]
-                edges[j] = delta - kind.depth - float(kind.profile.line(a)) - float(surfaces[j].value(a))
+                edges[j] = (
+                    delta - kind.depth - float(kind.profile.line(a)) - float(surfaces[j].value(a))
+                )
         return State(self.radii.copy(), forces, edges, delta, tuple(surfaces))
 
 
@@ -206,7 +235,10 @@ def touching(radii: Array) -> list[int]:
 
 def total_load(pressure_over_E: float) -> Condition:
     """sum_j N_j P_j = nominal pressure."""
-    return lambda linear: (linear.row({linear.at_force[j]: linear.kinds[j].density for j in linear.active}), pressure_over_E)
+    return lambda linear: (
+        linear.row({linear.at_force[j]: linear.kinds[j].density for j in linear.active}),
+        pressure_over_E,
+    )
 
 
 def force(kind: int, force_over_E: float) -> Condition:
@@ -215,12 +247,16 @@ def force(kind: int, force_over_E: float) -> Condition:
 
 
 def closed_edge(kind: int) -> Condition:
-    """w_j(a_j) = 0 at the radius given; of a kind that carries nothing yet at its tip, which is on the deformed surface."""
+    """w_j(a_j) = 0 at the radius given; of a kind that carries nothing yet at its tip, which is on
+    the deformed surface.
+    """
 
     def row(linear: Linear) -> tuple[Array, float]:
         at = linear.radii[[kind]]
         rows = linear.displaced(kind, at, linear.e(kind, at))[0]
-        return rows[:-1], (float(linear.kinds[kind].profile.line(at)[0]) if at[0] else 0.0) - float(rows[-1])
+        return rows[:-1], (float(linear.kinds[kind].profile.line(at)[0]) if at[0] else 0.0) - float(
+            rows[-1]
+        )
 
     return row
 
@@ -241,7 +277,8 @@ def refine_topology(kinds: Sequence[Kind], start: Array, condition: Condition, n
         for j in active:
             a = radii[j]
             slope = float(kinds[j].profile.line_slope(a)) + float(state.surfaces[j].slope(a))
-            # A profile flat at a, or one pushed from beside, has no step of Newton's: a doubling finds its way.
+            # A profile flat at a, or one pushed from beside, has no step of Newton's: a doubling
+            # finds its way.
             steps[j] = state.edges[j] / slope if slope > 0 else np.copysign(a, state.edges[j])
             rounding &= bool(abs(state.edges[j]) <= _ROUNDING * (abs(state.delta) + kinds[j].depth))
         steps[active] = np.clip(steps[active], -0.5 * radii[active], radii[active])
@@ -255,8 +292,12 @@ def refine_topology(kinds: Sequence[Kind], start: Array, condition: Condition, n
             steps *= 0.5
         radii = radii + steps
         if room(kinds, radii) < 1e-7:
-            raise OutOfRange("out of range: the spots would grow into their neighbours before this is reached")
-    raise NotConverged(f"the radii have not settled in {_STEPS} steps (last {trace[-1]:.2e})", trace)
+            raise OutOfRange(
+                "out of range: the spots would grow into their neighbours before this is reached"
+            )
+    raise NotConverged(
+        f"the radii have not settled in {_STEPS} steps (last {trace[-1]:.2e})", trace
+    )
 
 
 def room(kinds: Sequence[Kind], radii: Array) -> float:

@@ -1,8 +1,9 @@
-"""The command line: `contact solve | plan | compare | path | sweep | explore | trace | figures | bench | stability`, and lists of what a
-scene may name, `contact profiles | interactions | substrates | laws | controls`.
+"""The command line: `contact solve | plan | compare | path | sweep | explore | trace | figures |
+bench | stability`, and lists of what a scene may name, `contact profiles | interactions |
+substrates | laws | controls`.
 
-Exit status 0: solved; 2: bad input or out of range; 3: not converged; 130: interrupted. For all but 0 stderr has one line, after a
-line for each warning.
+Exit status 0: solved; 2: bad input or out of range; 3: not converged; 130: interrupted. For all but
+0 stderr has one line, after a line for each warning.
 """
 
 import inspect
@@ -40,27 +41,37 @@ from contact.sweeps.points import total_width
 
 @click.command("explore")
 @click.argument("scene", type=click.Path(path_type=Path), required=False)
-@click.option("--port", type=click.IntRange(1, 65535), help="Of the page; one that is free if left out.")
+@click.option(
+    "--port", type=click.IntRange(1, 65535), help="Of the page; one that is free if left out."
+)
 @click.option("--show/--no-show", default=True, help="Open a browser.")
 @TOL
 def explore_command(scene: Path | None, port: int | None, show: bool, tol: float) -> None:
-    """Turn a SCENE by sliders in a browser: surfaces, pressure, load curve and stated error follow. Without one: a wave.
+    """Turn a SCENE by sliders in a browser: surfaces, pressure, load curve and stated error follow.
+    Without one: a wave.
 
-    The page is served on this machine alone (127.0.0.1), with all that it loads; it ends with Ctrl-C.
+    The page is served on this machine alone (127.0.0.1), with all that it loads; it ends with
+    Ctrl-C.
     """
 
     given = scene_of(scene) if scene is not None and str(scene) == "-" else scene
-    require("contact.explorer.explore").serve(given, tol, port, lambda address: click.echo(f"{address}  (Ctrl-C ends it)"), show)
+    require("contact.explorer.explore").serve(
+        given, tol, port, lambda address: click.echo(f"{address}  (Ctrl-C ends it)"), show
+    )
 
 
-BAD_INPUT, NOT_CONVERGED, INTERRUPTED = 2, 3, interrupts.STATUS
+BAD_INPUT = 2
+NOT_CONVERGED = 3
+INTERRUPTED = interrupts.STATUS
 
 # A table of more zones than this is for a file.
 _ZONES_SHOWN = 20
 
 
 class Commands(click.Group):
-    """A click group that ends every error of the package and of usage in its exit status and one line."""
+    """A click group that ends every error of the package and of usage in its exit status and one
+    line.
+    """
 
     def main(self, *args: Any, standalone_mode: bool = True, **extra: Any) -> Any:
         run: Callable[..., Any] = super().main
@@ -68,19 +79,25 @@ class Commands(click.Group):
             return run(*args, standalone_mode=False, **extra)
         try:
             with warnings.catch_warnings():
-                # Each as one line, without its place in the code, and every one of the model's: after what Python's own options ask.
+                # Each as one line, without its place in the code, and every one of the model's:
+                # after what Python's own options ask.
                 warnings.filterwarnings("always", category=ModelWarning, append=True)
                 warnings.showwarning = _show_warning
                 status = run(*args, standalone_mode=False, **extra)
         except NotConverged as error:
             _stop(NOT_CONVERGED, str(error))
         except BrokenPipeError:
-            # The reader of the pipe has seen enough; Python's own flush at exit must not complain either.
+            # The reader of the pipe has seen enough; Python's own flush at exit must not complain
+            # either.
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             sys.exit(1)
         except click.ClickException as error:
             _stop(BAD_INPUT, error.format_message())
-        except (ContactError, OSError, ModelWarning) as error:  # warnings where PYTHONWARNINGS makes errors of them
+        except (
+            ContactError,
+            OSError,
+            ModelWarning,
+        ) as error:  # warnings where PYTHONWARNINGS makes errors of them
             _stop(BAD_INPUT, str(error))
         except click.Abort:
             _stop(INTERRUPTED, "interrupted")
@@ -102,18 +119,33 @@ def _say_version(context: click.Context, _: click.Parameter, asked: bool) -> Non
     click.echo(f"contact {version()}")
     others = ", ".join(owners())
     if others:
-        click.echo(f"contact: warning: {others} is imported as `contact` too: keep one of them in an environment", err=True)
+        click.echo(
+            f"contact: warning: {others} is imported as `contact` too: keep one of them in an environment",
+            err=True,
+        )
     context.exit()
 
 
-@click.group(cls=Commands, invoke_without_command=True, context_settings={"help_option_names": ["-h", "--help"]})
-@click.option("--version", is_flag=True, is_eager=True, expose_value=False, callback=_say_version,
-              help="Show the version, and whether another package takes the name.")
+@click.group(
+    cls=Commands,
+    invoke_without_command=True,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+@click.option(
+    "--version",
+    is_flag=True,
+    is_eager=True,
+    expose_value=False,
+    callback=_say_version,
+    help="Show the version, and whether another package takes the name.",
+)
 @click.pass_context
 def main(context: click.Context) -> None:
-    """Exact elastic contact of rough and wavy bodies, from scene files in TOML; - for SCENE reads it from standard input.
+    """Exact elastic contact of rough and wavy bodies, from scene files in TOML; - for SCENE reads
+    it from standard input.
 
-    Exit status: 0 solved; 1 the reader of a pipe left; 2 bad input or out of range; 3 not converged; 130 interrupted.
+    Exit status: 0 solved; 1 the reader of a pipe left; 2 bad input or out of range; 3 not
+    converged; 130 interrupted.
     """
     if told := other_package():
         click.echo(f"contact: warning: {told}", err=True)
@@ -124,18 +156,53 @@ def main(context: click.Context) -> None:
 @main.command("solve")
 @SCENE
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of tables.")
-@click.option("--save", type=click.Path(path_type=Path), metavar="OUT.nc", help="Write zones and fields as netCDF, or OUT.json.")
-@click.option("--csv", "table", type=click.Path(path_type=Path), metavar="OUT.csv", help="Write the zones as CSV.")
-@click.option("--fields", type=click.Path(path_type=Path), metavar="OUT.csv", help="Write pressure and gap over x as CSV.")
-@click.option("--plot", "figure", type=click.Path(path_type=Path), metavar="OUT.png", help="Draw the surfaces, p.")
-@click.option("--branch", type=click.Choice(("advancing", "receding")), default="advancing", show_default=True,
-              help="Of several equilibria under adhesion: by raising, or by lowering the control.")
+@click.option(
+    "--save",
+    type=click.Path(path_type=Path),
+    metavar="OUT.nc",
+    help="Write zones and fields as netCDF, or OUT.json.",
+)
+@click.option(
+    "--csv",
+    "table",
+    type=click.Path(path_type=Path),
+    metavar="OUT.csv",
+    help="Write the zones as CSV.",
+)
+@click.option(
+    "--fields",
+    type=click.Path(path_type=Path),
+    metavar="OUT.csv",
+    help="Write pressure and gap over x as CSV.",
+)
+@click.option(
+    "--plot",
+    "figure",
+    type=click.Path(path_type=Path),
+    metavar="OUT.png",
+    help="Draw the surfaces, p.",
+)
+@click.option(
+    "--branch",
+    type=click.Choice(("advancing", "receding")),
+    default="advancing",
+    show_default=True,
+    help="Of several equilibria under adhesion: by raising, or by lowering the control.",
+)
 @OVERWRITE
 @QUIET
 @TOL
 def solve_command(
-    scene: Path, as_json: bool, save: Path | None, table: Path | None, fields: Path | None, figure: Path | None, branch: str,
-    overwrite: bool, quiet: bool, tol: float,
+    scene: Path,
+    as_json: bool,
+    save: Path | None,
+    table: Path | None,
+    fields: Path | None,
+    figure: Path | None,
+    branch: str,
+    overwrite: bool,
+    quiet: bool,
+    tol: float,
 ) -> None:
     """Solve a SCENE and print its zones, loads and what was checked."""
     problem = scene_of(scene)
@@ -144,7 +211,9 @@ def solve_command(
     outputs.add("--csv", table, {".csv": export.write_csv})
     outputs.add("--fields", fields, {".csv": export.write_fields})
     outputs.add_figure(figure, plot)
-    for needed in ("xarray", "h5netcdf", "h5py") if save is not None and save.suffix.lower() == ".nc" else ():
+    for needed in (
+        ("xarray", "h5netcdf", "h5py") if save is not None and save.suffix.lower() == ".nc" else ()
+    ):
         require(needed)
     start = time.perf_counter()
     with Progress(wanted=not quiet) as progress:
@@ -172,7 +241,12 @@ def plan_command(scene: Path, run: bool, tol: float) -> None:
     timed = [(*_said(part), *_took(part.seconds, done.share(part))) for part in done.parts]
     show_table("plan", ("part", "used", "reason", "detail", "time", "share"), timed, numeric=(4, 5))
     sizes = [(name.replace("_", " "), str(count)) for name, count in done.counts.items()]
-    show_table("sizes", ("what", "number"), [*sizes, ("time in all", quantity(done.seconds, "s", 3))], numeric=(1,))
+    show_table(
+        "sizes",
+        ("what", "number"),
+        [*sizes, ("time in all", quantity(done.seconds, "s", 3))],
+        numeric=(1,),
+    )
 
 
 def _said(part: Part) -> tuple[str, str, str, str]:
@@ -180,15 +254,27 @@ def _said(part: Part) -> tuple[str, str, str, str]:
 
 
 def _took(seconds: float | None, share: float | None) -> tuple[str, str]:
-    return ("", "") if seconds is None or share is None else (quantity(seconds, "s", 3), f"{share:.0%}")
+    return (
+        ("", "")
+        if seconds is None or share is None
+        else (quantity(seconds, "s", 3), f"{share:.0%}")
+    )
 
 
 @main.command("compare")
 @SCENE
-@click.option("--plot", "figure", type=click.Path(path_type=Path), metavar="OUT.png", help="Draw the differences.")
+@click.option(
+    "--plot",
+    "figure",
+    type=click.Path(path_type=Path),
+    metavar="OUT.png",
+    help="Draw the differences.",
+)
 @TOL
 def compare_command(scene: Path, figure: Path | None, tol: float) -> None:
-    """Solve a SCENE as isolated, localized (with and without explicit neighbours) and exact contact, side by side."""
+    """Solve a SCENE as isolated, localized (with and without explicit neighbours) and exact
+    contact, side by side.
+    """
     problem = scene_of(scene)
     outputs = Outputs()
     outputs.add_figure(figure, plot_comparison)
@@ -214,9 +300,16 @@ main.add_command(explore_command)
 
 @main.command("figures")
 @click.argument("numbers", nargs=-1, metavar="[N]...")
-@click.option("--out", type=click.Path(path_type=Path), default=Path("figures"), show_default=True, help="Folder, made.")
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    default=Path("figures"),
+    show_default=True,
+    help="Folder, made.",
+)
 def figures_command(numbers: tuple[str, ...], out: Path) -> None:
-    """Draw figures N (2A 2B 7 8 9 10 11 12 13; all if none is named) of the paper, with their numbers as CSV.
+    """Draw figures N (2A 2B 7 8 9 10 11 12 13; all if none is named) of the paper, with their
+    numbers as CSV.
 
     Each has the exact solution beside the paper's curves; see docs/paper.
     """
@@ -231,8 +324,17 @@ def figures_command(numbers: tuple[str, ...], out: Path) -> None:
 
 @main.command("bench")
 @click.option("--quick", is_flag=True, help="Fewer and smaller scenes: about a minute.")
-@click.option("--peers", is_flag=True, help="Run tamaas and ContactMechanics on the same scenes (extra `peers`).")
-@click.option("--out", type=click.Path(path_type=Path), required=True, help="Folder for tables, CSV and figures, made.")
+@click.option(
+    "--peers",
+    is_flag=True,
+    help="Run tamaas and ContactMechanics on the same scenes (extra `peers`).",
+)
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    required=True,
+    help="Folder for tables, CSV and figures, made.",
+)
 def bench_command(quick: bool, peers: bool, out: Path) -> None:
     """Measure error against run time, and cost against size; see docs/benchmarks."""
     suites = require("contact.studies.bench.run")
@@ -247,7 +349,9 @@ def bench_command(quick: bool, peers: bool, out: Path) -> None:
 
 @main.command("stability")
 @click.option("--quick", is_flag=True, help="Without the scenes that take more than a few seconds.")
-@click.option("--out", type=click.Path(path_type=Path), help="Folder for the table and a CSV, made.")
+@click.option(
+    "--out", type=click.Path(path_type=Path), help="Folder for the table and a CSV, made."
+)
 def stability_command(quick: bool, out: Path | None) -> None:
     """Solve stiff and extreme scenes and hold each error against what the scene's condition allows.
 
@@ -263,13 +367,18 @@ def stability_command(quick: bool, out: Path | None) -> None:
         raise NotConverged(f"{failed} of {len(found.rows)} scenes fail")
 
 
-def _listed(kind: str, known: Callable[[], Mapping[str, Any]], what: str, second: str = "parameters") -> None:
+def _listed(
+    kind: str, known: Callable[[], Mapping[str, Any]], what: str, second: str = "parameters"
+) -> None:
     """The command that lists what a scene file can name of one kind."""
 
     @main.command(kind, help=f"List the {what} a scene file can name.")
     def list_command() -> None:
         told = _parameters if second == "parameters" else attrgetter(second)
-        rows = [(name, told(cls), ", ".join(getattr(cls, "allows", ())), _description(cls)) for name, cls in known().items()]
+        rows = [
+            (name, told(cls), ", ".join(getattr(cls, "allows", ())), _description(cls))
+            for name, cls in known().items()
+        ]
         heads = ("shape" if kind == "profiles" else "name", second, "controls", "what it is")
         shown = [0, 1, 2, 3] if any(row[2] for row in rows) else [0, 1, 3]
         show_table(kind, [heads[k] for k in shown], [[row[k] for k in shown] for row in rows])
@@ -285,11 +394,21 @@ _listed("controls", controls, "controls, with their units,", "unit")
 def _show_solution(solution: Answer, seconds: float) -> None:
     scene = solution.scene
     show_profile(scene.profile)
-    turning = [("tilt", f"{solution.tilt:.10g}"), ("moment", quantity(solution.moment, "N", 10))] if scene.turning else []
-    others = [what for what, part in (("substrate", scene.substrate), ("law", scene.law)) if part != type(scene).__dict__[what]]
+    turning = (
+        [("tilt", f"{solution.tilt:.10g}"), ("moment", quantity(solution.moment, "N", 10))]
+        if scene.turning
+        else []
+    )
+    others = [
+        what
+        for what, part in (("substrate", scene.substrate), ("law", scene.law))
+        if part != type(scene).__dict__[what]
+    ]
     fraction = solution.contact_fraction
     show_table(
-        ", ".join((f"{scene.profile.title} profile", f"{scene.interaction.name} interaction", *others)),
+        ", ".join(
+            (f"{scene.profile.title} profile", f"{scene.interaction.name} interaction", *others)
+        ),
         ("quantity", "value"),
         [
             ("load", quantity(solution.load, "N/m", 10)),
@@ -305,14 +424,22 @@ def _show_solution(solution: Answer, seconds: float) -> None:
         ],
     )
     checks = solution.certificate.to_dict().items()
-    show_table("checked", ("what", "value"), [(k.replace("_", " "), _told(v)) for k, v in checks if v != ""])
+    show_table(
+        "checked",
+        ("what", "value"),
+        [(k.replace("_", " "), _told(v)) for k, v in checks if v != ""],
+    )
     rows = export.zone_table(solution)
     if not rows:
         return
     shown = rows[:_ZONES_SHOWN]
     columns = [("zone", [str(place) for place in range(1, len(shown) + 1)])]
-    for name, unit, values in zip(export.ZONE_COLUMNS, export.ZONE_UNITS, zip(*shown, strict=True), strict=True):
-        columns.append(headed(name.replace("_", "\n"), values, unit, 9 if name in ("left", "right") else 7))
+    for name, unit, values in zip(
+        export.ZONE_COLUMNS, export.ZONE_UNITS, zip(*shown, strict=True), strict=True
+    ):
+        columns.append(
+            headed(name.replace("_", "\n"), values, unit, 9 if name in ("left", "right") else 7)
+        )
     show_columns("zones", columns)
     if len(rows) > _ZONES_SHOWN:
         click.echo(f"{len(rows) - _ZONES_SHOWN} more zones: --csv writes them all")
@@ -332,12 +459,18 @@ def _told(value: Any) -> str:
 def _parameters(cls: Any) -> str:
     """The arguments of a class as a scene file gives them: those with a default show it."""
     told = _arguments(cls)
-    return f"{told}; or file, {_arguments(cls.from_file, but='path')}" if hasattr(cls, "from_file") else told
+    return (
+        f"{told}; or file, {_arguments(cls.from_file, but='path')}"
+        if hasattr(cls, "from_file")
+        else told
+    )
 
 
 def _arguments(function: Callable[..., Any], but: str = "") -> str:
     parameters = [p for p in inspect.signature(function).parameters.values() if p.name != but]
-    return ", ".join(p.name if p.default in (p.empty, None) else f"{p.name} = {p.default!r}" for p in parameters)
+    return ", ".join(
+        p.name if p.default in (p.empty, None) else f"{p.name} = {p.default!r}" for p in parameters
+    )
 
 
 def _description(cls: type) -> str:

@@ -1,5 +1,7 @@
-"""What several commands have in common: how a scene is named, options, the files that they are asked to write (what cannot be written is
-refused before any work is done), and many values in few words: A:B:N, A:B:N:log, or values with commas between them."""
+"""What several commands have in common: how a scene is named, options, the files that they are
+asked to write (what cannot be written is refused before any work is done), and many values in few
+words: A:B:N, A:B:N:log, or values with commas between them.
+"""
 
 import json
 import os
@@ -19,12 +21,18 @@ from contact.model.scene_file import load_scene, read_scene
 from sie import Array
 
 SCENE = click.argument("scene", type=click.Path(path_type=Path))
-QUIET = click.option("-q", "--quiet", is_flag=True, help="Print no tables and no progress, only what goes wrong.")
-TOL = click.option("--tol", type=float, default=1e-8, show_default=True, help="Largest relative error.")
+QUIET = click.option(
+    "-q", "--quiet", is_flag=True, help="Print no tables and no progress, only what goes wrong."
+)
+TOL = click.option(
+    "--tol", type=float, default=1e-8, show_default=True, help="Largest relative error."
+)
 
 
 def scene_of(name: Path) -> Scene:
-    """The scene of a file, or of what comes in on standard input; files it names are looked for from the working folder then."""
+    """The scene of a file, or of what comes in on standard input; files it names are looked for
+    from the working folder then.
+    """
     if str(name) != "-":
         return load_scene(name)
     # None where it was closed.
@@ -33,13 +41,21 @@ def scene_of(name: Path) -> Scene:
 
 # Of what is made, a file, and whether that may be written over.
 Write = Callable[[Any, Path, bool], Any]
-OVERWRITE = click.option("--overwrite", is_flag=True, help="Write over files of numbers that are there; pictures are drawn anew.")
+OVERWRITE = click.option(
+    "--overwrite",
+    is_flag=True,
+    help="Write over files of numbers that are there; pictures are drawn anew.",
+)
 
 
 def checked(option: str, path: Path, endings: Iterable[str], overwrite: bool = False) -> None:
-    """That a file of that name can be written; one that is there, only where it may be written over."""
+    """That a file of that name can be written; one that is there, only where it may be written
+    over.
+    """
     if path.suffix.lower() not in endings:
-        raise SceneError.of(option, str(path), f"a file name that ends in {', '.join(sorted(endings))}")
+        raise SceneError.of(
+            option, str(path), f"a file name that ends in {', '.join(sorted(endings))}"
+        )
     if not path.parent.is_dir():
         raise SceneError.of(option, str(path), "in a folder that exists")
     if path.is_dir() or not os.access(path if path.exists() else path.parent, os.W_OK):
@@ -49,7 +65,9 @@ def checked(option: str, path: Path, endings: Iterable[str], overwrite: bool = F
 
 
 class Outputs:
-    """The files that a command is asked for, and how each is written; what cannot be written is refused before any work is done."""
+    """The files that a command is asked for, and how each is written; what cannot be written is
+    refused before any work is done.
+    """
 
     def __init__(self, overwrite: bool = False) -> None:
         self._overwrite = overwrite
@@ -65,9 +83,13 @@ class Outputs:
         self._writers[path] = writers[path.suffix.lower()]
 
     def add_figure(self, path: Path | None, drawn: Callable[[Any], Any]) -> None:
-        """A picture of what is made; one that is there is drawn anew, as it holds nothing that is not drawn again."""
+        """A picture of what is made; one that is there is drawn anew, as it holds nothing that is
+        not drawn again.
+        """
         if path is not None:
-            known = require("matplotlib.backends.backend_agg").FigureCanvasAgg.get_supported_filetypes()
+            known = require(
+                "matplotlib.backends.backend_agg"
+            ).FigureCanvasAgg.get_supported_filetypes()
             checked("--plot", path, [f".{kind}" for kind in known], overwrite=True)
             self._writers[path] = lambda made, name, _: drawn(made).savefig(name, dpi=200)
 
@@ -76,7 +98,9 @@ class Outputs:
             write(made, path, self._overwrite)
 
     def finish(self, made: Any, as_json: bool, quiet: bool, show: Callable[[], None]) -> None:
-        """What was made, in the files; and on stdout as JSON, or in tables, unless nothing is to be printed."""
+        """What was made, in the files; and on stdout as JSON, or in tables, unless nothing is to be
+        printed.
+        """
         self.write(made)
         if as_json:
             click.echo(json.dumps(made.to_dict(), allow_nan=False))
@@ -93,9 +117,15 @@ _MOST = 100_000
 
 
 def values_of(option: str, text: str) -> Array:
-    """N even values from A to B, evenly spaced in their logarithm with `:log`; both ends are among them."""
+    """N even values from A to B, evenly spaced in their logarithm with `:log`; both ends are among
+    them.
+    """
     try:
-        values = _between(text.split(":")) if ":" in text else np.array([float(part) for part in text.split(",")])
+        values = (
+            _between(text.split(":"))
+            if ":" in text
+            else np.array([float(part) for part in text.split(",")])
+        )
     except ValueError:
         values = np.zeros(0)
     if not values.size or not np.isfinite(values).all():
@@ -109,9 +139,20 @@ def _between(parts: list[str]) -> Array:
     """Of the parts between colons; none where they make no sense."""
     logarithmic = len(parts) == 4 and parts[3] == "log"
     first, last, count = float(parts[0]), float(parts[1]), int(parts[2]) if len(parts) > 2 else 0
-    if (len(parts) != 3 and not logarithmic) or not 2 <= count <= _MOST or first == last or not isfinite(last - first):
+    if (
+        (len(parts) != 3 and not logarithmic)
+        or not 2 <= count <= _MOST
+        or first == last
+        or not isfinite(last - first)
+    ):
         return np.zeros(0)
     if logarithmic and (first <= 0 or last <= 0):
         return np.zeros(0)
-    # 0.3, and not 0.30000000000000004: values that are read again, and written by hand, are the same.
-    return np.array([float(f"{value:.15g}") for value in (np.geomspace if logarithmic else np.linspace)(first, last, count)])
+    # 0.3, and not 0.30000000000000004: values that are read again, and written by hand, are the
+    # same.
+    return np.array(
+        [
+            float(f"{value:.15g}")
+            for value in (np.geomspace if logarithmic else np.linspace)(first, last, count)
+        ]
+    )

@@ -1,4 +1,6 @@
-"""`contact path SCENE --loads A:B:N`: a scene at many loads, up and down, with the loads at which zones come, go and merge."""
+"""`contact path SCENE --loads A:B:N`: a scene at many loads, up and down, with the loads at which
+zones come, go and merge.
+"""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -22,8 +24,16 @@ from sie import Array
 
 # Columns of the table, with digits: what an 80-column screen holds.
 _SHOWN = {
-    "load": 4, "mean_pressure": 4, "max_pressure": 4, "approach": 4, "contact_fraction": 4, "total_width": 4, "mean_gap": 4, "stiffness": 3,
-    "zone_count": 5, "error": 2,
+    "load": 4,
+    "mean_pressure": 4,
+    "max_pressure": 4,
+    "approach": 4,
+    "contact_fraction": 4,
+    "total_width": 4,
+    "mean_gap": 4,
+    "stiffness": 3,
+    "zone_count": 5,
+    "error": 2,
 }
 # The option that gives the values of a control.
 _OPTIONS = {"load": "loads", "mean_pressure": "pressures", "approach": "approaches"}
@@ -32,43 +42,114 @@ _HEADS = {"zone_count": "zones", "stiffness": "stiff-\nness"}
 
 @click.command("path")
 @SCENE
-@click.option("--loads", metavar="A:B:N[:log]", help="Loads [N/m], per period: N from A to B, or with commas between.")
+@click.option(
+    "--loads",
+    metavar="A:B:N[:log]",
+    help="Loads [N/m], per period: N from A to B, or with commas between.",
+)
 @click.option("--pressures", metavar="A:B:N[:log]", help="Mean pressures [Pa], in place of loads.")
-@click.option("--approaches", metavar="A:B:N[:log]", help="Approaches [m], in place of loads, of surfaces that adhere.")
-@click.option("--stiffness", type=float, metavar="K", help="Of a spring whose far end the approaches are [N/m^2].")
+@click.option(
+    "--approaches",
+    metavar="A:B:N[:log]",
+    help="Approaches [m], in place of loads, of surfaces that adhere.",
+)
+@click.option(
+    "--stiffness",
+    type=float,
+    metavar="K",
+    help="Of a spring whose far end the approaches are [N/m^2].",
+)
 @click.option("--back", is_flag=True, help="The same values back again.")
-@click.option("--no-events", is_flag=True, help="Do not look for where zones come, go and merge: much quicker where there are many.")
-@click.option("--workers", type=int, default=1, metavar="N", help="With --no-events: processes that solve.", show_default=True)
-@click.option("--csv", "table", type=click.Path(path_type=Path), metavar="OUT.csv", help="Write a row for each load.")
-@click.option("--plot", "figure", type=click.Path(path_type=Path), metavar="OUT.png", help="Draw contact and approach over the load.")
+@click.option(
+    "--no-events",
+    is_flag=True,
+    help="Do not look for where zones come, go and merge: much quicker where there are many.",
+)
+@click.option(
+    "--workers",
+    type=int,
+    default=1,
+    metavar="N",
+    help="With --no-events: processes that solve.",
+    show_default=True,
+)
+@click.option(
+    "--csv",
+    "table",
+    type=click.Path(path_type=Path),
+    metavar="OUT.csv",
+    help="Write a row for each load.",
+)
+@click.option(
+    "--plot",
+    "figure",
+    type=click.Path(path_type=Path),
+    metavar="OUT.png",
+    help="Draw contact and approach over the load.",
+)
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of tables.")
 @OVERWRITE
 @QUIET
 @TOL
 def path_command(
-    scene: Path, loads: str | None, pressures: str | None, approaches: str | None, stiffness: float | None, back: bool, no_events: bool,
-    workers: int, table: Path | None, figure: Path | None, as_json: bool, overwrite: bool, quiet: bool, tol: float,
+    scene: Path,
+    loads: str | None,
+    pressures: str | None,
+    approaches: str | None,
+    stiffness: float | None,
+    back: bool,
+    no_events: bool,
+    workers: int,
+    table: Path | None,
+    figure: Path | None,
+    as_json: bool,
+    overwrite: bool,
+    quiet: bool,
+    tol: float,
 ) -> None:
-    """Solve a SCENE along loads, up and down, with what happens between them: zones are born, merge, fill the period, snap apart.
+    """Solve a SCENE along loads, up and down, with what happens between them: zones are born,
+    merge, fill the period, snap apart.
 
-    The scene's own control is replaced by the loads. Without adhesion a load of 0, where nothing touches, is left out.
+    The scene's own control is replaced by the loads. Without adhesion a load of 0, where nothing
+    touches, is left out.
     """
     problem = scene_of(scene)
-    control, values = _values(problem, {"loads": loads, "pressures": pressures, "approaches": approaches}, back)
+    control, values = _values(
+        problem, {"loads": loads, "pressures": pressures, "approaches": approaches}, back
+    )
     if no_events and problem.law.pulls:
-        raise SceneError.of("--no-events", True, f"left out: under {problem.law.name} it matters which way the values go")
+        raise SceneError.of(
+            "--no-events",
+            True,
+            f"left out: under {problem.law.name} it matters which way the values go",
+        )
     if workers != 1 and not no_events:
-        raise SceneError.of("--workers", workers, "given with --no-events: events are followed from one to the next")
+        raise SceneError.of(
+            "--workers", workers, "given with --no-events: events are followed from one to the next"
+        )
     outputs = Outputs(overwrite)
-    outputs.add("--csv", table, {".csv": lambda found, name, overwrite: found.save(name, overwrite)})
+    outputs.add(
+        "--csv", table, {".csv": lambda found, name, overwrite: found.save(name, overwrite)}
+    )
     outputs.add_figure(figure, lambda found: found.plot())
     try:
         with Progress(wanted=not quiet) as progress:
             if no_events:
-                alone = tuple(solve_many(problem, values, control, tol=tol, progress=progress, workers=workers))
+                alone = tuple(
+                    solve_many(
+                        problem, values, control, tol=tol, progress=progress, workers=workers
+                    )
+                )
                 found = LoadPath(alone, ((),) * len(alone))
             else:
-                found = path(problem, values, tol=tol, progress=progress, control=control, stiffness=stiffness)
+                found = path(
+                    problem,
+                    values,
+                    tol=tol,
+                    progress=progress,
+                    control=control,
+                    stiffness=stiffness,
+                )
     except SceneError as error:
         # By the names that the command has for what the functions are given.
         if error.allowed is None or error.field not in ("values", "control", "stiffness"):
@@ -85,8 +166,14 @@ def _values(scene: Scene, given: Mapping[str, str | None], back: bool) -> tuple[
     names = [name for name, text in given.items() if text is not None]
     if len(names) != 1:
         if names:
-            raise SceneError(f"{' and '.join(f'--{name}' for name in names)} are given together: give one of them", names[0])
-        raise SceneError(f"--loads is missing, or one of {', '.join(f'--{name}' for name in given if name != 'loads')}", "loads")
+            raise SceneError(
+                f"{' and '.join(f'--{name}' for name in names)} are given together: give one of them",
+                names[0],
+            )
+        raise SceneError(
+            f"--loads is missing, or one of {', '.join(f'--{name}' for name in given if name != 'loads')}",
+            "loads",
+        )
     text = given[names[0]] or ""
     values = values_of(f"--{names[0]}", text)
     if not scene.law.pulls:
@@ -105,7 +192,11 @@ def _show(found: LoadPath) -> None:
     if "contact_fraction" in shown:
         shown.pop("total_width", None)
     heads = {name: _HEADS.get(name, name.replace("_", "\n")) for name in shown}
-    show_columns("load path", [headed(heads[name], known[name], NUMBERS[name][0], shown[name]) for name in shown], close=True)
+    show_columns(
+        "load path",
+        [headed(heads[name], known[name], NUMBERS[name][0], shown[name]) for name in shown],
+        close=True,
+    )
     if found.events:
         _show_events(found)
 
@@ -116,9 +207,19 @@ def _show_events(found: LoadPath) -> None:
         ("load", [event.load for event in events], "N/m", 10), ("position", [event.position for event in events], "m", 10),
     ]  # fmt: skip
     if isinstance(found, AdhesivePath):
-        numbers.append(("energy lost", [getattr(event, "lost", None) for event in events], "J/m", 6))
-    told = [(head.replace("\n", " "), cells) for head, cells in (headed(*given) for given in numbers)]
-    told = [("event", [event.kind for event in events]), *told, ("zones", [event.change() for event in events])]
+        numbers.append(
+            ("energy lost", [getattr(event, "lost", None) for event in events], "J/m", 6)
+        )
+    told = [
+        (head.replace("\n", " "), cells) for head, cells in (headed(*given) for given in numbers)
+    ]
+    told = [
+        ("event", [event.kind for event in events]),
+        *told,
+        ("zones", [event.change() for event in events]),
+    ]
     show_columns("events, in the order of the path", told, words=(0, len(told) - 1))
     if isinstance(found, AdhesivePath) and found.dissipated is not None:
-        click.echo(f"lost in all: {quantity(found.dissipated, 'J/m')}; work of the load: {quantity(found.work, 'J/m')}")
+        click.echo(
+            f"lost in all: {quantity(found.dissipated, 'J/m')}; work of the load: {quantity(found.work, 'J/m')}"
+        )

@@ -1,4 +1,6 @@
-"""`contact sweep SCENE --vary KEY=A:B:N --out OUT.nc`: a scene over a grid of values, on this machine or on a cluster, gone on with."""
+"""`contact sweep SCENE --vary KEY=A:B:N --out OUT.nc`: a scene over a grid of values, on this
+machine or on a cluster, gone on with.
+"""
 
 import time
 from collections.abc import Sequence
@@ -20,36 +22,82 @@ from contact.sweeps.sweep.run import sweep
 
 @click.command("sweep")
 @SCENE
-@click.option("--vary", "varied", multiple=True, required=True, metavar="KEY=A:B:N[:log]",
-              help="Values of TABLE.KEY of the scene: N from A to B, or with commas between. May be given again, for other keys.")
-@click.option("--out", type=click.Path(path_type=Path), required=True, metavar="OUT.nc", help="The table; gone on with if it is there.")
-@click.option("--scheduler", metavar="ADDRESS", help="Solve on the workers of this Dask scheduler, such as tcp://host:8786.")
-@click.option("--workers", type=int, metavar="N", help="Processes of this machine; as many as processors if left out.")
+@click.option(
+    "--vary",
+    "varied",
+    multiple=True,
+    required=True,
+    metavar="KEY=A:B:N[:log]",
+    help="Values of TABLE.KEY of the scene: N from A to B, or with commas between. May be given again, for other keys.",
+)
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    required=True,
+    metavar="OUT.nc",
+    help="The table; gone on with if it is there.",
+)
+@click.option(
+    "--scheduler",
+    metavar="ADDRESS",
+    help="Solve on the workers of this Dask scheduler, such as tcp://host:8786.",
+)
+@click.option(
+    "--workers",
+    type=int,
+    metavar="N",
+    help="Processes of this machine; as many as processors if left out.",
+)
 @click.option("--retry", is_flag=True, help="Try again what failed, as OUT.nc says.")
-@click.option("--branch", type=click.Choice(BRANCHES), default=BRANCHES[0], show_default=True,
-              help="Of several equilibria under adhesion: by raising, or by lowering the control. --vary branch=advancing,receding: both.")
+@click.option(
+    "--branch",
+    type=click.Choice(BRANCHES),
+    default=BRANCHES[0],
+    show_default=True,
+    help="Of several equilibria under adhesion: by raising, or by lowering the control. --vary branch=advancing,receding: both.",
+)
 @click.option("--overwrite", is_flag=True, help="Write over OUT.nc, and solve all anew.")
 @QUIET
 @TOL
 def sweep_command(
-    scene: Path, varied: Sequence[str], out: Path, scheduler: str | None, workers: int | None, retry: bool, branch: str,
-    overwrite: bool, quiet: bool, tol: float,
+    scene: Path,
+    varied: Sequence[str],
+    out: Path,
+    scheduler: str | None,
+    workers: int | None,
+    retry: bool,
+    branch: str,
+    overwrite: bool,
+    quiet: bool,
+    tol: float,
 ) -> None:
-    """Solve a SCENE over a grid of values of its keys, such as --vary control.mean_pressure=1e6:1e8:20:log.
+    """Solve a SCENE over a grid of values of its keys, such as --vary
+    control.mean_pressure=1e6:1e8:20:log.
 
-    What is in OUT.nc is not solved again, so that a sweep that was broken off is gone on with by the same command.
+    What is in OUT.nc is not solved again, so that a sweep that was broken off is gone on with by
+    the same command.
     """
     problem = scene_of(scene)
     over = _over(varied)
     checked("--out", out, (".nc",), overwrite=True)
     if scheduler is not None and workers is not None:
-        raise SceneError.of("--workers", workers, "left out with --scheduler, which has workers of its own")
+        raise SceneError.of(
+            "--workers", workers, "left out with --scheduler, which has workers of its own"
+        )
     if not quiet:
         show_profile(problem.profile)
     start = time.perf_counter()
     with Progress(wanted=not quiet) as progress:
         table = sweep(
-            problem, over, scheduler, tol=tol, workers=workers, out=out, overwrite=overwrite, retry=retry, branch=branch,
+            problem,
+            over,
+            scheduler,
+            tol=tol,
+            workers=workers,
+            out=out,
+            overwrite=overwrite,
+            retry=retry,
+            branch=branch,
             progress=progress,
         )
     if not quiet:
@@ -63,11 +111,15 @@ def _over(varied: Sequence[str]) -> dict[str, Any]:
     for text in varied:
         key, found, values = text.partition("=")
         if not found or not key or not values:
-            raise SceneError.of("--vary", text, "KEY=VALUES, such as control.mean_pressure=1e6:1e8:20:log")
+            raise SceneError.of(
+                "--vary", text, "KEY=VALUES, such as control.mean_pressure=1e6:1e8:20:log"
+            )
         if key in over:
             raise SceneError.of("--vary", text, f"a key that is not given yet: {key} is")
         words = values.split(",")
-        over[key] = words if all(_is_word(word) for word in words) else values_of(f"--vary {key}", values)
+        over[key] = (
+            words if all(_is_word(word) for word in words) else values_of(f"--vary {key}", values)
+        )
     return over
 
 
@@ -77,9 +129,21 @@ def _is_word(text: str) -> bool:
 
 def _show(table: Any, seconds: float) -> None:
     known = [(key, table[key].values, table[key].attrs.get("units", "")) for key in table.dims]
-    show_table("grid", ("key", "values", "from, to"), [(key, str(len(values)), _span(values, unit)) for key, values, unit in known], (1,))
-    failed, spans = table["failed"], [(name, _span(table[name].values, unit)) for name, (unit, _) in NUMBERS.items()]
-    rows = [("points", str(failed.size)), ("failed", str(int(failed.sum()))), ("time", quantity(seconds, "s", 3))]
+    show_table(
+        "grid",
+        ("key", "values", "from, to"),
+        [(key, str(len(values)), _span(values, unit)) for key, values, unit in known],
+        (1,),
+    )
+    failed, spans = (
+        table["failed"],
+        [(name, _span(table[name].values, unit)) for name, (unit, _) in NUMBERS.items()],
+    )
+    rows = [
+        ("points", str(failed.size)),
+        ("failed", str(int(failed.sum()))),
+        ("time", quantity(seconds, "s", 3)),
+    ]
     rows += [(name.replace("_", " "), span) for name, span in spans if span]
     show_table("sweep", ("quantity", "least, greatest"), rows)
 
@@ -104,5 +168,7 @@ def _stop_where_nothing_is_solved(table: Any) -> None:
     if not bool(table["failed"].all()):
         return
     reasons = [str(reason) for reason in np.ravel(table["reason"].values)]
-    kind = NotConverged if any(reason.startswith("NotConverged") for reason in reasons) else OutOfRange
+    kind = (
+        NotConverged if any(reason.startswith("NotConverged") for reason in reasons) else OutOfRange
+    )
     raise kind(f"no point is solved: {reasons[0]}")

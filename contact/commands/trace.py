@@ -1,6 +1,8 @@
-"""`contact trace FILE`: what is read in a file, its roughness and its preparation, and a scene file to start from.
+"""`contact trace FILE`: what is read in a file, its roughness and its preparation, and a scene file
+to start from.
 
-Its picture: the points as read, after each step and as they are solved; how often heights occur; the power spectrum.
+Its picture: the points as read, after each step and as they are solved; how often heights occur;
+the power spectrum.
 """
 
 import json
@@ -25,7 +27,8 @@ from contact.solution.terminal import show_table
 from sie import Array
 
 # Of the scene that is written: steel on a rigid flat, at a light load.
-_MODULUS, _POISSON = 210e9, 0.3
+_MODULUS = 210e9
+_POISSON = 0.3
 _LIGHT = 0.01  # mean pressure over E* times the rms slope
 
 
@@ -80,37 +83,72 @@ KEYS: dict[str, tuple[Callable[[str], Any], str, str]] = {
 
 def _with_keys(command: Callable[..., None]) -> Callable[..., None]:
     for name, (_, metavar, told) in reversed(KEYS.items()):
-        command = click.option(f"--{name.replace('_', '-')}", name, metavar=metavar, help=told)(command)
+        command = click.option(f"--{name.replace('_', '-')}", name, metavar=metavar, help=told)(
+            command
+        )
     return command
 
 
 @click.command("trace")
 @click.argument("file", type=click.Path(path_type=Path))
 @_with_keys
-@click.option("--plot", "figure", type=click.Path(path_type=Path), metavar="OUT.png", help="Draw the preparation, heights and spectrum.")
-@click.option("--scene", type=click.Path(path_type=Path), metavar="OUT.toml", help="Write a scene file to start from.")
+@click.option(
+    "--plot",
+    "figure",
+    type=click.Path(path_type=Path),
+    metavar="OUT.png",
+    help="Draw the preparation, heights and spectrum.",
+)
+@click.option(
+    "--scene",
+    type=click.Path(path_type=Path),
+    metavar="OUT.toml",
+    help="Write a scene file to start from.",
+)
 @OVERWRITE
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of tables.")
-def trace_command(file: Path, figure: Path | None, scene: Path | None, overwrite: bool, as_json: bool, **options: str | None) -> None:
-    """Read a trace from a FILE and print its length, pitch, heights and roughness, and what was done to it."""
+def trace_command(
+    file: Path,
+    figure: Path | None,
+    scene: Path | None,
+    overwrite: bool,
+    as_json: bool,
+    **options: str | None,
+) -> None:
+    """Read a trace from a FILE and print its length, pitch, heights and roughness, and what was
+    done to it.
+    """
     if file.suffix.lower() == ".toml":
-        raise SceneError.of("FILE", str(file), "a file of points, as a scene file names one; `contact solve` reads the scene itself")
+        raise SceneError.of(
+            "FILE",
+            str(file),
+            "a file of points, as a scene file names one; `contact solve` reads the scene itself",
+        )
     keys = {name: KEYS[name][0](text) for name, text in options.items() if text is not None}
 
     def write_scene(read: Sampled, path: Path, _: bool) -> None:
-        path.write_text(starting_scene(file, path.parent, keys, measured, read.period), encoding="utf-8")
+        path.write_text(
+            starting_scene(file, path.parent, keys, measured, read.period), encoding="utf-8"
+        )
         # What was written must be a scene.
         load_scene(path)
 
     outputs = Outputs(overwrite)
-    outputs.add_figure(figure, lambda read: plot_trace(trace, measured, power_spectrum(read), height_distribution(read)))
+    outputs.add_figure(
+        figure,
+        lambda read: plot_trace(trace, measured, power_spectrum(read), height_distribution(read)),
+    )
     outputs.add("--scene", scene, {".toml": write_scene})
     trace = load_trace(file, **keys)
     warn(trace.warnings)
     profile = Sampled(trace.x, trace.height, trace.period)
     measured = roughness(profile)
     if as_json:
-        click.echo(json.dumps({"file": str(file), "history": trace.history, **vars(measured)}, allow_nan=False))
+        click.echo(
+            json.dumps(
+                {"file": str(file), "history": trace.history, **vars(measured)}, allow_nan=False
+            )
+        )
     else:
         show_trace(f"trace {file.name}", measured, trace.history)
     outputs.write(profile)
@@ -136,26 +174,45 @@ def show_trace(title: str, measured: Roughness, history: tuple[str, ...]) -> Non
 
 
 def show_profile(profile: Profile) -> None:
-    """The same of a scene's profile, where it is one that was read from a file; of two bodies what each is, and how they stand."""
+    """The same of a scene's profile, where it is one that was read from a file; of two bodies what
+    each is, and how they stand.
+    """
     pair = len(profile.bodies) > 1
     if pair:
-        rows = [(place, str(table["shape"]), _told(table)) for place, table in profile.tables().items()]
-        show_table("two bodies", ("body", "shape", "parameters"), [*rows, ("together", "", _together(profile))])
+        rows = [
+            (place, str(table["shape"]), _told(table)) for place, table in profile.tables().items()
+        ]
+        show_table(
+            "two bodies",
+            ("body", "shape", "parameters"),
+            [*rows, ("together", "", _together(profile))],
+        )
     for place, body in profile.bodies.items():
         if isinstance(body, Sampled) and body.history:
-            show_trace(f"trace of {place}, as it is solved" if pair else "trace, as it is solved", roughness(body), body.history)
+            show_trace(
+                f"trace of {place}, as it is solved" if pair else "trace, as it is solved",
+                roughness(body),
+                body.history,
+            )
 
 
 def _told(table: Mapping[str, Any]) -> str:
     """Parameters of a body; lists of numbers by how many they are."""
     given = {key: value for key, value in table.items() if key != "shape" and value is not None}
-    return ", ".join(f"{key} {len(value)} numbers" if np.ndim(value) else f"{key} = {value}" for key, value in given.items())
+    return ", ".join(
+        f"{key} {len(value)} numbers" if np.ndim(value) else f"{key} = {value}"
+        for key, value in given.items()
+    )
 
 
 def _together(profile: Profile) -> str:
     """Over which length two bodies are one surface."""
     if profile.period is not None:
-        cells = [f"{round(profile.period / body.period)} of {place}" for place, body in profile.bodies.items() if body.period]
+        cells = [
+            f"{round(profile.period / body.period)} of {place}"
+            for place, body in profile.bodies.items()
+            if body.period
+        ]
         return f"period {quantity(profile.period, 'm', 6)}: {', '.join(cells)}"
     ends = profile.support or profile.extent
     if ends is None:
@@ -163,28 +220,50 @@ def _together(profile: Profile) -> str:
     return f"face each other from {quantity(ends[0], 'm', 6)} to {quantity(ends[1], 'm', 6)}"
 
 
-def starting_scene(file: Path, folder: Path, keys: Mapping[str, Any], measured: Roughness, period: float | None) -> str:
+def starting_scene(
+    file: Path, folder: Path, keys: Mapping[str, Any], measured: Roughness, period: float | None
+) -> str:
     """A scene file: the trace on a rigid flat, light load."""
     modulus = _MODULUS / (1 - _POISSON**2)
     pressure = _LIGHT * modulus * measured.rms_slope
     name = Path(os.path.relpath(file, folder)).as_posix()
-    lines = ["[profile]", 'shape = "sampled"', f"file = {toml(name)}", *(f"{key} = {toml(value)}" for key, value in keys.items())]
-    lines += ["", "[material]              # steel; the counter-face is rigid: E2 and nu2 are left out", f"E1 = {_MODULUS / 1e9:g}e9"]
+    lines = [
+        "[profile]",
+        'shape = "sampled"',
+        f"file = {toml(name)}",
+        *(f"{key} = {toml(value)}" for key, value in keys.items()),
+    ]
+    lines += [
+        "",
+        "[material]              # steel; the counter-face is rigid: E2 and nu2 are left out",
+        f"E1 = {_MODULUS / 1e9:g}e9",
+    ]
     lines += [f"nu1 = {_POISSON}", "", "[interaction]"]
     told = f"# {_LIGHT:g} E* times the rms slope, {measured.rms_slope:.4g}"
     if period is not None:
         lines += ['model = "periodic"', "", "[control]", told, f"mean_pressure = {pressure:.4g}"]
     else:
-        lines += ['model = "isolated"         # no period is given: the trace just ends', "", "[control]"]
-        lines += [f"{told}, over a thousandth of its length [N/m]", f"load = {1e-3 * pressure * measured.length:.4g}"]
+        lines += [
+            'model = "isolated"         # no period is given: the trace just ends',
+            "",
+            "[control]",
+        ]
+        lines += [
+            f"{told}, over a thousandth of its length [N/m]",
+            f"load = {1e-3 * pressure * measured.length:.4g}",
+        ]
     return "\n".join(lines) + "\n"
 
 
-_BEFORE, _AFTER, _LOST = "#9a9a9a", "#1f5a92", "#b3261e"
+_BEFORE = "#9a9a9a"
+_AFTER = "#1f5a92"
+_LOST = "#b3261e"
 _LONGEST = 90  # letters of a title
 
 
-def plot_trace(trace: Trace, measured: Roughness, spectrum: tuple[Array, Array], heights: tuple[Array, Array]) -> Any:
+def plot_trace(
+    trace: Trace, measured: Roughness, spectrum: tuple[Array, Array], heights: tuple[Array, Array]
+) -> Any:
     """A matplotlib Figure: a row for each step, and below heights and spectrum of the last."""
     stages = list(trace.stages)
     figure = new_figure(9.0, 1.7 * len(stages) + 3.0)
@@ -194,10 +273,14 @@ def plot_trace(trace: Trace, measured: Roughness, spectrum: tuple[Array, Array],
     for row, (name, x, height) in enumerate(stages):
         axes = figure.add_subplot(grid[row, :])
         up, up_unit = prefix(float(np.nanmax(height) - np.nanmin(height)))
-        axes.plot(along * x, up * height, color=_AFTER if row == len(stages) - 1 else _BEFORE, lw=0.7)
+        axes.plot(
+            along * x, up * height, color=_AFTER if row == len(stages) - 1 else _BEFORE, lw=0.7
+        )
         for at in x[~np.isfinite(height)]:
             axes.axvline(along * at, color=_LOST, lw=0.5, alpha=0.5)
-        axes.set_title(name if len(name) <= _LONGEST else name[: _LONGEST - 3] + "...", fontsize=8, loc="left")
+        axes.set_title(
+            name if len(name) <= _LONGEST else name[: _LONGEST - 3] + "...", fontsize=8, loc="left"
+        )
         axes.set_ylabel(f"height [{up_unit}m]", fontsize=8)
         axes.tick_params(labelsize=8)
         axes.margins(x=0.0)
@@ -212,7 +295,13 @@ def _distribution(axes: Any, measured: Roughness, edges: Array, density: Array) 
     axes.stairs(density / up, up * edges, fill=True, color=_BEFORE, alpha=0.5)
     z = np.linspace(edges[0], edges[-1], 200)
     gauss = np.exp(-0.5 * (z / measured.Rq) ** 2) / (measured.Rq * np.sqrt(2 * np.pi))
-    axes.plot(up * z, gauss / up, color=_AFTER, lw=1.0, label=f"Gauss, Rq = {quantity(measured.Rq, 'm', 3)}")
+    axes.plot(
+        up * z,
+        gauss / up,
+        color=_AFTER,
+        lw=1.0,
+        label=f"Gauss, Rq = {quantity(measured.Rq, 'm', 3)}",
+    )
     axes.set_xlabel(f"height above the mean [{unit}m]", fontsize=8)
     axes.set_ylabel(f"density [1/{unit}m]", fontsize=8)
     axes.tick_params(labelsize=8)

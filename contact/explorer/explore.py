@@ -20,10 +20,11 @@ ADDRESS = "127.0.0.1"
 
 
 def explore(scene: Scene | str | PathLike[str] | None = None, tol: float = 1e-8) -> Any:
-    """A scene with sliders: surfaces, zones, pressure and load curve redrawn as it is turned, with the stated error and its text.
+    """A scene with sliders: surfaces, zones, pressure and load curve redrawn as it is turned, with
+    the stated error and its text.
 
-    In a notebook the object shows itself; elsewhere its `show()` opens a browser, and `contact explore SCENE` serves the same page. Needs
-    the extra `explore`.
+    In a notebook the object shows itself; elsewhere its `show()` opens a browser, and `contact
+    explore SCENE` serves the same page. Needs the extra `explore`.
 
     Parameters
     ----------
@@ -58,10 +59,18 @@ def explore(scene: Scene | str | PathLike[str] | None = None, tol: float = 1e-8)
     return page.Explorer(given[0], tolerance(tol), *given[1:]).layout
 
 
-def serve(scene: Scene | str | PathLike[str] | None, tol: float, port: int | None, ready: Callable[[str], None], show: bool) -> None:
-    """Serve the page on this machine alone until it is interrupted; each tab has a scene of its own.
+def serve(
+    scene: Scene | str | PathLike[str] | None,
+    tol: float,
+    port: int | None,
+    ready: Callable[[str], None],
+    show: bool,
+) -> None:
+    """Serve the page on this machine alone until it is interrupted; each tab has a scene of its
+    own.
 
-    port None: one that is free; ready: called with the page's address once it answers; show: whether a browser is opened.
+    port None: one that is free; ready: called with the page's address once it answers; show:
+    whether a browser is opened.
     """
     page, panel = require("contact.explorer.page"), require("panel")
     given, tol = _given(scene), tolerance(tol)
@@ -74,10 +83,19 @@ def serve(scene: Scene | str | PathLike[str] | None, tol: float, port: int | Non
     origins = [f"{ADDRESS}:{port}", f"localhost:{port}"]
     try:
         server = panel.serve(
-            make, address=ADDRESS, port=port, websocket_origin=origins, title="contact", show=False, start=False, verbose=False
+            make,
+            address=ADDRESS,
+            port=port,
+            websocket_origin=origins,
+            title="contact",
+            show=False,
+            start=False,
+            verbose=False,
         )
     except OSError as error:
-        raise SceneError.of("port", port, f"one that is free ({error.strerror or error})") from error
+        raise SceneError.of(
+            "port", port, f"one that is free ({error.strerror or error})"
+        ) from error
     # That a tab was closed is no news.
     logging.getLogger("bokeh").setLevel(logging.ERROR)
     server.start()

@@ -1,8 +1,9 @@
-"""What can be turned of a scene: its control, the numbers of its parts, the size of its shape, and how many points a shape is read at.
+"""What can be turned of a scene: its control, the numbers of its parts, the size of its shape, and
+how many points a shape is read at.
 
-Nothing here knows a profile, a law or a body by name. A number of a part is a handle of its own. Lists of numbers are handled together:
-the lists that make all heights larger when they grow are the amplitude, those that make the shape longer its length; which these are is
-tried out.
+Nothing here knows a profile, a law or a body by name. A number of a part is a handle of its own.
+Lists of numbers are handled together: the lists that make all heights larger when they grow are the
+amplitude, those that make the shape longer its length; which these are is tried out.
 """
 
 import math
@@ -26,7 +27,8 @@ UNITS = {
     "thickness": "m", "height": "m", "work": "J/m²", "datum": "m", "shift": "m",
 }  # fmt: skip
 # How far a number goes either way: a control much lower than higher, as contact soon is full.
-_CONTROL, _NUMBER = (1e-3, 10.0), (0.1, 10.0)
+_CONTROL = (1e-3, 10.0)
+_NUMBER = (0.1, 10.0)
 _SAMPLES = (8, 1024)
 _PLACES = 33  # where it is tried out what lists of numbers do
 _SAME = 1e-9
@@ -51,16 +53,26 @@ class Handle:
 
 
 def handles(scene: Scene, solution: Solution | None = None) -> tuple[Handle, ...]:
-    """What can be turned of a scene, its control first, in the order in which it is to be applied. solution: of it, where there is one."""
+    """What can be turned of a scene, its control first, in the order in which it is to be applied.
+    solution: of it, where there is one.
+    """
     unit = str(scene.control_object.unit)
     found = [replace(_control(scene, solution), unit="" if unit == "1" else unit)]
-    found += [_between(f"control.{name}", value, -2 * abs(value), 2 * abs(value)) for name, value in scene.turning.items() if value]
+    found += [
+        _between(f"control.{name}", value, -2 * abs(value), 2 * abs(value))
+        for name, value in scene.turning.items()
+        if value
+    ]
     found += _shape(scene, "profile")
     for place in scene.profile.bodies:
         if place != "profile":
-            found += [replace(handle, name=f"{place} {handle.name}") for handle in _shape(scene, place)]
+            found += [
+                replace(handle, name=f"{place} {handle.name}") for handle in _shape(scene, place)
+            ]
     found += _stands(scene.profile)
-    found += [handle for place in ("substrate", "law", "interaction") for handle in _numbers(scene, place)]
+    found += [
+        handle for place in ("substrate", "law", "interaction") for handle in _numbers(scene, place)
+    ]
     found.append(_times(MODULUS, scene.E_star))
     return _named_apart([*found, *_samples(scene.profile)])
 
@@ -68,7 +80,10 @@ def handles(scene: Scene, solution: Solution | None = None) -> tuple[Handle, ...
 def _named_apart(found: list[Handle]) -> tuple[Handle, ...]:
     """Numbers of two parts may have one name."""
     names = [handle.name for handle in found]
-    told = [f"{name} {names[: place + 1].count(name)}" if names.count(name) > 1 else name for place, name in enumerate(names)]
+    told = [
+        f"{name} {names[: place + 1].count(name)}" if names.count(name) > 1 else name
+        for place, name in enumerate(names)
+    ]
     return tuple(replace(handle, name=name) for handle, name in zip(found, told, strict=True))
 
 
@@ -83,7 +98,9 @@ def turned(scene: Scene, moved: Mapping[str, float], known: tuple[Handle, ...]) 
 def _between(key: str, value: float, low: float, high: float, log: bool = False) -> Handle:
     """The number of a scene that has a key (`contact.sweeps.sweep.keys`)."""
     name = key.rpartition(".")[2]
-    return Handle(name, UNITS.get(name, ""), value, low, high, lambda now, to: varied(now, {key: to}), log)
+    return Handle(
+        name, UNITS.get(name, ""), value, low, high, lambda now, to: varied(now, {key: to}), log
+    )
 
 
 def _times(key: str, value: float, reach: tuple[float, float] = _NUMBER) -> Handle:
@@ -108,7 +125,11 @@ def _control(scene: Scene, solution: Solution | None) -> Handle:
 
 def _numbers(scene: Scene, place: str) -> list[Handle]:
     """Positive numbers that a part was made of."""
-    numbers = {name: value for name, value in parameters(getattr(scene, place)).items() if isinstance(value, float) and value > 0}
+    numbers = {
+        name: value
+        for name, value in parameters(getattr(scene, place)).items()
+        if isinstance(value, float) and value > 0
+    }
     return [_allowed(scene, _times(f"{place}.{name}", value)) for name, value in numbers.items()]
 
 
@@ -131,15 +152,25 @@ def _allowed(scene: Scene, handle: Handle) -> Handle:
     return replace(handle, high=high)
 
 
-# shapes ---------------------------------------------------------------------------------------------------------------
+# shapes
+# ---------------------------------------------------------------------------------------------------------------
 def _stands(profile: Profile) -> list[Handle]:
-    """Lengths that tell how one of two bodies stands to the other: half of what there is of them to either side."""
+    """Lengths that tell how one of two bodies stands to the other: half of what there is of them to
+    either side.
+    """
     found = []
     for place, table in profile.tables().items():
         body = profile.bodies[place]
         own, (lo, hi) = body.tables()["profile"], body.known or profile.known or (-0.5, 0.5)
-        stands = {name: value for name, value in table.items() if name not in own and isinstance(value, float)}
-        found += [_between(f"{place}.{name}", value, value - 0.5 * (hi - lo), value + 0.5 * (hi - lo)) for name, value in stands.items()]
+        stands = {
+            name: value
+            for name, value in table.items()
+            if name not in own and isinstance(value, float)
+        }
+        found += [
+            _between(f"{place}.{name}", value, value - 0.5 * (hi - lo), value + 0.5 * (hi - lo))
+            for name, value in stands.items()
+        ]
     return found
 
 
@@ -151,7 +182,11 @@ def _shape(scene: Scene, place: str) -> list[Handle]:
     found = []
     high = _together(profile, given, lists, heights=2.0)
     if high:
-        found.append(_scale(place, "amplitude", _depth(profile), high) if profile.known else _scale(place, "heights, times", 1.0, high))
+        found.append(
+            _scale(place, "amplitude", _depth(profile), high)
+            if profile.known
+            else _scale(place, "heights, times", 1.0, high)
+        )
     lengths = [name for name in given if name not in high and (name in lists or name == "period")]
     long = _together(profile, given, lengths, lengths=2.0) if lists else ()
     if scene.profile.period is not None and len(scene.profile.bodies) > 1:
@@ -159,8 +194,14 @@ def _shape(scene: Scene, place: str) -> list[Handle]:
         given.pop("period", None)
     elif long:
         reach = profile.period or float(np.ptp(given[next(name for name in long if name in lists)]))
-        found.append(_scale(place, "period" if profile.period is not None else "length", reach, long))
-    alone = [name for name, value in given.items() if name not in (*high, *long) and isinstance(value, float) and value > 0]
+        found.append(
+            _scale(place, "period" if profile.period is not None else "length", reach, long)
+        )
+    alone = [
+        name
+        for name, value in given.items()
+        if name not in (*high, *long) and isinstance(value, float) and value > 0
+    ]
     return found + [_times(f"{place}.{name}", given[name]) for name in alone]
 
 
@@ -179,7 +220,11 @@ def _scaled(value: Any, factor: float) -> Any:
 
 
 def _together(
-    profile: Profile, given: Mapping[str, Any], names: list[str], heights: float = 1.0, lengths: float = 1.0
+    profile: Profile,
+    given: Mapping[str, Any],
+    names: list[str],
+    heights: float = 1.0,
+    lengths: float = 1.0,
 ) -> tuple[str, ...]:
     """The fewest parameters that multiply heights and lengths so when all are doubled."""
     lo, hi = profile.known or (-0.5, 0.5)
@@ -188,7 +233,9 @@ def _together(
     for count in range(1, len(names) + 1):
         for chosen in combinations(names, count):
             try:
-                other = type(profile)(**{**given, **{name: _scaled(given[name], 2.0) for name in chosen}})
+                other = type(profile)(
+                    **{**given, **{name: _scaled(given[name], 2.0) for name in chosen}}
+                )
             except Exception:  # whatever an author's class raises: these are not for doubling
                 continue
             if _alike(height, np.asarray(other.height(lengths * x))):
@@ -210,7 +257,9 @@ def _depth(profile: Profile) -> float:
 
 
 def _samples(profile: Profile) -> list[Handle]:
-    """A shape read at so many even places, with the spline of measured points through them: what a coarser instrument would see."""
+    """A shape read at so many even places, with the spline of measured points through them: what a
+    coarser instrument would see.
+    """
     if profile.support is not None or profile.known is None or len(profile.bodies) > 1:
         return []
 
@@ -221,7 +270,14 @@ def _samples(profile: Profile) -> list[Handle]:
         trace = PROFILES.find("sampled")(x, -np.asarray(shape.height(x)), shape.period)
         return replace(now, profile=trace)
 
-    points = next((len(value) for value in profile.parameters().values() if np.ndim(value) == 1 and len(value) > _SAMPLES[0]), 0)
+    points = next(
+        (
+            len(value)
+            for value in profile.parameters().values()
+            if np.ndim(value) == 1 and len(value) > _SAMPLES[0]
+        ),
+        0,
+    )
     high = max(_SAMPLES[1], points)
     return [Handle("samples", "", 0.0, _SAMPLES[0] - 1, high, at, log=True, whole=True)]
 

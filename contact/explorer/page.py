@@ -1,7 +1,7 @@
 """The page itself: sliders, pictures, numbers and text, by Panel.
 
-A slider that is dragged sends more values than can be solved: what came last when a frame is done is the next frame. All that a browser
-loads comes from the page's own server.
+A slider that is dragged sends more values than can be solved: what came last when a frame is done
+is the next frame. All that a browser loads comes from the page's own server.
 """
 
 import math
@@ -12,7 +12,18 @@ from pathlib import Path
 from typing import Any
 
 from contact.errors import ContactError, SceneError
-from contact.explorer.frame import FEW, POINTS, Frame, along, drawn, numbers, place_on_curve, same_curve, solved, told
+from contact.explorer.frame import (
+    FEW,
+    POINTS,
+    Frame,
+    along,
+    drawn,
+    numbers,
+    place_on_curve,
+    same_curve,
+    solved,
+    told,
+)
 from contact.explorer.handles import Handle, handles, rounded, turned
 from contact.extras import require
 from contact.model.scene import Scene
@@ -41,7 +52,13 @@ return (value / Math.pow(10, power)).toPrecision(4) + ' ' + letter + unit;
 class Explorer:
     """A scene and the page that shows it. `layout` is what Panel serves and notebooks show."""
 
-    def __init__(self, scene: Scene, tol: float, tables: Mapping[str, Any] | None = None, directory: str | Path = ".") -> None:
+    def __init__(
+        self,
+        scene: Scene,
+        tol: float,
+        tables: Mapping[str, Any] | None = None,
+        directory: str | Path = ".",
+    ) -> None:
         self.pn, self.models = require("panel"), require("bokeh.models")
         self.tol, self.directory = tol, directory
         self.frame: Frame | None = None
@@ -53,14 +70,24 @@ class Explorer:
         self._make()
         self._begin(scene, tables)
 
-    # what stands on the page --------------------------------------------------------------------------------------------
+    # what stands on the page
+    # --------------------------------------------------------------------------------------------
     def _make(self) -> None:
         pn = self.pn
-        self.sliders, self.pictures = pn.Column(sizing_mode="stretch_width"), require("contact.explorer.pictures").Pictures()
-        self.branch = pn.widgets.RadioButtonGroup(label="branch", options=["advancing", "receding"], visible=False)
+        self.sliders, self.pictures = (
+            pn.Column(sizing_mode="stretch_width"),
+            require("contact.explorer.pictures").Pictures(),
+        )
+        self.branch = pn.widgets.RadioButtonGroup(
+            label="branch", options=["advancing", "receding"], visible=False
+        )
         self.branch.param.watch(lambda _: self._change(), "value")
         self.text = pn.widgets.TextAreaInput(
-            label="scene file", rows=16, max_length=10**7, sizing_mode="stretch_width", stylesheets=["textarea { font-family: monospace; }"]
+            label="scene file",
+            rows=16,
+            max_length=10**7,
+            sizing_mode="stretch_width",
+            stylesheets=["textarea { font-family: monospace; }"],
         )
         self.read = pn.widgets.Button(label="solve this text", color="primary")
         self.read.on_click(lambda _: self._read())
@@ -68,10 +95,22 @@ class Explorer:
         copy.js_on_click(args={"text": self.text}, code="navigator.clipboard.writeText(text.value)")
         self.draw = pn.widgets.Button(label="draw the load curve", visible=False)
         self.draw.on_click(lambda _: self._start_curve())
-        left = pn.Column(self.branch, self.sliders, self.text, pn.Row(self.read, copy), width=380, margin=(0, 20, 0, 0))
-        self.layout = pn.Row(left, pn.Column(self.pictures, self.draw, sizing_mode="stretch_width"), sizing_mode="stretch_width")
+        left = pn.Column(
+            self.branch,
+            self.sliders,
+            self.text,
+            pn.Row(self.read, copy),
+            width=380,
+            margin=(0, 20, 0, 0),
+        )
+        self.layout = pn.Row(
+            left,
+            pn.Column(self.pictures, self.draw, sizing_mode="stretch_width"),
+            sizing_mode="stretch_width",
+        )
 
-    # a scene ------------------------------------------------------------------------------------------------------------
+    # a scene
+    # ------------------------------------------------------------------------------------------------------------
     def _begin(self, scene: Scene, tables: Mapping[str, Any] | None) -> None:
         """A new scene: its sliders, and its first frame. tables: of its file, as they were written."""
         self.base, self.tables = scene, tables or {}
@@ -88,17 +127,26 @@ class Explorer:
         low, high, start, step = handle.low, handle.high, value, (handle.high - handle.low) / _STEPS
         if handle.log:
             low, high, start, step = math.log10(low), math.log10(high), math.log10(value), _DECADE
-        args = {"log": handle.log, "whole": handle.whole, "unit": handle.unit, "least": handle.low + 0.5}
+        args = {
+            "log": handle.log,
+            "whole": handle.whole,
+            "unit": handle.unit,
+            "least": handle.low + 0.5,
+        }
         readout = self.models.CustomJSTickFormatter(args=args, code=_READOUT)
         slider = self.pn.widgets.FloatSlider(
             label=handle.name.replace("_star", "*").replace("_", " "), start=low, end=high, step=step, value=start, format=readout,
             tooltips=False, sizing_mode="stretch_width",
         )  # fmt: skip
 
-        slider._debounce = 0  # Panel waits so many ms for further values, 50 of its own: here a frame waits for the last one itself
+        # Panel waits so many ms for further values, 50 of its own: here a frame waits for the last
+        # one itself
+        slider._debounce = 0
 
         def move(event: Any) -> None:
-            self.moved[handle.name] = self._value(handle, event.new, abs(event.new - start) < 0.5 * step)
+            self.moved[handle.name] = self._value(
+                handle, event.new, abs(event.new - start) < 0.5 * step
+            )
             self._change()
 
         slider.param.watch(move, "value")
@@ -119,11 +167,14 @@ class Explorer:
             tables = tomllib.loads(self.text.value or "")
             scene = scene_from_tables(tables, self.directory)
         except (ContactError, ValueError, OSError) as error:
-            self._refuse(str(error) if isinstance(error, ContactError) else f"is not a scene file: {error}")
+            self._refuse(
+                str(error) if isinstance(error, ContactError) else f"is not a scene file: {error}"
+            )
             return
         self._begin(scene, tables)
 
-    # frames -------------------------------------------------------------------------------------------------------------
+    # frames
+    # -------------------------------------------------------------------------------------------------------------
     def _change(self) -> None:
         """Something was moved: a frame is due."""
         if not self._due:
@@ -131,7 +182,9 @@ class Explorer:
             self._soon(self._show)
 
     def _soon(self, do: Callable[[], None], after: int = _NEXT) -> None:
-        """After what the browser has sent meanwhile; at once where there is no server, as in tests and notebooks."""
+        """After what the browser has sent meanwhile; at once where there is no server, as in tests
+        and notebooks.
+        """
         if self._is_served:
             self.pn.state.curdoc.add_timeout_callback(do, after)
         else:
@@ -152,11 +205,23 @@ class Explorer:
         last = self.frame
         try:
             scene = turned(self.base, self.moved, self.known)
-            self.frame = solved(scene, self.tol, last.solution if last else None, self.branch.value, FEW if self._is_served else POINTS)
-            if last is None or not same_curve(last.solution.scene, scene) or self._of_curve != self.branch.value:
+            self.frame = solved(
+                scene,
+                self.tol,
+                last.solution if last else None,
+                self.branch.value,
+                FEW if self._is_served else POINTS,
+            )
+            if (
+                last is None
+                or not same_curve(last.solution.scene, scene)
+                or self._of_curve != self.branch.value
+            ):
                 self._forget_curve()
             self._paint(self.frame)
-        except Exception as error:  # a page shows no traceback; what is no fault of the scene is told as such
+        except (
+            Exception
+        ) as error:  # a page shows no traceback; what is no fault of the scene is told as such
             self._refuse(told(error))
             return
         self.pictures.refused = ""
@@ -166,7 +231,9 @@ class Explorer:
             self._soon(self._settle, _REST)
 
     def _settle(self) -> None:
-        """What the eye looks for once the hand is at rest: the last numbers, all places of the fields, the text, the load curve."""
+        """What the eye looks for once the hand is at rest: the last numbers, all places of the
+        fields, the text, the load curve.
+        """
         left = self._rest_at - time.monotonic()
         if left > 0 and self._is_served:
             self._soon(self._settle, 1 + int(1e3 * left))
@@ -185,7 +252,11 @@ class Explorer:
                     self._start_curve()
 
     def _refuse(self, message: str) -> None:
-        old = " What is drawn, and the numbers, are of the last scene that was solved." if self.pictures.frame else ""
+        old = (
+            " What is drawn, and the numbers, are of the last scene that was solved."
+            if self.pictures.frame
+            else ""
+        )
         self.pictures.refused = f"{message.rstrip('.')}.{old}"
 
     def _paint(self, frame: Frame) -> None:
@@ -207,7 +278,11 @@ class Explorer:
         """The text of the scene; of a trace that is as its file has it, the file's name."""
         try:
             read = self.base.profile.bodies
-            as_read = [place for place, body in scene.profile.bodies.items() if place in self.tables and body == read.get(place)]
+            as_read = [
+                place
+                for place, body in scene.profile.bodies.items()
+                if place in self.tables and body == read.get(place)
+            ]
             text = to_toml(scene, {place: self.tables[place] for place in as_read})
         except SceneError as error:
             text = f"# {error}\n"
@@ -215,7 +290,8 @@ class Explorer:
             text = f"# {len(text):,} letters, most of them of points: save them to a file that [profile] names\n"
         self.text.value = text
 
-    # the load curve -----------------------------------------------------------------------------------------------------
+    # the load curve
+    # -----------------------------------------------------------------------------------------------------
     _of_curve = ""
 
     def _forget_curve(self) -> None:
@@ -228,7 +304,9 @@ class Explorer:
     def _start_curve(self) -> None:
         if self.frame is not None:
             self.draw.visible = self._curve_is_due = False
-            self._walk = walk = along(self.frame.solution.scene, self.known[0], self.tol, self.branch.value)
+            self._walk = walk = along(
+                self.frame.solution.scene, self.known[0], self.tol, self.branch.value
+            )
             self._soon(lambda: self._step(walk))
 
     def _step(self, walk: Iterator[Solution]) -> None:

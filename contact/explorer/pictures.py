@@ -1,4 +1,6 @@
-"""Numbers and pictures of a frame, and the load curve: what a browser is sent of them. It draws them by pictures.js."""
+"""Numbers and pictures of a frame, and the load curve: what a browser is sent of them. It draws
+them by pictures.js.
+"""
 
 from pathlib import Path
 from typing import Any
@@ -21,7 +23,9 @@ canvas { display: block; width: 100%; height: 750px; touch-action: pan-y; }
 
 
 class Pictures(JSComponent):  # type: ignore[misc]
-    """frame: see `Frame.shown`; curve: across and up of its points, and their names; refused: why there is no frame of what was asked."""
+    """frame: see `Frame.shown`; curve: across and up of its points, and their names; refused: why
+    there is no frame of what was asked.
+    """
 
     frame = param.Dict(default={})
     curve = param.Dict(default={"points": [[], []], "names": ["", ""]})

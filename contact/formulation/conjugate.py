@@ -1,15 +1,19 @@
-r"""H f' of a periodic profile, H f' = (1/L) PV int f'(xi) cot(pi (x - xi)/L) dxi (cos kx -> sin kx, sin kx -> -cos kx).
+r"""H f' of a periodic profile, H f' = (1/L) PV int f'(xi) cot(pi (x - xi)/L) dxi (cos kx -> sin kx,
+sin kx -> -cos kx).
 
-The profile's own closed form where it has one. Else the declared jumps of f', f'' and f''' are taken out of f' as periodic
-Bernoulli polynomials, whose conjugates are, with u = (x - s)/L and J the jump,
+The profile's own closed form where it has one. Else the declared jumps of f', f'' and f''' are
+taken out of f' as periodic Bernoulli polynomials, whose conjugates are, with u = (x - s)/L and J
+the jump,
 
     q = 0   (J / pi) ln|2 sin(pi u)|,    q = 1   -(J L / 2 pi^2) Cl_2(2 pi u),    q = 2   (J L^2 / 4 pi^3) Cl_3(2 pi u),
     Cl_2(y) = sum_k sin(ky)/k^2,         Cl_3(y) = sum_k cos(ky)/k^3,
 
-and what is left is smooth, a Fourier series. The poles of algebraic points (sie.AlgebraicPoints) are taken out too, 1/(y - i eta) as
-(pi/L) cot(pi (y - i eta)/L), whose conjugate is i times it and pi/L. The polynomials of many jumps are one piecewise quadratic, whose
-conjugate takes a time that does not grow with their number (pieces.py). The logarithms are kept apart: beside a kink they must be taken
-at a distance that is known better than x (sie.jumps.density), and everything else is `smooth`.
+and what is left is smooth, a Fourier series. The poles of algebraic points (sie.AlgebraicPoints)
+are taken out too, 1/(y - i eta) as (pi/L) cot(pi (y - i eta)/L), whose conjugate is i times it and
+pi/L. The polynomials of many jumps are one piecewise quadratic, whose conjugate takes a time that
+does not grow with their number (pieces.py). The logarithms are kept apart: beside a kink they must
+be taken at a distance that is known better than x (sie.jumps.density), and everything else is
+`smooth`.
 """
 
 from collections.abc import Callable
@@ -59,22 +63,27 @@ _OPTIONS = ConjugateOptions()
 _STILL = 0.6
 # (point, jump) pairs handled at once.
 _BLOCK = 1 << 20
-# Terms of the series of Clausen's functions: within half a turn each is a quarter of the one before.
+# Terms of the series of Clausen's functions: within half a turn each is a quarter of the one
+# before.
 _2K = 2.0 * np.arange(1, 27)
-# |B_2k| / (2k (2k+1)!) and |B_2k| / (2k (2k+2)!), by |B_2k| = 2 (2k)! zeta(2k) / (2 pi)^2k (DLMF 25.6.2).
+# |B_2k| / (2k (2k+1)!) and |B_2k| / (2k (2k+2)!), by |B_2k| = 2 (2k)! zeta(2k) / (2 pi)^2k (DLMF
+# 25.6.2).
 _SECOND = 2 * zeta(_2K) / (2 * pi) ** _2K / (_2K * (_2K + 1))
 _THIRD = _SECOND / (_2K + 2)
 _ZETA3 = float(zeta(3))
-# Of the period: the poles of an algebraic point no farther away than this are taken out; insensitive, 0.1 to 0.5.
+# Of the period: the poles of an algebraic point no farther away than this are taken out;
+# insensitive, 0.1 to 0.5.
 _POLES = 0.25
-# Beside a kink a closed form with its logarithm taken off is a difference of large numbers: closer than this part of
-# the period it is continued by a straight line.
+# Beside a kink a closed form with its logarithm taken off is a difference of large numbers: closer
+# than this part of the period it is continued by a straight line.
 _BESIDE = 1e-5
 
 
 @record
 class Conjugate(sie.Kept):
-    """H f' of x [m] of a periodic profile, with its kinks (k, 2) as it declares them; breakpoints: the profile's others."""
+    """H f' of x [m] of a periodic profile, with its kinks (k, 2) as it declares them; breakpoints:
+    the profile's others.
+    """
 
     profile: Profile
 
@@ -126,7 +135,9 @@ class Conjugate(sie.Kept):
         difference = 0.0 if is_of_package(profile) else self._difference(closed, series)
         if series.settled:
             return series
-        return Transform(closed, difference, "slope_conjugate is so far from the transform of the slope")
+        return Transform(
+            closed, difference, "slope_conjugate is so far from the transform of the slope"
+        )
 
     def _of_bodies(self) -> "Transform":
         """The sum over the bodies, each with its own period.
@@ -137,7 +148,9 @@ class Conjugate(sie.Kept):
         parts = {place: Conjugate(body)._transform for place, body in profile.bodies.items()}
 
         def smooth(x: Array) -> Array:
-            return np.asarray(sum(parts[place].smooth(at) for place, at in profile.facing(x).items()))
+            return np.asarray(
+                sum(parts[place].smooth(at) for place, at in profile.facing(x).items())
+            )
 
         worst = max(parts.values(), key=lambda part: part.error)
         return Transform(smooth, sum(part.error for part in parts.values()), worst.limit)
@@ -158,13 +171,16 @@ class Conjugate(sie.Kept):
             raise SceneError(
                 f"slope_conjugate disagrees with the slope: at x = {at:.6g} m it is {told:.6g}{less} "
                 f"and (1/L) PV int f'(xi) cot(pi (x - xi)/L) dxi is {wanted:.6g}; put it right or leave it out",
-                "profile", self.profile,
+                "profile",
+                self.profile,
             )
         return _OPTIONS.noise_peak * float(off[worst])
 
     def __call__(self, x: ArrayLike) -> Array:
         x = np.asarray(x, dtype=float)
-        return np.asarray(self.smooth(x) + logarithms(x, self.kinks[:, 0], self.kinks[:, 1], self.period))
+        return np.asarray(
+            self.smooth(x) + logarithms(x, self.kinks[:, 0], self.kinks[:, 1], self.period)
+        )
 
 
 def logarithms(x: Array, at: Array, heights: Array, period: float) -> Array:
@@ -191,22 +207,38 @@ def _series(profile: Profile, length: float) -> Transform:
     """By the Fourier series of the slope without its declared jumps."""
     kinks, jumps = np.asarray(profile.kinks, dtype=float), np.asarray(profile.jumps, dtype=float)
     orders = jumps[:, 1] - 1
-    # Jumps of the third derivative of f that do not add up to nothing ask for a cubic: that of what is over, at one place.
+    # Jumps of the third derivative of f that do not add up to nothing ask for a cubic: that of what
+    # is over, at one place.
     first, over = jumps[:1, 0], np.full(len(jumps[:1]), jumps[orders == 2, 2].sum())
     at, heights = np.append(jumps[:, 0], first), jumps[:, 2, None] * (orders[:, None] == [0, 1, 2])
-    of_jumps = Pieces.of(profile.x0, length, at, np.concatenate((heights, -over[:, None] * [0.0, 0.0, 1.0])))
+    of_jumps = Pieces.of(
+        profile.x0, length, at, np.concatenate((heights, -over[:, None] * [0.0, 0.0, 1.0]))
+    )
     of_kinks = Pieces.of(profile.x0, length, kinks[:, 0], kinks[:, 1, None] * [1.0, 0.0, 0.0])
 
     points = _PeriodicPoles.of(profile, length)
 
     def closed(x: Array) -> Array:
-        return np.asarray(of_kinks(x) + of_jumps(x) + over_jumps(x, first, -over * length**2, length, _bernoulli3) + points(x, False))
+        return np.asarray(
+            of_kinks(x)
+            + of_jumps(x)
+            + over_jumps(x, first, -over * length**2, length, _bernoulli3)
+            + points(x, False)
+        )
 
     # The parts that are taken out may be much larger than their sum.
-    rounding = 2.2e-16 * float(np.abs(kinks[:, 1]).sum() + (np.abs(jumps[:, 2]) * length**orders).sum()) / 12
+    rounding = (
+        2.2e-16
+        * float(np.abs(kinks[:, 1]).sum() + (np.abs(jumps[:, 2]) * length**orders).sum())
+        / 12
+    )
     rounding += 2.2e-16 * points.size
     # Fewer even samples than the shape asks for show waves that are none of its.
-    n = int(np.clip(2 ** np.ceil(np.log2(8 * length / (profile.resolution or length))), _LEAST, _LARGEST))
+    n = int(
+        np.clip(
+            2 ** np.ceil(np.log2(8 * length / (profile.resolution or length))), _LEAST, _LARGEST
+        )
+    )
     while True:
         x = profile.x0 + length * (np.arange(n) + 0.5) / n
         slope = np.asarray(profile.slope(x))
@@ -231,10 +263,16 @@ def _series(profile: Profile, length: float) -> Transform:
         out = out + points(x, True)
         if len(jumps) == 0:
             return np.asarray(out)
-        return np.asarray(out + of_jumps.conjugate(x) + over_jumps(x, first, over * length**2 / (4 * pi**3), length, clausen3))
+        return np.asarray(
+            out
+            + of_jumps.conjugate(x)
+            + over_jumps(x, first, over * length**2 / (4 * pi**3), length, clausen3)
+        )
 
     error = _series_error(size, len(k), noise)
-    return Transform(smooth, error, _limit_of_series(x, slope - closed(x), size, settled), settled, scale)
+    return Transform(
+        smooth, error, _limit_of_series(x, slope - closed(x), size, settled), settled, scale
+    )
 
 
 def _series_error(size: Array, used: int, noise: float) -> float:
@@ -269,14 +307,17 @@ def _limit_of_series(x: Array, smooth: Array, size: Array, settled: bool) -> str
     at = int(np.argmax(steps))
     if steps[at] > _OPTIONS.stands_out * float(np.median(steps)):
         return f"the slope jumps by {steps[at]:.3g} at x = {x[at]:.6g} m, and kinks of the profile does not say so"
-    return f"the slope, but for the jumps that are declared, varies over less than {x[1] - x[0]:.1e} m"
+    return (
+        f"the slope, but for the jumps that are declared, varies over less than {x[1] - x[0]:.1e} m"
+    )
 
 
 @record
 class _PeriodicPoles:
     """Poles of the algebraic points of a periodic slope: by point, tanh(pi eta/L) and c of each.
 
-    With s = sin(pi y/L), k = cos(pi y/L), T = tanh(pi eta/L): cot(pi (y - i eta)/L) = (s k (1 - T^2) + i T) / (s^2 + k^2 T^2).
+    With s = sin(pi y/L), k = cos(pi y/L), T = tanh(pi eta/L): cot(pi (y - i eta)/L) = (s k (1 -
+    T^2) + i T) / (s^2 + k^2 T^2).
     """
 
     length: float
@@ -288,7 +329,11 @@ class _PeriodicPoles:
         at, n, left, right = np.asarray(profile.algebraic_points, dtype=float).T
         points = sie.AlgebraicPoints(at, n - 1, -n * left, n * right)
         some = [points.poles(k, _POLES * length) for k in range(len(points.places))]
-        return cls(length, points, [(np.tanh(pi * away / length), size * (pi / length)) for away, size in some])
+        return cls(
+            length,
+            points,
+            [(np.tanh(pi * away / length), size * (pi / length)) for away, size in some],
+        )
 
     @property
     def size(self) -> float:
@@ -298,14 +343,18 @@ class _PeriodicPoles:
     def __call__(self, x: Array, conjugate: bool) -> Array:
         """Their sum, or its conjugate, at x of any shape."""
         out, flat = np.zeros(np.size(x)), np.ravel(x)
-        for place, (at, (tanh, size)) in enumerate(zip(self.points.places.tolist(), self.poles, strict=True)):
+        for place, (at, (tanh, size)) in enumerate(
+            zip(self.points.places.tolist(), self.poles, strict=True)
+        ):
             turns = (flat - at) / self.length
             turns -= np.round(turns)
             c = 1j * size if conjugate else size
             weights = np.column_stack((c.real * (1 - tanh) * (1 + tanh), c.imag * tanh))
             mean = size.real.sum() if conjugate else 0.0
             for here in range(0, len(flat), max(1, _BLOCK // len(tanh))):
-                s, k = (wave(pi * turns[here : here + _BLOCK // len(tanh)]) for wave in (np.sin, np.cos))
+                s, k = (
+                    wave(pi * turns[here : here + _BLOCK // len(tanh)]) for wave in (np.sin, np.cos)
+                )
                 odd, even = (1 / ((s * s)[:, None] + (k * k)[:, None] * tanh**2) @ weights).T
                 out[here : here + len(s)] += s * k * odd - even + mean
             if conjugate:
@@ -315,8 +364,10 @@ class _PeriodicPoles:
 
 
 def _noise(size: Array, scale: float) -> float:
-    """What no term of a series tells from the noise of slopes that are told by differences; 0 where there is none: small terms of the
-    last octave are as large as those of the one before, which those of no body are."""
+    """What no term of a series tells from the noise of slopes that are told by differences; 0 where
+    there is none: small terms of the last octave are as large as those of the one before, which
+    those of no body are.
+    """
     n = len(size) - 1
     last, before = (float(np.sqrt(np.mean(size[k : 2 * k] ** 2))) for k in (n // 2, n // 4))
     return 6 * last if _STILL * before < last < _OF_NOISE * scale else 0.0
@@ -326,7 +377,9 @@ def _less_logarithms(profile: Profile, kinks: Array, length: float) -> Callable[
     """The profile's own H f' with the logarithms of its kinks taken off; straight next to each."""
 
     def plain(x: Array) -> Array:
-        return np.asarray(profile.slope_conjugate(x)) - logarithms(x, kinks[:, 0], kinks[:, 1], length)
+        return np.asarray(profile.slope_conjugate(x)) - logarithms(
+            x, kinks[:, 0], kinks[:, 1], length
+        )
 
     def smooth(x: Array) -> Array:
         x = np.asarray(x, dtype=float)
@@ -349,8 +402,12 @@ def log_sine(u: Array) -> Array:
         return np.asarray(np.log(np.abs(2 * np.sin(pi * u))))
 
 
-def over_jumps(x: Array, at: Array, weights: Array, length: float, function: Callable[[Array], Array]) -> Array:
-    """sum_k weights_k function(u_k), u_k = (x - s_k)/L in turns from -1/2 to 1/2, by blocks of bounded memory."""
+def over_jumps(
+    x: Array, at: Array, weights: Array, length: float, function: Callable[[Array], Array]
+) -> Array:
+    """sum_k weights_k function(u_k), u_k = (x - s_k)/L in turns from -1/2 to 1/2, by blocks of
+    bounded memory.
+    """
     x = np.asarray(x, dtype=float)
     out = np.zeros(x.size)
     if len(at) == 0:
@@ -370,7 +427,9 @@ def _bernoulli3(u: Array) -> Array:
 
 
 def clausen2(u: Array) -> Array:
-    """sum_k sin(k y)/k^2, y = 2 pi u, for |u| <= 1/2: y - y ln|y| + sum_k |B_2k| y^(2k+1) / (2k (2k+1)!)."""
+    """sum_k sin(k y)/k^2, y = 2 pi u, for |u| <= 1/2: y - y ln|y| + sum_k |B_2k| y^(2k+1) / (2k
+    (2k+1)!).
+    """
     angle = 2 * pi * u
     square = angle * angle
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -379,7 +438,9 @@ def clausen2(u: Array) -> Array:
 
 
 def clausen3(u: Array) -> Array:
-    """sum_k cos(k y)/k^3, y = 2 pi u, |u| <= 1/2: zeta(3) + (y^2/2)(ln|y| - 3/2) - sum_k |B_2k| y^(2k+2) / (2k (2k+2)!)."""
+    """sum_k cos(k y)/k^3, y = 2 pi u, |u| <= 1/2: zeta(3) + (y^2/2)(ln|y| - 3/2) - sum_k |B_2k|
+    y^(2k+2) / (2k (2k+2)!).
+    """
     angle = 2 * pi * u
     square = angle * angle
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -1,6 +1,8 @@
-"""What is given of a contact, scaled: a load, an approach, the half width of one zone, or the width of all zones together.
+"""What is given of a contact, scaled: a load, an approach, the half width of one zone, or the width
+of all zones together.
 
-Each control knows the side conditions that fix it, where the pressure is the unknown and where the slope of the gap is:
+Each control knows the side conditions that fix it, where the pressure is the unknown and where the
+slope of the gap is:
 
     load        int p = P, one level on all zones                      mean pressure P / period
     approach    the level -approach on every zone                      mean gap = mean f - approach
@@ -8,7 +10,8 @@ Each control knows the side conditions that fix it, where the pressure is the un
     half width  the ends themselves, which stand where they are given
     width       int p unknown, one level; ends with a total width      mean pressure unknown; ends likewise
 
-Loads are per period where there is one, in `Units.load`; approaches in `Units.height`, widths in `Units.length`.
+Loads are per period where there is one, in `Units.load`; approaches in `Units.height`, widths in
+`Units.length`.
 """
 
 from __future__ import annotations
@@ -32,13 +35,16 @@ Conditions = tuple[tuple[sie.Condition, ...], tuple[sie.TotalWidth, ...]]
 
 @dataclass(frozen=True)
 class Control:
-    """A given value, scaled. load, approach, half_width, width: that value where it is this quantity, else None."""
+    """A given value, scaled. load, approach, half_width, width: that value where it is this
+    quantity, else None.
+    """
 
     value: float
     name: ClassVar[str]
     counted_in: ClassVar[str]
     quantity: ClassVar[Quantity | None] = None
-    # d(approach)/d(load) of what holds the contact: 0 where that holds the approach, None where it holds the load.
+    # d(approach)/d(load) of what holds the contact: 0 where that holds the approach, None where it
+    # holds the load.
     yields: ClassVar[float | None] = None
 
     def _if(self, quantity: Quantity) -> float | None:
@@ -64,9 +70,13 @@ class Control:
         """Side conditions on the pressure, and on the ends of its zones."""
         raise NotImplementedError
 
-    def gap_conditions(self, period: float, mean_height: Callable[[], float], compression: float) -> Conditions:
-        """Side conditions on the slope of the gap, whose column 0 is the mean pressure, and on the ends of the gaps. mean_height: of
-        the profile above its lowest place; compression: mean displacement under a unit of mean pressure."""
+    def gap_conditions(
+        self, period: float, mean_height: Callable[[], float], compression: float
+    ) -> Conditions:
+        """Side conditions on the slope of the gap, whose column 0 is the mean pressure, and on the
+        ends of the gaps. mean_height: of the profile above its lowest place; compression: mean
+        displacement under a unit of mean pressure.
+        """
         raise NotImplementedError
 
     def unit(self, units: Units) -> float:
@@ -88,7 +98,9 @@ class Load(Control):
     def conditions(self) -> Conditions:
         return (sie.Total(self.value), sie.EqualPotential()), ()
 
-    def gap_conditions(self, period: float, mean_height: Callable[[], float], compression: float) -> Conditions:
+    def gap_conditions(
+        self, period: float, mean_height: Callable[[], float], compression: float
+    ) -> Conditions:
         return (sie.Amplitude(0, self.value / period), sie.ZoneTotals(0.0)), ()
 
 
@@ -103,15 +115,23 @@ class Approach(Control):
     def conditions(self) -> Conditions:
         return (sie.Level(-self.value),), ()
 
-    def gap_conditions(self, period: float, mean_height: Callable[[], float], compression: float) -> Conditions:
-        # min f = 0, and u has the mean of the compression: the mean of f less the mean gap, and that.
+    def gap_conditions(
+        self, period: float, mean_height: Callable[[], float], compression: float
+    ) -> Conditions:
+        # min f = 0, and u has the mean of the compression: the mean of f less the mean gap, and
+        # that.
         opened = sie.ZoneMoments((self.value - mean_height()) * period)
-        return (opened if compression == 0.0 else _OpenedAndSunk(opened, compression * period), sie.ZoneTotals(0.0)), ()
+        return (
+            opened if compression == 0.0 else _OpenedAndSunk(opened, compression * period),
+            sie.ZoneTotals(0.0),
+        ), ()
 
 
 @dataclass(frozen=True)
 class Machine(Control):
-    """The approach of the far end of a spring: that of the contact and `give` times the load, give > 0."""
+    """The approach of the far end of a spring: that of the contact and `give` times the load, give
+    > 0.
+    """
 
     give: float
     name, counted_in = "machine", "height"
@@ -145,7 +165,9 @@ class Width(Control):
     def conditions(self) -> Conditions:
         return (sie.Total(None), sie.EqualPotential()), (sie.TotalWidth(self.value),)
 
-    def gap_conditions(self, period: float, mean_height: Callable[[], float], compression: float) -> Conditions:
+    def gap_conditions(
+        self, period: float, mean_height: Callable[[], float], compression: float
+    ) -> Conditions:
         return (sie.Amplitude(0, None), sie.ZoneTotals(0.0)), (sie.TotalWidth(period - self.value),)
 
 
@@ -164,7 +186,11 @@ class _Sprung(sie.Condition):
         matrix, constants = system.levels()
         totals, known = system.totals()
         weight = system.multiplicity()
-        return matrix - self.give * (weight @ totals), constants - self.give * (weight @ known), np.full(len(constants), self.value)
+        return (
+            matrix - self.give * (weight @ totals),
+            constants - self.give * (weight @ known),
+            np.full(len(constants), self.value),
+        )
 
 
 @dataclass(frozen=True)
@@ -183,7 +209,9 @@ class _OpenedAndSunk(sie.Condition):
         return matrix + self.depth * row, constants + self.depth * constant, value
 
 
-_KINDS: dict[Quantity, type[Control]] = {kind.quantity: kind for kind in (Load, Approach, HalfWidth, Width)}
+_KINDS: dict[Quantity, type[Control]] = {
+    kind.quantity: kind for kind in (Load, Approach, HalfWidth, Width)
+}
 
 
 def scaled_control(scene: Scene, units: Units) -> Control:

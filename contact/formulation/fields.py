@@ -23,15 +23,20 @@ from sie import Array, Index, Mask, nearest_image, record, wrapped
 _PEAKS = 16
 # Tolerance of what a nominal pressure does to the stiffness.
 _OF_STIFFNESS = 1e-10
-# How far from the zones a half-line is looked at closely, and at all, in units of what the zones span.
-_FAR, _FARTHEST = 1e3, 1e12
+# How far from the zones a half-line is looked at closely, and at all, in units of what the zones
+# span.
+_FAR = 1e3
+_FARTHEST = 1e12
 _FAR_POINTS = 512
 # Panels of a gap at the most.
 _MOST_PANELS = 4000
 # Of rates for a guess: the tolerance of an iteration; zones of which the level is read.
-ROUGHLY, _STANDING = 1e-4, 16
-# Over what the error of a density makes of the gap on its zones; and over the shape, what nobody takes for a contradiction.
-_MARGIN, _OF_SHAPE = 100.0, 1e-6
+ROUGHLY = 1e-4
+_STANDING = 16
+# Over what the error of a density makes of the gap on its zones; and over the shape, what nobody
+# takes for a contradiction.
+_MARGIN = 100.0
+_OF_SHAPE = 1e-6
 
 
 class NoZones(sie.Kept):
@@ -49,11 +54,16 @@ class NoZones(sie.Kept):
 
 
 def moved_ends(
-    state: sie.AnyState, condition: int = 0, response: sie.AnyDensity | None = None, tolerance: float = 0.0
+    state: sie.AnyState,
+    condition: int = 0,
+    response: sie.AnyDensity | None = None,
+    tolerance: float = 0.0,
 ) -> Array:
-    """How far each end (2, Z) moves outward by a unit of a condition's value, the first one's if none is named: 2 K / A, as in a step of
-    Newton's, or as the rates of prescribed intensities have it; 0 for ends that are held. response: to that unit, if it is at hand;
-    tolerance: of an iteration for it."""
+    """How far each end (2, Z) moves outward by a unit of a condition's value, the first one's if
+    none is named: 2 K / A, as in a step of Newton's, or as the rates of prescribed intensities have
+    it; 0 for ends that are held. response: to that unit, if it is at hand; tolerance: of an
+    iteration for it.
+    """
     zones = state.density.zones
     response = state.response(state.values(condition), tolerance) if response is None else response
     if zones.follow_ends:
@@ -62,23 +72,31 @@ def moved_ends(
 
 
 def moves_by(density: sie.AnyDensity, on: sie.AnyDensity) -> Array:
-    """2 K / A (2, Z) with K of a density and A of one on the same zones: how far ends without prescribed intensities move outward as what
-    calls up the first is added to what calls up the second; 0 for ends that are held."""
+    """2 K / A (2, Z) with K of a density and A of one on the same zones: how far ends without
+    prescribed intensities move outward as what calls up the first is added to what calls up the
+    second; 0 for ends that are held.
+    """
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.where(on.zones.moves, 2 * np.array(density.intensities) / np.array(on.edge_slopes), 0.0)
+        return np.where(
+            on.zones.moves, 2 * np.array(density.intensities) / np.array(on.edge_slopes), 0.0
+        )
 
 
 def by_nominal_pressure(problem: Problem, zones: sie.Zones, tolerance: float) -> sie.AnyState:
     """What a unit of nominal pressure beyond a strip adds to the density on the same zones."""
-    equation = sie.Equation(problem.kernel, problem.columns[0], (sie.Total(0.0), sie.EqualPotential()))
+    equation = sie.Equation(
+        problem.kernel, problem.columns[0], (sie.Total(0.0), sie.EqualPotential())
+    )
     return sie.solve_zones(equation, zones, tolerance)
 
 
 @record
 class ZoneFields(sie.Kept):
-    """Fields of a load-controlled state on its zones; scaled inside, SI in `pressure`, `displacement`, `gap`.
+    """Fields of a load-controlled state on its zones; scaled inside, SI in `pressure`,
+    `displacement`, `gap`.
 
-    In pickles and copies the state with its matrices is left out, and what it tells beyond the density is worked out before.
+    In pickles and copies the state with its matrices is left out, and what it tells beyond the
+    density is worked out before.
     """
 
     problem: Problem
@@ -87,14 +105,19 @@ class ZoneFields(sie.Kept):
     centring: float = 0.0
     relief = None
     pressure_bound = math.inf
-    # Nothing acts beside the contact: intervals where something does (m, 2) [m], and the scaled int p (F - gap) dx there.
+    # Nothing acts beside the contact: intervals where something does (m, 2) [m], and the scaled int
+    # p (F - gap) dx there.
     cohesive = np.zeros((0, 2))
     borne_beside = 0.0
 
     def __getstate__(self) -> dict[str, Any]:
         kept = {name: value for name, value in super().__getstate__().items() if name != "state"}
         kept |= {"density": self.density, "levels": self.levels, "stiffness": self.stiffness}
-        return kept if self.problem.moment is None else kept | {"rotational_stiffness": self.rotational_stiffness}
+        return (
+            kept
+            if self.problem.moment is None
+            else kept | {"rotational_stiffness": self.rotational_stiffness}
+        )
 
     @cached_property
     def density(self) -> sie.AnyDensity:
@@ -122,17 +145,21 @@ class ZoneFields(sie.Kept):
 
     @cached_property
     def stiffness(self) -> float | None:
-        """d load / d approach [N/m^2]: the ends may be held where their motion does not change the density at first order.
+        """d load / d approach [N/m^2]: the ends may be held where their motion does not change the
+        density at first order.
 
-        Under the first-order closure the nominal pressure follows the load at `amplitude_rate`; a strip whose centre moves with the load
-        sinks by `centring` more, a unit of load. At the tilt that is given, or at the moment that is. None without an approach.
+        Under the first-order closure the nominal pressure follows the load at `amplitude_rate`; a
+        strip whose centre moves with the load sinks by `centring` more, a unit of load. At the tilt
+        that is given, or at the moment that is. None without an approach.
         """
         if self.approach is None:
             return None
         state, values = self.state, self.state.values()
         rate = self.centring - float(state.level_rates(values).mean())
         if self.amplitude_rate:
-            rate -= self.amplitude_rate * float(by_nominal_pressure(self.problem, self.density.zones, _OF_STIFFNESS).levels.mean())
+            rate -= self.amplitude_rate * float(
+                by_nominal_pressure(self.problem, self.density.zones, _OF_STIFFNESS).levels.mean()
+            )
         if self.density.zones.follow_ends:
             k = np.array(state.response(state.values()).intensities)
             rate -= float(sie.end_motions(state.whole, -k)[1].mean())
@@ -141,22 +168,30 @@ class ZoneFields(sie.Kept):
 
     @property
     def load_size(self) -> float:
-        """What a miss of the load is counted in: the load, or what the prescribed intensities bear, whichever is larger."""
+        """What a miss of the load is counted in: the load, or what the prescribed intensities bear,
+        whichever is larger.
+        """
         zones = self.density.zones
         wanted = abs(self.problem.end.intensity or 0.0)
         return max(abs(self.density.total), np.pi * wanted * float(np.sqrt(2 * zones.half).sum()))
 
     @property
     def bending(self) -> float:
-        """How many times the intensities that are asked for the density makes of its largest coefficients at the ends."""
+        """How many times the intensities that are asked for the density makes of its largest
+        coefficients at the ends.
+        """
         zones, wanted = self.density.zones, self.problem.end.intensity
         assert wanted
-        return float((np.abs(self.density.coefficients).max(axis=1) * np.sqrt(zones.half / 2)).max()) / abs(wanted)
+        return float(
+            (np.abs(self.density.coefficients).max(axis=1) * np.sqrt(zones.half / 2)).max()
+        ) / abs(wanted)
 
     def second_variation(self, yields: float | None = None) -> Array:
-        """d^2 energy / ds_i ds_j by outward motions of the left and the right ends, times the roots of their zones' widths and over
-        2 w (2 Z, 2 Z): of dG_i/ds_j, G = w (K/K*)^2. Ends that are held at sharp corners do not move, and are left out. yields:
-        d(approach)/d(load) of what holds the contact, None: the load is held."""
+        """d^2 energy / ds_i ds_j by outward motions of the left and the right ends, times the roots
+        of their zones' widths and over 2 w (2 Z, 2 Z): of dG_i/ds_j, G = w (K/K*)^2. Ends that are
+        held at sharp corners do not move, and are left out. yields: d(approach)/d(load) of what
+        holds the contact, None: the load is held.
+        """
         zones, wanted = self.density.zones, self.problem.end.intensity
         assert wanted
         whole = sie.Zones.of(zones.table, self.problem.end, self.problem.end)
@@ -165,14 +200,18 @@ class ZoneFields(sie.Kept):
         matrix = rates.intensities
         if yields is not None:
             by_load = np.concatenate(state.response(state.values()).intensities)
-            matrix = matrix - np.outer(by_load, rates.levels.mean(axis=0)) / (float(state.level_rates(state.values()).mean()) - yields)
+            matrix = matrix - np.outer(by_load, rates.levels.mean(axis=0)) / (
+                float(state.level_rates(state.values()).mean()) - yields
+            )
         root = np.sqrt(np.tile(zones.b - zones.a, 2))
         moves = zones.moves.ravel()
         return np.asarray((root[:, None] * matrix * root / wanted)[np.ix_(moves, moves)])
 
     @cached_property
     def mean_gap(self) -> float:
-        """Mean gap over a period [m]: mean f + mean u - approach where all periods act, else by quadrature."""
+        """Mean gap over a period [m]: mean f + mean u - approach where all periods act, else by
+        quadrature.
+        """
         units = self.problem.units
         if self.problem.corners != (-np.inf, np.inf):
             return np.inf
@@ -180,7 +219,9 @@ class ZoneFields(sie.Kept):
             return (mean_shape(self.problem) + self.mean_displacement + self.level) * units.height
         total, breaks = 0.0, self.problem.forcing.broken_at
         for lo, hi, _, _ in self.open_intervals():
-            x, weights = panels(cuts_between(lo, hi, max(0.5 * self.spacing, (hi - lo) / _MOST_PANELS), breaks))
+            x, weights = panels(
+                cuts_between(lo, hi, max(0.5 * self.spacing, (hi - lo) / _MOST_PANELS), breaks)
+            )
             total += float(self.scaled_gap(x) @ weights)
         return total / self.problem.repeat_length * units.height
 
@@ -190,18 +231,26 @@ class ZoneFields(sie.Kept):
         return self.problem.compression * self.density.total / self.problem.repeat_length
 
     def cut_off(self, table: Array, order: Index) -> Array | None:
-        """What rounding has cut off the ends [m] that the rows of a table are, of the zones in this order; None where they have no more
-        digits than their positions."""
+        """What rounding has cut off the ends [m] that the rows of a table are, of the zones in this
+        order; None where they have no more digits than their positions.
+        """
         if not self.problem.forcing.exact:
             return None
-        units, period, zones = self.problem.units, self.problem.profile.period or 1.0, self.density.zones
+        units, period, zones = (
+            self.problem.units,
+            self.problem.profile.period or 1.0,
+            self.density.zones,
+        )
         at, rest = units.length * zones.table[order], units.length * zones.rest.T[order]
         turns = np.round((table - (units.origin + at)) / period) * period
         terms = zip(at.ravel(), turns.ravel(), table.ravel(), strict=True)
-        left = np.array([math.fsum((one, units.origin, turn, -told)) for one, turn, told in terms]).reshape(table.shape)
+        left = np.array(
+            [math.fsum((one, units.origin, turn, -told)) for one, turn, told in terms]
+        ).reshape(table.shape)
         return np.asarray(left + rest)
 
-    # scaled -----------------------------------------------------------------------------------------------------------
+    # scaled
+    # -----------------------------------------------------------------------------------------------------------
     def inside(self, x: Array) -> Mask:
         """Whether scaled points lie in a zone."""
         return self.density.locate(x)[2]
@@ -224,7 +273,11 @@ class ZoneFields(sie.Kept):
     def standing_shape(self, x: Array) -> Array:
         """F of the profile as it stands: turned on by what the first guess of the tilt missed."""
         shape = self.problem.shape(x)
-        return shape if self.problem.moment is None else shape - self._missing_tilt * (x + self.problem.units.lever)
+        return (
+            shape
+            if self.problem.moment is None
+            else shape - self._missing_tilt * (x + self.problem.units.lever)
+        )
 
     @property
     def _missing_tilt(self) -> float:
@@ -248,13 +301,20 @@ class ZoneFields(sie.Kept):
     @cached_property
     def spacing(self) -> float:
         """Scaled length over which the gap may vary."""
-        units, profile, ends = self.problem.units, self.problem.profile, self.density.zones.table[[0, -1], [0, 1]]
-        return (profile.resolution or detail_of(profile.height, *units.x(ends).tolist())) / units.length
+        units, profile, ends = (
+            self.problem.units,
+            self.problem.profile,
+            self.density.zones.table[[0, -1], [0, 1]],
+        )
+        return (
+            profile.resolution or detail_of(profile.height, *units.x(ends).tolist())
+        ) / units.length
 
     @cached_property
     def tips(self) -> Array:
-        """Scaled places of sharp tips, ascending: there a gap is least without a level tangent. Of a period those beside the
-        zones, too."""
+        """Scaled places of sharp tips, ascending: there a gap is least without a level tangent. Of
+        a period those beside the zones, too.
+        """
         kinks, heights = self.problem.forcing.kinks
         at = kinks[heights > 0]
         period = self.problem.period
@@ -267,30 +327,43 @@ class ZoneFields(sie.Kept):
     def gap_rounding(self) -> float:
         """What rounding may do to a scaled gap."""
         ends = np.concatenate((self.density.zones.a, self.density.zones.b))
-        return 64 * 2.2e-16 * self._largest_shape + 8 * self.problem.shape_rounding(ends[:: max(1, len(ends) // 32)])
+        return 64 * 2.2e-16 * self._largest_shape + 8 * self.problem.shape_rounding(
+            ends[:: max(1, len(ends) // 32)]
+        )
 
     @cached_property
     def _largest_shape(self) -> float:
-        """On the zones the displacement is the shape less the level: no more than both of them together."""
+        """On the zones the displacement is the shape less the level: no more than both of them
+        together.
+        """
         zones = self.density.zones
-        return float(np.abs(self.problem.shape(np.concatenate((zones.a, zones.b)))).max()) + abs(self.level)
+        return float(np.abs(self.problem.shape(np.concatenate((zones.a, zones.b)))).max()) + abs(
+            self.level
+        )
 
     @property
     def gap_error(self) -> float:
-        """What the error of the density may make of the scaled gap on the zones, with a margin: more is another equation's."""
+        """What the error of the density may make of the scaled gap on the zones, with a margin:
+        more is another equation's.
+        """
         state, zones = self.state, self.density.zones
         moved = state.density_error * state.size * float((zones.b - zones.a).sum())
         return _MARGIN * (moved + self.gap_rounding) + _OF_SHAPE * self._largest_shape
 
     def open_intervals(self) -> Iterator[tuple[float, float, bool, bool]]:
-        """Scaled intervals without contact: (from, to, starts at a zone, ends at a zone); half-lines up to far away."""
+        """Scaled intervals without contact: (from, to, starts at a zone, ends at a zone);
+        half-lines up to far away.
+        """
         zones, problem = self.density.zones, self.problem
         for right, left in zip(zones.b[:-1], zones.a[1:], strict=True):
             yield float(right), float(left), True, True
         first, last = float(zones.a[0]), float(zones.b[-1])
         if problem.interaction.strip:
             # Cut at the border of the strip, beyond which it is another strip's.
-            lo, hi = problem.centre - 0.5 * problem.repeat_length, problem.centre + 0.5 * problem.repeat_length
+            lo, hi = (
+                problem.centre - 0.5 * problem.repeat_length,
+                problem.centre + 0.5 * problem.repeat_length,
+            )
         elif problem.period is not None:
             if first + problem.period > last:
                 yield last, first + problem.period, True, True
@@ -298,7 +371,10 @@ class ZoneFields(sie.Kept):
         else:
             reach = _FAR * (last - first)
             lo, hi = self._known
-            lo, hi = lo if np.isfinite(lo) else first - reach, hi if np.isfinite(hi) else last + reach
+            lo, hi = (
+                lo if np.isfinite(lo) else first - reach,
+                hi if np.isfinite(hi) else last + reach,
+            )
         if lo < first:
             yield lo, first, False, True
         if hi > last:
@@ -308,14 +384,18 @@ class ZoneFields(sie.Kept):
     def _known(self) -> tuple[float, float]:
         """Scaled limits of a profile that does not repeat, infinite without."""
         problem = self.problem
-        return max(problem.borders[0], problem.corners[0]), min(problem.borders[1], problem.corners[1])
+        return max(problem.borders[0], problem.corners[0]), min(
+            problem.borders[1], problem.corners[1]
+        )
 
     @property
     def is_bounded(self) -> bool:
         return self.problem.period is not None or bool(np.all(np.isfinite(self._known)))
 
     def far_stretches(self) -> Iterator[Array]:
-        """Scaled points on half-lines beyond what `open_intervals` holds, evenly in the logarithm of the distance."""
+        """Scaled points on half-lines beyond what `open_intervals` holds, evenly in the logarithm
+        of the distance.
+        """
         if self.is_bounded:
             return
         zones, (lo, hi) = self.density.zones, self._known
@@ -326,13 +406,16 @@ class ZoneFields(sie.Kept):
         if not np.isfinite(hi):
             yield last + away
 
-    # SI ---------------------------------------------------------------------------------------------------------------
+    # SI
+    # ---------------------------------------------------------------------------------------------------------------
     def _scaled(self, x: ArrayLike) -> Array:
-        # Into the period about the zones, so that the density, the strip and the kinks are met where they were solved: the scene's, which
-        # a strip's density does not have.
+        # Into the period about the zones, so that the density, the strip and the kinks are met
+        # where they were solved: the scene's, which a strip's density does not have.
         zones = self.density.zones
         middle = 0.5 * float(zones.a[0] + zones.b[-1])
-        return nearest_image(self.problem.units.scaled(np.asarray(x, dtype=float)), middle, self.problem.period)
+        return nearest_image(
+            self.problem.units.scaled(np.asarray(x, dtype=float)), middle, self.problem.period
+        )
 
     @property
     def load(self) -> float:
@@ -358,8 +441,9 @@ class ZoneFields(sie.Kept):
         return moved_ends(self.state).T * self.problem.units.length * self.density.total
 
     def rates(self, x: Array) -> tuple[Array, Array]:
-        """(how far the ends move outward, scaled (n, 2), by how much the gap at places x opens) as the load grows by a factor of e, for a
-        guess: by iteration to a few digits only."""
+        """(how far the ends move outward, scaled (n, 2), by how much the gap at places x opens) as
+        the load grows by a factor of e, for a guess: by iteration to a few digits only.
+        """
         response = self.state.response(self.state.values(), ROUGHLY)
         zones, load = self.density.zones, self.density.total
         standing = zones.middle[:: max(1, len(zones) // _STANDING)]
@@ -387,7 +471,9 @@ class ZoneFields(sie.Kept):
 
     @cached_property
     def rotational_stiffness(self) -> float:
-        """d moment / d tilt at the given load [N]: 1 over the tilt that a unit of moment adds, the ends held as for `stiffness`."""
+        """d moment / d tilt at the given load [N]: 1 over the tilt that a unit of moment adds, the
+        ends held as for `stiffness`.
+        """
         problem, density = self.problem, self.density
         if problem.moment is None:
             whole = replace(density.zones, symmetric=False)
@@ -397,7 +483,9 @@ class ZoneFields(sie.Kept):
             state = self.state
         values = np.zeros(len(state.condition_scale))
         values[-1] = 1.0
-        return problem.units.moment / (problem.units.slope * float(state.response(values).amplitudes[-1]))
+        return problem.units.moment / (
+            problem.units.slope * float(state.response(values).amplitudes[-1])
+        )
 
     @property
     def contact_fraction(self) -> float:
@@ -407,14 +495,20 @@ class ZoneFields(sie.Kept):
     @cached_property
     def widening_rate(self) -> float:
         """d contact fraction / d load [m/N]."""
-        return float(moved_ends(self.state).sum()) / self.problem.repeat_length / self.problem.units.load
+        return (
+            float(moved_ends(self.state).sum())
+            / self.problem.repeat_length
+            / self.problem.units.load
+        )
 
     def pressure_at(self, zone: int, t: ArrayLike) -> Array:
         return self.density.at_t(zone, t) * self.problem.units.pressure
 
     @cached_property
     def max_pressure(self) -> float:
-        """Sampled on every zone, and followed below the sampling on those that may have the highest."""
+        """Sampled on every zone, and followed below the sampling on those that may have the
+        highest.
+        """
         density = self.density
         if any(end.intensity is None for end in (*density.zones.left, *density.zones.right)):
             left, right = density.intensities
@@ -429,14 +523,20 @@ class ZoneFields(sie.Kept):
             values = density.at(group[:, None], *sides(theta))
             reach[group], peak = reaches(values).max(axis=1), max(peak, float(values.max()))
         zones = np.argsort(reach)[-_PEAKS:]
-        highest = max(self._highest_on(int(zone), int(counts[zone])) for zone in zones[reach[zones] >= peak])
+        highest = max(
+            self._highest_on(int(zone), int(counts[zone])) for zone in zones[reach[zones] >= peak]
+        )
         if self.problem.algebraic is not None:
             # The tips of low powers: there the pressure has a cusp.
             highest = max(highest, float(self.density(np.asarray(self.problem.algebraic.at)).max()))
         return highest * self.problem.units.pressure
 
     def _highest_on(self, zone: int, count: int) -> float:
-        return maximum(lambda angle: self.density.at(zone, *sides(angle)), np.linspace(0, np.pi, count + 1), levels=7)[1]
+        return maximum(
+            lambda angle: self.density.at(zone, *sides(angle)),
+            np.linspace(0, np.pi, count + 1),
+            levels=7,
+        )[1]
 
     def pressure(self, x: ArrayLike) -> Array:
         return self.density(self._scaled(x)) * self.problem.units.pressure
@@ -453,7 +553,9 @@ class ZoneFields(sie.Kept):
     def displacement(self, x: ArrayLike) -> Array:
         scaled = self._scaled(x)
         inside = self.inside(scaled)
-        shape = np.where(inside, self.standing_shape(np.where(inside, scaled, self.density.zones.middle[0])), 0.0)
+        shape = np.where(
+            inside, self.standing_shape(np.where(inside, scaled, self.density.zones.middle[0])), 0.0
+        )
         zero = self.level if self.approach is None else 0.0
         u = np.where(inside, -self.level - shape, self._sunk(scaled)) + zero
         if self.problem.amplitude:
@@ -463,6 +565,8 @@ class ZoneFields(sie.Kept):
 
 
 def mean_shape(problem: Problem) -> float:
-    """Mean of F over the profile's period: Gauss-Legendre between its breakpoints, panels as short as its resolution."""
+    """Mean of F over the profile's period: Gauss-Legendre between its breakpoints, panels as short
+    as its resolution.
+    """
     x, _, weights = over_period(problem.profile)
     return float(problem.shape(problem.units.scaled(x)) @ weights)

@@ -1,8 +1,10 @@
-r"""Full contact of a periodic profile: p = pbar - (E*/2) R, R_q = q f_q / L(q), possible when the least of it is not negative.
+r"""Full contact of a periodic profile: p = pbar - (E*/2) R, R_q = q f_q / L(q), possible when the
+least of it is not negative.
 
-L is the symbol of the scene's operator (contact.model.operator): a model that declares none has no full contact that could be told. A
-valley with a kink makes R (contact.formulation.relief) infinite: no load brings such a profile into full contact, but soon the gaps over
-kinks are narrower than digits tell, and nothing else of the contact differs from a full one.
+L is the symbol of the scene's operator (contact.model.operator): a model that declares none has no
+full contact that could be told. A valley with a kink makes R (contact.formulation.relief) infinite:
+no load brings such a profile into full contact, but soon the gaps over kinks are narrower than
+digits tell, and nothing else of the contact differs from a full one.
 
 Surfaces that do not touch are told here too: no pressure, no displacement.
 """
@@ -24,16 +26,18 @@ from contact.model.profiles.base import Profile
 from contact.model.profiles.derive import detail_of
 from sie import Array, record
 
-# Half widths of gaps below this part of the period, or of the zone they are in, are a rounding of the ends' positions: such gaps are left
-# out, and said so.
+# Half widths of gaps below this part of the period, or of the zone they are in, are a rounding of
+# the ends' positions: such gaps are left out, and said so.
 NARROWEST = 1e-13
 
 
 class FullLimit(sie.Kept):
-    """Where full contact begins: the smallest mean pressure [Pa], inf if there is none, found when first asked for.
+    """Where full contact begins: the smallest mean pressure [Pa], inf if there is none, found when
+    first asked for.
 
-    approached: whether growing loads come near to full contact, as they do to valleys with kinks but not past sharp corners.
-    told: whether the model tells what the pressure then is. possible: whether some load reaches it, and the model tells.
+    approached: whether growing loads come near to full contact, as they do to valleys with kinks
+    but not past sharp corners. told: whether the model tells what the pressure then is. possible:
+    whether some load reaches it, and the model tells.
     """
 
     def __init__(self, profile: Profile, E_star: float, operator: Operator, law: Law) -> None:
@@ -58,14 +62,19 @@ class FullLimit(sie.Kept):
 
     @cached_property
     def relieved(self) -> float:
-        """The mean pressure under which the least pressure of full contact is zero [Pa], whether contact begins there or not; that of
-        valleys with kinks where a lone gap over each is as wide as gaps that are left out."""
+        """The mean pressure under which the least pressure of full contact is zero [Pa], whether
+        contact begins there or not; that of valleys with kinks where a lone gap over each is as
+        wide as gaps that are left out.
+        """
         relief, samples, kinks = self.relief, period_samples(self.profile), self.profile.kinks
         valleys = np.sort(self.profile.wrap(kinks[kinks[:, 1] < 0, 0]))
         if len(valleys) == 0:
             return 0.5 * self.E_star * maximum(relief, samples)[1]
-        around = np.concatenate((valleys[-1:] - relief.period, valleys, valleys[:1] + relief.period))
-        # A lone gap is twice as wide as the stretch on which the pressure of full contact would be negative.
+        around = np.concatenate(
+            (valleys[-1:] - relief.period, valleys, valleys[:1] + relief.period)
+        )
+        # A lone gap is twice as wide as the stretch on which the pressure of full contact would be
+        # negative.
         least = NARROWEST * relief.period / 2
 
         def beside_valleys(x: Array) -> Array:
@@ -74,7 +83,11 @@ class FullLimit(sie.Kept):
             return relief(np.where(np.abs(x - nearest) < least, nearest + least, x))
 
         # Between samples a logarithm is as narrow as any.
-        return 0.5 * self.E_star * max(maximum(beside_valleys, samples)[1], float(beside_valleys(valleys).max()))
+        return (
+            0.5
+            * self.E_star
+            * max(maximum(beside_valleys, samples)[1], float(beside_valleys(valleys).max()))
+        )
 
 
 def lowest(profile: Profile, cell: tuple[float, float] | None = None) -> float:
@@ -92,7 +105,9 @@ def lowest(profile: Profile, cell: tuple[float, float] | None = None) -> float:
 
 @record
 class FullFields(NoZones):
-    """Full contact of a periodic profile: p = pbar - (E*/2) R; no gap. mean_height: mean f - min f [m]."""
+    """Full contact of a periodic profile: p = pbar - (E*/2) R; no gap. mean_height: mean f - min f
+    [m].
+    """
 
     problem: Problem
     mean_pressure: float
@@ -139,7 +154,9 @@ class FullFields(NoZones):
 
 @record
 class ApartFields(NoZones):
-    """approach [m], not above zero; None where no approach is held: then they may be anywhere, and their gap is infinite."""
+    """approach [m], not above zero; None where no approach is held: then they may be anywhere, and
+    their gap is infinite.
+    """
 
     problem: Problem
     approach: float | None
@@ -154,7 +171,11 @@ class ApartFields(NoZones):
     def gap(self, x: ArrayLike) -> Array:
         if self.approach is None:
             return np.full(np.shape(x), np.inf)
-        return np.asarray(self.problem.profile.height(np.asarray(x, dtype=float)) - self.problem.lowest - self.approach)
+        return np.asarray(
+            self.problem.profile.height(np.asarray(x, dtype=float))
+            - self.problem.lowest
+            - self.approach
+        )
 
     @property
     def mean_gap(self) -> float:

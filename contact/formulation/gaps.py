@@ -1,17 +1,20 @@
-r"""Nearly full contact by its gaps: the unknown is the slope of the gap on the few places without contact.
+r"""Nearly full contact by its gaps: the unknown is the slope of the gap on the few places without
+contact.
 
-With s the slope of the gap (zero in contact), u' = s - f', and on a body of symbol L the pressure is p = pbar + (E*/2) G u', G of
-symbol 1/L: on a half-plane H, the periodic Hilbert transform, else H and a smooth part. With R = G f' (contact.formulation.relief), no
-pressure in the gaps means
+With s the slope of the gap (zero in contact), u' = s - f', and on a body of symbol L the pressure
+is p = pbar + (E*/2) G u', G of symbol 1/L: on a half-plane H, the periodic Hilbert transform, else
+H and a smooth part. With R = G f' (contact.formulation.relief), no pressure in the gaps means
 
     (1/pi) PV int_gaps s(xi) K(x - xi) dxi = R(x) - 2 pbar / E*     on the gaps,     int_gap s = 0 on each,
 
-K the kernel of G: the same equation as that of the zones, with the roles of contact and gap exchanged, bounded at free ends. Its
-unknowns are few where the contact is nearly full, however narrow the gaps (theory: derived here from (5); see docs/theory).
+K the kernel of G: the same equation as that of the zones, with the roles of contact and gap
+exchanged, bounded at free ends. Its unknowns are few where the contact is nearly full, however
+narrow the gaps (theory: derived here from (5); see docs/theory).
 
-Where f' jumps inside a gap so does s, by as much, and R has the logarithm of that (sie.jumps.density): a valley with a kink.
-About such a valley alone, R = C + (J/pi) ln|2 sin(pi y/l)|, J < 0, and C constant, the gap is |y| < w,
-w = (l/pi) exp(-pi (2 pbar/E* - C)/|J|): it never closes, and is narrower than any number soon.
+Where f' jumps inside a gap so does s, by as much, and R has the logarithm of that
+(sie.jumps.density): a valley with a kink. About such a valley alone, R = C + (J/pi) ln|2 sin(pi
+y/l)|, J < 0, and C constant, the gap is |y| < w, w = (l/pi) exp(-pi (2 pbar/E* - C)/|J|): it never
+closes, and is narrower than any number soon.
 """
 
 from __future__ import annotations
@@ -36,10 +39,12 @@ from sie import Array, Index, record
 
 @record
 class GapFields(sie.Kept):
-    """Fields of a periodic contact from the slope of its gaps; scaled inside, SI in the public methods.
+    """Fields of a periodic contact from the slope of its gaps; scaled inside, SI in the public
+    methods.
 
-    mean: scaled mean pressure. relief: R over the unit slope, of scaled x. In pickles and copies the state with its matrices is
-    left out, and what it tells beyond the density is worked out before.
+    mean: scaled mean pressure. relief: R over the unit slope, of scaled x. In pickles and copies
+    the state with its matrices is left out, and what it tells beyond the density is worked out
+    before.
     """
 
     problem: Problem
@@ -71,7 +76,8 @@ class GapFields(sie.Kept):
         gaps = self.density.zones
         return gaps_between(gaps.table, self.period)
 
-    # scaled -----------------------------------------------------------------------------------------------------------
+    # scaled
+    # -----------------------------------------------------------------------------------------------------------
     def formal_gap(self, x: Array) -> Array:
         """Scaled, whatever its sign: the integral of its slope."""
         return np.asarray(self.density.integral(x))
@@ -91,11 +97,13 @@ class GapFields(sie.Kept):
         a, b = self.zones[zone].T
         half = 0.5 * (b - a)
         x = np.where(left <= right, a + half * left, b - half * right)
-        # Next to an end the pressure goes with the root of the distance, of which x has lost digits.
+        # Next to an end the pressure goes with the root of the distance, of which x has lost
+        # digits.
         nearer, kept = half * np.minimum(left, right), np.where(left <= right, x - a, b - x)
         return np.asarray(self.bearing(x) * np.sqrt(nearer / np.where(kept > 0, kept, np.inf)))
 
-    # SI ---------------------------------------------------------------------------------------------------------------
+    # SI
+    # ---------------------------------------------------------------------------------------------------------------
     @property
     def zone_table(self) -> Array:
         """Ends of the zones [m] (n, 2)."""
@@ -107,17 +115,24 @@ class GapFields(sie.Kept):
         return self._of_zones(moved_ends(self.state)) * self.problem.units.length
 
     def _of_zones(self, rates: Array) -> Array:
-        """How far the ends of zones move (n, 2) as the load grows by a factor of e: a gap loses on its left what the zone before it gains
-        on its right. rates: of the gaps' ends (2, n), a unit of mean pressure."""
+        """How far the ends of zones move (n, 2) as the load grows by a factor of e: a gap loses on
+        its left what the zone before it gains on its right. rates: of the gaps' ends (2, n), a unit
+        of mean pressure.
+        """
         return -np.column_stack((rates[1], np.roll(rates[0], -1))) * self.mean
 
     def rates(self, x: Array) -> tuple[Array, Array]:
         """See `ZoneFields.rates`."""
         response = self.state.response(self.state.values(), ROUGHLY)
-        return self._of_zones(moved_ends(self.state, 0, response)), np.asarray(response.whole.integral(x) * self.mean)
+        return self._of_zones(moved_ends(self.state, 0, response)), np.asarray(
+            response.whole.integral(x) * self.mean
+        )
 
     def pressure(self, x: ArrayLike) -> Array:
-        return self.formal_pressure(self.problem.units.scaled(np.asarray(x, dtype=float))) * self.problem.units.pressure
+        return (
+            self.formal_pressure(self.problem.units.scaled(np.asarray(x, dtype=float)))
+            * self.problem.units.pressure
+        )
 
     def pressure_at(self, zone: int, t: ArrayLike) -> Array:
         t = np.asarray(t, dtype=float)
@@ -162,25 +177,33 @@ class GapFields(sie.Kept):
         highest = maximum(self.formal_pressure, x, value=value)[1]
         if self.problem.algebraic is not None:
             # The tips of low powers: there the pressure has a cusp.
-            highest = max(highest, float(self.formal_pressure(np.asarray(self.problem.algebraic.at)).max()))
+            highest = max(
+                highest, float(self.formal_pressure(np.asarray(self.problem.algebraic.at)).max())
+            )
         return highest * self.problem.units.pressure
 
     @cached_property
     def samples(self) -> tuple[Array, Array]:
-        """(even places over the period from the first gap on, closer than the profile varies, the scaled pressure there)."""
+        """(even places over the period from the first gap on, closer than the profile varies, the
+        scaled pressure there).
+        """
         x, relief = self.relief.samples
         start = self.density.zones.a[0]
         turns = np.ceil((start - x) / self.period)
         first = int(np.argmin(x + turns * self.period))
-        x, relief = (np.concatenate((part[first:], part[:first])) for part in (x + turns * self.period, relief))
+        x, relief = (
+            np.concatenate((part[first:], part[:first]))
+            for part in (x + turns * self.period, relief)
+        )
         bears, value = ~self.density.locate(x)[2], np.zeros(len(x))
         value[bears] = self.mean - relief[bears] + self.density.transform(x[bears])
         return x, value
 
     @cached_property
     def steepest(self) -> float:
-        """Largest slope of the scaled pressure between samples, but for those beside the ends of zones, where it is a root that moves
-        with the end, and those of tips, where it is infinite."""
+        """Largest slope of the scaled pressure between samples, but for those beside the ends of
+        zones, where it is a root that moves with the end, and those of tips, where it is infinite.
+        """
         x, value = self.samples
         bears = value > 0
         inner = bears[:-3] & bears[1:-2] & bears[2:-1] & bears[3:]
@@ -190,15 +213,21 @@ class GapFields(sie.Kept):
 
     @cached_property
     def unit_pressure(self) -> float:
-        """What errors are referred to: the peak pressure, or the mean contact pressure where the peak is infinite [Pa]."""
+        """What errors are referred to: the peak pressure, or the mean contact pressure where the
+        peak is infinite [Pa].
+        """
         if np.isfinite(self.max_pressure):
             return self.max_pressure
         return self.mean / self.contact_fraction * self.problem.units.pressure
 
     @cached_property
     def approach(self) -> float:
-        """min f = 0, and u has the mean of the compression: the mean of f less the mean gap, and that [m]."""
-        return (mean_shape(self.problem) + self.problem.compression * self.mean) * self.problem.units.height - self.mean_gap
+        """min f = 0, and u has the mean of the compression: the mean of f less the mean gap, and
+        that [m].
+        """
+        return (
+            mean_shape(self.problem) + self.problem.compression * self.mean
+        ) * self.problem.units.height - self.mean_gap
 
     @property
     def mean_gap(self) -> float:
@@ -207,7 +236,11 @@ class GapFields(sie.Kept):
 
     @cached_property
     def stiffness(self) -> float:
-        """d load / d approach [N/m^2]: the gap's response to the mean pressure, ends held, and the compression's."""
+        """d load / d approach [N/m^2]: the gap's response to the mean pressure, ends held, and the
+        compression's.
+        """
         response = self.state.response(self.state.values())
-        rate = (response.moment() / self.period + self.problem.compression) * self.problem.units.height
+        rate = (
+            response.moment() / self.period + self.problem.compression
+        ) * self.problem.units.height
         return self.period * self.problem.units.load / rate

@@ -1,7 +1,9 @@
-"""Whether a profile's heights are rounded so coarsely that they no longer say what its slope says: cosh(x) - 1 at x = 1e-6.
+"""Whether a profile's heights are rounded so coarsely that they no longer say what its slope says:
+cosh(x) - 1 at x = 1e-6.
 
-Over an interval the height rises by the integral of the slope. What is missing is rounding if it stays as small over intervals far wider,
-where the rise is larger; of a height and a slope that do not go together it grows with them.
+Over an interval the height rises by the integral of the slope. What is missing is rounding if it
+stays as small over intervals far wider, where the rise is larger; of a height and a slope that do
+not go together it grows with them.
 """
 
 import math
@@ -14,14 +16,19 @@ from sie import Array
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
 # Intervals in the zones that are looked at, and how much wider ones.
-_PLACES, _WIDER = 16, (1e2, 1e3, 1e4, 1e5, 1e6)
-# Of a rise: what is missing that is worth telling, and what is nothing; and the largest that rounding becomes over wider intervals.
-_COARSE, _NOTHING, _GROWS = 1e-7, 1e-6, 1e3
+_PLACES = 16
+_WIDER = (1e2, 1e3, 1e4, 1e5, 1e6)
+# Of a rise: what is missing that is worth telling, and what is nothing; and the largest that
+# rounding becomes over wider intervals.
+_COARSE = 1e-7
+_NOTHING = 1e-6
+_GROWS = 1e3
 
 
 def told(problem: Problem, table: Array) -> str:
-    """What rounding leaves of the heights over scaled zones (n, 2), in words; empty where that is enough, or where something else is
-    amiss."""
+    """What rounding leaves of the heights over scaled zones (n, 2), in words; empty where that is
+    enough, or where something else is amiss.
+    """
     zone = table[int(np.argmax(table[:, 1] - table[:, 0]))]
     middle, half = 0.5 * float(zone[0] + zone[1]), 0.5 * float(zone[1] - zone[0])
     here, rise, apart = _missing(problem, middle, half)
@@ -48,8 +55,9 @@ def told(problem: Problem, table: Array) -> str:
 
 
 def _missing(problem: Problem, middle: float, half: float) -> tuple[float, float, float]:
-    """(what is missing of the rises over parts of an interval, of as many more as less; the largest rise, and the most that is missing of
-    any), scaled."""
+    """(what is missing of the rises over parts of an interval, of as many more as less; the largest
+    rise, and the most that is missing of any), scaled.
+    """
     at = middle + half * np.linspace(-1, 1, _PLACES + 1)
     with np.errstate(all="ignore"):
         heights = problem.shape(at)
@@ -58,7 +66,10 @@ def _missing(problem: Problem, middle: float, half: float) -> tuple[float, float
         x = 0.5 * (at[1:] + at[:-1])[:, None] + 0.5 * step[:, None] * _NODES
         expected = 0.5 * step * (problem.slope(x.ravel()).reshape(x.shape) @ _WEIGHTS)
         missing = rise - expected
-        total, most = (float(np.ptp(np.concatenate(([0.0], np.cumsum(parts))))) for parts in (expected, missing))
+        total, most = (
+            float(np.ptp(np.concatenate(([0.0], np.cumsum(parts)))))
+            for parts in (expected, missing)
+        )
     if not (np.isfinite(missing).all() and math.isfinite(total)):
         return 0.0, 0.0, 0.0
     # Of a shape that bends sharply few parts show it.

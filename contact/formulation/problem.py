@@ -1,12 +1,14 @@
 """A scene as a scaled integral equation.
 
-Lengths are counted in `length`, slopes in `slope`, pressures in E* slope / 2, so that (5) and (6) become
-(1/pi) PV int phi K = f' / slope =: g. With F = f / (slope length), the potential V of phi and the columns' C,
+Lengths are counted in `length`, slopes in `slope`, pressures in E* slope / 2, so that (5) and (6)
+become (1/pi) PV int phi K = f' / slope =: g. With F = f / (slope length), the potential V of phi
+and the columns' C,
 
     V - lambda C - F = level on every zone,    level = -approach / (slope length).
 
-Where the moment is given, the tilt is one of the unknown amplitudes: F is that of the profile at a first guess of it, and the
-column C = -x, of slope -1, turns the body by what is missing. x counts from x = 0, where the approach is taken.
+Where the moment is given, the tilt is one of the unknown amplitudes: F is that of the profile at a
+first guess of it, and the column C = -x, of slope -1, turns the body by what is missing. x counts
+from x = 0, where the approach is taken.
 """
 
 from __future__ import annotations
@@ -36,9 +38,11 @@ def minus_one(x: Array) -> Array:
 
 @record
 class Problem(sie.Kept):
-    """Profile, interaction, substrate and law in scaled variables. centre: of the strip; amplitude: the column's, where it is given, which
-    then is a part of the right side. reference: one strip alone, of a profile that repeats: zones may lie across the border of its cell,
-    and end at that of the strip. moment: scaled, about x = 0; None where the tilt of the profile is not an unknown."""
+    """Profile, interaction, substrate and law in scaled variables. centre: of the strip; amplitude:
+    the column's, where it is given, which then is a part of the right side. reference: one strip
+    alone, of a profile that repeats: zones may lie across the border of its cell, and end at that
+    of the strip. moment: scaled, about x = 0; None where the tilt of the profile is not an unknown.
+    """
 
     profile: Profile
     interaction: Interaction
@@ -74,7 +78,11 @@ class Problem(sie.Kept):
 
     @cached_property
     def operator(self) -> Operator:
-        return Operator(self.interaction, self.substrate, self.profile.period if self.interaction.needs_period else None)
+        return Operator(
+            self.interaction,
+            self.substrate,
+            self.profile.period if self.interaction.needs_period else None,
+        )
 
     @cached_property
     def kernel(self) -> sie.Kernel:
@@ -86,7 +94,9 @@ class Problem(sie.Kept):
 
     @cached_property
     def corners(self) -> tuple[float, float]:
-        """Scaled sharp corners beyond which the profile ends, and borders at which a strip is cut off; infinite without."""
+        """Scaled sharp corners beyond which the profile ends, and borders at which a strip is cut
+        off; infinite without.
+        """
         lo, hi = -np.inf, np.inf
         if self.profile.support is not None:
             lo, hi = (float(self.units.scaled(np.array(s))) for s in self.profile.support)
@@ -105,7 +115,9 @@ class Problem(sie.Kept):
 
     @cached_property
     def borders(self) -> tuple[float, float]:
-        """Scaled limits that no zone may reach: of one isolated cell, or of a measured trace; infinite without."""
+        """Scaled limits that no zone may reach: of one isolated cell, or of a measured trace;
+        infinite without.
+        """
         known = None if self.period is not None or self.reference else self.profile.known
         if known is None:
             return -np.inf, np.inf
@@ -124,17 +136,29 @@ class Problem(sie.Kept):
         kinks, jumps = profile.kinks, profile.jumps
         at = np.asarray(units.scaled(np.concatenate((kinks[:, 0], jumps[:, 0]))))
         # A jump of f^(n) is one of the slope's derivative of order n - 1.
-        orders = np.concatenate((np.zeros(len(kinks), dtype=np.intp), jumps[:, 1].astype(np.intp) - 1))
+        orders = np.concatenate(
+            (np.zeros(len(kinks), dtype=np.intp), jumps[:, 1].astype(np.intp) - 1)
+        )
         heights = np.concatenate((kinks[:, 1], jumps[:, 2])) * units.length**orders / units.slope
         at = nearest_image(at, self.centre, self.cell if self.reference else self.period)
         resolution = None if profile.resolution is None else self.detail
         exact = profile.exact_places
         whole = sie.Forcing(
-            self.slope, self.shape, at, heights, orders, algebraic=self.algebraic, resolution=resolution,
-            placed=units.placed, exact=exact, rounding=profile.slope_rounding / units.slope,
+            self.slope,
+            self.shape,
+            at,
+            heights,
+            orders,
+            algebraic=self.algebraic,
+            resolution=resolution,
+            placed=units.placed,
+            exact=exact,
+            rounding=profile.slope_rounding / units.slope,
         )
         # Beside the border of a strip what presses beyond it varies over any length.
-        return replace(whole, resolution=None, spline=self._profile_slope) if self.amplitude else whole
+        return (
+            replace(whole, resolution=None, spline=self._profile_slope) if self.amplitude else whole
+        )
 
     @cached_property
     def algebraic(self) -> sie.AlgebraicPoints | None:
@@ -143,17 +167,24 @@ class Problem(sie.Kept):
         if not len(points):
             return None
         at, exponents, left, right = points.T
-        at = nearest_image(np.asarray(units.scaled(at)), self.centre, self.cell if self.reference else self.period)
+        at = nearest_image(
+            np.asarray(units.scaled(at)), self.centre, self.cell if self.reference else self.period
+        )
         factor = exponents * units.length ** (exponents - 1.0) / units.slope
         if self.cell is not None and self.kernel.period is None:
-            # One cell alone ends at a point on its border on both sides; without this, symmetric zones would see it on one.
-            at, exponents, left, right, factor = (np.tile(part, 3) for part in (at, exponents, left, right, factor))
+            # One cell alone ends at a point on its border on both sides; without this, symmetric
+            # zones would see it on one.
+            at, exponents, left, right, factor = (
+                np.tile(part, 3) for part in (at, exponents, left, right, factor)
+            )
             at = at + np.repeat([-self.cell, 0.0, self.cell], len(points))
         return sie.AlgebraicPoints(at, exponents - 1.0, -factor * left, factor * right)
 
     def slope(self, x: Array) -> Array:
-        """f' over the unit of slope, and what the given amplitude of the column adds: a part of the right side has as many modes as it
-        takes so near to the border of a strip, which are cheap; a column, as all that is coupled, would be cut short."""
+        """f' over the unit of slope, and what the given amplitude of the column adds: a part of the
+        right side has as many modes as it takes so near to the border of a strip, which are cheap;
+        a column, as all that is coupled, would be cut short.
+        """
         slope = self._profile_slope(x)
         return slope + self.amplitude * self.columns[0].value(x) if self.amplitude else slope
 
@@ -166,7 +197,9 @@ class Problem(sie.Kept):
         return shape + self.raised(x) if self.amplitude else shape
 
     def raised(self, x: Array) -> Array:
-        """What the given amplitude of the column, a nominal pressure beyond a strip, adds to the displacement."""
+        """What the given amplitude of the column, a nominal pressure beyond a strip, adds to the
+        displacement.
+        """
         primitive = self.columns[0].primitive
         assert primitive is not None and self.amplitude is not None
         return np.asarray(self.amplitude * primitive(x))
@@ -175,11 +208,17 @@ class Problem(sie.Kept):
         at, ends = self.units.x(x), self.profile.support
         if ends is not None:
             at = onto(ends, at, 4 * np.finfo(float).eps * (ends[1] - ends[0] + np.abs(at)))
-        with np.errstate(over="ignore"):  # far outside heights may overflow to inf: nothing touches there
-            return np.asarray((np.asarray(self.profile.height(at)) - self.lowest) / self.units.height)
+        with np.errstate(
+            over="ignore"
+        ):  # far outside heights may overflow to inf: nothing touches there
+            return np.asarray(
+                (np.asarray(self.profile.height(at)) - self.lowest) / self.units.height
+            )
 
     def shape_rounding(self, x: Array) -> float:
-        """What rounding does to F at scaled points: its departure from straight lines over a few units in the last digit."""
+        """What rounding does to F at scaled points: its departure from straight lines over a few
+        units in the last digit.
+        """
         at = self.units.x(x)
         near = at[:, None] + 4 * np.spacing(np.abs(at))[:, None] * np.arange(-4, 5)
         height = np.asarray(self.profile.height(near)) / self.units.height
@@ -199,10 +238,14 @@ class Problem(sie.Kept):
 
     @cached_property
     def compression(self) -> float:
-        """Displacement of a unit of scaled uniform pressure, in units of height; 0 where it is not counted."""
+        """Displacement of a unit of scaled uniform pressure, in units of height; 0 where it is not
+        counted.
+        """
         return (self.operator.compression or 0.0) / self.units.length
 
-    def bearing(self, density: sie.AnyDensity, zone: Index | int, left: Array, right: Array) -> Array:
+    def bearing(
+        self, density: sie.AnyDensity, zone: Index | int, left: Array, right: Array
+    ) -> Array:
         """What has to press on zones, at distances from their ends over the half width."""
         return np.asarray(density.at(zone, left, right))
 
@@ -232,7 +275,9 @@ class Problem(sie.Kept):
             closure = (sie.Amplitude(0, 0.0),)
         elif self.amplitude is None:
             told = Told("interaction.side_conditions(period)", "interaction")
-            closure = told.rows(sie.Condition, self.interaction.placed_conditions, self.period, self.units.scaled)
+            closure = told.rows(
+                sie.Condition, self.interaction.placed_conditions, self.period, self.units.scaled
+            )
         conditions, ends = control.conditions()
         if self.moment is not None:
             # The tilt that is missing, in units of the slope.

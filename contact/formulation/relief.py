@@ -1,8 +1,11 @@
-r"""R, what full contact takes of the pressure: p = pbar - (E*/2) R, R_q = q f_q / L(q), of a periodic profile on a body of symbol L.
+r"""R, what full contact takes of the pressure: p = pbar - (E*/2) R, R_q = q f_q / L(q), of a
+periodic profile on a body of symbol L.
 
-For the half-plane L = 1 and R = H f' = (1/l) PV int f'(xi) cot(pi (x - xi)/l) dxi (cos kx -> sin kx, sin kx -> -cos kx); for others the
-few waves with L_n != 1 are put right, R = H f' + sum_n q_n (1/L_n - 1) 2 Re f_n exp(i q_n x). A convex jump J of f' makes R -inf
-there (infinite pressure), a concave one, a valley with a kink, +inf: the logarithm (J/pi) ln|2 sin(pi (x - s)/l)| whatever the body.
+For the half-plane L = 1 and R = H f' = (1/l) PV int f'(xi) cot(pi (x - xi)/l) dxi (cos kx -> sin
+kx, sin kx -> -cos kx); for others the few waves with L_n != 1 are put right, R = H f' + sum_n q_n
+(1/L_n - 1) 2 Re f_n exp(i q_n x). A convex jump J of f' makes R -inf there (infinite pressure), a
+concave one, a valley with a kink, +inf: the logarithm (J/pi) ln|2 sin(pi (x - s)/l)| whatever the
+body.
 """
 
 from collections.abc import Callable
@@ -24,12 +27,15 @@ from sie import Array, Complex, Index, record
 # Samples of R a shortest length of the profile.
 _CLOSE = 20
 # Places for an estimate of the noise of heights; its largest value over its standard deviation.
-_LOOKS, _PEAK = 256, 4.0
+_LOOKS = 256
+_PEAK = 4.0
 
 
 @record
 class Relief(Conjugate):
-    """R of x [m] of a periodic profile, with its kinks (k, 2) as it declares them; breakpoints: the profile's others."""
+    """R of x [m] of a periodic profile, with its kinks (k, 2) as it declares them; breakpoints: the
+    profile's others.
+    """
 
     operator: Operator
 
@@ -37,7 +43,9 @@ class Relief(Conjugate):
     def smooth(self) -> Callable[[Array], Array]:
         """All of R but the logarithms of the kinks."""
         conjugate, waves = self._plain.smooth, self._sum
-        return conjugate if waves is None else lambda x: np.asarray(conjugate(x) + self._at(x, waves))
+        return (
+            conjugate if waves is None else lambda x: np.asarray(conjugate(x) + self._at(x, waves))
+        )
 
     @cached_property
     def _plain(self) -> Conjugate:
@@ -45,8 +53,9 @@ class Relief(Conjugate):
         return Conjugate(self.profile)
 
     def of_waves(self, x: Array) -> Array:
-        """What the kinks add to R through the waves in which the body is no half-plane: (J/pi) times the smooth part of the inverse
-        kernel's potential, of all of them."""
+        """What the kinks add to R through the waves in which the body is no half-plane: (J/pi)
+        times the smooth part of the inverse kernel's potential, of all of them.
+        """
         x = np.asarray(x, dtype=np.float64)
         if self._sum is None or len(self.kinks) == 0:
             return np.zeros(x.shape)
@@ -58,7 +67,9 @@ class Relief(Conjugate):
 
     @cached_property
     def _q(self) -> Array:
-        return np.asarray(2 * np.pi / self.period * np.arange(1, len(self.inverse) + 1), dtype=np.float64)
+        return np.asarray(
+            2 * np.pi / self.period * np.arange(1, len(self.inverse) + 1), dtype=np.float64
+        )
 
     @cached_property
     def inverse(self) -> Array:
@@ -71,7 +82,12 @@ class Relief(Conjugate):
     def _sum(self) -> Sum | None:
         if len(self.inverse) == 0:
             return None
-        return Sum.of(np.asarray(2 * self._q * self.inverse * harmonics(self.profile, len(self.inverse)), dtype=np.complex128))
+        return Sum.of(
+            np.asarray(
+                2 * self._q * self.inverse * harmonics(self.profile, len(self.inverse)),
+                dtype=np.complex128,
+            )
+        )
 
     @cached_property
     def _kinked(self) -> Sum:
@@ -99,7 +115,9 @@ class Relief(Conjugate):
 
 @record
 class ScaledRelief(sie.Kept):
-    """R over the unit of slope, of scaled x; the kinks' places are those of the problem, bit for bit."""
+    """R over the unit of slope, of scaled x; the kinks' places are those of the problem, bit for
+    bit.
+    """
 
     relief: Relief
     units: Units
@@ -138,10 +156,15 @@ class ScaledRelief(sie.Kept):
 
     @cached_property
     def samples(self) -> tuple[Array, Array]:
-        """(even places over a period, closer than the profile varies, R there): the same under all loads."""
+        """(even places over a period, closer than the profile varies, R there): the same under all
+        loads.
+        """
         n = int(np.clip(_CLOSE * self.period / self.spacing, 256, 2**18))
         # Off the borders of the cell and of its halves and thirds, where kinks like to be.
-        x = float(self.units.scaled(np.array(self.relief.profile.x0))) + self.period * (np.arange(n) + 0.4142) / n
+        x = (
+            float(self.units.scaled(np.array(self.relief.profile.x0)))
+            + self.period * (np.arange(n) + 0.4142) / n
+        )
         return x, self(x)
 
     def smooth(self, x: Array) -> Array:
@@ -153,12 +176,15 @@ class ScaledRelief(sie.Kept):
         return np.asarray(self.smooth(x) - self.relief.of_waves(self.units.x(x)) / self.units.slope)
 
     def __call__(self, x: Array) -> Array:
-        return np.asarray(self.smooth(x) + logarithms(np.asarray(x), self.at, self.heights, self.period))
+        return np.asarray(
+            self.smooth(x) + logarithms(np.asarray(x), self.at, self.heights, self.period)
+        )
 
 
 def harmonics(profile: Profile, count: int) -> Complex:
-    """f_n = (1/l) int f exp(-2 pi i n (x - x0)/l) dx, n = 1 ... count: Gauss-Legendre between breakpoints, panels as short as the
-    resolution and as the waves."""
+    """f_n = (1/l) int f exp(-2 pi i n (x - x0)/l) dx, n = 1 ... count: Gauss-Legendre between
+    breakpoints, panels as short as the resolution and as the waves.
+    """
     x, turns, weights = over_period(profile, 2 * count)
     heights = np.asarray(profile.height(x), dtype=np.float64)
     return coefficients((heights - heights.min()) * weights, turns, count)
@@ -174,7 +200,9 @@ def height_noise(profile: Profile) -> float:
 
 
 def period_samples(profile: Profile) -> Array:
-    """Even samples of a period, closer than anything varies, as far as the profile tells, and its algebraic points."""
+    """Even samples of a period, closer than anything varies, as far as the profile tells, and its
+    algebraic points.
+    """
     length = profile.period
     assert length is not None
     n = int(np.clip(16 * length / (profile.resolution or length / 16), 64, 2**17))

@@ -1,12 +1,15 @@
-"""One symmetric zone about the origin: its half width in closed form up to quadrature, and the branch from zero load.
+"""One symmetric zone about the origin: its half width in closed form up to quadrature, and the
+branch from zero load.
 
-Isolated, with xi = a t, and periodic, with sin(pi xi/L) = sin(pi a/L) t, both by Gauss-Chebyshev in t:
+Isolated, with xi = a t, and periodic, with sin(pi xi/L) = sin(pi a/L) t, both by Gauss-Chebyshev in
+t:
 
     P = int g(xi) xi / sqrt(a^2 - xi^2) dxi                       level = (P/pi) ln(a / 2d) - mean F
     P = int g(xi) sin u / sqrt(sin^2 A - sin^2 u) dxi             level = (P/pi) ln sin A - mean F,   u = pi xi/L, A = pi a/L
 
-The first is Shtaerman's (1949); the second follows from it by the map tan u, which turns the Hilbert kernel into Cauchy's; the
-levels from the equilibrium measure of the zone. Localization adds its correction (16). Newton has little left to do.
+The first is Shtaerman's (1949); the second follows from it by the map tan u, which turns the
+Hilbert kernel into Cauchy's; the levels from the equilibrium measure of the zone. Localization adds
+its correction (16). Newton has little left to do.
 """
 
 import math
@@ -28,7 +31,9 @@ _ANYWHERE = np.geomspace(1e-12, 1e12, 97)
 
 
 def guess_half_width(problem: Problem, control: Control) -> float:
-    """Scaled half width at which one zone would carry about the control; the widest that still gains if none does."""
+    """Scaled half width at which one zone would carry about the control; the widest that still
+    gains if none does.
+    """
     if control.half_width is not None:
         return control.half_width
     if control.width is not None:
@@ -41,8 +46,10 @@ def guess_half_width(problem: Problem, control: Control) -> float:
         # A maximum between two of them may still reach it.
         k = int(np.clip(np.argmax(value), 1, len(a) - 2))
         top = require("scipy.optimize").minimize_scalar(
-            lambda x: -float(_carried(problem, control, np.array([x]))[0]), bounds=(float(a[k - 1]), float(a[k + 1])),
-            method="bounded", options={"xatol": 1e-9 * float(a[k])},
+            lambda x: -float(_carried(problem, control, np.array([x]))[0]),
+            bounds=(float(a[k - 1]), float(a[k + 1])),
+            method="bounded",
+            options={"xatol": 1e-9 * float(a[k])},
         )
         if -top.fun < control.value:
             return float(top.x)
@@ -60,7 +67,10 @@ def guess_half_width(problem: Problem, control: Control) -> float:
         return math.log(carried / control.value) if carried > 0 else -math.inf
 
     # In the logarithms, where a power law is straight.
-    known = {math.log(a): math.log(carried / control.value) for a, carried in ((low, at_low), (high, at_high))}
+    known = {
+        math.log(a): math.log(carried / control.value)
+        for a, carried in ((low, at_low), (high, at_high))
+    }
     return math.exp(smooth_root(above_goal, known))
 
 
@@ -87,7 +97,9 @@ def _carried(problem: Problem, control: Control, a: Array) -> Array:
             value = value * (2 - root) if problem.interaction.follows_isolated else value / root
         if control.approach is not None:
             shape = problem.shape(x.ravel()).reshape(x.shape).mean(axis=1)
-            half = np.sin(np.pi * a / period) if period is not None else 0.5 * a / problem.kernel.datum
+            half = (
+                np.sin(np.pi * a / period) if period is not None else 0.5 * a / problem.kernel.datum
+            )
             value = shape - value / np.pi * np.log(half)
     value = np.where(np.isfinite(value), value, -np.inf)
     falls = np.flatnonzero(value[1:] < value[:-1])
@@ -99,7 +111,9 @@ def _carried(problem: Problem, control: Control, a: Array) -> Array:
 
 
 def carried_by(problem: Problem, control: Control, a: float) -> float:
-    """The controlled quantity, load or approach, of one zone of half width a, bounded at both ends: one linear solve."""
+    """The controlled quantity, load or approach, of one zone of half width a, bounded at both ends:
+    one linear solve.
+    """
     zones = sie.Zones.of([[-a, a]], problem.held_end, problem.held_end, symmetric=True)
     state = sie.solve_fixed(problem.equation(HalfWidth(a)), zones, 1e-13)
     if control.load is not None:
@@ -108,12 +122,18 @@ def carried_by(problem: Problem, control: Control, a: float) -> float:
 
 
 def single_branch(problem: Problem, control: Control) -> tuple[Array, Array]:
-    """(half widths, the controlled quantity at them) along the branch from zero load up to its first maximum, which is the last."""
+    """(half widths, the controlled quantity at them) along the branch from zero load up to its
+    first maximum, which is the last.
+    """
     limit = widest(problem)
     if not math.isfinite(limit):
         limit = 1e3 * guess_half_width(problem, control)
     # Even steps where the period limits the width, geometric ones where nothing does.
-    a = limit * (np.linspace(0, 1, _SCAN + 1)[1:] if problem.cell is not None else np.geomspace(1e-4, 1, _SCAN))
+    a = limit * (
+        np.linspace(0, 1, _SCAN + 1)[1:]
+        if problem.cell is not None
+        else np.geomspace(1e-4, 1, _SCAN)
+    )
     values = np.array([carried_by(problem, control, float(x)) for x in a])
     falls = np.flatnonzero(np.diff(values) < 0)
     if len(falls) == 0:
@@ -121,7 +141,9 @@ def single_branch(problem: Problem, control: Control) -> tuple[Array, Array]:
     k = int(falls[0])
     low, high = float(a[max(k - 1, 0)]), float(a[k + 1])
     best = require("scipy.optimize").minimize_scalar(
-        lambda x: -carried_by(problem, control, x), bounds=(low, high), method="bounded",
+        lambda x: -carried_by(problem, control, x),
+        bounds=(low, high),
+        method="bounded",
         options={"xatol": 1e-9 * high},
     )
     return np.append(a[: max(k, 1)], best.x), np.append(values[: max(k, 1)], -best.fun)

@@ -1,5 +1,5 @@
-"""Tables of zones or intervals (n, 2), ascending, on a line that may repeat: rows moved by whole periods, and what lies between them;
-and runs of samples that are alike.
+"""Tables of zones or intervals (n, 2), ascending, on a line that may repeat: rows moved by whole
+periods, and what lies between them; and runs of samples that are alike.
 """
 
 import numpy as np
@@ -12,7 +12,11 @@ _WIDE = 0.1
 
 def begun_from(table: Array, start: float, period: float | None) -> Array:
     """Rows moved to begin in [start, start + period); as they are where nothing repeats."""
-    return table if period is None else np.asarray(table - np.floor((table[:, :1] - start) / period) * period)
+    return (
+        table
+        if period is None
+        else np.asarray(table - np.floor((table[:, :1] - start) / period) * period)
+    )
 
 
 def ascending(table: Array) -> Array:
@@ -27,7 +31,11 @@ def in_cell(table: Array, start: float, period: float | None) -> Array:
 
 def centred_on(table: Array, centre: float, period: float | None) -> Array:
     """Rows moved to have their middles within half a period of a centre."""
-    return table if period is None else np.asarray(table - np.round((table.mean(axis=1) - centre) / period)[:, None] * period)
+    return (
+        table
+        if period is None
+        else np.asarray(table - np.round((table.mean(axis=1) - centre) / period)[:, None] * period)
+    )
 
 
 def outward(before: Array, after: Array) -> Array:
@@ -36,14 +44,20 @@ def outward(before: Array, after: Array) -> Array:
 
 
 def located(table: Array, x: Array) -> tuple[Index, Mask]:
-    """(the last row that begins at or before each place, the first one where none does; whether the place lies in it)."""
+    """(the last row that begins at or before each place, the first one where none does; whether the
+    place lies in it).
+    """
     row = np.maximum(np.searchsorted(table[:, 0], x, side="right") - 1, 0)
     return row, np.asarray((x > table[row, 0]) & (x < table[row, 1]))
 
 
 def gaps_between(table: Array, period: float | None) -> Array:
-    """The gap right of each row (n, 2), that of the last over the border of the period; where nothing repeats, without end."""
-    return np.column_stack((table[:, 1], np.append(table[1:, 0], np.inf if period is None else table[0, 0] + period)))
+    """The gap right of each row (n, 2), that of the last over the border of the period; where
+    nothing repeats, without end.
+    """
+    return np.column_stack(
+        (table[:, 1], np.append(table[1:, 0], np.inf if period is None else table[0, 0] + period))
+    )
 
 
 def room_beside(table: Array, period: float | None) -> Array:
@@ -53,14 +67,20 @@ def room_beside(table: Array, period: float | None) -> Array:
 
 
 def parted_at_wide(table: Array, period: float) -> Array:
-    """Rows about where they were, with a wide gap over the border of the period: the nearest one, so that few are moved."""
+    """Rows about where they were, with a wide gap over the border of the period: the nearest one,
+    so that few are moved.
+    """
     gaps = gaps_between(table, period)
     width = gaps[:, 1] - gaps[:, 0]
     wide = width >= _WIDE * width.max()
     if len(table) < 2 or wide[-1]:
         return table
     middle = gaps.mean(axis=1)
-    last = int(np.flatnonzero(wide)[np.argmin(np.minimum(middle - table[0, 0], table[-1, 1] - middle)[wide])])
+    last = int(
+        np.flatnonzero(wide)[
+            np.argmin(np.minimum(middle - table[0, 0], table[-1, 1] - middle)[wide])
+        ]
+    )
     ahead, behind = table[last + 1 :], table[: last + 1]
     few_behind = middle[last] - table[0, 0] < table[-1, 1] - middle[last]
     return np.concatenate((ahead, behind + period) if few_behind else (ahead - period, behind))
@@ -80,7 +100,9 @@ def united(table: Array) -> Array:
 
 
 def runs_of(flags: Mask, wraps: bool = False) -> list[tuple[int, int]]:
-    """First and last index of every run of True; wraps: of a period, whose run across the border goes on beyond the last index."""
+    """First and last index of every run of True; wraps: of a period, whose run across the border
+    goes on beyond the last index.
+    """
     change = np.flatnonzero(np.diff(np.concatenate(([False], flags, [False])).astype(np.int8)))
     runs = [(int(s), int(e) - 1) for s, e in zip(change[::2], change[1::2], strict=True)]
     if wraps and len(runs) > 1 and flags[0] and flags[-1]:

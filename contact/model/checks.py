@@ -14,9 +14,15 @@ from sie import Array
 
 
 def such(field: str, value: Any, allowed: str, holds: Callable[[float], bool]) -> float:
-    """A finite number of which something holds, told by what is allowed; bool, str, None, complex and arrays are refused."""
+    """A finite number of which something holds, told by what is allowed; bool, str, None, complex
+    and arrays are refused.
+    """
     try:
-        number = nan if isinstance(value, (bool, np.bool_)) or not isinstance(value, Real) else float(value)
+        number = (
+            nan
+            if isinstance(value, (bool, np.bool_)) or not isinstance(value, Real)
+            else float(value)
+        )
     except OverflowError:
         number = nan
     if not (isfinite(number) and holds(number)):
@@ -39,14 +45,18 @@ def as_array(value: Any) -> NDArray[Any]:
 
 @contextmanager
 def of_author(what: str, field: str, given: str = "", hint: str = "") -> Iterator[None]:
-    """What an author's code raises, which may be anything, told as a SceneError; those of its own pass."""
+    """What an author's code raises, which may be anything, told as a SceneError; those of its own
+    pass.
+    """
     try:
         with np.errstate(all="ignore"):
             yield
     except SceneError:
         raise
     except Exception as error:
-        raise SceneError(f"{what} raises {type(error).__name__}{given}: {error}{hint}", field) from error
+        raise SceneError(
+            f"{what} raises {type(error).__name__}{given}: {error}{hint}", field
+        ) from error
 
 
 def positive(field: str, value: Any) -> float:
@@ -67,12 +77,19 @@ def non_negative(field: str, value: Any) -> float:
 
 def between(field: str, value: Any, low: float, high: float) -> float:
     """A finite number strictly between low and high."""
-    return such(field, value, f"a finite number above {low:.17g} and below {high:.17g}", lambda number: low < number < high)
+    return such(
+        field,
+        value,
+        f"a finite number above {low:.17g} and below {high:.17g}",
+        lambda number: low < number < high,
+    )
 
 
 def poisson_ratio(field: str, value: Any) -> float:
     """Of a body that is stable."""
-    return such(field, value, "a Poisson ratio, more than -1 and at most 0.5", lambda nu: -1.0 < nu <= 0.5)
+    return such(
+        field, value, "a Poisson ratio, more than -1 and at most 0.5", lambda nu: -1.0 < nu <= 0.5
+    )
 
 
 def positive_or_none(field: str, value: Any) -> float | None:
@@ -109,10 +126,14 @@ def one_of(field: str, value: Any, choices: Iterable[str]) -> str:
 
 def finite_array(field: str, value: Any, ndim: int | None = 1, least: int = 1) -> Array:
     """A read-only float copy of at least `least` finite real numbers with `ndim` axes (None: any)."""
-    shape = {None: "an array", 0: "a number", 1: "a one-dimensional array"}.get(ndim, f"an array with {ndim} axes")
+    shape = {None: "an array", 0: "a number", 1: "a one-dimensional array"}.get(
+        ndim, f"an array with {ndim} axes"
+    )
     count = f" of at least {least}" if least > 1 else " of"
     allowed = f"{shape}{count} finite real numbers"
-    if isinstance(value, (str, bytes)) or (isinstance(value, (list, tuple)) and any(isinstance(v, bool) for v in value)):
+    if isinstance(value, (str, bytes)) or (
+        isinstance(value, (list, tuple)) and any(isinstance(v, bool) for v in value)
+    ):
         raise SceneError.of(field, value, allowed)
     if np.ma.is_masked(value):
         raise SceneError.of(field, value, allowed + ", none masked")
@@ -133,7 +154,9 @@ def finite_array(field: str, value: Any, ndim: int | None = 1, least: int = 1) -
 
 
 def real(field: str, value: Any) -> Array:
-    """Real numbers of any shape as an array of floats; NaN stays NaN, and infinite ones become NaN: nothing is known there."""
+    """Real numbers of any shape as an array of floats; NaN stays NaN, and infinite ones become NaN:
+    nothing is known there.
+    """
     raw = as_array(value)
     if raw.dtype.kind not in "iuf" and raw.size:
         raise SceneError.of(field, value, f"real numbers, of any shape (got type {raw.dtype})")
@@ -142,10 +165,16 @@ def real(field: str, value: Any) -> Array:
 
 
 def increasing(field: str, value: Any, least: int = 1) -> Array:
-    """A finite one-dimensional array, strictly increasing; the first place where it is not is named."""
+    """A finite one-dimensional array, strictly increasing; the first place where it is not is
+    named.
+    """
     array = finite_array(field, value, 1, least)
     wrong = np.flatnonzero(np.diff(array) <= 0)
     if wrong.size:
         i = int(wrong[0])
-        raise SceneError.of(field, value, f"strictly increasing (element {i + 1} is {array[i + 1]:.17g} after {array[i]:.17g})")
+        raise SceneError.of(
+            field,
+            value,
+            f"strictly increasing (element {i + 1} is {array[i + 1]:.17g} after {array[i]:.17g})",
+        )
     return array

@@ -1,8 +1,8 @@
 """Checks of a scene's parts whose classes are someone's own: the form of attributes and methods.
 
 `require_form` runs once, when a scene is made. It checks the attributes and the arguments that the
-methods take, and names the first that is wrong. `Told.number`, `Told.text` and `Told.rows` check what
-the methods return, where they are called.
+methods take, and names the first that is wrong. `Told.number`, `Told.text` and `Told.rows` check
+what the methods return, where they are called.
 """
 
 from __future__ import annotations
@@ -243,13 +243,17 @@ def require_law(law: Law, E_star: float) -> None:
 
 
 def held_by(control: Control, scene: Any) -> Held | None:
-    """The quantity that the solver holds under a control; SceneError where it has neither that nor `of`."""
+    """The quantity that the solver holds under a control; SceneError where it has neither that nor
+    `of`.
+    """
     if not is_own(control):
         return control.held(scene)
     told = Told("control.held(scene)", "control")
     held = told.value(control.held, scene)
     if held is None and type(control).of is Control.of:
-        allowed = "defined: it returns the value that a solution has (or define `held` or `quantity`)"
+        allowed = (
+            "defined: it returns the value that a solution has (or define `held` or `quantity`)"
+        )
         raise SceneError.of("control.of(solution)", None, allowed)
     if held is not None and not (isinstance(held, Held) and isinstance(held.quantity, Quantity)):
         raise SceneError.of(

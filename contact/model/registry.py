@@ -1,8 +1,10 @@
-"""Names for profiles, interactions, substrates, laws and controls: `@register_profile("cosh")` makes a class known to scene files.
+"""Names for profiles, interactions, substrates, laws and controls: `@register_profile("cosh")`
+makes a class known to scene files.
 
-Classes of other installed packages come through the entry-point groups `contact.profiles`, `contact.interactions`,
-`contact.substrates`, `contact.laws` and `contact.controls`, loaded on the first look-up of a name that is not built in, or when
-all names are listed; one that fails is warned about and skipped.
+Classes of other installed packages come through the entry-point groups `contact.profiles`,
+`contact.interactions`, `contact.substrates`, `contact.laws` and `contact.controls`, loaded on the
+first look-up of a name that is not built in, or when all names are listed; one that fails is warned
+about and skipped.
 """
 
 import dataclasses
@@ -31,7 +33,9 @@ class Named:
         if "name" not in cls.__dict__:
             annotation = str(inspect.get_annotations(cls).get("name", "ClassVar"))
             if "ClassVar" not in annotation:
-                allowed = "called otherwise: the name of a class is what scene files and messages call it"
+                allowed = (
+                    "called otherwise: the name of a class is what scene files and messages call it"
+                )
                 raise SceneError.of(f"a field of {cls.__name__}", "name", allowed)
             cls.name = cls.__name__
 
@@ -64,7 +68,11 @@ class Registry:
         if missing:
             raise SceneError.of(f"{self.kind} {name!r}", cls, f"a class with {', '.join(missing)}")
         if name in self._classes:
-            raise SceneError.of(f"{self.kind} name", name, f"new (it already stands for {self._classes[name].__qualname__})")
+            raise SceneError.of(
+                f"{self.kind} name",
+                name,
+                f"new (it already stands for {self._classes[name].__qualname__})",
+            )
         cls.name = name  # type: ignore[attr-defined]
         self._classes[name] = cls
 
@@ -73,7 +81,9 @@ class Registry:
         self._classes.pop(name, None)
 
     def find(self, name: str, key: str | None = None) -> Any:
-        """The class of a name; SceneError with the nearest known name if there is none, about the `key` it was written under."""
+        """The class of a name; SceneError with the nearest known name if there is none, about the
+        `key` it was written under.
+        """
         if isinstance(name, str) and name not in self._classes:
             self._load_plugins()
         if not isinstance(name, str) or name not in self._classes:
@@ -92,12 +102,17 @@ class Registry:
         for point in entry_points(self.group):
             try:
                 cls = point.load()
-                # Loading a module runs its decorators; a class without one gets the entry point's name.
+                # Loading a module runs its decorators; a class without one gets the entry point's
+                # name.
                 if not any(cls is known for known in self._classes.values()):
                     self._enter(point.name, cls)
-            except Exception as error:  # whatever a third-party module raises must not stop the others
+            except (
+                Exception
+            ) as error:  # whatever a third-party module raises must not stop the others
                 skipped = f"{self.kind} {point.name!r} of entry-point group {self.group} is skipped"
-                warnings.warn(f"{skipped}: {type(error).__name__}: {error}", RuntimeWarning, stacklevel=3)
+                warnings.warn(
+                    f"{skipped}: {type(error).__name__}: {error}", RuntimeWarning, stacklevel=3
+                )
 
 
 def construct(cls: Callable[..., Any], what: str, params: Mapping[str, Any]) -> Any:
@@ -117,7 +132,11 @@ def construct(cls: Callable[..., Any], what: str, params: Mapping[str, Any]) -> 
 
 def parameters(part: Any) -> dict[str, Any]:
     """What to give the class of a part, by name, to make it again."""
-    return {f.name: getattr(part, f.name) for f in dataclasses.fields(part) if f.init} if dataclasses.is_dataclass(part) else {}
+    return (
+        {f.name: getattr(part, f.name) for f in dataclasses.fields(part) if f.init}
+        if dataclasses.is_dataclass(part)
+        else {}
+    )
 
 
 def anew(kind: Callable[..., Any], arguments: Mapping[str, Any]) -> Any:
@@ -318,7 +337,9 @@ def register_control(name: str) -> Callable[[C], C]:
     return CONTROLS.register(name)
 
 
-def from_table(registry: Registry, name: str, params: Mapping[str, Any], key: str | None = None) -> Any:
+def from_table(
+    registry: Registry, name: str, params: Mapping[str, Any], key: str | None = None
+) -> Any:
     """The object of that name with these parameters; `key` is what a scene file calls the name."""
     return construct(registry.find(name, key), f"{registry.kind} {name!r}", params)
 

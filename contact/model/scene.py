@@ -4,10 +4,11 @@ The material enters through the reduced modulus alone, equation (2) of Goryachev
 
     1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2,
 
-and the control is the one quantity that is given, of load [N/m], mean pressure [Pa], approach [m], half width [m]
-and contact fraction [1]. A body alone on a half-plane may also be turned: by a given `tilt` [rad], which makes the gap at
-zero load f(x) - tilt x, or by as much as a given `moment` of the pressure, int p x dx [N], asks for. SI units throughout.
-Everything is checked when the scene is made, so that the solver need not check it again.
+and the control is the one quantity that is given, of load [N/m], mean pressure [Pa], approach [m],
+half width [m] and contact fraction [1]. A body alone on a half-plane may also be turned: by a given
+`tilt` [rad], which makes the gap at zero load f(x) - tilt x, or by as much as a given `moment` of
+the pressure, int p x dx [N], asks for. SI units throughout. Everything is checked when the scene is
+made, so that the solver need not check it again.
 """
 
 from dataclasses import KW_ONLY, dataclass, replace
@@ -62,7 +63,8 @@ def E_star(E1: float, nu1: float, E2: float | None = None, nu2: float | None = N
     Raises
     ------
     SceneError
-        If a modulus is not positive, a ratio out of range, or one of E2, nu2 is given without the other.
+        If a modulus is not positive, a ratio out of range, or one of E2, nu2 is given without the
+        other.
 
     Examples
     --------
@@ -73,9 +75,13 @@ def E_star(E1: float, nu1: float, E2: float | None = None, nu2: float | None = N
     compliance = _plane_compliance("E1", E1, "nu1", nu1)
     if E2 is not None or nu2 is not None:
         if E2 is None:
-            raise SceneError.of("E2", E2, "given with nu2, or both left out for a rigid counter-body")
+            raise SceneError.of(
+                "E2", E2, "given with nu2, or both left out for a rigid counter-body"
+            )
         if nu2 is None:
-            raise SceneError.of("nu2", nu2, "given with E2, or both left out for a rigid counter-body")
+            raise SceneError.of(
+                "nu2", nu2, "given with E2, or both left out for a rigid counter-body"
+            )
         compliance += _plane_compliance("E2", E2, "nu2", nu2)
     return positive("E_star", 1.0 / compliance)
 
@@ -99,7 +105,8 @@ class Scene(sie.Kept):
     E_star : float
         Reduced modulus [Pa], see `contact.E_star`.
     interaction : Interaction
-        How the rest of the surface acts: `Isolated()`, `Periodic()`, `Localized()` or one of your own.
+        How the rest of the surface acts: `Isolated()`, `Periodic()`, `Localized()` or one of your
+        own.
     substrate : Substrate
         The elastic body, a half-plane if left out.
     law : Law
@@ -117,15 +124,18 @@ class Scene(sie.Kept):
     given : Control or None
         Another control, such as one of your own (`contact.Control`).
     tilt : float or None
-        The gap at zero load is f(x) - tilt x [rad]: where it is positive, the body is turned so that x > 0 comes down.
+        The gap at zero load is f(x) - tilt x [rad]: where it is positive, the body is turned so
+        that x > 0 comes down.
     moment : float or None
-        int p x dx about x = 0 [N], positive where more of the load is at x > 0; the tilt is then unknown. At most one of tilt and moment,
-        and only under a model that lets the body turn (`Isolated`); without either the tilt is 0.
+        int p x dx about x = 0 [N], positive where more of the load is at x > 0; the tilt is then
+        unknown. At most one of tilt and moment, and only under a model that lets the body turn
+        (`Isolated`); without either the tilt is 0.
 
     Raises
     ------
     SceneError
-        If anything given is not what it must be, or the parts do not go together; the message names the field.
+        If anything given is not what it must be, or the parts do not go together; the message names
+        the field.
 
     Examples
     --------
@@ -161,14 +171,26 @@ class Scene(sie.Kept):
         _require_instance("interaction", self.interaction, Interaction, "Periodic()")
         _require_instance("substrate", self.substrate, Substrate, "HalfPlane()")
         _require_instance("law", self.law, Law, "Frictionless()")
-        for kind, part in ((Interaction, self.interaction), (Substrate, self.substrate), (Law, self.law)):
+        for kind, part in (
+            (Interaction, self.interaction),
+            (Substrate, self.substrate),
+            (Law, self.law),
+        ):
             require_form(kind, part)
         if self.interaction.strip and not self.interaction.needs_period:
-            raise SceneError.of("interaction.needs_period", self.interaction.needs_period, "True: a strip is cut from a period")
+            raise SceneError.of(
+                "interaction.needs_period",
+                self.interaction.needs_period,
+                "True: a strip is cut from a period",
+            )
         keep(self, positive, "E_star")
         keep(self, finite_or_none, *TURNING)
         if self.interaction.needs_period and self.profile.period is None:
-            raise SceneError.of("interaction", self.interaction.name, f"a model without a period, as {self.profile.no_period}")
+            raise SceneError.of(
+                "interaction",
+                self.interaction.name,
+                f"a model without a period, as {self.profile.no_period}",
+            )
         self._check_body()
         self._check_turning()
         self._check_control()
@@ -182,12 +204,18 @@ class Scene(sie.Kept):
             _require_instance("given", self.given, Control, "one of your own")
             require_form(Control, self.given)
             if is_own(self.given) and self.given.name in CONTROLS:
-                raise SceneError.of("control.name", self.given.name, "another name: it is that of a control of the package")
+                raise SceneError.of(
+                    "control.name",
+                    self.given.name,
+                    "another name: it is that of a control of the package",
+                )
         control = self.control_object
         name = control.name
         signed = _SIGNED.value(control.signed, self)
         value = finite(name, control.value) if signed else positive(name, control.value)
-        control = remade(control, {"value": value}) if is_own(control) else replace(control, value=value)
+        control = (
+            remade(control, {"value": value}) if is_own(control) else replace(control, value=value)
+        )
         object.__setattr__(self, *(("given", control) if self.given is not None else (name, value)))
         self.__dict__["control_object"] = control
 
@@ -203,7 +231,9 @@ class Scene(sie.Kept):
             raise SceneError.of("interaction", self.interaction, allowed)
 
     def under(self, name: str, value: float) -> "Scene":
-        """The same under another value of a control, or another control: of all else nothing is looked at again."""
+        """The same under another value of a control, or another control: of all else nothing is
+        looked at again.
+        """
         other = object.__new__(type(self))
         other.__dict__.update({**self.__dict__, **fields_under(name, value, self.given)})
         other.__dict__.pop("control_object", None)
@@ -224,18 +254,24 @@ class Scene(sie.Kept):
         return REGISTERED.find(name)(getattr(self, name))
 
     def held(self, quantity: Quantity) -> float | None:
-        """The value [SI] of a quantity that the solver is to hold, as the control says; None if it is not this one."""
+        """The value [SI] of a quantity that the solver is to hold, as the control says; None if it
+        is not this one.
+        """
         held = self.control_object.held(self)
         return held.value if held is not None and held.quantity is quantity else None
 
     @property
     def given_load(self) -> float | None:
-        """The load [N/m] that the control gives, as such or by the mean pressure; None if it gives none."""
+        """The load [N/m] that the control gives, as such or by the mean pressure; None if it gives
+        none.
+        """
         return self.held(Quantity.LOAD)
 
     @property
     def given_fraction(self) -> float | None:
-        """The part of the period in contact that the control gives, as such or by its width [m]; None if it gives none."""
+        """The part of the period in contact that the control gives, as such or by its width [m];
+        None if it gives none.
+        """
         width, period = self.held(Quantity.WIDTH), self.profile.period
         if width is None or period is None:
             return None
@@ -248,14 +284,18 @@ class Scene(sie.Kept):
 
     @property
     def turned(self) -> bool:
-        """Whether the body stands at an angle, given or unknown; that no moment turns a symmetric one needs no solving."""
+        """Whether the body stands at an angle, given or unknown; that no moment turns a symmetric
+        one needs no solving.
+        """
         if self.moment is not None:
             return self.moment != 0.0 or not self.profile.symmetric
         return self.tilt is not None and self.tilt != 0.0
 
     @property
     def period(self) -> float | None:
-        """The period of the solution; None where nothing repeats, as with one cell of a profile taken alone."""
+        """The period of the solution; None where nothing repeats, as with one cell of a profile
+        taken alone.
+        """
         return self.profile.period if self.interaction.needs_period else None
 
     @cached_property
@@ -270,11 +310,16 @@ class Scene(sie.Kept):
                 allowed = f"left out: the controls of {part.name} are {', '.join(part.allows)}"
                 raise SceneError.of(control.name, control.value, allowed)
         if control.name not in CONTROLS and not self.law.convex:
-            raise SceneError.of(control.name, control.value, f"left out: under {self.law.name} a load may have several contacts")
+            raise SceneError.of(
+                control.name,
+                control.value,
+                f"left out: under {self.law.name} a load may have several contacts",
+            )
 
     def _named(self, control: Control) -> Control | None:
-        """What a control of one's own has the solver hold, as if it were given under its name; None where it has none, as a width without
-        a period, or where a load is looked for."""
+        """What a control of one's own has the solver hold, as if it were given under its name; None
+        where it has none, as a width without a period, or where a load is looked for.
+        """
         held, period = held_by(control, self), self.profile.period
         if held is None or (held.quantity is Quantity.WIDTH and period is None):
             return None
@@ -297,7 +342,10 @@ class Scene(sie.Kept):
                 raise SceneError.of("substrate", body.name, allowed)
             if is_own(model):
                 ends, resolution = self.profile.support, self.profile.resolution
-                require_elastic(operator, resolution or (ends[1] - ends[0] if ends else self.profile.period or 1.0))
+                require_elastic(
+                    operator,
+                    resolution or (ends[1] - ends[0] if ends else self.profile.period or 1.0),
+                )
         elif body.compression is not None and model.datum is not None:
             allowed = f"left out with {body.name}, which has a base that displacements count from"
             raise SceneError.of("interaction.datum", model.datum, allowed)
@@ -309,7 +357,9 @@ class Scene(sie.Kept):
         law = self.law
         if not law.turns and self.turned:
             ((turning, value),) = self.turning.items()
-            raise SceneError.of(turning, value, f"left out: {law.name} is not solved for bodies that turn")
+            raise SceneError.of(
+                turning, value, f"left out: {law.name} is not solved for bodies that turn"
+            )
         require_law(law, self.E_star)
         why = _REFUSES.text(law.refuses, self)
         if why:
@@ -317,10 +367,18 @@ class Scene(sie.Kept):
 
     def _check_turning(self) -> None:
         if len(self.turning) > 1:
-            raise SceneError.of(" and ".join(TURNING), tuple(self.turning.values()), "one of them: the other is part of the solution")
+            raise SceneError.of(
+                " and ".join(TURNING),
+                tuple(self.turning.values()),
+                "one of them: the other is part of the solution",
+            )
         if self.turning and not self.interaction.turns:
             ((turning, value),) = self.turning.items()
-            raise SceneError.of(turning, value, f"left out: a body that repeats, as {self.interaction.name} takes it, does not turn")
+            raise SceneError.of(
+                turning,
+                value,
+                f"left out: a body that repeats, as {self.interaction.name} takes it, does not turn",
+            )
 
     @property
     def is_flat(self) -> bool:
@@ -328,7 +386,9 @@ class Scene(sie.Kept):
         return self.profile.support is not None and self.is_flat_between(*self.profile.support)
 
     def is_flat_between(self, lo: float, hi: float) -> bool:
-        """With f' = 0 up to sharp corners every load gives the same zone, and no load a narrower one."""
+        """With f' = 0 up to sharp corners every load gives the same zone, and no load a narrower
+        one.
+        """
         height = self.profile.height(np.linspace(lo, hi, 17))
         return float(np.ptp(height[np.isfinite(height)])) == 0.0
 

@@ -1,8 +1,9 @@
-"""Scenes from TOML files, and as the text of one: the tables [profile], [material], [interaction] and [control], and where they are not
-the usual ones [counter], [substrate] and [law].
+"""Scenes from TOML files, and as the text of one: the tables [profile], [material], [interaction]
+and [control], and where they are not the usual ones [counter], [substrate] and [law].
 
-The keys of a table are the arguments of the Python object it stands for, in the same units, so that a profile,
-an interaction, a substrate or a law is readable from a file as soon as it is registered. File names are relative to the scene file.
+The keys of a table are the arguments of the Python object it stands for, in the same units, so that
+a profile, an interaction, a substrate or a law is readable from a file as soon as it is registered.
+File names are relative to the scene file.
 """
 
 import json
@@ -21,7 +22,15 @@ from contact.model.controls import CONTROLS, TURNING, fields_under
 from contact.model.profiles.base import Profile
 from contact.model.profiles.combined import STANDS, Combined
 from contact.model.registry import CONTROLS as REGISTERED
-from contact.model.registry import INTERACTIONS, LAWS, PROFILES, SUBSTRATES, Registry, from_table, parameters
+from contact.model.registry import (
+    INTERACTIONS,
+    LAWS,
+    PROFILES,
+    SUBSTRATES,
+    Registry,
+    from_table,
+    parameters,
+)
 from contact.model.scene import E_star, Scene
 
 Table = Mapping[str, Any]
@@ -41,7 +50,8 @@ def load_scene(path: str | PathLike[str]) -> Scene:
     Parameters
     ----------
     path : str or path
-        Name of a TOML file; docs/scenes.md has its tables and keys. Files that it names are looked for from its folder.
+        Name of a TOML file; docs/scenes.md has its tables and keys. Files that it names are looked
+        for from its folder.
 
     Returns
     -------
@@ -74,15 +84,24 @@ def load_scene(path: str | PathLike[str]) -> Scene:
     try:
         written = path.read_bytes()
     except (OSError, ValueError) as error:
-        raise SceneError(f"{path}: cannot be read: {getattr(error, 'strerror', None) or error}") from error
+        raise SceneError(
+            f"{path}: cannot be read: {getattr(error, 'strerror', None) or error}"
+        ) from error
     # It may be what a scene is of.
-    of_trace = f" with a scene (of a trace, `contact trace {path.name} --scene NEW.toml` writes one)"
-    return read_scene(written, str(path), path.parent, "" if path.suffix.lower() == ".toml" else of_trace)
+    of_trace = (
+        f" with a scene (of a trace, `contact trace {path.name} --scene NEW.toml` writes one)"
+    )
+    return read_scene(
+        written, str(path), path.parent, "" if path.suffix.lower() == ".toml" else of_trace
+    )
 
 
-def read_scene(text: bytes, name: str, directory: str | PathLike[str] = ".", hint: str = "") -> Scene:
-    """The scene of a TOML text; faults are told under that name. directory: from where files that it names are looked for; hint: what to do
-    where it is no TOML."""
+def read_scene(
+    text: bytes, name: str, directory: str | PathLike[str] = ".", hint: str = ""
+) -> Scene:
+    """The scene of a TOML text; faults are told under that name. directory: from where files that
+    it names are looked for; hint: what to do where it is no TOML.
+    """
     try:
         tables = require("tomllib").loads(text.decode("utf-8"))
     except ValueError as error:
@@ -98,7 +117,9 @@ def scene_from_tables(tables: Table, directory: str | PathLike[str] = ".") -> Sc
         one_of("table", name, (*TABLES, COUNTER, *OPTIONAL))
     missing = [f"[{name}]" for name in TABLES if name not in tables]
     if missing:
-        raise SceneError(f"{' and '.join(missing)} missing: a scene has the tables {', '.join(TABLES)}")
+        raise SceneError(
+            f"{' and '.join(missing)} missing: a scene has the tables {', '.join(TABLES)}"
+        )
     for name in (*TABLES, *(name for name in (COUNTER, *OPTIONAL) if name in tables)):
         if not isinstance(tables[name], Mapping):
             raise SceneError.of(name, tables[name], f"a table, written [{name}]")
@@ -107,7 +128,11 @@ def scene_from_tables(tables: Table, directory: str | PathLike[str] = ".") -> Sc
         profile = _under(f"[{COUNTER}]", _read_counter, tables[COUNTER], Path(directory), profile)
     modulus = _under("[material]", _read_material, tables["material"])
     model = _under("[interaction]", _read_model, tables["interaction"], INTERACTIONS)
-    others = {name: _under(f"[{name}]", _read_model, tables[name], known) for name, known in OPTIONAL.items() if name in tables}
+    others = {
+        name: _under(f"[{name}]", _read_model, tables[name], known)
+        for name, known in OPTIONAL.items()
+        if name in tables
+    }
     control = _under("[control]", _read_control, tables["control"])
     try:
         return Scene(profile, modulus, model, **others, **control)
@@ -132,11 +157,15 @@ def _read_material(table: Table) -> float:
     if "E_star" in table:
         if len(table) > 1:
             others = ", ".join(name for name in table if name != "E_star")
-            raise SceneError(f"E_star and {others} are given: give E_star, or the moduli it is made of")
+            raise SceneError(
+                f"E_star and {others} are given: give E_star, or the moduli it is made of"
+            )
         return table["E_star"]
     for name in ("E1", "nu1"):
         if name not in table:
-            raise SceneError(f"{name} is missing: give E_star, or E1 and nu1, and E2, nu2 of an elastic counter-body")
+            raise SceneError(
+                f"{name} is missing: give E_star, or E1 and nu1, and E2, nu2 of an elastic counter-body"
+            )
     return E_star(**table)
 
 
@@ -153,7 +182,9 @@ def _read_control(table: Table) -> dict[str, Any]:
     if len(controls) != 1:
         given = " and ".join(controls) or "nothing"
         raise SceneError(f"{given} given: give exactly one of {', '.join(CONTROLS)}")
-    return fields_under(controls[0], table[controls[0]]) | {name: table[name] for name in TURNING if name in table}
+    return fields_under(controls[0], table[controls[0]]) | {
+        name: table[name] for name in TURNING if name in table
+    }
 
 
 def _named(table: Table, key: str) -> tuple[str, dict[str, Any]]:
@@ -166,10 +197,15 @@ def _named(table: Table, key: str) -> tuple[str, dict[str, Any]]:
 
 def _placed(error: SceneError, tables: Table) -> SceneError:
     """A fault of the scene as a whole, by the table and the key that it was written under."""
-    table = next((name for name in tables if error.field == name or error.field in tables[name]), None)
+    table = next(
+        (name for name in tables if error.field == name or error.field in tables[name]), None
+    )
     if table is None or error.allowed is None:
         return error
-    names = {**dict.fromkeys(("profile", COUNTER), ("shape", None)), **dict.fromkeys(("interaction", *OPTIONAL), ("model", None))}
+    names = {
+        **dict.fromkeys(("profile", COUNTER), ("shape", None)),
+        **dict.fromkeys(("interaction", *OPTIONAL), ("model", None)),
+    }
     key, value = names.get(table, (error.field, error.value))
     if value is None:
         value = tables[table].get(key)
@@ -179,7 +215,9 @@ def _placed(error: SceneError, tables: Table) -> SceneError:
 
 
 def _under(place: str, read: Callable[..., T], *given: Any) -> T:
-    """What `read` makes of what is given, the place of a fault before the message of its SceneError."""
+    """What `read` makes of what is given, the place of a fault before the message of its
+    SceneError.
+    """
     try:
         return read(*given)
     except SceneError as error:
@@ -187,27 +225,45 @@ def _under(place: str, read: Callable[..., T], *given: Any) -> T:
 
 
 def to_toml(scene: Scene, written: Mapping[str, Table] | None = None) -> str:
-    """The text of a scene. written: tables [profile] and [counter] as a file gave them, where they name a file of points; else all numbers
-    are written.
+    """The text of a scene. written: tables [profile] and [counter] as a file gave them, where they
+    name a file of points; else all numbers are written.
 
     Raises SceneError where a part has no name that a scene file could call it by.
     """
     bodies = scene.profile.bodies
-    parts = ((scene.interaction, INTERACTIONS), (scene.substrate, SUBSTRATES), (scene.law, LAWS), (scene.given, REGISTERED))
+    parts = (
+        (scene.interaction, INTERACTIONS),
+        (scene.substrate, SUBSTRATES),
+        (scene.law, LAWS),
+        (scene.given, REGISTERED),
+    )
     for part, registry in (*((body, PROFILES) for body in bodies.values()), *parts):
         if part is not None and registry.all().get(getattr(part, "name", "")) is not type(part):
-            raise SceneError.of(registry.kind, type(part).__name__, f"registered under a name, as by contact.register_{registry.kind}")
+            raise SceneError.of(
+                registry.kind,
+                type(part).__name__,
+                f"registered under a name, as by contact.register_{registry.kind}",
+            )
     told = tables(scene)
     for place, table in (written or {}).items():
         own = {"shape", *bodies[place].parameters()}
-        told[place] = {**table, **{key: value for key, value in told[place].items() if key not in own}}
+        told[place] = {
+            **table,
+            **{key: value for key, value in told[place].items() if key not in own},
+        }
     return "\n".join(f"[{place}]\n{_lines(table)}" for place, table in told.items())
 
 
 def tables(scene: Scene) -> dict[str, dict[str, Any]]:
-    """What a scene file says of it, by table; of a substrate and a law nothing where they are the usual ones."""
+    """What a scene file says of it, by table; of a substrate and a law nothing where they are the
+    usual ones.
+    """
     parts = {place: getattr(scene, place) for place in ("interaction", "substrate", "law")}
-    given = {place: part for place, part in parts.items() if place == "interaction" or part != type(scene).__dict__[place]}
+    given = {
+        place: part
+        for place, part in parts.items()
+        if place == "interaction" or part != type(scene).__dict__[place]
+    }
     name, value = scene.control
     return {
         **scene.profile.tables(),
@@ -234,4 +290,8 @@ def toml(value: Any) -> str:
     if isinstance(value, str):
         # The strings of JSON are strings of TOML.
         return json.dumps(value, ensure_ascii=False)
-    raise SceneError.of("value", value, "a number, a text, true or false, or a list of them: a scene file holds nothing else")
+    raise SceneError.of(
+        "value",
+        value,
+        "a number, a text, true or false, or a list of them: a scene file holds nothing else",
+    )

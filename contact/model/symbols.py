@@ -1,22 +1,26 @@
-r"""The smooth part of an elastic body's line load, from its symbol: two Fourier integrals, as tables of Chebyshev series.
+r"""The smooth part of an elastic body's line load, from its symbol: two Fourier integrals, as
+tables of Chebyshev series.
 
 With L(q) the symbol, the kernel of a line load is 1/r + m(r) and its primitive ln(r / d) + M(r),
 
     m(r) = int_0^inf (L(q) - 1) sin(qr) dq,    M' = m,
 
-m odd and M even in r. Of a body with a base (L(0) = 0) the primitive is that which vanishes far away, -int_0^inf L(q) cos(qr) dq / q; of
-others M(0) = 0, and the datum d is the user's. N, the primitive of M, is what a uniform pressure needs.
+m odd and M even in r. Of a body with a base (L(0) = 0) the primitive is that which vanishes far
+away, -int_0^inf L(q) cos(qr) dq / q; of others M(0) = 0, and the datum d is the user's. N, the
+primitive of M, is what a uniform pressure needs.
 
-Near r = 0, up to a few hundred waves over the range of L - 1, the integral is summed by Gauss-Legendre panels that halve towards
-q = 0; beyond, by the double exponential formula of Ooura & Mori (1999), J. Comput. Appl. Math. 112, 229-241, doi
-10.1016/S0377-0427(99)00223-X, whose nodes run into the zeros of the sine. Panels of r double in width up to where r m(r) is its own
-limit L(0) - 1, and in each a series of 24 terms is good to rounding: singularities of m lie off the real axis, or at r = 0 as seen from
-far away.
+Near r = 0, up to a few hundred waves over the range of L - 1, the integral is summed by
+Gauss-Legendre panels that halve towards q = 0; beyond, by the double exponential formula of Ooura &
+Mori (1999), J. Comput. Appl. Math. 112, 229-241, doi 10.1016/S0377-0427(99)00223-X, whose nodes run
+into the zeros of the sine. Panels of r double in width up to where r m(r) is its own limit L(0) -
+1, and in each a series of 24 terms is good to rounding: singularities of m lie off the real axis,
+or at r = 0 as seen from far away.
 
 The symbol L(q) of an elastic body over the harmonics of a period, and the kernel that has it.
 
-A pressure p_q exp(iqx) displaces the surface by u_q = 2 L(q) p_q / (E* q): L is the surface compliance over that of the half-plane and
-tends to 1 for waves that are short. With L_n = L(2 pi n / l), the kernel of a period l is Hilbert's plus the smooth
+A pressure p_q exp(iqx) displaces the surface by u_q = 2 L(q) p_q / (E* q): L is the surface
+compliance over that of the half-plane and tends to 1 for waves that are short. With L_n = L(2 pi n
+/ l), the kernel of a period l is Hilbert's plus the smooth
 
     K = (2 pi / l) sum_n (L_n - 1) sin(2 pi n d / l),    Lambda = -sum_n (L_n - 1) cos(2 pi n d / l) / n,    d = x - xi,
 
@@ -41,13 +45,19 @@ Symbol = Callable[[Array], Array]
 # Waves [1/m] at which a symbol is looked at, and what is taken for L = 1.
 WAVES = 10.0 ** np.arange(-9, 12.01, 0.125)
 ONE = 1e-17
-# Terms of a series, its nodes, the end of its first panel over the shortest wave length, and panels at the most.
-_TERMS, _FIRST, _MOST = 24, 12.0, 120
+# Terms of a series, its nodes, the end of its first panel over the shortest wave length, and panels
+# at the most.
+_TERMS = 24
+_FIRST = 12.0
+_MOST = 120
 # Phases up to which panels of q are summed, the longest of one of them, and its nodes.
-_SUMMED, _TURN, _NODES = 400.0, 20.0, 32
+_SUMMED = 400.0
+_TURN = 20.0
+_NODES = 32
 _HALVINGS = 60
 # Half the nodes to a unit of Ooura and Mori's variable, and how far it is summed.
-_M, _REACH = 40.0, 7.0
+_M = 40.0
+_REACH = 7.0
 # r m(r) is its limit.
 _SETTLED = 3e-15
 
@@ -56,10 +66,10 @@ _SETTLED = 3e-15
 class SmoothPart:
     """m, M and N of the distance r [m].
 
-    length: about how near to the real axis the singularities of m are [m].
-    first: the end of the first panel [m], from which on they double; m, M, N: Chebyshev coefficients (panels, terms) of the panels, of
-    lengths in units of `first`; beyond the last panel r m = limit. scale: the length in the logarithm of a body with a base [m]; None
-    without.
+    length: about how near to the real axis the singularities of m are [m]. first: the end of the
+    first panel [m], from which on they double; m, M, N: Chebyshev coefficients (panels, terms) of
+    the panels, of lengths in units of `first`; beyond the last panel r m = limit. scale: the length
+    in the logarithm of a body with a base [m]; None without.
     """
 
     first: float
@@ -79,7 +89,8 @@ class SmoothPart:
             return cls(1.0, zero, zero, zero, 0.0, None, np.inf)
         first = _FIRST / top
         integral = _integral(symbol, top)
-        # Where L goes over to its limit for long waves: beyond the inverse of that r m(r) may settle.
+        # Where L goes over to its limit for long waves: beyond the inverse of that r m(r) may
+        # settle.
         slow = _longest(symbol)
         panels: list[Array] = []
         lo, hi, limit = 0.0, first, 0.0
@@ -121,7 +132,9 @@ class SmoothPart:
         t = np.abs(r) / self.first
         out = _summed(self.M, t)
         far = t > self._end
-        return np.where(far, _at_end(self.M) + self.limit * np.log(np.where(far, t, self._end) / self._end), out)
+        return np.where(
+            far, _at_end(self.M) + self.limit * np.log(np.where(far, t, self._end) / self._end), out
+        )
 
     def primitive(self, r: Array) -> Array:
         """N(r) = int_0^r M [m]."""
@@ -163,7 +176,13 @@ def _integral(symbol: Symbol, top: float) -> Callable[[Array], Array]:
     base = float(first) if abs(next_ - first) <= 1e-3 * abs(first) or first < 1 else 1.0
     edges = np.concatenate(([0.0], top * 2.0 ** np.arange(-_HALVINGS, 1.0)))
     counts = np.maximum(np.ceil(np.diff(edges) * _SUMMED / (top * _TURN)), 1).astype(int)
-    cuts = np.concatenate([np.linspace(a, b, n + 1)[:-1] for a, b, n in zip(edges[:-1], edges[1:], counts, strict=True)] + [[top]])
+    cuts = np.concatenate(
+        [
+            np.linspace(a, b, n + 1)[:-1]
+            for a, b, n in zip(edges[:-1], edges[1:], counts, strict=True)
+        ]
+        + [[top]]
+    )
     nodes, weights = np.polynomial.legendre.leggauss(_NODES)
     half, middle = 0.5 * np.diff(cuts), 0.5 * (cuts[1:] + cuts[:-1])
     q = (middle[:, None] + half[:, None] * nodes).ravel()
@@ -176,8 +195,11 @@ def _integral(symbol: Symbol, top: float) -> Callable[[Array], Array]:
             out[near] = np.sin(r[near, None] * q) @ weighted
         if not near.all():
             far = r[~near, None]
-            # The integral of the sine alone is 1: what is summed is L less its limit, which vanishes far away.
-            out[~near] = (base - 1 + (np.asarray(symbol(_OOURA / far)) - base) @ _OOURA_WEIGHTS) / far[:, 0]
+            # The integral of the sine alone is 1: what is summed is L less its limit, which
+            # vanishes far away.
+            out[~near] = (
+                base - 1 + (np.asarray(symbol(_OOURA / far)) - base) @ _OOURA_WEIGHTS
+            ) / far[:, 0]
         return out
 
     return integral
@@ -249,7 +271,8 @@ def _summed(series: Array, t: Array) -> Array:
 
 
 # Harmonics looked at, first and at the most, and what is taken for L = 1.
-_FEWEST, _MOST_HARMONICS = 2**12, 2**16
+_FEWEST = 2**12
+_MOST_HARMONICS = 2**16
 _ONE = 1e-15
 # Waves from which on they tell how they fall.
 _FALLING = 16
@@ -268,12 +291,18 @@ def checked(symbol: Callable[[Array], Array], q: Array, of: str) -> Array:
         raise SceneError.of(name, value, f"real, finite, and of the shape of q{at}")
     if not np.all(found > 0):
         lowest = q.ravel()[np.argmin(found)]
-        raise SceneError.of(name, float(found.min()), f"above 0: at q = {lowest:.6g} 1/m pressure would lift the surface")
+        raise SceneError.of(
+            name,
+            float(found.min()),
+            f"above 0: at q = {lowest:.6g} 1/m pressure would lift the surface",
+        )
     return np.asarray(found, dtype=np.float64)
 
 
 def excess(symbol: Callable[[Array], Array], period: float, of: str) -> Array:
-    """L_n - 1, n = 1, 2, ..., up to the last that is not zero. SceneError where the symbol is none of a body."""
+    """L_n - 1, n = 1, 2, ..., up to the last that is not zero. SceneError where the symbol is none
+    of a body.
+    """
     count = _FEWEST
     while True:
         q = np.asarray(2 * np.pi / period * np.arange(1, count + 1), dtype=np.float64)
@@ -283,7 +312,9 @@ def excess(symbol: Callable[[Array], Array], period: float, of: str) -> Array:
         if len(seen) == 0 or seen[-1] < 0.9 * count:
             return off[: seen[-1] + 1] if len(seen) else np.zeros(0)
         if count >= _MOST_HARMONICS:
-            allowed = f"1 for short waves: to {_ONE:.0e} from harmonic {_MOST_HARMONICS} of the period on"
+            allowed = (
+                f"1 for short waves: to {_ONE:.0e} from harmonic {_MOST_HARMONICS} of the period on"
+            )
             raise SceneError.of(f"{of}.symbol(q)", float(found[-1]), allowed)
         count *= 4
 
@@ -300,7 +331,18 @@ def kernel_of(excess: Array, period: float) -> sie.Kernel:
     if len(excess) == 0:
         return plain
     n = np.arange(1, len(excess) + 1)
-    value, potential = (Sum.of(np.asarray(c, dtype=np.complex128)) for c in (-2j * np.pi / period * excess, -excess / n))
-    # The harmonics fall by so much as exp(-2 pi n length / l) does; but for a few of them there is no telling.
-    length = -np.log(_ONE) * period / (2 * np.pi * len(excess)) if len(excess) >= _FALLING else np.inf
-    return plain + sie.Smooth(partial(_waves, value, period), partial(_waves, potential, period), of_lag=True, length=float(length))
+    value, potential = (
+        Sum.of(np.asarray(c, dtype=np.complex128))
+        for c in (-2j * np.pi / period * excess, -excess / n)
+    )
+    # The harmonics fall by so much as exp(-2 pi n length / l) does; but for a few of them there is
+    # no telling.
+    length = (
+        -np.log(_ONE) * period / (2 * np.pi * len(excess)) if len(excess) >= _FALLING else np.inf
+    )
+    return plain + sie.Smooth(
+        partial(_waves, value, period),
+        partial(_waves, potential, period),
+        of_lag=True,
+        length=float(length),
+    )

@@ -9,7 +9,9 @@ _INFINITE = {True: "infinite", False: "-infinite"}
 
 
 def prefix(magnitude: float) -> tuple[float, str]:
-    """Factor and SI prefix that bring a magnitude between 1 and 1000; 1 and none for zero and what is not finite."""
+    """Factor and SI prefix that bring a magnitude between 1 and 1000; 1 and none for zero and what
+    is not finite.
+    """
     if not (math.isfinite(magnitude) and magnitude > 0.0):
         return 1.0, ""
     # log10 of 1e-6 may round to either side of -6.
@@ -28,7 +30,9 @@ def quantity(value: float | None, unit: str, digits: int = 4, none: str = "not d
     return f"{value * factor:.{digits}g} {letter}{unit}"
 
 
-def headed(name: str, values: Sequence[float | None], unit: str, digits: int = 6) -> tuple[str, list[str]]:
+def headed(
+    name: str, values: Sequence[float | None], unit: str, digits: int = 6
+) -> tuple[str, list[str]]:
     """A column of a table: its name, above the prefixed unit where there is one, and its values."""
     if unit in ("", "1"):
         return name, ["-" if value is None else f"{value:.{digits}g}" for value in values]
@@ -37,7 +41,12 @@ def headed(name: str, values: Sequence[float | None], unit: str, digits: int = 6
 
 
 def column(values: Sequence[float | None], unit: str, digits: int = 6) -> tuple[str, list[str]]:
-    """The prefixed unit that a whole column of a table is in, and its values as numbers alone; '-' for what is not there."""
+    """The prefixed unit that a whole column of a table is in, and its values as numbers alone; '-'
+    for what is not there.
+    """
     finite = [abs(value) for value in values if value is not None and math.isfinite(value)]
     factor, letter = prefix(max(finite, default=0.0))
-    return f"{letter}{unit}", ["-" if v is None else f"{v * factor:.{digits}g}" if math.isfinite(v) else _INFINITE[v > 0] for v in values]
+    return f"{letter}{unit}", [
+        "-" if v is None else f"{v * factor:.{digits}g}" if math.isfinite(v) else _INFINITE[v > 0]
+        for v in values
+    ]

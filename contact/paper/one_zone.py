@@ -1,8 +1,9 @@
-"""The paper's three one-zone examples by the localization principle, the isolated solution of a family corrected by (16)-(17): the
-sinusoid f = Delta (1 - cos(2 pi x/L)), (18)-(24), the wedge f = tan(beta) |x|, (25)-(27), and the parabola f = x^2/2R, (28)-(30), in a
-row of period L.
+"""The paper's three one-zone examples by the localization principle, the isolated solution of a
+family corrected by (16)-(17): the sinusoid f = Delta (1 - cos(2 pi x/L)), (18)-(24), the wedge f =
+tan(beta) |x|, (25)-(27), and the parabola f = x^2/2R, (28)-(30), in a row of period L.
 
-With P0 the isolated load at half-width a and s = sqrt(L^2 - 4a^2)/L, the two readings of P_s in (16) are
+With P0 the isolated load at half-width a and s = sqrt(L^2 - 4a^2)/L, the two readings of P_s in
+(16) are
 
     first-order       P_s = P0,  P = P0 (2 - s)      (23), (27), (30) of the paper's examples,
     self-consistent   P_s = P,   P = P0/s            (16) solved for P = P_s.
@@ -36,8 +37,9 @@ class OneZone(LocalizedZone):
 
     @property
     def exact(self) -> Periodic:
-        """The exact periodic solution of the same half-width: (18)-(19), Westergaard (1939); (25), Block & Keer (2008); (28),
-        Kuznetsov (1976), with its pressure."""
+        """The exact periodic solution of the same half-width: (18)-(19), Westergaard (1939); (25),
+        Block & Keer (2008); (28), Kuznetsov (1976), with its pressure.
+        """
         made, size = _EXACT[type(self.isolated)]
         given: dict[str, Any] = {size: getattr(self.isolated, size)}
         return made(period=self.period, E_star=self.E_star, half_width=self.half_width, **given)
@@ -60,7 +62,9 @@ class OneZone(LocalizedZone):
         return self.max_pressure / self.exact.max_pressure - 1.0
 
 
-def localized_wave(amplitude: float, period: float, E_star: float, half_width: float, closure: str = FIRST_ORDER) -> OneZone:
+def localized_wave(
+    amplitude: float, period: float, E_star: float, half_width: float, closure: str = FIRST_ORDER
+) -> OneZone:
     """(20)-(24), Goryacheva & Tsukanov (2020), with k = 2 pi/L and s = sqrt(L^2 - 4a^2)/L:
 
     (20) p0 = (2 pi Delta E*/L) sqrt(1 - t^2) sum (-1)^j J_(2j+1)(ka) U_2j(t),  t = x/a,
@@ -72,23 +76,28 @@ def localized_wave(amplitude: float, period: float, E_star: float, half_width: f
     return OneZone(IsolatedSinusoid(amplitude, period, E_star, half_width), period, closure)
 
 
-def localized_wedge(wedge_slope: float, period: float, E_star: float, half_width: float, closure: str = FIRST_ORDER) -> OneZone:
+def localized_wedge(
+    wedge_slope: float, period: float, E_star: float, half_width: float, closure: str = FIRST_ORDER
+) -> OneZone:
     """(26)-(27), Goryacheva & Tsukanov (2020), wedge_slope = tan(beta), s = sqrt(L^2 - 4a^2)/L:
 
-    (26) p = (E* tan(beta)/pi) arcosh(a/|x|) + (2 E* a tan(beta)/pi L) arctan(2 sqrt(a^2 - x^2)/(L s)),
-    (27) mean pressure = (E* a tan(beta)/L) (2 - s),
+    (26) p = (E* tan(beta)/pi) arcosh(a/|x|) + (2 E* a tan(beta)/pi L) arctan(2 sqrt(a^2 - x^2)/(L
+    s)), (27) mean pressure = (E* a tan(beta)/L) (2 - s),
 
     both first-order.
     """
     return OneZone(IsolatedWedge(wedge_slope, E_star, half_width), period, closure)
 
 
-def localized_parabola(radius: float, period: float, E_star: float, half_width: float, closure: str = FIRST_ORDER) -> OneZone:
+def localized_parabola(
+    radius: float, period: float, E_star: float, half_width: float, closure: str = FIRST_ORDER
+) -> OneZone:
     """(29)-(30), Goryacheva & Tsukanov (2020), s = sqrt(L^2 - 4a^2)/L:
 
     (29) p = (E*/2R) sqrt(a^2 - x^2) + (E* a^2/2RL) arctan(2 sqrt(a^2 - x^2)/(L s)),
     (30) P = (pi E* a^2/4R) (2 - s),
 
-    both first-order. The exact pressure, which the paper says is not known in closed form, is that of `PeriodicParabola`.
+    both first-order. The exact pressure, which the paper says is not known in closed form, is that
+    of `PeriodicParabola`.
     """
     return OneZone(HertzLine(radius, E_star, half_width), period, closure)

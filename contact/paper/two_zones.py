@@ -1,14 +1,16 @@
-"""Pairs of parabolic asperities in a row of period L, each with its zone a <= |x| <= b: equations (31)-(39).
+"""Pairs of parabolic asperities in a row of period L, each with its zone a <= |x| <= b: equations
+(31)-(39).
 
-f = (x^2 - c^2)^2/8Rc^2 is (31) with its tips at height 0. The neighbouring pairs act by the nominal pressure p outside a strip
-of width L about the pair, so that on the zones
+f = (x^2 - c^2)^2/8Rc^2 is (31) with its tips at height 0. The neighbouring pairs act by the nominal
+pressure p outside a strip of width L about the pair, so that on the zones
 
-    (35) h'(x) = x^3/2Rc^2 - x/2R + (4 p/pi E*) artanh(2x/L),
-    (36) p(x) = (E* sqrt(Z)/pi) x PV int_a^b h'(xi) dxi/((xi^2 - x^2) sqrt(Z(xi))),  Z = (b^2 - x^2)(x^2 - a^2),
+    (35) h'(x) = x^3/2Rc^2 - x/2R + (4 p/pi E*) artanh(2x/L), (36) p(x) = (E* sqrt(Z)/pi) x PV
+    int_a^b h'(xi) dxi/((xi^2 - x^2) sqrt(Z(xi))),  Z = (b^2 - x^2)(x^2 - a^2),
 
-with int_a^b h' dxi/sqrt(Z) = 0, without which the pressure is not bounded at the ends. (36) is corrected: printed, it leaves
-out the second zone. Three solutions: with the full artanh (`LocalizedPair`), with its cubic (37) and the relation of the ends
-that follows (`CubicPair`), and with the relation the paper has (`PrintedCubicPair`). Exact: `contact.exact.PeriodicBiquadratic`.
+with int_a^b h' dxi/sqrt(Z) = 0, without which the pressure is not bounded at the ends. (36) is
+corrected: printed, it leaves out the second zone. Three solutions: with the full artanh
+(`LocalizedPair`), with its cubic (37) and the relation of the ends that follows (`CubicPair`), and
+with the relation the paper has (`PrintedCubicPair`). Exact: `contact.exact.PeriodicBiquadratic`.
 """
 
 from dataclasses import dataclass
@@ -39,16 +41,19 @@ class TwoZones(PairRow):
     @property
     def exact(self) -> PeriodicBiquadratic:
         """The exact periodic solution at the same mean pressure."""
-        return PeriodicBiquadratic(self.radius, self.spacing, self.period, self.E_star, self.mean_pressure)
+        return PeriodicBiquadratic(
+            self.radius, self.spacing, self.period, self.E_star, self.mean_pressure
+        )
 
 
 @dataclass(frozen=True)
 class LocalizedPair(TwoZones):
     """(35) with the full artanh, and (36) by its Chebyshev series in x^2.
 
-    closure: the nominal pressure is the given mean ("self-consistent", as in the paper), or that of the isolated pair of the
-    same total width ("first-order"). centre: the strip is about the "pair" (the paper) or about the "valley" at L/2 between
-    two pairs, where the nearest asperities are when L < 4c.
+    closure: the nominal pressure is the given mean ("self-consistent", as in the paper), or that of
+    the isolated pair of the same total width ("first-order"). centre: the strip is about the "pair"
+    (the paper) or about the "valley" at L/2 between two pairs, where the nearest asperities are
+    when L < 4c.
     """
 
     closure: str = SELF_CONSISTENT
@@ -59,7 +64,11 @@ class LocalizedPair(TwoZones):
         one_of("closure", self.closure, (FIRST_ORDER, SELF_CONSISTENT))
         one_of("centre", self.centre, CENTRES)
         if self.closure == FIRST_ORDER and self.centre != "pair":
-            raise SceneError.of("centre", self.centre, "'pair' with the first-order closure: the isolated pair is the paper's")
+            raise SceneError.of(
+                "centre",
+                self.centre,
+                "'pair' with the first-order closure: the isolated pair is the paper's",
+            )
 
     @cached_property
     def pair(self) -> EvenPair:
@@ -69,7 +78,9 @@ class LocalizedPair(TwoZones):
             s = np.sqrt(y)
             x = s if self.centre == "pair" else s - 0.5 * self.period
             width = 2.0 * half / (sqrt(middle + half) + sqrt(max(middle - half, 0.0)))
-            bend = 4.0 * self._nominal(width) / (pi * self.E_star) * np.arctanh(2.0 * s / self.period)
+            bend = (
+                4.0 * self._nominal(width) / (pi * self.E_star) * np.arctanh(2.0 * s / self.period)
+            )
             return np.asarray((tips_slope(x, self.radius, self.spacing) + bend) / s)
 
         return pair_at_load(ratio, self.load, self.E_star, 0.25 * self.period**2)
@@ -86,7 +97,11 @@ class LocalizedPair(TwoZones):
     @property
     def ends(self) -> tuple[float, float]:
         inner, outer = self.pair.ends
-        return (inner, outer) if self.centre == "pair" else (0.5 * self.period - outer, 0.5 * self.period - inner)
+        return (
+            (inner, outer)
+            if self.centre == "pair"
+            else (0.5 * self.period - outer, 0.5 * self.period - inner)
+        )
 
     def pressure(self, x: ArrayLike) -> Array:
         """p(x) [Pa] in the cell |x| < L/2; 0 outside the zones."""
@@ -112,7 +127,9 @@ class CubicPair(TwoZones):
 
     @property
     def beta(self) -> float:
-        return 1.0 / (2.0 * self.radius) - 8.0 * self.mean_pressure / (pi * self.E_star * self.period)
+        return 1.0 / (2.0 * self.radius) - 8.0 * self.mean_pressure / (
+            pi * self.E_star * self.period
+        )
 
     @property
     def _middle(self) -> float:
@@ -128,7 +145,9 @@ class CubicPair(TwoZones):
     def ends(self) -> tuple[float, float]:
         middle, half = self._middle, self._half
         if half >= middle:
-            raise OutOfRange(f"mean_pressure = {self.mean_pressure:.6g} Pa is out of range: the two zones have merged")
+            raise OutOfRange(
+                f"mean_pressure = {self.mean_pressure:.6g} Pa is out of range: the two zones have merged"
+            )
         return sqrt(middle - half), sqrt(middle + half)
 
     @property
@@ -136,7 +155,9 @@ class CubicPair(TwoZones):
         # y (h^2 - (y - m)^2) is greatest at 3(y - m) = -m + sqrt(m^2 + 3h^2)
         middle, half = self._middle, self._half
         rise = half * half / (middle + sqrt(middle * middle + 3.0 * half * half))
-        return 0.5 * self.E_star * self.alpha * sqrt((middle + rise) * (half - rise) * (half + rise))
+        return (
+            0.5 * self.E_star * self.alpha * sqrt((middle + rise) * (half - rise) * (half + rise))
+        )
 
     def pressure(self, x: ArrayLike) -> Array:
         """p(x) [Pa] in the cell |x| < L/2; 0 outside the zones."""
@@ -148,7 +169,9 @@ class CubicPair(TwoZones):
 
 @dataclass(frozen=True)
 class PrintedCubicPair(CubicPair):
-    """(38) as printed, with a^2 + b^2 = 2c^2: the ends of the pair alone, where the pressure (36) would not be bounded."""
+    """(38) as printed, with a^2 + b^2 = 2c^2: the ends of the pair alone, where the pressure (36)
+    would not be bounded.
+    """
 
     @property
     def _middle(self) -> float:

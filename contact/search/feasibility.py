@@ -1,13 +1,15 @@
 r"""What no load can bring about, told before anything is searched for.
 
-Flat tops: where f is least on a whole stretch, all of that stretch is in contact at any load: f + u is the approach at some point of
-contact, so u is nowhere larger than the approach less min f, and being harmonic it stays below that outside contact; there the gap at a
-point of the stretch would be negative. So contact is wider than the stretches together at every positive load, and narrows to them
-as the load goes to zero.
+Flat tops: where f is least on a whole stretch, all of that stretch is in contact at any load: f + u
+is the approach at some point of contact, so u is nowhere larger than the approach less min f, and
+being harmonic it stays below that outside contact; there the gap at a point of the stretch would be
+negative. So contact is wider than the stretches together at every positive load, and narrows to
+them as the load goes to zero.
 
-A body on the whole line that falls without bound on one side finds no hold under any load. Far away the gap is f(x) - tilt x but for a
-logarithm, so f must rise faster than tilt x on both sides. Looked at from decade to decade, far beyond any contact; where the tilt is
-not given, some tilt must do: f must not fall faster than all straight lines on either side, and f(x) + f(-x) must rise.
+A body on the whole line that falls without bound on one side finds no hold under any load. Far away
+the gap is f(x) - tilt x but for a logarithm, so f must rise faster than tilt x on both sides.
+Looked at from decade to decade, far beyond any contact; where the tilt is not given, some tilt must
+do: f must not fall faster than all straight lines on either side, and f(x) + f(-x) must rise.
 """
 
 import numpy as np
@@ -28,14 +30,18 @@ _STEPS = 64
 # Distances [m] at which a body on the whole line is looked at.
 _FAR = 10.0 ** np.arange(5, 13)
 _ROUNDING = 16 * np.finfo(np.float64).eps
-_REMEDY = (
-    "no load finds a hold. Give a tilt below its slopes, a part that rises on both sides, or a period, of which one cell stands alone"
-)
+_REMEDY = "no load finds a hold. Give a tilt below its slopes, a part that rises on both sides, or a period, of which one cell stands alone"
 
 
 def refuse_below_plateau(scene: Scene) -> None:
-    """OutOfRange for a width or a half width that the flat top of the profile does not leave to any load."""
-    profile, fraction, half_width = scene.profile, scene.given_fraction, scene.held(Quantity.HALF_WIDTH)
+    """OutOfRange for a width or a half width that the flat top of the profile does not leave to any
+    load.
+    """
+    profile, fraction, half_width = (
+        scene.profile,
+        scene.given_fraction,
+        scene.held(Quantity.HALF_WIDTH),
+    )
     if fraction is not None and profile.period is not None:
         width = float(np.diff(lowest_stretches(profile)).sum())
         if width > 0.0 and fraction * profile.period <= width + _HAIR * profile.period:
@@ -53,14 +59,18 @@ def refuse_below_plateau(scene: Scene) -> None:
 
 
 def lowest_stretches(profile: Profile) -> Array:
-    """(n, 2) stretches of a period on which f is at its least and without slope, wider than two samples; [m]."""
+    """(n, 2) stretches of a period on which f is at its least and without slope, wider than two
+    samples; [m].
+    """
     x = period_samples(profile)
     height = np.asarray(profile.height(x), dtype=np.float64)
     size = np.abs(height[np.isfinite(height)]).max(initial=0.0)
     highest = float(height.min()) + 8 * _EPS * float(size)
 
     def lies_low(x: Array) -> Mask:
-        return np.asarray((np.asarray(profile.height(x)) <= highest) & (np.asarray(profile.slope(x)) == 0))
+        return np.asarray(
+            (np.asarray(profile.height(x)) <= highest) & (np.asarray(profile.slope(x)) == 0)
+        )
 
     low = lies_low(x)
     if low.all():
@@ -69,21 +79,29 @@ def lowest_stretches(profile: Profile) -> Array:
     first = int(np.argmin(low))
     at = np.concatenate((x[first:-1], x[: first + 1] + (x[-1] - x[0])))
     runs = runs_of(np.roll(low[:-1], -first))
-    return np.array([
-        [_edge(lies_low, at[s], at[s - 1]), _edge(lies_low, at[e], at[e + 1])] for s, e in runs if e - s > 1
-    ]).reshape(-1, 2)
+    return np.array(
+        [
+            [_edge(lies_low, at[s], at[s - 1]), _edge(lies_low, at[e], at[e + 1])]
+            for s, e in runs
+            if e - s > 1
+        ]
+    ).reshape(-1, 2)
 
 
 def _edge(holds, inside: float, outside: float) -> float:  # type: ignore[no-untyped-def]
     """Where a property that holds inside ends, by bisection."""
     for _ in range(_STEPS):
         middle = 0.5 * (inside + outside)
-        inside, outside = (middle, outside) if bool(holds(np.array([middle]))[0]) else (inside, middle)
+        inside, outside = (
+            (middle, outside) if bool(holds(np.array([middle]))[0]) else (inside, middle)
+        )
     return inside
 
 
 def _level_from(profile: Profile, half_width: float) -> float:
-    """How far a symmetric profile has no slope about x = 0, if that is a half width or more; else 0. [m]"""
+    """How far a symmetric profile has no slope about x = 0, if that is a half width or more; else
+    0. [m]
+    """
 
     def is_level(x: Array) -> Mask:
         return np.asarray(np.asarray(profile.slope(x)) == 0)
@@ -100,13 +118,23 @@ def _level_from(profile: Profile, half_width: float) -> float:
 
 
 def refuse_unbounded(scene: Scene) -> None:
-    """OutOfRange where a body alone on the whole line has no lowest place, as it stands or at any tilt."""
+    """OutOfRange where a body alone on the whole line has no lowest place, as it stands or at any
+    tilt.
+    """
     profile = scene.profile
-    if scene.period is not None or profile.period is not None or profile.support is not None or profile.extent is not None:
+    if (
+        scene.period is not None
+        or profile.period is not None
+        or profile.support is not None
+        or profile.extent is not None
+    ):
         return
     with np.errstate(all="ignore"):
         # Mean slopes over each decade, outwards.
-        right, left = (np.diff(np.asarray(profile.height(side * _FAR), dtype=np.float64)) / np.diff(_FAR) for side in (1.0, -1.0))
+        right, left = (
+            np.diff(np.asarray(profile.height(side * _FAR), dtype=np.float64)) / np.diff(_FAR)
+            for side in (1.0, -1.0)
+        )
         if scene.turned and scene.moment is not None:
             _refuse_at_any_tilt(right, left)
         else:
@@ -120,12 +148,16 @@ def _refuse_as_it_stands(right: Array, left: Array, tilt: float) -> None:
         if np.all(slope < 0) and np.all(10 * slope[1:] < 2 * slope[:-1]):
             raise OutOfRange(f"the profile{turned} falls without bound on the {side}: {_REMEDY}")
         if tilt and np.all(np.abs(slope) <= _ROUNDING * abs(tilt)):
-            raise OutOfRange(f"the profile{turned} stands on its own flank on the {side} and does not rise there: {_REMEDY}")
+            raise OutOfRange(
+                f"the profile{turned} stands on its own flank on the {side} and does not rise there: {_REMEDY}"
+            )
 
 
 def _refuse_at_any_tilt(right: Array, left: Array) -> None:
     for side, slope in (("right", right), ("left", left)):
         if np.all(slope < 0) and np.all(slope[1:] < 2 * slope[:-1]):
-            raise OutOfRange(f"the profile falls without bound on the {side}, at any tilt: {_REMEDY}")
+            raise OutOfRange(
+                f"the profile falls without bound on the {side}, at any tilt: {_REMEDY}"
+            )
     if np.all(right + left <= _ROUNDING * (np.abs(right) + np.abs(left))):
         raise OutOfRange(f"the profile does not rise on both sides, at any tilt: {_REMEDY}")

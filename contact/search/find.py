@@ -7,8 +7,8 @@
     the scene's own control                       first guesses (contact.search.ways.guesses), in a strip or not
     loads                                         an approach where load and tilt are unknown, or that the grid did not find
 
-A way leads to the contact, or is left with the reason; the first refusal is raised where none leads on, or a later one that tells why
-there is no contact at all.
+A way leads to the contact, or is left with the reason; the first refusal is raised where none leads
+on, or a later one that tells why there is no contact at all.
 """
 
 from contact.errors import NotConverged, OutOfRange
@@ -27,11 +27,15 @@ from contact.search.ways.loads import NEAR_LOAD, NEARER_LOAD, at_approach, at_le
 from contact.threads import one_of_blas
 
 # Loaded by the scenes that they are for.
-_TENSION, _BRANCHES, _STRIPS = "contact.search.ways.cohesive", "contact.search.ways.branches", "contact.search.ways.strips"
+_TENSION = "contact.search.ways.cohesive"
+_BRANCHES = "contact.search.ways.branches"
+_STRIPS = "contact.search.ways.strips"
 
 
 def found(task: Task) -> Outcome:
-    """The contact of the task's scene; raises OutOfRange where there is none, NotConverged where no way led to it."""
+    """The contact of the task's scene; raises OutOfRange where there is none, NotConverged where no
+    way led to it.
+    """
     scene = task.scene
     if task.operator.is_plain and scene.law.convex and scene.given_fraction != 1.0:
         refuse_below_plateau(scene)
@@ -44,7 +48,9 @@ def found(task: Task) -> Outcome:
         if outcome is NOT_MINE:
             continue
         task.left(name, outcome)
-        if outcome.refusal is not None and (refused is None or _tells_more(outcome.refusal, refused.refusal)):
+        if outcome.refusal is not None and (
+            refused is None or _tells_more(outcome.refusal, refused.refusal)
+        ):
             refused = outcome
         if way is _along:
             # From the same zones once more it would be no shorter.
@@ -81,7 +87,13 @@ def _along(task: Task, refused: Missed | None) -> Outcome | Missed:
 def _at_known_tilt(task: Task, refused: Missed | None) -> Outcome | Missed:
     """A body of unknown tilt, from a solution at hand: its tilt need not be searched for."""
     near, scene = task.near, task.scene
-    if near is None or len(near.zones) == 0 or scene.moment is None or not scene.turned or scene.held(Quantity.APPROACH) is not None:
+    if (
+        near is None
+        or len(near.zones) == 0
+        or scene.moment is None
+        or not scene.turned
+        or scene.held(Quantity.APPROACH) is not None
+    ):
         return NOT_MINE
     scaled = scaled_scene_about(scene, near.tilt or 0.0, near.zones)
     return task.refine_topology(scaled.problem, scaled.control, placed(scaled.problem, near.zones))
@@ -131,8 +143,10 @@ def _of_unknown_tilt(task: Task) -> bool:
 
 
 def _loads_may_tell(task: Task, refusal: OutOfRange | NotConverged) -> bool:
-    """Whether loads may lead to an approach that the grid does not find: its lowest point may lie above the profile's by more than the
-    approach of a lone body, and narrow gaps between its points. A period has one lowest place, which the grid has found."""
+    """Whether loads may lead to an approach that the grid does not find: its lowest point may lie
+    above the profile's by more than the approach of a lone body, and narrow gaps between its
+    points. A period has one lowest place, which the grid has found.
+    """
     model = task.scene.interaction
     if not model.exact:
         return False
@@ -160,4 +174,6 @@ def _under_loads(task: Task) -> Outcome:
     if not isinstance(outcome, Missed):
         return outcome
     task.left("zones under a load of about this approach", outcome)
-    return _of_scaled(task.beside(at_approach(task, NEARER_LOAD)), scaled_scene(task.scene, task.single))
+    return _of_scaled(
+        task.beside(at_approach(task, NEARER_LOAD)), scaled_scene(task.scene, task.single)
+    )

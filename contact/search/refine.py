@@ -25,7 +25,8 @@ def refined(task: Task, found: Outcome, again: Callable[[Task], Outcome]) -> Out
     outcome = _as_told(task, found, again)
     if isinstance(outcome, Full) or outcome.error <= task.tol or not (task.along or task.near):
         return outcome
-    # From solutions near by ends may have come to rest where rounding moves them more than where a search would have left them.
+    # From solutions near by ends may have come to rest where rounding moves them more than where a
+    # search would have left them.
     afresh = replace(task, along=(), near=None)
     other: Outcome | Missed = attempted(lambda: _as_told(afresh, again(afresh), again))
     if isinstance(other, Missed):
@@ -50,21 +51,31 @@ def _as_told(task: Task, found: Outcome, again: Callable[[Task], Outcome]) -> Ou
 
 
 def _counted_from_there(task: Task, found: Found) -> Found:
-    """Zones of a lone body that lie far from where they were looked for, solved again with places counted from there: else these are
-    rounded to much of the zones' widths."""
+    """Zones of a lone body that lie far from where they were looked for, solved again with places
+    counted from there: else these are rounded to much of the zones' widths.
+    """
     scene, zones = task.scene, found.free.density.zones
     span, away = float(zones.b[-1] - zones.a[0]), float(max(-zones.a[0], zones.b[-1]))
-    if scene.interaction.needs_period or scene.turned or scene.profile.support is not None or away < _FAR_OFF * span:
+    if (
+        scene.interaction.needs_period
+        or scene.turned
+        or scene.profile.support is not None
+        or away < _FAR_OFF * span
+    ):
         return found
     table = np.asarray(found.fields.problem.units.x(zones.table))
     scaled = scaled_scene_about(scene, 0.0, table)
-    there = task.refine_topology(scaled.problem, task.control(scaled.problem), placed(scaled.problem, table))
+    there = task.refine_topology(
+        scaled.problem, task.control(scaled.problem), placed(scaled.problem, table)
+    )
     return found if isinstance(there, Missed) else there
 
 
 def _by_zones(task: Task, found: FoundByGaps) -> Found | FoundByGaps:
-    """The same contact with the pressure as the unknown, if that comes out better; not where it is the approach that tells too little:
-    near full contact the level of the zones, a difference of large numbers, tells no more."""
+    """The same contact with the pressure as the unknown, if that comes out better; not where it is
+    the approach that tells too little: near full contact the level of the zones, a difference of
+    large numbers, tells no more.
+    """
     if replace(found, off=0.0).error <= task.tol:
         return found
     problem = found.fields.problem
@@ -84,7 +95,9 @@ def _tightened(task: Task, found: Found, whole: Callable[[Task], Outcome]) -> Fo
             return same or whole(sharper)
 
         better: Outcome | Missed = attempted(better_found)
-        return Missed("full contact, as the whole search says") if isinstance(better, Full) else better
+        return (
+            Missed("full contact, as the whole search says") if isinstance(better, Full) else better
+        )
 
     def at_rest(here: Found | FoundByGaps, tolerance: float) -> bool:
         return not isinstance(here, Found) or _is_rounding(task, here)
@@ -105,12 +118,20 @@ def _from_the_same(task: Task, found: Found) -> Found | None:
     strips = require("contact.search.ways.strips")
     if not model.follows_isolated:
         return strips.centred(task, scaled, table)
-    return strips.first_order(task, replace(scaled, problem=replace(problem, amplitude=None, centre=0.0)), found)
+    return strips.first_order(
+        task, replace(scaled, problem=replace(problem, amplitude=None, centre=0.0)), found
+    )
 
 
 def _is_rounding(task: Task, found: Found) -> bool:
-    """Whether rounding alone, of a solution that no iteration left an error in, is above the wanted error."""
-    if found.rounded or limit_of_body(found.fields.problem, found.free.density.zones.table, task.tol):
+    """Whether rounding alone, of a solution that no iteration left an error in, is above the wanted
+    error.
+    """
+    if found.rounded or limit_of_body(
+        found.fields.problem, found.free.density.zones.table, task.tol
+    ):
         return True
     end = found.fields.problem.end
-    return not found.free.state.iterated and bool(limit(found.free, 4 * task.tol, "zone", 4 * of_positions(found), end))
+    return not found.free.state.iterated and bool(
+        limit(found.free, 4 * task.tol, "zone", 4 * of_positions(found), end)
+    )

@@ -1,5 +1,6 @@
-"""What a search goes by: the scene, how tightly it is solved, a solution near by, and where it is told how it went; and
-what solves of one scene under many controls have in common, found when first asked for, and once.
+"""What a search goes by: the scene, how tightly it is solved, a solution near by, and where it is
+told how it went; and what solves of one scene under many controls have in common, found when first
+asked for, and once.
 """
 
 from __future__ import annotations
@@ -39,7 +40,9 @@ from sie import Array, record
 
 
 class Shared(sie.Kept):
-    """Of a scene whatever its control is. single: the contact begins as one zone about x = 0; full: where full contact begins."""
+    """Of a scene whatever its control is. single: the contact begins as one zone about x = 0; full:
+    where full contact begins.
+    """
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
@@ -47,8 +50,14 @@ class Shared(sie.Kept):
     def of(self, scene: Scene) -> Shared:
         """The same for a scene that differs in its control alone."""
         own = self.scene
-        same = scene.profile is own.profile and scene.interaction is own.interaction and scene.substrate is own.substrate
-        return self if same and scene.law is own.law and scene.E_star == own.E_star else Shared(scene)
+        same = (
+            scene.profile is own.profile
+            and scene.interaction is own.interaction
+            and scene.substrate is own.substrate
+        )
+        return (
+            self if same and scene.law is own.law and scene.E_star == own.E_star else Shared(scene)
+        )
 
     @cached_property
     def operator(self) -> Operator:
@@ -87,10 +96,12 @@ LEAST = 2e-15
 
 @record
 class Task:
-    """One solve. branch: which of several equilibria; tolerance: of the ends and of the density; shared: what it has in common with others
-    of the scene; near: a solution of the same profile and model; solver: of other scenes on the way to this one; along: the
-    last solutions of the scene on a curve of its control's values, the nearest last; give: of a spring, whose far end the scene's
-    approach is then [m per N/m]."""
+    """One solve. branch: which of several equilibria; tolerance: of the ends and of the density;
+    shared: what it has in common with others of the scene; near: a solution of the same profile and
+    model; solver: of other scenes on the way to this one; along: the last solutions of the scene on
+    a curve of its control's values, the nearest last; give: of a spring, whose far end the scene's
+    approach is then [m per N/m].
+    """
 
     scene: Scene
     tol: float
@@ -106,12 +117,26 @@ class Task:
 
     @classmethod
     def of(
-        cls, scene: Scene, tol: float, progress: Progress | None, near: Solution | None, solver: Solver, shared: Shared,
+        cls,
+        scene: Scene,
+        tol: float,
+        progress: Progress | None,
+        near: Solution | None,
+        solver: Solver,
+        shared: Shared,
         branch: str = "advancing",
     ) -> Task:
-        return cls(scene, tol, plan(scene), shared, max(0.1 * tol, LEAST), solver, progress, near, branch)
+        return cls(
+            scene, tol, plan(scene), shared, max(0.1 * tol, LEAST), solver, progress, near, branch
+        )
 
-    def under(self, scene: Scene, tol: float, near: Solution | None = None, progress: Progress | None = None) -> Solution:
+    def under(
+        self,
+        scene: Scene,
+        tol: float,
+        near: Solution | None = None,
+        progress: Progress | None = None,
+    ) -> Solution:
         """The solution of another scene on the way to this one."""
         return self.solver(scene, tol, progress, near, self.shared.of(scene))
 
@@ -140,7 +165,11 @@ class Task:
     def control(self, problem: Problem) -> Control:
         """The scene's own control, scaled."""
         control, units = scaled_control(self.scene, problem.units), problem.units
-        return control if self.give is None else Machine(control.value, self.give * units.load / units.height)
+        return (
+            control
+            if self.give is None
+            else Machine(control.value, self.give * units.load / units.height)
+        )
 
     def refine_topology(
         self, problem: Problem, control: Control, table: Array, rounds: int = ROUNDS, **how: Any
@@ -150,7 +179,15 @@ class Task:
         # Given ends are not searched for.
         with self.plan.timed("zone ends") if self.plan["zone ends"].used else nullcontext():
             form = ByPressure(problem)
-            return refine_topology(form, control, form.begun(table), newton, self.progress, timed=self.plan.timed, rounds=rounds)
+            return refine_topology(
+                form,
+                control,
+                form.begun(table),
+                newton,
+                self.progress,
+                timed=self.plan.timed,
+                rounds=rounds,
+            )
 
     def left(self, way: str, missed: Missed) -> None:
         """Say in the plan what was tried and why it led to nothing."""
@@ -168,5 +205,15 @@ class Task:
             return SceneError(rounded, "profile", self.scene.profile)
         table = in_cell(self.scene, np.asarray(problem.units.x(free.density.zones.table)))
         certificate = replace(NOT_CHECKED, holds=False, note=missed.reason)
-        best = Solution(self.scene, table, ZoneFields(problem, free.state), math.inf, certificate, self.plan, free.trace)
-        return NotConverged(f"not converged: {missed.reason}{fault_of_profile(self.scene, table)}", free.trace, best)
+        best = Solution(
+            self.scene,
+            table,
+            ZoneFields(problem, free.state),
+            math.inf,
+            certificate,
+            self.plan,
+            free.trace,
+        )
+        return NotConverged(
+            f"not converged: {missed.reason}{fault_of_profile(self.scene, table)}", free.trace, best
+        )

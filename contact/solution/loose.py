@@ -1,4 +1,6 @@
-"""The solution of surfaces that pull at each other without touching: loaded by the scenes whose law pulls at a distance."""
+"""The solution of surfaces that pull at each other without touching: loaded by the scenes whose law
+pulls at a distance.
+"""
 
 import numpy as np
 
@@ -14,16 +16,29 @@ from contact.verify.certificate import Certificate, least_eigenvalue
 _MISSED = 1e-7
 
 
-def of_loose(scene: Scene, fields: LooseFields, here: CohesivePoint, plan: Plan, branch: str) -> Solution:
+def of_loose(
+    scene: Scene, fields: LooseFields, here: CohesivePoint, plan: Plan, branch: str
+) -> Solution:
     """On the intervals that were followed."""
     for name in ("zone ends", "coarse search"):
         plan[name].used, plan[name].reason = False, "the surfaces pull without touching"
-    ends, least, missed = len(here.table) > 0, float(here.look[1].min()), float(np.abs(here.residual).max(initial=0.0))
+    ends, least, missed = (
+        len(here.table) > 0,
+        float(here.look[1].min()),
+        float(np.abs(here.residual).max(initial=0.0)),
+    )
     stability = least_eigenvalue(scaled_second_variation(here)) if ends else None
     holds = least > 0.0 and missed <= _MISSED and (stability is None or stability > 0.0)
     certificate = Certificate(
-        smallest_pressure=-scene.law.tension, smallest_gap=least * fields.problem.units.height, points=len(here.look[0]),
-        holds=holds, note="the surfaces pull at each other without touching", intensity=missed, stability=stability,
+        smallest_pressure=-scene.law.tension,
+        smallest_gap=least * fields.problem.units.height,
+        points=len(here.look[0]),
+        holds=holds,
+        note="the surfaces pull at each other without touching",
+        intensity=missed,
+        stability=stability,
     )
     off = np.abs(np.linalg.solve(here.rates, here.residual)) / here.widths if ends else np.zeros(1)
-    return Solution(scene, np.zeros((0, 2)), fields, 1e-13 + float(off.max()), certificate, plan, branch=branch)
+    return Solution(
+        scene, np.zeros((0, 2)), fields, 1e-13 + float(off.max()), certificate, plan, branch=branch
+    )

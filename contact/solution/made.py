@@ -1,4 +1,6 @@
-"""Solutions made of what a search has found: zones in metres, the stated error, and what the plan says of the way."""
+"""Solutions made of what a search has found: zones in metres, the stated error, and what the plan
+says of the way.
+"""
 
 from __future__ import annotations
 
@@ -27,9 +29,16 @@ from sie import Array
 
 
 def of_zones(
-    scene: Scene, found: Found, plan: Plan, tol: float, branch: str | None = None, parting: Callable[[ZoneFields], PullOff] | None = None
+    scene: Scene,
+    found: Found,
+    plan: Plan,
+    tol: float,
+    branch: str | None = None,
+    parting: Callable[[ZoneFields], PullOff] | None = None,
 ) -> Solution:
-    """The solution of zones; NotConverged with it where its error is above the tolerance. branch, parting: see `Solution`."""
+    """The solution of zones; NotConverged with it where its error is above the tolerance. branch,
+    parting: see `Solution`.
+    """
     density, problem = found.fields.density, found.fields.problem
     zones = density.zones
     plan["symmetry"].used = zones.symmetric
@@ -45,21 +54,27 @@ def of_zones(
         plan["kinks"].reason = f"{jumps} jumps of the slope or its derivatives inside zones{powers}"
     if density.slit_count:
         plan["slits"].used, plan["slits"].reason = True, "narrow gaps between zones"
-        plan["slits"].detail = f"{density.slit_count} in {len(zones) - density.slit_count} wide zones"
+        plan[
+            "slits"
+        ].detail = f"{density.slit_count} in {len(zones) - density.slit_count} wide zones"
     else:
         plan["slits"].reason = "no narrow gaps between zones"
     _tell_sizes(plan, len(zones), found.free.state)
     table = in_cell(scene, np.asarray(problem.units.x(zones.table)))
     claimed = claims.of(scene.profile, table)
     error = found.error + claimed.error
-    solution = Solution(scene, table, found.fields, error, found.certificate, plan, found.free.trace)
+    solution = Solution(
+        scene, table, found.fields, error, found.certificate, plan, found.free.trace
+    )
     solution = replace(solution, branch=branch, parting=parting)
     beside = claimed.limit if claimed.error > found.error else found.limit_beside
     return _within(tol, solution, found.free, "zone", of_positions(found), beside)
 
 
 def of_gaps(scene: Scene, found: FoundByGaps, plan: Plan, tol: float) -> Solution:
-    """The solution of a nearly full contact from its gaps; NotConverged with it where its error is above the tolerance."""
+    """The solution of a nearly full contact from its gaps; NotConverged with it where its error is
+    above the tolerance.
+    """
     fields = found.fields
     plan["zone ends"].reason = "nearly full contact: the gaps are solved for"
     plan["zone ends"].detail = f"{len(found.free.trace)} Newton steps, {len(fields.zones)} gaps"
@@ -73,20 +88,38 @@ def of_gaps(scene: Scene, found: FoundByGaps, plan: Plan, tol: float) -> Solutio
     return _within(tol, solution, found.free, "gap", beside=beside)
 
 
-def of_full(scene: Scene, full: FullLimit, mean_pressure: float, plan: Plan, tol: float, branch: str | None = None) -> Solution:
-    """Full contact; NotConverged with it where rounding of the heights leaves an error above the tolerance."""
+def of_full(
+    scene: Scene,
+    full: FullLimit,
+    mean_pressure: float,
+    plan: Plan,
+    tol: float,
+    branch: str | None = None,
+) -> Solution:
+    """Full contact; NotConverged with it where rounding of the heights leaves an error above the
+    tolerance.
+    """
     profile = scene.profile
     fields = FullFields(of_period(scene), mean_pressure, full.relief, mean_height(scene))
     least = mean_pressure - full.relieved
     left_out = 0 if scene.law.pulls else int(np.sum(profile.kinks[:, 1] < 0))
     certificate = Certificate(
-        smallest_pressure=least, smallest_gap=None, points=len(period_samples(profile)), holds=True, undecided=left_out > 0,
+        smallest_pressure=least,
+        smallest_gap=None,
+        points=len(period_samples(profile)),
+        holds=True,
+        undecided=left_out > 0,
         note=_told_of_full(scene, least, left_out),
     )
     for name in ("zone ends", "coarse search"):
         plan[name].used, plan[name].reason = False, "full contact"
-    # Rounding of the closed form, in terms of the peak pressure, or of the mean where the peak is infinite.
-    peak = max(abs(fields.max_pressure), abs(least)) if math.isfinite(fields.max_pressure) else abs(mean_pressure)
+    # Rounding of the closed form, in terms of the peak pressure, or of the mean where the peak is
+    # infinite.
+    peak = (
+        max(abs(fields.max_pressure), abs(least))
+        if math.isfinite(fields.max_pressure)
+        else abs(mean_pressure)
+    )
     claimed = claims.of(profile)
     error = 1e-13 + full.error / peak + claimed.error
     solution = Solution(scene, np.zeros((0, 2)), fields, error, certificate, plan, branch=branch)
@@ -101,8 +134,22 @@ def of_apart(scene: Scene, problem: Problem, approach: float | None, plan: Plan)
     for name in ("zone ends", "coarse search"):
         plan[name].used, plan[name].reason = False, "the surfaces are apart"
     gap, holds = (None, True) if approach is None else (-approach, approach <= 0.0)
-    certificate = Certificate(smallest_pressure=0.0, smallest_gap=gap, points=0, holds=holds, note="the surfaces are apart")
-    return Solution(scene, np.zeros((0, 2)), ApartFields(problem, approach), 0.0, certificate, plan, branch="receding")
+    certificate = Certificate(
+        smallest_pressure=0.0,
+        smallest_gap=gap,
+        points=0,
+        holds=holds,
+        note="the surfaces are apart",
+    )
+    return Solution(
+        scene,
+        np.zeros((0, 2)),
+        ApartFields(problem, approach),
+        0.0,
+        certificate,
+        plan,
+        branch="receding",
+    )
 
 
 def _told_of_full(scene: Scene, least: float, left_out: int) -> str:
@@ -112,7 +159,8 @@ def _told_of_full(scene: Scene, least: float, left_out: int) -> str:
         return "full contact: the pressure is nowhere negative"
     if scene.law.tension:
         return "full contact, under tension in places: nowhere above what the surfaces pull with"
-    # Half width c of a flaw under a tension s, K = s sqrt(c/2), that releases the work of adhesion w = (pi/E*) K^2.
+    # Half width c of a flaw under a tension s, K = s sqrt(c/2), that releases the work of adhesion
+    # w = (pi/E*) K^2.
     flaw = 2 * (scene.law.intensity(scene.E_star) / least) ** 2
     told = "full contact, under tension in places: what is closed stays closed"
     return f"{told}; a flaw there of half width {quantity(flaw, 'm', 3)} would open"
@@ -150,7 +198,9 @@ def fault_of_profile(scene: Scene, zones: Array | None = None) -> str:
             window = lo - (hi - lo), hi + (hi - lo)
         faults = require("contact.testing").check_profile(profile, window, raises=False).faults
         if faults:
-            return f"; the profile contradicts itself, says contact.testing.check_profile: {faults[0]}"
+            return (
+                f"; the profile contradicts itself, says contact.testing.check_profile: {faults[0]}"
+            )
     return ""
 
 
@@ -161,18 +211,38 @@ def _tell_sizes(plan: Plan, zones: int, state: sie.AnyState) -> None:
         sums.used, sums.reason = True, "many unknowns: sums by trees, GMRES for the matrix"
         sums.detail = f"{sizes.iterations} iterations"
     plan.counts.update(
-        zones=zones, own_modes=int(sizes.own.sum()), coupled_unknowns=state.coupled,
-        kernel_evaluations=sizes.kernel_evaluations, profile_evaluations=sizes.profile_evaluations, solves=sizes.solves,
+        zones=zones,
+        own_modes=int(sizes.own.sum()),
+        coupled_unknowns=state.coupled,
+        kernel_evaluations=sizes.kernel_evaluations,
+        profile_evaluations=sizes.profile_evaluations,
+        solves=sizes.solves,
     )
 
 
-def _within(tol: float, solution: Solution, free: sie.Free, of: str, positions: float = 0.0, beside: str = "") -> Solution:
+def _within(
+    tol: float,
+    solution: Solution,
+    free: sie.Free,
+    of: str,
+    positions: float = 0.0,
+    beside: str = "",
+) -> Solution:
     """beside: what a law adds, in words, where that is most of the error."""
     if solution.error > tol:
         fields = solution.fields
-        body = limit_of_body(fields.problem, fields.density.zones.table, tol) if isinstance(fields, ZoneFields) else ""
+        body = (
+            limit_of_body(fields.problem, fields.density.zones.table, tol)
+            if isinstance(fields, ZoneFields)
+            else ""
+        )
         end = fields.problem.end if isinstance(fields, ZoneFields) else sie.FREE
-        why = limit_of_approach(solution, tol) or body or beside or limit(free, tol, of, positions, end, solution.error)
+        why = (
+            limit_of_approach(solution, tol)
+            or body
+            or beside
+            or limit(free, tol, of, positions, end, solution.error)
+        )
         told = f"the stated error {solution.error:.2g} is above the tolerance {tol:.2g}{': ' if why else ''}{why}"
         fault = "" if why else fault_of_profile(solution.scene, solution.zones)
         raise NotConverged(f"{told}; the best state is attached{fault}", solution.trace, solution)

@@ -1,11 +1,13 @@
 """One figure of a solution: the surfaces above, the pressure below, both over the same positions.
 
-Above, the profile is drawn where the approach has put it, touching the deformed surface along the zones. Heights are
-measured from the undeformed surface where the displacement is known absolutely. The body is above, its asperities pointing
-down; the counter-face below, flat or with heights of its own, is given the displacement of both. A scene of many zones, or of
-zones narrow beside the stretch shown, has a second column: the same two panels close to the highest pressure.
+Above, the profile is drawn where the approach has put it, touching the deformed surface along the
+zones. Heights are measured from the undeformed surface where the displacement is known absolutely.
+The body is above, its asperities pointing down; the counter-face below, flat or with heights of its
+own, is given the displacement of both. A scene of many zones, or of zones narrow beside the stretch
+shown, has a second column: the same two panels close to the highest pressure.
 
-All figures are matplotlib's own, drawn by Agg without pyplot: no window, no backend and no setting is touched.
+All figures are matplotlib's own, drawn by Agg without pyplot: no window, no backend and no setting
+is touched.
 
 In a notebook a solution is a table of its numbers, and its figure where matplotlib is installed.
 """
@@ -22,10 +24,22 @@ from contact.errors import MissingExtra, SceneError
 from contact.extras import require
 from contact.model.units import prefix, quantity
 from contact.solution.answer import Answer
-from contact.solution.sampling import on_zones, peak_position, positions, surfaces, top_pressure, window, zones_within
+from contact.solution.sampling import (
+    on_zones,
+    peak_position,
+    positions,
+    surfaces,
+    top_pressure,
+    window,
+    zones_within,
+)
 from sie import Array
 
-_BODY, _SURFACE, _PRESSURE, _ZONE, _CLOSE = "#7a7a7a", "#1f5a92", "#b3261e", "#f2c14e", "#3d7a4a"
+_BODY = "#7a7a7a"
+_SURFACE = "#1f5a92"
+_PRESSURE = "#b3261e"
+_ZONE = "#f2c14e"
+_CLOSE = "#3d7a4a"
 
 # Beyond these a zone cannot be made out on the full width of a printed figure.
 _ZONES_READABLE = 8
@@ -37,7 +51,9 @@ _POINTS = 6000
 
 
 def plot(solution: Answer) -> Any:
-    """A matplotlib Figure: profile and deformed surface with the zones marked, and the pressure on them."""
+    """A matplotlib Figure: profile and deformed surface with the zones marked, and the pressure on
+    them.
+    """
     stretches = [window(solution)]
     close = _close_up(solution, *stretches[0])
     if close is not None:
@@ -50,7 +66,9 @@ def plot(solution: Answer) -> Any:
     if close is not None:
         _mark_close_up(axes, solution, *close)
     handles, labels = axes[0, 0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper center", ncols=len(labels), frameon=False, fontsize=9)
+    figure.legend(
+        handles, labels, loc="outside upper center", ncols=len(labels), frameon=False, fontsize=9
+    )
     figure.supxlabel(summary(solution), fontsize=9)
     return figure
 
@@ -58,14 +76,19 @@ def plot(solution: Answer) -> Any:
 def summary(solution: Answer) -> str:
     """The solution in one line: model, load or mean pressure, contact, peak."""
     scene = solution.scene
-    parts = [f"{scene.profile.title}, {scene.interaction.name}", f"$E^*$ = {quantity(scene.E_star, 'Pa')}"]
+    parts = [
+        f"{scene.profile.title}, {scene.interaction.name}",
+        f"$E^*$ = {quantity(scene.E_star, 'Pa')}",
+    ]
     if solution.mean_pressure is not None:
         parts.append(rf"$\bar p$ = {quantity(solution.mean_pressure, 'Pa')}")
     else:
         parts.append(f"$P$ = {quantity(solution.load, 'N/m')}")
     if scene.turned and solution.tilt is not None:
         parts.append(rf"tilt {solution.tilt:.3g}")
-    peak = quantity(solution.max_pressure, "Pa") if np.isfinite(solution.max_pressure) else r"$\infty$"
+    peak = (
+        quantity(solution.max_pressure, "Pa") if np.isfinite(solution.max_pressure) else r"$\infty$"
+    )
     parts.append(rf"$p_\mathrm{{max}}$ = {peak}")
     if solution.contact_fraction is not None:
         parts.append(f"contact {100.0 * solution.contact_fraction:.3g} %")
@@ -116,7 +139,9 @@ def _draw_surfaces(axes: Any, solution: Answer, x: Array, zones: Array, along: f
         (where, 0.96, "body", {"ha": "center", "va": "top", "color": _BODY}),
         (0.015, 0.04, "counter-face", {"va": "bottom", "color": _SURFACE}),
     ):
-        axes.text(place, height, side, transform=axes.transAxes, fontsize=8, fontweight="bold", **style)
+        axes.text(
+            place, height, side, transform=axes.transAxes, fontsize=8, fontweight="bold", **style
+        )
 
 
 def _draw_pressure(axes: Any, solution: Answer, x: Array, zones: Array, along: float) -> None:
@@ -126,26 +151,46 @@ def _draw_pressure(axes: Any, solution: Answer, x: Array, zones: Array, along: f
         top = float(max(pressure.max(), 1e-3 * top)) or 1.0
     scale, letter = prefix(top)
     shown = np.clip(pressure, -2.0 * top, 2.0 * top) * scale
-    axes.fill_between(x * along, 0.0, shown, where=on_zones(x, zones), color=_PRESSURE, alpha=0.22, linewidth=0)
+    axes.fill_between(
+        x * along, 0.0, shown, where=on_zones(x, zones), color=_PRESSURE, alpha=0.22, linewidth=0
+    )
     axes.plot(x * along, shown, color=_PRESSURE, linewidth=1.2)
     if solution.mean_pressure is not None and solution.mean_pressure > _PRESSURE_READABLE * top:
-        axes.axhline(solution.mean_pressure * scale, color="black", linewidth=0.8, linestyle=(0, (6, 4)))
+        axes.axhline(
+            solution.mean_pressure * scale, color="black", linewidth=0.8, linestyle=(0, (6, 4))
+        )
         axes.annotate(
-            r"$\bar p$", (1.0, solution.mean_pressure * scale), xycoords=("axes fraction", "data"),
-            xytext=(-4, 3), textcoords="offset points", ha="right", fontsize=9,
+            r"$\bar p$",
+            (1.0, solution.mean_pressure * scale),
+            xycoords=("axes fraction", "data"),
+            xytext=(-4, 3),
+            textcoords="offset points",
+            ha="right",
+            fontsize=9,
         )
     if np.isinf(solution.max_pressure):
-        axes.annotate(r"$p \to \infty$", (0.99, 0.92), xycoords="axes fraction", ha="right", va="top", fontsize=9)
+        axes.annotate(
+            r"$p \to \infty$",
+            (0.99, 0.92),
+            xycoords="axes fraction",
+            ha="right",
+            va="top",
+            fontsize=9,
+        )
     # Tension without bound beside zones that adhere is cut off as far below as the peak is above.
     lowest = max(float(np.min(pressure, initial=0.0)), -top)
     axes.set(ylim=(1.08 * lowest * scale, 1.08 * top * scale), ylabel=f"pressure [{letter}Pa]")
 
 
 def _close_up(solution: Answer, lo: float, hi: float) -> tuple[float, float] | None:
-    """The stretch around the highest pressure that shows its zone and the next ones, if the whole cannot."""
+    """The stretch around the highest pressure that shows its zone and the next ones, if the whole
+    cannot.
+    """
     zones = zones_within(solution, lo, hi)
     widths = np.diff(zones).ravel()
-    if len(solution.zones) == 0 or (len(zones) <= _ZONES_READABLE and widths.max() >= _WIDTH_READABLE * (hi - lo)):
+    if len(solution.zones) == 0 or (
+        len(zones) <= _ZONES_READABLE and widths.max() >= _WIDTH_READABLE * (hi - lo)
+    ):
         return None
     x = positions(solution, lo, hi, _POINTS)
     centre = peak_position(solution, x, solution.pressure(x))
@@ -156,16 +201,27 @@ def _close_up(solution: Answer, lo: float, hi: float) -> tuple[float, float] | N
 
 
 def _mark_close_up(axes: Any, solution: Answer, lo: float, hi: float) -> None:
-    """Say on the full width what the second column shows: by a pointer above the panels, and shade behind what is drawn.
+    """Say on the full width what the second column shows: by a pointer above the panels, and shade
+    behind what is drawn.
 
-    Nothing is drawn over the stretch itself: on the full width it may be no wider than the line of the spike it holds.
+    Nothing is drawn over the stretch itself: on the full width it may be no wider than the line of
+    the spike it holds.
     """
     along, _ = prefix(max(abs(end) for end in window(solution)))
     for whole in axes[:, 0]:
-        whole.axvspan(lo * along, hi * along, facecolor=_CLOSE, alpha=0.22, edgecolor="none", zorder=0)
+        whole.axvspan(
+            lo * along, hi * along, facecolor=_CLOSE, alpha=0.22, edgecolor="none", zorder=0
+        )
         whole.plot(
-            0.5 * (lo + hi) * along, 1.0, marker=11, markersize=7, color=_CLOSE, linestyle="none", clip_on=False,
-            transform=whole.get_xaxis_transform(), label="_close-up",
+            0.5 * (lo + hi) * along,
+            1.0,
+            marker=11,
+            markersize=7,
+            color=_CLOSE,
+            linestyle="none",
+            clip_on=False,
+            transform=whole.get_xaxis_transform(),
+            label="_close-up",
         )
     axes[0, 1].set_title("around the highest pressure", fontsize=9, color=_CLOSE)
 
@@ -178,14 +234,20 @@ def new_figure(width: float, height: float) -> Any:
 
 
 def panels(ax: Any, count: int) -> tuple[Any, Sequence[Any]]:
-    """A new figure and so many axes beside each other; or those given, one or as many, and their figure."""
+    """A new figure and so many axes beside each other; or those given, one or as many, and their
+    figure.
+    """
     if ax is None:
         figure = new_figure(4.6 * count + 0.6, 3.9)
         return figure, figure.subplots(1, count, squeeze=False)[0]
     given = list(np.ravel(np.asarray(ax, dtype=object)))
     axes = require("matplotlib.axes").Axes
     if not 1 <= len(given) <= count or not all(isinstance(one, axes) for one in given):
-        most = "one matplotlib Axes, or two" if count == 2 else "one matplotlib Axes: the scene has no approach"
+        most = (
+            "one matplotlib Axes, or two"
+            if count == 2
+            else "one matplotlib Axes: the scene has no approach"
+        )
         raise SceneError.of("ax", ax, f"None, or {most}")
     return given[0].figure, given
 
@@ -200,7 +262,9 @@ def finish(axes: Any, across: str, up: str, legend: bool = True) -> None:
 
 
 def to_html(solution: Answer) -> str:
-    """Numbers with their units, the stated error, what the certificate says, and the figure as a picture within the page."""
+    """Numbers with their units, the stated error, what the certificate says, and the figure as a
+    picture within the page.
+    """
     checked = solution.certificate.to_dict()
     rows = [
         ("zones", str(len(solution.zones))),
@@ -208,11 +272,16 @@ def to_html(solution: Answer) -> str:
         ("largest pressure", quantity(solution.max_pressure, "Pa")),
         ("mean pressure", quantity(solution.mean_pressure, "Pa", none="")),
         ("approach", quantity(solution.approach, "m", none="")),
-        ("contact fraction", "" if solution.contact_fraction is None else f"{solution.contact_fraction:.6g}"),
+        (
+            "contact fraction",
+            "" if solution.contact_fraction is None else f"{solution.contact_fraction:.6g}",
+        ),
         ("stated error", f"{solution.error:.1e}"),
         ("certificate", "holds" if checked["holds"] else f"does not hold: {checked['note']}"),
     ]
-    lines = "".join(f"<tr><th>{escape(name)}</th><td>{escape(value)}</td></tr>" for name, value in rows if value)
+    lines = "".join(
+        f"<tr><th>{escape(name)}</th><td>{escape(value)}</td></tr>" for name, value in rows if value
+    )
     return f"<table>{lines}</table>{_picture(solution)}"
 
 

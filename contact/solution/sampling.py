@@ -1,7 +1,9 @@
-"""Where to sample the fields of a solution: evenly over the scene, and closer at the ends of its zones.
+"""Where to sample the fields of a solution: evenly over the scene, and closer at the ends of its
+zones.
 
-Pressure leaves an end as sqrt(d) and the gap as d^(3/2), d the distance, so each zone has its own Chebyshev points,
-which are quadratically closer at the ends: sqrt(d) is smooth in the angle that counts them.
+Pressure leaves an end as sqrt(d) and the gap as d^(3/2), d the distance, so each zone has its own
+Chebyshev points, which are quadratically closer at the ends: sqrt(d) is smooth in the angle that
+counts them.
 """
 
 import numpy as np
@@ -18,36 +20,47 @@ _KINK_LADDER = 10.0 ** -np.arange(1.0, 7.0)
 
 
 def window(solution: Answer) -> tuple[float, float]:
-    """The stretch of x that shows the solution: the period, all of a trace, or the zones and once their span on either side."""
+    """The stretch of x that shows the solution: the period, all of a trace, or the zones and once
+    their span on either side.
+    """
     profile, period = solution.scene.profile, solution.scene.period
     if period is not None:
         return profile.x0, profile.x0 + period
     if profile.known is not None:
         return profile.known
     if len(solution.zones) == 0:
-        raise SceneError("a lone body that touches nothing has no stretch to be shown on: its surfaces are apart", "zones")
+        raise SceneError(
+            "a lone body that touches nothing has no stretch to be shown on: its surfaces are apart",
+            "zones",
+        )
     lo, hi = float(solution.zones.min()), float(solution.zones.max())
     return lo - (hi - lo), hi + (hi - lo)
 
 
 def zones_within(solution: Answer, lo: float, hi: float) -> Array:
-    """The zones and their periodic images, cut to [lo, hi]; all of it at full contact, none of surfaces apart."""
+    """The zones and their periodic images, cut to [lo, hi]; all of it at full contact, none of
+    surfaces apart.
+    """
     zones, period = solution.zones, solution.scene.period
     if len(zones) == 0 and not solution.contact_fraction:
         return np.zeros((0, 2))
     if period is not None and len(zones) == 0:
         return np.array([[lo, hi]])
     if period is not None:
-        turns = np.arange(np.floor((lo - zones.max()) / period), np.ceil((hi - zones.min()) / period) + 1)
+        turns = np.arange(
+            np.floor((lo - zones.max()) / period), np.ceil((hi - zones.min()) / period) + 1
+        )
         zones = (zones[None, :, :] + period * turns[:, None, None]).reshape(-1, 2)
     cut = np.clip(zones[np.argsort(zones[:, 0])], lo, hi)
     return np.asarray(cut[cut[:, 1] > cut[:, 0]])
 
 
 def positions(solution: Answer, lo: float, hi: float, most: int = _MOST_POINTS) -> Array:
-    """Ascending positions in [lo, hi], both included, where straight lines between the samples show every field.
+    """Ascending positions in [lo, hi], both included, where straight lines between the samples show
+    every field.
 
-    `most`: of the even points, and about as many on the zones together, though never fewer than a few on each.
+    `most`: of the even points, and about as many on the zones together, though never fewer than a
+    few on each.
     """
     profile = solution.scene.profile
     even = _EVEN_POINTS
@@ -57,7 +70,9 @@ def positions(solution: Answer, lo: float, hi: float, most: int = _MOST_POINTS) 
     angles = np.linspace(0.0, np.pi, int(np.clip(most // max(len(zones), 1), *_POINTS_A_ZONE)))
     within = zones[:, :1] + np.diff(zones) * np.sin(0.5 * angles) ** 2
     within[:, -1] = zones[:, 1]
-    x = np.concatenate([np.linspace(lo, hi, even + 1), within.ravel(), _near_kinks(solution, zones)])
+    x = np.concatenate(
+        [np.linspace(lo, hi, even + 1), within.ravel(), _near_kinks(solution, zones)]
+    )
     return np.unique(x[(x >= lo) & (x <= hi)])
 
 
@@ -77,9 +92,11 @@ def top_pressure(solution: Answer) -> float:
 
 
 def surfaces(solution: Answer, x: Array) -> tuple[Array, Array]:
-    """(counter-face, body): heights [m], upwards, of the lower surface, which is given the displacement of both, and of the upper one.
+    """(counter-face, body): heights [m], upwards, of the lower surface, which is given the
+    displacement of both, and of the upper one.
 
-    Beyond the sharp corners of a body there is none: the upper surface is inf and the lower one -inf there.
+    Beyond the sharp corners of a body there is none: the upper surface is inf and the lower one
+    -inf there.
     """
     profile = solution.scene.profile
     face = profile.counter_height(x)

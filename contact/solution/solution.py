@@ -13,27 +13,30 @@ from contact.solution.answer import Answer
 from contact.solution.validity import everything
 
 # Loaded by those who ask for them.
-_PICTURES, _FILES = "contact.solution.plotting", "contact.solution.export"
+_PICTURES = "contact.solution.plotting"
+_FILES = "contact.solution.export"
 
 
 @dataclass(frozen=True, eq=False)
 class Solution(Answer):
-    """Zones (n, 2) [m], pressure and gap anywhere, loads per unit thickness [N/m]; made by `contact.solve`.
+    """Zones (n, 2) [m], pressure and gap anywhere, loads per unit thickness [N/m]; made by
+    `contact.solve`.
 
-    What follows from `error` for each number is stated with it, p being the peak pressure (the mean contact pressure where the peak is
-    infinite); see docs/errors.md.
+    What follows from `error` for each number is stated with it, p being the peak pressure (the mean
+    contact pressure where the peak is infinite); see docs/errors.md.
 
     Parameters
     ----------
     scene : Scene
         What was asked.
     zones : ndarray
-        Zone ends [m], (n, 2), ascending; with a period, left ends in [x0, x0 + L); (0, 2) in full contact.
+        Zone ends [m], (n, 2), ascending; with a period, left ends in [x0, x0 + L); (0, 2) in full
+        contact.
     fields : Fields
         What the methods below ask.
     error : float
-        Stated bound of (i) the pressure's error at equal normalised position in corresponding zones over p, and (ii) each end's error over
-        its zone's width.
+        Stated bound of (i) the pressure's error at equal normalised position in corresponding zones
+        over p, and (ii) each end's error over its zone's width.
     certificate : Certificate
         What was checked on the whole line, and the values.
     plan : Plan
@@ -41,8 +44,9 @@ class Solution(Answer):
     trace : tuple
         The Newton steps.
     branch : str or None
-        Where a law has several equilibria, how this one was come by: "advancing", the control raised to its value, or "receding", it was
-        lowered to it; the plan says from where. None under other laws, and where the zones are given.
+        Where a law has several equilibria, how this one was come by: "advancing", the control
+        raised to its value, or "receding", it was lowered to it; the plan says from where. None
+        under other laws, and where the zones are given.
     parting : callable or None
         What tells where such a contact comes apart.
 
@@ -59,11 +63,15 @@ class Solution(Answer):
 
     @cached_property
     def warnings(self) -> list[str]:
-        """What the model hardly covers: slopes, pressures, a modulus, a trace; given out as ModelWarnings too."""
+        """What the model hardly covers: slopes, pressures, a modulus, a trace; given out as
+        ModelWarnings too.
+        """
         return everything(self)
 
     def plot(self) -> Any:
-        """The surfaces and the pressure, as a matplotlib figure of its own; MissingExtra without matplotlib."""
+        """The surfaces and the pressure, as a matplotlib figure of its own; MissingExtra without
+        matplotlib.
+        """
         return require(_PICTURES).plot(self)
 
     def to_dataset(self) -> Any:
@@ -74,12 +82,14 @@ class Solution(Answer):
         return require(_PICTURES).to_html(self)
 
     def zone_table(self) -> Any:
-        """left, right, width [m], load [N/m], mean_pressure, max_pressure [Pa] of each zone: a pandas.DataFrame where pandas is
-        installed, else a dictionary of an array for each column."""
+        """left, right, width [m], load [N/m], mean_pressure, max_pressure [Pa] of each zone: a
+        pandas.DataFrame where pandas is installed, else a dictionary of an array for each column.
+        """
         return require(_FILES).zone_frame(self)
 
     def save(self, path: str | PathLike[str], overwrite: bool = False) -> None:
-        """Write zones, numbers and scene as JSON, or those and the fields as netCDF: .json or .nc says which.
+        """Write zones, numbers and scene as JSON, or those and the fields as netCDF: .json or .nc
+        says which.
 
         Raises
         ------
@@ -92,11 +102,15 @@ class Solution(Answer):
         write(self, file, overwrite)
 
     def save_zones(self, path: str | PathLike[str], overwrite: bool = False) -> None:
-        """Write the zone table as CSV, SI, in full precision; a file that is there only with `overwrite`."""
+        """Write the zone table as CSV, SI, in full precision; a file that is there only with
+        `overwrite`.
+        """
         require(_FILES).write_csv(self, path, overwrite)
 
     def save_fields(self, path: str | PathLike[str], overwrite: bool = False) -> None:
-        """Write x, pressure, gap, displacement, profile as CSV, SI, in full precision; a file that is there only with `overwrite`."""
+        """Write x, pressure, gap, displacement, profile as CSV, SI, in full precision; a file that
+        is there only with `overwrite`.
+        """
         require(_FILES).write_fields(self, path, overwrite)
 
     def to_dict(self) -> dict[str, Any]:
@@ -105,10 +119,12 @@ class Solution(Answer):
 
 
 def limit_of_approach(solution: Solution, tol: float) -> str:
-    """That the digits of a given approach keep the load from being known to `tol`, in words; empty where they do not.
+    """That the digits of a given approach keep the load from being known to `tol`, in words; empty
+    where they do not.
 
-    Near full contact the approach is the mean of the profile less a mean gap that goes with the square of narrow gaps over kinks, with
-    the fourth power of others: the load hangs on the last digits of what is given.
+    Near full contact the approach is the mean of the profile less a mean gap that goes with the
+    square of narrow gaps over kinks, with the fourth power of others: the load hangs on the last
+    digits of what is given.
     """
     approach, stiffness = solution.scene.held(Quantity.APPROACH), solution.stiffness
     if approach is None or stiffness is None or not np.isfinite(stiffness):

@@ -13,31 +13,55 @@ _WIDTH_OF_A_FILE = 200
 
 
 def show_table(
-    title: str, columns: Sequence[str], rows: Iterable[Sequence[str]], numeric: Iterable[int] = (), close: bool = False
+    title: str,
+    columns: Sequence[str],
+    rows: Iterable[Sequence[str]],
+    numeric: Iterable[int] = (),
+    close: bool = False,
 ) -> None:
-    """One table on stdout; `numeric` are the columns that align to the right; `close`: one blank between two, of three otherwise."""
+    """One table on stdout; `numeric` are the columns that align to the right; `close`: one blank
+    between two, of three otherwise.
+    """
     right = set(numeric)
     padding = (0, 0) if close else (0, 1)
-    table = require("rich.table").Table(title=title, title_justify="left", box=require("rich.box").SIMPLE_HEAD, padding=padding)
+    table = require("rich.table").Table(
+        title=title, title_justify="left", box=require("rich.box").SIMPLE_HEAD, padding=padding
+    )
     for place, name in enumerate(columns):
         table.add_column(name, justify="right" if place in right else "left", overflow="fold")
     for row in rows:
         table.add_row(*row)
     width = None if sys.stdout.isatty() else _WIDTH_OF_A_FILE
     # Square brackets in a reason or a unit are text here, not rich's markup.
-    require("rich.console").Console(file=sys.stdout, width=width, markup=False, highlight=False).print(table)
+    require("rich.console").Console(
+        file=sys.stdout, width=width, markup=False, highlight=False
+    ).print(table)
 
 
-def show_columns(title: str, columns: Sequence[tuple[str, Sequence[str]]], words: Iterable[int] = (), close: bool = False) -> None:
+def show_columns(
+    title: str,
+    columns: Sequence[tuple[str, Sequence[str]]],
+    words: Iterable[int] = (),
+    close: bool = False,
+) -> None:
     """The same of columns, each a name and its cells; `words` are those that align to the left."""
     names, cells = zip(*columns, strict=True)
-    show_table(title, names, zip(*cells, strict=True), set(range(len(names))).difference(words), close)
+    show_table(
+        title, names, zip(*cells, strict=True), set(range(len(names))).difference(words), close
+    )
 
 
 class Progress:
-    """What `contact.solve(progress=...)` calls: a bar on stderr, on a terminal, once the work has lasted a second."""
+    """What `contact.solve(progress=...)` calls: a bar on stderr, on a terminal, once the work has
+    lasted a second.
+    """
 
-    def __init__(self, patience: float = 1.0, clock: Callable[[], float] = time.monotonic, wanted: bool = True) -> None:
+    def __init__(
+        self,
+        patience: float = 1.0,
+        clock: Callable[[], float] = time.monotonic,
+        wanted: bool = True,
+    ) -> None:
         self._due = clock() + patience
         self._clock = clock
         self._wanted = wanted and sys.stderr.isatty()

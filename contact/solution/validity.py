@@ -1,8 +1,10 @@
-"""What the model does not cover, said and not refused: slopes, pressures, moduli and traces that are none of a rough elastic surface.
+"""What the model does not cover, said and not refused: slopes, pressures, moduli and traces that
+are none of a rough elastic surface.
 
-The bodies are half-planes, their strains small and elastic. Slopes and pressures over E* are numbers without a unit and are judged
-in any system of units. Lengths are judged in files, whose numbers have a unit, and where the modulus can only be one in pascals; the
-modulus is judged where lengths can only be metres.
+The bodies are half-planes, their strains small and elastic. Slopes and pressures over E* are
+numbers without a unit and are judged in any system of units. Lengths are judged in files, whose
+numbers have a unit, and where the modulus can only be one in pascals; the modulus is judged where
+lengths can only be metres.
 """
 
 import math
@@ -20,13 +22,16 @@ from sie import Array
 STEEPEST = 0.3
 HIGHEST = 0.1  # of E*
 # [Pa]: gels, and diamond on diamond.
-_SOFTEST, _STIFFEST = 1e3, 2e12
+_SOFTEST = 1e3
+_STIFFEST = 2e12
 # Diamond has 1.2e6 MPa: a larger number is one of pascals, and lengths are metres.
 _PASCALS = 1e7
-# [m]: from a few atoms to the longest machine parts, as of traces (contact.model.traces.prepare); and an atom.
+# [m]: from a few atoms to the longest machine parts, as of traces (contact.model.traces.prepare);
+# and an atom.
 _LENGTHS = (1e-9, 1.0)
 _SHALLOWEST = 1e-11
-# [m]: bodies this long are not given in micrometres, and with so low a modulus their scene has units of its own.
+# [m]: bodies this long are not given in micrometres, and with so low a modulus their scene has
+# units of its own.
 _OF_NO_UNIT = 1e-2
 # Places a period in full contact, and in a zone.
 _PLACES = 1024
@@ -34,7 +39,8 @@ _PLACES = 1024
 _T = np.cos((np.arange(8) + 0.5) * np.pi / 8)
 _SHARES = 0.5 * np.stack((1.0 - _T, 1.0 + _T))
 # In a few zones the pressure is nowhere so many times its mean over them, but at what is sharp.
-_FEW, _PEAK = 4, 10.0
+_FEW = 4
+_PEAK = 10.0
 
 
 def of_scene(scene: Scene) -> tuple[str, ...]:
@@ -51,22 +57,32 @@ def _length(profile: Profile) -> float | None:
 def _of_lengths(scene: Scene) -> tuple[str, ...]:
     """Lengths of shapes that were written by hand: a file's are looked at when it is read."""
     profile, length = scene.profile, _length(scene.profile)
-    if not _PASCALS <= scene.E_star <= _STIFFEST or length is None or any(body.preparation for body in profile.bodies.values()):
+    if (
+        not _PASCALS <= scene.E_star <= _STIFFEST
+        or length is None
+        or any(body.preparation for body in profile.bodies.values())
+    ):
         return ()
     told = f"a profile {quantity(length, 'm')} long"
     if not _LENGTHS[0] <= length <= _LENGTHS[1]:
-        return (f"{told} on E_star = {quantity(scene.E_star, 'Pa')} is not that of a surface: all lengths of a scene are in metres",)
+        return (
+            f"{told} on E_star = {quantity(scene.E_star, 'Pa')} is not that of a surface: all lengths of a scene are in metres",
+        )
     # From the lowest to the highest place it is no more than half of the slopes' integral.
     depth = 0.5 * profile.slope_sizes[1] * length
     if 0.0 < depth < _SHALLOWEST:
-        return (f"{told} is no deeper than {quantity(depth, 'm', 2)}, less than an atom: all lengths of a scene are in metres",)
+        return (
+            f"{told} is no deeper than {quantity(depth, 'm', 2)}, less than an atom: all lengths of a scene are in metres",
+        )
     return ()
 
 
 def _of_modulus(scene: Scene) -> tuple[str, ...]:
     modulus, length = scene.E_star, _length(scene.profile)
     if modulus > _STIFFEST:
-        return (f"E_star = {modulus:.3g} Pa is that of no material, diamond's being 1.2e12 Pa: E_star is in pascals",)
+        return (
+            f"E_star = {modulus:.3g} Pa is that of no material, diamond's being 1.2e12 Pa: E_star is in pascals",
+        )
     if modulus < _SOFTEST and modulus != 1.0 and length is not None and length < _OF_NO_UNIT:
         told = f"E_star = {modulus:.3g} Pa on a length of {quantity(length, 'm')}"
         return (f"{told} is softer than any gel: E_star is in pascals, not in MPa or GPa",)
@@ -76,7 +92,11 @@ def _of_modulus(scene: Scene) -> tuple[str, ...]:
 def of_answer(solution: Answer) -> tuple[str, ...]:
     """What can be said of the answer."""
     inside = _inside(solution)
-    return (*_of_slopes(solution, inside), *_of_pressure(solution, inside), *of_preparation(solution))
+    return (
+        *_of_slopes(solution, inside),
+        *_of_pressure(solution, inside),
+        *of_preparation(solution),
+    )
 
 
 def of_solution(solution: Answer) -> tuple[str, ...]:
@@ -112,8 +132,14 @@ def _of_slopes(solution: Answer, places: Array) -> tuple[str, ...]:
         largest, rms = float(np.abs(whole).max()), float(np.sqrt(np.mean(whole**2)))
     if max(steepest, rms) <= STEEPEST:
         return ()
-    told = f"slopes up to {steepest:.2g} in contact" if rms <= STEEPEST else f"slopes up to {largest:.2g}, {rms:.2g} on average"
-    return (f"{told}: a surface steeper than about {STEEPEST} is not the nearly plane one of the model",)
+    told = (
+        f"slopes up to {steepest:.2g} in contact"
+        if rms <= STEEPEST
+        else f"slopes up to {largest:.2g}, {rms:.2g} on average"
+    )
+    return (
+        f"{told}: a surface steeper than about {STEEPEST} is not the nearly plane one of the model",
+    )
 
 
 def _of_pressure(solution: Answer, places: Array) -> tuple[str, ...]:
@@ -126,13 +152,17 @@ def _of_pressure(solution: Answer, places: Array) -> tuple[str, ...]:
     bound = _PEAK * highest if widths.size <= _FEW else math.inf
     if min(bound, solution.fields.pressure_bound) <= HIGHEST * scene.E_star:
         return ()
-    sharp = scene.profile.support is not None or any(jump > 0.0 for _, jump in np.reshape(scene.profile.kinks, (-1, 2)).tolist())
+    sharp = scene.profile.support is not None or any(
+        jump > 0.0 for _, jump in np.reshape(scene.profile.kinks, (-1, 2)).tolist()
+    )
     if not sharp:
         highest, what = float(np.max(solution.pressure(places))), "pressure"
     if highest <= HIGHEST * scene.E_star:
         return ()
     told = f"a {what} of {quantity(highest, 'Pa', 3)}, {highest / scene.E_star:.2g} of E*"
-    return (f"{told}: above about {HIGHEST} of it strains are large, and few materials stay elastic",)
+    return (
+        f"{told}: above about {HIGHEST} of it strains are large, and few materials stay elastic",
+    )
 
 
 def _inside(solution: Answer) -> Array:

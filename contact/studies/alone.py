@@ -19,12 +19,21 @@ ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_
 def measured(file: str, *arguments: str) -> dict[str, Any]:
     """What a file prints as JSON when it is run with these arguments."""
     command, environment = [sys.executable, file, *arguments], {**os.environ, **ONE_THREAD}
-    return dict(json.loads(subprocess.run(command, check=True, capture_output=True, text=True, env=environment).stdout))
+    return dict(
+        json.loads(
+            subprocess.run(
+                command, check=True, capture_output=True, text=True, env=environment
+            ).stdout
+        )
+    )
 
 
 def tell(table: Table, remarks: list[str], out: Path | None) -> None:
     """Show a table and what is said below it, and write both for a page."""
-    remarks = [*remarks, f"Measured with {', '.join(' '.join(row) for row in machine.table(()).rows)}."]
+    remarks = [
+        *remarks,
+        f"Measured with {', '.join(' '.join(row) for row in machine.table(()).rows)}.",
+    ]
     show_table(table.title, table.columns, table.rows, numeric=range(1, len(table.columns)))
     print("\n".join(remarks))
     if out is not None:

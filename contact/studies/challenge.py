@@ -1,15 +1,18 @@
-"""A contact challenge: rough line contacts with answers that are certified, for any code to be judged by.
+"""A contact challenge: rough line contacts with answers that are certified, for any code to be
+judged by.
 
     python -m contact.studies.challenge make                 # docs/challenge/NAME.json, anew
     python -m contact.studies.challenge judge ANSWER.json    # an answer of another code
     python -m contact.studies.challenge peers [--out FOLDER] # tamaas and ContactMechanics (extra `peers`)
 
-Each problem is a self-affine profile of one period, E* = 1 Pa and period 1 m, given by its harmonics: nothing has to be drawn at random
-again. Its file has, for some mean pressures, contact fraction, mean gap and peak; and for one of them the ends of all zones and
-the pressure at stated places, all with stated errors.
+Each problem is a self-affine profile of one period, E* = 1 Pa and period 1 m, given by its
+harmonics: nothing has to be drawn at random again. Its file has, for some mean pressures, contact
+fraction, mean gap and peak; and for one of them the ends of all zones and the pressure at stated
+places, all with stated errors.
 
-An answer is JSON: {"problem": NAME, "mean_pressure": p, "contact_fraction": A, "mean_gap": g, "max_pressure": P, "x": [...],
-"pressure": [...]}, x ascending in [-1/2, 1/2), and any of it may be left out but the first two.
+An answer is JSON: {"problem": NAME, "mean_pressure": p, "contact_fraction": A, "mean_gap": g,
+"max_pressure": P, "x": [...], "pressure": [...]}, x ascending in [-1/2, 1/2), and any of it may be
+left out but the first two.
 """
 
 from __future__ import annotations
@@ -59,7 +62,12 @@ class Problem:
     @property
     def profile(self) -> contact.Fourier:
         return contact.self_affine(
-            hurst=self.hurst, period=1.0, shortest=1 / self.last, longest=1 / self.first, rms_slope=SLOPE, seed=self.seed
+            hurst=self.hurst,
+            period=1.0,
+            shortest=1 / self.last,
+            longest=1 / self.first,
+            rms_slope=SLOPE,
+            seed=self.seed,
         )
 
 
@@ -89,7 +97,11 @@ def made(problem: Problem) -> dict[str, Any]:
 
 
 def _numbers(solution: contact.Solution) -> dict[str, float]:
-    assert solution.mean_pressure is not None and solution.contact_fraction is not None and solution.mean_gap is not None
+    assert (
+        solution.mean_pressure is not None
+        and solution.contact_fraction is not None
+        and solution.mean_gap is not None
+    )
     return {
         "mean_pressure": solution.mean_pressure, "contact_fraction": solution.contact_fraction, "mean_gap": float(solution.mean_gap),
         "max_pressure": solution.max_pressure, "zones": len(solution.zones), "error": solution.error,
@@ -97,7 +109,9 @@ def _numbers(solution: contact.Solution) -> dict[str, float]:
 
 
 def _pressures(solution: contact.Solution) -> dict[str, Any]:
-    """Places, pressures there, and by how much these may be off: at the same x, where moved ends shift the place within its zone."""
+    """Places, pressures there, and by how much these may be off: at the same x, where moved ends
+    shift the place within its zone.
+    """
     half = 0.5 * solution.zone_widths[:, None]
     x = (solution.zones.mean(axis=1)[:, None] + half * np.array(PLACES)).ravel()
     step = np.repeat(1e-4 * half, len(PLACES))
@@ -113,9 +127,21 @@ def drawn(folder: Path = FOLDER) -> Any:
     area, gap = figure.subplots(1, 2)
     for problem in PROBLEMS:
         truth = read(problem.name, folder)
-        load = np.array([row["mean_pressure"] for row in truth["curve"]]) / (truth["E_star"] * truth["rms_slope"])
-        for axes, what, scale in ((area, "contact_fraction", 1.0), (gap, "mean_gap", 1.0 / truth["curve"][0]["mean_gap"])):
-            axes.plot(load, [scale * row[what] for row in truth["curve"]], "o-", ms=3, lw=1.0, label=problem.name)
+        load = np.array([row["mean_pressure"] for row in truth["curve"]]) / (
+            truth["E_star"] * truth["rms_slope"]
+        )
+        for axes, what, scale in (
+            (area, "contact_fraction", 1.0),
+            (gap, "mean_gap", 1.0 / truth["curve"][0]["mean_gap"]),
+        ):
+            axes.plot(
+                load,
+                [scale * row[what] for row in truth["curve"]],
+                "o-",
+                ms=3,
+                lw=1.0,
+                label=problem.name,
+            )
     area.set(xscale="log", yscale="log", ylabel="contact fraction")
     gap.set(xscale="log", ylabel="mean gap / that at the lightest load")
     for axes in (area, gap):
@@ -128,35 +154,53 @@ def read(name: str, folder: Path = FOLDER) -> dict[str, Any]:
     """The file of a problem, by its name."""
     file = folder / f"{name}.json"
     if not file.is_file():
-        raise contact.SceneError.unknown("problem", name, [one.stem for one in folder.glob("*.json")])
+        raise contact.SceneError.unknown(
+            "problem", name, [one.stem for one in folder.glob("*.json")]
+        )
     return dict(json.loads(file.read_text(encoding="utf-8")))
 
 
 def judged(answer: Mapping[str, Any], folder: Path = FOLDER) -> dict[str, float]:
-    """How far an answer is off: numbers relative to the true ones, pressures over the true peak, the largest and the mean of all places.
+    """How far an answer is off: numbers relative to the true ones, pressures over the true peak,
+    the largest and the mean of all places.
 
     Pressures are read between the answer's places by straight lines.
     """
     truth = read(str(answer.get("problem")), folder)
-    told = next((row for row in truth["curve"] if np.isclose(row["mean_pressure"], answer.get("mean_pressure", np.nan), rtol=1e-9)), None)
+    told = next(
+        (
+            row
+            for row in truth["curve"]
+            if np.isclose(row["mean_pressure"], answer.get("mean_pressure", np.nan), rtol=1e-9)
+        ),
+        None,
+    )
     if told is None:
         known = ", ".join(f"{row['mean_pressure']:g}" for row in truth["curve"])
         raise contact.SceneError.of("mean_pressure", answer.get("mean_pressure"), f"one of {known}")
     off = {
         name: abs(float(answer[name]) / told[name] - 1)
-        for name in ("contact_fraction", "mean_gap", "max_pressure") if answer.get(name) is not None
+        for name in ("contact_fraction", "mean_gap", "max_pressure")
+        if answer.get(name) is not None
     }
     detail = truth["detail"]
     if answer.get("pressure") is not None and told["mean_pressure"] == detail["mean_pressure"]:
-        x, pressure = np.asarray(answer["x"], dtype=float), np.asarray(answer["pressure"], dtype=float)
+        x, pressure = (
+            np.asarray(answer["x"], dtype=float),
+            np.asarray(answer["pressure"], dtype=float),
+        )
         around = np.interp(detail["x"], np.concatenate((x - 1, x, x + 1)), np.tile(pressure, 3))
         far = np.abs(around - detail["pressure"]) / detail["max_pressure"]
         off |= {"pressure, largest": float(far.max()), "pressure, mean": float(far.mean())}
     return off
 
 
-def answered(name: str, mean_pressure: float, solve: Callable[[Array], Array | None], grid: int) -> dict[str, Any] | None:
-    """The answer of a code with an even periodic grid, whose `solve` takes heights and gives pressures; None where it gives none."""
+def answered(
+    name: str, mean_pressure: float, solve: Callable[[Array], Array | None], grid: int
+) -> dict[str, Any] | None:
+    """The answer of a code with an even periodic grid, whose `solve` takes heights and gives
+    pressures; None where it gives none.
+    """
     truth = read(name)
     profile = contact.Fourier(1.0, truth["cosine"], truth["sine"])
     x = profile.x0 + np.arange(grid) / grid
@@ -175,7 +219,9 @@ def answered(name: str, mean_pressure: float, solve: Callable[[Array], Array | N
     }  # fmt: skip
 
 
-def _by_peer(prepare: Callable[..., Any], profile: contact.Fourier, mean_pressure: float) -> Callable[[Array], Array | None]:
+def _by_peer(
+    prepare: Callable[..., Any], profile: contact.Fourier, mean_pressure: float
+) -> Callable[[Array], Array | None]:
     case = Case("challenge", profile, 1.0, mean_pressure, contact.solve, "the challenge")  # type: ignore[arg-type]
 
     def solve(heights: Array) -> Array | None:
@@ -203,20 +249,29 @@ def peers(names: Iterable[str] = NAMED, grids: Iterable[int] = GRIDS) -> list[tu
                 start = time.process_time()
                 answer = answered(name, DETAIL * SLOPE, solve, grid)
                 seconds = time.process_time() - start
-                told = ["not converged"] * len(NAMES) if answer is None else [f"{judged(answer)[what]:.1e}" for what in NAMES]
+                told = (
+                    ["not converged"] * len(NAMES)
+                    if answer is None
+                    else [f"{judged(answer)[what]:.1e}" for what in NAMES]
+                )
                 rows.append((name, peer.name, f"{grid:,}", *told, f"{seconds:.2f}"))
                 print(" | ".join(rows[-1]), file=sys.stderr, flush=True)
     return rows
 
 
 def along(names: Iterable[str] = NAMED, grid: int = GRIDS[-1]) -> list[tuple[str, ...]]:
-    """A row for each problem and code: how far it is off at the worst of all loads, on the finest grid."""
+    """A row for each problem and code: how far it is off at the worst of all loads, on the finest
+    grid.
+    """
     rows = []
     for name in names:
         truth = read(name)
         profile = contact.Fourier(1.0, truth["cosine"], truth["sine"])
         for peer in PEERS:
-            found = [(load, answered(name, load, _by_peer(peer.prepare, profile, load), grid)) for load in np.array(LOADS) * SLOPE]
+            found = [
+                (load, answered(name, load, _by_peer(peer.prepare, profile, load), grid))
+                for load in np.array(LOADS) * SLOPE
+            ]
             off = [judged(answer) for _, answer in found if answer is not None]
             worst = [f"{max(one[what] for one in off):.1e}" for what in NAMES[:3]]
             rows.append((name, peer.name, f"{grid:,}", *worst, f"{len(off)} of {len(found)}"))
@@ -224,10 +279,14 @@ def along(names: Iterable[str] = NAMED, grid: int = GRIDS[-1]) -> list[tuple[str
 
 
 def own() -> list[tuple[str, ...]]:
-    """What this package says of each problem: zones and stated error, and what it takes at three tolerances."""
+    """What this package says of each problem: zones and stated error, and what it takes at three
+    tolerances.
+    """
     rows = []
     for problem in PROBLEMS:
-        scene = contact.Scene(problem.profile, 1.0, contact.Periodic(), mean_pressure=DETAIL * SLOPE)
+        scene = contact.Scene(
+            problem.profile, 1.0, contact.Periodic(), mean_pressure=DETAIL * SLOPE
+        )
         for tol in (1e-3, 1e-6):
             start = time.process_time()
             solution = contact.solve(scene, tol=tol)
@@ -261,7 +320,9 @@ def main(arguments: list[str]) -> None:
             print(f"{what:20} {off:.2e}")
     elif arguments[:1] == ["peers"]:
         tables = {
-            "challenge": markdown((*HEAD, "p(x), largest", "p(x), mean", "processor time [s]"), own() + peers()),
+            "challenge": markdown(
+                (*HEAD, "p(x), largest", "p(x), mean", "processor time [s]"), own() + peers()
+            ),
             "challenge-curves": markdown((*HEAD, "loads solved"), along()),
         }
         for name, table in tables.items():

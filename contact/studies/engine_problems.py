@@ -2,15 +2,18 @@ r"""Equations of known solution for the engine alone: what it states is held aga
 
     python -m contact.studies.engine_problems FIRST COUNT [--tol 1e-10]
 
-Widths and gaps of the zones lie over up to ten decades, their ends are singular, bounded, free or have a prescribed intensity, and the
-conditions are totals, totals of zones or differences of levels. The kernel is Cauchy's, Cauchy's with a smooth part, or Hilbert's. On
-zones with the ends e, with y = x or sin(pi x / L) for differences, the density is designed,
+Widths and gaps of the zones lie over up to ten decades, their ends are singular, bounded, free or
+have a prescribed intensity, and the conditions are totals, totals of zones or differences of
+levels. The kernel is Cauchy's, Cauchy's with a smooth part, or Hilbert's. On zones with the ends e,
+with y = x or sin(pi x / L) for differences, the density is designed,
 
     phi = +-P |Y|,     Y = prod y(x - e)^(+-1/2)  (-: singular),     P = product of as many y(x - r) as make g a constant or linear,
 
-g from P Y far away and from the smooth part, totals and levels by the trapezoidal rule in s = log((x - a) / (b - x)), which converges
-at a rate that no gap slows down (M. Mori, Publ. RIMS 41, 2005, 897-935). One line for every fault: `dishonest`, an error above the
-stated one of all zones or of one of them, `exception`, `slow`. Then how many there were, and the worst ratio of true to stated error.
+g from P Y far away and from the smooth part, totals and levels by the trapezoidal rule in s =
+log((x - a) / (b - x)), which converges at a rate that no gap slows down (M. Mori, Publ. RIMS 41,
+2005, 897-935). One line for every fault: `dishonest`, an error above the stated one of all zones or
+of one of them, `exception`, `slow`. Then how many there were, and the worst ratio of true to stated
+error.
 """
 
 from __future__ import annotations
@@ -30,7 +33,8 @@ import sie
 
 Array = NDArray[Any]
 
-# The trapezoidal rule: its step leaves exp(-2 pi^2 / step) = 1e-21, and its last node exp(-step nodes / 2) = 1e-20.
+# The trapezoidal rule: its step leaves exp(-2 pi^2 / step) = 1e-21, and its last node exp(-step
+# nodes / 2) = 1e-20.
 STEP = 0.4
 NODES = 230
 # Angles of each zone at which densities are compared.
@@ -68,7 +72,9 @@ class Steps(Parts):
 
 @dataclass(frozen=True)
 class Design:
-    """ends (n, 2); signs (n, 2): twice the exponents at the ends; roots (k,) of P, and its factor; period or None for a line."""
+    """ends (n, 2); signs (n, 2): twice the exponents at the ends; roots (k,) of P, and its factor;
+    period or None for a line.
+    """
 
     ends: Array
     signs: Array
@@ -79,10 +85,14 @@ class Design:
     def apart(self, distance: Array) -> Array:
         """y of distances."""
         scaled = np.asarray(distance, dtype=np.longdouble)
-        return scaled if self.period is None else np.sin(np.longdouble(np.pi) / self.period * scaled)
+        return (
+            scaled if self.period is None else np.sin(np.longdouble(np.pi) / self.period * scaled)
+        )
 
     def product(self, start: Array, away: Array, skipped: int = -1) -> Array:
-        """P |Y| at start + away; start: an end, from which distances keep their digits; skipped: an end left out of Y."""
+        """P |Y| at start + away; start: an end, from which distances keep their digits; skipped: an
+        end left out of Y.
+        """
         start, away = np.asarray(start, dtype=np.longdouble), np.asarray(away, dtype=np.longdouble)
         out = np.full(np.broadcast(start, away).shape, np.longdouble(self.factor))
         for root in self.roots:
@@ -94,7 +104,9 @@ class Design:
         return out
 
     def orientation(self, zone: int) -> int:
-        """Sign of Y in the gap right of a zone: each zone to the right with two ends of one kind turns it."""
+        """Sign of Y in the gap right of a zone: each zone to the right with two ends of one kind
+        turns it.
+        """
         return int(np.prod(np.where(self.signs[zone + 1 :, 0] == self.signs[zone + 1 :, 1], -1, 1)))
 
     def density(self, zone: int, angle: Array) -> Array:
@@ -102,15 +114,24 @@ class Design:
         a, b = self.ends[zone]
         left, right = (b - a) * np.cos(angle / 2) ** 2, (b - a) * np.sin(angle / 2) ** 2
         start, away = np.where(left < right, a, b), np.where(left < right, left, -right)
-        return np.asarray(-self.orientation(zone) * self.signs[zone, 1] * self.product(start, away), dtype=float)
+        return np.asarray(
+            -self.orientation(zone) * self.signs[zone, 1] * self.product(start, away), dtype=float
+        )
 
-    def integral(self, a: float, b: float, weight: Callable[[Array], Array] = np.ones_like) -> float:
+    def integral(
+        self, a: float, b: float, weight: Callable[[Array], Array] = np.ones_like
+    ) -> float:
         """Of P |Y| times a weight from an end to the next one."""
         s = STEP * np.arange(-NODES, NODES + 1, dtype=np.longdouble)
         width = np.longdouble(b) - np.longdouble(a)
         left, right = width / (1 + np.exp(-s)), width / (1 + np.exp(s))
-        start, away = np.where(s < 0, np.longdouble(a), np.longdouble(b)), np.where(s < 0, left, -right)
-        return float(STEP * (self.product(start, away) * weight(start + away) * left * right / width).sum())
+        start, away = (
+            np.where(s < 0, np.longdouble(a), np.longdouble(b)),
+            np.where(s < 0, left, -right),
+        )
+        return float(
+            STEP * (self.product(start, away) * weight(start + away) * left * right / width).sum()
+        )
 
     def total(self, zone: int, weight: Callable[[Array], Array] = np.ones_like) -> float:
         a, b = self.ends[zone].tolist()
@@ -137,7 +158,10 @@ class Design:
             return [0.0]
         if len(self.roots) + self.signs.sum() / 2 == 0:
             return [-self.factor]
-        return [self.factor * float(self.roots.sum() + 0.5 * (self.signs * self.ends).sum()), -self.factor]
+        return [
+            self.factor * float(self.roots.sum() + 0.5 * (self.signs * self.ends).sum()),
+            -self.factor,
+        ]
 
 
 @dataclass(frozen=True)
@@ -153,7 +177,9 @@ def problem(seed: int) -> Problem:
     moving = rng.random() < 0.4
     count = int(rng.choice([1, 2, 3, 5, 8, 30], p=[0.15, 0.25, 0.2, 0.2, 0.15, 0.05]))
     period = 1.0 if rng.random() < 0.25 else None
-    decades = rng.choice([0.5, 1, 2]) if moving else rng.choice([1, 3, 6, 10]) / (1 if count < 8 else 3)
+    decades = (
+        rng.choice([0.5, 1, 2]) if moving else rng.choice([1, 3, 6, 10]) / (1 if count < 8 else 3)
+    )
     widths, gaps = 10.0 ** rng.uniform(-decades, 0, (2, count))
     gaps = np.maximum(gaps, 1e-8)
     unit = 0.9 / (widths.sum() + gaps.sum()) if period else 1.0
@@ -165,11 +191,15 @@ def problem(seed: int) -> Problem:
         signs[rng.integers(count)] = -1
     index = -int(signs.sum()) // 2
     degree = index + (max(int(rng.integers(-1, 2)), -index) if period is None else 0)
-    roots = rng.choice(ends.mean(axis=1), degree) + rng.normal(size=degree) * rng.choice(widths, degree)
+    roots = rng.choice(ends.mean(axis=1), degree) + rng.normal(size=degree) * rng.choice(
+        widths, degree
+    )
     design = Design(ends, signs, roots, float(rng.normal() * 10.0 ** rng.uniform(-3, 3)), period)
     moves = (rng.random(ends.shape) < 0.7) & moving
     equation = _equation(rng, design, index + int((moves & (signs > 0)).sum()))
-    left, right = ([_end(design, i, side, bool(moves[i, side])) for i in range(count)] for side in (0, 1))
+    left, right = (
+        [_end(design, i, side, bool(moves[i, side])) for i in range(count)] for side in (0, 1)
+    )
     between = np.diff(ends.ravel(), prepend=-np.inf, append=np.inf)
     room = np.minimum(between[:-1], between[1:]).reshape(-1, 2)
     off = 10.0 ** rng.uniform(-4, -1.5) * room * np.clip(rng.normal(size=ends.shape), -2, 2)
@@ -189,23 +219,33 @@ def _equation(rng: np.random.Generator, design: Design, index: int) -> sie.Equat
     kernel = sie.cauchy() if design.period is None else sie.hilbert(design.period)
     cosine = sine = 0.0
     if design.period is None and rng.random() < 0.3:
-        kernel = kernel + sie.Smooth(lambda x, xi: np.cos(x - xi), lambda x, xi: np.sin(x - xi), length=1.0, of_lag=True)
-        cosine, sine = (sum(design.total(i, weight) for i in zones) / np.pi for weight in (np.cos, np.sin))
+        kernel = kernel + sie.Smooth(
+            lambda x, xi: np.cos(x - xi), lambda x, xi: np.sin(x - xi), length=1.0, of_lag=True
+        )
+        cosine, sine = (
+            sum(design.total(i, weight) for i in zones) / np.pi for weight in (np.cos, np.sin)
+        )
     totals = np.array([design.total(i) for i in zones])
     some = sorted(rng.choice(len(totals), index, replace=False).tolist())
     conditions: tuple[sie.Condition, ...] = (Parts(some, totals[some]),)
     if index == len(totals) > 1 and rng.random() < 0.5:
         gaps = list(zones)[:-1]
-        conditions = (sie.Total(float(totals.sum())), Steps(gaps, np.array([design.step(i) for i in gaps])))
+        conditions = (
+            sie.Total(float(totals.sum())),
+            Steps(gaps, np.array([design.step(i) for i in gaps])),
+        )
     forcing = sie.Forcing(
-        lambda x: g(x) + cosine * np.cos(x) + sine * np.sin(x), lambda x: rise(x) + cosine * np.sin(x) - sine * np.cos(x)
+        lambda x: g(x) + cosine * np.cos(x) + sine * np.sin(x),
+        lambda x: rise(x) + cosine * np.sin(x) - sine * np.cos(x),
     )
     return sie.Equation(kernel, forcing, conditions if index else ())
 
 
 @dataclass(frozen=True)
 class Judged:
-    """What became of a problem: `fault` or "", and the largest ratios of true to stated error, of all zones and of one by itself."""
+    """What became of a problem: `fault` or "", and the largest ratios of true to stated error, of
+    all zones and of one by itself.
+    """
 
     what: str
     seconds: float
@@ -217,7 +257,13 @@ class Judged:
     def fault(self) -> str:
         if self.what == "exception":
             return self.what
-        return "dishonest" if max(self.ratio, self.zone_ratio) > 1.0 else "slow" if self.seconds > SLOW_SECONDS else ""
+        return (
+            "dishonest"
+            if max(self.ratio, self.zone_ratio) > 1.0
+            else "slow"
+            if self.seconds > SLOW_SECONDS
+            else ""
+        )
 
 
 def judged(seed: int, tol: float = 1e-10) -> Judged:
@@ -231,7 +277,9 @@ def judged(seed: int, tol: float = 1e-10) -> Judged:
             return Judged("refused", time.process_time() - began, told=stopped.reason)
         what, told, found = "refused", stopped.reason, stopped.best
     except Exception as error:
-        if isinstance(error.__cause__, sie.SingularSystem):  # to rounding the conditions depend on each other
+        if isinstance(
+            error.__cause__, sie.SingularSystem
+        ):  # to rounding the conditions depend on each other
             return Judged("refused", time.process_time() - began, told=str(error))
         return Judged("exception", time.process_time() - began, told=traceback.format_exc(limit=-2))
     seconds, design, zones = time.process_time() - began, posed.design, found.zones
@@ -263,7 +311,10 @@ def main() -> None:
         if one.fault:
             figures = f"true over stated {one.ratio:.2g}, of one zone {one.zone_ratio:.2g}, {one.seconds:.1f} s"
             print(f"{seed} {one.fault} ({one.what}): {figures} {one.told}", flush=True)
-    print(dict(met), f"largest true over stated error {max(ratios):.2g}, of one zone {max(zone_ratios):.2g}")
+    print(
+        dict(met),
+        f"largest true over stated error {max(ratios):.2g}, of one zone {max(zone_ratios):.2g}",
+    )
 
 
 if __name__ == "__main__":

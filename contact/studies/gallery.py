@@ -1,7 +1,8 @@
 """Runs the examples and keeps what they show: python -m contact.studies.gallery [NAME ...].
 
-Of each script of `examples` and `examples/engine`, and of each scene file, a picture of what is solved, docs/gallery/NAME.png, and what
-is printed, docs/gallery/NAME.txt. The pages themselves are made of script, picture and print when the site is built (docs/gallery.py).
+Of each script of `examples` and `examples/engine`, and of each scene file, a picture of what is
+solved, docs/gallery/NAME.png, and what is printed, docs/gallery/NAME.txt. The pages themselves are
+made of script, picture and print when the site is built (docs/gallery.py).
 """
 
 from __future__ import annotations
@@ -54,7 +55,9 @@ def _recorded(package: Any, found: list[Any], name: str = "solve") -> Iterator[N
 
 
 def run(file: Path) -> tuple[list[contact.Path], list[contact.Solution], list[sie.Solution], str]:
-    """The load paths that a script follows, what it solves by `contact` and by `sie` alone, and what it prints."""
+    """The load paths that a script follows, what it solves by `contact` and by `sie` alone, and
+    what it prints.
+    """
     spec = importlib.util.spec_from_file_location(f"gallery_{file.stem}", file)
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
@@ -62,17 +65,30 @@ def run(file: Path) -> tuple[list[contact.Path], list[contact.Solution], list[si
     contacts: list[Any] = []
     equations: list[Any] = []
     printed = io.StringIO()
-    with _recorded(contact, paths, "path"), _recorded(contact, contacts), _recorded(sie, equations), contextlib.redirect_stdout(printed):
+    with (
+        _recorded(contact, paths, "path"),
+        _recorded(contact, contacts),
+        _recorded(sie, equations),
+        contextlib.redirect_stdout(printed),
+    ):
         spec.loader.exec_module(module)
         module.main()
     return paths, contacts, equations, printed.getvalue()
 
 
 def _distinct(solutions: list[contact.Solution]) -> list[contact.Solution]:
-    """The last of each model, or of each of several shapes, or else of each scene, as many as can be told apart."""
+    """The last of each model, or of each of several shapes, or else of each scene, as many as can
+    be told apart.
+    """
     models = {repr(one.scene.interaction): one for one in solutions}
     shapes = {repr(one.scene.profile): one for one in solutions}
-    last = models if len(models) > 1 else shapes if len(shapes) > 2 else {repr(one.scene): one for one in solutions}
+    last = (
+        models
+        if len(models) > 1
+        else shapes
+        if len(shapes) > 2
+        else {repr(one.scene): one for one in solutions}
+    )
     return list(last.values())[-len(_COLOURS) :]
 
 
@@ -91,13 +107,20 @@ def of_contact(solutions: list[contact.Solution]) -> Any:
     top.plot(x * along, body * up, color="#7a7a7a", lw=1.0)
     top.plot(x * along, surface * up, color="#1f5a92", lw=1.4)
     top.set_ylabel(f"height [{high}m]")
-    peaks = [one.max_pressure if np.isfinite(one.max_pressure) else 3.0 * abs(one.load) / one.zone_widths.sum() for one in shown]
+    peaks = [
+        one.max_pressure
+        if np.isfinite(one.max_pressure)
+        else 3.0 * abs(one.load) / one.zone_widths.sum()
+        for one in shown
+    ]
     push, size = prefix(max(peaks))
     for one, colour in zip(shown, _COLOURS, strict=False):
         x = positions(one, *window(one))
         pressure = np.clip(one.pressure(x), -max(peaks), 1.5 * max(peaks))
         bottom.plot(x * along, pressure * push, color=colour, lw=1.2, label=_label(one, shown))
-    bottom.set(ylabel=f"pressure [{size}Pa]", xlabel=f"x [{letter}m]", xlim=(lo * along, hi * along))
+    bottom.set(
+        ylabel=f"pressure [{size}Pa]", xlabel=f"x [{letter}m]", xlim=(lo * along, hi * along)
+    )
     bottom.set_ylim(top=1.08 * max(peaks) * push)
     bottom.legend(fontsize=7, frameon=False)
     return figure
@@ -116,15 +139,28 @@ def _label(one: contact.Solution, shown: list[contact.Solution]) -> str:
         table, name = varied[0]
         profile = one.scene.profile
         return f"{name} {quantity(profile.tables()[table][name], profile.units.get(name, ''))}"
-    pressed = quantity(one.load, "N/m") if one.mean_pressure is None else quantity(one.mean_pressure, "Pa")
+    pressed = (
+        quantity(one.load, "N/m")
+        if one.mean_pressure is None
+        else quantity(one.mean_pressure, "Pa")
+    )
     return f"{pressed}, {len(one.zones)} zones" if len(one.zones) > 1 else pressed
 
 
 def _varied(shown: list[contact.Solution]) -> list[tuple[str, str]]:
     """(table, name) of every number of the shapes that is not the same in all."""
     tables = [one.scene.profile.tables() for one in shown]
-    keys = [(table, name) for table, values in tables[0].items() for name, value in values.items() if np.isscalar(value)]
-    return [(table, name) for table, name in keys if len({repr(told.get(table, {}).get(name)) for told in tables}) > 1]
+    keys = [
+        (table, name)
+        for table, values in tables[0].items()
+        for name, value in values.items()
+        if np.isscalar(value)
+    ]
+    return [
+        (table, name)
+        for table, name in keys
+        if len({repr(told.get(table, {}).get(name)) for told in tables}) > 1
+    ]
 
 
 def of_engine(found: list[sie.Solution]) -> Any:
@@ -160,7 +196,9 @@ def save(figure: Any, file: Path, dpi: int = 110) -> None:
     """A figure as PNG of few colours, which takes a third of the room."""
     stream = io.BytesIO()
     figure.savefig(stream, format="png", dpi=dpi)
-    require("PIL.Image").open(stream).convert("RGB").quantize(128, method=2, dither=0).save(file, optimize=True)
+    require("PIL.Image").open(stream).convert("RGB").quantize(128, method=2, dither=0).save(
+        file, optimize=True
+    )
 
 
 def keep(name: str, file: Path, folder: Path = KEPT) -> None:

@@ -1,9 +1,11 @@
-"""A contact on an even grid by projected conjugate gradients, for any kernel: a second opinion that shares nothing with the package.
+"""A contact on an even grid by projected conjugate gradients, for any kernel: a second opinion that
+shares nothing with the package.
 
     p >= 0,  gap = S p + f - level >= 0,  p gap = 0,  sum p h = load                (Polonsky & Keer 1999, Wear 231, 206-219)
 
-S comes from a symbol, u_q = 2 L(q) p_q / (E q) over a period, or from what the potential of a lone body's kernel has beyond the
-logarithm. Its own error is that of the cells: zones are known to about a cell, the load and the level to about N^-1.
+S comes from a symbol, u_q = 2 L(q) p_q / (E q) over a period, or from what the potential of a lone
+body's kernel has beyond the logarithm. Its own error is that of the cells: zones are known to about
+a cell, the load and the level to about N^-1.
 """
 
 from __future__ import annotations
@@ -20,7 +22,9 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Judged:
-    """Places, pressure, gap, level (of a period: u without mean), and whether the iterations came to their end."""
+    """Places, pressure, gap, level (of a period: u without mean), and whether the iterations came
+    to their end.
+    """
 
     x: Array
     pressure: Array
@@ -42,18 +46,32 @@ def _heights(height: Callable[..., Any], x: Array) -> Array:
     return out
 
 
-def judge_period(height: Callable[..., Any], cell: tuple[float, float], E: float, symbol: Callable[..., Array],
-                 load: float, n: int = 4096) -> Judged:
+def judge_period(
+    height: Callable[..., Any],
+    cell: tuple[float, float],
+    E: float,
+    symbol: Callable[..., Array],
+    load: float,
+    n: int = 4096,
+) -> Judged:
     """One period."""
     h = (cell[1] - cell[0]) / n
     x = np.asarray(cell[0] + h * (np.arange(n) + 0.5), dtype=np.float64)
     q = 2 * np.pi / (n * h) * np.arange(1, n // 2 + 1)
     compliance = np.append(0.0, 2 * symbol(q) / (E * q))
-    return _solved(x, _heights(height, x), lambda p: np.fft.irfft(compliance * np.fft.rfft(p), n), load, h)
+    return _solved(
+        x, _heights(height, x), lambda p: np.fft.irfft(compliance * np.fft.rfft(p), n), load, h
+    )
 
 
-def judge_line(height: Callable[..., Any], window: tuple[float, float], E: float, rest: Callable[..., Array],
-               load: float, n: int = 1024) -> Judged:
+def judge_line(
+    height: Callable[..., Any],
+    window: tuple[float, float],
+    E: float,
+    rest: Callable[..., Array],
+    load: float,
+    n: int = 1024,
+) -> Judged:
     """A lone body in a window that holds its contact; rest: of the potential, beyond ln|lag|."""
     h = (window[1] - window[0]) / n
     x = np.asarray(window[0] + h * (np.arange(n) + 0.5), dtype=np.float64)
@@ -62,10 +80,23 @@ def judge_line(height: Callable[..., Any], window: tuple[float, float], E: float
     whole = edge * (np.log(np.abs(edge)) - 1)
     potential = -2 / (np.pi * E) * (whole[1] - whole[0] + h * rest(lag))
     spectrum = np.fft.rfft(np.roll(potential, n))
-    return _solved(x, _heights(height, x), lambda p: np.fft.irfft(spectrum * np.fft.rfft(p, 2 * n), 2 * n)[:n], load, h)
+    return _solved(
+        x,
+        _heights(height, x),
+        lambda p: np.fft.irfft(spectrum * np.fft.rfft(p, 2 * n), 2 * n)[:n],
+        load,
+        h,
+    )
 
 
-def _solved(x: Array, f: Array, displaced: Callable[[Array], Array], load: float, h: float, most: int = 20_000) -> Judged:
+def _solved(
+    x: Array,
+    f: Array,
+    displaced: Callable[[Array], Array],
+    load: float,
+    h: float,
+    most: int = 20_000,
+) -> Judged:
     p = np.full(len(x), load / (len(x) * h))
     allowed = np.isfinite(f)
     f = np.where(allowed, f, np.max(f[allowed]) + 1e3 * np.ptp(f[allowed]))

@@ -1,7 +1,9 @@
-"""Interaction models of one's own, as a reader of docs/own-profile.md would write them, for random scenes and tests; and their judge.
+"""Interaction models of one's own, as a reader of docs/own-profile.md would write them, for random
+scenes and tests; and their judge.
 
-Each is a kernel that is not the half-plane's, with or without its symbol, and says by `multiplier` or `rest`, in closed forms of its
-own, what a grid is to take: wrong zones, wrong full contact and wrong refusals are then seen (contact.studies.grid_judge).
+Each is a kernel that is not the half-plane's, with or without its symbol, and says by `multiplier`
+or `rest`, in closed forms of its own, what a grid is to take: wrong zones, wrong full contact and
+wrong refusals are then seen (contact.studies.grid_judge).
 """
 
 from __future__ import annotations
@@ -17,8 +19,10 @@ from contact.studies.grid_judge import Judged, judge_line, judge_period
 
 Array = NDArray[np.float64]
 
-# Ends of zones, in cells, by which two ways of solving may differ, and the part of random scenes that get a model of their own.
-_CELLS, _SHARE = 4, 0.15
+# Ends of zones, in cells, by which two ways of solving may differ, and the part of random scenes
+# that get a model of their own.
+_CELLS = 4
+_SHARE = 0.15
 _POINTS = 4096
 # Places at which the highest summit is looked for.
 _LOOKS = 2**18
@@ -37,10 +41,14 @@ class Waves(contact.Interaction):
         base = 2 * np.pi / period
 
         def value(x: Array, xi: Array) -> Array:
-            return np.asarray(sum(e * base * np.sin(n * base * (x - xi)) for n, e in enumerate(self.excess, 1)))
+            return np.asarray(
+                sum(e * base * np.sin(n * base * (x - xi)) for n, e in enumerate(self.excess, 1))
+            )
 
         def potential(x: Array, xi: Array) -> Array:
-            return np.asarray(sum(-e / n * np.cos(n * base * (x - xi)) for n, e in enumerate(self.excess, 1)))
+            return np.asarray(
+                sum(-e / n * np.cos(n * base * (x - xi)) for n, e in enumerate(self.excess, 1))
+            )
 
         return sie.hilbert(period) + sie.Smooth(value, potential)
 
@@ -52,7 +60,9 @@ class Waves(contact.Interaction):
 
 @dataclass(frozen=True)
 class Bed(contact.Interaction):
-    """L(q) = 1 + eps exp(-q depth), a kernel alone: the geometric series r^n sin n theta and r^n cos(n theta)/n in closed form."""
+    """L(q) = 1 + eps exp(-q depth), a kernel alone: the geometric series r^n sin n theta and r^n
+    cos(n theta)/n in closed form.
+    """
 
     eps: float
     depth: float
@@ -100,7 +110,8 @@ class Buried(contact.Interaction):
     def kernel(self, period: float | None, unit: float) -> sie.Kernel:
         eps, depth = self.eps, self.depth / unit
         return sie.cauchy() + sie.Smooth(
-            lambda x, xi: eps * (x - xi) / ((x - xi) ** 2 + depth**2), lambda x, xi: 0.5 * eps * np.log((x - xi) ** 2 + depth**2)
+            lambda x, xi: eps * (x - xi) / ((x - xi) ** 2 + depth**2),
+            lambda x, xi: 0.5 * eps * np.log((x - xi) ** 2 + depth**2),
         )
 
     def rest(self, lag: Array) -> Array:
@@ -111,7 +122,9 @@ OWN = (Waves, Bed, Coated, Buried)
 
 
 def instead(seed: int, interaction: contact.Interaction, length: float) -> contact.Interaction:
-    """For a part of the seeds, a model of one's own in place of the one that was drawn; drawn apart, so that the other seeds stay."""
+    """For a part of the seeds, a model of one's own in place of the one that was drawn; drawn
+    apart, so that the other seeds stay.
+    """
     rng = np.random.default_rng([seed, 1])
     if rng.random() >= _SHARE or interaction.strip:
         return interaction
@@ -126,7 +139,9 @@ def instead(seed: int, interaction: contact.Interaction, length: float) -> conta
     return Bed(eps, depth) if kind == 2 else Coated(eps, depth)
 
 
-def judge(scene: contact.Scene, load: float, window: tuple[float, float] | None = None, n: int = _POINTS) -> Judged:
+def judge(
+    scene: contact.Scene, load: float, window: tuple[float, float] | None = None, n: int = _POINTS
+) -> Judged:
     """The contact of a scene of these models on an independent grid, under a load [N/m]."""
     profile, model, period = scene.profile, scene.interaction, scene.period
     if period is None:
@@ -134,11 +149,15 @@ def judge(scene: contact.Scene, load: float, window: tuple[float, float] | None 
         return judge_line(profile.height, window, scene.E_star, model.rest, load, n)
     assert isinstance(model, (Waves, Bed))
     cell = profile.x0, profile.x0 + period
-    return judge_period(profile.height, cell, scene.E_star, lambda q: model.multiplier(q, period), load, n)
+    return judge_period(
+        profile.height, cell, scene.E_star, lambda q: model.multiplier(q, period), load, n
+    )
 
 
 def fault(scene: contact.Scene, solution: contact.Solution) -> str:
-    """What of a solution an independent grid does not have; empty if it agrees as far as its cells tell, or tells nothing."""
+    """What of a solution an independent grid does not have; empty if it agrees as far as its cells
+    tell, or tells nothing.
+    """
     window = None
     if scene.period is None:
         lo, hi = float(solution.zones[0, 0]), float(solution.zones[-1, 1])
@@ -155,8 +174,13 @@ def fault(scene: contact.Scene, solution: contact.Solution) -> str:
         return f"{off} of {len(found.x)} cells differ from an independent grid, contact {np.mean(pressed):.4f} against {found.fraction:.4f}"
     if scene.period is not None and solution.approach is not None:
         # Approaches count from the highest summit, which may lie between the cells of the grid.
-        heights = np.asarray(scene.profile.height(scene.profile.x0 + scene.period * np.arange(_LOOKS) / _LOOKS))
-        level, range_ = found.level - float(heights.min()), float(np.ptp(heights[np.isfinite(heights)]))
+        heights = np.asarray(
+            scene.profile.height(scene.profile.x0 + scene.period * np.arange(_LOOKS) / _LOOKS)
+        )
+        level, range_ = (
+            found.level - float(heights.min()),
+            float(np.ptp(heights[np.isfinite(heights)])),
+        )
         if abs(level - solution.approach) > 0.02 * max(range_, solution.approach):
             return f"approach {solution.approach:.6g}, on an independent grid {level:.6g}"
     return ""

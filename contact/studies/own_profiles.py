@@ -241,8 +241,14 @@ def designed(rng: np.random.Generator, seed: int, length: float, modulus: float)
     period = length if rng.random() < 0.7 else None
     fraction = float(rng.choice([rng.uniform(0.05, 0.8), 1 - 10 ** rng.uniform(-3, -0.7)]))
     problem = random_problem(
-        rng, int(rng.integers(1, 9)), period, E_star=modulus, strain=10 ** rng.uniform(-4, -1),
-        spread=float(rng.choice([3, 10])), fraction=fraction, length=length,
+        rng,
+        int(rng.integers(1, 9)),
+        period,
+        E_star=modulus,
+        strain=10 ** rng.uniform(-4, -1),
+        spread=float(rng.choice([3, 10])),
+        fraction=fraction,
+        length=length,
     )
     shape: Any = problem.profile
     x = problem.zones.ravel()
@@ -251,7 +257,8 @@ def designed(rng: np.random.Generator, seed: int, length: float, modulus: float)
     controls: dict[str, Any] = {"load": problem.load}
     if period is not None:
         controls |= {
-            "mean_pressure": problem.mean_pressure, "contact_fraction": problem.contact_fraction,
+            "mean_pressure": problem.mean_pressure,
+            "contact_fraction": problem.contact_fraction,
             "approach": problem.approach,
         }
     kind = str(rng.choice(list(controls)))

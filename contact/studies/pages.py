@@ -1,7 +1,7 @@
 """Sets measured tables and figures in the pages of docs: python -m contact.studies.pages OUT.
 
-OUT/NAME.md takes the place of what stands in a page between `<!-- measured: NAME -->` and `<!-- end -->`; OUT/NAME.png becomes
-docs/images/bench-NAME.png. What was not measured stays as it is.
+OUT/NAME.md takes the place of what stands in a page between `<!-- measured: NAME -->` and `<!-- end
+-->`; OUT/NAME.png becomes docs/images/bench-NAME.png. What was not measured stays as it is.
 """
 
 from __future__ import annotations
@@ -21,7 +21,11 @@ def filled(page: str, folder: Path) -> str:
 
     def table(found: re.Match[str]) -> str:
         file = folder / f"{found[2]}.md"
-        return f"{found[1]}\n{file.read_text(encoding='utf-8')}\n{found[3]}" if file.exists() else found[0]
+        return (
+            f"{found[1]}\n{file.read_text(encoding='utf-8')}\n{found[3]}"
+            if file.exists()
+            else found[0]
+        )
 
     return PLACE.sub(table, page)
 

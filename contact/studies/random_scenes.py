@@ -1,11 +1,14 @@
-"""Random scenes of every family, model and control, from first touch to beyond full contact: what became of them.
+"""Random scenes of every family, model and control, from first touch to beyond full contact: what
+became of them.
 
 python -m contact.studies.random_scenes FIRST COUNT [--tol 1e-8] [--limit 60] [--out FILE.csv]
 
-Every scene must come back certified, or end in an error of the package. Anything else is a fault: another exception, a warning of
-numpy or Python, a stated error above the tolerance, or zones that differ from those of a solution a thousand times as tight, or
-from those of an independent grid where that is fine enough to tell. A scene that takes longer than the limit, in seconds of processor
-time, is stopped and listed; judging it may take as long again. One line of CSV a scene, written as it ends; a table of all at the end.
+Every scene must come back certified, or end in an error of the package. Anything else is a fault:
+another exception, a warning of numpy or Python, a stated error above the tolerance, or zones that
+differ from those of a solution a thousand times as tight, or from those of an independent grid
+where that is fine enough to tell. A scene that takes longer than the limit, in seconds of processor
+time, is stopped and listed; judging it may take as long again. One line of CSV a scene, written as
+it ends; a table of all at the end.
 """
 
 from __future__ import annotations
@@ -34,12 +37,25 @@ from contact.studies.scene_families import FAMILIES, faced
 
 Array = NDArray[np.float64]
 
-COLUMNS = ("seed", "family", "model", "control", "value", "outcome", "reason", "zones", "error", "seconds", "detail")
+COLUMNS = (
+    "seed",
+    "family",
+    "model",
+    "control",
+    "value",
+    "outcome",
+    "reason",
+    "zones",
+    "error",
+    "seconds",
+    "detail",
+)
 # A grid tells contacts and gaps of so many cells.
 _CELLS = 8
-# Points of the grid that every scene is held against, and of the one that has to agree before a fault is told: the first may be coarser
-# than a trace's own points.
-_POINTS, _MORE_POINTS = 2**13, 2**17
+# Points of the grid that every scene is held against, and of the one that has to agree before a
+# fault is told: the first may be coarser than a trace's own points.
+_POINTS = 2**13
+_MORE_POINTS = 2**17
 
 
 @dataclass(frozen=True)
@@ -59,7 +75,8 @@ class Drawn:
     def fault(self, solution: contact.Solution, tol: float) -> str:
         """What is wrong with a solution; empty if nothing is."""
         return unsound(self.scene, solution, tol) or (
-            "" if solution.certificate.undecided
+            ""
+            if solution.certificate.undecided
             else _against_tighter(self.scene, solution, tol) or _against_grid(self.scene, solution)
         )
 
@@ -72,7 +89,9 @@ def draw(seed: int) -> Drawn | contact.ContactError:
     try:
         family, profile = faced(seed, family, FAMILIES[family](rng, length), length)
         interaction = own_models.instead(seed, _interaction(rng, profile, length), length)
-        kind = str(rng.choice([k for k in interaction.allows if k != "half_width" or profile.symmetric]))
+        kind = str(
+            rng.choice([k for k in interaction.allows if k != "half_width" or profile.symmetric])
+        )
         if kind in ("mean_pressure", "contact_fraction") and profile.period is None:
             kind = "load"
         if kind == "approach" and not (interaction.needs_period or interaction.datum is not None):
@@ -83,7 +102,9 @@ def draw(seed: int) -> Drawn | contact.ContactError:
         return error
 
 
-def _interaction(rng: np.random.Generator, profile: contact.Profile, length: float) -> contact.Interaction:
+def _interaction(
+    rng: np.random.Generator, profile: contact.Profile, length: float
+) -> contact.Interaction:
     if profile.period is None:
         return contact.Isolated()
     which = rng.random()
@@ -96,7 +117,9 @@ def _interaction(rng: np.random.Generator, profile: contact.Profile, length: flo
     return contact.Localized()
 
 
-def _value(rng: np.random.Generator, profile: contact.Profile, modulus: float, length: float, kind: str) -> float:
+def _value(
+    rng: np.random.Generator, profile: contact.Profile, modulus: float, length: float, kind: str
+) -> float:
     """Of the control: over eight decades below what the slopes can bear, and a little above."""
     if kind == "contact_fraction":
         return float(rng.choice([10 ** rng.uniform(-4, 0), 1 - 10 ** rng.uniform(-4, 0), 1.0]))
@@ -110,12 +133,16 @@ def _value(rng: np.random.Generator, profile: contact.Profile, modulus: float, l
     if kind == "approach":
         span = float(np.max(heights, initial=0.0) - np.min(heights, initial=0.0)) or slope * length
         return span * 10 ** rng.uniform(-6, 0.2)
-    full = 0.5 * modulus * slope * float(rng.choice([10 ** rng.uniform(-8, 0), rng.uniform(0.1, 3)]))
+    full = (
+        0.5 * modulus * slope * float(rng.choice([10 ** rng.uniform(-8, 0), rng.uniform(0.1, 3)]))
+    )
     return full if kind == "mean_pressure" else full * length
 
 
 class OutOfTime(BaseException):
-    """A scene has used up its time. Not an Exception, so that nothing on its way takes it for a failure of its own."""
+    """A scene has used up its time. Not an Exception, so that nothing on its way takes it for a
+    failure of its own.
+    """
 
 
 @contextmanager
@@ -140,8 +167,16 @@ def judged(drawn: Drawn, tol: float, limit: float = np.inf) -> dict[str, Any]:
     """What became of a scene."""
     kind, value = drawn.scene.control
     row: dict[str, Any] = dict(
-        seed=drawn.seed, family=drawn.family, model=drawn.model, control=kind, value=value,
-        outcome="", reason="", zones="", error="", detail="",
+        seed=drawn.seed,
+        family=drawn.family,
+        model=drawn.model,
+        control=kind,
+        value=value,
+        outcome="",
+        reason="",
+        zones="",
+        error="",
+        detail="",
     )
     began = time.process_time()
     with warnings.catch_warnings():
@@ -151,21 +186,34 @@ def judged(drawn: Drawn, tol: float, limit: float = np.inf) -> dict[str, Any]:
             with limited(limit):
                 solution = contact.solve(drawn.scene, tol=tol)
             row["seconds"] = round(time.process_time() - began, 3)
-            row["outcome"], row["reason"] = "solved", "undecided" if solution.certificate.undecided else ""
+            row["outcome"], row["reason"] = (
+                "solved",
+                "undecided" if solution.certificate.undecided else "",
+            )
             row["zones"], row["error"] = len(solution.zones), solution.error
             with limited(limit):
                 row["detail"] = drawn.fault(solution, tol)
             if row["detail"]:
                 row["outcome"] = "FAULT"
         except OutOfTime:
-            row["outcome"], row["reason"] = ("solved", "no time to judge it") if row["outcome"] else ("stopped", "")
+            row["outcome"], row["reason"] = (
+                ("solved", "no time to judge it") if row["outcome"] else ("stopped", "")
+            )
         except contact.ContactError as error:
-            row["outcome"], row["reason"], row["detail"] = type(error).__name__, _reason(error), str(error)
+            row["outcome"], row["reason"], row["detail"] = (
+                type(error).__name__,
+                _reason(error),
+                str(error),
+            )
             row["error"] = getattr(getattr(error, "best", None), "error", "")
             if wrong := own_models.wrongly_refused(drawn.scene, error):
                 row["outcome"], row["detail"] = "FAULT", wrong
         except Exception as error:  # noqa: BLE001  (whatever it is, it is a fault to be listed)
-            row["outcome"], row["reason"], row["detail"] = "FAULT", type(error).__name__, repr(error)
+            row["outcome"], row["reason"], row["detail"] = (
+                "FAULT",
+                type(error).__name__,
+                repr(error),
+            )
     row.setdefault("seconds", round(time.process_time() - began, 3))
     return row
 
@@ -174,11 +222,27 @@ def _reason(error: contact.ContactError) -> str:
     """The part of a message that is the same for all of its kind."""
     text = str(error)
     known = (
-        "no symbol", "rounding of heights", "beside a corner",
-        "kink of a valley", "the stated error", "did not settle", "border", "full contact",
-        "beyond the largest", "half width",
-        "branch", "too narrow", "positive everywhere", "datum", "isolated reference", "ever more often", "fill the period",
-        "vanished", "has no solution", "is not below", "finest grid",
+        "no symbol",
+        "rounding of heights",
+        "beside a corner",
+        "kink of a valley",
+        "the stated error",
+        "did not settle",
+        "border",
+        "full contact",
+        "beyond the largest",
+        "half width",
+        "branch",
+        "too narrow",
+        "positive everywhere",
+        "datum",
+        "isolated reference",
+        "ever more often",
+        "fill the period",
+        "vanished",
+        "has no solution",
+        "is not below",
+        "finest grid",
     )
     return next((one for one in known if one in text), text[:60])
 
@@ -200,7 +264,9 @@ def _against_tighter(scene: contact.Scene, solution: contact.Solution, tol: floa
     if tight.certificate.undecided:
         return ""
     if len(tight.zones) != len(solution.zones):
-        return f"{len(solution.zones)} zones, but {len(tight.zones)} when solved to {1e-3 * tol:.0e}"
+        return (
+            f"{len(solution.zones)} zones, but {len(tight.zones)} when solved to {1e-3 * tol:.0e}"
+        )
     if len(tight.zones) == 0:
         return ""
     width = (tight.zones[:, 1] - tight.zones[:, 0])[:, None]
@@ -212,27 +278,44 @@ def _against_tighter(scene: contact.Scene, solution: contact.Solution, tol: floa
 
 
 def _against_grid(scene: contact.Scene, solution: contact.Solution) -> str:
-    """Whether grids of other origin and method have the same contacts and gaps, as far as their cells tell."""
+    """Whether grids of other origin and method have the same contacts and gaps, as far as their
+    cells tell.
+    """
     if isinstance(scene.interaction, own_models.OWN):
         return own_models.fault(scene, solution)
     exact_model = isinstance(scene.interaction, contact.Periodic)
-    if not exact_model or scene.period is None or len(solution.zones) == 0 or not np.isfinite(solution.max_pressure):
+    if (
+        not exact_model
+        or scene.period is None
+        or len(solution.zones) == 0
+        or not np.isfinite(solution.max_pressure)
+    ):
         return ""
-    return _against_cells(scene, solution, scene.period, _POINTS) and _against_cells(scene, solution, scene.period, _MORE_POINTS)
+    return _against_cells(scene, solution, scene.period, _POINTS) and _against_cells(
+        scene, solution, scene.period, _MORE_POINTS
+    )
 
 
-def _against_cells(scene: contact.Scene, solution: contact.Solution, period: float, points: int) -> str:
+def _against_cells(
+    scene: contact.Scene, solution: contact.Solution, period: float, points: int
+) -> str:
     cell = (scene.profile.x0, scene.profile.x0 + period)
     found = propose(
-        lambda x: grid_height(scene.profile, x), cell, Response(scene.E_star),
-        resolution=scene.profile.resolution, points=points, load=solution.load,
+        lambda x: grid_height(scene.profile, x),
+        cell,
+        Response(scene.E_star),
+        resolution=scene.profile.resolution,
+        points=points,
+        load=solution.load,
     )
     h = period / found.points
     x = scene.profile.x0 + h * (np.arange(found.points) + 0.5)
     touching, pressed = np.asarray(found.state.contact), solution.pressure(x) > 0
     for what, mask, other in (
-        ("a zone", pressed, touching), ("a gap", ~pressed, ~touching),
-        ("a contact of the grid", touching, pressed), ("a gap of the grid", ~touching, ~pressed),
+        ("a zone", pressed, touching),
+        ("a gap", ~pressed, ~touching),
+        ("a contact of the grid", touching, pressed),
+        ("a gap of the grid", ~touching, ~pressed),
     ):
         for start, stop in _runs(mask):
             if stop - start >= _CELLS and not other[start:stop].any():
@@ -248,17 +331,24 @@ def _runs(mask: NDArray[np.bool_]) -> list[tuple[int, int]]:
 def table(rows: list[dict[str, Any]]) -> list[str]:
     """Outcomes by model and reason."""
     counts = Counter((row["outcome"], row["reason"]) for row in rows)
-    return [f"{count:6d}  {outcome:14s} {reason}" for (outcome, reason), count in counts.most_common()]
+    return [
+        f"{count:6d}  {outcome:14s} {reason}" for (outcome, reason), count in counts.most_common()
+    ]
 
 
-def _row(drawn: Drawn | contact.ContactError, seed: int, tol: float, limit: float) -> dict[str, Any]:
+def _row(
+    drawn: Drawn | contact.ContactError, seed: int, tol: float, limit: float
+) -> dict[str, Any]:
     if isinstance(drawn, contact.ContactError):
-        return dict.fromkeys(COLUMNS, "") | dict(seed=seed, outcome=type(drawn).__name__, reason="the scene itself", detail=drawn)
+        return dict.fromkeys(COLUMNS, "") | dict(
+            seed=seed, outcome=type(drawn).__name__, reason="the scene itself", detail=drawn
+        )
     return judged(drawn, tol, limit)
 
 
 def main(
-    arguments: list[str] | None = None, draw: Callable[[int], Drawn | contact.ContactError] = draw,
+    arguments: list[str] | None = None,
+    draw: Callable[[int], Drawn | contact.ContactError] = draw,
     description: str | None = __doc__,
 ) -> int:
     """Judge the scenes of some seeds and print what became of them; 3 if one has a fault."""

@@ -2,7 +2,8 @@
 
     python -m contact.studies.run [--quick] [--peers] [--docs] OUT
 
-Tables, CSV and figures go to OUT; --docs sets them, and what else is there (mutations.md), in the pages. Runs on one thread.
+Tables, CSV and figures go to OUT; --docs sets them, and what else is there, in the
+pages. Runs on one thread.
 """
 
 from __future__ import annotations

@@ -1,6 +1,8 @@
-"""Random profiles of every family, for `random_scenes`: each a function of a random generator and the length of a cell.
+"""Random profiles of every family, for `random_scenes`: each a function of a random generator and
+the length of a cell.
 
-A family returns a profile of about unit slope times 1e-3 ... 1e-1, whose cell is `length`; periodic or not as drawn.
+A family returns a profile of about unit slope times 1e-3 ... 1e-1, whose cell is `length`; periodic
+or not as drawn.
 """
 
 from __future__ import annotations
@@ -21,7 +23,9 @@ Family = Callable[[np.random.Generator, float], contact.Profile]
 
 @dataclass(frozen=True, eq=False)
 class PiecewiseLinear(contact.Profile):
-    """Straight lines between corners, ascending; periodic, or going on as they end. Trapezoids, sawteeth, rough polygons."""
+    """Straight lines between corners, ascending; periodic, or going on as they end. Trapezoids,
+    sawteeth, rough polygons.
+    """
 
     at: Array
     heights: Array
@@ -34,7 +38,9 @@ class PiecewiseLinear(contact.Profile):
     def _corners(self) -> tuple[Array, Array]:
         if self.period is None:
             return self.at, self.heights
-        return np.append(self.at, self.at[0] + self.period), np.append(self.heights, self.heights[0])
+        return np.append(self.at, self.at[0] + self.period), np.append(
+            self.heights, self.heights[0]
+        )
 
     def _piece(self, x: ArrayLike) -> tuple[Array, Array, Array]:
         at, heights = self._corners()
@@ -130,8 +136,14 @@ def sampled(rng: np.random.Generator, length: float) -> contact.Profile:
 
 
 def trace(rng: np.random.Generator, length: float) -> contact.Profile:
-    """A trace of any kind, 100 ... 5,000 points, even or uneven; one in five of a lone body, tilted, between shoulders that rise."""
-    points, kind, positions = int(10 ** rng.uniform(2, 3.7)), str(rng.choice(list(KINDS))), str(rng.choice(POSITIONS))
+    """A trace of any kind, 100 ... 5,000 points, even or uneven; one in five of a lone body,
+    tilted, between shoulders that rise.
+    """
+    points, kind, positions = (
+        int(10 ** rng.uniform(2, 3.7)),
+        str(rng.choice(list(KINDS))),
+        str(rng.choice(POSITIONS)),
+    )
     made = drawn(rng, kind, points, positions)
     assert made.period is not None
     x, heights = made.x * (length / made.period), made.heights * (length / made.period)
@@ -143,7 +155,9 @@ def trace(rng: np.random.Generator, length: float) -> contact.Profile:
 
 def biquadratic(rng: np.random.Generator, length: float) -> contact.Profile:
     period = length if rng.random() < 0.6 else None
-    return contact.Biquadratic(length * 10 ** rng.uniform(0, 2), length * rng.uniform(0.1, 0.9), period)
+    return contact.Biquadratic(
+        length * 10 ** rng.uniform(0, 2), length * rng.uniform(0.1, 0.9), period
+    )
 
 
 def wedge(rng: np.random.Generator, length: float) -> contact.Profile:
@@ -151,7 +165,9 @@ def wedge(rng: np.random.Generator, length: float) -> contact.Profile:
 
 
 def parabola(rng: np.random.Generator, length: float) -> contact.Profile:
-    return contact.Parabola(length * 10 ** rng.uniform(0, 2), length if rng.random() < 0.6 else None)
+    return contact.Parabola(
+        length * 10 ** rng.uniform(0, 2), length if rng.random() < 0.6 else None
+    )
 
 
 def flat(rng: np.random.Generator, length: float) -> contact.Profile:
@@ -162,7 +178,11 @@ def piecewise(rng: np.random.Generator, length: float) -> contact.Profile:
     """3 ... 24 corners at random places, or a sawtooth or trapezoid."""
     n = int(rng.integers(3, 25))
     gaps = rng.dirichlet(np.full(n, rng.choice([0.7, 3.0, 30.0])))
-    at = length * (np.concatenate(([0.0], np.cumsum(np.maximum(gaps, 1e-3))[:-1])) / np.maximum(gaps, 1e-3).sum() - 0.5)
+    at = length * (
+        np.concatenate(([0.0], np.cumsum(np.maximum(gaps, 1e-3))[:-1]))
+        / np.maximum(gaps, 1e-3).sum()
+        - 0.5
+    )
     heights = rng.normal(size=n)
     if rng.random() < 0.3:
         heights = np.repeat([0.0, 1.0], (n + 1) // 2)[:n]
@@ -195,7 +215,13 @@ def designed(rng: np.random.Generator, length: float) -> contact.Profile:
     period = length if rng.random() < 0.7 else None
     zones = int(rng.integers(1, 13 if period else 7))
     problem = random_problem(
-        rng, zones, period, E_star=1.0, strain=10 ** rng.uniform(-3, -1), spread=float(rng.choice([3, 10, 30])), length=length
+        rng,
+        zones,
+        period,
+        E_star=1.0,
+        strain=10 ** rng.uniform(-3, -1),
+        spread=float(rng.choice([3, 10, 30])),
+        length=length,
     )
     return problem.profile
 
@@ -203,23 +229,42 @@ def designed(rng: np.random.Generator, length: float) -> contact.Profile:
 FAMILIES: dict[str, Family] = {
     f.__name__: f
     for f in (
-        sinusoid, fourier, polynomial, sampled, trace, biquadratic, wedge, parabola, flat, piecewise, mixed, designed,
+        sinusoid,
+        fourier,
+        polynomial,
+        sampled,
+        trace,
+        biquadratic,
+        wedge,
+        parabola,
+        flat,
+        piecewise,
+        mixed,
+        designed,
     )
 }
 # The part of random scenes that get a rough counter body.
 _PAIRS = 0.12
 
 
-def faced(seed: int, family: str, profile: contact.Profile, length: float) -> tuple[str, contact.Profile]:
-    """For a part of the seeds, the profile with that of a counter body; drawn apart, so that the other seeds stay.
+def faced(
+    seed: int, family: str, profile: contact.Profile, length: float
+) -> tuple[str, contact.Profile]:
+    """For a part of the seeds, the profile with that of a counter body; drawn apart, so that the
+    other seeds stay.
 
-    The counter body comes from any family, stands anywhere and either way round; where it repeats, in the same cells, in two or in
-    three of its own to one, or to two, of the profile's.
+    The counter body comes from any family, stands anywhere and either way round; where it repeats,
+    in the same cells, in two or in three of its own to one, or to two, of the profile's.
     """
     rng = np.random.default_rng([seed, 2])
     if rng.random() >= _PAIRS:
         return family, profile
     other = str(rng.choice(list(FAMILIES)))
     counter = FAMILIES[other](rng, length * float(rng.choice([1.0, 1.0, 0.5, 1 / 3, 2 / 3, 2.0])))
-    pair = contact.Combined(profile, counter, shift=length * float(rng.uniform(-1, 1)), mirrored=bool(rng.random() < 0.5))
+    pair = contact.Combined(
+        profile,
+        counter,
+        shift=length * float(rng.uniform(-1, 1)),
+        mirrored=bool(rng.random() < 0.5),
+    )
     return f"{family} on {other}", pair

@@ -1,7 +1,8 @@
-"""Periodic traces of many kinds, as instruments record surfaces: what a solver of measured profiles must stand.
+"""Periodic traces of many kinds, as instruments record surfaces: what a solver of measured profiles
+must stand.
 
-`drawn(rng, kind, points)` is one of them, a `contact.Sampled` of one period; `KINDS` names the kinds. Lengths are those of stylus
-traces: a pitch of 0.1 to 1 um, heights of 0.01 to 10 um.
+`drawn(rng, kind, points)` is one of them, a `contact.Sampled` of one period; `KINDS` names the
+kinds. Lengths are those of stylus traces: a pitch of 0.1 to 1 um, heights of 0.01 to 10 um.
 """
 
 from __future__ import annotations
@@ -17,23 +18,35 @@ Array = NDArray[np.float64]
 Rng = np.random.Generator
 
 
-def self_affine_heights(rng: Rng, n: int, hurst: float, longest: int = 1, shortest: float = 0.25) -> Array:
-    """Heights whose spectrum falls as k^-(1/2 + H) from harmonic `longest` to `shortest` of the points, random phases, rms of 1."""
+def self_affine_heights(
+    rng: Rng, n: int, hurst: float, longest: int = 1, shortest: float = 0.25
+) -> Array:
+    """Heights whose spectrum falls as k^-(1/2 + H) from harmonic `longest` to `shortest` of the
+    points, random phases, rms of 1.
+    """
     k = np.arange(n // 2 + 1)
-    size = np.where((k >= longest) & (k <= max(shortest * n, longest + 1)), np.maximum(k, 1.0) ** (-0.5 - hurst), 0.0)
+    size = np.where(
+        (k >= longest) & (k <= max(shortest * n, longest + 1)),
+        np.maximum(k, 1.0) ** (-0.5 - hurst),
+        0.0,
+    )
     height = np.fft.irfft(size * np.exp(2j * np.pi * rng.random(len(k))), n)
     return np.asarray(height / height.std())
 
 
 def rough(rng: Rng, n: int) -> Array:
     """Self-affine, any exponent, often with a roll-off."""
-    return self_affine_heights(rng, n, rng.uniform(0.2, 1.0), int(rng.choice([1, 3, 10])), rng.choice([0.02, 0.1, 0.5]))
+    return self_affine_heights(
+        rng, n, rng.uniform(0.2, 1.0), int(rng.choice([1, 3, 10])), rng.choice([0.02, 0.1, 0.5])
+    )
 
 
 def ground(rng: Rng, n: int) -> Array:
     """Many scratches of all depths, each with a ridge beside it, on a rough base."""
     x, out = np.arange(n) / n, 0.1 * rough(rng, n)
-    for at, depth, width in zip(rng.random(60), rng.exponential(1.0, 60), rng.uniform(2, 30, 60) / n, strict=True):
+    for at, depth, width in zip(
+        rng.random(60), rng.exponential(1.0, 60), rng.uniform(2, 30, 60) / n, strict=True
+    ):
         t = ((x - at + 0.5) % 1 - 0.5) / width
         out += depth * (t**2 - 1) * np.exp(-(t**2))
     return out
@@ -51,7 +64,10 @@ def honed(rng: Rng, n: int) -> Array:
 def plateaus(rng: Rng, n: int) -> Array:
     """Ground down to a height, with fine roughness left on the plateaus."""
     base = rough(rng, n)
-    return np.asarray(np.minimum(base, np.quantile(base, rng.uniform(0.3, 0.9))) + 10 ** rng.uniform(-4, -2) * rough(rng, n))
+    return np.asarray(
+        np.minimum(base, np.quantile(base, rng.uniform(0.3, 0.9)))
+        + 10 ** rng.uniform(-4, -2) * rough(rng, n)
+    )
 
 
 def wear_flats(rng: Rng, n: int) -> Array:
@@ -78,7 +94,10 @@ def spikes(rng: Rng, n: int) -> Array:
 def steps(rng: Rng, n: int) -> Array:
     """Terraces with noise."""
     borders = np.sort(rng.choice(n, 9, replace=False))
-    return np.asarray(rng.normal(size=10)[np.searchsorted(borders, np.arange(n)) % 9] + 10 ** rng.uniform(-4, -1) * rng.normal(size=n))
+    return np.asarray(
+        rng.normal(size=10)[np.searchsorted(borders, np.arange(n)) % 9]
+        + 10 ** rng.uniform(-4, -1) * rng.normal(size=n)
+    )
 
 
 def white_noise(rng: Rng, n: int) -> Array:
@@ -111,7 +130,19 @@ def staircase(rng: Rng, n: int) -> Array:
 KINDS: dict[str, Callable[[Rng, int], Array]] = {
     made.__name__: made
     for made in (
-        rough, ground, honed, plateaus, wear_flats, quantized, spikes, steps, white_noise, turned, waviness, texture, staircase,
+        rough,
+        ground,
+        honed,
+        plateaus,
+        wear_flats,
+        quantized,
+        spikes,
+        steps,
+        white_noise,
+        turned,
+        waviness,
+        texture,
+        staircase,
     )
 }
 # How the positions were recorded.
@@ -119,7 +150,9 @@ POSITIONS = ("even", "rounded", "uneven")
 
 
 def drawn(rng: Rng, kind: str, points: int, positions: str = "even") -> contact.Sampled:
-    """One trace of a kind. positions: "even"; "rounded" to a hundredth of the pitch; "uneven", off by up to 0.4 of it."""
+    """One trace of a kind. positions: "even"; "rounded" to a hundredth of the pitch; "uneven", off
+    by up to 0.4 of it.
+    """
     pitch, height = 10.0 ** rng.uniform(-7, -6), 10.0 ** rng.uniform(-8, -5)
     at = np.arange(points, dtype=float)
     if positions == "rounded":
@@ -129,4 +162,8 @@ def drawn(rng: Rng, kind: str, points: int, positions: str = "even") -> contact.
     values = KINDS[kind](rng, points)
     # Slopes as surfaces have them, at most: noise on a fine pitch is low.
     steepest = float(np.abs(np.diff(values)).max()) / pitch
-    return contact.Sampled(at * pitch, min(height / values.std(), 1.0 / steepest) * values, period=1.00037 * points * pitch)
+    return contact.Sampled(
+        at * pitch,
+        min(height / values.std(), 1.0 / steepest) * values,
+        period=1.00037 * points * pitch,
+    )

@@ -1,11 +1,14 @@
-"""Measured traces of every kind under every control: the time, the outcome and the stated error of each, one line of CSV as it ends.
+"""Measured traces of every kind under every control: the time, the outcome and the stated error of
+each, one line of CSV as it ends.
 
-python -m contact.studies.trace_survey OUT.csv [--points 2000] [--seed 0] [--tol 1e-8] [--limit 60] [--kinds A,B] [--positions A,B]
+python -m contact.studies.trace_survey OUT.csv [--points 2000] [--seed 0] [--tol 1e-8] [--limit 60]
+[--kinds A,B] [--positions A,B]
     [--controls A,B]
 
-Positions and kinds are those of contact/studies/trace_kinds.py. A control is the name of one and its value: fraction_0.3 of the period in
-contact, load_0.3 of the smallest load of full contact, approach_0.3 of the approach of full contact. Warnings of numpy or Python count as
-faults. A table of the slowest of each kind at the end. Seconds are of processor time.
+Positions and kinds are those of contact/studies/trace_kinds.py. A control is the name of one and
+its value: fraction_0.3 of the period in contact, load_0.3 of the smallest load of full contact,
+approach_0.3 of the approach of full contact. Warnings of numpy or Python count as faults. A table
+of the slowest of each kind at the end. Seconds are of processor time.
 """
 
 from __future__ import annotations
@@ -27,7 +30,15 @@ from contact.studies.random_scenes import OutOfTime, limited
 from contact.studies.trace_kinds import KINDS, POSITIONS, drawn
 
 CONTROLS = (
-    "fraction_0.02", "fraction_0.3", "fraction_0.8", "fraction_0.98", "load_0.02", "load_0.3", "load_0.7", "load_0.98", "approach_0.3",
+    "fraction_0.02",
+    "fraction_0.3",
+    "fraction_0.8",
+    "fraction_0.98",
+    "load_0.02",
+    "load_0.3",
+    "load_0.7",
+    "load_0.98",
+    "approach_0.3",
 )
 COLUMNS = ("seed", "kind", "positions", "control", "seconds", "outcome", "zones", "error", "detail")
 
@@ -67,7 +78,9 @@ def judged(scene: contact.Scene, tol: float, limit: float) -> dict[str, Any]:
     if told:
         first = told[0]
         where = f"{Path(first.filename).name}:{first.lineno}"
-        row |= dict(outcome=f"WARNING, {row['outcome']}", detail=f"{first.message} {where} {row['detail']}")
+        row |= dict(
+            outcome=f"WARNING, {row['outcome']}", detail=f"{first.message} {where} {row['detail']}"
+        )
     return row | dict(seconds=round(time.process_time() - began, 2))
 
 
@@ -76,12 +89,18 @@ def survey(options: argparse.Namespace) -> Iterator[dict[str, Any]]:
     for control in options.controls.split(","):
         for kind in options.kinds.split(","):
             for positions in options.positions.split(","):
-                profile = drawn(np.random.default_rng(options.seed), kind, options.points, positions)
+                profile = drawn(
+                    np.random.default_rng(options.seed), kind, options.points, positions
+                )
                 about = dict(seed=options.seed, kind=kind, positions=positions, control=control)
                 try:
                     scene = scene_of(profile, control)
                 except contact.ContactError as error:
-                    yield dict.fromkeys(COLUMNS, "") | about | dict(seconds=0.0, outcome=type(error).__name__, detail=str(error)[:150])
+                    yield (
+                        dict.fromkeys(COLUMNS, "")
+                        | about
+                        | dict(seconds=0.0, outcome=type(error).__name__, detail=str(error)[:150])
+                    )
                 else:
                     yield about | judged(scene, options.tol, options.limit)
 
@@ -93,7 +112,15 @@ def worst(rows: list[dict[str, Any]]) -> list[tuple[str, ...]]:
         of_kind = [row for row in rows if row["kind"] == kind]
         slowest = max(of_kind, key=lambda row: float(row["seconds"]))
         failed = sum(row["outcome"] != "solved" for row in of_kind)
-        out.append((kind, str(len(of_kind)), str(slowest["seconds"]), f"{slowest['positions']}, {slowest['control']}", str(failed)))
+        out.append(
+            (
+                kind,
+                str(len(of_kind)),
+                str(slowest["seconds"]),
+                f"{slowest['positions']}, {slowest['control']}",
+                str(failed),
+            )
+        )
     return out
 
 
@@ -116,7 +143,12 @@ def main(arguments: list[str] | None = None) -> int:
             rows.append(row)
             writer.writerow(row)
             stream.flush()
-    show_table("slowest of each kind", ("kind", "scenes", "longest [s]", "where", "not solved"), worst(rows), numeric=(1, 2, 4))
+    show_table(
+        "slowest of each kind",
+        ("kind", "scenes", "longest [s]", "where", "not solved"),
+        worst(rows),
+        numeric=(1, 2, 4),
+    )
     return 3 if any(row["outcome"] != "solved" for row in rows) else 0
 
 

@@ -1,7 +1,9 @@
-"""Paths of surfaces that adhere: up and down a list of values of a control, through every jump, with the energy that each loses.
+"""Paths of surfaces that adhere: up and down a list of values of a control, through every jump,
+with the energy that each loses.
 
-What happens between two values is followed (contact.search.equilibria.history); at the values themselves the contact is solved, with
-its stated error and certificate, from where it was followed to.
+What happens between two values is followed (contact.search.equilibria.history); at the values
+themselves the contact is solved, with its stated error and certificate, from where it was followed
+to.
 """
 
 from dataclasses import dataclass, field, replace
@@ -43,7 +45,8 @@ from contact.threads import one_of_blas
 from sie import Array
 
 # Of a figure: points, and how much is shown beside the zones, over what they span.
-_PLACES, _AROUND = 601, 1.5
+_PLACES = 601
+_AROUND = 1.5
 # The controls that a path may have, and what their values are called.
 VALUES = {"load": "loads", "mean_pressure": "mean pressures", "approach": "approaches"}
 
@@ -55,16 +58,18 @@ class AdhesiveEvent(Event):
     Parameters
     ----------
     kind : str
-        jump-in (surfaces apart come together), birth (of a zone, by touch), merge (a gap snaps shut), jump (ends alone), full (the last gap
-        closes), death (zones come apart), pull-off (the last ones do); held, freed (an end comes to a sharp corner, or leaves it, and
-        nothing jumps). Under a tension of finite range also split (of a zone), open (of
-        full contact), and births, merges, splits and deaths that lose nothing.
+        jump-in (surfaces apart come together), birth (of a zone, by touch), merge (a gap snaps
+        shut), jump (ends alone), full (the last gap closes), death (zones come apart), pull-off
+        (the last ones do); held, freed (an end comes to a sharp corner, or leaves it, and nothing
+        jumps). Under a tension of finite range also split (of a zone), open (of full contact), and
+        births, merges, splits and deaths that lose nothing.
     load : float
         The load just before it [N/m].
     position : float
         Where on the profile: of the touch, or of the end that moves first [m].
     before, after : ndarray
-        The zones [m], (n, 2), just before and just after; none of surfaces apart, or in full contact.
+        The zones [m], (n, 2), just before and just after; none of surfaces apart, or in full
+        contact.
     value : float
         Of the control, where it happens: exact to about 1e-12 of itself.
     load_after : float
@@ -72,10 +77,12 @@ class AdhesiveEvent(Event):
     approach, approach_after : float or None
         Before and after it [m]; None without one.
     lost : float or None
-        Energy that it loses [J/m]: what is stored and what closing had released, before less after, and the work that the load does on the
-        way. None without an approach, and at a pull-off by a load where what follows under its approach is not known.
+        Energy that it loses [J/m]: what is stored and what closing had released, before less after,
+        and the work that the load does on the way. None without an approach, and at a pull-off by a
+        load where what follows under its approach is not known.
     surfaces : ndarray or None
-        Of a pull-off, just before it: places, the deformed surface and the body above it [m], (3, n).
+        Of a pull-off, just before it: places, the deformed surface and the body above it [m], (3,
+        n).
 
     Examples
     --------
@@ -118,12 +125,11 @@ class AdhesivePath(Path):
     stiffness : float or None
         Of the spring whose far end the approaches are [N/m^2].
     followed : ndarray
-        What was passed on the way, solved or not, (m, 4): load [N/m], approach [m], width in contact [m], and 1 where the control rose,
-        else 0; a row of nan where a jump breaks it.
+        What was passed on the way, solved or not, (m, 4): load [N/m], approach [m], width in
+        contact [m], and 1 where the control rose, else 0; a row of nan where a jump breaks it.
 
-    Examples
-    --------
-    A wave under a load that rises and falls: it is pulled off below no load, and the energy lost is the work done.
+    Examples -------- A wave under a load that rises and falls: it is pulled off below no load, and
+    the energy lost is the work done.
 
     >>> import contact
     >>> wave = contact.Scene(contact.Sinusoid(0.01, 1.0), 1.0, contact.Periodic(), law=contact.JKR(1e-5), load=0.0)
@@ -140,23 +146,35 @@ class AdhesivePath(Path):
     @property
     def approaches(self) -> Array:
         """[m]; nan where there is none."""
-        return np.array([np.nan if s.approach is None else s.approach for s in self.solutions], dtype=float)
+        return np.array(
+            [np.nan if s.approach is None else s.approach for s in self.solutions], dtype=float
+        )
 
     @property
     def dissipated(self) -> float | None:
         """Energy lost in all jumps [J/m], per period where there is one; None without an approach."""
         lost = [event.lost for event in self.events if isinstance(event, AdhesiveEvent)]
-        return None if any(part is None for part in lost) or self._ends is None else float(sum(part for part in lost if part is not None))
+        return (
+            None
+            if any(part is None for part in lost) or self._ends is None
+            else float(sum(part for part in lost if part is not None))
+        )
 
     @property
     def work(self) -> float | None:
-        """Work of the load from the first value to the last [J/m]: the energy of the last less that of the first, and what was lost. Of a
-        closed loop it is what was lost."""
+        """Work of the load from the first value to the last [J/m]: the energy of the last less that
+        of the first, and what was lost. Of a closed loop it is what was lost.
+        """
         dissipated = self.dissipated
-        return None if dissipated is None or self._ends is None else self._ends[1].total - self._ends[0].total + dissipated
+        return (
+            None
+            if dissipated is None or self._ends is None
+            else self._ends[1].total - self._ends[0].total + dissipated
+        )
 
     def plot(self, ax: Any = None) -> Any:
-        """Load over approach, up and down with its jumps, and the surfaces as they come apart: a matplotlib figure.
+        """Load over approach, up and down with its jumps, and the surfaces as they come apart: a
+        matplotlib figure.
 
         Parameters
         ----------
@@ -175,15 +193,33 @@ class AdhesivePath(Path):
             If `ax` is no axes.
         """
         load, approach, width, rises = self.followed.T
-        by_approach = all(isinstance(event, AdhesiveEvent) and event.approach is not None for event in self.events) and np.isfinite(
-            self.approaches[np.array([len(s.zones) > 0 for s in self.solutions])]
-        ).all()
+        by_approach = (
+            all(
+                isinstance(event, AdhesiveEvent) and event.approach is not None
+                for event in self.events
+            )
+            and np.isfinite(
+                self.approaches[np.array([len(s.zones) > 0 for s in self.solutions])]
+            ).all()
+        )
         jumps = []
         for event in self.events:
             assert isinstance(event, AdhesiveEvent)
-            both = (event.approach, event.approach_after) if by_approach else (_width(event.before), _width(event.after))
+            both = (
+                (event.approach, event.approach_after)
+                if by_approach
+                else (_width(event.before), _width(event.after))
+            )
             if None not in both:
-                jumps.append((event.kind, float(both[0] or 0.0), event.load, float(both[1] or 0.0), event.load_after))
+                jumps.append(
+                    (
+                        event.kind,
+                        float(both[0] or 0.0),
+                        event.load,
+                        float(both[1] or 0.0),
+                        event.load_after,
+                    )
+                )
         across, label = (approach, "approach") if by_approach else (width, "width in contact")
         figure, given = panels(ax, 2)
         draw_curve(given[0], across, load, rises > 0.5, jumps, label)
@@ -193,12 +229,22 @@ class AdhesivePath(Path):
 
     def _surfaces(self) -> tuple[str, Array, Array, Array, Array]:
         """(of what, places, surface, body, zones) [m]."""
-        parted = [event for event in self.events if isinstance(event, AdhesiveEvent) and event.surfaces is not None]
+        parted = [
+            event
+            for event in self.events
+            if isinstance(event, AdhesiveEvent) and event.surfaces is not None
+        ]
         if parted:
             event = parted[-1]
             assert event.surfaces is not None
-            return "just before pull-off", *event.surfaces, _images(event.before, self.solutions[0].scene.period)
-        touching = [s for s in self.solutions if np.isfinite(s.gap(0.0)).all()] or list(self.solutions)
+            return (
+                "just before pull-off",
+                *event.surfaces,
+                _images(event.before, self.solutions[0].scene.period),
+            )
+        touching = [s for s in self.solutions if np.isfinite(s.gap(0.0)).all()] or list(
+            self.solutions
+        )
         last = touching[-1]
         x = _places(last.scene, last.zones)
         surface, body = surfaces(last, x)
@@ -208,10 +254,21 @@ class AdhesivePath(Path):
 
     def to_dict(self) -> dict[str, Any]:
         """Of a path, and its control, what was lost and the work of the load."""
-        units = {"lost": "J/m", "dissipated": "J/m", "work": "J/m", "load_after": "N/m", "approach_after": "m"}
+        units = {
+            "lost": "J/m",
+            "dissipated": "J/m",
+            "work": "J/m",
+            "load_after": "N/m",
+            "approach_after": "m",
+        }
         told = super().to_dict()
         told["units"] |= units
-        return told | {"control": self.control, "values": self.values.tolist(), "dissipated": self.dissipated, "work": self.work}
+        return told | {
+            "control": self.control,
+            "values": self.values.tolist(),
+            "dissipated": self.dissipated,
+            "work": self.work,
+        }
 
     @cached_property
     def _ends(self) -> tuple[Energy, Energy] | None:
@@ -220,7 +277,12 @@ class AdhesivePath(Path):
 
 
 def adhesive_path(
-    scene: Scene, values: ArrayLike, tol: float, progress: Progress | None, control: str, stiffness: float | None
+    scene: Scene,
+    values: ArrayLike,
+    tol: float,
+    progress: Progress | None,
+    control: str,
+    stiffness: float | None,
 ) -> AdhesivePath:
     """See `contact.path`."""
     given = finite_array("values", values)
@@ -248,7 +310,14 @@ def adhesive_path(
             solutions.append(run.solved(here, float(value), before if k else 0.0))
             passed.append(tuple(events))
     warn(of_curve(solutions), stacklevel=4)
-    return AdhesivePath(tuple(solutions), tuple(passed), given, control, stiffness, np.array(run.followed).reshape(-1, 4))
+    return AdhesivePath(
+        tuple(solutions),
+        tuple(passed),
+        given,
+        control,
+        stiffness,
+        np.array(run.followed).reshape(-1, 4),
+    )
 
 
 def _width(zones: Array) -> float:
@@ -261,13 +330,20 @@ def _images(zones: Array, period: float | None) -> Array:
 
 
 def _places(scene: Scene, zones: Array) -> Array:
-    """Where surfaces are drawn: about the zones, as far as the profile is known, and no more than a period."""
+    """Where surfaces are drawn: about the zones, as far as the profile is known, and no more than a
+    period.
+    """
     lo, hi = scene.profile.x0, scene.profile.x0 + (scene.period or 1.0)
     if len(zones):
         first, last = float(zones[0, 0]), float(zones[-1, 1])
         known = known_part(scene.profile) or (-np.inf, np.inf)
-        around = max(known[0], first - _AROUND * (last - first)), min(known[1], last + _AROUND * (last - first))
-        lo, hi = around if scene.period is None or around[1] - around[0] < scene.period else (lo, hi)
+        around = (
+            max(known[0], first - _AROUND * (last - first)),
+            min(known[1], last + _AROUND * (last - first)),
+        )
+        lo, hi = (
+            around if scene.period is None or around[1] - around[0] < scene.period else (lo, hi)
+        )
     even, angles = np.linspace(lo, hi, _PLACES), np.linspace(0.0, np.pi, 33)
     beside = [a + (b - a) * np.sin(0.5 * angles) ** 2 for a, b in _images(zones, scene.period)]
     x = np.unique(np.concatenate([even, *beside]))
@@ -310,11 +386,20 @@ class _Run:
     def unit(self) -> float:
         """Of the control's values over its scaled ones."""
         unit = self.curve.held.unit(self.problem.units)
-        return unit / self.scene.profile.period if self.control == "mean_pressure" and self.scene.profile.period else unit
+        return (
+            unit / self.scene.profile.period
+            if self.control == "mean_pressure" and self.scene.profile.period
+            else unit
+        )
 
     def refuse(self, values: Array) -> None:
         """Approaches that no equilibrium has."""
-        if self.control != "approach" or self.task.give is not None or self.scene.period is None or self.task.operator.compression:
+        if (
+            self.control != "approach"
+            or self.task.give is not None
+            or self.scene.period is None
+            or self.task.operator.compression
+        ):
             return
         highest = made.mean_height(self.scene)
         if values.max() >= highest:
@@ -324,7 +409,9 @@ class _Run:
             )
 
     def first(self, value: float) -> Standing:
-        """Where the path begins: below first touch the surfaces are apart, else it is the advancing contact."""
+        """Where the path begins: below first touch the surfaces are apart, else it is the advancing
+        contact.
+        """
         scaled, first = value / self.unit, self.by.law.first
         if scaled < min(first, 0.0) or value < 0.0 == first:
             return Standing(scaled)
@@ -348,15 +435,28 @@ class _Run:
             assert isinstance(here.point, CohesivePoint)
             return of_loose(task.scene, fields, here.point, task.plan, way)
         solution = solved_at(task, self.by.outcome(task, here.point), told)
-        return solution if task.give is None else replace(solution, scene=self.scene.under("load", solution.load))
+        return (
+            solution
+            if task.give is None
+            else replace(solution, scene=self.scene.under("load", solution.load))
+        )
 
     def _without_zones(self, task: Task, here: Standing) -> Solution:
         held, units = self.curve.held, self.problem.units
         if here.closed:
             mean_pressure = closed(task).mean_pressure
-            scene = task.scene if task.give is None else self.scene.under("load", self._closed_load(here.value))
+            scene = (
+                task.scene
+                if task.give is None
+                else self.scene.under("load", self._closed_load(here.value))
+            )
             return made.of_full(scene, task.full, mean_pressure, task.plan, task.tol, task.branch)
-        return made.of_apart(task.scene, self.problem, None if held.yields is None else here.value * units.height, task.plan)
+        return made.of_apart(
+            task.scene,
+            self.problem,
+            None if held.yields is None else here.value * units.height,
+            task.plan,
+        )
 
     def _closed_load(self, value: float) -> float:
         """Of surfaces closed altogether [N/m]."""
@@ -370,12 +470,18 @@ class _Run:
         load_after, approach_after, energy_after, zones_after = self._state(jump.after)
         by_load = self.curve.held.load is not None
         if jump.kind == "pull-off" and by_load and approach is not None:
-            # Drawn apart by a dead load: the contact follows the approach, as the load is slow to move, until no contact answers it.
+            # Drawn apart by a dead load: the contact follows the approach, as the load is slow to
+            # move, until no contact answers it.
             assert jump.before.point is not None
             apart = self.by.let_go(jump.before.point)
             approach_after = None if apart is None else float(-apart.level * units.height)
         lost = None
-        if energy is not None and energy_after is not None and approach is not None and approach_after is not None:
+        if (
+            energy is not None
+            and energy_after is not None
+            and approach is not None
+            and approach_after is not None
+        ):
             done = (load if by_load else 0.5 * (load + load_after)) * (approach_after - approach)
             lost = 0.0 if jump.smooth else float(energy - energy_after + done)
         drawn = None
@@ -386,7 +492,19 @@ class _Run:
             drawn = np.array([x, surface, surface + fields.gap(x)])
         value = float(jump.before.value * self.unit)
         place = float(self.scene.profile.wrap(units.x(np.array(jump.place))))
-        return AdhesiveEvent(jump.kind, load, place, zones, zones_after, value, load_after, approach, approach_after, lost, drawn)
+        return AdhesiveEvent(
+            jump.kind,
+            load,
+            place,
+            zones,
+            zones_after,
+            value,
+            load_after,
+            approach,
+            approach_after,
+            lost,
+            drawn,
+        )
 
     def _state(self, standing: Standing) -> tuple[float, float | None, float | None, Array]:
         """(load, approach, energy, zones) [N/m, m, J/m, m]."""
@@ -394,11 +512,21 @@ class _Run:
         if (point := standing.point) is not None:
             fields = self.by.fields(point)
             energy = self._energy(fields, float(np.diff(point.contact).sum()) * units.length)
-            return point.load * units.load, fields.approach, energy, made.in_cell(self.scene, np.asarray(units.x(point.contact)))
+            return (
+                point.load * units.load,
+                fields.approach,
+                energy,
+                made.in_cell(self.scene, np.asarray(units.x(point.contact))),
+            )
         if standing.closed:
             assert self.scene.period is not None
             load = self._closed_load(standing.value)
-            full = FullFields(made.of_period(self.scene), load / self.scene.period, self.task.full.relief, made.mean_height(self.scene))
+            full = FullFields(
+                made.of_period(self.scene),
+                load / self.scene.period,
+                self.task.full.relief,
+                made.mean_height(self.scene),
+            )
             return load, full.approach, self._energy(full, self.scene.period), none
         held = self.curve.held
         approach: float | None = 0.0 if held.yields is None else standing.value * units.height

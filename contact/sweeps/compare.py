@@ -1,8 +1,9 @@
 """One scene under each interaction model, at the same control.
 
-The models are the paper's isolated contact and its localization principle with both closures, the same principle with m
-neighbours on each side kept explicitly, the scene's own where it is another, and the exact periodic contact, in that order.
-One that has no solution says why and does not stop the rest.
+The models are the paper's isolated contact and its localization principle with both closures, the
+same principle with m neighbours on each side kept explicitly, the scene's own where it is another,
+and the exact periodic contact, in that order. One that has no solution says why and does not stop
+the rest.
 """
 
 import time
@@ -69,18 +70,27 @@ def compare(scene: Scene, tol: float = 1e-8, progress: Report | None = None) -> 
 
 
 def difference(attempt: Attempt, exact: Attempt, quantity: str) -> float | None:
-    """How far a positive quantity is from the exact model's, relative to it; None where there is no such number."""
+    """How far a positive quantity is from the exact model's, relative to it; None where there is no
+    such number.
+    """
     if attempt.solution is None or exact.solution is None:
         return None
     tell = total_width if quantity == "total_width" else attrgetter(quantity)
     value, reference = tell(attempt.solution), tell(exact.solution)
-    if value is None or reference is None or not np.isfinite([value, reference]).all() or reference == 0.0:
+    if (
+        value is None
+        or reference is None
+        or not np.isfinite([value, reference]).all()
+        or reference == 0.0
+    ):
         return None
     return float(value / reference - 1.0)
 
 
 def ends_apart(attempt: Attempt, exact: Attempt) -> float | None:
-    """The largest distance of a zone's end from the exact model's, over that zone's width; None if the zones are others."""
+    """The largest distance of a zone's end from the exact model's, over that zone's width; None if
+    the zones are others.
+    """
     if attempt.solution is None or exact.solution is None:
         return None
     ours, zones = attempt.solution.zones, exact.solution.zones
@@ -90,8 +100,9 @@ def ends_apart(attempt: Attempt, exact: Attempt) -> float | None:
 
 
 def pressure_apart(attempt: Attempt, exact: Attempt) -> float | None:
-    """The largest difference of pressure at equal normalised positions in corresponding zones, over the exact peak (over the
-    mean on the zones where the peak is infinite)."""
+    """The largest difference of pressure at equal normalised positions in corresponding zones, over
+    the exact peak (over the mean on the zones where the peak is infinite).
+    """
     if ends_apart(attempt, exact) is None:
         return None
     assert attempt.solution is not None and exact.solution is not None
@@ -99,35 +110,53 @@ def pressure_apart(attempt: Attempt, exact: Attempt) -> float | None:
     scale = reference.max_pressure
     if not np.isfinite(scale):
         scale = reference.load / total_width(reference)
-    ours, theirs = (s.pressure(s.zones.mean(axis=1)[:, None] + 0.5 * np.diff(s.zones) * _T) for s in (attempt.solution, reference))
+    ours, theirs = (
+        s.pressure(s.zones.mean(axis=1)[:, None] + 0.5 * np.diff(s.zones) * _T)
+        for s in (attempt.solution, reference)
+    )
     return float(np.max(np.abs(ours - theirs)) / scale)
 
 
 def tables(attempts: list[Attempt]) -> Iterator[tuple[str, list[Column]]]:
-    """(title, columns) of what the models give, how far that is from the exact one, and the ends of the first zones; a line for each model,
-    none wider than 80 columns."""
+    """(title, columns) of what the models give, how far that is from the exact one, and the ends of
+    the first zones; a line for each model, none wider than 80 columns.
+    """
     exact, models = attempts[-1], ("model", [a.name for a in attempts])
 
     def column(name: str, unit: str, tell: Callable[[Answer], float | None]) -> Column:
-        return headed(name, [None if a.solution is None else tell(a.solution) for a in attempts], unit)
+        return headed(
+            name, [None if a.solution is None else tell(a.solution) for a in attempts], unit
+        )
 
     zones = [None if a.solution is None else len(a.solution.zones) for a in attempts]
-    yield "models", [
-        models,
-        column("load", "N/m", attrgetter("load")),
-        column("mean\npressure", "Pa", attrgetter("mean_pressure")),
-        column("max\npressure", "Pa", attrgetter("max_pressure")),
-        column("contact\nfraction", "", attrgetter("contact_fraction")),
-        column("total\nwidth", "m", total_width),
-        ("zones", ["-" if count is None else str(count or "full") for count in zones]),
-    ]
-    yield "from the exact one, in %, and time", [
-        models,
-        *((name.replace("_", "\n"), [_percent(difference(a, exact, name), "+.3g") for a in attempts]) for name in _NUMBERS),
-        ("zone\nends", [_percent(ends_apart(a, exact)) for a in attempts]),
-        ("pressure", [_percent(pressure_apart(a, exact)) for a in attempts]),
-        ("time\n[ms]", [f"{1e3 * a.seconds:.1f}" for a in attempts]),
-    ]
+    yield (
+        "models",
+        [
+            models,
+            column("load", "N/m", attrgetter("load")),
+            column("mean\npressure", "Pa", attrgetter("mean_pressure")),
+            column("max\npressure", "Pa", attrgetter("max_pressure")),
+            column("contact\nfraction", "", attrgetter("contact_fraction")),
+            column("total\nwidth", "m", total_width),
+            ("zones", ["-" if count is None else str(count or "full") for count in zones]),
+        ],
+    )
+    yield (
+        "from the exact one, in %, and time",
+        [
+            models,
+            *(
+                (
+                    name.replace("_", "\n"),
+                    [_percent(difference(a, exact, name), "+.3g") for a in attempts],
+                )
+                for name in _NUMBERS
+            ),
+            ("zone\nends", [_percent(ends_apart(a, exact)) for a in attempts]),
+            ("pressure", [_percent(pressure_apart(a, exact)) for a in attempts]),
+            ("time\n[ms]", [f"{1e3 * a.seconds:.1f}" for a in attempts]),
+        ],
+    )
     ends = [
         column(f"zone {zone + 1}\n{side}", "m", _end(zone, place))
         for zone in range(min(max(count or 0 for count in zones), _ZONES_SHOWN)) for place, side in enumerate(("left", "right"))
@@ -181,8 +210,14 @@ def _attempt(name: str, scene: Scene, model: Interaction, tol: float) -> Attempt
 
 
 def _under(scene: Scene, model: Interaction) -> Scene:
-    """The scene under another model; a mean pressure it does not take as control is given as the load it means."""
-    if scene.mean_pressure is None or "mean_pressure" in model.allows or scene.profile.period is None:
+    """The scene under another model; a mean pressure it does not take as control is given as the
+    load it means.
+    """
+    if (
+        scene.mean_pressure is None
+        or "mean_pressure" in model.allows
+        or scene.profile.period is None
+    ):
         return replace(scene, interaction=model)
     load = scene.mean_pressure * scene.profile.period
     return replace(scene, interaction=model, mean_pressure=None, load=load)

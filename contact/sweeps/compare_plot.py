@@ -1,6 +1,8 @@
-"""One figure of a comparison: the exact pressure, how far that of each model is from it, and how long each took.
+"""One figure of a comparison: the exact pressure, how far that of each model is from it, and how
+long each took.
 
-The models' pressures lie on each other where they are of any use, so what is drawn of them is the difference, on a logarithmic axis.
+The models' pressures lie on each other where they are of any use, so what is drawn of them is the
+difference, on a logarithmic axis.
 """
 
 from typing import Any
@@ -13,29 +15,51 @@ from contact.solution.plotting import new_figure
 from contact.solution.sampling import peak_position, positions, top_pressure, window
 from contact.sweeps.compare import Attempt, difference, ends_apart, pressure_apart, refusals
 
-_COLOURS = ("#9a9a9a", "#d98e04", "#b3261e", "#7a3b8f", "#5a56b0", "#2f7fb5", "#1d9a8a", "#3d7a4a", "#111111")
+_COLOURS = (
+    "#9a9a9a",
+    "#d98e04",
+    "#b3261e",
+    "#7a3b8f",
+    "#5a56b0",
+    "#2f7fb5",
+    "#1d9a8a",
+    "#3d7a4a",
+    "#111111",
+)
 _POINTS = 4000
 
-# Zones narrower than this part of the stretch cannot be told apart: only the surroundings of the highest are drawn.
+# Zones narrower than this part of the stretch cannot be told apart: only the surroundings of the
+# highest are drawn.
 _READABLE = 0.04
 
-# What counts as no difference: the solutions' own errors are of this size, and zero has no place on a logarithmic axis.
+# What counts as no difference: the solutions' own errors are of this size, and zero has no place on
+# a logarithmic axis.
 _FLOOR = 1e-10
 
 
 def plot_comparison(attempts: list[Attempt]) -> Any:
-    """A matplotlib Figure: the exact pressure, differences from it, and below them errors and times."""
+    """A matplotlib Figure: the exact pressure, differences from it, and below them errors and
+    times.
+    """
     figure = new_figure(8.4, 9.0)
     panels = [["p", "p"], ["d", "d"], ["e", "t"]]
-    top, apart, errors, times = figure.subplot_mosaic(panels, width_ratios=[1.8, 1.0], height_ratios=[0.7, 1.2, 1.2]).values()
-    colours = dict(zip((a.name for a in attempts[:-1]), _COLOURS, strict=False)) | {attempts[-1].name: _COLOURS[-1]}
+    top, apart, errors, times = figure.subplot_mosaic(
+        panels, width_ratios=[1.8, 1.0], height_ratios=[0.7, 1.2, 1.2]
+    ).values()
+    colours = dict(zip((a.name for a in attempts[:-1]), _COLOURS, strict=False)) | {
+        attempts[-1].name: _COLOURS[-1]
+    }
     exact = attempts[-1].solution
     if exact is None:
         # Nothing to differ from: the pressures themselves.
-        _draw_pressures(top, {a.name: a.solution for a in attempts if a.solution is not None}, colours)
+        _draw_pressures(
+            top, {a.name: a.solution for a in attempts if a.solution is not None}, colours
+        )
         for axes in (apart, errors):
             axes.set_axis_off()
-            axes.text(0.5, 0.5, "no exact solution to differ from", ha="center", transform=axes.transAxes)
+            axes.text(
+                0.5, 0.5, "no exact solution to differ from", ha="center", transform=axes.transAxes
+            )
     else:
         _draw_pressures(top, {attempts[-1].name: exact}, colours)
         _draw_differences(apart, attempts[:-1], exact, colours)
@@ -43,7 +67,10 @@ def plot_comparison(attempts: list[Attempt]) -> Any:
     _draw_times(times, attempts, colours)
     missing = refusals(attempts)
     if missing:
-        figure.supxlabel("\n".join(line if len(line) < 120 else f"{line[:117]}..." for line in missing), fontsize=7)
+        figure.supxlabel(
+            "\n".join(line if len(line) < 120 else f"{line[:117]}..." for line in missing),
+            fontsize=7,
+        )
     return figure
 
 
@@ -64,20 +91,26 @@ def _draw_pressures(axes: Any, solved: dict[str, Answer], colours: dict[str, str
     _name_lines(axes)
 
 
-def _draw_differences(axes: Any, attempts: list[Attempt], exact: Answer, colours: dict[str, str]) -> None:
+def _draw_differences(
+    axes: Any, attempts: list[Attempt], exact: Answer, colours: dict[str, str]
+) -> None:
     """|p - exact p| over the peak, on the positions of both."""
     lo, hi = _stretch(exact)
     along, scale = _scale_positions(axes, lo, hi), top_pressure(exact)
     for attempt in attempts:
         if attempt.solution is None:
             continue
-        x = np.union1d(positions(exact, lo, hi, _POINTS), positions(attempt.solution, lo, hi, _POINTS))
+        x = np.union1d(
+            positions(exact, lo, hi, _POINTS), positions(attempt.solution, lo, hi, _POINTS)
+        )
         with np.errstate(invalid="ignore"):
             apart = np.abs(attempt.solution.pressure(x) - exact.pressure(x)) / scale
         # Where neither is in contact there is no difference, and no place for it on this axis.
         shown = np.where(np.isfinite(apart) & (apart > _FLOOR), apart, np.nan)
         if np.isfinite(shown).any():
-            axes.plot(x * along, shown, label=attempt.name, color=colours[attempt.name], linewidth=1.1)
+            axes.plot(
+                x * along, shown, label=attempt.name, color=colours[attempt.name], linewidth=1.1
+            )
     axes.set_yscale("log")
     axes.set_ylabel("|pressure - exact| / peak")
     axes.grid(axis="y", alpha=0.3)
@@ -85,7 +118,11 @@ def _draw_differences(axes: Any, attempts: list[Attempt], exact: Answer, colours
 
 
 def _draw_times(axes: Any, attempts: list[Attempt], colours: dict[str, str]) -> None:
-    bars = axes.barh([a.name for a in attempts], [1e3 * a.seconds for a in attempts], color=[colours[a.name] for a in attempts])
+    bars = axes.barh(
+        [a.name for a in attempts],
+        [1e3 * a.seconds for a in attempts],
+        color=[colours[a.name] for a in attempts],
+    )
     axes.bar_label(bars, fmt="%.3g", fontsize=8, padding=2)
     axes.margins(x=0.28)
     axes.invert_yaxis()
@@ -105,7 +142,9 @@ def _name_lines(axes: Any) -> None:
 
 
 def _stretch(solution: Answer) -> tuple[float, float]:
-    """The period, or the surroundings of the highest pressure where its zone would not be seen on it."""
+    """The period, or the surroundings of the highest pressure where its zone would not be seen on
+    it.
+    """
     lo, hi = window(solution)
     if len(solution.zones) == 0 or np.max(solution.zone_widths) >= _READABLE * (hi - lo):
         return lo, hi
@@ -126,7 +165,9 @@ def _draw_errors(axes: Any, attempts: list[Attempt]) -> None:
     for (label, values), marker in zip(lines.items(), "osd^", strict=True):
         shown = [np.nan if v is None or abs(v) < _FLOOR else abs(v) for v in values]
         if np.isfinite(shown).any():
-            axes.plot(range(len(names)), shown, marker=marker, label=label, linewidth=1.0, markersize=5)
+            axes.plot(
+                range(len(names)), shown, marker=marker, label=label, linewidth=1.0, markersize=5
+            )
     axes.set_yscale("log")
     axes.set_xticks(range(len(names)), names, rotation=35, ha="right", fontsize=8)
     axes.set_ylabel("|error| against exact")

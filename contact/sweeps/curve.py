@@ -15,12 +15,15 @@ _MOST = 2
 
 
 class Curve:
-    """Solves one scene at one value after another of a control, with what these have in common found once.
+    """Solves one scene at one value after another of a control, with what these have in common
+    found once.
 
     A list of the last solutions is kept, from which the next one starts.
     """
 
-    def __init__(self, scene: Scene, control: str, tol: float, progress: Progress | None = None) -> None:
+    def __init__(
+        self, scene: Scene, control: str, tol: float, progress: Progress | None = None
+    ) -> None:
         self.scene, self.control, self.tol, self.progress = scene, control, tol, progress
         self.shared = Shared(scene)
         self.last: tuple[Passed, ...] = ()
@@ -30,7 +33,11 @@ class Curve:
         """Solve those of the values at once that need no coupled system."""
         scenes = [self._scene(float(value)) for value in values]
         found = all_directly(scenes, self.tol)
-        self.known = {float(value): solution for value, solution in zip(values, found, strict=True) if solution is not None}
+        self.known = {
+            float(value): solution
+            for value, solution in zip(values, found, strict=True)
+            if solution is not None
+        }
 
     def at(self, value: float) -> Solution:
         """The next solution, from the last ones."""
@@ -39,9 +46,13 @@ class Curve:
         return solution
 
     def beside(self, value: float, known: tuple[Passed, ...], least: float = 0.0) -> Solution:
-        """The solution at a value from known ones, the nearest last; to a tolerance of no less than that."""
+        """The solution at a value from known ones, the nearest last; to a tolerance of no less than
+        that.
+        """
         with one_of_blas():
-            return solved_along(self._scene(value), max(self.tol, least), self.progress, self.shared, known)
+            return solved_along(
+                self._scene(value), max(self.tol, least), self.progress, self.shared, known
+            )
 
     def _scene(self, value: float) -> Scene:
         return self.scene.under(self.control, value)

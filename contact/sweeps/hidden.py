@@ -1,9 +1,11 @@
-"""Whether zones may have been born and have merged again between two loads, of which their numbers at both tell nothing.
+"""Whether zones may have been born and have merged again between two loads, of which their numbers
+at both tell nothing.
 
-On a branch with fixed zones their ends move smoothly, at rates that are known at both loads. Where two zones merge the end of one jumps
-to that of the other: the way it went is more than its rates make of it. So where way and rates do not go together, one looks between.
-An end beside a narrow zone or gap goes as the root of what is left to the load at which that is born or closes: even over the way is its
-rate times that width.
+On a branch with fixed zones their ends move smoothly, at rates that are known at both loads. Where
+two zones merge the end of one jumps to that of the other: the way it went is more than its rates
+make of it. So where way and rates do not go together, one looks between. An end beside a narrow
+zone or gap goes as the root of what is left to the load at which that is born or closes: even over
+the way is its rate times that width.
 """
 
 import numpy as np
@@ -14,7 +16,8 @@ from contact.formulation.tables import room_beside
 from contact.solution.solution import Solution
 from sie import Array
 
-# Of a way that the rates at both loads leave open: smooth ends leave several times less between loads that are near one another.
+# Of a way that the rates at both loads leave open: smooth ends leave several times less between
+# loads that are near one another.
 _OPEN = 0.1
 # Rates over one another whose mean tells little of the way.
 _UNLIKE = 1.5
@@ -34,22 +37,33 @@ def may_hide(low: Solution, high: Solution) -> bool:
     for k, (a, b) in enumerate(new):
         middles = old.mean(axis=1)
         turn = np.zeros(len(old)) if period is None else np.ceil((a - middles) / period) * period
-        held = np.flatnonzero(middles + turn <= b) if period is not None else np.flatnonzero((middles >= a) & (middles <= b))
+        held = (
+            np.flatnonzero(middles + turn <= b)
+            if period is not None
+            else np.flatnonzero((middles >= a) & (middles <= b))
+        )
         if len(held) != 1:
             continue
         (i,) = held
         way = np.array([old[i, 0] + turn[i] - a, b - old[i, 1] - turn[i]])
         mean = 0.5 * (old_widths[i] + new_widths[k])
         first, last = old_rates[i] * (old_widths[i] / mean), new_rates[k] * (new_widths[k] / mean)
-        slow, fast = np.minimum(np.abs(first), np.abs(last)), np.maximum(np.abs(first), np.abs(last))
-        open_ = (np.abs(way - 0.5 * step * (first + last)) > _OPEN * np.abs(way)) | (fast > _UNLIKE * slow)
+        slow, fast = (
+            np.minimum(np.abs(first), np.abs(last)),
+            np.maximum(np.abs(first), np.abs(last)),
+        )
+        open_ = (np.abs(way - 0.5 * step * (first + last)) > _OPEN * np.abs(way)) | (
+            fast > _UNLIKE * slow
+        )
         if np.any(open_ & (np.abs(way) > _NOTHING * (b - a))):
             return True
     return False
 
 
 def ends_and_rates(solution: Solution) -> tuple[Array, Array] | None:
-    """(zones [m], how far their ends move outward as the load grows by a factor of e, both (n, 2)); None in full contact."""
+    """(zones [m], how far their ends move outward as the load grows by a factor of e, both (n, 2));
+    None in full contact.
+    """
     fields = solution.fields
     if not isinstance(fields, ZoneFields | GapFields):
         return None

@@ -22,13 +22,19 @@ from sie import Array
 
 
 def solve_many(
-    scene: Scene, values: ArrayLike, control: str | None = None, tol: float = 1e-8, progress: Progress | None = None, *,
+    scene: Scene,
+    values: ArrayLike,
+    control: str | None = None,
+    tol: float = 1e-8,
+    progress: Progress | None = None,
+    *,
     workers: int | None = 1,
 ) -> list[Solution]:
     """Solve a scene at many values of one control, each from the zones of its neighbours.
 
-    The answers are those of `contact.solve`, each with its own stated error and certificate; what the solves have in common is found
-    once. Where the number of zones changes, and at which load, is told by `contact.path`.
+    The answers are those of `contact.solve`, each with its own stated error and certificate; what
+    the solves have in common is found once. Where the number of zones changes, and at which load,
+    is told by `contact.path`.
 
     Parameters
     ----------
@@ -43,8 +49,9 @@ def solve_many(
     progress : callable or None
         Called with (stage, done, total or None).
     workers : int or None
-        Processes of this machine that solve what takes a search, which pay where that takes many seconds; 1: none but this one; None: as
-        many as there are processors. A script that asks for more than one has its calls under `if __name__ == "__main__":`.
+        Processes of this machine that solve what takes a search, which pay where that takes many
+        seconds; 1: none but this one; None: as many as there are processors. A script that asks for
+        more than one has its calls under `if __name__ == "__main__":`.
 
     Returns
     -------
@@ -96,13 +103,22 @@ def solve_many(
     return [found[k] for k in range(len(given))]
 
 
-def _in_processes(curve: Curve, values: Array, workers: int | None) -> Iterator[tuple[int, Solution]]:
+def _in_processes(
+    curve: Curve, values: Array, workers: int | None
+) -> Iterator[tuple[int, Solution]]:
     """Solutions by place, in any order, of the values that are not known at once."""
-    left = [int(place) for place in np.argsort(values, kind="stable") if float(values[place]) not in curve.known]
+    left = [
+        int(place)
+        for place in np.argsort(values, kind="stable")
+        if float(values[place]) not in curve.known
+    ]
     solvers = min(workers or processors(), len(left) // 2)
     if solvers > 1:
-        # Each goes all along the curve: none searches from nothing on the way, and all take about as long.
-        chunks = [Chunk.of_curve(curve.control, left[first::solvers], values) for first in range(solvers)]
+        # Each goes all along the curve: none searches from nothing on the way, and all take about
+        # as long.
+        chunks = [
+            Chunk.of_curve(curve.control, left[first::solvers], values) for first in range(solvers)
+        ]
         with closing(solved_in_processes(curve.scene, chunks, curve.tol, solvers)) as coming:
             for place, row in chain.from_iterable(coming):
                 if "raised" in row:

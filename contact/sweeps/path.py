@@ -13,32 +13,40 @@ from contact.sweeps.paths import Path, growing_path
 
 
 def path(
-    scene: Scene, values: ArrayLike, tol: float = 1e-8, progress: Progress | None = None, control: str | None = None,
+    scene: Scene,
+    values: ArrayLike,
+    tol: float = 1e-8,
+    progress: Progress | None = None,
+    control: str | None = None,
     stiffness: float | None = None,
 ) -> Path:
     """Solve a scene along values of a control, each from the last, with all events between them.
 
-    The scene's own control is replaced by each value in turn; its tilt or its moment stays. Frictionless contact grows with the load, and
-    the values are loads. Under adhesion the way matters: values may rise and fall, and what snaps in, together or apart is told where it
-    does, with the energy that it loses (`contact.AdhesivePath`, docs/adhesion.md).
+    The scene's own control is replaced by each value in turn; its tilt or its moment stays.
+    Frictionless contact grows with the load, and the values are loads. Under adhesion the way
+    matters: values may rise and fall, and what snaps in, together or apart is told where it does,
+    with the energy that it loses (`contact.AdhesivePath`, docs/adhesion.md).
 
     Parameters
     ----------
     scene : Scene
         What is pressed, under any control.
     values : array_like
-        One or more, (n,), in any order, of the control: loads [N/m] (per period where there is one), mean pressures [Pa] or approaches [m].
-        Positive without adhesion. With it a path begins with the surfaces apart where its first value is negative, else with the contact
-        that is reached from first touch by raising the control.
+        One or more, (n,), in any order, of the control: loads [N/m] (per period where there is
+        one), mean pressures [Pa] or approaches [m]. Positive without adhesion. With it a path
+        begins with the surfaces apart where its first value is negative, else with the contact that
+        is reached from first touch by raising the control.
     tol : float
         Largest stated error of each solution.
     progress : callable or None
         Called with (stage, done, total or None).
     control : str or None
-        "load", "mean_pressure" or, with adhesion, "approach"; None: the load, or the approach where a stiffness is given.
+        "load", "mean_pressure" or, with adhesion, "approach"; None: the load, or the approach where
+        a stiffness is given.
     stiffness : float or None
-        Of a spring between the body and what moves it [N/m^2] (per unit thickness, and period where there is one): the approaches are then
-        those of its far end, which the contact's own stay behind by load/stiffness. None: nothing gives way.
+        Of a spring between the body and what moves it [N/m^2] (per unit thickness, and period where
+        there is one): the approaches are then those of its far end, which the contact's own stay
+        behind by load/stiffness. None: nothing gives way.
 
     Returns
     -------
@@ -48,7 +56,8 @@ def path(
     Raises
     ------
     SceneError, OutOfRange, NotConverged
-        As `contact.solve`; SceneError also if the law is one whose path is not followed, or the control is none of its.
+        As `contact.solve`; SceneError also if the law is one whose path is not followed, or the
+        control is none of its.
 
     Examples
     --------
@@ -71,21 +80,37 @@ def path(
     if control not in (None, *VALUES):
         raise SceneError.of("control", control, f"None, or one of {', '.join(VALUES)}")
     if stiffness is not None and control not in (None, "approach"):
-        raise SceneError.of("stiffness", stiffness, f"left out under {control}: it is that of a spring whose far end's approach is given")
+        raise SceneError.of(
+            "stiffness",
+            stiffness,
+            f"left out under {control}: it is that of a spring whose far end's approach is given",
+        )
     name = control or ("load" if stiffness is None else "approach")
     if scene.law.bare is not None:
         return adhesive_path(scene, values, tol, progress, name, stiffness)
     if not scene.law.convex:
-        raise SceneError.of("law", scene.law.name, "one under which contact only grows with the load: a path under others is not followed")
+        raise SceneError.of(
+            "law",
+            scene.law.name,
+            "one under which contact only grows with the load: a path under others is not followed",
+        )
     if name == "approach":
         what, given = ("control", control) if stiffness is None else ("stiffness", stiffness)
-        raise SceneError.of(what, given, f"left out: under {scene.law.name} a path goes by the load, and no spring changes it")
+        raise SceneError.of(
+            what,
+            given,
+            f"left out: under {scene.law.name} a path goes by the load, and no spring changes it",
+        )
     loads = finite_array("values", values)
     if np.any(loads <= 0):
         first = int(np.argmax(loads <= 0))
-        raise SceneError.of("values", loads, f"positive {VALUES[name]} (element {first} is {loads[first]:.6g})")
+        raise SceneError.of(
+            "values", loads, f"positive {VALUES[name]} (element {first} is {loads[first]:.6g})"
+        )
     if name == "mean_pressure":
         if scene.profile.period is None:
-            raise SceneError.of("control", control, "load: without a period there is no mean pressure")
+            raise SceneError.of(
+                "control", control, "load: without a period there is no mean pressure"
+            )
         loads = loads * scene.profile.period
     return growing_path(scene, loads, tol, progress)

@@ -1,12 +1,15 @@
 """One figure of a load path: contact and approach over the load, with the events marked.
 
-Contact is the contact fraction, or the width in contact where there is no period. Events are lines at their own loads, and marks on the
-curve as it is drawn. What is drawn of a load that falls is broken: without adhesion it lies on what is drawn of a rising one.
+Contact is the contact fraction, or the width in contact where there is no period. Events are lines
+at their own loads, and marks on the curve as it is drawn. What is drawn of a load that falls is
+broken: without adhesion it lies on what is drawn of a rising one.
 
-Of surfaces that adhere it is load over approach, up and down with its jumps, and the surfaces as they come apart.
+Of surfaces that adhere it is load over approach, up and down with its jumps, and the surfaces as
+they come apart.
 
-The curve goes through what was followed, solved or not; jumps are dotted, from where the contact was to where it came to rest. Without an
-approach, contact is drawn in its place. The surfaces are those just before pull-off, or, of a path without it, those of its last value.
+The curve goes through what was followed, solved or not; jumps are dotted, from where the contact
+was to where it came to rest. Without an approach, contact is drawn in its place. The surfaces are
+those just before pull-off, or, of a path without it, those of its last value.
 """
 
 from collections.abc import Sequence
@@ -22,22 +25,35 @@ from contact.sweeps.path_table import Passed, columns
 from sie import Array, Mask
 
 _FRACTION = "contact fraction"
-_CURVE, _EVENT = "#1f5a92", "#555555"
+
+_CURVE = "#1f5a92"
+_EVENT = "#555555"
 # Colours and marks of the kinds of events; others, of someone's own, are drawn as circles.
 _MARKS = {
-    "birth": ("#3d7a4a", "^"), "death": ("#3d7a4a", "v"), "merge": ("#b3261e", "D"), "split": ("#b3261e", "s"), "full": ("#111111", "*"),
+    "birth": ("#3d7a4a", "^"),
+    "death": ("#3d7a4a", "v"),
+    "merge": ("#b3261e", "D"),
+    "split": ("#b3261e", "s"),
+    "full": ("#111111", "*"),
 }
-# A path most of whose loads are below this part of the highest is drawn over the logarithm of the load.
+# A path most of whose loads are below this part of the highest is drawn over the logarithm of the
+# load.
 _MOSTLY_LOW = 0.1
 # Lines of more events than this would be all that is seen.
 _LINES = 40
 
 
 def plot_path(solutions: Sequence[Solution], passed: Passed, ax: Any = None) -> Any:
-    """A matplotlib Figure: contact over the load, and where there is one the approach over the load."""
+    """A matplotlib Figure: contact over the load, and where there is one the approach over the
+    load.
+    """
     table = {name: np.array(values, dtype=float) for name, values in columns(solutions).items()}
     fraction, width = table["contact_fraction"], table["total_width"]
-    curves = [(_FRACTION, fraction, "") if np.isfinite(fraction).all() else ("width in contact", width, "m")]
+    curves = [
+        (_FRACTION, fraction, "")
+        if np.isfinite(fraction).all()
+        else ("width in contact", width, "m")
+    ]
     if np.isfinite(table["approach"]).all():
         curves.append(("approach", table["approach"], "m"))
     figure, given = panels(ax, len(curves))
@@ -56,8 +72,14 @@ def _draw(axes: Any, loads: Array, passed: Passed, label: str, values: Array, un
     x, y = _vertices(loads, values, passed, {"full": 1.0} if label == _FRACTION else {})
     for start, end, rising in _runs(x):
         axes.plot(
-            x[start:end] * along, y[start:end] * up, color=_CURVE, linewidth=1.4, linestyle="-" if rising else (0, (4, 2)),
-            marker="." if end - start <= _LINES else None, markersize=4, label="load rising" if rising else "load falling",
+            x[start:end] * along,
+            y[start:end] * up,
+            color=_CURVE,
+            linewidth=1.4,
+            linestyle="-" if rising else (0, (4, 2)),
+            marker="." if end - start <= _LINES else None,
+            markersize=4,
+            label="load rising" if rising else "load falling",
         )
     events = [(event, k) for k, since in enumerate(passed) for event in since]
     for event, k in events:
@@ -66,14 +88,27 @@ def _draw(axes: Any, loads: Array, passed: Passed, label: str, values: Array, un
             axes.axvline(event.load * along, color=colour, linewidth=0.6, alpha=0.45, zorder=0)
         # Hollow where the load falls: the same states on the way up stay seen.
         face = colour if loads[k] >= loads[k - 1] else "none"
-        style = {"linestyle": "none", "marker": mark, "color": colour, "markerfacecolor": face, "markersize": 6 if face == colour else 10}
+        style = {
+            "linestyle": "none",
+            "marker": mark,
+            "color": colour,
+            "markerfacecolor": face,
+            "markersize": 6 if face == colour else 10,
+        }
         step = (x >= min(loads[k - 1], loads[k])) & (x <= max(loads[k - 1], loads[k]))
-        axes.plot(event.load * along, _on_line(axes, event.load, x[step], y[step]) * up, label=event.kind, **style)
+        axes.plot(
+            event.load * along,
+            _on_line(axes, event.load, x[step], y[step]) * up,
+            label=event.kind,
+            **style,
+        )
     axes.grid(alpha=0.25)
     finish(axes, f"load [{along_letter}N/m]", f"{label} [{letter}{unit}]" if unit else label)
 
 
-def _vertices(loads: Array, values: Array, passed: Passed, known: dict[str, float]) -> tuple[Array, Array]:
+def _vertices(
+    loads: Array, values: Array, passed: Passed, known: dict[str, float]
+) -> tuple[Array, Array]:
     """The points of the curve, and the events at which its value is known by their kind."""
     points: list[tuple[float, float]] = []
     for load, value, since in zip(loads, values, passed, strict=True):
@@ -92,7 +127,9 @@ def _on_line(axes: Any, load: float, x: Array, y: Array) -> float:
 
 
 def _runs(loads: Array) -> list[tuple[int, int, bool]]:
-    """(first, behind the last, whether the load rises) of each stretch of the path that goes one way; neighbours share their ends."""
+    """(first, behind the last, whether the load rises) of each stretch of the path that goes one
+    way; neighbours share their ends.
+    """
     runs: list[tuple[int, int, bool]] = []
     start = 0
     for k in range(1, len(loads)):
@@ -102,35 +139,79 @@ def _runs(loads: Array) -> list[tuple[int, int, bool]]:
     return runs or [(0, 1, True)]
 
 
-_UP, _DOWN, _BODY, _CONTACT = "#1f5a92", "#b3261e", "#7a7a7a", "#b3261e"
+_UP = "#1f5a92"
+_DOWN = "#b3261e"
+_BODY = "#7a7a7a"
+_CONTACT = "#b3261e"
 # Of the heights of the deformed surface, what is shown above its lowest place.
 _SHOWN = 3.0
-_OF_JUMPS = {"jump-in": ">", "birth": "^", "merge": "D", "full": "*", "jump": "s", "death": "v", "pull-off": "X"}
+_OF_JUMPS = {
+    "jump-in": ">",
+    "birth": "^",
+    "merge": "D",
+    "full": "*",
+    "jump": "s",
+    "death": "v",
+    "pull-off": "X",
+}
 
 
 def draw_curve(
-    axes: Any, across: Array, load: Array, rises: Mask, jumps: Sequence[tuple[str, float, float, float, float]], label: str
+    axes: Any,
+    across: Array,
+    load: Array,
+    rises: Mask,
+    jumps: Sequence[tuple[str, float, float, float, float]],
+    label: str,
 ) -> None:
-    """across [m], load: (n,) of what was followed, nan where a jump breaks it; rises: whether the control did, (n,); jumps: (kind, across
-    and load before, across and load after); label: of what is across."""
-    x, along = prefix(float(np.nanmax(np.abs([*across, *(a for _, *both in jumps for a in both[::2]), 0.0]))))
-    y, letter = prefix(float(np.nanmax(np.abs([*load, *(p for _, *both in jumps for p in both[1::2]), 0.0]))))
-    for rising, colour, style, name in ((True, _UP, "-", "rising"), (False, _DOWN, (0, (5, 2)), "falling")):
+    """across [m], load: (n,) of what was followed, nan where a jump breaks it; rises: whether the
+    control did, (n,); jumps: (kind, across and load before, across and load after); label: of what
+    is across.
+    """
+    x, along = prefix(
+        float(np.nanmax(np.abs([*across, *(a for _, *both in jumps for a in both[::2]), 0.0])))
+    )
+    y, letter = prefix(
+        float(np.nanmax(np.abs([*load, *(p for _, *both in jumps for p in both[1::2]), 0.0])))
+    )
+    for rising, colour, style, name in (
+        (True, _UP, "-", "rising"),
+        (False, _DOWN, (0, (5, 2)), "falling"),
+    ):
         # Where the sense changes, both have the point.
         mine = (rises == rising) | (np.append(rises[1:], rises[-1]) == rising)
         axes.plot(
-            np.where(mine, across, np.nan) * x, np.where(mine, load, np.nan) * y, color=colour, linestyle=style, linewidth=1.5, label=name,
+            np.where(mine, across, np.nan) * x,
+            np.where(mine, load, np.nan) * y,
+            color=colour,
+            linestyle=style,
+            linewidth=1.5,
+            label=name,
         )
     for kind, before, load_before, after, load_after in jumps:
-        axes.plot([before * x, after * x], [load_before * y, load_after * y], color="black", linewidth=1.0, linestyle=":")
         axes.plot(
-            before * x, load_before * y, color="black", marker=_OF_JUMPS.get(kind, "o"), markersize=5, linestyle="none", label=kind,
+            [before * x, after * x],
+            [load_before * y, load_after * y],
+            color="black",
+            linewidth=1.0,
+            linestyle=":",
+        )
+        axes.plot(
+            before * x,
+            load_before * y,
+            color="black",
+            marker=_OF_JUMPS.get(kind, "o"),
+            markersize=5,
+            linestyle="none",
+            label=kind,
         )
     axes.axhline(0.0, color=_BODY, linewidth=0.6, zorder=0)
     finish(axes, f"{label} [{along}m]", f"load [{letter}N/m]")
 
 
-def draw_surfaces(axes: Any, title: str, places: Array, surface: Array, body: Array, zones: Array) -> None:
+def draw_surfaces(
+    axes: Any, title: str, places: Array, surface: Array, body: Array, zones: Array
+) -> None:
     """places, surface, body: (m,) [m], of what the title says; zones: (k, 2) [m]."""
     along, letter = prefix(float(np.abs(places).max()))
     heights = np.concatenate((surface, body))
@@ -138,7 +219,13 @@ def draw_surfaces(axes: Any, title: str, places: Array, surface: Array, body: Ar
     x = places * along
     axes.plot(x, body * up, color=_BODY, linewidth=1.2, label="profile")
     axes.plot(x, surface * up, color=_UP, linewidth=1.4, label="deformed surface")
-    axes.plot(x, np.where(on_zones(places, zones), surface, np.nan) * up, color=_CONTACT, linewidth=2.6, label="contact")
+    axes.plot(
+        x,
+        np.where(on_zones(places, zones), surface, np.nan) * up,
+        color=_CONTACT,
+        linewidth=2.6,
+        label="contact",
+    )
     # So that the neck is seen, and not the height of the body beside it.
     low, span = float(surface.min()), float(np.ptp(surface))
     if span > 0.0:

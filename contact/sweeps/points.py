@@ -20,10 +20,15 @@ NUMBERS = {
 
 
 def numbers(solution: Answer) -> dict[str, float]:
-    """All of them, nan for what the scene does not define; inf where a pressure, or the stiffness of full contact, is infinite."""
+    """All of them, nan for what the scene does not define; inf where a pressure, or the stiffness
+    of full contact, is infinite.
+    """
     own = {"total_width": total_width(solution), "zone_count": len(solution.zones)}
     values = {name: own[name] if name in own else getattr(solution, name) for name in NUMBERS}
-    return {name: nan if value is None else value if isinstance(value, int) else float(value) for name, value in values.items()}
+    return {
+        name: nan if value is None else value if isinstance(value, int) else float(value)
+        for name, value in values.items()
+    }
 
 
 def total_width(solution: Answer) -> float:

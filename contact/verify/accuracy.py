@@ -1,8 +1,9 @@
 """What is stated of a solution's error, and what keeps it from being smaller.
 
-The error bounds (docs/errors.md) the ends' errors over the width of their zone, and the pressure's at equal normalised position
-over the peak. Ends are off by what Newton has left to do, by what truncated series shift them by, and by rounding; a zone's
-pressure follows its ends (`sie.Density.sensitivity`), and is off itself by the series' truncation.
+The error bounds (docs/errors.md) the ends' errors over the width of their zone, and the pressure's
+at equal normalised position over the peak. Ends are off by what Newton has left to do, by what
+truncated series shift them by, and by rounding; a zone's pressure follows its ends
+(`sie.Density.sensitivity`), and is off itself by the series' truncation.
 
 Of nearly full contact the gaps have passed, and the error is that of the contact between them.
 """
@@ -27,18 +28,20 @@ _SINGULAR = 8
 _EPS = 2.2e-16
 # Angles of a zone at which the pressure is looked at for its size.
 _LOOKS = 64
-# A zone wider than this many lengths of the kernel's smooth part is refused: its solution, of 20,000 unknown values, takes more than 5 s.
-# The time grows as the power 3/2 of the width.
+# A zone wider than this many lengths of the kernel's smooth part is refused: its solution, of
+# 20,000 unknown values, takes more than 5 s. The time grows as the power 3/2 of the width.
 _MOST_LENGTHS = 3000.0
-# Of neglected modes what they may make of the pressure, and of rounding over the compliance that is left: several times what layers of
-# known contact have.
-_MODES, _CANCELLED = 5.0, 4e-15
+# Of neglected modes what they may make of the pressure, and of rounding over the compliance that is
+# left: several times what layers of known contact have.
+_MODES = 5.0
+_CANCELLED = 4e-15
 
 
 @record
 class Found(Solved):
-    """Zones that passed. off: how far the control may have been missed, in ends over the width of their zones; rounded: whether rounding
-    is what keeps that from being less."""
+    """Zones that passed. off: how far the control may have been missed, in ends over the width of
+    their zones; rounded: whether rounding is what keeps that from being less.
+    """
 
     fields: ZoneFields
     rounded: bool = False
@@ -53,16 +56,25 @@ class Found(Solved):
         fields, state, ends = self.fields, self.fields.state, self.ends
         density, problem, units = state.density, fields.problem, fields.problem.units
         _, by_left, by_right = density.sensitivity
-        singular, peak = _is_singular(density), reference(density, problem.end, problem.borne(density))
+        singular, peak = (
+            _is_singular(density),
+            reference(density, problem.end, problem.borne(density)),
+        )
         moved = float((ends[:, 0] * by_left + ends[:, 1] * by_right).max(initial=0.0)) / peak
-        on_zones = (_SINGULAR if singular else 1) * (state.density_error * state.size / peak + ROUNDING) + _of_jumps(density) / peak
-        error = max(float(ends.max(initial=0.0)) + ROUNDING, of_positions(self) + ROUNDING, moved + on_zones) + _of_body(self)
+        on_zones = (_SINGULAR if singular else 1) * (
+            state.density_error * state.size / peak + ROUNDING
+        ) + _of_jumps(density) / peak
+        error = max(
+            float(ends.max(initial=0.0)) + ROUNDING, of_positions(self) + ROUNDING, moved + on_zones
+        ) + _of_body(self)
         if self.control.approach is None:
             return error
         # A stiff contact turns the rounding of its level into load.
         assert fields.stiffness is not None
         rounding = fields.gap_rounding / 16 + 4e-16 * abs(density.total)
-        return error + abs(rounding * fields.stiffness * units.height / (units.load * fields.load_size))
+        return error + abs(
+            rounding * fields.stiffness * units.height / (units.load * fields.load_size)
+        )
 
     @property
     def limit_beside(self) -> str:
@@ -71,8 +83,10 @@ class Found(Solved):
 
 
 def _of_body(found: Found) -> float:
-    """What a body that is no half-plane adds: its smooth part, where it nearly cancels the line load of the half-plane, as that of a thin
-    layer does, leaves rounding and neglected modes that are large beside the little that remains."""
+    """What a body that is no half-plane adds: its smooth part, where it nearly cancels the line
+    load of the half-plane, as that of a thin layer does, leaves rounding and neglected modes that
+    are large beside the little that remains.
+    """
     operator = found.fields.problem.operator
     if operator.is_plain or operator.is_own or found.fields.state.density.slit_count:
         return 0.0
@@ -82,15 +96,24 @@ def _of_body(found: Found) -> float:
 
 
 def _cancelled(problem: Problem, table: Array) -> float:
-    """Rounding of the half-plane's kernel over the compliance of a body at the longest wave of the widest of scaled zones (n, 2)."""
+    """Rounding of the half-plane's kernel over the compliance of a body at the longest wave of the
+    widest of scaled zones (n, 2).
+    """
     width = float((table[:, 1] - table[:, 0]).max()) * problem.units.length
     return _CANCELLED / float(problem.operator.substrate.symbol(np.array([np.pi / width]))[0])
 
 
 def limit_of_body(problem: Problem, table: Array, tolerance: float) -> str:
-    """Why the body's kernel does not let scaled zones (n, 2) be found to a tolerance; empty if it does."""
+    """Why the body's kernel does not let scaled zones (n, 2) be found to a tolerance; empty if it
+    does.
+    """
     operator = problem.operator
-    if operator.is_plain or operator.is_own or len(table) == 0 or not _cancelled(problem, table) > tolerance:
+    if (
+        operator.is_plain
+        or operator.is_own
+        or len(table) == 0
+        or not _cancelled(problem, table) > tolerance
+    ):
         return ""
     part = _CANCELLED / _cancelled(problem, table)
     return (
@@ -100,7 +123,9 @@ def limit_of_body(problem: Problem, table: Array, tolerance: float) -> str:
 
 
 def too_thin(problem: Problem, table: Array) -> str:
-    """Why scaled zones (n, 2) are too wide for the body's kernel to be solved in seconds; empty if they are not."""
+    """Why scaled zones (n, 2) are too wide for the body's kernel to be solved in seconds; empty if
+    they are not.
+    """
     kernel, unit = problem.kernel, problem.units.length
     width = float((table[:, 1] - table[:, 0]).max(initial=0.0))
     if not width > _MOST_LENGTHS * kernel.length:
@@ -116,8 +141,9 @@ def too_thin(problem: Problem, table: Array) -> str:
 
 
 def of_positions(found: Found) -> float:
-    """What the ends, given as positions, are rounded to over their zone's width: of narrow zones far from x = 0 more is known. Nothing,
-    where what is cut off the positions is told too."""
+    """What the ends, given as positions, are rounded to over their zone's width: of narrow zones
+    far from x = 0 more is known. Nothing, where what is cut off the positions is told too.
+    """
     if found.fields.problem.forcing.exact:
         return 0.0
     units, zones = found.fields.problem.units, found.fields.density.zones
@@ -126,8 +152,9 @@ def of_positions(found: Found) -> float:
 
 
 def _of_jumps(density: sie.AnyDensity) -> float:
-    """Rounding of the logarithms at kinks, which may cancel to a pressure far below the height of the kinks. Beside an end they
-    are small themselves."""
+    """Rounding of the logarithms at kinks, which may cancel to a pressure far below the height of
+    the kinks. Beside an end they are small themselves.
+    """
     steps = density.jumps
     return 2 * _EPS * float((np.abs(steps.height) * steps.sine).max(initial=0.0))
 
@@ -137,23 +164,38 @@ def _is_singular(density: sie.AnyDensity) -> bool:
 
 
 def reference(density: sie.AnyDensity, free: sie.End, borne: float | None = None) -> float:
-    """What errors of the pressure are referred to: its peak, or the mean contact pressure where the peak is infinite; where free ends
-    pull, the largest p sqrt(1 - t^2), which is finite, and not less than such an end makes of it. free: the kind of free ends; borne: by
-    all zones, where that is not the density's total."""
+    """What errors of the pressure are referred to: its peak, or the mean contact pressure where the
+    peak is infinite; where free ends pull, the largest p sqrt(1 - t^2), which is finite, and not
+    less than such an end makes of it. free: the kind of free ends; borne: by all zones, where that
+    is not the density's total.
+    """
     if free.intensity is not None and free.intensity < 0.0:
         angle = (np.arange(_LOOKS) + 0.5) * np.pi / _LOOKS
-        highest = float(np.abs(density.at(np.arange(len(density.zones))[:, None], *sides(angle)) * np.sin(angle)).max())
+        highest = float(
+            np.abs(
+                density.at(np.arange(len(density.zones))[:, None], *sides(angle)) * np.sin(angle)
+            ).max()
+        )
         return max(highest, abs(free.intensity) * float(np.sqrt(2 / density.zones.half).max()))
     if _is_singular(density) or np.any((density.jumps.height > 0) & (density.jumps.order == 0)):
-        return abs(density.total if borne is None else borne) / float((density.zones.b - density.zones.a).sum())
+        return abs(density.total if borne is None else borne) / float(
+            (density.zones.b - density.zones.a).sum()
+        )
     return float(density.sensitivity[0].max())
 
 
 def limit(
-    free: sie.Free, tol: float, of: str, positions: float = 0.0, end: sie.End = sie.FREE, error: float = 0.0
+    free: sie.Free,
+    tol: float,
+    of: str,
+    positions: float = 0.0,
+    end: sie.End = sie.FREE,
+    error: float = 0.0,
 ) -> str:
-    """What keeps the ends of zones (of: "zone" or "gap") from being known to `tol`, in words; empty where it is not rounding.
-    positions: see `of_positions`; end: the kind of free ends; error: stated of a contact by its gaps."""
+    """What keeps the ends of zones (of: "zone" or "gap") from being known to `tol`, in words; empty
+    where it is not rounding. positions: see `of_positions`; end: the kind of free ends; error:
+    stated of a contact by its gaps.
+    """
     if positions > 0.5 * tol:
         return f"positions so far from x = 0 are rounded to {positions:.1e} of a zone's width; put the origin nearer, or allow a larger tol"
     density, rounding = free.density, free.rounding
@@ -173,7 +215,9 @@ def limit(
             f"pressure beside them follow that {error / worst:.0e} times; allow a larger tol"
         )
     _, by_left, by_right = density.sensitivity
-    moved = float((rounding[:, 0] * by_left + rounding[:, 1] * by_right).max()) / reference(density, end)
+    moved = float((rounding[:, 0] * by_left + rounding[:, 1] * by_right).max()) / reference(
+        density, end
+    )
     if moved > 0.25 * tol:
         return (
             f"rounding leaves ends uncertain by {worst:.1e} of a width, and beside a corner so close to an end the pressure follows "
@@ -182,14 +226,16 @@ def limit(
     return ""
 
 
-# Pressures closer to a gap than this part of the period are as uncertain as the rounding of their own position makes them:
-# what is stated is not about them.
+# Pressures closer to a gap than this part of the period are as uncertain as the rounding of their
+# own position makes them: what is stated is not about them.
 _BESIDE = 1e-7
 
-# Of a gap's width: where its ends are as uncertain, it is looked at whether they tell its place at all.
+# Of a gap's width: where its ends are as uncertain, it is looked at whether they tell its place at
+# all.
 _UNCERTAIN = 1e-4
 
-# Motion of the ends of a gap by an uneven error of R, over that by an even one: 2 for opposite signs.
+# Motion of the ends of a gap by an uneven error of R, over that by an even one: 2 for opposite
+# signs.
 _OF_RELIEF = 2.0
 
 # The same for tips: over the half width, as for zones (`sie.Density.sensitivity`).
@@ -198,7 +244,9 @@ _BESIDE_TIPS = 0.01
 
 @record
 class FoundByGaps(Solved):
-    """Gaps that passed. off: how far the mean pressure may be off where it was found from another control."""
+    """Gaps that passed. off: how far the mean pressure may be off where it was found from another
+    control.
+    """
 
     fields: GapFields
 
@@ -215,9 +263,10 @@ class FoundByGaps(Solved):
     def _error(self, of_relief: float) -> float:
         """The error under such an error of R.
 
-        An end of a gap off by delta shifts the normalised positions in the zone beside it, by delta over its width; the
-        pressure there by delta times its slope, beside a tip J / pi over the distance; and the pressure beside the gap, which is of the
-        size of its slope on the length of its width, by delta over that width.
+        An end of a gap off by delta shifts the normalised positions in the zone beside it, by delta
+        over its width; the pressure there by delta times its slope, beside a tip J / pi over the
+        distance; and the pressure beside the gap, which is of the size of its slope on the length
+        of its width, by delta over that width.
         """
         # The total of every gap is given: there are no slits.
         fields, state, gaps = self.fields, self.fields.state.whole, self.fields.density.zones
@@ -241,15 +290,21 @@ class FoundByGaps(Solved):
         seen = np.minimum((gaps.b - gaps.a) / (_BESIDE * fields.period), 1.0) ** 2
         beside = float((moved.sum(axis=1) * state.zone_sizes * seen).max()) / unit
         # Beside a kink the logarithms that cancel are several times the pressure.
-        rounding = (3 if len(fields.relief.at) else 1) * ROUNDING * (1 + abs(fields.mean) / unit) + of_relief / unit
+        rounding = (3 if len(fields.relief.at) else 1) * ROUNDING * (
+            1 + abs(fields.mean) / unit
+        ) + of_relief / unit
         on_zones = state.density_error * state.size / unit + rounding
-        tips = float((np.maximum(shift[:, 1], np.roll(shift[:, 0], -1)) * self._steepest).max()) / unit
+        tips = (
+            float((np.maximum(shift[:, 1], np.roll(shift[:, 0], -1)) * self._steepest).max()) / unit
+        )
         return 2 * (ends + float(shift.max()) * slope + beside + tips) + on_zones
 
     @property
     def _adrift(self) -> Array:
-        """How far each gap may be from its place where its ends do not tell: on a smooth top of R of curvature k it may be anywhere
-        where R is within rounding r of the top, by sqrt(2 r / k). 0 for gaps wider than that, and for those over kinks."""
+        """How far each gap may be from its place where its ends do not tell: on a smooth top of R
+        of curvature k it may be anywhere where R is within rounding r of the top, by sqrt(2 r / k).
+        0 for gaps wider than that, and for those over kinks.
+        """
         fields, profile = self.fields, self.fields.problem.profile
         gaps, relief = fields.density.zones, fields.relief
         out = np.zeros(len(gaps))
@@ -257,25 +312,38 @@ class FoundByGaps(Solved):
         narrow = np.flatnonzero(self.free.end_error.max(axis=1) > _UNCERTAIN)
         some = np.setdiff1d(narrow, gap[inside & (relief.heights < 0)])
         if len(some):
-            step = (profile.resolution or fields.problem.units.length * fields.period) / fields.problem.units.length / 64
+            step = (
+                (profile.resolution or fields.problem.units.length * fields.period)
+                / fields.problem.units.length
+                / 64
+            )
             middle = gaps.middle[some]
             top, beside = relief(middle), 0.5 * (relief(middle - step) + relief(middle + step))
             curvature = 2 * np.maximum(top - beside, 0.0) / step**2
-            rounding = 8 * float(np.finfo(np.float64).eps) * (abs(fields.mean) + np.abs(top)) + relief.error
+            rounding = (
+                8 * float(np.finfo(np.float64).eps) * (abs(fields.mean) + np.abs(top))
+                + relief.error
+            )
             reach = np.sqrt(2 * rounding / np.maximum(curvature, 2 * rounding / step**2))
             out[some] = np.where(reach > 0.5 * gaps.half[some], reach, 0.0)
         return out
 
     @property
     def _steepest(self) -> Array:
-        """Slope of the pressure in each zone beside the largest of its tips, no nearer than stated (J / pi over the distance)."""
+        """Slope of the pressure in each zone beside the largest of its tips, no nearer than stated
+        (J / pi over the distance).
+        """
         fields = self.fields
         zones, convex = fields.zones, fields.relief.heights > 0
         at, heights = fields.relief.at[convex], fields.relief.heights[convex]
         zone = located(zones, wrapped(at, zones[0, 0], fields.period))[0]
         count, largest = np.bincount(zone, minlength=len(zones)), np.zeros(len(zones))
         np.maximum.at(largest, zone, heights)
-        nearest = np.minimum(_BESIDE_TIPS, 0.25 / np.maximum(count, 1)) * 0.5 * (zones[:, 1] - zones[:, 0])
+        nearest = (
+            np.minimum(_BESIDE_TIPS, 0.25 / np.maximum(count, 1))
+            * 0.5
+            * (zones[:, 1] - zones[:, 0])
+        )
         return np.asarray(largest / (np.pi * nearest))
 
     @property

@@ -1,8 +1,10 @@
-"""What was checked of a solution: signs of pressure and gap over the whole line, balance of load, one approach.
+"""What was checked of a solution: signs of pressure and gap over the whole line, balance of load,
+one approach.
 
-The pressure is sampled on every zone, divided by its square-root ends so that it is positive up to them; the gap is
-sampled between the zones, closer near their ends, and its minima are followed below the sampling. Next to an end the
-sign of the gap is that of the pressure's slope A there, since gap ~ (4 A / 3) d^(3/2) / (E*/2).
+The pressure is sampled on every zone, divided by its square-root ends so that it is positive up to
+them; the gap is sampled between the zones, closer near their ends, and its minima are followed
+below the sampling. Next to an end the sign of the gap is that of the pressure's slope A there,
+since gap ~ (4 A / 3) d^(3/2) / (E*/2).
 """
 
 from __future__ import annotations
@@ -29,22 +31,32 @@ _AWAY = np.geomspace(NARROWEST, 0.1, 37)
 
 # Normalised positions at which zones are looked at for what the gap comes to on them.
 _ON_ZONES = np.cos(np.pi * np.array([0.125, 0.375, 0.625, 0.875]))
-# Points in one gap at the most: where the profile's resolution asks for them, and where it is a guess.
-_MOST_KNOWN, _MOST = 2**17, 4000
-# A miss of the intensity beyond rounding, over what is wanted, or over what bends the surfaces, where that is more.
+# Points in one gap at the most: where the profile's resolution asks for them, and where it is a
+# guess.
+_MOST_KNOWN = 2**17
+_MOST = 4000
+# A miss of the intensity beyond rounding, over what is wanted, or over what bends the surfaces,
+# where that is more.
 _INTENSITY = 1e-7
-# Points in a gap at the least. Beside an end about to move far the body may touch once more, nearer to the end than the second point if
-# they were half as many: in this part of the gap on either side, that is; of many gaps, the rest has no more than half of them.
-_FEWEST, _BESIDE = 48, 0.05
-# What sums of some hundred terms are rounded to, relative to the largest of them: no error is stated below it.
+# Points in a gap at the least. Beside an end about to move far the body may touch once more, nearer
+# to the end than the second point if they were half as many: in this part of the gap on either
+# side, that is; of many gaps, the rest has no more than half of them.
+_FEWEST = 48
+_BESIDE = 0.05
+# What sums of some hundred terms are rounded to, relative to the largest of them: no error is
+# stated below it.
 ROUNDING = 4e-14
 
 
 def _thinned() -> Array:
     """The least number of points in (0, 1), but in the middle every second one."""
-    every, second = (np.sin(0.5 * np.pi * (np.arange(n) + 0.5) / n) ** 2 for n in (_FEWEST, _FEWEST // 2))
+    every, second = (
+        np.sin(0.5 * np.pi * (np.arange(n) + 0.5) / n) ** 2 for n in (_FEWEST, _FEWEST // 2)
+    )
     beside = np.minimum(every, 1 - every) < _BESIDE
-    return np.asarray(np.sort(np.concatenate((every[beside], second[np.minimum(second, 1 - second) >= _BESIDE]))))
+    return np.asarray(
+        np.sort(np.concatenate((every[beside], second[np.minimum(second, 1 - second) >= _BESIDE])))
+    )
 
 
 _THINNED = _thinned()
@@ -52,16 +64,19 @@ _THINNED = _thinned()
 
 @dataclass(frozen=True)
 class Certificate:
-    """smallest_pressure: over the zones, p / sqrt(1 - t^2) [Pa]. smallest_edge: least edge slope over its scale.
-    smallest_gap: between the zones [m]. load_balance: relative. level_spread: largest difference of the zones' approaches [m].
-    points: how many were looked at. dip: least minimum of p / sqrt(1 - t^2) inside a zone over its largest value there, inf if
-    there is none. undecided: a gap within `gap_rounding` of zero, or a dip within rounding of it: whether there is contact in
-    that place is below what double precision tells. moment_balance: relative to the load times the farthest end
-    of a zone; None where no moment is given. intensity: largest miss at an end, over what the law asks for; stability: least eigenvalue
-    of the second variation of the energy by the motions of the ends, over twice the work of adhesion and at equal motions over
-    roots of the widths, at the control held: positive where the contact is locally stable, infinite where all ends are held at sharp
-    corners; both None under laws without. negative, overlaps: where signs fail, scaled (n, 2); lowest: scaled places, values and second
-    differences of the gap's minima (n, 3), see `minima.lowest`.
+    """smallest_pressure: over the zones, p / sqrt(1 - t^2) [Pa]. smallest_edge: least edge slope
+    over its scale. smallest_gap: between the zones [m]. load_balance: relative. level_spread:
+    largest difference of the zones' approaches [m]. points: how many were looked at. dip: least
+    minimum of p / sqrt(1 - t^2) inside a zone over its largest value there, inf if there is none.
+    undecided: a gap within `gap_rounding` of zero, or a dip within rounding of it: whether there is
+    contact in that place is below what double precision tells. moment_balance: relative to the load
+    times the farthest end of a zone; None where no moment is given. intensity: largest miss at an
+    end, over what the law asks for; stability: least eigenvalue of the second variation of the
+    energy by the motions of the ends, over twice the work of adhesion and at equal motions over
+    roots of the widths, at the control held: positive where the contact is locally stable, infinite
+    where all ends are held at sharp corners; both None under laws without. negative, overlaps:
+    where signs fail, scaled (n, 2); lowest: scaled places, values and second differences of the
+    gap's minima (n, 3), see `minima.lowest`.
     """
 
     smallest_pressure: float
@@ -83,20 +98,40 @@ class Certificate:
 
     def to_dict(self) -> dict[str, Any]:
         names = (
-            "holds", "undecided", "smallest_pressure", "smallest_gap", "gap_rounding", "load_balance", "level_spread",
-            "points", "note",
+            "holds",
+            "undecided",
+            "smallest_pressure",
+            "smallest_gap",
+            "gap_rounding",
+            "load_balance",
+            "level_spread",
+            "points",
+            "note",
         )
         found = {name: getattr(self, name) for name in names}
-        further = {name: getattr(self, name) for name in ("moment_balance", "intensity", "stability")}
+        further = {
+            name: getattr(self, name) for name in ("moment_balance", "intensity", "stability")
+        }
         return {**found, **{name: value for name, value in further.items() if value is not None}}
 
 
-NOT_CHECKED = Certificate(np.nan, None, 0, False, 0.0, np.nan, np.nan, note="a formal solution: its signs were not checked")
+NOT_CHECKED = Certificate(
+    np.nan,
+    None,
+    0,
+    False,
+    0.0,
+    np.nan,
+    np.nan,
+    note="a formal solution: its signs were not checked",
+)
 
 
 class Openings(NamedTuple):
-    """Between the zones, scaled: the least gap, where surfaces overlap (n, 2), rounding of the gap, how many points were looked at; its
-    minima; and what the gap comes to on the zones, where it is zero."""
+    """Between the zones, scaled: the least gap, where surfaces overlap (n, 2), rounding of the gap,
+    how many points were looked at; its minima; and what the gap comes to on the zones, where it is
+    zero.
+    """
 
     least: float | None
     overlaps: Array
@@ -107,7 +142,9 @@ class Openings(NamedTuple):
 
 
 def openings(fields: ZoneFields, few: float = 0.0) -> Openings:
-    """The gap, looked at everywhere. few: part of the zones that tell nothing of its error, since their ends are not known."""
+    """The gap, looked at everywhere. few: part of the zones that tell nothing of its error, since
+    their ends are not known.
+    """
     zones = fields.density.zones
     # There the gap is zero: what it comes to is known of it no better anywhere.
     places = (zones.middle[:, None] + zones.half[:, None] * _ON_ZONES).ravel()
@@ -115,13 +152,21 @@ def openings(fields: ZoneFields, few: float = 0.0) -> Openings:
     return Openings(*_gaps(fields, fields.gap_rounding + 2 * on_zones), on_zones)
 
 
-def certify(fields: ZoneFields, load: float | None, held: Control | None = None, few: float = 0.0) -> Certificate:
-    """Check the solution everywhere; `negative` and `overlaps` are the scaled intervals where it fails. held: the control under which
-    the contact has to be stable, where there are several equilibria, the load if left out; under a half width it need not be. few: see
-    `openings`."""
+def certify(
+    fields: ZoneFields, load: float | None, held: Control | None = None, few: float = 0.0
+) -> Certificate:
+    """Check the solution everywhere; `negative` and `overlaps` are the scaled intervals where it
+    fails. held: the control under which the contact has to be stable, where there are several
+    equilibria, the load if left out; under a half width it need not be. few: see `openings`.
+    """
     law = fields.problem.law
     signs = _pressures(fields)
-    pulls, least, dip, (valleys, left_out) = signs.negative, signs.least, signs.dip, _valleys(fields)
+    pulls, least, dip, (valleys, left_out) = (
+        signs.negative,
+        signs.least,
+        signs.dip,
+        _valleys(fields),
+    )
     if law.pulls:
         pulls, valleys, left_out, dip = [], [], 0, np.inf
     new = [row for row in valleys if not any(lo < row[1] and row[0] < hi for lo, hi in pulls)]
@@ -133,8 +178,16 @@ def certify(fields: ZoneFields, load: float | None, held: Control | None = None,
     balance = 0.0 if load is None else abs(density.total - load) / max(abs(load), size)
     turned = _moment_balance(fields)
     spread = float(np.ptp(fields.levels)) * units.height
-    undecided = (gaps is not None and -rounding <= gaps <= 0.0) or (dip <= DIP_ROUNDING and len(pressures) == 0)
-    holds = (least > 0 or law.pulls) and len(new) == 0 and len(overlaps) == 0 and balance < 1e-9 and (turned is None or turned < 1e-9)
+    undecided = (gaps is not None and -rounding <= gaps <= 0.0) or (
+        dip <= DIP_ROUNDING and len(pressures) == 0
+    )
+    holds = (
+        (least > 0 or law.pulls)
+        and len(new) == 0
+        and len(overlaps) == 0
+        and balance < 1e-9
+        and (turned is None or turned < 1e-9)
+    )
     note = told_of_left_out(left_out, "their zones") if left_out else ""
     if not on_zones <= fields.gap_error:
         holds = False
@@ -144,23 +197,42 @@ def certify(fields: ZoneFields, load: float | None, held: Control | None = None,
         missed = _missed(fields)
         name = "load" if held is None else held.name
         if held is None or held.half_width is None:
-            stability = least_eigenvalue(fields.second_variation(None if held is None else held.yields))
+            stability = least_eigenvalue(
+                fields.second_variation(None if held is None else held.yields)
+            )
         if missed > _INTENSITY * max(1.0, fields.bending):
             holds, note = False, f"an end misses its intensity by {missed:.1e}"
         elif stability is not None and not stability > 0.0:
-            holds, note = False, f"not stable under a held {name}: the second variation of the energy is not positive"
+            holds, note = (
+                False,
+                f"not stable under a held {name}: the second variation of the energy is not positive",
+            )
         else:
-            told = "its ends are given" if stability is None else f"locally stable under a held {name}"
+            told = (
+                "its ends are given" if stability is None else f"locally stable under a held {name}"
+            )
             told = "all ends are held at sharp corners" if stability == np.inf else told
             note = f"one of several equilibria: intensities at the ends, no overlap, balance, {told}{'; ' + note if note else ''}"
     broken = Told("law.fault(fields, load)", "law").text(law.fault, fields, load)
     if broken:
         holds, note = False, f"{law.name}: {broken}"
     return Certificate(
-        smallest_pressure=least * units.pressure, smallest_gap=None if gaps is None else gaps * units.height,
-        gap_rounding=rounding * units.height, load_balance=balance, level_spread=spread, points=signs.points + outside,
-        holds=bool(holds), undecided=bool(undecided) or left_out > 0, note=note, dip=dip, moment_balance=turned,
-        intensity=missed, stability=stability, negative=pressures, overlaps=overlaps, lowest=minima,
+        smallest_pressure=least * units.pressure,
+        smallest_gap=None if gaps is None else gaps * units.height,
+        gap_rounding=rounding * units.height,
+        load_balance=balance,
+        level_spread=spread,
+        points=signs.points + outside,
+        holds=bool(holds),
+        undecided=bool(undecided) or left_out > 0,
+        note=note,
+        dip=dip,
+        moment_balance=turned,
+        intensity=missed,
+        stability=stability,
+        negative=pressures,
+        overlaps=overlaps,
+        lowest=minima,
     )
 
 
@@ -169,21 +241,29 @@ def told_of_left_out(gaps: int, over: str) -> str:
 
 
 def _missed(fields: ZoneFields) -> float:
-    """Largest miss of the intensity that the law asks for at the ends, over it; where one is held, of what it asks for at the least."""
+    """Largest miss of the intensity that the law asks for at the ends, over it; where one is held,
+    of what it asks for at the least.
+    """
     wanted, zones = fields.problem.end.intensity, fields.density.zones
     assert wanted
     missed = np.array(fields.density.intensities) / wanted - 1.0
-    given = np.array([[end.intensity is not None for end in ends] for ends in (zones.left, zones.right)])
+    given = np.array(
+        [[end.intensity is not None for end in ends] for ends in (zones.left, zones.right)]
+    )
     return float(np.where(given, np.abs(missed), missed).max(initial=0.0))
 
 
 def least_eigenvalue(matrix: Array) -> float:
-    """Of its symmetric part: a second variation is symmetric but for rounding. Infinite where nothing moves."""
+    """Of its symmetric part: a second variation is symmetric but for rounding. Infinite where
+    nothing moves.
+    """
     return float(np.linalg.eigvalsh(0.5 * (matrix + matrix.T)).min(initial=np.inf))
 
 
 def _moment_balance(fields: ZoneFields) -> float | None:
-    """What the moment is off, over the load times the farthest end of a zone; None where none is given."""
+    """What the moment is off, over the load times the farthest end of a zone; None where none is
+    given.
+    """
     given = fields.problem.moment
     if given is None:
         return None
@@ -198,21 +278,29 @@ def _pressures(fields: ZoneFields) -> Signs:
 
     def over_root(zone: Index, angle: Array) -> Array:
         left, right = sides(angle)
-        return np.asarray(fields.problem.bearing(density, zone, left, right) / np.sqrt(left * right))
+        return np.asarray(
+            fields.problem.bearing(density, zone, left, right) / np.sqrt(left * right)
+        )
 
     def sampled(group: Index, theta: Array) -> tuple[Array, Array, Array]:
         value = over_root(group[:, None], theta)
         finite = np.isfinite(value)
         scale = np.abs(np.where(finite, value, 0.0)).max(axis=1)
-        return np.where(finite, value, np.inf), scale * np.clip(2 * noise[group], DIP_ROUNDING, 1e-6), scale
+        return (
+            np.where(finite, value, np.inf),
+            scale * np.clip(2 * noise[group], DIP_ROUNDING, 1e-6),
+            scale,
+        )
 
     return signs_on(density.zones, density.sampling, sampled, over_root)
 
 
 def _valleys(fields: ZoneFields) -> tuple[list[tuple[float, float]], int]:
-    """(where the pressure is negative about valleys with a kink; how many of these have it narrower than can be told).
+    """(where the pressure is negative about valleys with a kink; how many of these have it narrower
+    than can be told).
 
-    With J < 0 the jump of f', the pressure goes to minus infinity as (E* |J| / 2 pi) ln(distance): there is a gap, however narrow.
+    With J < 0 the jump of f', the pressure goes to minus infinity as (E* |J| / 2 pi) ln(distance):
+    there is a gap, however narrow.
     """
     density, forcing = fields.density, fields.problem.forcing
     kinks, heights = forcing.kinks
@@ -234,11 +322,12 @@ def _valleys(fields: ZoneFields) -> tuple[list[tuple[float, float]], int]:
 
 
 def _gaps(fields: ZoneFields, rounding: float) -> tuple[float | None, Array, float, int, Array]:
-    """(smallest gap found, intervals of overlap, rounding of the gap, points, minima), scaled: the points of all gaps at once, and only
-    minima followed that may touch zero.
+    """(smallest gap found, intervals of overlap, rounding of the gap, points, minima), scaled: the
+    points of all gaps at once, and only minima followed that may touch zero.
 
-    Levels that are tied from neighbour to neighbour drift by rounding along a long row of zones. Far from all zones a turned or a lopsided
-    body may touch as well: samples are not even there, and all minima are followed.
+    Levels that are tied from neighbour to neighbour drift by rounding along a long row of zones.
+    Far from all zones a turned or a lopsided body may touch as well: samples are not even there,
+    and all minima are followed.
     """
     open_ = list(fields.open_intervals())
     intervals, near = [(lo, hi) for lo, hi, _, _ in open_], len(open_)
@@ -279,8 +368,10 @@ def _gaps(fields: ZoneFields, rounding: float) -> tuple[float | None, Array, flo
 
 
 def _closing(gap: Array, place: Index, rounding: float) -> Mask:
-    """Samples, by interval and from left to right, that lie between the end of a zone and the first one where the gap is above
-    its rounding: there it closes as d^(3/2), and its sign is that of the pressure's slope."""
+    """Samples, by interval and from left to right, that lie between the end of a zone and the first
+    one where the gap is above its rounding: there it closes as d^(3/2), and its sign is that of the
+    pressure's slope.
+    """
     index, first_of = np.arange(len(gap)), np.flatnonzero(np.diff(place, prepend=-1))
     number = np.repeat(np.arange(len(first_of)), np.diff(first_of, append=len(gap)))
     open_ = gap > rounding
@@ -296,32 +387,50 @@ def _finite(gap: Array) -> Array:
 def _overlaps(x: Array, fails: Mask, lo: float, hi: float) -> list[tuple[float, float]]:
     """From the last good sample to the next one, for every run of bad samples in (lo, hi)."""
     return [
-        (float(x[max(s - 1, 0)]) if s else lo, float(x[min(e + 1, len(x) - 1)]) if e < len(x) - 1 else hi)
+        (
+            float(x[max(s - 1, 0)]) if s else lo,
+            float(x[min(e + 1, len(x) - 1)]) if e < len(x) - 1 else hi,
+        )
         for s, e in runs_of(fails)
     ]
 
 
 def _looked_at(fields: ZoneFields, intervals: list[tuple[float, float, bool, bool]]) -> list[Array]:
-    """Points in each of these: in gaps between zones without a tip that ask for no more than the least number, all at once."""
+    """Points in each of these: in gaps between zones without a tip that ask for no more than the
+    least number, all at once.
+    """
     if not intervals:
         return []
     lo, hi = np.array([row[:2] for row in intervals]).T
     between = np.array([row[2] and row[3] for row in intervals])
-    tips = np.searchsorted(fields.tips, hi, side="left") > np.searchsorted(fields.tips, lo, side="right")
+    tips = np.searchsorted(fields.tips, hi, side="left") > np.searchsorted(
+        fields.tips, lo, side="right"
+    )
     plain = between & ~tips & (4 * (hi - lo) / fields.spacing <= _FEWEST // 2)
-    x = np.clip(lo[plain, None] + (hi - lo)[plain, None] * _THINNED, lo[plain, None], hi[plain, None])
+    x = np.clip(
+        lo[plain, None] + (hi - lo)[plain, None] * _THINNED, lo[plain, None], hi[plain, None]
+    )
     # Of gaps as narrow as rounding some are the same.
     differ = np.diff(x, axis=1, prepend=-np.inf) > 0
     every = differ.all(axis=1)
-    rows = iter([row if whole else row[some] for row, whole, some in zip(x, every, differ, strict=True)])
-    return [next(rows) if alike else _between(*row[:2], fields, *row[2:]) for row, alike in zip(intervals, plain, strict=True)]
+    rows = iter(
+        [row if whole else row[some] for row, whole, some in zip(x, every, differ, strict=True)]
+    )
+    return [
+        next(rows) if alike else _between(*row[:2], fields, *row[2:])
+        for row, alike in zip(intervals, plain, strict=True)
+    ]
 
 
 def _between(lo: float, hi: float, fields: ZoneFields, left_zone: bool, right_zone: bool) -> Array:
-    """Points in (lo, hi), evenly at least as close as the fields' spacing asks for, quadratically closer next to zones; tips among
-    them, and the limit of what is looked at: the body may touch right there. Between zones no more than the spacing asks for, if that is
-    less than the least number, but beside their ends."""
-    known = fields.problem.profile.resolution is not None and (fields.is_bounded or (left_zone and right_zone))
+    """Points in (lo, hi), evenly at least as close as the fields' spacing asks for, quadratically
+    closer next to zones; tips among them, and the limit of what is looked at: the body may touch
+    right there. Between zones no more than the spacing asks for, if that is less than the least
+    number, but beside their ends.
+    """
+    known = fields.problem.profile.resolution is not None and (
+        fields.is_bounded or (left_zone and right_zone)
+    )
     asked = 4 * (hi - lo) / fields.spacing
     n = int(np.clip(asked, _FEWEST, _MOST_KNOWN if known else _MOST))
     s = (np.arange(n) + 0.5) / n
@@ -340,8 +449,10 @@ def _between(lo: float, hi: float, fields: ZoneFields, left_zone: bool, right_zo
 
 @record
 class Solved:
-    """free: the Newton result. fields: under the load that the intervals have. rounds: corrections it took. tolerance: of the ends.
-    off: how far the control may have been missed, in what the formulation says; of all intervals, or of each end (n, 2)."""
+    """free: the Newton result. fields: under the load that the intervals have. rounds: corrections
+    it took. tolerance: of the ends. off: how far the control may have been missed, in what the
+    formulation says; of all intervals, or of each end (n, 2).
+    """
 
     free: sie.Free
     fields: Any

@@ -1,4 +1,6 @@
-"""Signs of a nearly full contact: every gap open, pressure in every zone of contact, and a gap in every valley with a kink."""
+"""Signs of a nearly full contact: every gap open, pressure in every zone of contact, and a gap in
+every valley with a kink.
+"""
 
 import numpy as np
 
@@ -11,8 +13,10 @@ from contact.verify.minima import DIP_ROUNDING, Signs, follow, lowest, may_be_ne
 from sie import Array, Index, record
 
 _EPS = 2.2e-16
-# Shortest lengths of the profile: half widths from which zones are wide, and distances from their ends at which they are inner.
-_WIDE, _BESIDE_ENDS = 16, 2
+# Shortest lengths of the profile: half widths from which zones are wide, and distances from their
+# ends at which they are inner.
+_WIDE = 16
+_BESIDE_ENDS = 2
 
 
 def certify_gaps(fields: GapFields) -> Certificate:
@@ -20,16 +24,23 @@ def certify_gaps(fields: GapFields) -> Certificate:
     openings, minima = _openings(fields)
     least, negative, dip, points = _pressures(fields)
     valleys, left_out = _valleys(fields)
-    negative += [row for row in valleys if not any(lo < row[1] and row[0] < hi for lo, hi in negative)]
+    negative += [
+        row for row in valleys if not any(lo < row[1] and row[0] < hi for lo, hi in negative)
+    ]
     units = fields.problem.units
     note = "solved by its gaps"
     if left_out:
         note += f"; {told_of_left_out(left_out, 'the period')}"
     return Certificate(
-        smallest_pressure=least * units.pressure, smallest_gap=openings.least * units.height,
-        points=openings.points + points, holds=not (negative or openings.negative),
-        undecided=left_out > 0 or (dip <= DIP_ROUNDING and not negative), note=note, dip=dip,
-        negative=np.array(sorted(negative)).reshape(-1, 2), overlaps=np.array(openings.negative).reshape(-1, 2),
+        smallest_pressure=least * units.pressure,
+        smallest_gap=openings.least * units.height,
+        points=openings.points + points,
+        holds=not (negative or openings.negative),
+        undecided=left_out > 0 or (dip <= DIP_ROUNDING and not negative),
+        note=note,
+        dip=dip,
+        negative=np.array(sorted(negative)).reshape(-1, 2),
+        overlaps=np.array(openings.negative).reshape(-1, 2),
         lowest=minima,
     )
 
@@ -37,12 +48,16 @@ def certify_gaps(fields: GapFields) -> Certificate:
 def _openings(fields: GapFields) -> tuple[Signs, Array]:
     """The gap between its ends, and its minima (see `lowest`)."""
     density, gaps = fields.density, fields.density.zones
-    size = np.abs(density.coefficients).sum(axis=1) + np.bincount(density.jumps.zone, np.abs(density.jumps.height), len(gaps))
+    size = np.abs(density.coefficients).sum(axis=1) + np.bincount(
+        density.jumps.zone, np.abs(density.jumps.height), len(gaps)
+    )
     minima: list[Array] = []
 
     def sampled(group: Index, theta: Array) -> tuple[Array, Array, Array]:
         opening = density.integral_at(group[:, None], theta)
-        row, at = np.nonzero((opening[:, 1:-1] < opening[:, :-2]) & (opening[:, 1:-1] < opening[:, 2:]))
+        row, at = np.nonzero(
+            (opening[:, 1:-1] < opening[:, :-2]) & (opening[:, 1:-1] < opening[:, 2:])
+        )
         x = gaps.middle[group][:, None] + gaps.half[group][:, None] * np.cos(theta)
         minima.append(lowest(x.ravel(), opening.ravel(), row * len(theta) + at + 1))
         return opening, 64 * _EPS * (gaps.half * size)[group], opening.max(axis=1)
@@ -52,7 +67,9 @@ def _openings(fields: GapFields) -> tuple[Signs, Array]:
 
 
 def _pressures(fields: GapFields) -> tuple[float, list[tuple[float, float]], float, int]:
-    """(least pressure over the sine of the angle, intervals where it is negative, least dip over its zone's scale, points)."""
+    """(least pressure over the sine of the angle, intervals where it is negative, least dip over
+    its zone's scale, points).
+    """
     zones = fields.zones
     middle, half = zones.mean(axis=1), 0.5 * (zones[:, 1] - zones[:, 0])
     sampled = _sampled(fields)
@@ -61,7 +78,9 @@ def _pressures(fields: GapFields) -> tuple[float, list[tuple[float, float]], flo
     negative: list[tuple[float, float]] = []
 
     def pulls(i: int, lo: float, hi: float) -> None:
-        negative.append((float(middle[i] + half[i] * np.cos(hi)), float(middle[i] + half[i] * np.cos(lo))))
+        negative.append(
+            (float(middle[i] + half[i] * np.cos(hi)), float(middle[i] + half[i] * np.cos(lo)))
+        )
 
     fails = value < -rough
     for k in np.unique(run[fails]):
@@ -69,14 +88,18 @@ def _pressures(fields: GapFields) -> tuple[float, list[tuple[float, float]], flo
         for s, e in runs_of(fails[here]):
             first, last = sampled.angle(here[[max(s - 1, 0), min(e + 1, len(here) - 1)]])
             pulls(int(zone[here[0]]), float(first), float(last))
-    inner = may_be_negative(value[:-2], value[1:-1], value[2:]) & (run[:-2] == run[2:]) & ~fails[1:-1]
+    inner = (
+        may_be_negative(value[:-2], value[1:-1], value[2:]) & (run[:-2] == run[2:]) & ~fails[1:-1]
+    )
     places = np.flatnonzero(inner) + 1
     scale = np.zeros(len(zones))
     np.maximum.at(scale, zone, np.where(np.isfinite(value), np.abs(value), 0.0))
 
     def over_root(i: Index, angles: Array) -> Array:
         zone, angle = np.repeat(i.ravel(), angles.shape[1]), angles.ravel()
-        return np.asarray(fields.pressure_in(zone, *sides(angle)) / np.sin(angle)).reshape(angles.shape)
+        return np.asarray(fields.pressure_in(zone, *sides(angle)) / np.sin(angle)).reshape(
+            angles.shape
+        )
 
     before, after = sampled.angle(places - 1), sampled.angle(places + 1)
     dips = follow(over_root, zone[places], before, after, scale[zone[places]], rough[places])
@@ -87,8 +110,9 @@ def _pressures(fields: GapFields) -> tuple[float, list[tuple[float, float]], flo
 
 @record
 class _Samples:
-    """Samples in all contact: the run of even ones that each is of, its zone, the distances from the ends of that over its half width, the
-    pressure over the sine of the angle, its rounding."""
+    """Samples in all contact: the run of even ones that each is of, its zone, the distances from
+    the ends of that over its half width, the pressure over the sine of the angle, its rounding.
+    """
 
     run: Index
     zone: Index
@@ -102,7 +126,9 @@ class _Samples:
 
 
 def _sampled(fields: GapFields) -> _Samples:
-    """Even in the angle, closer beside the ends, but inside wide zones those that the fields have anyway, whatever their ends are."""
+    """Even in the angle, closer beside the ends, but inside wide zones those that the fields have
+    anyway, whatever their ends are.
+    """
     zones, spacing = fields.zones, fields.relief.spacing
     half = 0.5 * (zones[:, 1] - zones[:, 0])
     counts = np.clip(64 * half / spacing, 96, 40000).astype(int)
@@ -111,25 +137,34 @@ def _sampled(fields: GapFields) -> _Samples:
     x, known = fields.samples
     inside = located(zones, x)[0]
     from_left, from_right = x - zones[inside, 0], zones[inside, 1] - x
-    inner = np.flatnonzero(is_wide[inside] & (np.minimum(from_left, from_right) > _BESIDE_ENDS * spacing))
+    inner = np.flatnonzero(
+        is_wide[inside] & (np.minimum(from_left, from_right) > _BESIDE_ENDS * spacing)
+    )
     # Beside the ends of wide zones, some steps into their inner samples.
     beside = 2 * np.arcsin(np.sqrt(0.5 * (_BESIDE_ENDS * spacing + 3 * (x[1] - x[0])) / half[wide]))
     few = np.minimum(np.ceil(beside * counts[wide] / np.pi).astype(int) + 1, counts[wide])
     lengths = counts.copy()
     lengths[wide] = few
     of_run = np.concatenate((np.arange(len(zones)), wide))
-    first, lengths = np.concatenate((np.zeros(len(zones), dtype=int), counts[wide] - few)), np.concatenate((lengths, few))
+    first, lengths = (
+        np.concatenate((np.zeros(len(zones), dtype=int), counts[wide] - few)),
+        np.concatenate((lengths, few)),
+    )
     run = np.repeat(np.arange(len(of_run)), lengths)
     place = np.arange(len(run)) - np.repeat(np.cumsum(lengths) - lengths - first, lengths)
     zone = of_run[run]
     left, right = sides((place + 0.5) * np.pi / counts[zone])
     # From right to left, as angles grow.
     inner = inner[::-1]
-    pressure, zone = np.concatenate((fields.pressure_in(zone, left, right), known[inner])), np.concatenate((zone, inside[inner]))
+    pressure, zone = (
+        np.concatenate((fields.pressure_in(zone, left, right), known[inner])),
+        np.concatenate((zone, inside[inner])),
+    )
     left = np.concatenate((left, from_left[inner] / half[inside[inner]]))
     right = np.concatenate((right, from_right[inner] / half[inside[inner]]))
     run = np.concatenate((run, len(of_run) + inside[inner]))
-    # The pressure is a difference of numbers of the size of R: next to an end only their rounding is left.
+    # The pressure is a difference of numbers of the size of R: next to an end only their rounding
+    # is left.
     size = abs(fields.mean) + float(np.abs(pressure[np.isfinite(pressure)]).max(initial=0.0))
     over_sine = 1 / np.sqrt(left * right)
     return _Samples(run, zone, left, right, pressure * over_sine, 64 * _EPS * size * over_sine)
@@ -144,7 +179,9 @@ def _valleys(fields: GapFields) -> tuple[list[tuple[float, float]], int]:
     half = valley_gaps(fields, kinks)
     wide = half > NARROWEST * fields.period
     at = fields.density.locate(relief.at[kinks])[0]
-    return [(float(x - w), float(x + w)) for x, w in zip(at[wide], half[wide], strict=True)], int(np.sum(~wide))
+    return [(float(x - w), float(x + w)) for x, w in zip(at[wide], half[wide], strict=True)], int(
+        np.sum(~wide)
+    )
 
 
 def valley_gaps(fields: GapFields, kinks: Index) -> Array:

@@ -1,5 +1,6 @@
-"""Signs of a function on intervals, by samples and by dips followed below the sampling: whether a zone has a gap in it, or a gap a touch,
-that no sample has met."""
+"""Signs of a function on intervals, by samples and by dips followed below the sampling: whether a
+zone has a gap in it, or a gap a touch, that no sample has met.
+"""
 
 from __future__ import annotations
 
@@ -16,15 +17,18 @@ _ZOOMS = 7
 # So many negative samples show the width of a dip.
 _TELLING = 4
 # Different counts of samples that are many; binary digits that are left of each, but the first one.
-_MANY, _DIGITS = 16, 3
+_MANY = 16
+_DIGITS = 3
 # A dip of the pressure this far from zero, over the zone's largest pressure, is rounding.
 DIP_ROUNDING = 1e-14
 
 
 @record
 class Dips:
-    """negative: (zone, angle from, angle to) of every dip below its rounding; least: value above it; relative: least of all over
-    the zone's scale, inf without any; lowest: least of the negative ones."""
+    """negative: (zone, angle from, angle to) of every dip below its rounding; least: value above
+    it; relative: least of all over the zone's scale, inf without any; lowest: least of the negative
+    ones.
+    """
 
     negative: list[tuple[int, float, float]]
     least: float = np.inf
@@ -33,17 +37,24 @@ class Dips:
 
 
 def may_be_negative(before: Array, here: Array, after: Array) -> Mask:
-    """Whether a minimum sampled at three even places may lie below zero between them: a parabola through them falls below the
-    middle one by an eighth of their second difference at most."""
+    """Whether a minimum sampled at three even places may lie below zero between them: a parabola
+    through them falls below the middle one by an eighth of their second difference at most.
+    """
     with np.errstate(invalid="ignore"):
         bend = before - 2 * here + after
         return np.asarray((here <= before) & (here <= after) & (here > 0) & (here < bend))
 
 
 def follow(
-    over_root: Callable[[Index, Array], Array], zone: Index, lo: Array, hi: Array, scale: Array, rounding: Array
+    over_root: Callable[[Index, Array], Array],
+    zone: Index,
+    lo: Array,
+    hi: Array,
+    scale: Array,
+    rounding: Array,
 ) -> Dips:
-    """Minima of p / sqrt(1 - t^2), t = cos(angle), one in each bracket (lo, hi) of angles (n,) of the zones (n,).
+    """Minima of p / sqrt(1 - t^2), t = cos(angle), one in each bracket (lo, hi) of angles (n,) of
+    the zones (n,).
 
     over_root: of zones (n, 1) and angles (n, k). scale, rounding: of the values in each bracket.
     """
@@ -63,7 +74,8 @@ def follow(
         for k in np.flatnonzero(fails.any(axis=1)):
             at = np.flatnonzero(fails[k])
             lo[k], hi[k] = angle[k, max(at[0] - 1, 0)], angle[k, min(at[-1] + 1, 16)]
-            # A few negative samples tell where the pressure changes sign; one may stand for much less than its spacing.
+            # A few negative samples tell where the pressure changes sign; one may stand for much
+            # less than its spacing.
             keep[k] = len(at) < _TELLING and zoom < _ZOOMS - 1
             if not keep[k]:
                 negative.append((int(zone[k]), float(lo[k]), float(hi[k])))
@@ -75,20 +87,26 @@ def follow(
 
 
 def lowest(x: Array, value: Array, at: Index) -> Array:
-    """Places, values and half the second derivatives (n, 3) of minima, by the parabolas through the samples `at` and those beside."""
+    """Places, values and half the second derivatives (n, 3) of minima, by the parabolas through the
+    samples `at` and those beside.
+    """
     before, after = x[at] - x[at - 1], x[at + 1] - x[at]
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         falls, rises = (value[at] - value[at - 1]) / before, (value[at + 1] - value[at]) / after
         bend = (rises - falls) / (before + after)
         slope = falls + bend * before
-        found = np.column_stack((x[at] - slope / (2 * bend), value[at] - slope**2 / (4 * bend), bend))
+        found = np.column_stack(
+            (x[at] - slope / (2 * bend), value[at] - slope**2 / (4 * bend), bend)
+        )
     return np.asarray(found[np.isfinite(found).all(axis=1)])
 
 
 @record
 class Signs:
-    """negative: where it is, ascending (n, 2). least: the smallest value, of those within their rounding the modulus. dip: least minimum
-    between samples over the interval's scale, inf without any. points: how many samples."""
+    """negative: where it is, ascending (n, 2). least: the smallest value, of those within their
+    rounding the modulus. dip: least minimum between samples over the interval's scale, inf without
+    any. points: how many samples.
+    """
 
     negative: list[tuple[float, float]]
     least: float
@@ -97,18 +115,23 @@ class Signs:
 
 
 def signs_on(
-    intervals: sie.Zones, counts: Index, sampled: Callable[[Index, Array], tuple[Array, Array, Array]],
+    intervals: sie.Zones,
+    counts: Index,
+    sampled: Callable[[Index, Array], tuple[Array, Array, Array]],
     over: Callable[[Index, Array], Array],
 ) -> Signs:
-    """counts: samples of each interval, at even angles. sampled: of intervals (k,) and angles (n,) the values (k, n), their rounding and
-    their scale (k,). over: see `follow`."""
+    """counts: samples of each interval, at even angles. sampled: of intervals (k,) and angles (n,)
+    the values (k, n), their rounding and their scale (k,). over: see `follow`.
+    """
     negative: list[tuple[float, float]] = []
     least, points = np.inf, 0
 
     def within(i: int, first: float, last: float) -> tuple[float, float]:
         """Between two angles, 0 and pi the ends."""
         hi, lo = intervals.middle[i] + intervals.half[i] * np.cos([first, last])
-        return float(intervals.a[i] if last == np.pi else lo), float(intervals.b[i] if first == 0.0 else hi)
+        return float(intervals.a[i] if last == np.pi else lo), float(
+            intervals.b[i] if first == 0.0 else hi
+        )
 
     counts = _alike(counts)
     # Dips of all intervals are followed at once: zone, angles before and after, scale, rounding.
@@ -118,21 +141,33 @@ def signs_on(
         theta = (np.arange(n) + 0.5) * np.pi / n
         value, rounding, scale = sampled(group, theta)
         points += value.size
-        # Beside nearly merged intervals, and next to ends, a value is small of higher order: rounding is not a failure.
-        least = min(least, float(np.where(np.abs(value) <= rounding[:, None], np.abs(value), value).min()))
+        # Beside nearly merged intervals, and next to ends, a value is small of higher order:
+        # rounding is not a failure.
+        least = min(
+            least, float(np.where(np.abs(value) <= rounding[:, None], np.abs(value), value).min())
+        )
         fails = value < -rounding[:, None]
         for row in np.flatnonzero(fails.any(axis=1)):
-            negative += [within(group[row], s * np.pi / n, (e + 1) * np.pi / n) for s, e in runs_of(fails[row])]
+            negative += [
+                within(group[row], s * np.pi / n, (e + 1) * np.pi / n)
+                for s, e in runs_of(fails[row])
+            ]
         rows, places = np.nonzero(may_be_negative(value[:, :-2], value[:, 1:-1], value[:, 2:]))
-        followed.append((group[rows], theta[places], theta[places + 2], scale[rows], rounding[rows]))
-    zone, before, after, scale, rounding = (np.concatenate(part) for part in zip(*followed, strict=True))
+        followed.append(
+            (group[rows], theta[places], theta[places + 2], scale[rows], rounding[rows])
+        )
+    zone, before, after, scale, rounding = (
+        np.concatenate(part) for part in zip(*followed, strict=True)
+    )
     dips = follow(over, zone, before, after, scale, rounding)
     negative += [within(*found) for found in dips.negative]
     return Signs(sorted(negative), min(least, dips.least, dips.lowest), dips.relative, points)
 
 
 def _alike(counts: Index) -> Index:
-    """Counts of which there are not many different ones, none lower: intervals with the same count are looked at together."""
+    """Counts of which there are not many different ones, none lower: intervals with the same count
+    are looked at together.
+    """
     if len(np.unique(counts)) <= _MANY:
         return counts
     step = 2.0 ** np.maximum(np.floor(np.log2(counts)) - _DIGITS, 0)

@@ -1,8 +1,9 @@
 """Chebyshev nodes and transforms on one zone, t = cos(theta) in (-1, 1).
 
-Densities are sums c_j T_j(t) / sqrt(1 - t^2); what the Cauchy kernel makes of them on the zone are sums of
-U_{j-1}(t) = sin(j theta) / sin(theta). Nodes are the zeros of U_n, theta_k = k pi / (n + 1), so that U coefficients are
-a sine transform; with the two ends they are the Lobatto nodes of the weight 1 / sqrt(1 - t^2).
+Densities are sums c_j T_j(t) / sqrt(1 - t^2); what the Cauchy kernel makes of them on the zone are
+sums of U_{j-1}(t) = sin(j theta) / sin(theta). Nodes are the zeros of U_n, theta_k = k pi / (n +
+1), so that U coefficients are a sine transform; with the two ends they are the Lobatto nodes of the
+weight 1 / sqrt(1 - t^2).
 """
 
 from functools import lru_cache
@@ -20,7 +21,9 @@ _KEPT = 1 << 18
 
 @lru_cache(maxsize=64)
 def angles(n: int) -> Array:
-    """theta_k = k pi / (n + 1), k = 0 ... n + 1: both ends and the n zeros of U_n; t runs from +1 down to -1."""
+    """theta_k = k pi / (n + 1), k = 0 ... n + 1: both ends and the n zeros of U_n; t runs from +1
+    down to -1.
+    """
     theta: Array = np.arange(n + 2.0) * (np.pi / (n + 1))
     theta.flags.writeable = False
     return theta
@@ -41,7 +44,8 @@ def lobatto(n: int) -> tuple[Array, Array, Array]:
 @lru_cache(maxsize=64)
 def _sine_matrix(n: int) -> Array:
     k = np.arange(1, n + 1)
-    # Whole turns are taken off k theta exactly: of the product with a rounded angle, rounding would grow with k.
+    # Whole turns are taken off k theta exactly: of the product with a rounded angle, rounding would
+    # grow with k.
     sines = np.sin(_turn(2 * (n + 1)))[k[:, None] * k % (2 * (n + 1))]
     return np.ascontiguousarray((2 / (n + 1)) * sines * np.sin(angles(n)[1:-1]))
 
@@ -53,7 +57,9 @@ def _turn(parts: int) -> Array:
 
 
 def u_coefficients(values: Array) -> Array:
-    """Coefficients g_k, k = 1 ... n, of sum g_k U_{k-1} through values at the n zeros of U_n (along the last axis)."""
+    """Coefficients g_k, k = 1 ... n, of sum g_k U_{k-1} through values at the n zeros of U_n (along
+    the last axis).
+    """
     n = values.shape[-1]
     if n <= LARGEST_MATRIX:
         return np.asarray(values @ _sine_matrix(n).T)
@@ -61,8 +67,10 @@ def u_coefficients(values: Array) -> Array:
 
 
 def u_moved(g: Array, shift: Array, stretch: Array) -> Array:
-    """Coefficients of sum g_k U_{k-1}(shift + stretch t), k = 1 ... n, of g (zones, n), as polynomials in t: of zones that have moved.
-    Where these reach beyond (-1, 1) by more than such series hold, it is the value there."""
+    """Coefficients of sum g_k U_{k-1}(shift + stretch t), k = 1 ... n, of g (zones, n), as
+    polynomials in t: of zones that have moved. Where these reach beyond (-1, 1) by more than such
+    series hold, it is the value there.
+    """
     n = g.shape[1]
     if n == 0:
         return g
@@ -96,7 +104,9 @@ def slopes(values: Array) -> Array:
 
 @lru_cache(maxsize=64)
 def gauss(n: int) -> Array:
-    """Zeros of T_n: nodes of the n-point Gauss rule of the weight 1 / sqrt(1 - t^2), all weights pi / n."""
+    """Zeros of T_n: nodes of the n-point Gauss rule of the weight 1 / sqrt(1 - t^2), all weights pi
+    / n.
+    """
     return np.asarray(np.cos((np.arange(n) + 0.5) * (np.pi / n)))
 
 
@@ -113,7 +123,9 @@ def t_matrix(n: int, count: int) -> Array:
 
 @lru_cache(maxsize=64)
 def _t_matrix(n: int, count: int) -> Array:
-    return np.asarray(np.cos(_turn(4 * n))[np.outer(2 * np.arange(n) + 1, np.arange(count)) % (4 * n)])
+    return np.asarray(
+        np.cos(_turn(4 * n))[np.outer(2 * np.arange(n) + 1, np.arange(count)) % (4 * n)]
+    )
 
 
 @lru_cache(maxsize=8)
@@ -134,7 +146,9 @@ def t_values(c: Array, n: int) -> Array:
 
 
 def t_means(values: Array, count: int | None = None) -> Array:
-    """Means of f T_l, l = 0 ... count - 1 (or n - 1), with the weight 1 / sqrt(1 - t^2), from f at the n nodes of `gauss` (last axis)."""
+    """Means of f T_l, l = 0 ... count - 1 (or n - 1), with the weight 1 / sqrt(1 - t^2), from f at
+    the n nodes of `gauss` (last axis).
+    """
     n = values.shape[-1]
     count = n if count is None else count
     if n <= LARGEST_MATRIX:
@@ -148,17 +162,20 @@ def edge_part(c: Array) -> tuple[Array, Array]:
 
 
 def slopes_at_ends(c: Array) -> tuple[Array, Array]:
-    """sum u_k U_k at t = -1 and at t = 1 of `bounded_part`: c_j is, times -2, in u_(j-2), u_(j-4), ..., and U_k = k + 1 at 1."""
+    """sum u_k U_k at t = -1 and at t = 1 of `bounded_part`: c_j is, times -2, in u_(j-2), u_(j-4),
+    ..., and U_k = k + 1 at 1.
+    """
     j = np.arange(c.shape[1])
     weights = -2.0 * (j * j // 4)
     return c @ (weights * (1.0 - 2.0 * (j % 2))), c @ weights
 
 
 def bounded_part(c: Array) -> tuple[Array, Array, Array]:
-    """Split sum c_j T_j / sqrt(1-t^2) into (alpha + beta t) / sqrt(1-t^2) + sqrt(1-t^2) sum u_k U_k.
+    """Split sum c_j T_j / sqrt(1-t^2) into (alpha + beta t) / sqrt(1-t^2) + sqrt(1-t^2) sum u_k
+    U_k.
 
-    From T_j - T_{j-2} = -2 (1-t^2) U_{j-2}; c has shape (zones, n + 1). Near a bounded end this form keeps its digits,
-    where the sum over T_j would lose them to cancellation.
+    From T_j - T_{j-2} = -2 (1-t^2) U_{j-2}; c has shape (zones, n + 1). Near a bounded end this
+    form keeps its digits, where the sum over T_j would lose them to cancellation.
     """
     c = widened(c, 2)
     sums = np.empty_like(c)

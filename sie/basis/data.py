@@ -1,5 +1,5 @@
-"""What all else is made of: arrays by what they hold, classes of named fields, and what copies keep of an object; places on a line
-that repeats, and among things that are counted one after the other.
+"""What all else is made of: arrays by what they hold, classes of named fields, and what copies keep
+of an object; places on a line that repeats, and among things that are counted one after the other.
 """
 
 from collections.abc import Callable
@@ -22,10 +22,12 @@ _ROWS = 2048
 
 @dataclass_transform(frozen_default=True, eq_default=False, field_specifiers=(field,))
 def record(cls: type[T]) -> type[T]:
-    """Make a class of its annotated fields: a data class that nobody changes, and that equals itself alone.
+    """Make a class of its annotated fields: a data class that nobody changes, and that equals
+    itself alone.
 
-    Type checkers see that no field is set again. Nothing looks while the program runs: a frozen data class takes three times as long
-    to be made, and its instances twice, where many are made in every Newton step and in every import.
+    Type checkers see that no field is set again. Nothing looks while the program runs: a frozen
+    data class takes three times as long to be made, and its instances twice, where many are made in
+    every Newton step and in every import.
 
     Parameters
     ----------
@@ -51,7 +53,8 @@ def record(cls: type[T]) -> type[T]:
 
 
 class Kept:
-    """Base of classes whose cached properties follow from their fields, bit for bit, whenever they are asked for again.
+    """Base of classes whose cached properties follow from their fields, bit for bit, whenever they
+    are asked for again.
 
     Examples
     --------
@@ -69,7 +72,11 @@ class Kept:
 
     def _fields_of(self, values: dict[str, Any]) -> dict[str, Any]:
         cls = type(self)
-        return {name: value for name, value in values.items() if not isinstance(getattr(cls, name, None), cached_property)}
+        return {
+            name: value
+            for name, value in values.items()
+            if not isinstance(getattr(cls, name, None), cached_property)
+        }
 
 
 def wrapped(x: Array, start: float | Array, period: float | None) -> Array:
@@ -125,7 +132,9 @@ def nearest_image(x: Array, centre: float | Array, period: float | None) -> Arra
 
 
 def lost(x: Array, by: Array) -> Array:
-    """What x + by loses to rounding, exactly (D. E. Knuth, The Art of Computer Programming 2, 4.2.2)."""
+    """What x + by loses to rounding, exactly (D. E. Knuth, The Art of Computer Programming 2,
+    4.2.2).
+    """
     there = x + by
     back = there - x
     return np.asarray((x - (there - back)) + (by - back))
@@ -147,11 +156,18 @@ def numbered(counts: Index) -> Index:
 
 
 def by_rows(of: Callable[..., Any], *tables: NDArray[Any], most: int = _ROWS) -> Any:
-    """What `of` makes of the rows of tables, some thousands of rows at a time, or so many at the most: what it makes on the way of very
-    many would not fit into the cache, and be asked of the system each time."""
+    """What `of` makes of the rows of tables, some thousands of rows at a time, or so many at the
+    most: what it makes on the way of very many would not fit into the cache, and be asked of the
+    system each time.
+    """
     if len(tables[0]) <= most:
         return of(*tables)
-    return np.concatenate([of(*(table[s : s + most] for table in tables)) for s in range(0, len(tables[0]), max(1, most))])
+    return np.concatenate(
+        [
+            of(*(table[s : s + most] for table in tables))
+            for s in range(0, len(tables[0]), max(1, most))
+        ]
+    )
 
 
 def row_sizes(table: Array) -> Array:
@@ -175,7 +191,9 @@ def _legendre(nodes: int) -> tuple[Array, Array]:
 
 
 def legendre(ends: Array, nodes: int, parts: Index | int = 1) -> tuple[Array, Array]:
-    """(places, weights) of Gauss's rule on so many equal parts of every interval between neighbouring ends, part after part."""
+    """(places, weights) of Gauss's rule on so many equal parts of every interval between
+    neighbouring ends, part after part.
+    """
     parts = np.broadcast_to(parts, len(ends) - 1)
     length = np.repeat(np.diff(ends) / parts, parts)[:, None]
     start = np.repeat(ends[:-1], parts)[:, None] + numbered(parts)[:, None] * length

@@ -1,4 +1,6 @@
-"""Readers of what a user gives: each returns the value in the form the engine needs, or raises a ValueError that names it."""
+"""Readers of what a user gives: each returns the value in the form the engine needs, or raises a
+ValueError that names it.
+"""
 
 import math
 from typing import Any
@@ -79,7 +81,9 @@ def function(name: str, value: Any, optional: bool = False) -> None:
 
 
 def several(values: Any) -> tuple[Any, ...]:
-    """A tuple of what is given: of a list or tuple its members, of anything else itself; of None nothing."""
+    """A tuple of what is given: of a list or tuple its members, of anything else itself; of None
+    nothing.
+    """
     if values is None:
         return ()
     return tuple(values) if isinstance(values, list | tuple) else (values,)

@@ -1,7 +1,8 @@
 r"""The basis on one interval, and all that is known of it in closed form.
 
-On the interval of half width w, t = (x - middle)/w = cos(theta), a density is a sum of T_l / X, X = (1 - t^2)^(1/2), or, which keeps its
-digits beside an end where it vanishes, (alpha + beta t) / X + X sum u_k U_k. Off it, with zeta for t,
+On the interval of half width w, t = (x - middle)/w = cos(theta), a density is a sum of T_l / X, X =
+(1 - t^2)^(1/2), or, which keeps its digits beside an end where it vanishes, (alpha + beta t) / X +
+X sum u_k U_k. Off it, with zeta for t,
 
     R = (zeta^2 - 1)^(1/2), about zeta far away,       rho = zeta - R,  |rho| < 1,       -log(rho) = arcosh(zeta).
 
@@ -10,8 +11,9 @@ digits beside an end where it vanishes, (alpha + beta t) / X + X sum u_k U_k. Of
     potential  T_l / X -> -w T_l / l, T_0 / X -> w log(w / 2)      T_l / X -> -w rho^l / l,        T_0 / X -> w log(w / (2 |rho|))
     at an end  T_l / X -> K = (w/2)^(1/2) (+-1)^l                  sqrt(distance) times A = (2/w)^(1/2) (l + 1) (+-1)^l of X U_l
 
-These formulas and the exponent 1/2 stand here, and everything else asks for them. No place is given by t: on the line by its distances
-from both ends over w, or by |zeta| - 1; at complex points by zeta + 1 and zeta - 1. So no digit is lost beside an end.
+These formulas and the exponent 1/2 stand here, and everything else asks for them. No place is given
+by t: on the line by its distances from both ends over w, or by |zeta| - 1; at complex points by
+zeta + 1 and zeta - 1. So no digit is lost beside an end.
 """
 
 from collections.abc import Callable, Iterator
@@ -28,13 +30,18 @@ Number = NDArray[Any]
 What = Literal["transform", "derivative", "potential"]
 
 LOG2 = float(np.log(2.0))
-# Of the angle: by which derivatives are found, and so small that it is its sine, as multiples of it are theirs.
-_STEP, _TINY = 1e-5, 1e-150
+# Of the angle: by which derivatives are found, and so small that it is its sine, as multiples of it
+# are theirs.
+_STEP = 1e-5
+_TINY = 1e-150
 
 
-# places -----------------------------------------------------------------------------------------------------------------
+# places
+# -----------------------------------------------------------------------------------------------------------------
 def theta(left: Any, right: Any) -> Array:
-    """Angle from the right end, t = cos(theta), by the distances from both ends over w; theta(right, left) is that from the left end."""
+    """Angle from the right end, t = cos(theta), by the distances from both ends over w;
+    theta(right, left) is that from the left end.
+    """
     return np.asarray(2 * np.arctan2(np.sqrt(right), np.sqrt(left)))
 
 
@@ -44,7 +51,9 @@ def sides(angle: Array) -> tuple[Array, Array]:
 
 
 def by_angle(of: Callable[[Array, Array], Array], angle: Array) -> tuple[Array, Array]:
-    """(value, derivative by the angle) of a function of the distances from both ends over w, at angles, by close differences."""
+    """(value, derivative by the angle) of a function of the distances from both ends over w, at
+    angles, by close differences.
+    """
     step = np.minimum(_STEP, 0.5 * np.minimum(angle, np.pi - angle))
     before, after = (of(*sides(at)) for at in (angle - step, angle + step))
     return 0.5 * (before + after), (after - before) / (2 * step)
@@ -61,7 +70,9 @@ def fall(excess: Any) -> Array:
 
 
 class Seen:
-    """Points of the line seen from intervals: R, rho, and (1 + rho, 1 - rho); T_0 / X has the potential w first(w / datum)."""
+    """Points of the line seen from intervals: R, rho, and (1 + rho, 1 - rho); T_0 / X has the
+    potential w first(w / datum).
+    """
 
     rho: Array
     root: Array
@@ -93,7 +104,9 @@ class Seen:
         values[..., 0] = self.first(width)
         return np.asarray(values)
 
-    def one_by_one(self, potential: bool, width: Number, weight: Array | None = None) -> Iterator[Array]:
+    def one_by_one(
+        self, potential: bool, width: Number, weight: Array | None = None
+    ) -> Iterator[Array]:
         """The same, l = 0, 1, ..., one after the other, times a weight."""
         weight = np.ones_like(self.rho) if weight is None else weight
         power: Array = np.asarray(weight if potential else weight / self.root, dtype=float)
@@ -135,8 +148,9 @@ class Outside(Seen):
 
 @record
 class OnLine(Seen):
-    """Points of the line seen from intervals: distances from the ends over w (positive on the interval), R and rho, if on it; there rho
-    is any value inside the unit circle."""
+    """Points of the line seen from intervals: distances from the ends over w (positive on the
+    interval), R and rho, if on it; there rho is any value inside the unit circle.
+    """
 
     left: Array
     right: Array
@@ -165,7 +179,14 @@ class OnLine(Seen):
         return 0.5 * (self.left - self.right)
 
     def __getitem__(self, which: Any) -> "OnLine":
-        return OnLine(self.left[which], self.right[which], self.root[which], self.rho[which], self.on[which], self.any_on)
+        return OnLine(
+            self.left[which],
+            self.right[which],
+            self.root[which],
+            self.rho[which],
+            self.on[which],
+            self.any_on,
+        )
 
 
 def complex_of(x: Any, y: Any) -> Complex:
@@ -178,8 +199,10 @@ def complex_of(x: Any, y: Any) -> Complex:
 
 @record
 class InPlane:
-    """Points of the closed upper half plane seen from intervals, pair by pair, by zeta + 1 and zeta - 1, whose roots p and m are both in
-    the first quadrant: R = p m, rho = 2 / (p + m)^2, 1 - rho = 2 m / (p + m)."""
+    """Points of the closed upper half plane seen from intervals, pair by pair, by zeta + 1 and zeta
+    - 1, whose roots p and m are both in the first quadrant: R = p m, rho = 2 / (p + m)^2, 1 - rho =
+    2 m / (p + m).
+    """
 
     left: Complex
     less: Complex
@@ -234,8 +257,11 @@ class InPlane:
         return np.asarray(np.log(2 * (c - 1j * s) * (c * m + 1j * s * p) / (p + m)))
 
 
-# off the interval -------------------------------------------------------------------------------------------------------
-def of_t(c: Array, seen: InPlane | Outside | OnLine, w: Array, datum: float, row: Index, what: What) -> Number:
+# off the interval
+# -------------------------------------------------------------------------------------------------------
+def of_t(
+    c: Array, seen: InPlane | Outside | OnLine, w: Array, datum: float, row: Index, what: What
+) -> Number:
     """Of sum c[row, l] T_l / X on intervals of half widths w."""
     if what == "potential":
         divided = c / np.maximum(np.arange(c.shape[1]), 1)
@@ -247,9 +273,17 @@ def of_t(c: Array, seen: InPlane | Outside | OnLine, w: Array, datum: float, row
     return np.asarray(-(slope + seen.zeta / seen.root * value) / seen.root**2 / w)
 
 
-def potential_of(divided: Array, seen: Seen | InPlane, w: Array, datum: float, row: Index) -> Number:
+def potential_of(
+    divided: Array, seen: Seen | InPlane, w: Array, datum: float, row: Index
+) -> Number:
     """The potential of sum c[row, l] T_l / X, by c_0, c_1, c_2 / 2, c_3 / 3 ..."""
-    return np.asarray(w * (divided[row, 0] * seen.first(w / datum) - seen.rho * sum_of_powers(divided[:, 1:], seen.rho, row)))
+    return np.asarray(
+        w
+        * (
+            divided[row, 0] * seen.first(w / datum)
+            - seen.rho * sum_of_powers(divided[:, 1:], seen.rho, row)
+        )
+    )
 
 
 def transform_of(alpha: Array, beta: Array, u: Array, seen: Seen | InPlane, row: Index) -> Number:
@@ -272,16 +306,26 @@ def transform_slope_of(alpha: Array, beta: Array, u: Array, seen: InPlane, row: 
     """w times the derivative of this."""
     a, b, rho = alpha[row], beta[row], seen.rho
     with np.errstate(divide="ignore", invalid="ignore"):
-        edge = -(_edge(a, b, *seen.from_ends) / seen.root * seen.zeta / seen.root + b * rho / seen.root) / seen.root
+        edge = (
+            -(
+                _edge(a, b, *seen.from_ends) / seen.root * seen.zeta / seen.root
+                + b * rho / seen.root
+            )
+            / seen.root
+        )
         value = rho * sum_of_powers(-u * np.arange(1, u.shape[1] + 1), rho, row)
         value = np.where(value == 0, 0.0, value / seen.root)
     return np.asarray(np.where((a == 0) & (b == 0), 0.0, edge) + value)
 
 
-# on the interval --------------------------------------------------------------------------------------------------------
-def values_on(alpha: Array, beta: Array, u: Array, row: Index, left: Array, right: Array, vanishing: Mask) -> Array:
-    """(alpha + beta t) / X + X sum u_k U_k; vanishing: whether it is zero at the left, at the right end of each, whatever rounding has
-    left of alpha and beta."""
+# on the interval
+# --------------------------------------------------------------------------------------------------------
+def values_on(
+    alpha: Array, beta: Array, u: Array, row: Index, left: Array, right: Array, vanishing: Mask
+) -> Array:
+    """(alpha + beta t) / X + X sum u_k U_k; vanishing: whether it is zero at the left, at the right
+    end of each, whatever rounding has left of alpha and beta.
+    """
     root = np.sqrt(left * right)
     with np.errstate(divide="ignore", invalid="ignore"):
         a, b = alpha[row], beta[row]
@@ -290,8 +334,17 @@ def values_on(alpha: Array, beta: Array, u: Array, row: Index, left: Array, righ
         if not np.all(root):
             no_edge |= (left == 0) & vanishing[0][row] | (right == 0) & vanishing[1][row]
         # The same places in every interval are one row of angles.
-        l, r = (left[:1], right[:1]) if left.ndim == 2 and left.strides[0] == 0 == right.strides[0] else (left, right)
-        sums = sine_sum(u, row, np.broadcast_to(nearer_angle(l, r), left.shape), np.broadcast_to(l < r, left.shape))
+        l, r = (
+            (left[:1], right[:1])
+            if left.ndim == 2 and left.strides[0] == 0 == right.strides[0]
+            else (left, right)
+        )
+        sums = sine_sum(
+            u,
+            row,
+            np.broadcast_to(nearer_angle(l, r), left.shape),
+            np.broadcast_to(l < r, left.shape),
+        )
         return np.asarray(np.where(no_edge, 0.0, edge) + sums)
 
 
@@ -303,14 +356,24 @@ def own_transform(c: Array, row: Index, left: Array, right: Array) -> Array:
 
 
 def own_potential(divided: Array, row: Index, left: Array, right: Array, width: Array) -> Array:
-    """The potential over w of the same, by c_0, c_1, c_2 / 2, ...; width: w over the datum of each pair."""
-    return np.asarray(divided[row, 0] * (np.log(width) - LOG2) - cosine_sum(divided[:, 1:], row, theta(left, right)))
+    """The potential over w of the same, by c_0, c_1, c_2 / 2, ...; width: w over the datum of each
+    pair.
+    """
+    return np.asarray(
+        divided[row, 0] * (np.log(width) - LOG2)
+        - cosine_sum(divided[:, 1:], row, theta(left, right))
+    )
 
 
 def integral_on(c: Array, row: Index, angle: Array) -> Array:
-    """Integral over w of sum c_l T_l / X from the left end to the angle theta: int T_l / X dt = -sin(l theta) / l, pi - theta for l = 0."""
+    """Integral over w of sum c_l T_l / X from the left end to the angle theta: int T_l / X dt =
+    -sin(l theta) / l, pi - theta for l = 0.
+    """
     nearer, flip = np.minimum(angle, np.pi - angle), angle > 0.5 * np.pi
-    return np.asarray(c[row, 0] * (np.pi - angle) - sine_sum(c[:, 1:] / np.arange(1, c.shape[1]), row, nearer, flip))
+    return np.asarray(
+        c[row, 0] * (np.pi - angle)
+        - sine_sum(c[:, 1:] / np.arange(1, c.shape[1]), row, nearer, flip)
+    )
 
 
 def mean_potential(w: Any, datum: Any) -> Any:
@@ -318,7 +381,8 @@ def mean_potential(w: Any, datum: Any) -> Any:
     return w * np.log(w / (2 * datum))
 
 
-# at the ends ------------------------------------------------------------------------------------------------------------
+# at the ends
+# ------------------------------------------------------------------------------------------------------------
 def edge_scale(w: Any) -> Any:
     """K of T_l / X at the right end: the density is K / sqrt(d) at the distance d from an end."""
     return np.sqrt(0.5 * w)
@@ -335,7 +399,9 @@ def slope_scale(w: Any) -> Any:
     return np.sqrt(2 / w)
 
 
-def edge_slopes(alpha: Array, beta: Array, at_left: Array, at_right: Array, w: Array) -> tuple[Array, Array]:
+def edge_slopes(
+    alpha: Array, beta: Array, at_left: Array, at_right: Array, w: Array
+) -> tuple[Array, Array]:
     """A at the left and at the right end of the same, of which sum u_k U_k is so much there."""
     # From (alpha + beta t) / X at t = 1 - d/w, to second order.
     left, right = (((alpha + s * beta) / 4 - s * beta) / np.sqrt(2 * w) for s in (-1.0, 1.0))

@@ -1,10 +1,11 @@
-"""Kernels K(x, xi) and what they declare: where their poles are, and what remains when the poles are taken out.
+"""Kernels K(x, xi) and what they declare: where their poles are, and what remains when the poles
+are taken out.
 
     transform  (1/pi) PV int phi(xi) K(x, xi) dxi
     potential  (1/pi) int phi(xi) Lambda(x, xi) dxi,   dLambda/dx = K
 
-A kernel is a sum of poles 1 / (x - xi - s) over its `poles` s, which the engine carries out in closed form, and a
-regular part, which Gauss-Chebyshev quadrature finishes.
+A kernel is a sum of poles 1 / (x - xi - s) over its `poles` s, which the engine carries out in
+closed form, and a regular part, which Gauss-Chebyshev quadrature finishes.
 """
 
 import math
@@ -25,7 +26,8 @@ Regular = Callable[[Array, Array], Array]
 
 @dataclass(frozen=True)
 class Kernel(Kept):
-    """A sum of poles 1 / (x - xi - s) and a smooth rest; made by `cauchy`, `hilbert`, `images` and by adding a `Smooth`.
+    """A sum of poles 1 / (x - xi - s) and a smooth rest; made by `cauchy`, `hilbert`, `images` and
+    by adding a `Smooth`.
 
     Parameters
     ----------
@@ -36,24 +38,29 @@ class Kernel(Kept):
     regular, regular_potential : callable or None
         (x, xi) -> smooth rest of K and of Lambda, arrays that broadcast.
     reach : float
-        Distance from a source point to the nearest singularity of the regular part over all targets.
+        Distance from a source point to the nearest singularity of the regular part over all
+        targets.
     datum : float
         Lambda is log|(x - xi - s) / datum| summed over the poles.
     sure : bool
-        Whether the reach alone tells how many nodes and modes the regular part needs, as it does where that part is no larger off the zones
-        than on them. If not, as of a user's own, a zone's modes grow until they show it.
+        Whether the reach alone tells how many nodes and modes the regular part needs, as it does
+        where that part is no larger off the zones than on them. If not, as of a user's own, a
+        zone's modes grow until they show it.
     regular_slope : callable or None
         Derivative of the regular part by x, only asked for by derivatives at complex points.
     of_lag : bool
-        Whether the regular part depends on x - xi alone: then it is summed fast, however many zones there are.
+        Whether the regular part depends on x - xi alone: then it is summed fast, however many zones
+        there are.
     length : float
-        How near to the real axis the singularities of the regular part are, where that is known (inf: not): a zone of half width w begins
-        with as many modes as w over that asks for, and may take more than other regular kernels.
+        How near to the real axis the singularities of the regular part are, where that is known
+        (inf: not): a zone of half width w begins with as many modes as w over that asks for, and
+        may take more than other regular kernels.
 
     Raises
     ------
     ValueError
-        If the poles are not different finite numbers from 0 on, a length is not positive, or a potential has no regular part.
+        If the poles are not different finite numbers from 0 on, a length is not positive, or a
+        potential has no regular part.
 
     Examples
     --------
@@ -76,11 +83,15 @@ class Kernel(Kept):
     def __post_init__(self) -> None:
         poles = inputs.numbers("the poles of a kernel", self.poles)
         if len(poles) == 0 or poles[0] != 0.0 or len(np.unique(poles)) < len(poles):
-            raise ValueError(f"the poles of a kernel are different finite numbers, the first of them 0, got {self.poles!r}")
+            raise ValueError(
+                f"the poles of a kernel are different finite numbers, the first of them 0, got {self.poles!r}"
+            )
         for name, value in (("period", self.period), ("datum", self.datum)):
             if value is not None:
                 inputs.positive(f"the {name} of a kernel", value)
-        _look_at_parts("a kernel", self.regular, self.regular_potential, self.regular_slope, self.length)
+        _look_at_parts(
+            "a kernel", self.regular, self.regular_potential, self.regular_slope, self.length
+        )
         if self.regular is None and self.regular_potential is not None:
             raise ValueError("a kernel has a regular potential but no regular part: give both")
 
@@ -106,8 +117,15 @@ class Kernel(Kept):
         smooth = _smooth(other)
         regular = smooth if self.regular is None else self._rest + smooth
         return Kernel(
-            self.poles, self.period, regular.value, regular.potential, 0.0, self.datum,
-            regular_slope=regular.slope, of_lag=regular.of_lag, length=regular.length,
+            self.poles,
+            self.period,
+            regular.value,
+            regular.potential,
+            0.0,
+            self.datum,
+            regular_slope=regular.slope,
+            of_lag=regular.of_lag,
+            length=regular.length,
         )
 
     __radd__ = __add__
@@ -128,15 +146,17 @@ class Kernel(Kept):
     def _rest(self) -> "Smooth":
         """The regular part by itself."""
         assert self.regular is not None
-        return Smooth(self.regular, self.regular_potential, self.regular_slope, self.of_lag, self.length)
+        return Smooth(
+            self.regular, self.regular_potential, self.regular_slope, self.of_lag, self.length
+        )
 
 
 @dataclass(frozen=True)
 class Smooth:
     """A regular kernel value(x, xi), smooth on all zones, to be added to one with poles.
 
-    Smooth kernels can be added, subtracted and multiplied by numbers, and added to or subtracted from a kernel with poles. A kernel takes
-    a plain function of (x, xi) as one too.
+    Smooth kernels can be added, subtracted and multiplied by numbers, and added to or subtracted
+    from a kernel with poles. A kernel takes a plain function of (x, xi) as one too.
 
     Parameters
     ----------
@@ -211,9 +231,13 @@ class Smooth:
     def _combined(self, other: "Smooth", weight: float) -> "Smooth":
         """This kernel plus a multiple of another one."""
         both = zip(self._parts, other._parts, strict=True)
-        value, potential, slope = (None if one is None or two is None else _Sum(one, two, weight) for one, two in both)
+        value, potential, slope = (
+            None if one is None or two is None else _Sum(one, two, weight) for one, two in both
+        )
         assert value is not None
-        return Smooth(value, potential, slope, self.of_lag and other.of_lag, min(self.length, other.length))
+        return Smooth(
+            value, potential, slope, self.of_lag and other.of_lag, min(self.length, other.length)
+        )
 
 
 def _smooth(other: Any) -> Smooth:
@@ -224,7 +248,9 @@ def _smooth(other: Any) -> Smooth:
         return other
     if callable(other):
         return Smooth(other)
-    raise ValueError(f"to a kernel a sie.Smooth or a function of (x, xi) can be added, got {inputs.shown(other)}")
+    raise ValueError(
+        f"to a kernel a sie.Smooth or a function of (x, xi) can be added, got {inputs.shown(other)}"
+    )
 
 
 def _look_at_parts(name: str, value: Any, potential: Any, slope: Any, length: Any) -> None:
@@ -232,7 +258,9 @@ def _look_at_parts(name: str, value: Any, potential: Any, slope: Any, length: An
     for part, given in (("value", value), ("potential", potential), ("slope", slope)):
         inputs.function(f"the {part} of {name}", given, optional=True)
     if not (inputs.is_number(length) and length > 0):
-        raise ValueError(f"the length of {name} must be a positive number, or inf where it is not known, got {inputs.shown(length)}")
+        raise ValueError(
+            f"the length of {name} must be a positive number, or inf where it is not known, got {inputs.shown(length)}"
+        )
 
 
 @dataclass(frozen=True)
@@ -270,7 +298,8 @@ class _HilbertSlopeRest(_OfPeriod):
         return np.asarray(-(_trigamma(2 - d) + _trigamma(2 + d)) / self.period**2)
 
 
-# Of the asymptotic series of psi', Bernoulli's numbers B_2, B_4, ...; beyond so many steps it is as good as rounding (DLMF 5.15.8).
+# Of the asymptotic series of psi', Bernoulli's numbers B_2, B_4, ...; beyond so many steps it is as
+# good as rounding (DLMF 5.15.8).
 _BERNOULLI = (1 / 6, -1 / 30, 1 / 42, -1 / 30, 5 / 66, -691 / 2730, 7 / 6)
 _UP = 10
 
@@ -323,10 +352,12 @@ def cauchy(datum: float = 1.0) -> Kernel:
 
 
 def hilbert(period: float) -> Kernel:
-    """K = (pi/L) cot(pi (x - xi) / L), Lambda = log|2 sin(pi (x - xi) / L)|, whose mean over a period is zero.
+    """K = (pi/L) cot(pi (x - xi) / L), Lambda = log|2 sin(pi (x - xi) / L)|, whose mean over a
+    period is zero.
 
-    With the poles at 0 and +-L taken out, psi(2 - d/L) - psi(2 + d/L) over L remains, and in the potential
-    log(2 pi) - log(Gamma(2 - d/L) Gamma(2 + d/L)), by the reflection formula (DLMF 5.5.3).
+    With the poles at 0 and +-L taken out, psi(2 - d/L) - psi(2 + d/L) over L remains, and in the
+    potential log(2 pi) - log(Gamma(2 - d/L) Gamma(2 + d/L)), by the reflection formula (DLMF
+    5.5.3).
 
     Parameters
     ----------
@@ -351,7 +382,16 @@ def hilbert(period: float) -> Kernel:
     """
     length = inputs.positive("period", period)
     parts, slope = (_HilbertRest(length), _HilbertPotentialRest(length)), _HilbertSlopeRest(length)
-    return Kernel((0.0, -length, length), length, *parts, length, datum=length, sure=True, regular_slope=slope, of_lag=True)
+    return Kernel(
+        (0.0, -length, length),
+        length,
+        *parts,
+        length,
+        datum=length,
+        sure=True,
+        regular_slope=slope,
+        of_lag=True,
+    )
 
 
 def images(period: float, neighbours: int, datum: float = 1.0) -> Kernel:
@@ -382,7 +422,11 @@ def images(period: float, neighbours: int, datum: float = 1.0) -> Kernel:
     (0.0, -1.0, 1.0, -2.0, 2.0)
     """
     length = inputs.positive("period", period)
-    shifts = (sign * k * length for k in range(1, inputs.whole("neighbours", neighbours, 0) + 1) for sign in (-1, 1))
+    shifts = (
+        sign * k * length
+        for k in range(1, inputs.whole("neighbours", neighbours, 0) + 1)
+        for sign in (-1, 1)
+    )
     return Kernel((0.0, *shifts), None, datum=inputs.positive("datum", datum))
 
 
@@ -391,11 +435,16 @@ MAKERS = (cauchy, hilbert, images)
 
 
 def regular_size(kernel: Kernel, half_width: float, m: int) -> int:
-    """Quadrature nodes a zone needs for the regular part: until the kernel's own coefficients have decayed."""
+    """Quadrature nodes a zone needs for the regular part: until the kernel's own coefficients have
+    decayed.
+    """
     if not kernel.sure:
         if math.isinf(kernel.length):
             return m + 2
-        # Gauss' rule takes coefficient 2q - k of the kernel for part of that of T_k, k <= m: this one is rounding.
+        # Gauss' rule takes coefficient 2q - k of the kernel for part of that of T_k, k <= m: this
+        # one is rounding.
         decayed = -math.log(1e-17) / math.asinh(kernel.length / half_width)
         return max(m + 2, math.ceil(0.5 * (m + decayed)))
-    return max(4, math.ceil(-math.log(1e-17) / float(fall(max(kernel.reach / half_width - 1, 0.05)))))
+    return max(
+        4, math.ceil(-math.log(1e-17) / float(fall(max(kernel.reach / half_width - 1, 0.05))))
+    )

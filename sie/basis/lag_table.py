@@ -1,7 +1,9 @@
-"""Values of a smooth kernel of the lag x - xi at very many pairs, from short polynomials on even cells of the lag.
+"""Values of a smooth kernel of the lag x - xi at very many pairs, from short polynomials on even
+cells of the lag.
 
-A kernel whose singularities are `length` or more off the real axis is a polynomial of degree 7 on cells of length/25 up to rounding: the
-coefficients of its Chebyshev series there fall by a factor of 100 each.
+A kernel whose singularities are `length` or more off the real axis is a polynomial of degree 7 on
+cells of length/25 up to rounding: the coefficients of its Chebyshev series there fall by a factor
+of 100 each.
 """
 
 from __future__ import annotations
@@ -20,9 +22,10 @@ from sie.basis.kernels import Kernel, Regular
 class LagTableOptions:
     """How a kernel of the lag is tabulated.
 
-    terms: polynomial coefficients of a cell. cells_per_length: with 8 terms 25 cells leave 100^-8. most_cells: a larger table takes more
-    than 300 MB. block: pairs handled at once, few enough for the cache. accepted: error at places between the nodes, over the largest
-    value, above which the declared length is wrong and no table is used.
+    terms: polynomial coefficients of a cell. cells_per_length: with 8 terms 25 cells leave 100^-8.
+    most_cells: a larger table takes more than 300 MB. block: pairs handled at once, few enough for
+    the cache. accepted: error at places between the nodes, over the largest value, above which the
+    declared length is wrong and no table is used.
     """
 
     terms: int = 8
@@ -37,7 +40,9 @@ OPTIONS = LagTableOptions()
 
 @record
 class LagTable:
-    """Coefficients (terms, 2 cells) of powers of the place in a cell, from -1 to 1, on cells of width `step` about the lag 0."""
+    """Coefficients (terms, 2 cells) of powers of the place in a cell, from -1 to 1, on cells of
+    width `step` about the lag 0.
+    """
 
     step: float
     cells: int
@@ -45,7 +50,9 @@ class LagTable:
 
     @classmethod
     def of(cls, function: Regular, reach: float, length: float) -> LagTable | None:
-        """A table for lags up to `reach`; None where the kernel varies over less than its `length`, or the table is too large."""
+        """A table for lags up to `reach`; None where the kernel varies over less than its `length`,
+        or the table is too large.
+        """
         step = length / OPTIONS.cells_per_length
         cells = math.ceil(reach / step)
         if 2 * cells > OPTIONS.most_cells:
@@ -53,7 +60,9 @@ class LagTable:
         middles = step * (np.arange(-cells, cells) + 0.5)
         nodes = middles[:, None] + 0.5 * step * chebyshev.gauss(OPTIONS.terms)
         series = np.asarray(function(nodes, np.zeros(1))) @ chebyshev.to_series(OPTIONS.terms)
-        powers = np.array([np.pad(np.polynomial.chebyshev.cheb2poly(row), (0, k)) for row, k in _unit_series()])
+        powers = np.array(
+            [np.pad(np.polynomial.chebyshev.cheb2poly(row), (0, k)) for row, k in _unit_series()]
+        )
         table = cls(step, cells, np.ascontiguousarray((series @ powers).T))
         between = middles + 0.5 * step * np.cos(np.arange(len(middles)))
         error = np.abs(table(between) - np.asarray(function(between, np.zeros(1)))).max()
@@ -63,7 +72,8 @@ class LagTable:
         """Values at lags, any shape."""
         flat, out = lag.ravel(), np.empty(lag.size)
         for start in range(0, flat.size, OPTIONS.block):
-            # The place in the cell comes before the sum with `cells`: near the lag 0 no digit is lost.
+            # The place in the cell comes before the sum with `cells`: near the lag 0 no digit is
+            # lost.
             place = flat[start : start + OPTIONS.block] / self.step
             cell = np.clip(np.floor(place), -self.cells, self.cells - 1)
             place = 2.0 * (place - cell) - 1.0
@@ -78,14 +88,24 @@ class LagTable:
 
 def _unit_series() -> list[tuple[Array, int]]:
     """T_k as a series, k = 0 ... terms - 1, and how many powers it lacks."""
-    return [(np.eye(OPTIONS.terms)[k][: k + 1], OPTIONS.terms - 1 - k) for k in range(OPTIONS.terms)]
+    return [
+        (np.eye(OPTIONS.terms)[k][: k + 1], OPTIONS.terms - 1 - k) for k in range(OPTIONS.terms)
+    ]
 
 
 def regular_values(kernel: Kernel, x: Array, xi: Array, potential: bool = False) -> Array:
-    """The regular part of a kernel, or of its potential, at points x (n,) from xi (q,), (n, q): by a table where that is shorter."""
+    """The regular part of a kernel, or of its potential, at points x (n,) from xi (q,), (n, q): by
+    a table where that is shorter.
+    """
     function = kernel.regular_potential if potential else kernel.regular
     assert function is not None
-    if kernel.of_lag and math.isfinite(kernel.length) and not np.iscomplexobj(x) and len(x) and len(xi):
+    if (
+        kernel.of_lag
+        and math.isfinite(kernel.length)
+        and not np.iscomplexobj(x)
+        and len(x)
+        and len(xi)
+    ):
         reach = max(float(x.max() - xi.min()), float(xi.max() - x.min()), kernel.length)
         table = _table(kernel, potential, reach, len(x) * len(xi))
         if table is not None:
@@ -96,7 +116,8 @@ def regular_values(kernel: Kernel, x: Array, xi: Array, potential: bool = False)
 def _table(kernel: Kernel, potential: bool, reach: float, pairs: int) -> LagTable | None:
     """The kernel's table for lags up to `reach`, made where so many pairs are worth it."""
     kept = kernel.kept_tables
-    # Zones that move ask for the same table. Of a period the kernel is regular up to lags of two periods.
+    # Zones that move ask for the same table. Of a period the kernel is regular up to lags of two
+    # periods.
     key = potential, math.ceil(4 * math.log2(reach / kernel.length))
     if key not in kept:
         widest = kernel.length * 2.0 ** (key[1] / 4)

@@ -1,4 +1,6 @@
-"""Sums over the basis functions of many intervals at many points: powers of rho, sines and cosines of multiples of theta."""
+"""Sums over the basis functions of many intervals at many points: powers of rho, sines and cosines
+of multiples of theta.
+"""
 
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -8,14 +10,18 @@ from numpy.typing import NDArray
 
 from sie.basis.data import Array, Complex, Index, Mask, numbered, record
 
-# Below this number of multiplications all pairs are summed to the same order; of few pairs, all powers are formed at once.
-_SMALL, _FEW = 200_000, 256
+# Below this number of multiplications all pairs are summed to the same order; of few pairs, all
+# powers are formed at once.
+_SMALL = 200_000
+_FEW = 256
 # (point, jump) pairs handled at once; those that each have their own row stay in the cache.
-PAIRS, _PAIRS = 1 << 19, 1 << 15
+PAIRS = 1 << 19
+_PAIRS = 1 << 15
 # Pairs of the points and the things of a zone from which on these are held as a matrix.
 _MATRIX = 1 << 12
 # From this number of sines of multiples on not all are taken; and sines and cosines held at once.
-_MANY_TERMS, _BLOCK = 256, 800_000
+_MANY_TERMS = 256
+_BLOCK = 800_000
 
 
 def pair_blocks(points: int, jumps: int) -> Iterator[slice]:
@@ -37,7 +43,9 @@ def stretches(counts: Index, most: int) -> Iterator[slice]:
 
 @record
 class Grouped:
-    """Things that lie in zones: their places, zone after zone; count and first of each zone's, and of one more, none."""
+    """Things that lie in zones: their places, zone after zone; count and first of each zone's, and
+    of one more, none.
+    """
 
     order: Index
     count: Index
@@ -55,11 +63,16 @@ class Grouped:
 
     def places(self) -> dict[int, Index]:
         """Of each zone that there is something in, in ascending order."""
-        return {i: self.order[self.first[i] : self.first[i] + self.count[i]] for i in np.flatnonzero(self.count).tolist()}
+        return {
+            i: self.order[self.first[i] : self.first[i] + self.count[i]]
+            for i in np.flatnonzero(self.count).tolist()
+        }
 
     def summed(self, zone: Index, weight: Array, of: Callable[[Index, Index], Array]) -> Array:
-        """Sums over the things in the zones of points; of: what is summed, over their weight, by points and things, pair by pair, or, in a
-        zone of many pairs and where there is but one, (points, 1) and things, as a matrix."""
+        """Sums over the things in the zones of points; of: what is summed, over their weight, by
+        points and things, pair by pair, or, in a zone of many pairs and where there is but one,
+        (points, 1) and things, as a matrix.
+        """
         zone, out = self.rows(zone), np.zeros(len(zone))
         pairs = self.count * np.bincount(zone, minlength=len(self.count))
         many = pairs > (_MATRIX if np.count_nonzero(pairs) > 1 else 0)
@@ -78,8 +91,9 @@ class Grouped:
 
 
 def sum_of_powers(u: Array, rho: NDArray[Any], zone: Index) -> NDArray[Any]:
-    """sum_k u[zone, k] rho^k, rho real or complex, as far as rho^k is seen: pair by pair, rho and zone (n,), or for every point and
-    source, rho (points, sources) and zone (sources,)."""
+    """sum_k u[zone, k] rho^k, rho real or complex, as far as rho^k is seen: pair by pair, rho and
+    zone (n,), or for every point and source, rho (points, sources) and zone (sources,).
+    """
     count = u.shape[1]
     if count == 0 or rho.size == 0:
         return np.zeros(rho.shape, dtype=rho.dtype)
@@ -94,7 +108,9 @@ def sum_of_powers(u: Array, rho: NDArray[Any], zone: Index) -> NDArray[Any]:
 
 
 def _by_horner(u: Array, rho: NDArray[Any], zone: Index, terms: Index) -> NDArray[Any]:
-    """The same, pair by pair, of so many terms of each: those of the most terms come first, and the others join them on the way."""
+    """The same, pair by pair, of so many terms of each: those of the most terms come first, and the
+    others join them on the way.
+    """
     order = np.argsort(-terms, kind="stable")
     point_rho, row, counts = rho[order], zone[order], terms[order]
     out = np.zeros(len(order), dtype=rho.dtype)
@@ -133,15 +149,20 @@ def waves(weight: Array, angle: Array, count: int) -> Complex:
 
 
 def sine_sum(u: Array, zone: Index, angle: Array, flip: Mask) -> Array:
-    """sum_k u[zone, k] sin((k+1) theta), by the angle from the nearer end, theta = pi - angle where `flip`: no digit is lost near either
-    end. zone of any shape; one column of zones, (n, 1), with the same places in each is faster."""
+    """sum_k u[zone, k] sin((k+1) theta), by the angle from the nearer end, theta = pi - angle where
+    `flip`: no digit is lost near either end. zone of any shape; one column of zones, (n, 1), with
+    the same places in each is faster.
+    """
     if zone.ndim == 2 and zone.strides[1] == 0 == angle.strides[0]:
         return _same_places(u, zone[:, 0], angle[0], flip[0])
     shape, zone, angle, flip = angle.shape, zone.ravel(), angle.ravel(), flip.ravel()
     terms = _terms(u, zone)
     # The imaginary part of turn^(k+1), or where flipped of turn (-turn)^k.
     turn = np.exp(1j * angle)
-    out = (turn * _by_horner(u, np.where(flip, -turn, turn), zone, np.where(terms > _MANY_TERMS, 0, terms))).imag
+    out = (
+        turn
+        * _by_horner(u, np.where(flip, -turn, turn), zone, np.where(terms > _MANY_TERMS, 0, terms))
+    ).imag
     many = np.flatnonzero(terms > _MANY_TERMS)
     for i, some in Grouped.by(zone[many]).places().items():
         here = many[some]
@@ -160,7 +181,11 @@ def _terms(table: Array, row: Index) -> Index:
     named = np.flatnonzero(np.bincount(row, minlength=len(table)))
     used = table[named] != 0.0
     terms = np.zeros(len(table), dtype=np.intp)
-    terms[named] = used.any(axis=1) * (table.shape[1] - np.argmax(used[:, ::-1], axis=1)) if table.shape[1] else 0
+    terms[named] = (
+        used.any(axis=1) * (table.shape[1] - np.argmax(used[:, ::-1], axis=1))
+        if table.shape[1]
+        else 0
+    )
     return terms[row]
 
 
@@ -181,7 +206,9 @@ def _same_places(u: Array, zones: Index, angle: Array, flip: Mask) -> Array:
 
 
 def _sines(angle: Array, columns: Array) -> Array:
-    """sum_k columns[k - 1] sin(k angle), (points, columns). Of many terms k = m a + b, by sin(m a angle + b angle): few sines are taken."""
+    """sum_k columns[k - 1] sin(k angle), (points, columns). Of many terms k = m a + b, by sin(m a
+    angle + b angle): few sines are taken.
+    """
     count = len(columns) + 1
     if count <= _MANY_TERMS:
         return np.asarray(np.sin(angle[:, None] * np.arange(1, count)) @ columns)
@@ -192,4 +219,6 @@ def _sines(angle: Array, columns: Array) -> Array:
     by_near = terms.transpose(1, 0, 2).reshape(m, -1)
     shape = (len(angle), *terms.shape[::2])
     cosines, sines = (np.reshape(wave @ by_near, shape) for wave in (np.cos(near), np.sin(near)))
-    return np.asarray(np.einsum("pa,pac->pc", np.sin(far), cosines) + np.einsum("pa,pac->pc", np.cos(far), sines))
+    return np.asarray(
+        np.einsum("pa,pac->pc", np.sin(far), cosines) + np.einsum("pa,pac->pc", np.cos(far), sines)
+    )

@@ -1,10 +1,11 @@
 """Zones: disjoint ascending intervals [a, b], each with the kinds of its two ends.
 
-Near an end at distance d the density behaves as K / sqrt(d) + A sqrt(d). A *singular* end lets K be what it
-comes to; a *bounded* end asks K = 0 (or a prescribed K) at a given place; a *free* end asks for a given K (zero, or a prescribed
-intensity) at a place that is itself unknown. Each zone with two singular ends has index 1 and needs one side
-condition; each bounded end takes one away; a free end takes one away and brings one unknown, its position
-(Muskhelishvili, Singular Integral Equations, 1953, ch. 5).
+Near an end at distance d the density behaves as K / sqrt(d) + A sqrt(d). A *singular* end lets K be
+what it comes to; a *bounded* end asks K = 0 (or a prescribed K) at a given place; a *free* end asks
+for a given K (zero, or a prescribed intensity) at a place that is itself unknown. Each zone with
+two singular ends has index 1 and needs one side condition; each bounded end takes one away; a free
+end takes one away and brings one unknown, its position (Muskhelishvili, Singular Integral
+Equations, 1953, ch. 5).
 """
 
 from collections.abc import Sequence
@@ -48,11 +49,15 @@ class End:
         if self.intensity is not None:
             inputs.number("the intensity of an end", self.intensity)
         if self.moves and self.intensity is None:
-            raise ValueError("an end of unknown position needs a prescribed intensity (zero for a free end)")
+            raise ValueError(
+                "an end of unknown position needs a prescribed intensity (zero for a free end)"
+            )
 
     @property
     def surplus(self) -> int:
-        """Unknowns less equations that this end adds to its zone, counted from a zone with two bounded ends."""
+        """Unknowns less equations that this end adds to its zone, counted from a zone with two
+        bounded ends.
+        """
         return 1 if self.moves or self.intensity is None else 0
 
 
@@ -62,7 +67,8 @@ SINGULAR = End(moves=False, intensity=None)
 
 
 def free_with_intensity(intensity: float) -> End:
-    """An end of unknown position at which the density is `intensity / sqrt(d)` (adhesion, a crack at its limit).
+    """An end of unknown position at which the density is `intensity / sqrt(d)` (adhesion, a crack
+    at its limit).
 
     Parameters
     ----------
@@ -73,9 +79,8 @@ def free_with_intensity(intensity: float) -> End:
     -------
     End
 
-    Examples
-    --------
-    A line contact that adheres, K = -0.1, a = 1: load = pi a^2 / 2 + pi K sqrt(2 a) (M. Barquins, J. Adhesion 26, 1988, 1-12).
+    Examples -------- A line contact that adheres, K = -0.1, a = 1: load = pi a^2 / 2 + pi K sqrt(2
+    a) (M. Barquins, J. Adhesion 26, 1988, 1-12).
 
     >>> import numpy as np, sie
     >>> load = np.pi * (0.5 - 0.1 * np.sqrt(2))
@@ -105,7 +110,8 @@ def _kinds(ends: End | Sequence[End], count: int, side: str) -> tuple[End, ...]:
 
 @dataclass(frozen=True, eq=False)
 class Zones(Kept):
-    """`n` zones with ends a (n,) and b (n,), a < b < next a; `Zones.of(table, left, right)` makes and checks them.
+    """`n` zones with ends a (n,) and b (n,), a < b < next a; `Zones.of(table, left, right)` makes
+    and checks them.
 
     Parameters
     ----------
@@ -114,10 +120,11 @@ class Zones(Kept):
     left, right : sequence of End
         Kinds of the ends, one for each zone.
     symmetric : bool
-        The zones are mirror images of each other about x = 0 and so are the data; only half is solved.
+        The zones are mirror images of each other about x = 0 and so are the data; only half is
+        solved.
     rest : ndarray
-        What rounding has cut off the ends (2, n), which are a + rest[0] and b + rest[1]: an end may lie nearer to a corner of the right
-        side than the digits of its position tell.
+        What rounding has cut off the ends (2, n), which are a + rest[0] and b + rest[1]: an end may
+        lie nearer to a corner of the right side than the digits of its position tell.
 
     Examples
     --------
@@ -140,10 +147,14 @@ class Zones(Kept):
 
     @classmethod
     def of(
-        cls, ends: ArrayLike, left: End | Sequence[End] = FREE, right: End | Sequence[End] = FREE,
+        cls,
+        ends: ArrayLike,
+        left: End | Sequence[End] = FREE,
+        right: End | Sequence[End] = FREE,
         symmetric: bool = False,
     ) -> "Zones":
-        """Checked zones from an (n, 2) array of ends; left, right: one kind for all, or one for each.
+        """Checked zones from an (n, 2) array of ends; left, right: one kind for all, or one for
+        each.
 
         Raises
         ------
@@ -155,10 +166,16 @@ class Zones(Kept):
             raise ValueError(f"zones must have shape (n, 2) with n >= 1, got {table.shape}")
         flat = table.ravel()
         if not np.all(np.isfinite(flat)) or np.any(flat[1:] <= flat[:-1]):
-            raise ValueError("zone ends must be finite and strictly ascending: a0 < b0 < a1 < b1 < ...")
+            raise ValueError(
+                "zone ends must be finite and strictly ascending: a0 < b0 < a1 < b1 < ..."
+            )
         with np.errstate(over="ignore"):
-            if not np.isfinite(flat[-1] - flat[0]) or np.any(table[:, 1] - table[:, 0] < _NARROWEST):
-                raise ValueError(f"zones must be wider than {_NARROWEST:g} and reach over a finite length: choose another unit of length")
+            if not np.isfinite(flat[-1] - flat[0]) or np.any(
+                table[:, 1] - table[:, 0] < _NARROWEST
+            ):
+                raise ValueError(
+                    f"zones must be wider than {_NARROWEST:g} and reach over a finite length: choose another unit of length"
+                )
         count = table.shape[0]
         lefts, rights = _kinds(left, count, "left"), _kinds(right, count, "right")
         if symmetric:
@@ -171,7 +188,9 @@ class Zones(Kept):
         return cls(table[:, 0], table[:, 1], lefts, rights, symmetric)
 
     def moved(self, outward: Array, exactly: bool = True) -> "Zones":
-        """The same zones with ends moved outward (2, n); exactly: what rounding cuts off them is kept."""
+        """The same zones with ends moved outward (2, n); exactly: what rounding cuts off them is
+        kept.
+        """
         if self.symmetric:
             outward = 0.5 * (outward + outward[::-1, ::-1])
         ends, by = np.array([self.a, self.b]), np.array([-outward[0], outward[1]]) + self.rest
@@ -179,8 +198,9 @@ class Zones(Kept):
         return replace(self, a=a, b=b, rest=lost(ends, by) if exactly else np.zeros_like(by))
 
     def changed(self, lost: Index, met: Index, period: float | None) -> "tuple[Zones, Index]":
-        """(these without those that are lost, and with those joined that have met the next one, the numbers of what is left among these);
-        of joined ones the first."""
+        """(these without those that are lost, and with those joined that have met the next one, the
+        numbers of what is left among these); of joined ones the first.
+        """
         count = len(self)
         kept = np.setdiff1d(np.arange(count), np.union1d(lost, (np.asarray(met) + 1) % count))
         last, meets = kept.copy(), np.isin(np.arange(count), met)
@@ -220,14 +240,22 @@ class Zones(Kept):
 
     @cached_property
     def solved(self) -> Index:
-        """Indices of the zones whose equations are solved: all, or the right half of a symmetric set."""
+        """Indices of the zones whose equations are solved: all, or the right half of a symmetric
+        set.
+        """
         return np.arange(len(self) // 2, len(self)) if self.symmetric else np.arange(len(self))
 
     @cached_property
     def held(self) -> tuple[list[int], list[int]]:
-        """Places among the solved zones whose left, whose right end is bounded and does not move: K = 0 is asked there."""
+        """Places among the solved zones whose left, whose right end is bounded and does not move: K
+        = 0 is asked there.
+        """
         left, right = (
-            [p for p, i in enumerate(self.solved) if not ends[i].moves and ends[i].intensity is not None]
+            [
+                p
+                for p, i in enumerate(self.solved)
+                if not ends[i].moves and ends[i].intensity is not None
+            ]
             for ends in (self.left, self.right)
         )
         # Of a zone about the centre the left end is the mirror image of the right one.
@@ -241,7 +269,12 @@ class Zones(Kept):
     @cached_property
     def intensities(self) -> Array:
         """Those asked for at the left and at the right ends (2, n), not a number where none is."""
-        return np.array([[np.nan if end.intensity is None else end.intensity for end in ends] for ends in (self.left, self.right)])
+        return np.array(
+            [
+                [np.nan if end.intensity is None else end.intensity for end in ends]
+                for ends in (self.left, self.right)
+            ]
+        )
 
     @property
     def bounded(self) -> Mask:

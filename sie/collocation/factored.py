@@ -9,8 +9,9 @@ from scipy.linalg import lapack, lu_factor
 
 from sie.basis.data import Array, Index, record
 
-# Up to so many numbers in the right sides they are solved for one by one: LAPACK gives several of them to the threads of BLAS however few
-# they are, which takes as long, and leaves the threads turning for a tenth of a second.
+# Up to so many numbers in the right sides they are solved for one by one: LAPACK gives several of
+# them to the threads of BLAS however few they are, which takes as long, and leaves the threads
+# turning for a tenth of a second.
 _ONE_BY_ONE = 1024
 
 
@@ -18,8 +19,9 @@ _ONE_BY_ONE = 1024
 class Factored:
     """LU factors of the rows.
 
-    size_of_rows: root of the sum of squares of each row's terms at the solution, and of what they are made of; last: columns of the
-    last coefficient of each solved zone; rows: themselves, where intensities are prescribed and will be asked for their rates.
+    size_of_rows: root of the sum of squares of each row's terms at the solution, and of what they
+    are made of; last: columns of the last coefficient of each solved zone; rows: themselves, where
+    intensities are prescribed and will be asked for their rates.
     """
 
     lu: Array

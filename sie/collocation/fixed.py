@@ -1,6 +1,9 @@
-"""Solve the equation on given zones: choose the modes, sample, assemble, one LU, and read off the ends.
+"""Solve the equation on given zones: choose the modes, sample, assemble, one LU, and read off the
+ends.
 
-Many zones are not assembled: there fast sums and GMRES take the place of the matrix and its LU (see `iterative`)."""
+Many zones are not assembled: there fast sums and GMRES take the place of the matrix and its LU (see
+`iterative`).
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -31,15 +34,19 @@ _OF_ITERATION = 0.01
 _DEPENDENT = 1e-15
 # What T_k / sqrt(1 - t^2) without its singularity comes to beside an end, over k.
 _AT_ENDS = 0.73
-# What samples at the nodes leave out is folded back onto the coefficients that are kept, and counts twice.
+# What samples at the nodes leave out is folded back onto the coefficients that are kept, and counts
+# twice.
 _FOLDED = 2.0
 # How much slower coefficients are taken to fall beyond the last ones.
 _SLOWER = 0.9
-# Of the largest of a series' last coefficients where these are rounding, over sqrt(1 - t^2) beside an end, which moves so that no 1/sqrt
-# is left there: 0.42 n^1.5 of their size on average, a third of the largest, half of which is for _FOLDED.
+# Of the largest of a series' last coefficients where these are rounding, over sqrt(1 - t^2) beside
+# an end, which moves so that no 1/sqrt is left there: 0.42 n^1.5 of their size on average, a third
+# of the largest, half of which is for _FOLDED.
 _OF_ROUNDING = 0.08
-# Series so long hardly show in the residual away from the ends what they leave out beside these; where all of it adds up, over how many.
-_LONG, _ADDING_UP = 96, np.array([0.5, 1.0, 2.0])
+# Series so long hardly show in the residual away from the ends what they leave out beside these;
+# where all of it adds up, over how many.
+_LONG = 96
+_ADDING_UP = np.array([0.5, 1.0, 2.0])
 # Points of every zone at which the residual is looked at: none of them a node.
 LOOKS = 15
 THETA = (np.arange(LOOKS) + 0.4142) * np.pi / LOOKS
@@ -88,8 +95,8 @@ class State(Solved):
     condition_scale : ndarray
         What each of these rows was divided by.
     truncation, tails : ndarray
-        What the neglected coefficients may amount to, over the largest coefficient of the same zone (Z,), and the same of the coupled
-        modes.
+        What the neglected coefficients may amount to, over the largest coefficient of the same zone
+        (Z,), and the same of the coupled modes.
     linear_error : ndarray
         What an iteration left of the error of each zone's coefficients (Z,), 0 for a direct solve.
     sizes : Sizes
@@ -130,22 +137,28 @@ class State(Solved):
 
     @cached_property
     def zone_errors(self) -> Array:
-        """Estimated error of the density on each zone, over that zone's own largest coefficient (Z,)."""
+        """Estimated error of the density on each zone, over that zone's own largest coefficient
+        (Z,).
+        """
         return self._errors_over(self.zone_sizes)
 
     def _errors_over(self, sizes: Array) -> Array:
-        """Error of the density on each zone over these sizes (Z,): neglected coefficients, the residual between the nodes, and what
-        truncation and rounding of all rows do to the solution, which no residual shows. 0 where a size is 0.
+        """Error of the density on each zone over these sizes (Z,): neglected coefficients, the
+        residual between the nodes, and what truncation and rounding of all rows do to the solution,
+        which no residual shows. 0 where a size is 0.
 
-        With its singularity taken out, T_k / sqrt(1 - t^2) reaches 0.73 k near an end: so much does an error of c_k count. Coefficients
-        of one sign that fall slowly add up within (1 - fall)^2 of the end alone, where the weight sqrt(1 - t^2) is about 1 - fall^2.
+        With its singularity taken out, T_k / sqrt(1 - t^2) reaches 0.73 k near an end: so much does
+        an error of c_k count. Coefficients of one sign that fall slowly add up within (1 - fall)^2
+        of the end alone, where the weight sqrt(1 - t^2) is about 1 - fall^2.
         """
         zones, modes_of = self.density.zones, self.system.layout.m
         solved, sizes = zones.solved, np.where(sizes > 0.0, sizes, np.inf)
         fields = self._missing_fields * (1 - self._falls**2)
         error = self.made_of(self._missing) + _AT_ENDS * fields * modes_of
         error = (error + self.linear_error + self.density_rounding) / sizes
-        seen = residual_errors(self._residuals, sizes[solved], modes_of[solved], self.jumps_rounding[solved])
+        seen = residual_errors(
+            self._residuals, sizes[solved], modes_of[solved], self.jumps_rounding[solved]
+        )
         error[solved] += seen
         return np.maximum(error, error[::-1]) if zones.symmetric else error
 
@@ -163,13 +176,17 @@ class State(Solved):
 
     @cached_property
     def intensity_truncation(self) -> Array:
-        """Error of K at the left and right ends by truncation (2, Z): of the zone's own coefficients, and through all rows."""
+        """Error of K at the left and right ends by truncation (2, Z): of the zone's own
+        coefficients, and through all rows.
+        """
         through_rows = truncation_through_rows(self, self.missing, self.low_residuals)
         return np.asarray(edge_scale(self.density.zones.half) * self.missing + through_rows)
 
     @cached_property
     def missing(self) -> Array:
-        """Sum of the coefficients that each zone lacks (Z,): its own, those of the other zones' fields, and the residual."""
+        """Sum of the coefficients that each zone lacks (Z,): its own, those of the other zones'
+        fields, and the residual.
+        """
         out, solved = self._missing + self._missing_fields, self.density.zones.solved
         out[solved] += 3 * np.maximum(self._residual - self.residual_rounding[solved], 0.0)
         return np.maximum(out, out[::-1]) if self.density.zones.symmetric else out
@@ -181,7 +198,9 @@ class State(Solved):
 
     @cached_property
     def low_residuals(self) -> Array:
-        """Coefficients of the residual's lowest modes on each solved zone (solved zones, 7), above rounding."""
+        """Coefficients of the residual's lowest modes on each solved zone (solved zones, 7), above
+        rounding.
+        """
         rounding = self.residual_rounding[self.density.zones.solved, None]
         return np.maximum(np.abs(self._residuals @ _FIRST_OF.T) - rounding, 0.0)
 
@@ -197,8 +216,12 @@ class State(Solved):
 
     @cached_property
     def left_out(self) -> Array:
-        """Sum of the coefficients that each zone neglects (Z,), as the decay of the last ones has it."""
-        return np.asarray(self.neglected * self.zone_sizes / np.maximum(self.sizes.own[: len(self.neglected)], 1))
+        """Sum of the coefficients that each zone neglects (Z,), as the decay of the last ones has
+        it.
+        """
+        return np.asarray(
+            self.neglected * self.zone_sizes / np.maximum(self.sizes.own[: len(self.neglected)], 1)
+        )
 
     def made_of(self, left_out: Array) -> Array:
         """What such sums make of the density of each zone (Z,)."""
@@ -206,10 +229,14 @@ class State(Solved):
 
     @cached_property
     def _missing(self) -> Array:
-        """The same, but not more than ten times the residual, which would show them: a series may fall faster towards its end."""
+        """The same, but not more than ten times the residual, which would show them: a series may
+        fall faster towards its end.
+        """
         missing = self.left_out.copy()
         solved = self.density.zones.solved
-        beside = beside_ends(self.kept[solved], lambda places, theta: self._residuals_at(solved[places], theta))
+        beside = beside_ends(
+            self.kept[solved], lambda places, theta: self._residuals_at(solved[places], theta)
+        )
         missing[solved] = np.minimum(missing[solved], 10 * np.maximum(self._residual, beside))
         if self.density.zones.symmetric:
             missing[: len(missing) // 2] = missing[::-1][: len(missing) // 2]
@@ -217,21 +244,28 @@ class State(Solved):
 
     @cached_property
     def _missing_fields(self) -> Array:
-        """Sum of the coefficients beyond the coupled modes of what other zones do (Z,): they fall as their distance has it. Of those that a
-        user's functions may have the last three are taken as they are."""
+        """Sum of the coefficients beyond the coupled modes of what other zones do (Z,): they fall
+        as their distance has it. Of those that a user's functions may have the last three are taken
+        as they are.
+        """
         fall = self._falls
-        last = _last_of_fields(self.system, self.unknowns, fall, continued=not self.system.equation.grows)
+        last = _last_of_fields(
+            self.system, self.unknowns, fall, continued=not self.system.equation.grows
+        )
         return np.asarray(last * fall / np.maximum(1 - fall, 1e-3))
 
     @cached_property
     def _falls(self) -> Array:
-        """Ratio of each coefficient of what other zones do to the one before (Z,), as their distance has it."""
+        """Ratio of each coefficient of what other zones do to the one before (Z,), as their
+        distance has it.
+        """
         return np.exp(-modes.decay(self.density.zones, self.density.kernel))
 
     @cached_property
     def noise(self) -> Array:
-        """What rounding of the right side amounts to in each zone, over its largest coefficient: where coefficients have
-        stopped falling."""
+        """What rounding of the right side amounts to in each zone, over its largest coefficient:
+        where coefficients have stopped falling.
+        """
         return np.asarray(np.where(self._stopped, self.truncation * 2 * np.sqrt(self.kept), 0.0))
 
     @cached_property
@@ -242,25 +276,35 @@ class State(Solved):
 
     @cached_property
     def _stopped(self) -> Mask:
-        """Whether they have stopped falling: what is left of them at the end, or was cut off there, is rounding."""
+        """Whether they have stopped falling: what is left of them at the end, or was cut off there,
+        is rounding.
+        """
         head, last = self._ends_of_series
         return np.asarray((self.kept < self.sizes.own[: len(self.kept)]) | (last > 0.5 * head))
 
     @cached_property
     def _ends_of_series(self) -> tuple[Array, Array]:
-        """The largest of a few coefficients of the right side half way and at the end of each zone's series."""
+        """The largest of a few coefficients of the right side half way and at the end of each
+        zone's series.
+        """
         head, last = self._some_up_to(0.5), self._some_up_to(1.0)
         return np.array([row.max() for row in head]), np.array([row.max() for row in last])
 
     def _some_up_to(self, part: float) -> list[Array]:
-        """Sizes of a few coefficients of the right side, from such a part of each zone's series down."""
+        """Sizes of a few coefficients of the right side, from such a part of each zone's series
+        down.
+        """
         kept = self.kept.tolist()
-        return [np.abs(row[int(part * k) :: -1][: max(4, k // 8)]) for row, k in zip(self.system.g[: len(kept)], kept, strict=True)]
+        return [
+            np.abs(row[int(part * k) :: -1][: max(4, k // 8)])
+            for row, k in zip(self.system.g[: len(kept)], kept, strict=True)
+        ]
 
     @cached_property
     def neglected(self) -> Array:
-        """Sum of 0.73 k |c_k| over the neglected coefficients, estimated from the decay of the last ones, over the
-        largest of the zone."""
+        """Sum of 0.73 k |c_k| over the neglected coefficients, estimated from the decay of the last
+        ones, over the largest of the zone.
+        """
         n = self.kept
         if len(n) == 0:
             return self.truncation
@@ -268,11 +312,16 @@ class State(Solved):
         with np.errstate(divide="ignore", invalid="ignore"):
             fall = np.where(head > 0, np.maximum(last / head, 1e-300), 1.0) ** (2.0 * _SLOWER / n)
         rest = 1 / np.maximum(1 - fall, 1.0 / n)
-        flat, following = np.array([_continued(row, one) for row, one in zip(self._some_up_to(1.0), fall, strict=True)]).T
+        flat, following = np.array(
+            [_continued(row, one) for row, one in zip(self._some_up_to(1.0), fall, strict=True)]
+        ).T
         falling = _AT_ENDS * (n + rest) * rest * following
         # Of rounding there is as much in all of them: its sum grows as a random walk.
         rounding = np.maximum(_OF_ROUNDING * n**1.5, np.where(self._stopped, 0.0, falling))
-        return np.asarray(self.truncation * np.maximum(np.where(self._stopped | (flat > 0), rounding, falling), 1.0))
+        return np.asarray(
+            self.truncation
+            * np.maximum(np.where(self._stopped | (flat > 0), rounding, falling), 1.0)
+        )
 
     @cached_property
     def _residual(self) -> Array:
@@ -281,8 +330,13 @@ class State(Solved):
 
     @cached_property
     def _residuals(self) -> Array:
-        """Residual of the equation times sqrt(1 - t^2) at a few points of every solved zone, no nodes."""
-        return self._residuals_at(self.density.zones.solved, np.broadcast_to(THETA, (len(self.density.zones.solved), LOOKS)))
+        """Residual of the equation times sqrt(1 - t^2) at a few points of every solved zone, no
+        nodes.
+        """
+        return self._residuals_at(
+            self.density.zones.solved,
+            np.broadcast_to(THETA, (len(self.density.zones.solved), LOOKS)),
+        )
 
     def _residuals_at(self, solved: Index, theta: Array) -> Array:
         """Residual of the equation times sqrt(1 - t^2) on zones (n,) at angles (n, points)."""
@@ -292,50 +346,73 @@ class State(Solved):
         transformed = self.density.transform(x)
         value = transformed - self.right_side(x) - system.jumps.left_out(x)
         if zones.symmetric:
-            # The other half is not solved: data that are no mirror images leave their residual there.
+            # The other half is not solved: data that are no mirror images leave their residual
+            # there.
             mirrored = -transformed - self.right_side(-x) - system.jumps.left_out(-x)
             value = np.where(np.abs(mirrored) > np.abs(value), mirrored, value)
         return np.asarray(value.reshape(theta.shape) * np.sin(theta))
 
 
 def _continued(row: Array, fall: float) -> tuple[bool, float]:
-    """(whether the last coefficients of a series, from the end down, fall by less than half of what all of them do, the next one as they
-    and that have it, over their largest): they may come and go, and the largest of them need not be the first one."""
+    """(whether the last coefficients of a series, from the end down, fall by less than half of what
+    all of them do, the next one as they and that have it, over their largest): they may come and
+    go, and the largest of them need not be the first one.
+    """
     few = len(row)
     flat = row[: few // 2].max() > row[few // 2 :].max() * fall ** (few / 4)
-    return flat, fall**few if flat else float((row * fall ** np.arange(1.0, few + 1)).max() / max(row.max(), 1e-300))
+    return flat, fall**few if flat else float(
+        (row * fall ** np.arange(1.0, few + 1)).max() / max(row.max(), 1e-300)
+    )
 
 
 def beside_ends(kept: Index, residual: Callable[[Index, Array], Array]) -> Array:
-    """The largest residual so close to the ends of zones that all that long series leave out adds up there, 0 of short ones (n,). kept:
-    coefficients of each; residual: times sqrt(1 - t^2), of some of the zones (k,) at angles (k, points)."""
+    """The largest residual so close to the ends of zones that all that long series leave out adds
+    up there, 0 of short ones (n,). kept: coefficients of each; residual: times sqrt(1 - t^2), of
+    some of the zones (k,) at angles (k, points).
+    """
     out, long = np.zeros(len(kept)), np.flatnonzero(kept >= _LONG)
     if len(long):
         theta = _ADDING_UP / kept[long, None]
-        out[long] = np.abs(residual(long, np.concatenate((theta, np.pi - theta), axis=1))).max(axis=1)
+        out[long] = np.abs(residual(long, np.concatenate((theta, np.pi - theta), axis=1))).max(
+            axis=1
+        )
     return out
 
 
 def residual_errors(
-    residuals: Array, size: Array | float, coupled: Index, rounding: Array, separated: Mask | bool = True
+    residuals: Array,
+    size: Array | float,
+    coupled: Index,
+    rounding: Array,
+    separated: Mask | bool = True,
 ) -> Array:
-    """Error of the density over its size on zones (n,), for residuals of the equation at THETA (n, LOOKS).
+    """Error of the density over its size on zones (n,), for residuals of the equation at THETA (n,
+    LOOKS).
 
-    rounding: of the jumps' parts, which has its share in the residuals; separated: where the points tell the first modes from the rest.
-    Of the rest only the largest value is known; the density is off by up to as many times that as there are modes.
+    rounding: of the jumps' parts, which has its share in the residuals; separated: where the points
+    tell the first modes from the rest. Of the rest only the largest value is known; the density is
+    off by up to as many times that as there are modes.
     """
     low = residuals @ _FIRST_OF.T
     rest = np.abs(residuals - low @ _FIRST.T).max(axis=1)
     high = np.where(separated, rest, np.abs(residuals).max(axis=1)) / size
-    low = np.where(separated, np.abs(low) @ np.maximum(_AT_ENDS * np.arange(1, low.shape[1] + 1), 1.0), 0.0) / size
-    # A few points see the residual to a factor; its rounding adds up as the modes do, but not with their order.
+    low = (
+        np.where(
+            separated, np.abs(low) @ np.maximum(_AT_ENDS * np.arange(1, low.shape[1] + 1), 1.0), 0.0
+        )
+        / size
+    )
+    # A few points see the residual to a factor; its rounding adds up as the modes do, but not with
+    # their order.
     beyond = 3 * np.maximum(high - 4e-15 - rounding / size, 0.0) * coupled + 1.5 * low
     return np.asarray(beyond + high + 5e-16 * coupled)
 
 
 def first_sizes(equation: Equation, zones: Zones, tolerance: float = 0.0) -> Sizes:
-    """Modes to begin with: a few to resolve columns and regular kernels, else as many as the distances ask for; and the tolerance, where
-    nothing but that is asked for, which an iteration need not go far below."""
+    """Modes to begin with: a few to resolve columns and regular kernels, else as many as the
+    distances ask for; and the tolerance, where nothing but that is asked for, which an iteration
+    need not go far below.
+    """
     look_at(equation, zones)
     least: int | Index
     panels = panels_over(equation.kernel, zones)
@@ -350,8 +427,10 @@ def first_sizes(equation: Equation, zones: Zones, tolerance: float = 0.0) -> Siz
 
 
 def sizes_like(left: Sizes, equation: Equation, zones: Zones, last: bool) -> Sizes:
-    """Modes to begin with, from those of a solution on about the same zones, of no more than the first ones, if these are others. last: it
-    was the last one with these, and what it has left is taken on, on zones most of which are about the same."""
+    """Modes to begin with, from those of a solution on about the same zones, of no more than the
+    first ones, if these are others. last: it was the last one with these, and what it has left is
+    taken on, on zones most of which are about the same.
+    """
     alike = len(left.own) == len(zones)
     if last:
         # Which gaps were slits is counted by zones.
@@ -359,14 +438,24 @@ def sizes_like(left: Sizes, equation: Equation, zones: Zones, last: bool) -> Siz
         return replace(first_sizes(equation, zones), joined=left.joined if alike else None, **kept)
     if not alike:
         return first_sizes(equation, zones)
-    return Sizes(left.own, left.least, primitive_rounding=left.primitive_rounding, wide=left.wide and replace(left.wide, carried=None))
+    return Sizes(
+        left.own,
+        left.least,
+        primitive_rounding=left.primitive_rounding,
+        wide=left.wide and replace(left.wide, carried=None),
+    )
 
 
 def solve_fixed(
-    equation: Equation, zones: Zones, tolerance: float = 1e-14, sizes: Sizes | None = None, largest: int | None = None,
+    equation: Equation,
+    zones: Zones,
+    tolerance: float = 1e-14,
+    sizes: Sizes | None = None,
+    largest: int | None = None,
     direct: bool = False,
 ) -> State:
-    """Solve on given zones, with singular ends allowed at moving ends (their intensity is what a Newton step needs).
+    """Solve on given zones, with singular ends allowed at moving ends (their intensity is what a
+    Newton step needs).
 
     Parameters
     ----------
@@ -378,9 +467,11 @@ def solve_fixed(
     sizes : Sizes or None
         Modes to start from, kept from one solve to the next.
     largest : int or None
-        Modes of a zone at the most; None: 8192, or 32768 of one of few zones whose coefficients have nearly fallen by then.
+        Modes of a zone at the most; None: 8192, or 32768 of one of few zones whose coefficients
+        have nearly fallen by then.
     direct : bool
-        By a matrix, however many the unknowns are, up to what one may hold: where many right sides are to come.
+        By a matrix, however many the unknowns are, up to what one may hold: where many right sides
+        are to come.
 
     Returns
     -------
@@ -390,7 +481,8 @@ def solve_fixed(
     Raises
     ------
     ValueError
-        For functions that do not return what the equation is about; `CountError` if conditions and unknowns do not match.
+        For functions that do not return what the equation is about; `CountError` if conditions and
+        unknowns do not match.
     SingularSystem
         If the side conditions depend on each other, or something is not finite.
 
@@ -408,16 +500,33 @@ def solve_fixed(
         look_at(equation, zones)
     kernel = equation.kernel
     jumps = equation.forcing.jumps_within(zones, kernel)
-    samples = modes.sample(equation.forcing, zones, jumps, sizes.own, tolerance, modes.most_own(zones) if largest is None else largest)
+    samples = modes.sample(
+        equation.forcing,
+        zones,
+        jumps,
+        sizes.own,
+        tolerance,
+        modes.most_own(zones) if largest is None else largest,
+    )
     sizes.own = samples.own
     sizes.profile_evaluations += samples.evaluations
     while True:
         m = modes.coupled(zones, kernel, tolerance, sizes.least)
         unknowns = int(np.sum(m + 1))
-        lacking = "a matrix is asked for" if direct else unfit(equation, zones) if unknowns > MANY_UNKNOWNS else "too few of them"
+        lacking = (
+            "a matrix is asked for"
+            if direct
+            else unfit(equation, zones)
+            if unknowns > MANY_UNKNOWNS
+            else "too few of them"
+        )
         if lacking and unknowns > MOST_UNKNOWNS:
-            raise TooLarge(f"{len(zones)} zones with {unknowns} unknowns are too many for a matrix, and for fast sums {lacking}")
-        state = (_solve_once if lacking else _solve_iterated)(equation, zones, m, samples, jumps, sizes)
+            raise TooLarge(
+                f"{len(zones)} zones with {unknowns} unknowns are too many for a matrix, and for fast sums {lacking}"
+            )
+        state = (_solve_once if lacking else _solve_iterated)(
+            equation, zones, m, samples, jumps, sizes
+        )
         more = more_modes(state, state.tails, tolerance)
         if more is None:
             return state
@@ -425,12 +534,19 @@ def solve_fixed(
 
 
 def more_modes(state: State, tails: Array, tolerance: float) -> Index | None:
-    """Coupled modes to solve with again, where their tails show that they are too few; None where they are enough, or need not tell.
+    """Coupled modes to solve with again, where their tails show that they are too few; None where
+    they are enough, or need not tell.
 
-    Each zone by itself: what one asks for would cost all of them too much. An iteration leaves its own error in all modes."""
+    Each zone by itself: what one asks for would cost all of them too much. An iteration leaves its
+    own error in all modes.
+    """
     m, zones, panels = state.system.layout.m, state.system.zones, state.system.panels
     kernel, sizes = state.equation.kernel, state.sizes
-    sizes.growth = modes.Growth.first(m, tails) if sizes.growth is None else sizes.growth.after(m, tails, sizes.own)
+    sizes.growth = (
+        modes.Growth.first(m, tails)
+        if sizes.growth is None
+        else sizes.growth.after(m, tails, sizes.own)
+    )
     enough = max(modes.enough(kernel, tolerance), 10 * sizes.linear if state.iterated else 0.0)
     few = (tails > np.maximum(enough, sizes.growth.floor)) & (m < modes.most(kernel))
     if panels is not None and not any(column.modes is None for column in state.equation.columns):
@@ -438,35 +554,56 @@ def more_modes(state: State, tails: Array, tolerance: float) -> Index | None:
         few &= m < panels.modes(zones.half)
     if not state.equation.grows or not few.any():
         return None
-    return np.where(few, modes.COUPLED_SIZES[np.searchsorted(modes.COUPLED_SIZES[:-1], m, side="right")], m)
+    return np.where(
+        few, modes.COUPLED_SIZES[np.searchsorted(modes.COUPLED_SIZES[:-1], m, side="right")], m
+    )
 
 
 def _solve_once(
-    equation: Equation, zones: Zones, m: Index, samples: modes.Samples, jumps: ForcingJumps, sizes: Sizes
+    equation: Equation,
+    zones: Zones,
+    m: Index,
+    samples: modes.Samples,
+    jumps: ForcingJumps,
+    sizes: Sizes,
 ) -> State:
     system = System(equation, zones, m, samples.coefficients, jumps)
     matrix, right, scale = _rows(equation, system)
     if not all(np.all(np.isfinite(part)) for part in (samples.coefficients, right, matrix)):
         raise SingularSystem(_not_finite(equation, system))
     solver = Factored.of(matrix)
-    if _condition(solver, matrix) < _DEPENDENT and _condition(Factored.of(rows := _even(matrix)), rows) < _DEPENDENT:
+    if (
+        _condition(solver, matrix) < _DEPENDENT
+        and _condition(Factored.of(rows := _even(matrix)), rows) < _DEPENDENT
+    ):
         raise SingularSystem(_singular(equation))
     folded = solver(right)
     terms = np.hypot(root_of_squares(matrix, folded), right)
     last = matrix[:, system.last_unknowns]
-    solver = replace(solver, size_of_rows=_size_of_rows(system, terms), last=last, rows=matrix if zones.follow_ends else None)
+    solver = replace(
+        solver,
+        size_of_rows=_size_of_rows(system, terms),
+        last=last,
+        rows=matrix if zones.follow_ends else None,
+    )
     sizes.kernel_evaluations += matrix.size
     return _state(system, solver, folded, matrix.shape[0] - len(scale), scale, samples, sizes)
 
 
 def _condition(solver: Factored, matrix: Array) -> float:
     """Estimate of the reciprocal condition number of a matrix."""
-    found = lapack.dgecon(solver.lu, np.abs(matrix).sum(axis=0).max(initial=0.0))[0] if np.isfinite(solver.lu).all() else 0.0
+    found = (
+        lapack.dgecon(solver.lu, np.abs(matrix).sum(axis=0).max(initial=0.0))[0]
+        if np.isfinite(solver.lu).all()
+        else 0.0
+    )
     return float(found)
 
 
 def _even(matrix: Array) -> Array:
-    """A matrix with rows, then columns, divided by their largest entry: kernels and columns may be of any size."""
+    """A matrix with rows, then columns, divided by their largest entry: kernels and columns may be
+    of any size.
+    """
     for axis in (1, 0):
         largest = np.abs(matrix).max(axis=axis, keepdims=True)
         matrix = matrix / np.where(largest > 0, largest, 1.0)
@@ -487,7 +624,10 @@ def _not_finite(equation: Equation, system: System) -> str:
     t = chebyshev.lobatto(max(16, system.g.shape[1] - 1))[0][1:-1]
     places.append((zones.middle[:, None] + zones.half[:, None] * t).ravel())
     x = np.concatenate(places)
-    for name, part in (("the right side", equation.forcing), *((f"column {k}", c) for k, c in enumerate(equation.columns))):
+    for name, part in (
+        ("the right side", equation.forcing),
+        *((f"column {k}", c) for k, c in enumerate(equation.columns)),
+    ):
         wrong = ~np.isfinite(np.asarray(part.value(x), dtype=float))
         if wrong.any():
             return f"{name} is not finite on the zones, as at x = {x[wrong][0]:.6g}"
@@ -495,23 +635,35 @@ def _not_finite(equation: Equation, system: System) -> str:
 
 
 def _size_of_rows(system: System, terms: Array) -> Array:
-    """What rounding of the rows is counted in. Those of the equation come from values at nodes: of these each row has the rounding,
-    however small what it is about, as those of the highest modes."""
+    """What rounding of the rows is counted in. Those of the equation come from values at nodes: of
+    these each row has the rounding, however small what it is about, as those of the highest modes.
+    """
     rows = system.diagonal
     zone = np.searchsorted(system.layout.offset, rows, side="right") - 1
     count = np.maximum(np.bincount(zone, minlength=len(system.zones)), 1)
     unit = max(float(terms.max(initial=0.0)), 1e-300)
     squares = (terms / unit) ** 2
-    squares[: len(rows)] += (np.bincount(zone, squares[: len(rows)], minlength=len(system.zones)) / count)[zone]
+    squares[: len(rows)] += (
+        np.bincount(zone, squares[: len(rows)], minlength=len(system.zones)) / count
+    )[zone]
     return np.asarray(unit * np.sqrt(squares))
 
 
 def _solve_iterated(
-    equation: Equation, zones: Zones, m: Index, samples: modes.Samples, jumps: ForcingJumps, sizes: Sizes
+    equation: Equation,
+    zones: Zones,
+    m: Index,
+    samples: modes.Samples,
+    jumps: ForcingJumps,
+    sizes: Sizes,
 ) -> State:
     """By fast sums and iteration, starting from what the last solve on about these zones left."""
     system = IterativeSystem(equation, zones, m, samples.coefficients, jumps, sizes.rough)
-    carried = sizes.carried if sizes.carried is not None and len(sizes.carried.amplitudes) == system.layout.columns else None
+    carried = (
+        sizes.carried
+        if sizes.carried is not None and len(sizes.carried.amplitudes) == system.layout.columns
+        else None
+    )
     coarse = carried.coarse if carried is not None else None
     if system.levelled and (coarse is None or not coarse.near(system)):
         coarse = CoarseOperator(zones, system)
@@ -526,13 +678,27 @@ def _solve_iterated(
     sizes.iterations += solver.iterations
     sizes.kernel_evaluations += solver.iterations * system.sums.size
     solver.tolerance = 0.0
-    state = _state(system, solver, folded, solver.equations, np.ones(solver.size - solver.equations), samples, sizes)
+    state = _state(
+        system,
+        solver,
+        folded,
+        solver.equations,
+        np.ones(solver.size - solver.equations),
+        samples,
+        sizes,
+    )
     sizes.carried = Carried.of(coarse, system, state.unknowns, {})
     return state
 
 
 def _state(
-    system: System, solver: Solver, folded: Array, conditions_from: int, scale: Array, samples: modes.Samples, sizes: Sizes
+    system: System,
+    solver: Solver,
+    folded: Array,
+    conditions_from: int,
+    scale: Array,
+    samples: modes.Samples,
+    sizes: Sizes,
 ) -> State:
     y = system.symmetry.unfold(folded)
     density = density_of(system, y)
@@ -543,17 +709,37 @@ def _state(
     if system.zones.symmetric:
         tail = np.maximum(tail, tail[::-1])
     left_over = solver.error if isinstance(solver, Iterative) else np.zeros(len(system.zones))
-    return State(density, system, solver, y, folded, conditions_from, scale, truncation, tail, left_over, sizes)
+    return State(
+        density,
+        system,
+        solver,
+        y,
+        folded,
+        conditions_from,
+        scale,
+        truncation,
+        tail,
+        left_over,
+        sizes,
+    )
 
 
 def rows_of(state: State) -> Array:
     """The rows that a state was solved with, over the kept unknowns."""
     direct = state.direct
-    return direct.rows if direct is not None and direct.rows is not None else _rows(state.equation, state.system, state.condition_scale)[0]
+    return (
+        direct.rows
+        if direct is not None and direct.rows is not None
+        else _rows(state.equation, state.system, state.condition_scale)[0]
+    )
 
 
-def _rows(equation: Equation, system: System, scale: Array | None = None) -> tuple[Array, Array, Array]:
-    """Rows of the equation and of the side conditions over the kept unknowns; conditions scaled to size one."""
+def _rows(
+    equation: Equation, system: System, scale: Array | None = None
+) -> tuple[Array, Array, Array]:
+    """Rows of the equation and of the side conditions over the kept unknowns; conditions scaled to
+    size one.
+    """
     matrix, right = system.equation_rows()
     rows, values = condition_rows(equation, system, system.layout.size)
     if scale is None:
@@ -565,14 +751,17 @@ def _rows(equation: Equation, system: System, scale: Array | None = None) -> tup
 
 
 def field_tails(system: System, y: Array, density: Density) -> Array:
-    """Last coupled coefficients of what the other zones and the columns do, over the zone's largest one (Z,)."""
+    """Last coupled coefficients of what the other zones and the columns do, over the zone's largest
+    one (Z,).
+    """
     layout, g = system.layout, system.lowest
     if layout.m.max() < 8:
         return np.zeros(len(layout.m))
     last = _last_of_fields(system, y)
     top = coefficient_sizes(density)
-    # What is left is a difference of numbers of the size of the right side and of the fields that were summed: below their rounding
-    # there is no tail, as where a zone has little of a load that its neighbours share.
+    # What is left is a difference of numbers of the size of the right side and of the fields that
+    # were summed: below their rounding there is no tail, as where a zone has little of a load that
+    # its neighbours share.
     rounding = 8 * 2.2e-16 * row_sizes(g)
     if system.field_sizes is not None:
         rounding[system.zones.solved] += 8 * 2.2e-16 * (system.field_sizes @ np.abs(y))
@@ -580,11 +769,15 @@ def field_tails(system: System, y: Array, density: Density) -> Array:
     return np.asarray(tail / np.where(top > 0, top, 1.0))
 
 
-def _last_of_fields(system: System, y: Array, fall: Array | None = None, continued: bool = True) -> Array:
-    """Largest of the last three coupled coefficients of what the other zones and the columns do (Z,); of few modes zero.
+def _last_of_fields(
+    system: System, y: Array, fall: Array | None = None, continued: bool = True
+) -> Array:
+    """Largest of the last three coupled coefficients of what the other zones and the columns do
+    (Z,); of few modes zero.
 
-    fall: ratio of each coefficient to the one before; continued: whether all three are continued to the last by it. Samples at m nodes
-    fold coefficient m + 1 + j back onto m + 1 - j, so that of a slow fall nearly nothing is left there: 1 - fall^(2 j) of it.
+    fall: ratio of each coefficient to the one before; continued: whether all three are continued to
+    the last by it. Samples at m nodes fold coefficient m + 1 + j back onto m + 1 - j, so that of a
+    slow fall nearly nothing is left there: 1 - fall^(2 j) of it.
     """
     layout, g = system.layout, system.lowest
     some, away = np.flatnonzero(layout.m >= 8)[:, None], np.arange(3)

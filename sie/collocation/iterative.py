@@ -1,9 +1,11 @@
-"""The system of many zones without its matrix: rows applied to unknowns by fast sums, solved by preconditioned GMRES.
+"""The system of many zones without its matrix: rows applied to unknowns by fast sums, solved by
+preconditioned GMRES.
 
-The rows are those of `system`: a zone's own part of them is -c_k, and what is left couples the zones. The preconditioner is
-that own part and, for the zones' loads, a coarse problem: flat punches, each seen by the others through its load alone, with the
-same side conditions. What is left to the iterations is how zones bend each other, which falls off as the square of the
-distance, so their number does not grow with that of the zones.
+The rows are those of `system`: a zone's own part of them is -c_k, and what is left couples the
+zones. The preconditioner is that own part and, for the zones' loads, a coarse problem: flat
+punches, each seen by the others through its load alone, with the same side conditions. What is left
+to the iterations is how zones bend each other, which falls off as the square of the distance, so
+their number does not grow with that of the zones.
 """
 
 import math
@@ -29,12 +31,15 @@ from sie.jumps.forcing import ForcingJumps
 
 # To what the coarse problem is inverted: below the bending that it leaves out.
 _COARSE = 1e-4
-# A coarse inverse is kept from one set of zones to the next while the ends of nearly all zones move by less than this part of a width, and
-# of the others by no more than the width.
-_KEPT, _NEARLY = 0.1, 0.99
-# What a correction leaves of the residual; corrections at the most; and one that leaves more than this of it is the last: rough sums leave
-# much less, and so it is rounding.
-_CORRECTED, _CORRECTIONS, _STAGNANT = 1e-6, 6, 1e-3
+# A coarse inverse is kept from one set of zones to the next while the ends of nearly all zones move
+# by less than this part of a width, and of the others by no more than the width.
+_KEPT = 0.1
+_NEARLY = 0.99
+# What a correction leaves of the residual; corrections at the most; and one that leaves more than
+# this of it is the last: rough sums leave much less, and so it is rounding.
+_CORRECTED = 1e-6
+_CORRECTIONS = 6
+_STAGNANT = 1e-3
 # From the square of this number of zones on, the tolerance is that of each.
 _ALIKE = 10.0
 # The residual that rounding leaves, over the size of the solution.
@@ -43,8 +48,10 @@ _ROUNDING = 3e-16
 _LIGHTEST = 1e-4
 # Rows at most of conditions that are not of every zone by itself: a small system couples them.
 _FEW_ROWS = 64
-# Nodes for the integral of g over so many lengths of its resolution: of a wave of that length they leave 1e-19.
-_GAUSS, _LENGTHS = 16, 2
+# Nodes for the integral of g over so many lengths of its resolution: of a wave of that length they
+# leave 1e-19.
+_GAUSS = 16
+_LENGTHS = 2
 
 
 @lru_cache(maxsize=1)
@@ -54,7 +61,11 @@ def _gauss_legendre() -> tuple[Array, Array, Array]:
     basis = np.polynomial.legendre.legvander(t, _GAUSS - 1)
     orders = np.eye(_GAUSS)
     slopes = np.polynomial.legendre.legval(t, np.polynomial.legendre.legder(orders)).T
-    return np.asarray(t), np.asarray(weights), np.asarray(np.linalg.solve(basis.T, slopes.T), dtype=np.float64)
+    return (
+        np.asarray(t),
+        np.asarray(weights),
+        np.asarray(np.linalg.solve(basis.T, slopes.T), dtype=np.float64),
+    )
 
 
 def unfit(equation: Equation, zones: Zones) -> str | None:
@@ -73,10 +84,18 @@ def unfit(equation: Equation, zones: Zones) -> str | None:
 
 
 class IterativeSystem(System):
-    """Rows applied to unknowns; no matrix is kept. rough: what far zones do is known to 1e-7 of all of it."""
+    """Rows applied to unknowns; no matrix is kept. rough: what far zones do is known to 1e-7 of all
+    of it.
+    """
 
     def __init__(
-        self, equation: Equation, zones: Zones, m: Index, coefficients: Array, jumps: ForcingJumps, rough: bool = False
+        self,
+        equation: Equation,
+        zones: Zones,
+        m: Index,
+        coefficients: Array,
+        jumps: ForcingJumps,
+        rough: bool = False,
     ) -> None:
         super().__init__(equation, zones, m, coefficients, jumps)
         self.rough = rough
@@ -85,10 +104,17 @@ class IterativeSystem(System):
             raise ValueError("a condition on potentials needs the regular kernel's potential")
         self.sums = ZoneSums(zones, equation.kernel, self.layout)
         self._weights: dict[Callable[[Array], Array], tuple[list[Array], Array]] = {}
-        columns = [self.projected(np.asarray(c.value(self.targets.x), dtype=float)) for c in equation.columns]
+        columns = [
+            self.projected(np.asarray(c.value(self.targets.x), dtype=float))
+            for c in equation.columns
+        ]
         self.column_rows = np.array(columns).reshape(-1, len(self.own))
         none = np.zeros(len(zones.solved))
-        rows, middle, mean = self.sums(self.layout.flat(self.known), rough) if self.known.any() else (np.zeros(len(self.own)), none, none)
+        rows, middle, mean = (
+            self.sums(self.layout.flat(self.known), rough)
+            if self.known.any()
+            else (np.zeros(len(self.own)), none, none)
+        )
         if self.unseen_moments is not None:
             of_rows, of_levels = self.of_panels(self.unseen_moments)
             rows, middle = rows + of_rows, middle + of_levels
@@ -100,7 +126,8 @@ class IterativeSystem(System):
         """What is known of K at the left and right ends, without unknowns."""
         return self.intensities_of(self.beyond)
 
-    # rows applied ---------------------------------------------------------------------------------------------------
+    # rows applied
+    # ---------------------------------------------------------------------------------------------------
     def applied(self, y: Array, rough: bool = False) -> "tuple[Array, Applied]":
         """(rows of the equation, what conditions ask for) for unknowns y. rough: see `ZoneSums`."""
         rows, middle, mean = self.sums(y, rough or self.rough)
@@ -110,7 +137,9 @@ class IterativeSystem(System):
         return rows[self.kept], Applied(self, y, middle, self._with_own(y, mean))
 
     def felt(self, y: Array) -> Array:
-        """What unknowns do to the solved zones other than their own: the sizes of its coefficients on each, added up."""
+        """What unknowns do to the solved zones other than their own: the sizes of its coefficients
+        on each, added up.
+        """
         rows, count = np.abs(self.sums(y, rough=True)[0]), self.layout.m[self.zones.solved]
         zone = np.repeat(np.arange(len(count)), count)
         return np.asarray(np.bincount(zone, rows, minlength=len(count)), dtype=np.float64)
@@ -139,7 +168,9 @@ class IterativeSystem(System):
         """What every zone's own condition on its level has of c_0 beside it."""
         own = self.of_zones
         none = np.zeros(len(self.zones.solved))
-        return none if own is None or not own.of_levels or own.differences else own.first / own.levels
+        return (
+            none if own is None or not own.of_levels or own.differences else own.first / own.levels
+        )
 
     @cached_property
     def column_means(self) -> Array:
@@ -152,8 +183,12 @@ class IterativeSystem(System):
 
     @cached_property
     def step_constants(self) -> Array:
-        """Differences of `level_constants` between neighbours, with the digits that the values have lost."""
-        return np.diff(self.known_field[1]) + np.diff(self._known_rest) - self._forcing_differences()
+        """Differences of `level_constants` between neighbours, with the digits that the values have
+        lost.
+        """
+        return (
+            np.diff(self.known_field[1]) + np.diff(self._known_rest) - self._forcing_differences()
+        )
 
     @property
     def _known_rest(self) -> Array:
@@ -166,14 +201,17 @@ class IterativeSystem(System):
         return forcing.resolution is not None and len(forcing.jumps_at) == 0
 
     def _forcing_differences(self) -> Array:
-        """Differences of the primitive's means between neighbours: over the gap by quadrature, over the zones from the
-        coefficients of g, since the antiderivative of U_{k-1} is T_k / k."""
+        """Differences of the primitive's means between neighbours: over the gap by quadrature, over
+        the zones from the coefficients of g, since the antiderivative of U_{k-1} is T_k / k.
+        """
         zones, solved, forcing = self.zones, self.zones.solved, self.equation.forcing
         if not self.integrated:
             return np.diff(self._forcing_means())
         if self.rough:  # to the rounding of the primitive
             assert forcing.primitive is not None
-            across = np.asarray(forcing.primitive(zones.a[solved[1:]]) - forcing.primitive(zones.b[solved[:-1]]))
+            across = np.asarray(
+                forcing.primitive(zones.a[solved[1:]]) - forcing.primitive(zones.b[solved[:-1]])
+            )
         else:
             across = self._across_gaps[0]
         g, w = self.g[solved[0] :], zones.half[solved]
@@ -183,8 +221,9 @@ class IterativeSystem(System):
 
     @cached_property
     def _across_gaps(self) -> tuple[Array, Array]:
-        """(integral of g over every gap, what is left of the rounding of places in it: half a unit in the last digit, which the
-        forcing's own arithmetic may lose of x)."""
+        """(integral of g over every gap, what is left of the rounding of places in it: half a unit
+        in the last digit, which the forcing's own arithmetic may lose of x).
+        """
         forcing = self.equation.forcing
         assert forcing.resolution is not None
         start, rest, length = self._gaps
@@ -198,11 +237,17 @@ class IterativeSystem(System):
         values = forcing.sampled(left, from_start, lambda g: g @ slope_of / (0.5 * size[:, None]))
         across = 0.5 * size * (values @ weights)
         if forcing.exact:
-            return np.asarray(np.bincount(gap, across, minlength=len(length)), dtype=np.float64), np.zeros(len(length))
+            return np.asarray(
+                np.bincount(gap, across, minlength=len(length)), dtype=np.float64
+            ), np.zeros(len(length))
         lost = 0.3 * np.spacing(np.maximum(np.abs(start), np.abs(start + length)))
         unit = max(float(np.abs(values).max(initial=0.0)), 1e-300)
-        varies = np.bincount(gap, ((values / unit @ slope_of) ** 2) @ weights**2, minlength=len(length))
-        return np.asarray(np.bincount(gap, across, minlength=len(length)), dtype=np.float64), lost * unit * np.sqrt(varies)
+        varies = np.bincount(
+            gap, ((values / unit @ slope_of) ** 2) @ weights**2, minlength=len(length)
+        )
+        return np.asarray(
+            np.bincount(gap, across, minlength=len(length)), dtype=np.float64
+        ), lost * unit * np.sqrt(varies)
 
     @property
     def _gaps(self) -> tuple[Array, Array, Array]:
@@ -215,27 +260,47 @@ class IterativeSystem(System):
         return self.applied(y)[1].level
 
     def level_rounding(self, y: Array) -> Array | float:
-        """The terms of a level are at most all totals at the farthest distance, and the largest at the nearest. Where only
-        differences between neighbours matter, it is what is between them that is rounded."""
+        """The terms of a level are at most all totals at the farthest distance, and the largest at
+        the nearest. Where only differences between neighbours matter, it is what is between them
+        that is rounded.
+        """
         zones, datum = self.zones, self.equation.kernel.datum
         own = np.abs(zones.half * y[self.layout.offset])
         near = np.abs(np.log(zones.half / datum))
         if any(c.levels and c.count(zones) == len(zones.solved) for c in self.equation.conditions):
             far = max(1.0, abs(math.log((zones.b[-1] - zones.a[0]) / datum)))
-            return 2.2e-16 * float(own.sum() * far + (own * near).max() + np.abs(self.level_constants).max())
+            return 2.2e-16 * float(
+                own.sum() * far + (own * near).max() + np.abs(self.level_constants).max()
+            )
         slope = float(np.abs(self.g).max())
-        typical = float(root_of_squares((root_of_squares(self.g) * np.sqrt(zones.half / zones.half.sum()))[None])[0])
-        # Potentials of neighbours are put together apart from each other up to the node that holds both.
+        typical = float(
+            root_of_squares(
+                (root_of_squares(self.g) * np.sqrt(zones.half / zones.half.sum()))[None]
+            )[0]
+        )
+        # Potentials of neighbours are put together apart from each other up to the node that holds
+        # both.
         apart = np.maximum(slope * self._gaps[2], typical * self.sums.far.targets.tree.parted)
-        steps = 2.2e-16 * apart + (self._across_gaps[1] if self.integrated and not self.rough else 0.0)
+        steps = 2.2e-16 * apart + (
+            self._across_gaps[1] if self.integrated and not self.rough else 0.0
+        )
         # The step over the border is that of all others.
         border = float(root_of_squares(steps[None])[0])
-        felt_left, felt_right = felt(*(gap[zones.solved] + zones.half[zones.solved] for gap in modes.gaps(zones, self.equation.kernel)))
+        felt_left, felt_right = felt(
+            *(
+                gap[zones.solved] + zones.half[zones.solved]
+                for gap in modes.gaps(zones, self.equation.kernel)
+            )
+        )
         out = 2.2e-16 * (slope * zones.half + own * near)
-        out[zones.solved] += felt_left * np.append(border, steps) + felt_right * np.append(steps, border)
+        out[zones.solved] += felt_left * np.append(border, steps) + felt_right * np.append(
+            steps, border
+        )
         return np.maximum(out, out[::-1]) if zones.symmetric else out
 
-    def weighted(self, weight: Callable[[Array], Array], degree: int | None) -> tuple[list[Array], Array]:
+    def weighted(
+        self, weight: Callable[[Array], Array], degree: int | None
+    ) -> tuple[list[Array], Array]:
         if weight not in self._weights:
             self._weights[weight] = super().weighted(weight, degree)
         return self._weights[weight]
@@ -243,8 +308,10 @@ class IterativeSystem(System):
 
 @record
 class Applied(Rows):
-    """What conditions may ask for (`conditions.Rows`), with rows already applied to one set of unknowns: one column. edges: K at both ends
-    of the solved zones (2, n), where the unknowns do not tell it."""
+    """What conditions may ask for (`conditions.Rows`), with rows already applied to one set of
+    unknowns: one column. edges: K at both ends of the solved zones (2, n), where the unknowns do
+    not tell it.
+    """
 
     system: IterativeSystem
     y: Array
@@ -263,7 +330,9 @@ class Applied(Rows):
     def totals(self) -> Linear:
         solved = self.zones.solved
         scale = np.pi * self.zones.half[solved]
-        return (scale * self.y[self.system.layout.offset[solved]])[:, None], scale * self.system.known[solved, 0]
+        return (scale * self.y[self.system.layout.offset[solved]])[
+            :, None
+        ], scale * self.system.known[solved, 0]
 
     def levels(self) -> Linear:
         return self.level[:, None], self.system.level_constants
@@ -274,19 +343,27 @@ class Applied(Rows):
     def integrals(self, weight: Callable[[Array], Array], degree: int | None = None) -> Linear:
         tables, constants = self.system.weighted(weight, degree)
         start = self.system.layout.offset[self.zones.solved]
-        rows = np.array([values @ self.y[s : s + len(values)] for values, s in zip(tables, start, strict=True)])
+        rows = np.array(
+            [values @ self.y[s : s + len(values)] for values, s in zip(tables, start, strict=True)]
+        )
         return rows[:, None], constants
 
     def intensities(self) -> tuple[Linear, Linear]:
         system = self.system
-        left, right = system.intensities_of(system.layout.padded(self.y)) if self.edges is None else self.edges
+        left, right = (
+            system.intensities_of(system.layout.padded(self.y))
+            if self.edges is None
+            else self.edges
+        )
         constant_left, constant_right = system.known_intensities
         return (left[:, None], constant_left), (right[:, None], constant_right)
 
     def held(self) -> Linear:
         """K at the ends that are held at zero, those on the left first."""
         pairs = list(zip(self.zones.held, self.intensities(), strict=True))
-        matrix, constants = (np.concatenate([linear[part][chosen] for chosen, linear in pairs]) for part in (0, 1))
+        matrix, constants = (
+            np.concatenate([linear[part][chosen] for chosen, linear in pairs]) for part in (0, 1)
+        )
         return matrix, constants
 
     def amplitude(self, k: int) -> Linear:
@@ -294,8 +371,9 @@ class Applied(Rows):
 
 
 class CoarseOperator:
-    """The coarse problem's matrix and its inverse: mean potential on each solved zone from each c_0, less a constant times the
-    total that makes it definite."""
+    """The coarse problem's matrix and its inverse: mean potential on each solved zone from each
+    c_0, less a constant times the total that makes it definite.
+    """
 
     def __init__(self, zones: Zones, system: IterativeSystem) -> None:
         self.zones, self.kernel = zones, system.equation.kernel
@@ -304,7 +382,11 @@ class CoarseOperator:
         ends = np.array([0, len(solved) - 1])
         w = zones.half[solved]
         self.lowered = 0.0
-        self.lowered = 1.0 + float((self.entries(ends[:, None], np.arange(len(solved))) / (w * system.multiplicity())).max())
+        self.lowered = 1.0 + float(
+            (
+                self.entries(ends[:, None], np.arange(len(solved))) / (w * system.multiplicity())
+            ).max()
+        )
         self.springs = system.springs
         self.inverse = Inverse(self.entries, 0, len(solved), _COARSE)
 
@@ -320,7 +402,8 @@ class CoarseOperator:
     def _of(self, i: Index, j: Index) -> Array:
         zones, kernel = self.zones, self.kernel
         x, xi, w = zones.middle[i], zones.middle[j], zones.half[j]
-        # A punch raises log((d + sqrt(d^2 - w^2)) / 2) at the distance d, and log(w / 2) on itself: of all poles together one logarithm.
+        # A punch raises log((d + sqrt(d^2 - w^2)) / 2) at the distance d, and log(w / 2) on itself:
+        # of all poles together one logarithm.
         product, away = np.ones(np.broadcast(i, j).shape), x - xi
         for shift in kernel.poles:
             d = np.maximum(np.abs(away - shift), w)
@@ -343,11 +426,13 @@ class CoarseOperator:
 
 
 class TwoLevelPreconditioner:
-    """The preconditioner: -c_k from the rows of the equation, c_0 and the amplitudes from the side conditions.
+    """The preconditioner: -c_k from the rows of the equation, c_0 and the amplitudes from the side
+    conditions.
 
-    With level = G c_0 - (amplitudes' means) on every zone, G = C + constant, C the coarse operator: c_0 = C^-1 (level + unknown
-    constant + ...), and the few unknowns left come from the conditions that are not asked of every zone. Where every zone has a
-    held end, c_0 is what makes K vanish there.
+    With level = G c_0 - (amplitudes' means) on every zone, G = C + constant, C the coarse operator:
+    c_0 = C^-1 (level + unknown constant + ...), and the few unknowns left come from the conditions
+    that are not asked of every zone. Where every zone has a held end, c_0 is what makes K vanish
+    there.
     """
 
     def __init__(self, system: IterativeSystem, coarse: CoarseOperator | None) -> None:
@@ -357,12 +442,20 @@ class TwoLevelPreconditioner:
         starts = np.concatenate(([0], np.cumsum(counts)))
         kinds = [by_zone(c, zones) for c in conditions]
         self.others = [k for k, kind in enumerate(kinds) if kind is None]
-        self.other_rows = np.concatenate([np.arange(starts[k], starts[k + 1]) for k in self.others] or [np.zeros(0, dtype=np.intp)])
+        self.other_rows = np.concatenate(
+            [np.arange(starts[k], starts[k + 1]) for k in self.others]
+            or [np.zeros(0, dtype=np.intp)]
+        )
         self.held = np.array(sum(zones.held, []), dtype=np.intp)
         at = next((k for k, kind in enumerate(kinds) if kind is not None), None)
         self.own, self.levels = system.of_zones, system.levelled
-        # What every zone has of its own: rows of one condition, or those of held ends, which come last.
-        self.rows = slice(int(starts[-1]), None) if at is None else slice(int(starts[at]), int(starts[at + 1]))
+        # What every zone has of its own: rows of one condition, or those of held ends, which come
+        # last.
+        self.rows = (
+            slice(int(starts[-1]), None)
+            if at is None
+            else slice(int(starts[at]), int(starts[at + 1]))
+        )
         self.absolute = self.own is not None and not self.own.differences
         # Of what is no level: the condition that is every zone's own.
         self.closed = None if at is None or self.levels else conditions[at]
@@ -377,7 +470,9 @@ class TwoLevelPreconditioner:
             self._small[:, k] = self._scalars(column)
 
     def _responses(self) -> Array:
-        """Folded unknowns that a unit of the constant and of each amplitude bring along, in columns."""
+        """Folded unknowns that a unit of the constant and of each amplitude bring along, in
+        columns.
+        """
         system, with_constant = self.system, int(self.levels)
         out = np.zeros((system.symmetry.size, system.layout.columns + with_constant))
         if with_constant:
@@ -385,7 +480,9 @@ class TwoLevelPreconditioner:
         for k, column in enumerate(out.T[with_constant:]):
             column[self.amplitudes[k]] = 1.0
             column[self.rest] = -system.column_rows[k][system.kept]
-            self._close(column, system.column_means[k] if self.levels else np.zeros(len(self.first)))
+            self._close(
+                column, system.column_means[k] if self.levels else np.zeros(len(self.first))
+            )
         return out
 
     def _close(self, folded: Array, wanted: Array) -> None:
@@ -399,14 +496,22 @@ class TwoLevelPreconditioner:
         if self.own is not None and self.closed is not None:
             folded[self.first] = (wanted - self.closed.rows(view)[0][:, 0]) / self.own.first
             return
-        folded[self.first[self.held]] = (wanted - view.held()[0][:, 0]) / edge_scale(system.zones.half[system.zones.solved[self.held]])
+        folded[self.first[self.held]] = (wanted - view.held()[0][:, 0]) / edge_scale(
+            system.zones.half[system.zones.solved[self.held]]
+        )
 
     def _scalars(self, folded: Array) -> Array:
-        """The conditions that are single rows, and what ties the constant where levels are absolute."""
+        """The conditions that are single rows, and what ties the constant where levels are
+        absolute.
+        """
         system = self.system
         y = system.symmetry.unfold(folded)
         view = system.applied(y)[1] if self.seen else Applied(system, y, np.zeros(0), np.zeros(0))
-        out = [float(row) for k in self.others for row in system.equation.conditions[k].rows(view)[0][:, 0]]
+        out = [
+            float(row)
+            for k in self.others
+            for row in system.equation.conditions[k].rows(view)[0][:, 0]
+        ]
         if self.levels and self.absolute:
             assert self.coarse is not None
             solved = system.zones.solved
@@ -423,7 +528,11 @@ class TwoLevelPreconditioner:
         out = np.zeros(system.symmetry.size)
         out[self.rest] = -right[:equations]
         if self.own is not None and self.levels:
-            here = here / self.own.levels if self.absolute else np.concatenate(([0.0], np.cumsum(here / self.own.levels)))
+            here = (
+                here / self.own.levels
+                if self.absolute
+                else np.concatenate(([0.0], np.cumsum(here / self.own.levels)))
+            )
         self._close(out, here)
         if self._basis.shape[1]:
             small, wanted = self._small.copy(), conditions[self.other_rows]
@@ -438,12 +547,18 @@ class TwoLevelPreconditioner:
 class Iterative:
     """Solves the rows of an `IterativeSystem` for any right side.
 
-    value: of an open condition, if there is one. Unknowns are counted in the largest of their zone, so that lightly loaded zones are
-    as right as the others. error: the largest
-    of what the last residual, preconditioned, says of the error of each zone's unknowns (Z,).
+    value: of an open condition, if there is one. Unknowns are counted in the largest of their zone,
+    so that lightly loaded zones are as right as the others. error: the largest of what the last
+    residual, preconditioned, says of the error of each zone's unknowns (Z,).
     """
 
-    def __init__(self, system: IterativeSystem, coarse: CoarseOperator | None, tolerance: float, value: float = 0.0) -> None:
+    def __init__(
+        self,
+        system: IterativeSystem,
+        coarse: CoarseOperator | None,
+        tolerance: float,
+        value: float = 0.0,
+    ) -> None:
         self.system, self.tolerance, self.value = system, tolerance, value
         self.preconditioner = TwoLevelPreconditioner(system, coarse)
         self.equations = len(system.diagonal)
@@ -462,36 +577,56 @@ class Iterative:
     def right(self) -> Array:
         """The right side of the equation and of its conditions."""
         system, none = self.system, np.zeros(len(self.system.zones.solved))
-        values = condition_rows(system.equation, Applied(system, np.zeros(system.layout.size), none, none), 1)[1]
-        opened = [condition.open for condition in system.equation.conditions for _ in range(condition.count(system.zones))]
+        values = condition_rows(
+            system.equation, Applied(system, np.zeros(system.layout.size), none, none), 1
+        )[1]
+        opened = [
+            condition.open
+            for condition in system.equation.conditions
+            for _ in range(condition.count(system.zones))
+        ]
         values[np.flatnonzero(opened)] += self.value
         return np.concatenate((system.equation_right, values))
 
     def __call__(
-        self, right: Array, near: Array | None = None, tolerance: float | None = None,
+        self,
+        right: Array,
+        near: Array | None = None,
+        tolerance: float | None = None,
         taken: Callable[[Array], Array] | None = None,
     ) -> Array:
-        """Folded unknowns; near: a first guess; tolerance: if another than that of the solver; taken: what is taken from the
-        rows, of the unknowns too."""
+        """Folded unknowns; near: a first guess; tolerance: if another than that of the solver;
+        taken: what is taken from the rows, of the unknowns too.
+        """
 
         def rows(folded: Array, rough: bool = False) -> Array:
-            return self.rows(folded, rough) if taken is None else self.rows(folded, rough) - taken(folded)
+            return (
+                self.rows(folded, rough)
+                if taken is None
+                else self.rows(folded, rough) - taken(folded)
+            )
 
         plain = self.preconditioner(right) if near is None else near
         scale = self.scale_of(plain)
         # Norms of many zones add up what is asked of each.
         count = math.sqrt(len(self.system.zones.solved))
-        wanted = max((self.tolerance if tolerance is None else tolerance) * max(count / _ALIKE, 1.0), 4 * _ROUNDING * count)
+        wanted = max(
+            (self.tolerance if tolerance is None else tolerance) * max(count / _ALIKE, 1.0),
+            4 * _ROUNDING * count,
+        )
         x = np.zeros(self.size) if near is None else near
         left_over = (plain if near is None else self.preconditioner(right - rows(near))) / scale
         before = float(norm(left_over))
         for _ in range(_CORRECTIONS):
             # Each correction is wanted to a part only, for which rough sums will do.
             part = max(wanted, _CORRECTED * before)
-            found = gmres(lambda v: self.preconditioner(rows(v * scale, rough=True)) / scale, left_over, part)
+            found = gmres(
+                lambda v: self.preconditioner(rows(v * scale, rough=True)) / scale, left_over, part
+            )
             self.iterations += found.steps
             x = x + found.x * scale
-            # What rough sums and rounding in a long recurrence leave, they do not see: the residual itself is looked at.
+            # What rough sums and rounding in a long recurrence leave, they do not see: the residual
+            # itself is looked at.
             left_over = self.preconditioner(right - rows(x)) / scale
             self.error = self._by_zone(left_over * scale)
             size, before = before, float(norm(left_over))
@@ -501,7 +636,12 @@ class Iterative:
 
     def _largest(self, folded: Array) -> Array:
         """Largest unknown of every solved zone."""
-        return np.asarray(np.maximum.reduceat(np.abs(folded[: self.size - len(self.preconditioner.amplitudes)]), self.preconditioner.first))
+        return np.asarray(
+            np.maximum.reduceat(
+                np.abs(folded[: self.size - len(self.preconditioner.amplitudes)]),
+                self.preconditioner.first,
+            )
+        )
 
     def _by_zone(self, folded: Array) -> Array:
         """Largest unknown of every zone, mirrored ones too."""
@@ -511,10 +651,16 @@ class Iterative:
         return np.maximum(out, out[::-1]) if zones.symmetric else out
 
     def scale_of(self, folded: Array) -> Array:
-        """Largest unknown of its zone for every unknown, but not below a small part of the largest of all; 1 for amplitudes."""
+        """Largest unknown of its zone for every unknown, but not below a small part of the largest
+        of all; 1 for amplitudes.
+        """
         largest = self._largest(folded)
         top = float(largest.max())
-        size = np.diff(np.append(self.preconditioner.first, self.size - len(self.preconditioner.amplitudes)))
+        size = np.diff(
+            np.append(self.preconditioner.first, self.size - len(self.preconditioner.amplitudes))
+        )
         out = np.ones(self.size)
-        out[: int(size.sum())] = np.repeat(np.maximum(largest, _LIGHTEST * top if top > 0 else 1.0), size)
+        out[: int(size.sum())] = np.repeat(
+            np.maximum(largest, _LIGHTEST * top if top > 0 else 1.0), size
+        )
         return out

@@ -1,8 +1,9 @@
 """What rounding does to the intensities at the zone ends, and so to the ends.
 
-The rows A y = b are rounded, each by the root of the sum of its terms' squares (roundings are independent of each other), and
-the intensities are linear in the unknowns, K = C y: with X = A^-T C^T one solve tells what every row's rounding does to every K.
-Levels are differences of large potentials and heights: theirs is the rounding of what they are made of, and so a lightly loaded
+The rows A y = b are rounded, each by the root of the sum of its terms' squares (roundings are
+independent of each other), and the intensities are linear in the unknowns, K = C y: with X = A^-T
+C^T one solve tells what every row's rounding does to every K. Levels are differences of large
+potentials and heights: theirs is the rounding of what they are made of, and so a lightly loaded
 zone between heavy ones feels what the heights of all are known to.
 """
 
@@ -19,12 +20,14 @@ from sie.equation.conditions import speaks_of_levels
 from sie.equation.equation import Forcing
 
 EPS = 2.2e-16
-# The largest of some hundred roundings over their mean square: what is stated is to be exceeded nowhere.
+# The largest of some hundred roundings over their mean square: what is stated is to be exceeded
+# nowhere.
 SAFETY = 4.0
 # To what the answer to a truncation is found by iteration, relative.
 _LOOSE = 0.1
 # How often rows are shaken, and angles of each zone at which the density is looked at.
-_SHAKEN, _ANGLES = 12, 24
+_SHAKEN = 12
+_ANGLES = 24
 # Distance from an end, over the half width, within which what is singular there is left out.
 _BESIDE = 0.03
 # Ends at which the rounding of the primitive is looked at.
@@ -35,19 +38,32 @@ def intensity_rounding(state: Solved) -> Array:
     """Rounding of K at the left and right end of each zone, (2, Z)."""
     density, system = state.density, state.system
     zones = density.zones
-    # Rounding acts on what is subtracted, the right side and the other zones' fields, however small the rest.
-    subtracted = sum(by_rows(lambda rows: np.abs(rows).sum(axis=1), table) for table in (density.coefficients, system.g)) + state.natural
+    # Rounding acts on what is subtracted, the right side and the other zones' fields, however small
+    # the rest.
+    subtracted = (
+        sum(
+            by_rows(lambda rows: np.abs(rows).sum(axis=1), table)
+            for table in (density.coefficients, system.g)
+        )
+        + state.natural
+    )
     own = 4e-16 * edge_scale(zones.half) * subtracted
     if state.direct is None:
-        own = own + _of_levels(state) + np.sqrt(2 * zones.half) * state.linear_error + _of_others(state)
+        own = (
+            own
+            + _of_levels(state)
+            + np.sqrt(2 * zones.half) * state.linear_error
+            + _of_others(state)
+        )
     if state.direct is None or _stands_alone(state):
         return np.array([own, own])
     return np.asarray(own + SAFETY * _through_rows(state))
 
 
 def _stands_alone(state: Solved) -> bool:
-    """Whether one zone is given by its own rows and its total: nothing else is unknown, and nothing acts on it from beside, as its own
-    images do where they come near."""
+    """Whether one zone is given by its own rows and its total: nothing else is unknown, and nothing
+    acts on it from beside, as its own images do where they come near.
+    """
     equation = state.system.equation
     kernel = equation.kernel
     plain = kernel.poles == (0.0,) and kernel.period is None and kernel.regular is None
@@ -55,8 +71,10 @@ def _stands_alone(state: Solved) -> bool:
 
 
 def _of_others(state: Solved) -> Array | float:
-    """What the rounding of the jumps' parts in all zones does to K of others (Z,), through the fields of one density of that size by
-    chance: narrow zones feel that of a wide one with many knots, whose parts are much larger than their sum."""
+    """What the rounding of the jumps' parts in all zones does to K of others (Z,), through the
+    fields of one density of that size by chance: narrow zones feel that of a wide one with many
+    knots, whose parts are much larger than their sum.
+    """
     system, zones = state.system, state.density.zones
     layout, rounding = system.layout, system.jumps.rounding(len(zones))
     if len(system.equation.forcing.jumps_at):
@@ -67,7 +85,9 @@ def _of_others(state: Solved) -> Array | float:
     order = np.arange(layout.coefficients) - np.repeat(layout.offset, layout.m + 1)
     shaken = np.zeros(layout.size)
     # Totals are given; of the others the first differ most.
-    shaken[: layout.coefficients] = np.where(order > 0, np.repeat(rounding, layout.m + 1) / (1 + order), 0.0)
+    shaken[: layout.coefficients] = np.where(
+        order > 0, np.repeat(rounding, layout.m + 1) / (1 + order), 0.0
+    )
     shaken[: layout.coefficients] *= np.random.default_rng(0).standard_normal(layout.coefficients)
     out = np.zeros(len(zones))
     assert state.iteration is not None
@@ -82,7 +102,8 @@ def _of_levels(state: Solved) -> Array | float:
     if len(zones) == 1 or not any(speaks_of_levels(c, zones) for c in equation.conditions):
         return 0.0
     w = zones.half
-    # A level off by e is met by c_0 = e / (w log(w / 2R)), K by that over sqrt(2 w); neighbours no wider hold less than a plane.
+    # A level off by e is met by c_0 = e / (w log(w / 2R)), K by that over sqrt(2 w); neighbours no
+    # wider hold less than a plane.
     radius = conformal_radius(*(gap + w for gap in gaps(zones, equation.kernel)))
     logarithm = np.maximum(np.log(0.5 * np.minimum(radius, equation.kernel.datum) / w), 1.0)
     return np.asarray(2 * _level_noise(state) / (logarithm * np.sqrt(2 * w)))
@@ -100,7 +121,9 @@ def _through_rows(state: Solved) -> Array:
 
 
 def _effect_on_intensities(state: Solved, solver: Factored) -> Array:
-    """Derivatives of K at the left, then at the right ends of the solved zones by the right sides of the rows (rows, 2 zones)."""
+    """Derivatives of K at the left, then at the right ends of the solved zones by the right sides
+    of the rows (rows, 2 zones).
+    """
     (left, _), (right, _) = state.system.intensities()
     return solver.transposed(state.symmetry.fold(np.concatenate((left, right))).T)
 
@@ -114,11 +137,15 @@ def _of_solved(state: Solved, values: Array) -> Array:
 
 
 def truncation_through_rows(state: Solved, missing: Array, low: Array) -> Array:
-    """What the truncation of all rows does to K at the left and right end of each zone (2, Z); see `_row_truncation`."""
+    """What the truncation of all rows does to K at the left and right end of each zone (2, Z); see
+    `_row_truncation`.
+    """
     solver = state.direct
     if solver is None:
         change = np.abs(_iterated_truncation(state, missing))
-        return np.asarray(edge_scale(state.density.zones.half) * change.sum(axis=1) * np.ones((2, 1)))
+        return np.asarray(
+            edge_scale(state.density.zones.half) * change.sum(axis=1) * np.ones((2, 1))
+        )
     if _stands_alone(state):
         return np.zeros((2, len(state.density.zones)))
     effect = np.abs(_effect_on_intensities(state, solver))
@@ -126,11 +153,13 @@ def truncation_through_rows(state: Solved, missing: Array, low: Array) -> Array:
 
 
 def _row_truncation(state: Solved, solver: Factored, missing: Array, low: Array) -> Array:
-    """Error of each row by truncation: what the coefficients that zones lack would add to it, and the residual's lowest modes.
+    """Error of each row by truncation: what the coefficients that zones lack would add to it, and
+    the residual's lowest modes.
 
-    missing: sum of these coefficients (Z,); low: of the residual on the solved zones (solved zones, modes). Coefficients beyond the
-    last one act on the rows as the last one does, or less. The conditions may carry their effect to other zones, and enlarge it:
-    K = 0 at an end beside a strong zone fixes the total of a distant one.
+    missing: sum of these coefficients (Z,); low: of the residual on the solved zones (solved zones,
+    modes). Coefficients beyond the last one act on the rows as the last one does, or less. The
+    conditions may carry their effect to other zones, and enlarge it: K = 0 at an end beside a
+    strong zone fixes the total of a distant one.
     """
     system = state.system
     layout, solved = system.layout, system.zones.solved
@@ -144,10 +173,11 @@ def _row_truncation(state: Solved, solver: Factored, missing: Array, low: Array)
 
 
 def _iterated_truncation(state: Solved, missing: Array) -> Array:
-    """Coefficients (zones, modes) that answer a truncation of all rows by chance, found by a loose iteration.
+    """Coefficients (zones, modes) that answer a truncation of all rows by chance, found by a loose
+    iteration.
 
-    What zones lack acts on the ends and on other zones as their last coefficients do, but on their own rows by chance: else the
-    answer would be these coefficients, and nothing elsewhere.
+    What zones lack acts on the ends and on other zones as their last coefficients do, but on their
+    own rows by chance: else the answer would be these coefficients, and nothing elsewhere.
     """
     iteration, layout, zones = state.iteration, state.system.layout, state.density.zones
     assert iteration is not None
@@ -156,82 +186,124 @@ def _iterated_truncation(state: Solved, missing: Array) -> Array:
     shaken[last], own = missing * np.random.default_rng(0).choice([-1.0, 1.0], (2, len(missing)))
     right, left_over = iteration.rows(shaken, rough=True), iteration.error
     own_row = np.isin(state.symmetry.position(state.system.diagonal), last)
-    right[: len(own_row)][own_row] = own[missing > 0.0] if own_row.sum() == (missing > 0.0).sum() else 0.0
+    right[: len(own_row)][own_row] = (
+        own[missing > 0.0] if own_row.sum() == (missing > 0.0).sum() else 0.0
+    )
     answer = state.symmetry.unfold(iteration(right, None, _LOOSE))
     iteration.error = left_over
     return layout.padded(answer)
 
 
 def _of_rows(state: Solved, solver: Factored) -> tuple[Array, Array]:
-    """Rounding of the rows, but for those that speak of levels, and of the levels of the solved zones, from which these have theirs."""
+    """Rounding of the rows, but for those that speak of levels, and of the levels of the solved
+    zones, from which these have theirs.
+    """
     rounding, of_levels = EPS * solver.size_of_rows, state.level_rows.any(axis=1)
     rounding[state.conditions_from :][of_levels] = 0.0
     count = len(state.density.zones.solved)
-    return rounding, np.broadcast_to(_level_noise(state), (count,)) if of_levels.any() else np.zeros(count)
+    return rounding, np.broadcast_to(
+        _level_noise(state), (count,)
+    ) if of_levels.any() else np.zeros(count)
 
 
 def density_rounding(state: Solved, missing: Array, low: Array) -> Array:
-    """What truncation and rounding of all rows may do to the density of each zone, its singularities taken out (Z,).
+    """What truncation and rounding of all rows may do to the density of each zone, its
+    singularities taken out (Z,).
 
-    Where the conditions nearly depend on each other it is many times the errors of the rows themselves. So the rows are shaken by
-    these, by chance but always alike, and the change of the density is measured. missing, low: see `_row_truncation`.
+    Where the conditions nearly depend on each other it is many times the errors of the rows
+    themselves. So the rows are shaken by these, by chance but always alike, and the change of the
+    density is measured. missing, low: see `_row_truncation`.
     """
     zones, solver = state.density.zones, state.direct
     if _stands_alone(state):
         return np.zeros(len(zones))
     if solver is None:
-        return _of_levels(state) / edge_scale(zones.half) + SAFETY * _largest(_iterated_truncation(state, missing))
+        return _of_levels(state) / edge_scale(zones.half) + SAFETY * _largest(
+            _iterated_truncation(state, missing)
+        )
     chance = np.random.default_rng(0)
     rounding, levels = _of_rows(state, solver)
     rounding = np.hypot(rounding, _row_truncation(state, solver, missing, low))
     shaken = rounding[:, None] * chance.standard_normal((solver.size, _SHAKEN))
-    shaken[state.conditions_from :] += state.level_rows @ (levels[:, None] * chance.standard_normal((_SHAKEN, len(levels))).T)
+    shaken[state.conditions_from :] += state.level_rows @ (
+        levels[:, None] * chance.standard_normal((_SHAKEN, len(levels))).T
+    )
     return density_changes(state, [state.symmetry.unfold(change) for change in solver(shaken).T])
 
 
 def density_changes(state: Solved, unknowns: list[Array]) -> Array:
-    """Size of a random change of the density on each zone (Z,), from a few samples of the change of the unknowns."""
-    largest = _largest(np.concatenate([state.system.layout.padded(one) for one in unknowns])).reshape(len(unknowns), -1)
-    return np.asarray(SAFETY * root_of_squares(largest.T, np.full(len(unknowns), len(unknowns) ** -0.5)))
+    """Size of a random change of the density on each zone (Z,), from a few samples of the change of
+    the unknowns.
+    """
+    largest = _largest(
+        np.concatenate([state.system.layout.padded(one) for one in unknowns])
+    ).reshape(len(unknowns), -1)
+    return np.asarray(
+        SAFETY * root_of_squares(largest.T, np.full(len(unknowns), len(unknowns) ** -0.5))
+    )
 
 
 def _largest(coefficients: Array) -> Array:
-    """Largest of each sum c_k T_k / sqrt(1 - t^2), no nearer to the ends than _BESIDE, and of its bounded part, at a few angles."""
+    """Largest of each sum c_k T_k / sqrt(1 - t^2), no nearer to the ends than _BESIDE, and of its
+    bounded part, at a few angles.
+    """
     k = np.arange(max(coefficients.shape[1], 2))
     # Closer beside the ends, where high modes add up.
     theta = np.pi * np.sin(0.5 * np.pi * np.linspace(0.0, 1.0, _ANGLES)[:, None]) ** 2
     u = bounded_part(coefficients)[2]
-    whole = coefficients @ np.cos(theta * k[: coefficients.shape[1]]).T / np.maximum(np.sin(theta), np.sqrt(2 * _BESIDE)).T
+    whole = (
+        coefficients
+        @ np.cos(theta * k[: coefficients.shape[1]]).T
+        / np.maximum(np.sin(theta), np.sqrt(2 * _BESIDE)).T
+    )
     bounded = u @ np.sin(theta * k[1 : u.shape[1] + 1]).T
     return np.asarray(np.maximum(np.abs(whole).max(axis=1), np.abs(bounded).max(axis=1)))
 
 
 def _level_noise(state: Solved) -> Array:
-    """Root mean square of the rounding of the zones' levels: of their potentials, and of the heights."""
+    """Root mean square of the rounding of the zones' levels: of their potentials, and of the
+    heights.
+    """
     sizes, forcing = state.sizes, state.system.equation.forcing
     if state.system.integrated:
         return np.asarray(state.system.level_rounding(state.unknowns))
     if sizes.primitive_rounding is None:
-        sizes.primitive_rounding = primitive_rounding(forcing, state.system.zones, state.density.kernel.period)
+        sizes.primitive_rounding = primitive_rounding(
+            forcing, state.system.zones, state.density.kernel.period
+        )
     return np.hypot(state.system.level_rounding(state.unknowns), sizes.primitive_rounding)
 
 
 def primitive_rounding(forcing: Forcing, zones: Zones, period: float | None) -> float:
-    """What the primitive is rounded to: as data, a part of its rise between the zones, and in evaluation, its departure from
-    straight lines over a few units in the last digit."""
+    """What the primitive is rounded to: as data, a part of its rise between the zones, and in
+    evaluation, its departure from straight lines over a few units in the last digit.
+    """
     assert forcing.primitive is not None
     ends = np.unique(np.concatenate((zones.a, zones.b)))
     ahead = zones.a[1:] if period is None else np.append(zones.a[1:], zones.a[0] + period)
     between = 0.5 * (ahead + zones.b[: len(ahead)])
     between = between[(between > forcing.within[0]) & (between < forcing.within[1])]
-    # A zone that stands alone knows nothing of the heights beside it: those of steep powers are many decades larger.
-    heights = np.asarray(forcing.primitive(ends if len(zones) == 1 else np.concatenate((ends, between))))
+    # A zone that stands alone knows nothing of the heights beside it: those of steep powers are
+    # many decades larger.
+    heights = np.asarray(
+        forcing.primitive(ends if len(zones) == 1 else np.concatenate((ends, between)))
+    )
     look = ends[:: max(1, len(ends) // _LOOKS)]
     near = look[:, None] + 4 * np.spacing(np.abs(look))[:, None] * np.arange(-4, 5)
-    bend = 0.5 * np.abs(np.diff(np.asarray(forcing.primitive(near.ravel())).reshape(near.shape), 2, axis=1))
+    bend = 0.5 * np.abs(
+        np.diff(np.asarray(forcing.primitive(near.ravel())).reshape(near.shape), 2, axis=1)
+    )
     finite = heights[np.isfinite(heights)]
-    return float(np.hypot(EPS * np.ptp(finite) if len(finite) else 0.0, _root_mean_square(bend[np.isfinite(bend)])))
+    return float(
+        np.hypot(
+            EPS * np.ptp(finite) if len(finite) else 0.0, _root_mean_square(bend[np.isfinite(bend)])
+        )
+    )
 
 
 def _root_mean_square(values: Array) -> float:
-    return float(root_of_squares(np.full((1, len(values)), len(values) ** -0.5), values)[0]) if len(values) else 0.0
+    return (
+        float(root_of_squares(np.full((1, len(values)), len(values) ** -0.5), values)[0])
+        if len(values)
+        else 0.0
+    )

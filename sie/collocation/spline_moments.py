@@ -1,13 +1,16 @@
-"""Zones with many jumps of the right side's derivatives: what other zones feel of them, from integrals between the jumps.
+"""Zones with many jumps of the right side's derivatives: what other zones feel of them, from
+integrals between the jumps.
 
-Truncated powers h (t - s)_+^q grow across a zone. Of n knots of a spline they and the polynomial that is left amount to n^2 times the
-right side itself: in one zone that is no harm, but its neighbours, and the level that it shares with a lightly loaded one, would see the
-rounding of a difference of large numbers. So the lowest coefficients and the mean of the primitive are taken from g itself,
+Truncated powers h (t - s)_+^q grow across a zone. Of n knots of a spline they and the polynomial
+that is left amount to n^2 times the right side itself: in one zone that is no harm, but its
+neighbours, and the level that it shares with a lightly loaded one, would see the rounding of a
+difference of large numbers. So the lowest coefficients and the mean of the primitive are taken from
+g itself,
 
     g_k = (2/pi) int_0^pi g sin(theta) sin(k theta) dtheta        mean = (1/pi) int_0^pi G dtheta,        G' = g,
 
-by Gauss-Legendre rules on the stretches between jumps, where g is smooth. The unknowns are then those of the whole density, T_l
-coefficients of the jumps' parts included.
+by Gauss-Legendre rules on the stretches between jumps, where g is smooth. The unknowns are then
+those of the whole density, T_l coefficients of the jumps' parts included.
 """
 
 import numpy as np
@@ -21,8 +24,10 @@ from sie.jumps.forcing import ForcingJumps
 
 # From this number of jumps on in a zone: the powers are then some ten times the right side.
 MANY_JUMPS = 32
-# Nodes on a stretch, and the largest angle by which sin(k theta) turns on it: the rule is exact to rounding there.
-_NODES, _TURN = 16, 2 * np.pi
+# Nodes on a stretch, and the largest angle by which sin(k theta) turns on it: the rule is exact to
+# rounding there.
+_NODES = 16
+_TURN = 2 * np.pi
 
 
 def many_jumps(forcing: Forcing, zones: Zones, jumps: ForcingJumps) -> Index:
@@ -37,24 +42,36 @@ def many_jumps(forcing: Forcing, zones: Zones, jumps: ForcingJumps) -> Index:
 
 
 def rule(jumps: ForcingJumps, zone: int, highest: int) -> tuple[Array, Array]:
-    """(angles, weights) on the stretches between the jumps of a zone, for what turns as often as sin(highest theta)."""
+    """(angles, weights) on the stretches between the jumps of a zone, for what turns as often as
+    sin(highest theta).
+    """
     cuts = np.concatenate(([0.0], np.sort(jumps.angles(zone)), [np.pi]))
     parts = np.maximum(np.ceil(np.diff(cuts) * (highest / _TURN)), 1.0).astype(np.intp)
     return legendre(cuts, _NODES, parts)
 
 
-def coefficients(forcing: Forcing, zones: Zones, jumps: ForcingJumps, chosen: Index, m: Index) -> tuple[Array, Array]:
-    """(g_k of the right side itself at [:, k], k = 1 ... m, others zero; mean of its primitive, 0 without one) on chosen zones."""
+def coefficients(
+    forcing: Forcing, zones: Zones, jumps: ForcingJumps, chosen: Index, m: Index
+) -> tuple[Array, Array]:
+    """(g_k of the right side itself at [:, k], k = 1 ... m, others zero; mean of its primitive, 0
+    without one) on chosen zones.
+    """
     rules = [rule(jumps, int(zone), int(m[zone])) for zone in chosen]
     first = np.cumsum([0, *(len(theta) for theta, _ in rules)])
     theta, weights = (np.concatenate(parts) for parts in zip(*rules, strict=True))
     left, right = sides(theta)
     zone = np.repeat(chosen, np.diff(first))
-    x = np.where(left <= right, zones.a[zone] + zones.half[zone] * left, zones.b[zone] - zones.half[zone] * right)
+    x = np.where(
+        left <= right,
+        zones.a[zone] + zones.half[zone] * left,
+        zones.b[zone] - zones.half[zone] * right,
+    )
     turned = (2 / np.pi) * np.asarray(forcing.value(x), dtype=float) * np.sin(theta) * weights
     out = np.zeros((len(chosen), int(m[chosen].max()) + 1))
     for row, k, start, end in zip(out, m[chosen], first[:-1], first[1:], strict=True):
         row[: k + 1] = waves(turned[start:end], theta[start:end], int(k) + 1).imag
     if forcing.primitive is None:
         return out, np.zeros(len(chosen))
-    return out, np.add.reduceat(np.asarray(forcing.primitive(x), dtype=float) * weights, first[:-1]) / np.pi
+    return out, np.add.reduceat(
+        np.asarray(forcing.primitive(x), dtype=float) * weights, first[:-1]
+    ) / np.pi

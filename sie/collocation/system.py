@@ -1,12 +1,12 @@
 """The linear system for given zones: every zone sees the others through closed forms.
 
-Unknown are, per zone, the coefficients c_0 ... c_m of T_l / sqrt(1 - t^2), and the amplitudes of the columns. Projected
-on U_{k-1}, a zone's own transform is -c_k, so the rows read
+Unknown are, per zone, the coefficients c_0 ... c_m of T_l / sqrt(1 - t^2), and the amplitudes of
+the columns. Projected on U_{k-1}, a zone's own transform is -c_k, so the rows read
 
     -c_k + (what the other zones, the images and the regular part do to zone i)_k - sum lambda C_k = g_k,   k = 1 ... m,
 
-a second-kind system; coefficients beyond m are -g_k at once, because what the other zones do is smooth there. What each does off
-itself `sie.basis.interval` knows.
+a second-kind system; coefficients beyond m are -g_k at once, because what the other zones do is
+smooth there. What each does off itself `sie.basis.interval` knows.
 
 Of a symmetric set of zones some unknowns are kept, and the mirrored ones follow from them.
 """
@@ -39,7 +39,9 @@ _LARGEST_WEIGHT = 8192
 
 @record
 class Layout:
-    """Where the unknowns stand: zone i has coefficients offset[i] ... offset[i] + m[i]; then come the amplitudes."""
+    """Where the unknowns stand: zone i has coefficients offset[i] ... offset[i] + m[i]; then come
+    the amplitudes.
+    """
 
     m: Index
     columns: int
@@ -59,7 +61,9 @@ class Layout:
     def amplitude(self, k: int) -> int:
         """Where the amplitude of column k stands."""
         if not 0 <= k < self.columns:
-            raise ValueError(f"a condition asks for the amplitude of column {k}, but the equation has {self.columns} columns, from 0 on")
+            raise ValueError(
+                f"a condition asks for the amplitude of column {k}, but the equation has {self.columns} columns, from 0 on"
+            )
         return self.coefficients + k
 
     @cached_property
@@ -74,7 +78,9 @@ class Layout:
         return out
 
     def flat(self, table: Array) -> Array:
-        """The inverse of `padded`, amplitudes zero; a table with fewer columns is continued by zeros."""
+        """The inverse of `padded`, amplitudes zero; a table with fewer columns is continued by
+        zeros.
+        """
         out, count = np.zeros(self.size), self.given.shape[1]
         out[: self.coefficients] = widened(table, count)[:, :count][self.given]
         return out
@@ -82,7 +88,9 @@ class Layout:
 
 @record
 class Targets:
-    """Points on zones: zone index, distances from the zone's left and right end, and the points themselves."""
+    """Points on zones: zone index, distances from the zone's left and right end, and the points
+    themselves.
+    """
 
     zone: Index
     left: Array
@@ -106,21 +114,31 @@ class Targets:
         return cls(zone, lefts, rights, x)
 
     def seen(self, zones: Zones, sources: Index, shift: float) -> tuple[Outside, Array | None]:
-        """(the targets seen from zones `sources` shifted by `shift`; 0 where these are their own zones, else 1), (points, sources) each.
+        """(the targets seen from zones `sources` shifted by `shift`; 0 where these are their own
+        zones, else 1), (points, sources) each.
 
-        From the gap between the zones and the distance of the point from its own zone's end, so nothing cancels but the ends. On its own
-        zone (shift 0) a target is put anywhere: there the caller has the closed form of the zone itself.
+        From the gap between the zones and the distance of the point from its own zone's end, so
+        nothing cancels but the ends. On its own zone (shift 0) a target is put anywhere: there the
+        caller has the closed form of the zone itself.
         """
         a, b = zones.a[sources] + shift, zones.b[sources] + shift
         z = self.zone
         right = zones.middle[z][:, None] > zones.middle[sources] + shift
-        (rest_a, rest_b), seen_a, seen_b = zones.rest[:, sources], zones.rest[0, z][:, None], zones.rest[1, z][:, None]
+        (rest_a, rest_b), seen_a, seen_b = (
+            zones.rest[:, sources],
+            zones.rest[0, z][:, None],
+            zones.rest[1, z][:, None],
+        )
         past_b = (zones.a[z][:, None] - b) + (seen_a - rest_b) + self.left[:, None]
         past_a = (a - zones.b[z][:, None]) + (rest_a - seen_b) + self.right[:, None]
         own = z[:, None] == sources if shift == 0.0 else None
         e = np.where(right, past_b, past_a) / zones.half[sources]
         sign = np.where(right, 1.0, -1.0)
-        return (Outside(sign, e), None) if own is None else (Outside(sign, np.where(own, 1.0, e)), np.where(own, 0.0, 1.0))
+        return (
+            (Outside(sign, e), None)
+            if own is None
+            else (Outside(sign, np.where(own, 1.0, e)), np.where(own, 0.0, 1.0))
+        )
 
 
 @record
@@ -140,9 +158,12 @@ def outside(a: Array, b: Array, x: Array) -> Outside:
     return Outside(np.where(right, 1.0, -1.0), np.where(right, x - b, a - x) / (0.5 * (b - a)))
 
 
-def fields(zones: Zones, kernel: Kernel, targets: Targets | Places, layout: Layout, potential: bool) -> Array:
-    """Transform, or potential over the zones' half widths, of each unknown at the targets, but for a zone's action on itself: (points,
-    unknown coefficients)."""
+def fields(
+    zones: Zones, kernel: Kernel, targets: Targets | Places, layout: Layout, potential: bool
+) -> Array:
+    """Transform, or potential over the zones' half widths, of each unknown at the targets, but for
+    a zone's action on itself: (points, unknown coefficients).
+    """
     out = np.zeros((len(targets.x), layout.size))
     for m in np.unique(layout.m):
         sources = np.flatnonzero(layout.m == m)
@@ -161,7 +182,9 @@ def fields(zones: Zones, kernel: Kernel, targets: Targets | Places, layout: Layo
     return out
 
 
-def _add_regular(out: Array, zones: Zones, kernel: Kernel, x: Array, layout: Layout, potential: bool) -> None:
+def _add_regular(
+    out: Array, zones: Zones, kernel: Kernel, x: Array, layout: Layout, potential: bool
+) -> None:
     """Add what the kernel's regular part does at points x."""
     regular = kernel.regular_potential if potential else kernel.regular
     if regular is None:
@@ -171,7 +194,9 @@ def _add_regular(out: Array, zones: Zones, kernel: Kernel, x: Array, layout: Lay
         moments = _panel_moments(zones, panels, layout, potential)
         out[:, : layout.coefficients] += panels.at(panels.spread(x), moments, potential)
         return
-    for middle, w, m, first in zip(zones.middle, zones.half, layout.m.tolist(), layout.offset, strict=True):
+    for middle, w, m, first in zip(
+        zones.middle, zones.half, layout.m.tolist(), layout.offset, strict=True
+    ):
         q = regular_size(kernel, w, m)
         count = min(m, q - 1) + 1
         nodes = middle + w * chebyshev.gauss(q)
@@ -181,7 +206,9 @@ def _add_regular(out: Array, zones: Zones, kernel: Kernel, x: Array, layout: Lay
             out[some, first : first + count] += block if potential else w * block
 
 
-def _panel_moments(zones: Zones, panels: Panels | Skeleton, layout: Layout, over_width: bool) -> Array:
+def _panel_moments(
+    zones: Zones, panels: Panels | Skeleton, layout: Layout, over_width: bool
+) -> Array:
     """Moments of the panels by each unknown coefficient."""
     out = np.zeros((panels.size, layout.coefficients))
     modes = panels.modes(zones.half)
@@ -190,17 +217,22 @@ def _panel_moments(zones: Zones, panels: Panels | Skeleton, layout: Layout, over
         count = min(int(layout.m[i]), int(modes[i])) + 1
         xi = zones.middle[i] + zones.half[i] * chebyshev.gauss(q)
         weights = chebyshev.t_matrix(q, count) * ((1.0 if over_width else zones.half[i]) / q)
-        out[:, layout.offset[i] : layout.offset[i] + count] = panels.moments(panels.spread(xi), weights)
+        out[:, layout.offset[i] : layout.offset[i] + count] = panels.moments(
+            panels.spread(xi), weights
+        )
     return out
 
 
 class System(Rows):
-    """The rows of the equation over the unknowns, for given zones, and what side conditions ask for (see `Rows`).
+    """The rows of the equation over the unknowns, for given zones, and what side conditions ask for
+    (see `Rows`).
 
     coefficients: smooth part of the right side, U coefficients g_k at [:, k], for all zones.
     """
 
-    def __init__(self, equation: Equation, zones: Zones, m: Index, coefficients: Array, jumps: ForcingJumps) -> None:
+    def __init__(
+        self, equation: Equation, zones: Zones, m: Index, coefficients: Array, jumps: ForcingJumps
+    ) -> None:
         self.equation, self.zones, self.jumps, self.g = equation, zones, jumps, coefficients
         self.layout = Layout(m, len(equation.columns))
         self.known = jumps.first_coefficients(zones, m + 1)
@@ -212,10 +244,15 @@ class System(Rows):
             self._take(m)
         self.targets = Targets.lobatto(zones, zones.solved, m)
         self.starts = np.concatenate(([0], np.cumsum(m[zones.solved] + 2)))
-        # Unknown c_k of each row k = 1 ... m of the solved zones, and which rows are kept: of a zone about the centre those of even k.
+        # Unknown c_k of each row k = 1 ... m of the solved zones, and which rows are kept: of a
+        # zone about the centre those of even k.
         zone, k = np.repeat(zones.solved, m[zones.solved]), numbered(m[zones.solved]) + 1
         self.own = self.layout.offset[zone] + k
-        self.kept: Index | slice = np.flatnonzero((k % 2 == 0) | (zone != zones.solved[0])) if zones.central else slice(None)
+        self.kept: Index | slice = (
+            np.flatnonzero((k % 2 == 0) | (zone != zones.solved[0]))
+            if zones.central
+            else slice(None)
+        )
         self.source_tails = np.zeros(len(zones))
         # Largest value on each solved zone of what each unknown does there, found where modes grow.
         self.field_sizes: Array | None = None
@@ -227,9 +264,12 @@ class System(Rows):
         self.taken[both] = np.where(within, self.known[both], 0.0)
         self.known = self.known - self.taken
         if len(self.equation.forcing.jumps_at):
-            of_g, self.moment_means = coefficients_between(self.equation.forcing, zones, self.jumps, chosen, m)
+            of_g, self.moment_means = coefficients_between(
+                self.equation.forcing, zones, self.jumps, chosen, m
+            )
         else:
-            # Of jumps of the density g is no smoother between them: from what is left of it, less what the kernel makes of their parts.
+            # Of jumps of the density g is no smoother between them: from what is left of it, less
+            # what the kernel makes of their parts.
             of_g = widened(self.g[chosen], self.taken.shape[1])
             of_g[:, : self.taken.shape[1]] -= self.taken[chosen]
         count = max(self.g.shape[1], of_g.shape[1])
@@ -237,7 +277,8 @@ class System(Rows):
         inner = np.arange(count) <= m[chosen, None]
         self.lowest[chosen] = np.where(inner, widened(of_g, count), self.lowest[chosen])
 
-    # rows of the equation -------------------------------------------------------------------------------------------
+    # rows of the equation
+    # -------------------------------------------------------------------------------------------
     def equation_rows(self) -> tuple[Array, Array]:
         """(matrix, right side), the kept rows."""
         layout, zones = self.layout, self.zones
@@ -250,7 +291,9 @@ class System(Rows):
                 self.source_tails = self._quadrature_tails()
             else:
                 last = layout.offset + layout.m - np.minimum([[0], [1], [2]], layout.m)
-                self.source_tails = np.abs(raw[:, last]).max(axis=(0, 1)) / max(1.0, np.abs(raw).max())
+                self.source_tails = np.abs(raw[:, last]).max(axis=(0, 1)) / max(
+                    1.0, np.abs(raw).max()
+                )
         for number, column in enumerate(self.equation.columns):
             raw[:, layout.coefficients + number] = -column.value(self.targets.x)
         if self.equation.grows:
@@ -264,11 +307,15 @@ class System(Rows):
         return rows[self.kept], right[self.kept]
 
     def _quadrature_tails(self) -> Array:
-        """Error of the quadrature over each zone (Z,), of a kernel that declares its length: as large as the coefficient of the kernel that
-        Gauss' rule takes for part of the highest mode. Seen from the ends and from the middle of the zone."""
+        """Error of the quadrature over each zone (Z,), of a kernel that declares its length: as
+        large as the coefficient of the kernel that Gauss' rule takes for part of the highest mode.
+        Seen from the ends and from the middle of the zone.
+        """
         zones, kernel, tails = self.zones, self.equation.kernel, np.zeros(len(self.zones))
         assert kernel.regular is not None
-        for i, (middle, half, m) in enumerate(zip(zones.middle, zones.half, self.layout.m.tolist(), strict=True)):
+        for i, (middle, half, m) in enumerate(
+            zip(zones.middle, zones.half, self.layout.m.tolist(), strict=True)
+        ):
             q = regular_size(kernel, half, m)
             x = middle + half * np.array([[-1.0], [0.0], [1.0]])
             size = np.abs(chebyshev.t_means(kernel.regular(x, middle + half * chebyshev.gauss(q))))
@@ -277,12 +324,16 @@ class System(Rows):
         return tails
 
     def projected(self, values: Array) -> Array:
-        """U coefficients k = 1 ... m on each solved zone, one zone after the other, of what has these values at the targets (n, ...)."""
+        """U coefficients k = 1 ... m on each solved zone, one zone after the other, of what has
+        these values at the targets (n, ...).
+        """
         m = self.layout.m[self.zones.solved]
         first, out = np.cumsum(m) - m, np.empty((int(m.sum()), *values.shape[1:]))
         for count in set(m.tolist()):
             group, k = np.flatnonzero(m == count)[:, None], np.arange(count)
-            out[first[group] + k] = chebyshev.u_coefficients(values[self.starts[group] + 1 + k].swapaxes(1, -1)).swapaxes(1, -1)
+            out[first[group] + k] = chebyshev.u_coefficients(
+                values[self.starts[group] + 1 + k].swapaxes(1, -1)
+            ).swapaxes(1, -1)
         return out
 
     @cached_property
@@ -292,7 +343,9 @@ class System(Rows):
 
     @cached_property
     def unseen_moments(self) -> Array | None:
-        """Moments of the coefficients that are no unknowns, as far as the regular part sees them; None where it sees none."""
+        """Moments of the coefficients that are no unknowns, as far as the regular part sees them;
+        None where it sees none.
+        """
         zones, panels = self.zones, self.panels
         if panels is None or np.all(panels.modes(zones.half) <= self.layout.m):
             return None
@@ -319,7 +372,9 @@ class System(Rows):
 
     @cached_property
     def last_unknowns(self) -> Index:
-        """Where the last kept coefficient of each solved zone stands among the kept unknowns: of a zone about the centre an even one."""
+        """Where the last kept coefficient of each solved zone stands among the kept unknowns: of a
+        zone about the centre an even one.
+        """
         solved, m = self.zones.solved, self.layout.m
         last = m[solved] - (m[solved] % 2) * ((np.arange(len(solved)) == 0) & self.zones.central)
         return self.symmetry.position(self.layout.offset[solved] + last)
@@ -328,7 +383,8 @@ class System(Rows):
     def symmetry(self) -> "MirrorSymmetry":
         return MirrorSymmetry.of(self.zones, self.layout)
 
-    # what conditions ask for ----------------------------------------------------------------------------------------
+    # what conditions ask for
+    # ----------------------------------------------------------------------------------------
     def _zero_rows(self) -> Array:
         return np.zeros((len(self.zones.solved), self.layout.size))
 
@@ -346,8 +402,12 @@ class System(Rows):
             rows[place, self.layout.offset[i] : self.layout.offset[i] + len(values)] = values
         return rows, constants
 
-    def weighted(self, weight: Callable[[Array], Array], degree: int | None) -> tuple[list[Array], Array]:
-        """(by each solved zone's coefficients, by what is known) of the integrals of a weight times the density."""
+    def weighted(
+        self, weight: Callable[[Array], Array], degree: int | None
+    ) -> tuple[list[Array], Array]:
+        """(by each solved zone's coefficients, by what is known) of the integrals of a weight times
+        the density.
+        """
         tables, constants = [], np.zeros(len(self.zones.solved))
         least = max(self.g.shape[1], int(self.layout.m.max()) + 1, 16) + 16
         known: dict[int, Array] = {}
@@ -361,12 +421,17 @@ class System(Rows):
             if len(self.jumps):
                 if size not in known:
                     known[size] = self.jumps.t_coefficients(self.zones, size)
-                constants[place] += values @ known[size][i] - values[: m + 1] @ self.taken[i, : m + 1][:size]
+                constants[place] += (
+                    values @ known[size][i] - values[: m + 1] @ self.taken[i, : m + 1][:size]
+                )
         return tables, constants
 
-    def moments(self, weight: Callable[[Array], Array], zone: int, size: int, degree: int | None = None) -> Array:
-        """Means of weight times T_l over a zone (weight 1 / sqrt(1 - t^2)): of a polynomial as many as it has, else as many as it
-        takes them to decay."""
+    def moments(
+        self, weight: Callable[[Array], Array], zone: int, size: int, degree: int | None = None
+    ) -> Array:
+        """Means of weight times T_l over a zone (weight 1 / sqrt(1 - t^2)): of a polynomial as many
+        as it has, else as many as it takes them to decay.
+        """
         if degree is not None:
             return self._moments(weight, zone, degree + 2)[: degree + 1]
         while True:
@@ -390,14 +455,20 @@ class System(Rows):
         return (left, constant_left), (right, constant_right)
 
     def intensities_of(self, coefficients: Array) -> tuple[Array, Array]:
-        """K at the left and at the right end of each solved zone, of coefficients (all zones, n + 1)."""
+        """K at the left and at the right end of each solved zone, of coefficients (all zones, n +
+        1).
+        """
         solved = self.zones.solved
         table, root = coefficients[solved], edge_scale(self.zones.half[solved])
-        return root * (table[:, ::2].sum(axis=1) - table[:, 1::2].sum(axis=1)), root * table.sum(axis=1)
+        return root * (table[:, ::2].sum(axis=1) - table[:, 1::2].sum(axis=1)), root * table.sum(
+            axis=1
+        )
 
     @cached_property
     def beyond(self) -> Array:
-        """Coefficients that are no unknowns: beyond the coupled modes, and less what the unknowns have of the jumps' parts."""
+        """Coefficients that are no unknowns: beyond the coupled modes, and less what the unknowns
+        have of the jumps' parts.
+        """
         count = max(self.g.shape[1], self.taken.shape[1])
         g, taken = widened(self.g, count), widened(self.taken, count)
         within = np.arange(count) <= self.layout.m[:, None]
@@ -423,7 +494,9 @@ class System(Rows):
 
     @property
     def integrated(self) -> bool:
-        """Whether differences of levels are integrated from g: then the rounding of its primitive is not in them."""
+        """Whether differences of levels are integrated from g: then the rounding of its primitive
+        is not in them.
+        """
         return False
 
     def level_rounding(self, y: Array) -> Array | float:
@@ -431,8 +504,10 @@ class System(Rows):
         return 2.2e-16 * root_of_squares(self.levels()[0], y)
 
     def levels(self) -> Linear:
-        """See `Rows`. The mean of a zone's own potential is w c_0 log(w / 2); the mean of the primitive comes from its
-        values at the ends and from the coefficients of g, since the antiderivative of U_{k-1} is T_k / k."""
+        """See `Rows`. The mean of a zone's own potential is w c_0 log(w / 2); the mean of the
+        primitive comes from its values at the ends and from the coefficients of g, since the
+        antiderivative of U_{k-1} is T_k / k.
+        """
         return self._levels
 
     @cached_property
@@ -442,7 +517,9 @@ class System(Rows):
         raw = fields(zones, kernel, self.targets, layout, potential=True)
         raw[:, : layout.coefficients] *= np.repeat(zones.half, layout.m + 1)
         rows = self.means(raw)
-        rows[np.arange(len(solved)), layout.offset[solved]] += mean_potential(zones.half[solved], kernel.datum)
+        rows[np.arange(len(solved)), layout.offset[solved]] += mean_potential(
+            zones.half[solved], kernel.datum
+        )
         constants = rows @ layout.flat(self.known)
         if self.unseen_moments is not None:
             constants = constants + self.of_panels(self.unseen_moments)[1]
@@ -457,10 +534,12 @@ class System(Rows):
 
     def means(self, values: Array) -> Array:
         """Means over each solved zone of values at its nodes (n, ...)."""
-        return np.array([
-            (values[s:e].sum(axis=0) - 0.5 * (values[s] + values[e - 1])) / (e - s - 1)
-            for s, e in zip(self.starts[:-1], self.starts[1:], strict=True)
-        ])
+        return np.array(
+            [
+                (values[s:e].sum(axis=0) - 0.5 * (values[s] + values[e - 1])) / (e - s - 1)
+                for s, e in zip(self.starts[:-1], self.starts[1:], strict=True)
+            ]
+        )
 
     def _forcing_means(self) -> Array:
         zones, forcing = self.zones, self.equation.forcing
@@ -483,22 +562,30 @@ class System(Rows):
 
 
 def condition_rows(equation: Equation, system: Rows, size: int) -> tuple[Array, Array]:
-    """All side conditions, and the intensity prescribed at ends that do not move, as rows over so many unknowns and values."""
+    """All side conditions, and the intensity prescribed at ends that do not move, as rows over so
+    many unknowns and values.
+    """
     zones, rows, values = system.zones, [np.zeros((0, size))], [np.zeros(0)]
     for condition in equation.conditions:
         matrix, constants, wanted = asked(condition, system, size)
         rows.append(matrix)
         values.append(wanted - constants)
     if any(zones.held):
-        for ends, chosen, (matrix, constants) in zip((zones.left, zones.right), zones.held, system.intensities(), strict=True):
+        for ends, chosen, (matrix, constants) in zip(
+            (zones.left, zones.right), zones.held, system.intensities(), strict=True
+        ):
             rows.append(matrix[chosen])
-            values.append(np.array([ends[zones.solved[p]].intensity for p in chosen]) - constants[chosen])
+            values.append(
+                np.array([ends[zones.solved[p]].intensity for p in chosen]) - constants[chosen]
+            )
     return np.concatenate(rows), np.concatenate(values)
 
 
 @record
 class MirrorSymmetry:
-    """keep: the kept unknowns, of zones that are not symmetric all; unknowns `follow` are `sign` times those at `source`."""
+    """keep: the kept unknowns, of zones that are not symmetric all; unknowns `follow` are `sign`
+    times those at `source`.
+    """
 
     whole: int
     size: int
@@ -523,7 +610,14 @@ class MirrorSymmetry:
         source = np.repeat(layout.offset[pairs], size) + k
         follow = np.repeat(layout.offset[count - 1 - pairs], size) + k
         kept = np.concatenate([*keep, source, layout.coefficients + np.arange(layout.columns)])
-        return cls(layout.size, len(kept), kept, follow, np.asarray(1.0 - 2.0 * (k % 2), dtype=np.float64), source)
+        return cls(
+            layout.size,
+            len(kept),
+            kept,
+            follow,
+            np.asarray(1.0 - 2.0 * (k % 2), dtype=np.float64),
+            source,
+        )
 
     def position(self, unknowns: Index) -> Index:
         """Where kept unknowns stand among the kept ones."""

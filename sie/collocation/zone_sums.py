@@ -1,13 +1,16 @@
 """Sums over all zones in linear time: a tree over the zones, every node an equivalent zone.
 
-What a zone does off it depends on the moments M_l = (1/pi) int phi T_l dxi of its density alone, M_0 = w c_0 and M_l = w c_l / 2, and
-so does what a whole node of the tree does, with moments about its hull: it is an interval like any other (`sie.basis.interval`).
+What a zone does off it depends on the moments M_l = (1/pi) int phi T_l dxi of its density alone,
+M_0 = w c_0 and M_l = w c_l / 2, and so does what a whole node of the tree does, with moments about
+its hull: it is an interval like any other (`sie.basis.interval`).
 
-Moments of children become those of their parent by T_j(alpha + beta s) = sum_k A_jk T_k(s), and the same A takes
-the Chebyshev series of what is far from a parent to its children; the potential comes along as its value at the middle of each
-node, since its derivative is the transform; it is summed in two words, for its differences between neighbours. So zones need no
-nodes of their own: coefficients in, coefficients out. Only near zones see each other directly, by the closed forms of `system`.
-Greengard & Rokhlin (1987), J. Comput. Phys. 73, 325-348, in one dimension and with Chebyshev series in place of powers.
+Moments of children become those of their parent by T_j(alpha + beta s) = sum_k A_jk T_k(s), and the
+same A takes the Chebyshev series of what is far from a parent to its children; the potential comes
+along as its value at the middle of each node, since its derivative is the transform; it is summed
+in two words, for its differences between neighbours. So zones need no nodes of their own:
+coefficients in, coefficients out. Only near zones see each other directly, by the closed forms of
+`system`. Greengard & Rokhlin (1987), J. Comput. Phys. 73, 325-348, in one dimension and with
+Chebyshev series in place of powers.
 """
 
 from typing import Any
@@ -32,8 +35,9 @@ _VANISHED = 40.0
 
 @record
 class NearRows:
-    """Sparse matrices of what near zones do: the transform at the inner Lobatto nodes of each solved zone, one zone after the
-    other, and the potential at their middles."""
+    """Sparse matrices of what near zones do: the transform at the inner Lobatto nodes of each
+    solved zone, one zone after the other, and the potential at their middles.
+    """
 
     transform: Any
     potential: Any
@@ -46,12 +50,22 @@ class NearRows:
         zone = solved[place]
         right = zones.middle[zone] > zones.middle[source] + shift
         sign = np.where(right, 1.0, -1.0)
-        past = (zones.a[zone] - (zones.b[source] + shift)) + (zones.rest[0, zone] - zones.rest[1, source])
-        before_it = ((zones.a[source] + shift) - zones.b[zone]) + (zones.rest[0, source] - zones.rest[1, zone])
+        past = (zones.a[zone] - (zones.b[source] + shift)) + (
+            zones.rest[0, zone] - zones.rest[1, source]
+        )
+        before_it = ((zones.a[source] + shift) - zones.b[zone]) + (
+            zones.rest[0, source] - zones.rest[1, zone]
+        )
         gap = np.where(right, past, before_it)
         half, width, m = zones.half[source], zones.half[zone], layout.m[zone]
         # The decay at the node nearest to the source tells how many powers are seen.
-        e = (gap + width * np.array([chebyshev.lobatto(int(n))[1][min(1, n)] for n in range(int(m.max(initial=0)) + 1)])[m]) / half
+        e = (
+            gap
+            + width
+            * np.array(
+                [chebyshev.lobatto(int(n))[1][min(1, n)] for n in range(int(m.max(initial=0)) + 1)]
+            )[m]
+        ) / half
         need = np.ceil(_VANISHED / fall(e) / 8).astype(np.intp) * 8
         terms = np.minimum(layout.m[source] + 1, need)
         per_zone = np.bincount(place, terms, minlength=len(solved)).astype(np.intp)
@@ -62,7 +76,10 @@ class NearRows:
         pointer = np.concatenate(([0], np.cumsum(np.repeat(per_zone, rows))))
         first_row = np.concatenate(([0], np.cumsum(rows)))
         data, column = np.empty(pointer[-1]), np.empty(pointer[-1], dtype=np.int32)
-        pot_data, pot_column = np.empty(int(per_zone.sum())), np.empty(int(per_zone.sum()), dtype=np.int32)
+        pot_data, pot_column = (
+            np.empty(int(per_zone.sum())),
+            np.empty(int(per_zone.sum()), dtype=np.int32),
+        )
         key = m * (int(terms.max(initial=0)) + 1) + terms
         order = np.argsort(key, kind="stable")
         cuts = np.flatnonzero(np.diff(key[order], prepend=-1, append=-1))
@@ -78,8 +95,13 @@ class NearRows:
             if nodes == 0:
                 continue
             _, from_right, from_left = chebyshev.lobatto(nodes)
-            away = np.where(right[group][:, None], from_left[1:-1], from_right[1:-1]) * width[group][:, None]
-            seen = Outside(sign[group][:, None], (gap[group][:, None] + away) / half[group][:, None])
+            away = (
+                np.where(right[group][:, None], from_left[1:-1], from_right[1:-1])
+                * width[group][:, None]
+            )
+            seen = Outside(
+                sign[group][:, None], (gap[group][:, None] + away) / half[group][:, None]
+            )
             row = first_row[place[group]][:, None] + np.arange(nodes)
             into = (pointer[row] + in_row[group][:, None])[..., None] + power
             data[into] = seen.transforms(count)
@@ -91,7 +113,9 @@ class NearRows:
         wide = np.int32 if pointer[-1] <= np.iinfo(np.int32).max else np.int64
         return cls(
             sparse.csr_array((data, column, pointer.astype(wide)), shape=(len(pointer) - 1, size)),
-            sparse.csr_array((pot_data, pot_column, potential_pointer.astype(wide)), shape=(len(solved), size)),
+            sparse.csr_array(
+                (pot_data, pot_column, potential_pointer.astype(wide)), shape=(len(solved), size)
+            ),
         )
 
 
@@ -106,19 +130,36 @@ class PanelSums:
         nodes = []
         for q, k in np.unique(np.column_stack((modes + 2, count)), axis=0):
             some = np.flatnonzero((modes + 2 == q) & (count == k))
-            self.groups.append((layout.offset[some][:, None] + np.arange(k), zones.half[some][:, None] / q, int(q)))
-            nodes.append((zones.middle[some][:, None] + zones.half[some][:, None] * chebyshev.gauss(int(q))).ravel())
+            self.groups.append(
+                (layout.offset[some][:, None] + np.arange(k), zones.half[some][:, None] / q, int(q))
+            )
+            nodes.append(
+                (
+                    zones.middle[some][:, None]
+                    + zones.half[some][:, None] * chebyshev.gauss(int(q))
+                ).ravel()
+            )
         self.sources = panels.spread(np.concatenate(nodes))
-        inner = [zones.middle[i] + zones.half[i] * chebyshev.lobatto(int(layout.m[i]))[0][1:-1] for i in solved]
-        self.targets, self.middles = panels.spread(np.concatenate(inner)), panels.spread(zones.middle[solved])
+        inner = [
+            zones.middle[i] + zones.half[i] * chebyshev.lobatto(int(layout.m[i]))[0][1:-1]
+            for i in solved
+        ]
+        self.targets, self.middles = (
+            panels.spread(np.concatenate(inner)),
+            panels.spread(zones.middle[solved]),
+        )
 
     def moments(self, y: Array) -> Array:
         """Moments of the panels from unknowns."""
-        weights = [(chebyshev.t_values(y[columns], q) * scale).ravel() for columns, scale, q in self.groups]
+        weights = [
+            (chebyshev.t_values(y[columns], q) * scale).ravel() for columns, scale, q in self.groups
+        ]
         return self.panels.moments(self.sources, np.concatenate(weights))
 
     def at_targets(self, moments: Array) -> tuple[Array, Array]:
-        """(transform at the inner nodes of each solved zone, one after the other; potential at their middles)."""
+        """(transform at the inner nodes of each solved zone, one after the other; potential at
+        their middles).
+        """
         transform = self.panels.at(self.targets, moments, False)
         if self.panels.kernel.regular_potential is None:  # then no condition asks for potentials
             return transform, np.zeros(len(self.zones.solved))
@@ -126,15 +167,20 @@ class PanelSums:
 
 
 class ZoneSums:
-    """What all zones and images do on the solved zones, but for a zone's action on itself, as U coefficients and as the mean of
-    the potential (weight 1 / sqrt(1 - t^2))."""
+    """What all zones and images do on the solved zones, but for a zone's action on itself, as U
+    coefficients and as the mean of the potential (weight 1 / sqrt(1 - t^2)).
+    """
 
     def __init__(self, zones: Zones, kernel: Kernel, layout: Layout) -> None:
         self.zones, self.kernel, self.layout = zones, kernel, layout
         solved = zones.solved
         sources = Nested(Tree.over(zones.a, zones.b, zones.rest))
         part = zones.rest[:, solved]
-        targets = Nested(Tree.over(zones.a[solved], zones.b[solved], part)) if zones.symmetric else sources
+        targets = (
+            Nested(Tree.over(zones.a[solved], zones.b[solved], part))
+            if zones.symmetric
+            else sources
+        )
         self.far = FarSum(sources, targets, kernel)
         self.near = NearRows.of(zones, kernel, layout, self.far.near)
         m = layout.m[solved]
@@ -152,8 +198,9 @@ class ZoneSums:
         return int(self.near.transform.nnz) + len(self.far.far) * TERMS
 
     def __call__(self, y: Array, rough: bool = False) -> tuple[Array, Array, Array]:
-        """(U coefficients k = 1 ... m of every solved zone, one after the other; mean potential of each, in two words). rough: what far
-        zones do is known to 1e-7 of all of it."""
+        """(U coefficients k = 1 ... m of every solved zone, one after the other; mean potential of
+        each, in two words). rough: what far zones do is known to 1e-7 of all of it.
+        """
         leaves = np.append(y, 0.0)[self.lead] * self.scale
         series, middle, mean = self.far(leaves, rough)
         mean = mean + self.near.potential @ y
@@ -174,7 +221,8 @@ class ZoneSums:
             count = min(m, TERMS)
             u[:, :count] += far[group, :count]
             rows[place] = u
-            # The primitive of U_{k-1} is T_k / k: its mean is 0, its value at the middle cos(k pi / 2) / k.
+            # The primitive of U_{k-1} is T_k / k: its mean is 0, its value at the middle cos(k pi /
+            # 2) / k.
             k = np.arange(2, m + 1, 2)
             to_mean = -np.cos(0.5 * np.pi * k) / k
             mean[group] += zones.half[solved[group]] * (u[:, 1::2] @ to_mean)

@@ -1,4 +1,6 @@
-"""The answer: a density on zones that evaluates anywhere, on and off the zones, as accurately as at its nodes."""
+"""The answer: a density on zones that evaluates anywhere, on and off the zones, as accurately as at
+its nodes.
+"""
 
 from dataclasses import dataclass
 from functools import cached_property, partial
@@ -13,16 +15,18 @@ from sie.density.series import CHUNK, Series, from_zones, regular_at
 from sie.density.treecode import Treecode
 from sie.fast.far import reaches
 
-# From this number of (point, source) pairs on, far sources are summed fast; all that follow are, once their series are at hand.
+# From this number of (point, source) pairs on, far sources are summed fast; all that follow are,
+# once their series are at hand.
 _MANY_PAIRS = 40_000
 
 
 @dataclass(frozen=True, eq=False)
 class Density(Series):
-    """phi(x) = sum_j c_j T_j(t) / sqrt(1 - t^2) + logarithms of the jumps, on each zone, t from -1 to 1 there.
+    """phi(x) = sum_j c_j T_j(t) / sqrt(1 - t^2) + logarithms of the jumps, on each zone, t from -1
+    to 1 there.
 
-    Called at points of the line it gives phi, zero off the zones; `transform`, `potential` and their slopes also take complex points
-    off it.
+    Called at points of the line it gives phi, zero off the zones; `transform`, `potential` and
+    their slopes also take complex points off it.
 
     Attributes
     ----------
@@ -41,9 +45,8 @@ class Density(Series):
     edges : tuple or None
         (alpha, beta) of `singular`, where they are not what the coefficients tell.
 
-    Examples
-    --------
-    The density 1 / sqrt(1 - x^2) of a flat punch, on the zone, and its transform 1 / sqrt(z^2 - 1) off it.
+    Examples -------- The density 1 / sqrt(1 - x^2) of a flat punch, on the zone, and its transform
+    1 / sqrt(z^2 - 1) off it.
 
     >>> import numpy as np, sie
     >>> punch = sie.Equation(sie.cauchy(), sie.Forcing(np.zeros_like), (sie.Total(np.pi),))
@@ -65,7 +68,9 @@ class Density(Series):
         return 0
 
     def opening(self, x: ArrayLike) -> tuple[Mask, Array]:
-        """(whether x lies in a slit, the integral of the slack from the slit's left end to x); here nowhere, nothing."""
+        """(whether x lies in a slit, the integral of the slack from the slit's left end to x); here
+        nowhere, nothing.
+        """
         shape = np.shape(x)
         return np.zeros(shape, dtype=bool), np.zeros(shape)
 
@@ -78,7 +83,10 @@ class Density(Series):
         """What all zones do at x, by blocks of points, or by fast sums."""
         flat = self.into_period(x).ravel()
         regular = self.kernel.regular_potential if potential else self.kernel.regular
-        zone, shift = np.tile(np.arange(len(self.zones)), len(self.kernel.poles)), np.repeat(self.kernel.poles, len(self.zones))
+        zone, shift = (
+            np.tile(np.arange(len(self.zones)), len(self.kernel.poles)),
+            np.repeat(self.kernel.poles, len(self.zones)),
+        )
         fast = self.treecode if self.has_series or len(flat) * len(zone) > _MANY_PAIRS else None
         if fast is not None:
             out = fast.potential(flat) if potential else fast.transform(flat)
@@ -86,7 +94,9 @@ class Density(Series):
             regular = None if self.kernel.sure else regular
         else:
             every = partial(from_zones, self, zone=zone, shift=shift, potential=potential)
-            out = by_rows(lambda some: every(some[:, None]).sum(axis=1), flat, most=max(1, CHUNK // len(zone)))
+            out = by_rows(
+                lambda some: every(some[:, None]).sum(axis=1), flat, most=max(1, CHUNK // len(zone))
+            )
         return (out if regular is None else out + regular_at(self, flat, regular)).reshape(x.shape)
 
     @cached_property
@@ -96,7 +106,9 @@ class Density(Series):
 
     @property
     def has_series(self) -> bool:
-        """Whether `treecode` is at hand, or was before this was copied: what is summed with it keeps its last digits."""
+        """Whether `treecode` is at hand, or was before this was copied: what is summed with it
+        keeps its last digits.
+        """
         return self.__dict__.get("treecode") is not None or "summed" in self.__dict__
 
     def __getstate__(self) -> Any:

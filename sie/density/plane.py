@@ -1,16 +1,20 @@
-r"""What a density does at complex points: its transform, the derivative of that, and its potential, off the line and on its sides.
+r"""What a density does at complex points: its transform, the derivative of that, and its potential,
+off the line and on its sides.
 
     F(z) = (1/pi) int phi K(z - xi) dxi,      F'(z),      W(z) = (1/pi) int phi Lambda(z - xi) dxi,   W' = F,
 
-F is analytic off the zones, and on their upper side it is the transform on the line less i phi (J. Plemelj, Monatsh. Math. Phys. 19,
-1908, 205-210). Everything is worked out in the closed upper half plane; below it phi, being real, has the conjugate values.
+F is analytic off the zones, and on their upper side it is the transform on the line less i phi (J.
+Plemelj, Monatsh. Math. Phys. 19, 1908, 205-210). Everything is worked out in the closed upper half
+plane; below it phi, being real, has the conjugate values.
 
-On a zone or image everything is by rho (see `basis.interval`). A jump at s = cos(phi), A, B = 1 - rho e^(+-i phi) (see `jumps`), has
+On a zone or image everything is by rho (see `basis.interval`). A jump at s = cos(phi), A, B = 1 -
+rho e^(+-i phi) (see `jumps`), has
 
     B = 2 e^(-i phi/2) (cos(phi/2) m + i sin(phi/2) p) / (p + m),     A B = 2 rho (zeta - s),
     sum (2/j) rho^j sin(j phi) = -i log(B / A),      log(1 - 2 rho cos(phi) + rho^2) = log(A B).
 
-Zones that are many are summed by the tree (`treecode`): a node seen with |rho| < 0.21 is its first moments.
+Zones that are many are summed by the tree (`treecode`): a node seen with |rho| < 0.21 is its first
+moments.
 """
 
 from functools import cached_property
@@ -19,7 +23,16 @@ import numpy as np
 
 from sie.basis import chebyshev
 from sie.basis.data import Array, Index
-from sie.basis.interval import Complex, InPlane, Outside, What, complex_of, of_t, transform_of, transform_slope_of
+from sie.basis.interval import (
+    Complex,
+    InPlane,
+    Outside,
+    What,
+    complex_of,
+    of_t,
+    transform_of,
+    transform_slope_of,
+)
 from sie.basis.kernels import Regular
 from sie.basis.sums import Grouped, pair_blocks
 from sie.density.series import Series, by_quadrature
@@ -27,9 +40,11 @@ from sie.fast.far import Nested
 from sie.fast.tree import SEPARATION, TERMS, Tree
 from sie.jumps.forcing import ForcingJumps
 
-# InPlane with a rho below this, a node is its first TERMS moments; jumps are their first coefficients below the other one.
+# InPlane with a rho below this, a node is its first TERMS moments; jumps are their first
+# coefficients below the other one.
 _FAR = float(Outside(1.0, np.array(SEPARATION)).rho)
-_FAR_JUMPS, _OF_JUMPS = 0.25, 32
+_FAR_JUMPS = 0.25
+_OF_JUMPS = 32
 # Of splines so many coefficients for each knot make the potential.
 _OF_SPLINES = 8
 # (point, node) pairs handled at once.
@@ -46,7 +61,9 @@ class Plane:
         c = density.first(TERMS)
         twice = np.where(np.arange(TERMS), 2.0, 1.0)
         tree = self.nested.tree
-        self.series = self.nested.upward(c * zones.half[:, None] / twice) * twice / tree.half[:, None]
+        self.series = (
+            self.nested.upward(c * zones.half[:, None] / twice) * twice / tree.half[:, None]
+        )
         self.total = float(np.pi * (c[:, 0] @ zones.half))
 
     def __call__(self, z: Complex, what: What) -> Complex:
@@ -63,9 +80,12 @@ class Plane:
             out = out - 1j * self.total * turns
         return np.where(z.imag < 0, np.conj(out), out)
 
-    # the poles ------------------------------------------------------------------------------------------------------
+    # the poles
+    # ------------------------------------------------------------------------------------------------------
     def poles(self, x: Array, y: Array, what: What) -> Complex:
-        """What those of the kernel do at x + i y, by the tree: from its root down to where a node is far, or one zone."""
+        """What those of the kernel do at x + i y, by the tree: from its root down to where a node
+        is far, or one zone.
+        """
         tree, datum = self.nested.tree, self.density.kernel.datum
         lo, hi, half = tree.lo, tree.hi, tree.half
         out = np.zeros(len(x), dtype=complex)
@@ -78,14 +98,22 @@ class Plane:
                     at, w = x[point] - shift, half[node]
                     seen = InPlane.of((at - lo[node]) / w, (at - hi[node]) / w, y[point] / w)
                     far = np.abs(seen.rho) < _FAR
-                    np.add.at(out, point[far], of_t(self.series, seen[far], w[far], datum, node[far], what))
+                    np.add.at(
+                        out,
+                        point[far],
+                        of_t(self.series, seen[far], w[far], datum, node[far], what),
+                    )
                     leaf = ~far & (tree.item[node] >= 0)
                     if leaf.any():
                         i = point[leaf]
-                        np.add.at(out, i, self.of_zones(x[i] - shift, y[i], tree.item[node[leaf]], what))
+                        np.add.at(
+                            out, i, self.of_zones(x[i] - shift, y[i], tree.item[node[leaf]], what)
+                        )
                     split = ~far & ~leaf
                     point = np.repeat(point[split], 2)
-                    node = np.column_stack((tree.left[node[split]], tree.right[node[split]])).ravel()
+                    node = np.column_stack(
+                        (tree.left[node[split]], tree.right[node[split]])
+                    ).ravel()
         return out
 
     def of_zones(self, x: Array, y: Array, zone: Index, what: What) -> Complex:
@@ -97,7 +125,11 @@ class Plane:
             value = of_t(density.coefficients, seen, w, density.kernel.datum, zone, what)
         else:
             bounded = density.bounded
-            value = transform_slope_of(*bounded, seen, zone) / w if what == "derivative" else transform_of(*bounded, seen, zone)
+            value = (
+                transform_slope_of(*bounded, seen, zone) / w
+                if what == "derivative"
+                else transform_of(*bounded, seen, zone)
+            )
         if len(density.jumps):
             value = value.copy()
             for i, here in Grouped.by(zone).places().items():
@@ -107,19 +139,35 @@ class Plane:
 
     def _jumps(self, zone: int, seen: InPlane, what: What) -> Complex:
         """What the jumps of one zone do."""
-        w, datum, jumps = float(self.density.zones.half[zone]), self.density.kernel.datum, self.density.jumps
+        w, datum, jumps = (
+            float(self.density.zones.half[zone]),
+            self.density.kernel.datum,
+            self.density.jumps,
+        )
         out = np.empty(seen.left.shape, dtype=complex)
         far = np.abs(seen.rho) < _FAR_JUMPS
-        out[far] = of_t(self._of_jumps[[zone]], seen[far], np.full(int(far.sum()), w), datum, np.zeros(int(far.sum()), np.intp), what)
+        out[far] = of_t(
+            self._of_jumps[[zone]],
+            seen[far],
+            np.full(int(far.sum()), w),
+            datum,
+            np.zeros(int(far.sum()), np.intp),
+            what,
+        )
         near = np.flatnonzero(~far)
         k = jumps.by_zone[zone]
         for here in pair_blocks(len(near), max(1, len(k), 2 * len(jumps.poles.of_zone(zone)))):
             some = seen[near[here]]
-            value = of_jumps(jumps, k, some, what) + jumps.near.in_plane(jumps.near.of(zone), some, what)
+            value = of_jumps(jumps, k, some, what) + jumps.near.in_plane(
+                jumps.near.of(zone), some, what
+            )
             value = value + jumps.poles.in_plane(jumps.poles.of_zone(zone), some, what)
             spline = jumps.splines.get(zone)
             if spline is not None and what == "potential":
-                c, row = spline.t_coefficients(min(_OF_SPLINES * len(spline.knots), 1 << 15))[None], np.zeros(len(value), dtype=np.intp)
+                c, row = (
+                    spline.t_coefficients(min(_OF_SPLINES * len(spline.knots), 1 << 15))[None],
+                    np.zeros(len(value), dtype=np.intp),
+                )
                 value = value + of_t(c, some, np.ones(len(row)), 1.0, row, what)
             elif spline is not None:
                 value = value + spline.in_plane(some, what)
@@ -135,41 +183,57 @@ class Plane:
     def _of_jumps(self) -> Array:
         return self.density.jumps.t_coefficients(self.density.zones, _OF_JUMPS)
 
-    # the rest of the kernel -----------------------------------------------------------------------------------------
+    # the rest of the kernel
+    # -----------------------------------------------------------------------------------------
     def _regular(self, z: Complex, what: What) -> Complex | None:
         kernel = self.density.kernel
         if kernel.regular is None:
             return None
-        parts = {"transform": kernel.regular, "derivative": kernel.regular_slope, "potential": kernel.regular_potential}
+        parts = {
+            "transform": kernel.regular,
+            "derivative": kernel.regular_slope,
+            "potential": kernel.regular_potential,
+        }
         regular = parts[what]
         if regular is None:
-            raise ValueError(f"the regular kernel has no {'slope' if what == 'derivative' else what}")
+            raise ValueError(
+                f"the regular kernel has no {'slope' if what == 'derivative' else what}"
+            )
         if not kernel.sure:
             _look_at(regular, z, self.density.zones.middle)
         return by_quadrature(self._held if kernel.sure else self.density.quadrature, z, regular)
 
     @cached_property
     def _held(self) -> list[tuple[Array, Array]]:
-        """Nodes over the whole of the zones, with weights that have their moments: enough for what is smooth over a period."""
+        """Nodes over the whole of the zones, with weights that have their moments: enough for what
+        is smooth over a period.
+        """
         tree, half = self.nested.tree, self.nested.tree.half[0]
         xi = 0.5 * (tree.lo[0] + tree.hi[0]) + half * chebyshev.gauss(TERMS)
         return [(xi, chebyshev.t_matrix(TERMS, TERMS) @ self.series[0] * (half / TERMS))]
 
 
 def _look_at(regular: Regular, z: Complex, places: Array) -> None:
-    """ValueError unless a user's regular part is analytic where it is asked for: its differences along and across x agree."""
+    """ValueError unless a user's regular part is analytic where it is asked for: its differences
+    along and across x agree.
+    """
     for at in z[:: max(1, len(z) // 3)][:3]:
         xi, h = places[:1], 1e-4 * (1 + abs(at))
         points = at + h * np.array([1, -1, 1j, -1j])
         f = np.asarray(regular(points[:, None], xi)).ravel()  # type: ignore[arg-type]
         along, across = (f[0] - f[1]) / (2 * h), (f[2] - f[3]) / (2j * h)
         if abs(along - across) > 1e-4 * (abs(along) + abs(across)) + 1e-10 * np.abs(f).max() / h:
-            raise ValueError("at complex points the kernel's regular part must be the analytic function that it is on the line")
+            raise ValueError(
+                "at complex points the kernel's regular part must be the analytic function that it is on the line"
+            )
 
 
-# jumps --------------------------------------------------------------------------------------------------------------
+# jumps
+# --------------------------------------------------------------------------------------------------------------
 def of_jumps(jumps: ForcingJumps, k: Index, seen: InPlane, what: What) -> Complex:
-    """What jumps k of a zone do, near it; times w for the derivative; for the potential over w, and less c_0 log(w)."""
+    """What jumps k of a zone do, near it; times w for the derivative; for the potential over w, and
+    less c_0 log(w).
+    """
     if len(k) == 0:
         return np.zeros(seen.left.shape, dtype=complex)
     away, q = seen.left[:, None] - jumps.left[k], jumps.order[k]
@@ -179,7 +243,9 @@ def of_jumps(jumps: ForcingJumps, k: Index, seen: InPlane, what: What) -> Comple
         return jumps.plane_potential(k, seen, away, np.where((away == 0) & (q >= 0), 0.0, log))
     with np.errstate(invalid="ignore", divide="ignore"):
         if what == "transform":
-            value = np.where((away == 0) & (q > 0), 0.0, away**q * log) - jumps.polynomial(k, seen.zeta[:, None])
+            value = np.where((away == 0) & (q > 0), 0.0, away**q * log) - jumps.polynomial(
+                k, seen.zeta[:, None]
+            )
         else:
             value = away**q * jumps.logarithm_slope(k, seen, away) - jumps.line[1][k]
             value = value + np.where(q > 0, q * away ** np.maximum(q - 1, 0) * log, 0.0)

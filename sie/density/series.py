@@ -1,7 +1,8 @@
-"""A density zone by zone: its coefficients and jumps, what they make of it on its zones, and what zones and their images do on the line.
+"""A density zone by zone: its coefficients and jumps, what they make of it on its zones, and what
+zones and their images do on the line.
 
-What a zone, or one moved by one of the kernel's poles, does on itself and off it `sie.basis.interval` knows. The rest of the kernel is
-finished by quadrature.
+What a zone, or one moved by one of the kernel's poles, does on itself and off it
+`sie.basis.interval` knows. The rest of the kernel is finished by quadrature.
 """
 
 from collections.abc import Callable
@@ -22,12 +23,15 @@ from sie.fast.panels import Panels, panels_over
 from sie.fast.skeleton import Skeleton
 from sie.jumps.forcing import ForcingJumps
 
-# Distance from a singular end, over the half width, within which errors of the density are not asked for.
+# Distance from a singular end, over the half width, within which errors of the density are not
+# asked for.
 _BESIDE = 0.01
 # Most even angles of one zone that `sampling` asks for.
 _MOST_PLACES = 2**14
-# Most angles of a zone at which it is looked how the density follows the ends, and kinks beside which it is.
-LOOKS, _KINKS = 256, 32
+# Most angles of a zone at which it is looked how the density follows the ends, and kinks beside
+# which it is.
+LOOKS = 256
+_KINKS = 32
 # Largest number of (point, source) pairs handled at once: bounds the memory of an evaluation.
 CHUNK = 16_000
 # The same of a kernel that is tabulated over its lag: a table is made for many pairs.
@@ -46,7 +50,8 @@ class Series(Located):
     bounded_ends: bool = False
     edges: tuple[Array, Array] | None = None
 
-    # per zone -------------------------------------------------------------------------------------------------------
+    # per zone
+    # -------------------------------------------------------------------------------------------------------
     @cached_property
     def singular(self) -> tuple[Array, Array]:
         """(alpha, beta): (alpha + beta t) / sqrt(1 - t^2) is what is unbounded."""
@@ -64,7 +69,9 @@ class Series(Located):
 
     @cached_property
     def sampling(self) -> Index:
-        """Even angles per zone (Z,) that show all of the density: twice its modes and a few for every jump."""
+        """Even angles per zone (Z,) that show all of the density: twice its modes and a few for
+        every jump.
+        """
         modes = np.count_nonzero(self.coefficients, axis=1)
         jumps = np.zeros(len(self.zones), dtype=np.intp)
         jumps[: len(self.jumps.count)] = self.jumps.count
@@ -88,29 +95,38 @@ class Series(Located):
     def moment(self, about: float = 0.0) -> float:
         """Integral of (x - about) times the density."""
         w = self.zones.half
-        return float(np.sum((self.zones.middle - about) * self.totals + np.pi * w * w * self.first(2)[:, 1] / 2))
+        return float(
+            np.sum(
+                (self.zones.middle - about) * self.totals + np.pi * w * w * self.first(2)[:, 1] / 2
+            )
+        )
 
     @cached_property
     def intensities(self) -> tuple[Array, Array]:
-        """K at the left and the right end of each zone: density ~ K / sqrt(d) at distance d from the end."""
+        """K at the left and the right end of each zone: density ~ K / sqrt(d) at distance d from
+        the end.
+        """
         return interval.intensities(*self.singular, self.zones.half)
 
     @cached_property
     def edge_slopes(self) -> tuple[Array, Array]:
         """A at the left and the right end of each zone: density ~ K / sqrt(d) + A sqrt(d)."""
-        left, right = interval.edge_slopes(*self.singular, *chebyshev.slopes_at_ends(self.coefficients), self.zones.half)
+        left, right = interval.edge_slopes(
+            *self.singular, *chebyshev.slopes_at_ends(self.coefficients), self.zones.half
+        )
         jump_left, jump_right = self.jumps.edge_slopes(self.zones)
         scale = interval.slope_scale(self.zones.half)
         return left + scale * jump_left, right + scale * jump_right
 
     @cached_property
     def sensitivity(self) -> tuple[Array, Array, Array]:
-        """(Z,) each: the largest density of a zone, and the largest change of its density at equal normalised position by a
-        motion of its left end, of its right end, per motion over width; infinite pressures, at singular ends and kinks, count no
-        nearer than _BESIDE.
+        """(Z,) each: the largest density of a zone, and the largest change of its density at equal
+        normalised position by a motion of its left end, of its right end, per motion over width;
+        infinite pressures, at singular ends and kinks, count no nearer than _BESIDE.
 
-        To first order the motion of an end leaves a bounded density as it is at fixed places, but for K / sqrt(d), which the
-        density at the new ends does not have. At equal t = cos(theta), a motion of the right end by eps widths makes that
+        To first order the motion of an end leaves a bounded density as it is at fixed places, but
+        for K / sqrt(d), which the density at the new ends does not have. At equal t = cos(theta), a
+        motion of the right end by eps widths makes that
 
             eps (1 + t) phi'(t) + K's part = -eps cot(theta/2) (phi_theta(theta) - phi_theta(0)).
         """
@@ -120,37 +136,54 @@ class Series(Located):
         straight = np.delete(np.arange(len(self.zones)), bent)
         for n in np.unique(counts[straight]):
             group = straight[counts[straight] == n]
-            out[:, group] = [each.max(axis=1) for each in bounded.following(group[:, None], even_angles(n)[None])]
+            out[:, group] = [
+                each.max(axis=1) for each in bounded.following(group[:, None], even_angles(n)[None])
+            ]
         if len(bent):
             even = [even_angles(n) for n in counts[bent]]
             zone = np.repeat(bent, counts[bent])
-            np.maximum.at(out[0], zone, np.abs(bounded.at(zone, *interval.sides(np.concatenate(even)))))
-            beside = [beside_kinks(*self.jumps.sharpest(i), theta) for i, theta in zip(bent.tolist(), even, strict=True)]
+            np.maximum.at(
+                out[0], zone, np.abs(bounded.at(zone, *interval.sides(np.concatenate(even))))
+            )
+            beside = [
+                beside_kinks(*self.jumps.sharpest(i), theta)
+                for i, theta in zip(bent.tolist(), even, strict=True)
+            ]
             out[1:] += bounded.followed(bent, beside)[1:]
         # A zone held at one end spreads its load over another width as the other end moves.
         alpha, beta = self.singular
         out[1:] += (np.abs(alpha) + np.abs(beta)) / np.sqrt(_BESIDE * (2 - _BESIDE))
         return out[0], out[1], out[2]
 
-    # evaluation -----------------------------------------------------------------------------------------------------
+    # evaluation
+    # -----------------------------------------------------------------------------------------------------
     def at(self, zone: ArrayLike, left: ArrayLike, right: ArrayLike) -> Array:
-        """Density at points given by zone index and the distances from the zone's ends over its half width
-        (left + right = 2): no digit is lost near the ends."""
+        """Density at points given by zone index and the distances from the zone's ends over its
+        half width (left + right = 2): no digit is lost near the ends.
+        """
         left, right = np.asarray(left, dtype=float), np.asarray(right, dtype=float)
         zone, left, right = np.broadcast_arrays(np.asarray(zone, dtype=np.intp), left, right)
-        # At an end where the density is bounded, the rounding of its intensity is not divided by zero.
+        # At an end where the density is bounded, the rounding of its intensity is not divided by
+        # zero.
         out = interval.values_on(*self.bounded, zone, left, right, self.zones.bounded)
         if len(self.jumps):
-            out = out + self.jumps.density(zone.ravel(), left.ravel(), right.ravel()).reshape(out.shape)
+            out = out + self.jumps.density(zone.ravel(), left.ravel(), right.ravel()).reshape(
+                out.shape
+            )
         return np.asarray(out)
 
     def integral_at(self, zone: ArrayLike, angle: ArrayLike) -> Array:
-        """Integral of the density from a zone's left end to the angle theta (t = cos theta), of densities with jumps of their own or
-        none."""
-        zone, angle = np.broadcast_arrays(np.asarray(zone, dtype=np.intp), np.asarray(angle, dtype=float))
+        """Integral of the density from a zone's left end to the angle theta (t = cos theta), of
+        densities with jumps of their own or none.
+        """
+        zone, angle = np.broadcast_arrays(
+            np.asarray(zone, dtype=np.intp), np.asarray(angle, dtype=float)
+        )
         w, out = self.zones.half[zone], interval.integral_on(self.coefficients, zone, angle)
         if len(self.jumps):
-            out = out + self.jumps.integral(zone.ravel(), *interval.sides(angle.ravel())).reshape(out.shape)
+            out = out + self.jumps.integral(zone.ravel(), *interval.sides(angle.ravel())).reshape(
+                out.shape
+            )
         return np.asarray(w * out)
 
     def integral(self, x: ArrayLike) -> Array:
@@ -162,7 +195,8 @@ class Series(Located):
         out[inside] = self.integral_at(z, interval.theta(left, right))
         return out
 
-    # what sums over zones read ----------------------------------------------------------------------------------------
+    # what sums over zones read
+    # ----------------------------------------------------------------------------------------
     @cached_property
     def quadrature(self) -> list[tuple[Array, Array]]:
         """Nodes and weighted density for the regular part of the kernel."""
@@ -170,13 +204,24 @@ class Series(Located):
 
     @cached_property
     def panel_moments(self) -> tuple[Panels | Skeleton, Array] | None:
-        """The panels of the regular part and this density's moments on them; None where it has none."""
+        """The panels of the regular part and this density's moments on them; None where it has
+        none.
+        """
         panels = panels_over(self.kernel, self.zones)
-        return None if panels is None else (panels, moments_of(panels, self.zones, self.kernel, self.coefficients, self.jumps))
+        return (
+            None
+            if panels is None
+            else (
+                panels,
+                moments_of(panels, self.zones, self.kernel, self.coefficients, self.jumps),
+            )
+        )
 
     @cached_property
     def potential_coefficients(self) -> Array:
-        """Coefficients of all but `ForcingJumps.sharp_potential`, those over l = 1, 2, ... divided by l: for potentials."""
+        """Coefficients of all but `ForcingJumps.sharp_potential`, those over l = 1, 2, ... divided
+        by l: for potentials.
+        """
         c, high = self.coefficients, self.jumps.high_coefficients(self.zones)
         table = widened(c, high.shape[1]) + widened(high, c.shape[1])
         table[:, 1:] /= np.arange(1, table.shape[1])
@@ -195,8 +240,10 @@ def even_angles(count: int) -> Array:
 
 
 def beside_kinks(left: Array, height: Array, theta: Array) -> Array:
-    """Angles at which it is looked how a density follows the ends: those given, and right beside its largest kinks, by distances from the
-    left end over w, but none nearer to one than _BESIDE, or than a quarter of their mean distance."""
+    """Angles at which it is looked how a density follows the ends: those given, and right beside
+    its largest kinks, by distances from the left end over w, but none nearer to one than _BESIDE,
+    or than a quarter of their mean distance.
+    """
     if len(left) == 0:
         return theta
     away, order = min(_BESIDE, 0.25 / len(left)), np.argsort(left)
@@ -204,23 +251,40 @@ def beside_kinks(left: Array, height: Array, theta: Array) -> Array:
     largest = s[np.argsort(-np.abs(height[order]))[:_KINKS]]
     t = np.concatenate((np.cos(theta), largest - away, largest + away))
     place = np.searchsorted(s, t)
-    distance = np.minimum(np.abs(t - s[np.maximum(place - 1, 0)]), np.abs(t - s[np.minimum(place, len(s) - 1)]))
+    distance = np.minimum(
+        np.abs(t - s[np.maximum(place - 1, 0)]), np.abs(t - s[np.minimum(place, len(s) - 1)])
+    )
     return np.asarray(np.arccos(t[(distance > 0.999 * away) & (np.abs(t) < 1)]))
 
 
-def from_zones(density: Series, x: Array, zone: Index, shift: Array | float, potential: bool) -> Array:
-    """What zones moved by `shift` do at points by the poles of the kernel: pair by pair, all (n,), or, x (n, 1), at every point."""
+def from_zones(
+    density: Series, x: Array, zone: Index, shift: Array | float, potential: bool
+) -> Array:
+    """What zones moved by `shift` do at points by the poles of the kernel: pair by pair, all (n,),
+    or, x (n, 1), at every point.
+    """
     zones, w, jumps = density.zones, density.zones.half[zone], density.jumps
-    seen = interval.OnLine.of(zones.beyond_a(x - shift, zone) / w, zones.before_b(x - shift, zone) / w)
+    seen = interval.OnLine.of(
+        zones.beyond_a(x - shift, zone) / w, zones.before_b(x - shift, zone) / w
+    )
     if potential:
-        value = interval.potential_of(density.potential_coefficients, seen, w, density.kernel.datum, zone)
+        value = interval.potential_of(
+            density.potential_coefficients, seen, w, density.kernel.datum, zone
+        )
     else:
         value = interval.transform_of(*density.bounded, seen, zone)
     if seen.any_on:
         own = np.nonzero(seen.on)
-        of, half, left, right = zone[own[-1]], zones.half[zone[own[-1]]], seen.left[own], seen.right[own]
+        of, half, left, right = (
+            zone[own[-1]],
+            zones.half[zone[own[-1]]],
+            seen.left[own],
+            seen.right[own],
+        )
         if potential:
-            value[own] = half * interval.own_potential(density.potential_coefficients, of, left, right, half / density.kernel.datum)
+            value[own] = half * interval.own_potential(
+                density.potential_coefficients, of, left, right, half / density.kernel.datum
+            )
         else:
             value[own] = interval.own_transform(density.coefficients, of, left, right)
     named = list(jumps.by_zone)
@@ -231,15 +295,18 @@ def from_zones(density: Series, x: Array, zone: Index, shift: Array | float, pot
         of, there = zone[pairs[-1]], seen[pairs]
         if potential:
             sharp = jumps.sharp_potential(of, there)
-            value[pairs] += zones.half[of] * (sharp + density.sharp_totals[of] * np.log(zones.half[of] / density.kernel.datum))
+            value[pairs] += zones.half[of] * (
+                sharp + density.sharp_totals[of] * np.log(zones.half[of] / density.kernel.datum)
+            )
         else:
             value[pairs] += jumps.transform(of, there)
     return np.asarray(value)
 
 
 def regular_at(density: Series, x: Array, regular: Regular) -> Array:
-    """The regular part of the kernel (or of its potential): through its panels, where it has some, else by Gauss-Chebyshev quadrature on
-    every zone."""
+    """The regular part of the kernel (or of its potential): through its panels, where it has some,
+    else by Gauss-Chebyshev quadrature on every zone.
+    """
     if density.panel_moments is not None:
         panels, moments = density.panel_moments
         return panels.at(panels.spread(x), moments, regular is not density.kernel.regular)
@@ -249,11 +316,16 @@ def regular_at(density: Series, x: Array, regular: Regular) -> Array:
     def values(some: Array, xi: Array) -> Array:
         return regular_values(kernel, some[:, 0], xi[0], potential)
 
-    return by_quadrature(density.quadrature, x, values, CHUNK if np.isinf(kernel.length) else _TABLED)
+    return by_quadrature(
+        density.quadrature, x, values, CHUNK if np.isinf(kernel.length) else _TABLED
+    )
 
 
 def by_quadrature(
-    parts: list[tuple[Array, Array]], x: NDArray[Any], regular: Callable[..., NDArray[Any]], pairs: int = CHUNK
+    parts: list[tuple[Array, Array]],
+    x: NDArray[Any],
+    regular: Callable[..., NDArray[Any]],
+    pairs: int = CHUNK,
 ) -> NDArray[Any]:
     """Sums over nodes with weights, at real or complex points, so many pairs at once."""
     out = np.zeros(x.shape, dtype=x.dtype)
@@ -264,16 +336,29 @@ def by_quadrature(
     return out
 
 
-def moments_of(panels: Panels | Skeleton, zones: Zones, kernel: Kernel, table: Array, jumps: ForcingJumps) -> Array:
+def moments_of(
+    panels: Panels | Skeleton, zones: Zones, kernel: Kernel, table: Array, jumps: ForcingJumps
+) -> Array:
     """Moments of the panels of a density, see `quadrature`."""
-    nodes, weights = (np.concatenate(parts) for parts in zip(*quadrature(zones, kernel, table, jumps), strict=True))
+    nodes, weights = (
+        np.concatenate(parts)
+        for parts in zip(*quadrature(zones, kernel, table, jumps), strict=True)
+    )
     return panels.moments(panels.spread(nodes), weights)
 
 
-def quadrature(zones: Zones, kernel: Kernel, table: Array, jumps: ForcingJumps) -> list[tuple[Array, Array]]:
-    """(nodes, weights times density) for the regular part, of T coefficients (zones, n + 1) and jumps; zones of equal size together."""
+def quadrature(
+    zones: Zones, kernel: Kernel, table: Array, jumps: ForcingJumps
+) -> list[tuple[Array, Array]]:
+    """(nodes, weights times density) for the regular part, of T coefficients (zones, n + 1) and
+    jumps; zones of equal size together.
+    """
     m, panels = table.shape[1] - 1, panels_over(kernel, zones)
-    sizes = np.array([regular_size(kernel, w, m) for w in zones.half]) if panels is None else panels.modes(zones.half) + 2
+    sizes = (
+        np.array([regular_size(kernel, w, m) for w in zones.half])
+        if panels is None
+        else panels.modes(zones.half) + 2
+    )
     found = []
     for q in np.unique(sizes):
         group = np.flatnonzero(sizes == q)

@@ -1,7 +1,8 @@
-"""Transform and potential of a density with many zones at many points: far zones by series, near ones by their closed forms.
+"""Transform and potential of a density with many zones at many points: far zones by series, near
+ones by their closed forms.
 
-The line is cut into cells, the zones and pieces of the gaps between them. What is far from a cell is a Chebyshev series on it, all of
-them from one fast sum; a point adds what the few near zones do.
+The line is cut into cells, the zones and pieces of the gaps between them. What is far from a cell
+is a Chebyshev series on it, all of them from one fast sum; a point adds what the few near zones do.
 """
 
 import weakref
@@ -24,7 +25,9 @@ _BLOCK = 400_000
 
 
 class Treecode:
-    """A density's series on all cells. Points are those of `Density.into_period`, or any if nothing repeats."""
+    """A density's series on all cells. Points are those of `Density.into_period`, or any if nothing
+    repeats.
+    """
 
     def __init__(self, density: Series) -> None:
         # Which holds this: the memory of both would only be free when somebody looks for cycles.
@@ -41,12 +44,16 @@ class Treecode:
         near = far.near
         self.source, self.shift = near.source, near.shift
         self.start = np.searchsorted(near.target, np.arange(len(self.middle) + 1))
-        self.series, value, rest = far(density.first(TERMS) * zones.half[:, None] * np.where(np.arange(TERMS), 0.5, 1.0))
+        self.series, value, rest = far(
+            density.first(TERMS) * zones.half[:, None] * np.where(np.arange(TERMS), 0.5, 1.0)
+        )
         self.value = value + rest
 
     @cached_property
     def potential_series(self) -> Array:
-        """Series of the potential: the primitive of the transform's, with the given value at the middle of the cell."""
+        """Series of the potential: the primitive of the transform's, with the given value at the
+        middle of the cell.
+        """
         out = chebint(self.series, axis=1) * self.half[:, None]
         out[:, 0] += self.value
         return np.asarray(out)
@@ -67,27 +74,36 @@ class Treecode:
         if len(beyond):
             # From the moments of all zones, but near an image one by one.
             plane: Plane = self.density.plane  # type: ignore[assignment]
-            out[beyond] = plane.poles(x[beyond], np.zeros(len(beyond)), "potential" if potential else "transform").real
+            out[beyond] = plane.poles(
+                x[beyond], np.zeros(len(beyond)), "potential" if potential else "transform"
+            ).real
         order, cell = order[~outside], np.clip(cell[~outside], 0, len(self.middle) - 1)
         table = np.ascontiguousarray(series.T)
         for here in stretches(self.start[cell + 1] - self.start[cell] + 4, _BLOCK):
             places, cells = order[here], cell[here]
             part = x[places]
             with np.errstate(divide="ignore", invalid="ignore"):
-                t = np.where(self.half[cells] > 0, (part - self.middle[cells]) / self.half[cells], 0.0)
+                t = np.where(
+                    self.half[cells] > 0, (part - self.middle[cells]) / self.half[cells], 0.0
+                )
             value = clenshaw(table, cells, np.clip(t, -1.0, 1.0))
             count = self.start[cells + 1] - self.start[cells]
             row = np.repeat(np.arange(len(part)), count)
             pair = numbered(count) + np.repeat(self.start[cells], count)
-            near = from_zones(self.density, part[row], self.source[pair], self.shift[pair], potential)
+            near = from_zones(
+                self.density, part[row], self.source[pair], self.shift[pair], potential
+            )
             out[places] = value + np.bincount(row, near, minlength=len(part))
         return out
 
 
 def _cells(zones: Zones, lo: float, hi: float) -> Array:
-    """Ends of the cells: the zones, and the gaps between them in pieces that double in length away from either zone, so that to
-    none of them many zones are near."""
-    before = np.diff(np.concatenate(([2 * lo - zones.a[0]], zones.b[:-1], zones.a)).reshape(2, -1), axis=0)[0]
+    """Ends of the cells: the zones, and the gaps between them in pieces that double in length away
+    from either zone, so that to none of them many zones are near.
+    """
+    before = np.diff(
+        np.concatenate(([2 * lo - zones.a[0]], zones.b[:-1], zones.a)).reshape(2, -1), axis=0
+    )[0]
     after = np.append(before[1:], 2 * (hi - zones.b[-1]))
     ends, step = [np.array([lo, hi]), zones.a, zones.b], zones.b - zones.a
     while True:

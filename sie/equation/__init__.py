@@ -1,1 +1,3 @@
-"""What is asked: kernel, right side with its jumps, columns of unknown amplitude, and side conditions, checked once."""
+"""What is asked: kernel, right side with its jumps, columns of unknown amplitude, and side
+conditions, checked once.
+"""

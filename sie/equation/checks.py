@@ -1,8 +1,10 @@
-"""A first look at the functions that make an equation: on a few points, once, before anything is solved with them.
+"""A first look at the functions that make an equation: on a few points, once, before anything is
+solved with them.
 
-What they return must be real and of the shape asked for; a primitive must rise as its function says, a regular part's potential
-likewise; of a symmetric set the right side must be odd. What is claimed of a function is compared with it: that a regular kernel depends
-on x - xi alone, that a weight is a polynomial, that a column has few modes.
+What they return must be real and of the shape asked for; a primitive must rise as its function
+says, a regular part's potential likewise; of a symmetric set the right side must be odd. What is
+claimed of a function is compared with it: that a regular kernel depends on x - xi alone, that a
+weight is a polynomial, that a column has few modes.
 """
 
 from collections.abc import Callable
@@ -20,14 +22,17 @@ from sie.equation.equation import Equation, Forcing
 
 # Places that are looked at on each of at most three zones.
 _T = np.array([-0.7, 0.1, 0.6])
-# Halves of the intervals over which a primitive must rise by the integral of its function, over the zone's half width: a shorter one
-# where the first does not agree, which may hold a feature that five values do not show.
+# Halves of the intervals over which a primitive must rise by the integral of its function, over the
+# zone's half width: a shorter one where the first does not agree, which may hold a feature that
+# five values do not show.
 _STEPS = (1e-3, 2e-5)
 # Disagreement that is none of rounding, over the largest value.
-_DISAGREES, _UNEVEN = 1e-4, 1e-6
+_DISAGREES = 1e-4
+_UNEVEN = 1e-6
 # What a few operations round a primitive to, over its value.
 _ROUNDED = 64 * float(np.finfo(np.float64).eps)
-# Coefficients beyond those that a function is said to have, over the largest: what rounding of the function leaves, with a wide margin.
+# Coefficients beyond those that a function is said to have, over the largest: what rounding of the
+# function leaves, with a wide margin.
 _BEYOND = 1e-9
 # Coefficients beyond those claimed that are looked at.
 _MORE = 8
@@ -37,7 +42,13 @@ _VARIES = 1e-9
 
 def look_at(equation: Equation, zones: Zones) -> None:
     """Raise ValueError, by name, for functions that do not return what the equation is about."""
-    how = (any(condition.count(zones) > 0 and speaks_of_levels(condition, zones) for condition in equation.conditions), zones.symmetric)
+    how = (
+        any(
+            condition.count(zones) > 0 and speaks_of_levels(condition, zones)
+            for condition in equation.conditions
+        ),
+        zones.symmetric,
+    )
     low, high = equation.within
     if not (low < zones.a[0] and zones.b[-1] < high):
         raise ValueError(
@@ -46,8 +57,13 @@ def look_at(equation: Equation, zones: Zones) -> None:
         )
     for condition in equation.conditions:
         if isinstance(condition, Weighted) and condition.degree is not None:
-            _look_at_degree(f"{type(condition).__name__}: its weight", condition.weight, condition.degree, zones)
-    parts = [("the right side", equation.forcing), *((f"column {k}", column) for k, column in enumerate(equation.columns))]
+            _look_at_degree(
+                f"{type(condition).__name__}: its weight", condition.weight, condition.degree, zones
+            )
+    parts = [
+        ("the right side", equation.forcing),
+        *((f"column {k}", column) for k, column in enumerate(equation.columns)),
+    ]
     for name, forcing in parts:
         if not forcing.looked_at and how not in _seen(forcing):
             _look_at_forcing(name, forcing, *_places(zones), *how)
@@ -75,7 +91,9 @@ def _places(zones: Zones) -> tuple[Array, Array]:
 
 def _some(zones: Zones) -> list[int]:
     """The first, the last and a middle one of the solved zones."""
-    return sorted({int(zones.solved[0]), int(zones.solved[len(zones.solved) // 2]), int(zones.solved[-1])})
+    return sorted(
+        {int(zones.solved[0]), int(zones.solved[len(zones.solved) // 2]), int(zones.solved[-1])}
+    )
 
 
 def _called(name: str, function: Callable[..., Any], *places: Array) -> Any:
@@ -85,37 +103,58 @@ def _called(name: str, function: Callable[..., Any], *places: Array) -> Any:
             return function(*places)
     except Exception as error:
         shapes = " and ".join(str(place.shape) for place in places)
-        raise ValueError(f"{name} fails for arrays of shape {shapes}: {type(error).__name__}: {error}") from error
+        raise ValueError(
+            f"{name} fails for arrays of shape {shapes}: {type(error).__name__}: {error}"
+        ) from error
 
 
 def _real(name: str, returned: Any, shape: tuple[int, ...], given: str) -> Array:
     values = np.asarray(returned)
     if values.dtype.kind == "c":
-        raise ValueError(f"{name} is complex: only real equations are solved, its real and imaginary part one by one")
+        raise ValueError(
+            f"{name} is complex: only real equations are solved, its real and imaginary part one by one"
+        )
     if values.dtype.kind not in "fiub":
         raise ValueError(f"{name} must return numbers, got {type(returned).__name__} for {given}")
     if values.shape == shape and not isinstance(returned, np.ndarray):
-        raise ValueError(f"{name} must return an array of shape {shape} for {given}, got {type(returned).__name__}")
+        raise ValueError(
+            f"{name} must return an array of shape {shape} for {given}, got {type(returned).__name__}"
+        )
     if values.shape != shape:
-        raise ValueError(f"{name} must return an array of shape {shape} for {given}, got shape {values.shape}")
+        raise ValueError(
+            f"{name} must return an array of shape {shape} for {given}, got shape {values.shape}"
+        )
     return np.asarray(values, dtype=float)
 
 
-def _look_at_forcing(name: str, forcing: Forcing, x: Array, half: Array, levels: bool, symmetric: bool) -> None:
+def _look_at_forcing(
+    name: str, forcing: Forcing, x: Array, half: Array, levels: bool, symmetric: bool
+) -> None:
     for part, function in (("value", forcing.value), ("primitive", forcing.primitive)):
         if not (callable(function) or (part == "primitive" and function is None)):
-            raise ValueError(f"{name}: {part} must be a function of x, got {type(function).__name__}")
+            raise ValueError(
+                f"{name}: {part} must be a function of x, got {type(function).__name__}"
+            )
 
     def of(part: str, function: Callable[[Array], Array], places: Array) -> Array:
         returned = _called(f"{name}: {part}", function, places.ravel())
-        return _real(f"{name}: {part}", returned, (places.size,), f"x of shape ({places.size},)").reshape(places.shape)
+        return _real(
+            f"{name}: {part}", returned, (places.size,), f"x of shape ({places.size},)"
+        ).reshape(places.shape)
 
     value = partial(of, "value", forcing.value)
     g = value(x)
     if symmetric:
         _look_at_symmetry(f"{name}: value", g, value(-x), x)
     if forcing.primitive is not None and levels and not len(forcing.density_jumps_at):
-        _look_at_rise(f"{name}: primitive", "value", value, partial(of, "primitive", forcing.primitive), x, half)
+        _look_at_rise(
+            f"{name}: primitive",
+            "value",
+            value,
+            partial(of, "primitive", forcing.primitive),
+            x,
+            half,
+        )
 
 
 def _look_at_kernel(kernel: Kernel, x: Array, half: Array, levels: bool, symmetric: bool) -> None:
@@ -126,16 +165,30 @@ def _look_at_kernel(kernel: Kernel, x: Array, half: Array, levels: bool, symmetr
     def of(name: str, function: Callable[[Array, Array], Array], at: Array, source: Array) -> Array:
         shape = np.broadcast_shapes(at.shape, source.shape)
         given = f"x of shape {at.shape} and xi of shape {source.shape}"
-        return _real(f"the kernel's {name}", _called(f"the kernel's {name}", function, at, source), shape, given)
+        return _real(
+            f"the kernel's {name}",
+            _called(f"the kernel's {name}", function, at, source),
+            shape,
+            given,
+        )
 
     values = of("regular part", regular, x[:, None, None], np.array([xi, xi]))
     if symmetric:
-        _look_at_symmetry("the kernel's regular part", values, of("regular part", regular, -x[:, None, None], -np.array([xi, xi])), x)
+        _look_at_symmetry(
+            "the kernel's regular part",
+            values,
+            of("regular part", regular, -x[:, None, None], -np.array([xi, xi])),
+            x,
+        )
     if potential is not None and levels:
         of("regular potential", potential, x[:, None, None], np.array([xi, xi]))
         _look_at_rise(
-            "the kernel's regular potential", "regular part", lambda at: of("regular part", regular, at, xi[:, None]),
-            lambda at: of("regular potential", potential, at, xi[:, None]), x, half,
+            "the kernel's regular potential",
+            "regular part",
+            lambda at: of("regular part", regular, at, xi[:, None]),
+            lambda at: of("regular potential", potential, at, xi[:, None]),
+            x,
+            half,
         )
 
 
@@ -144,7 +197,12 @@ def _look_at_degree(name: str, weight: Callable[[Array], Array], degree: int, zo
     for zone in _some(zones):
         x = zones.middle[zone] + zones.half[zone] * chebyshev.gauss(degree + 1 + _MORE)
         returned = np.asarray(_called(name, weight, x))
-        values = _real(name, returned if returned.ndim else np.broadcast_to(returned, x.shape), x.shape, f"x of shape {x.shape}")
+        values = _real(
+            name,
+            returned if returned.ndim else np.broadcast_to(returned, x.shape),
+            x.shape,
+            f"x of shape {x.shape}",
+        )
         size = np.abs(chebyshev.t_means(values))
         beyond = size[degree + 1 :].max()
         if beyond > _BEYOND * size.max() + _of_places(x, zones.half[zone], values):
@@ -188,7 +246,14 @@ def _look_at_lag(kernel: Kernel, x: Array, half: Array) -> None:
     lag, values = target - source, []
     for moved in (0.0, shift):
         at = source + moved
-        values.append(_real("the kernel's regular part", kernel.regular(at + lag, at), at.shape, f"x of shape {at.shape}"))
+        values.append(
+            _real(
+                "the kernel's regular part",
+                kernel.regular(at + lag, at),
+                at.shape,
+                f"x of shape {at.shape}",
+            )
+        )
     size = np.abs(values[0]).max(initial=0.0)
     rounding = _of_places(x, shift, values[0])
     off = np.abs(values[1] - values[0])
@@ -211,9 +276,18 @@ def _look_at_symmetry(name: str, here: Array, there: Array, x: Array) -> None:
         )
 
 
-def _look_at_rise(name: str, of: str, value: Callable[[Array], Array], primitive: Callable[[Array], Array], x: Array, half: Array) -> None:
-    """Mean value theorem: over a short interval the primitive rises by its length times a value that the function takes there. What is
-    missing is rounding where it is as much over a shorter interval."""
+def _look_at_rise(
+    name: str,
+    of: str,
+    value: Callable[[Array], Array],
+    primitive: Callable[[Array], Array],
+    x: Array,
+    half: Array,
+) -> None:
+    """Mean value theorem: over a short interval the primitive rises by its length times a value
+    that the function takes there. What is missing is rounding where it is as much over a shorter
+    interval.
+    """
     wrong, longer, missing = np.ones(len(x), dtype=bool), np.zeros(len(x)), np.zeros(len(x))
     for step in _STEPS:
         h = np.maximum(step * half, 1e7 * np.spacing(np.abs(x)))
@@ -224,7 +298,8 @@ def _look_at_rise(name: str, of: str, value: Callable[[Array], Array], primitive
             low, high, size = g.min(axis=1), g.max(axis=1), np.abs(g).max(initial=0.0)
             # Of a primitive far from zero, a short interval's rise may be nothing but rounding.
             slack = (high - low) + _DISAGREES * size + _ROUNDED * np.abs(ends).max(axis=1) / (2 * h)
-            # Of places that are rounded to much of a zone nothing can be told; nor where something is not finite.
+            # Of places that are rounded to much of a zone nothing can be told; nor where something
+            # is not finite.
             missed = 2 * h * np.maximum(low - slack - rise, rise - high - slack)
             wrong &= (missed > 0.0) & (missing >= 0.5 * np.sqrt(longer / h) * missed)
             wrong &= (h < 0.1 * half) & np.isfinite(g).all(axis=1)
@@ -233,4 +308,6 @@ def _look_at_rise(name: str, of: str, value: Callable[[Array], Array], primitive
         longer, missing = h, missed
     worst = int(np.flatnonzero(wrong)[0])
     middle = 0.5 * (low[worst] + high[worst])
-    raise ValueError(f"{name} is not an antiderivative of its {of}: at x = {x[worst]:.6g} its slope is {rise[worst]:.6g}, not {middle:.6g}")
+    raise ValueError(
+        f"{name} is not an antiderivative of its {of}: at x = {x[worst]:.6g} its slope is {rise[worst]:.6g}, not {middle:.6g}"
+    )

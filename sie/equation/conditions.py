@@ -1,8 +1,8 @@
 """Side conditions: linear statements about the density, one object each.
 
-A condition turns itself into rows over the unknown coefficients with the help of a `Rows` object (see `collocation.system`),
-which knows how total, potential, weighted integral and edge intensity of each zone depend on them. A new condition is
-one class with `count` and `rows`.
+A condition turns itself into rows over the unknown coefficients with the help of a `Rows` object
+(see `collocation.system`), which knows how total, potential, weighted integral and edge intensity
+of each zone depend on them. A new condition is one class with `count` and `rows`.
 """
 
 from collections.abc import Callable
@@ -20,13 +20,14 @@ from sie.basis.zones import Zones
 Linear = tuple[Array, Array]
 """(matrix, constants): the quantities are matrix @ unknowns + constants."""
 
-# Nodes of a zone at which the weight of an integral is looked at, where it is tried what a condition asks of every zone.
+# Nodes of a zone at which the weight of an integral is looked at, where it is tried what a
+# condition asks of every zone.
 _TRIED = 32
 
 
 class Rows(Protocol):
-    """What a condition may ask of the assembled system. Each answer covers the solved zones, in order; (matrix, constants) stands for the
-    quantities matrix @ unknowns + constants.
+    """What a condition may ask of the assembled system. Each answer covers the solved zones, in
+    order; (matrix, constants) stands for the quantities matrix @ unknowns + constants.
 
     Examples
     --------
@@ -55,7 +56,9 @@ class Rows(Protocol):
         """Integral of the density over each zone."""
 
     def levels(self) -> Linear:
-        """Mean over each zone (weight 1 / sqrt(1 - t^2)) of potential minus the primitive of the right side."""
+        """Mean over each zone (weight 1 / sqrt(1 - t^2)) of potential minus the primitive of the
+        right side.
+        """
 
     def level_steps(self) -> Linear:
         """Differences of the levels of neighbouring zones."""
@@ -63,7 +66,9 @@ class Rows(Protocol):
         return np.diff(matrix, axis=0), np.diff(constants)
 
     def integrals(self, weight: Callable[[Array], Array], degree: int | None = None) -> Linear:
-        """Integral of weight times density over each zone; degree: of a weight that is a polynomial on each."""
+        """Integral of weight times density over each zone; degree: of a weight that is a polynomial
+        on each.
+        """
 
     def intensities(self) -> tuple[Linear, Linear]:
         """K at the left and at the right end of each zone."""
@@ -82,9 +87,9 @@ class Rows(Protocol):
 class Condition:
     """Base: a linear statement about the density and the unknown amplitudes.
 
-    A condition of one's own has `rows(system)`, (matrix, constants, values) of shapes (count, unknowns), (count,), (count,) with
-    matrix @ unknowns + constants = values, and `count(zones)`, how many rows it has, if these are not one; see `Rows` for what `system`
-    tells.
+    A condition of one's own has `rows(system)`, (matrix, constants, values) of shapes (count,
+    unknowns), (count,), (count,) with matrix @ unknowns + constants = values, and `count(zones)`,
+    how many rows it has, if these are not one; see `Rows` for what `system` tells.
 
     Attributes
     ----------
@@ -125,13 +130,19 @@ class Condition:
 
 
 def asked(condition: Condition, system: Rows, size: int) -> tuple[Array, Array, Array]:
-    """The rows of a condition over so many unknowns, looked at: as many as it counts, one constant and one value to each."""
+    """The rows of a condition over so many unknowns, looked at: as many as it counts, one constant
+    and one value to each.
+    """
     given = condition.rows(system)
     if not isinstance(given, tuple) or len(given) != 3:
-        raise ValueError(f"{condition}: `rows` must return three things, (matrix, constants, values)")
+        raise ValueError(
+            f"{condition}: `rows` must return three things, (matrix, constants, values)"
+        )
     for name, part in zip(("matrix", "constants", "values"), given, strict=True):
         if np.iscomplexobj(part):
-            raise ValueError(f"{condition}: the {name} of its `rows` are complex, real numbers are needed")
+            raise ValueError(
+                f"{condition}: the {name} of its `rows` are complex, real numbers are needed"
+            )
     matrix, constants, values = (np.asarray(part, dtype=float) for part in given)
     count = condition.count(system.zones)
     if matrix.shape != (count, size) or constants.shape != (count,) or values.shape != (count,):
@@ -159,8 +170,8 @@ def speaks_of_levels(condition: Condition, zones: Zones) -> bool:
 
 @record
 class ByZone:
-    """A condition that asks one thing of every solved zone, or of every two neighbours, told by what it makes of the zones' levels and of
-    densities c_0 / sqrt(1 - t^2): row i is
+    """A condition that asks one thing of every solved zone, or of every two neighbours, told by
+    what it makes of the zones' levels and of densities c_0 / sqrt(1 - t^2): row i is
 
         levels_i level_i + first_i c_0i = value_i,        or, if `differences`, levels_i (level_(i+1) - level_i) = value_i.
     """
@@ -177,8 +188,10 @@ class ByZone:
 
 @record
 class Trial(Rows):
-    """What conditions may ask of c_0 / sqrt(1 - t^2) on every solved zone, and of levels that have nothing to do with it, all else being
-    nothing; first, level: what unknowns make of both (solved zones, unknowns)."""
+    """What conditions may ask of c_0 / sqrt(1 - t^2) on every solved zone, and of levels that have
+    nothing to do with it, all else being nothing; first, level: what unknowns make of both (solved
+    zones, unknowns).
+    """
 
     zones: Zones
     first: Array
@@ -197,12 +210,19 @@ class Trial(Rows):
 
     def integrals(self, weight: Callable[[Array], Array], degree: int | None = None) -> Linear:
         solved = self.zones.solved
-        x = self.zones.middle[solved][:, None] + self.zones.half[solved][:, None] * chebyshev.gauss(_TRIED)
-        values = np.broadcast_to(np.asarray(weight(x.ravel()), dtype=float), (x.size,)).reshape(x.shape)
+        x = self.zones.middle[solved][:, None] + self.zones.half[solved][:, None] * chebyshev.gauss(
+            _TRIED
+        )
+        values = np.broadcast_to(np.asarray(weight(x.ravel()), dtype=float), (x.size,)).reshape(
+            x.shape
+        )
         return self._scaled * values.mean(axis=1, keepdims=True), np.zeros(len(solved))
 
     def intensities(self) -> tuple[Linear, Linear]:
-        k = edge_scale(self.zones.half[self.zones.solved])[:, None] * self.first, np.zeros(len(self.first))
+        k = (
+            edge_scale(self.zones.half[self.zones.solved])[:, None] * self.first,
+            np.zeros(len(self.first)),
+        )
         return k, k
 
     def amplitude(self, k: int) -> Linear:
@@ -210,15 +230,18 @@ class Trial(Rows):
 
 
 def by_zone(condition: Condition, zones: Zones) -> ByZone | None:
-    """What a condition asks of every zone by itself, be it one of a user's own; None if it does not.
+    """What a condition asks of every zone by itself, be it one of a user's own; None if it does
+    not.
 
-    Looked at by trial: what it makes of numbers that are the same on all zones, or rise evenly, tells the factors, and what it makes of
-    numbers at random whether there is anything else.
+    Looked at by trial: what it makes of numbers that are the same on all zones, or rise evenly,
+    tells the factors, and what it makes of numbers at random whether there is anything else.
     """
     solved, count = zones.solved, condition.count(zones)
     n = len(solved)
     # Of two zones one row of a user's own may be anything.
-    differences = count == n - 1 and (n > 2 or (condition.levels and type(condition).rows in BUILT_IN))
+    differences = count == n - 1 and (
+        n > 2 or (condition.levels and type(condition).rows in BUILT_IN)
+    )
     if n < 2 or not (count == n or differences):
         return None
     none, chance = np.zeros(n), np.random.default_rng(0).uniform(0.5, 1.5, (2, n))
@@ -226,8 +249,14 @@ def by_zone(condition: Condition, zones: Zones) -> ByZone | None:
     def made(first: Array, level: Array) -> Array:
         return asked(condition, Trial(zones, first[:, None], level[:, None]), 1)[0][:, 0]
 
-    of_first, same, rising = made(np.ones(n), none), made(none, np.ones(n)), made(none, np.arange(n, dtype=float))
-    found = ByZone(rising if differences else same, np.zeros(n) if differences else of_first, differences)
+    of_first, same, rising = (
+        made(np.ones(n), none),
+        made(none, np.ones(n)),
+        made(none, np.arange(n, dtype=float)),
+    )
+    found = ByZone(
+        rising if differences else same, np.zeros(n) if differences else of_first, differences
+    )
     of_level = found.levels * (np.diff(chance[1]) if differences else chance[1])
     expected = of_level if differences else of_level + found.first * chance[0]
     size = np.abs(expected).max(initial=0.0)
@@ -278,10 +307,11 @@ class Total(Condition):
 
 @dataclass(frozen=True)
 class Weighted(Condition):
-    """The integral of weight(x) times the density over all zones: a moment, a mean, any linear functional.
+    """The integral of weight(x) times the density over all zones: a moment, a mean, any linear
+    functional.
 
-    The weight is smooth on each zone; degree: where it is a polynomial, of few coefficients. Of a symmetric set only the even
-    part of the weight counts.
+    The weight is smooth on each zone; degree: where it is a polynomial, of few coefficients. Of a
+    symmetric set only the even part of the weight counts.
 
     Parameters
     ----------
@@ -314,7 +344,11 @@ class Weighted(Condition):
             inputs.whole("Weighted: its degree", self.degree, 0)
 
     def rows(self, system: Rows) -> tuple[Array, Array, Array]:
-        return summed(system, system.integrals(self._even if system.zones.symmetric else self.weight, self.degree), self.value)
+        return summed(
+            system,
+            system.integrals(self._even if system.zones.symmetric else self.weight, self.degree),
+            self.value,
+        )
 
     def _even(self, x: Array) -> Array:
         return np.asarray(0.5 * (self.weight(x) + self.weight(-x)))
@@ -343,13 +377,17 @@ def moment(value: float, about: float = 0.0) -> Weighted:
     >>> float(round(found.amplitudes[0], 12))
     -1.0
     """
-    return Weighted(partial(np.add, -inputs.number("moment: about", about)), inputs.number("moment: value", value), degree=1)
+    return Weighted(
+        partial(np.add, -inputs.number("moment: about", about)),
+        inputs.number("moment: value", value),
+        degree=1,
+    )
 
 
 @dataclass(frozen=True)
 class ZoneMoments(Condition):
-    """The first moments of the density about the middle of each zone add up to `value`: where every total is zero, minus
-    the integral of what the density opens.
+    """The first moments of the density about the middle of each zone add up to `value`: where every
+    total is zero, minus the integral of what the density opens.
 
     Parameters
     ----------
@@ -453,16 +491,16 @@ class EqualPotential(Condition):
 
 @dataclass(frozen=True)
 class Level(Condition):
-    """Potential less primitive of the right side takes the given value on every zone; the right side needs its primitive.
+    """Potential less primitive of the right side takes the given value on every zone; the right
+    side needs its primitive.
 
     Parameters
     ----------
     value : float
         What it is to be.
 
-    Examples
-    --------
-    A plate of half width 2 has the capacity 1, and any charge holds it at the potential zero; twice as wide, at log(2) / pi.
+    Examples -------- A plate of half width 2 has the capacity 1, and any charge holds it at the
+    potential zero; twice as wide, at log(2) / pi.
 
     >>> import numpy as np, sie
     >>> held = sie.Equation(sie.cauchy(), sie.Forcing(np.zeros_like, np.zeros_like), (sie.Level(np.log(2) / np.pi),))
@@ -486,7 +524,8 @@ class Level(Condition):
 
 @dataclass(frozen=True)
 class Amplitude(Condition):
-    """The amplitude of column k is `value` plus `per_total` times the total of the density: a closure by name.
+    """The amplitude of column k is `value` plus `per_total` times the total of the density: a
+    closure by name.
 
     Parameters
     ----------
@@ -536,7 +575,9 @@ BUILT_IN = (*_SILENT, EqualPotential.rows, Level.rows)
 
 
 class EndCondition(Protocol):
-    """A condition on the zone ends alone: residual(a, b) and its derivatives by the outward motion of each end."""
+    """A condition on the zone ends alone: residual(a, b) and its derivatives by the outward motion
+    of each end.
+    """
 
     def residual(self, zones: Zones) -> tuple[float, Array, Array]:
         """(residual, d/d(outward motion of a), d/d(outward motion of b))."""
@@ -566,4 +607,8 @@ class TotalWidth:
 
     def residual(self, zones: Zones) -> tuple[float, Array, Array]:
         one = np.ones(len(zones))
-        return float(np.sum(zones.b - zones.a) + np.sum(zones.rest[1] - zones.rest[0])) - self.value, one, one
+        return (
+            float(np.sum(zones.b - zones.a) + np.sum(zones.rest[1] - zones.rest[0])) - self.value,
+            one,
+            one,
+        )

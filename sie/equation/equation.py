@@ -2,8 +2,9 @@
 
     (1/pi) PV int_zones phi(xi) K(x, xi) dxi = g(x) + sum_k lambda_k C_k(x)    on the zones,
 
-with side conditions on phi and on the unknown amplitudes lambda_k. Unknowns are counted against conditions before any
-arithmetic: per zone the index, one for each free end, one for each unknown amplitude.
+with side conditions on phi and on the unknown amplitudes lambda_k. Unknowns are counted against
+conditions before any arithmetic: per zone the index, one for each free end, one for each unknown
+amplitude.
 """
 
 import math
@@ -29,7 +30,8 @@ Function = Callable[[Array], Array]
 
 
 class CountError(ValueError):
-    """The side conditions do not match the index of the problem; the message says what is missing or too much.
+    """The side conditions do not match the index of the problem; the message says what is missing
+    or too much.
 
     Examples
     --------
@@ -54,45 +56,56 @@ class Forcing(Kept):
     primitive : callable or None
         An antiderivative of g, continuous over all zones; only needed by conditions on potentials.
     jumps_at, jumps, orders : array_like
-        Positions, heights g^(q)(s+) - g^(q)(s-) and orders q (0, 1 or 2) of jumps of g or of its derivatives, (k,), or one height or order
-        for all; for a kernel with a period they repeat. orders None: all 0, jumps of g itself.
+        Positions, heights g^(q)(s+) - g^(q)(s-) and orders q (0, 1 or 2) of jumps of g or of its
+        derivatives, (k,), or one height or order for all; for a kernel with a period they repeat.
+        orders None: all 0, jumps of g itself.
     density_jumps_at, density_jumps, density_orders : array_like
-        The same of jumps of the wanted density, where g has (J/pi) (x - s)^q ln|x - s| / q!; for q = 0 this is (J/pi) Lambda(x, s), Lambda
-        the kernel's potential, and is left out of `value`. Either jumps or density_jumps.
+        The same of jumps of the wanted density, where g has (J/pi) (x - s)^q ln|x - s| / q!; for q
+        = 0 this is (J/pi) Lambda(x, s), Lambda the kernel's potential, and is left out of `value`.
+        Either jumps or density_jumps.
     algebraic : AlgebraicPoints or None
-        Points beside which g, or the wanted density, is algebraic; of the density's, g has the transform in its values.
+        Points beside which g, or the wanted density, is algebraic; of the density's, g has the
+        transform in its values.
     spline : callable or None
-        A quadratic spline with the jumps or density_jumps of order 2, where it is known and is not all of g: of very many it keeps the
-        digits.
+        A quadratic spline with the jumps or density_jumps of order 2, where it is known and is not
+        all of g: of very many it keeps the digits.
     modes : int or None
-        Of a column, how many modes it has where that is known (1: a constant); else the engine finds out.
+        Of a column, how many modes it has where that is known (1: a constant); else the engine
+        finds out.
     between : bool
-        Of a column, whether it is as smooth between the intervals as on them: then narrow gaps are taken as slits beside it too.
+        Of a column, whether it is as smooth between the intervals as on them: then narrow gaps are
+        taken as slits beside it too.
     singular_at : array_like
-        Places between the intervals at which g is singular, (k,): narrow gaps are not taken as slits then, and as many nodes are begun with
-        as the distances from there ask for. For a kernel with a period they repeat.
+        Places between the intervals at which g is singular, (k,): narrow gaps are not taken as
+        slits then, and as many nodes are begun with as the distances from there ask for. For a
+        kernel with a period they repeat.
     resolution : float or None
-        Smallest length over which a smooth g varies. Then differences of the primitive are taken from g, where zones are many: they keep
-        digits that the primitive has lost.
+        Smallest length over which a smooth g varies. Then differences of the primitive are taken
+        from g, where zones are many: they keep digits that the primitive has lost.
     placed : callable or None
-        Where x comes to stand when `value` rounds it; None: x itself. Narrow zones far from the origin see it.
+        Where x comes to stand when `value` rounds it; None: x itself. Narrow zones far from the
+        origin see it.
     exact : bool
-        Whether `value` loses nothing of the places that it is given: then ends of zones are kept to more digits than their positions have.
+        Whether `value` loses nothing of the places that it is given: then ends of zones are kept to
+        more digits than their positions have.
     looked_at : bool
-        Whether it is known to be in order, and its primitive to rise as its value says: then that is not looked at again.
+        Whether it is known to be in order, and its primitive to rise as its value says: then that
+        is not looked at again.
     rounding : float
-        Standard deviation of the noise of `value`, in its unit; coefficients are not asked to fall below it.
+        Standard deviation of the noise of `value`, in its unit; coefficients are not asked to fall
+        below it.
     within : (float, float)
-        The open interval on which the function is defined: it is not called outside, and free ends stay inside.
+        The open interval on which the function is defined: it is not called outside, and free ends
+        stay inside.
 
     Raises
     ------
     ValueError
-        If both jumps and density_jumps are given, if these are no numbers or not as many as their positions, or an order is above 2.
+        If both jumps and density_jumps are given, if these are no numbers or not as many as their
+        positions, or an order is above 2.
 
-    Examples
-    --------
-    A wedge: g jumps by 2 at the origin, which is declared, and the load 2 gives a half width of one.
+    Examples -------- A wedge: g jumps by 2 at the origin, which is declared, and the load 2 gives a
+    half width of one.
 
     >>> import numpy as np, sie
     >>> wedge = sie.Forcing(np.sign, np.abs, jumps_at=[0.0], jumps=[2.0])
@@ -121,8 +134,9 @@ class Forcing(Kept):
     within: tuple[float, float] = (-math.inf, math.inf)
 
     def sampled(self, start: Array, away: Array, slope: Function) -> Array:
-        """g at start + away, more exactly than such places can be told apart: taken where they are rounded to, and what that is
-        off by put right with slope(values), the derivative of g there."""
+        """g at start + away, more exactly than such places can be told apart: taken where they are
+        rounded to, and what that is off by put right with slope(values), the derivative of g there.
+        """
         x = start + away
         values = np.array(self.value(x.ravel()), dtype=float).reshape(x.shape)
         at = x if self.placed is None else self.placed(x)
@@ -130,14 +144,19 @@ class Forcing(Kept):
 
     def __post_init__(self) -> None:
         keep = partial(object.__setattr__, self)
-        for at, heights, orders in (("jumps_at", "jumps", "orders"), ("density_jumps_at", "density_jumps", "density_orders")):
+        for at, heights, orders in (
+            ("jumps_at", "jumps", "orders"),
+            ("density_jumps_at", "density_jumps", "density_orders"),
+        ):
             places = inputs.numbers(at, getattr(self, at))
             keep(at, places)
             keep(heights, _for_each(at, heights, len(places), getattr(self, heights)))
             if getattr(self, orders) is not None:
                 keep(orders, _orders(at, orders, len(places), getattr(self, orders)))
         if len(self.jumps_at) and len(self.density_jumps_at):
-            raise ValueError("either the right side jumps or the density does: give jumps or density_jumps, not both")
+            raise ValueError(
+                "either the right side jumps or the density does: give jumps or density_jumps, not both"
+            )
         keep("singular_at", inputs.numbers("singular_at", self.singular_at))
         if self.modes is not None:
             inputs.whole("modes", self.modes, 1)
@@ -159,11 +178,15 @@ class Forcing(Kept):
     def broken_at(self) -> Array:
         """Positions at which g, or the wanted density, is not smooth."""
         points = np.zeros(0) if self.algebraic is None else np.asarray(self.algebraic.at)
-        return np.concatenate((np.asarray(self.jumps_at), np.asarray(self.density_jumps_at), points))
+        return np.concatenate(
+            (np.asarray(self.jumps_at), np.asarray(self.density_jumps_at), points)
+        )
 
     @property
     def cornered(self) -> bool:
-        """Whether g or the wanted density jumps anywhere: then the distances of ends from there count."""
+        """Whether g or the wanted density jumps anywhere: then the distances of ends from there
+        count.
+        """
         return len(self.kinks[0]) + len(self.logarithms[0]) > 0
 
     def jumps_within(self, zones: Zones, kernel: Kernel) -> ForcingJumps:
@@ -174,10 +197,18 @@ class Forcing(Kept):
 
     def _jumps_within(self, zones: Zones, kernel: Kernel) -> ForcingJumps:
         if len(self.density_jumps_at):
-            orders = np.zeros(len(self.density_jumps_at), dtype=np.intp) if self.density_orders is None else self.density_orders
-            return DensityJumps.inside(zones, self.density_jumps_at, self.density_jumps, orders, kernel, self.spline)
+            orders = (
+                np.zeros(len(self.density_jumps_at), dtype=np.intp)
+                if self.density_orders is None
+                else self.density_orders
+            )
+            return DensityJumps.inside(
+                zones, self.density_jumps_at, self.density_jumps, orders, kernel, self.spline
+            )
         orders = np.zeros(len(self.jumps_at), dtype=np.intp) if self.orders is None else self.orders
-        return ForcingJumps.within(zones, self.jumps_at, self.jumps, orders, kernel.period, self.spline or self.value)
+        return ForcingJumps.within(
+            zones, self.jumps_at, self.jumps, orders, kernel.period, self.spline or self.value
+        )
 
 
 def _for_each(places: str, name: str, count: int, values: Any) -> Array:
@@ -186,17 +217,26 @@ def _for_each(places: str, name: str, count: int, values: Any) -> Array:
     if len(table) == 1 and count > 1 and np.ndim(values) == 0:
         return np.full(count, table[0])
     if len(table) != count:
-        raise ValueError(f"{name}: one for each of {places} is needed, or one for all; got {len(table)} for {count} places")
+        raise ValueError(
+            f"{name}: one for each of {places} is needed, or one for all; got {len(table)} for {count} places"
+        )
     return table
 
 
 def _orders(places: str, name: str, count: int, values: Any) -> Index:
     """Orders of jumps (count,)."""
-    if isinstance(values, np.ndarray) and values.dtype == np.intp and values.shape == (count,) and (values <= HIGHEST).all():
+    if (
+        isinstance(values, np.ndarray)
+        and values.dtype == np.intp
+        and values.shape == (count,)
+        and (values <= HIGHEST).all()
+    ):
         return values
     table = _for_each(places, name, count, values)
     if not np.isin(table, np.arange(HIGHEST + 1)).all():
-        raise ValueError(f"{name} must be 0, 1 or 2, which derivative jumps; leave jumps of higher ones out, got {inputs.shown(values)}")
+        raise ValueError(
+            f"{name} must be 0, 1 or 2, which derivative jumps; leave jumps of higher ones out, got {inputs.shown(values)}"
+        )
     return table.astype(np.intp)
 
 
@@ -204,7 +244,9 @@ def _interval(name: str, values: Any) -> tuple[float, float]:
     """(lo, hi) with lo < hi; both may be infinite."""
     table = inputs.table_of(name, values)
     if table.shape != (2,) or not table[0] < table[1]:
-        raise ValueError(f"{name} must be two numbers (lo, hi) with lo < hi, infinite where there is no limit, got {inputs.shown(values)}")
+        raise ValueError(
+            f"{name} must be two numbers (lo, hi) with lo < hi, infinite where there is no limit, got {inputs.shown(values)}"
+        )
     return float(table[0]), float(table[1])
 
 
@@ -224,8 +266,12 @@ def _look_at_kernel(kernel: Any) -> None:
     if kernel in MAKERS:
         raise ValueError(f"the kernel is what sie.{kernel.__name__}(...) returns: call it")
     if isinstance(kernel, Smooth) or callable(kernel):
-        raise ValueError("a smooth kernel alone makes no singular integral equation, and one that is ill-posed: add it to sie.cauchy()")
-    raise ValueError(f"the kernel must be a sie.Kernel, such as sie.cauchy(), got {inputs.shown(kernel)}")
+        raise ValueError(
+            "a smooth kernel alone makes no singular integral equation, and one that is ill-posed: add it to sie.cauchy()"
+        )
+    raise ValueError(
+        f"the kernel must be a sie.Kernel, such as sie.cauchy(), got {inputs.shown(kernel)}"
+    )
 
 
 def _of_order_zero(at: Array, heights: Array, orders: Index | None) -> tuple[Array, Array]:
@@ -235,17 +281,19 @@ def _of_order_zero(at: Array, heights: Array, orders: Index | None) -> tuple[Arr
 
 @dataclass(frozen=True, eq=False)
 class Equation(Kept):
-    """Kernel, right side, columns of unknown amplitude, side conditions, and conditions on the ends alone.
+    """Kernel, right side, columns of unknown amplitude, side conditions, and conditions on the ends
+    alone.
 
     Parameters
     ----------
     kernel : Kernel
-        `cauchy()`, `hilbert(period)`, `images(period, neighbours)`, or one of these plus a `Smooth`.
+        `cauchy()`, `hilbert(period)`, `images(period, neighbours)`, or one of these plus a
+        `Smooth`.
     forcing : Forcing or callable
         The right side g; a function of x stands for `Forcing` of it.
     conditions : tuple of Condition
-        Side conditions: one for each zone with two singular or two free ends, one less for each fixed bounded end, one more for each
-        column. One that is no tuple will do.
+        Side conditions: one for each zone with two singular or two free ends, one less for each
+        fixed bounded end, one more for each column. One that is no tuple will do.
     columns : tuple of Forcing or callable
         Functions of the right side whose amplitudes are unknown.
     end_conditions : tuple
@@ -254,8 +302,8 @@ class Equation(Kept):
     Raises
     ------
     ValueError
-        For a kernel without a pole, for columns with jumps, for potentials asked of right sides with logarithms, and for parts of a wrong
-        type.
+        For a kernel without a pole, for columns with jumps, for potentials asked of right sides
+        with logarithms, and for parts of a wrong type.
 
     Examples
     --------
@@ -275,18 +323,34 @@ class Equation(Kept):
         _look_at_kernel(self.kernel)
         keep = partial(object.__setattr__, self)
         keep("forcing", _forcing("the right side", self.forcing))
-        keep("columns", tuple(_forcing(f"column {k}", column) for k, column in enumerate(inputs.several(self.columns))))
+        keep(
+            "columns",
+            tuple(
+                _forcing(f"column {k}", column)
+                for k, column in enumerate(inputs.several(self.columns))
+            ),
+        )
         keep("conditions", inputs.several(self.conditions))
         keep("end_conditions", inputs.several(self.end_conditions))
         for condition in self.conditions:
             if not isinstance(condition, Condition):
-                raise ValueError(f"a side condition must be a sie.Condition, such as sie.Total(1.0), got {inputs.shown(condition)}")
+                raise ValueError(
+                    f"a side condition must be a sie.Condition, such as sie.Total(1.0), got {inputs.shown(condition)}"
+                )
         for end_condition in self.end_conditions:
-            if not callable(getattr(end_condition, "residual", None)) or isinstance(end_condition, type):
-                raise ValueError(f"a condition on the ends is one such as sie.TotalWidth(1.0), got {inputs.shown(end_condition)}")
+            if not callable(getattr(end_condition, "residual", None)) or isinstance(
+                end_condition, type
+            ):
+                raise ValueError(
+                    f"a condition on the ends is one such as sie.TotalWidth(1.0), got {inputs.shown(end_condition)}"
+                )
         if any(len(column.jumps_at) + len(column.density_jumps_at) for column in self.columns):
-            raise ValueError("a column of unknown amplitude must be smooth: jumps belong to the right side")
-        if len(self.forcing.density_jumps_at) and any(condition.levels for condition in self.conditions):
+            raise ValueError(
+                "a column of unknown amplitude must be smooth: jumps belong to the right side"
+            )
+        if len(self.forcing.density_jumps_at) and any(
+            condition.levels for condition in self.conditions
+        ):
             raise ValueError("a condition on potentials is for right sides without logarithms")
 
     @cached_property
@@ -297,30 +361,41 @@ class Equation(Kept):
 
     @property
     def grows(self) -> bool:
-        """Whether the coupled modes must be grown until they show all of the columns and of a user's regular kernel."""
+        """Whether the coupled modes must be grown until they show all of the columns and of a
+        user's regular kernel.
+        """
         return any(column.modes is None for column in self.columns) or self.kernel.grows
 
     @property
     def open_condition(self) -> int | None:
-        """Index of the condition whose value is unknown and is found from a condition on the ends; None if none is."""
+        """Index of the condition whose value is unknown and is found from a condition on the ends;
+        None if none is.
+        """
         return next((k for k, condition in enumerate(self.conditions) if condition.open), None)
 
     def check_count(self, zones: Zones) -> None:
-        """Raise CountError unless unknowns and conditions balance, for given ends and for moving ones; ValueError if
-        the zones do not fit between a periodic kernel's images."""
+        """Raise CountError unless unknowns and conditions balance, for given ends and for moving
+        ones; ValueError if the zones do not fit between a periodic kernel's images.
+        """
         images = [shift for shift in self.kernel.poles if shift > 0]
         if images and not zones.b[-1] - zones.a[0] < min(images):
-            raise ValueError(f"the zones reach over {zones.b[-1] - zones.a[0]:.6g}, the period is {min(images):.6g}")
+            raise ValueError(
+                f"the zones reach over {zones.b[-1] - zones.a[0]:.6g}, the period is {min(images):.6g}"
+            )
         first = int(zones.solved[0])
         ends = [*zones.left[first:], *zones.right[first:]]
         # Of very many there are few kinds.
         kinds = {id(end): end for end in ends}
-        surplus = sum(count * kinds[one].surplus for one, count in Counter(map(id, ends)).items()) - len(zones.solved)
+        surplus = sum(
+            count * kinds[one].surplus for one, count in Counter(map(id, ends)).items()
+        ) - len(zones.solved)
         if zones.central:
             surplus += 1 - zones.left[first].surplus  # odd modes are absent: half of a zone's count
         opened = sum(condition.open for condition in self.conditions)
         unknowns = surplus + len(self.columns) + opened
-        given = sum(condition.count(zones) for condition in self.conditions) + len(self.end_conditions)
+        given = sum(condition.count(zones) for condition in self.conditions) + len(
+            self.end_conditions
+        )
         names = ", ".join(str(c) for c in (*self.conditions, *self.end_conditions)) or "none"
         if opened > 1 or opened != len(self.end_conditions):
             raise CountError(
@@ -328,9 +403,17 @@ class Equation(Kept):
                 f"got {len(self.end_conditions)}"
             )
         if given != unknowns:
-            what = f"{unknowns - given} more needed" if given < unknowns else f"{given - unknowns} too many"
+            what = (
+                f"{unknowns - given} more needed"
+                if given < unknowns
+                else f"{given - unknowns} too many"
+            )
             raise CountError(
                 f"{unknowns} side conditions are needed (index {surplus}, {len(self.columns)} unknown amplitudes, "
                 f"{opened} unknown values) but {given} are given ({names}): {what}"
-                + ("; bounded ends ask for as many columns of unknown amplitude, or for other ends" if unknowns < 0 else "")
+                + (
+                    "; bounded ends ask for as many columns of unknown amplitude, or for other ends"
+                    if unknowns < 0
+                    else ""
+                )
             )

@@ -1,7 +1,9 @@
-"""Far sums: what intervals do on other intervals far from them, by a tree and Chebyshev series, in time linear in their number.
+"""Far sums: what intervals do on other intervals far from them, by a tree and Chebyshev series, in
+time linear in their number.
 
-Moments of what stands on an interval, the integrals of T_k over pi, go up the tree; series of the transform come down it
-(L. Greengard and V. Rokhlin, J. Comput. Phys. 73 (1987) 325-348, in one dimension and with Chebyshev series in place of powers).
+Moments of what stands on an interval, the integrals of T_k over pi, go up the tree; series of the
+transform come down it (L. Greengard and V. Rokhlin, J. Comput. Phys. 73 (1987) 325-348, in one
+dimension and with Chebyshev series in place of powers).
 """
 
 from functools import cached_property
@@ -26,7 +28,9 @@ _TWICE = np.array([1.0] + [2.0] * (TERMS - 1))
 
 
 def antiderivatives(s: Array) -> Array:
-    """int_0^s T_k, k = 0 ... TERMS - 1, of places (n,), along a new last axis: T_(k+1) / 2 (k+1) - T_(k-1) / 2 (k-1) but for k < 2."""
+    """int_0^s T_k, k = 0 ... TERMS - 1, of places (n,), along a new last axis: T_(k+1) / 2 (k+1) -
+    T_(k-1) / 2 (k-1) but for k < 2.
+    """
     t = np.empty((TERMS + 1, len(s)))
     t[0], t[1] = 1.0, s
     for k in range(2, TERMS + 1):
@@ -34,12 +38,16 @@ def antiderivatives(s: Array) -> Array:
         t[k] -= t[k - 2]
     t[::2] -= np.resize([1.0, -1.0], TERMS // 2 + 1)[:, None]
     order = np.arange(2, TERMS)[:, None]
-    return np.concatenate(([s, 0.5 * s * s], 0.5 / (order + 1) * t[3:] - 0.5 / (order - 1) * t[1:-2])).T
+    return np.concatenate(
+        ([s, 0.5 * s * s], 0.5 / (order + 1) * t[3:] - 0.5 / (order - 1) * t[1:-2])
+    ).T
 
 
 @record
 class Nested:
-    """A tree with what takes series from children to parents and back; kept: whether to keep it for the next sum."""
+    """A tree with what takes series from children to parents and back; kept: whether to keep it for
+    the next sum.
+    """
 
     tree: Tree
     kept: bool = True
@@ -50,7 +58,9 @@ class Nested:
         tree = self.tree
         up = np.maximum(tree.parent, 0)
         width = np.maximum(tree.hi[up] - tree.lo[up], 1e-300)
-        alpha = (((tree.lo - tree.lo[up]) - (tree.hi[up] - tree.hi)) + tree.rest.sum(axis=0)) / width
+        alpha = (
+            ((tree.lo - tree.lo[up]) - (tree.hi[up] - tree.hi)) + tree.rest.sum(axis=0)
+        ) / width
         return alpha, 2 * tree.half / width
 
     @cached_property
@@ -58,7 +68,9 @@ class Nested:
         return self._made(slice(0, len(self.tree)))
 
     def matrices(self, nodes: slice) -> Array:
-        """A of these nodes, (TERMS, TERMS, n): node after node along the last axis, over which the sums run."""
+        """A of these nodes, (TERMS, TERMS, n): node after node along the last axis, over which the
+        sums run.
+        """
         return self._all[:, :, nodes] if self.kept else self._made(nodes)
 
     def _made(self, nodes: slice) -> Array:
@@ -81,7 +93,9 @@ class Nested:
 
     @cached_property
     def rises(self) -> Array:
-        """Potential at a node's middle less that at its parent's, from the parent's series: rises @ series."""
+        """Potential at a node's middle less that at its parent's, from the parent's series: rises @
+        series.
+        """
         tree = self.tree
         up = np.maximum(tree.parent, 0)
         return antiderivatives(self._place[0]) * tree.half[up][:, None]
@@ -90,7 +104,9 @@ class Nested:
         """Levels, in parts where their matrices are not kept: there are pairs of children in each."""
         levels, most = self.tree.levels, len(self.tree) if self.kept else _SIBLINGS
         bounds = zip(levels[1:-1], levels[2:], strict=True)
-        return [slice(s, min(s + most, end)) for start, end in bounds for s in range(start, end, most)]
+        return [
+            slice(s, min(s + most, end)) for start, end in bounds for s in range(start, end, most)
+        ]
 
     def upward(self, leaves: Array) -> Array:
         """Moments of all nodes from those of the intervals, of each as many as are given."""
@@ -103,8 +119,9 @@ class Nested:
         return out.T
 
     def downward(self, series: Array, middle: Array) -> tuple[Array, Array, Array]:
-        """Chebyshev series of the transform and potential at the middle (two words), of every interval, from those given at
-        nodes: (terms, nodes) to (intervals, terms)."""
+        """Chebyshev series of the transform and potential at the middle (two words), of every
+        interval, from those given at nodes: (terms, nodes) to (intervals, terms).
+        """
         tree, terms, leaves = self.tree, len(series), self.tree.leaves
         rest = np.zeros_like(middle)
         for here in self._slices():
@@ -119,7 +136,9 @@ class Nested:
 
 
 class FarSum:
-    """What the far zones do on target intervals: (series of the transform, potential at the middle in two words)."""
+    """What the far zones do on target intervals: (series of the transform, potential at the middle
+    in two words).
+    """
 
     def __init__(self, sources: Nested, targets: Nested, kernel: Kernel) -> None:
         self.sources, self.targets, self.kernel = sources, targets, kernel
@@ -127,8 +146,12 @@ class FarSum:
         far, self.near = interactions(t, s, kernel.poles)
         self.far = far
         self._right = t.lo[far.target] > s.lo[far.source] + far.shift
-        past = (t.lo[far.target] - (s.hi[far.source] + far.shift)) + (t.rest[0, far.target] - s.rest[1, far.source])
-        before = ((s.lo[far.source] + far.shift) - t.hi[far.target]) + (s.rest[0, far.source] - t.rest[1, far.target])
+        past = (t.lo[far.target] - (s.hi[far.source] + far.shift)) + (
+            t.rest[0, far.target] - s.rest[1, far.source]
+        )
+        before = ((s.lo[far.source] + far.shift) - t.hi[far.target]) + (
+            s.rest[0, far.source] - t.rest[1, far.target]
+        )
         self._gap = np.where(self._right, past, before)
         self._half, self._width = s.half[far.source], t.half[far.target]
         self._sign = np.where(self._right, 1.0, -1.0)
@@ -139,14 +162,17 @@ class FarSum:
     def _at(self, terms: int, here: slice = slice(None)) -> tuple[Array, Array]:
         """Of far pairs, at so many nodes on the target: rho and what stands before the sum."""
         nodes, half = chebyshev.gauss(terms)[:, None], self._half[here]
-        away = self._gap[here] + self._width[here] * (1 + np.where(self._right[here], nodes, -nodes))
+        away = self._gap[here] + self._width[here] * (
+            1 + np.where(self._right[here], nodes, -nodes)
+        )
         seen = Outside(self._sign[here], away / half)
         return seen.rho, 1 / (seen.root * half)
 
     @cached_property
     def _regular(self) -> tuple[Array, Array] | None:
-        """The regular part between the roots, on their nodes: (of the transform, of the potential at the middle); not that of a user's
-        own, which has panels."""
+        """The regular part between the roots, on their nodes: (of the transform, of the potential
+        at the middle); not that of a user's own, which has panels.
+        """
         kernel = self.kernel
         if kernel.regular is None or not kernel.sure:
             return None
@@ -160,7 +186,9 @@ class FarSum:
         return np.asarray(values), np.asarray(middle)
 
     def __call__(self, leaves: Array, rough: bool = False) -> tuple[Array, Array, Array]:
-        """By the moments of all intervals (n, TERMS). rough: to 1e-7 of the sum, at a quarter of the time."""
+        """By the moments of all intervals (n, TERMS). rough: to 1e-7 of the sum, at a quarter of
+        the time.
+        """
         terms = ROUGH if rough else TERMS
         # Of a sum that is taken once they are made as they are asked for.
         if self.targets.kept and terms not in self._nodes:
@@ -176,7 +204,9 @@ class FarSum:
             target, source = self.far.target[here], self.far.source[here]
             c = moments_twice[:, source]
             centre = self.centre[here]
-            rho, front = self._at(terms, here) if nodes is None else (nodes[0][:, here], nodes[1][:, here])
+            rho, front = (
+                self._at(terms, here) if nodes is None else (nodes[0][:, here], nodes[1][:, here])
+            )
             value = np.empty(rho.shape)
             value[:] = c[-1]
             potential = c[-1] / (terms - 1)
@@ -199,9 +229,13 @@ class FarSum:
 
 
 def reaches(kernel: Kernel, zones: Zones) -> bool:
-    """Whether far sums hold for the kernel: poles, and a regular part that is smooth across all zones."""
+    """Whether far sums hold for the kernel: poles, and a regular part that is smooth across all
+    zones.
+    """
     if kernel.regular is None:
         return kernel.regular_potential is None
     if kernel.sure:
-        return kernel.regular_potential is not None and kernel.reach >= float(zones.b[-1]) - float(zones.a[0])
+        return kernel.regular_potential is not None and kernel.reach >= float(zones.b[-1]) - float(
+            zones.a[0]
+        )
     return panels_over(kernel, zones) is not None

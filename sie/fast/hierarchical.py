@@ -1,8 +1,10 @@
-"""Approximate inverse of a matrix whose blocks off the diagonal have low rank: hierarchically, by halves.
+"""Approximate inverse of a matrix whose blocks off the diagonal have low rank: hierarchically, by
+halves.
 
-With A = [[A1, U1 V1'], [U2 V2', A2]], W1 = A1^-1 U1 and W2 = A2^-1 U2, the unknowns are x1 = y1 - W1 s2 and x2 = y2 - W2 s1, where
-y = A_i^-1 b_i and s2 = V1' x2, s1 = V2' x1 solve a small system. Low ranks by adaptive cross approximation with partial pivots
-(Bebendorf 2000, Numer. Math. 86, 565-589). Ambikasaran & Darve (2013), J. Sci. Comput. 57, 477-501.
+With A = [[A1, U1 V1'], [U2 V2', A2]], W1 = A1^-1 U1 and W2 = A2^-1 U2, the unknowns are x1 = y1 -
+W1 s2 and x2 = y2 - W2 s1, where y = A_i^-1 b_i and s2 = V1' x2, s1 = V2' x1 solve a small system.
+Low ranks by adaptive cross approximation with partial pivots (Bebendorf 2000, Numer. Math. 86,
+565-589). Ambikasaran & Darve (2013), J. Sci. Comput. 57, 477-501.
 """
 
 from collections.abc import Callable
@@ -25,7 +27,8 @@ class Inverse:
         self.count = end - first
         if self.count <= _LEAF:
             here = np.arange(first, end)
-            # Inverses, not factors: they are applied some hundred times, and their errors are far below `tolerance`.
+            # Inverses, not factors: they are applied some hundred times, and their errors are far
+            # below `tolerance`.
             self.inverse = np.linalg.inv(entries(here[:, None], here))
             self.halves: tuple[Inverse, Inverse] | None = None
             return

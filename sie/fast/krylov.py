@@ -1,4 +1,6 @@
-"""GMRES for an operator that is nearly the identity, without restarts (Saad & Schultz 1986, SIAM J. Sci. Stat. Comput. 7, 856-869)."""
+"""GMRES for an operator that is nearly the identity, without restarts (Saad & Schultz 1986, SIAM J.
+Sci. Stat. Comput. 7, 856-869).
+"""
 
 from collections.abc import Callable
 
@@ -7,8 +9,8 @@ from scipy.linalg import norm, solve_triangular
 
 from sie.basis.data import Array, record
 
-# Vectors of which no more than this part is new are made orthogonal twice (L. Giraud, J. Langou, M. Rozloznik, Comput. Math. Appl. 50
-# (2005) 1069-1075).
+# Vectors of which no more than this part is new are made orthogonal twice (L. Giraud, J. Langou, M.
+# Rozloznik, Comput. Math. Appl. 50 (2005) 1069-1075).
 _LITTLE = 0.1
 
 
@@ -22,7 +24,9 @@ class Iterated:
 
 
 def gmres(apply: Callable[[Array], Array], b: Array, tolerance: float, most: int = 200) -> Iterated:
-    """x with |b - A x| <= tolerance (absolute), from zero; the best one if rounding or `most` steps come first."""
+    """x with |b - A x| <= tolerance (absolute), from zero; the best one if rounding or `most` steps
+    come first.
+    """
     beta = float(norm(b))
     if beta <= tolerance:
         return Iterated(np.zeros_like(b), beta, 0)
@@ -36,7 +40,9 @@ def gmres(apply: Callable[[Array], Array], b: Array, tolerance: float, most: int
     steps = 0
     for k in range(most):
         if k + 1 == len(basis):
-            basis = np.concatenate((basis, np.empty((min(len(basis), most + 1 - len(basis)), len(b)))))
+            basis = np.concatenate(
+                (basis, np.empty((min(len(basis), most + 1 - len(basis)), len(b))))
+            )
         w = apply(basis[k])
         size = float(norm(w))
         h = basis[: k + 1] @ w
@@ -61,5 +67,9 @@ def gmres(apply: Callable[[Array], Array], b: Array, tolerance: float, most: int
         if abs(right[k + 1]) <= tolerance or below <= 1e-15 * size:
             break
         basis[k + 1] = w / below
-    y = solve_triangular(upper[:steps, :steps], right[:steps], check_finite=False) if steps else np.zeros(0)
+    y = (
+        solve_triangular(upper[:steps, :steps], right[:steps], check_finite=False)
+        if steps
+        else np.zeros(0)
+    )
     return Iterated(y @ basis[:steps], abs(float(right[steps])), steps)

@@ -1,4 +1,6 @@
-"""The one place where the engine imports on demand: its own rooms as they are asked for, and what only many zones need."""
+"""The one place where the engine imports on demand: its own rooms as they are asked for, and what
+only many zones need.
+"""
 
 import gc
 import importlib
@@ -15,7 +17,8 @@ def module(name: str) -> ModuleType:
 
 @contextmanager
 def uncollected() -> Iterator[None]:
-    """While modules are imported: what they make stays, and to look through it for garbage takes as long as to import it.
+    """While modules are imported: what they make stays, and to look through it for garbage takes as
+    long as to import it.
 
     Returns
     -------
@@ -37,7 +40,8 @@ def uncollected() -> Iterator[None]:
     finally:
         if collects:
             if not gc.get_freeze_count():
-                # All that is there is put with the oldest objects at once, which are looked through seldom.
+                # All that is there is put with the oldest objects at once, which are looked through
+                # seldom.
                 gc.freeze()
                 gc.unfreeze()
             gc.enable()

@@ -1,13 +1,15 @@
-r"""A smooth kernel between even panels of the line, on each of which it is a short Chebyshev series in both variables.
+r"""A smooth kernel between even panels of the line, on each of which it is a short Chebyshev series
+in both variables.
 
-Nothing is said of a user's kernel but that it is smooth: on what length, is looked at. The panels over all zones are halved until its
-coefficients have decayed between any two of them,
+Nothing is said of a user's kernel but that it is smooth: on what length, is looked at. The panels
+over all zones are halved until its coefficients have decayed between any two of them,
 
     k(x, xi) = sum_kl K^(d)_kl T_k(t) T_l(tau),      d: how many panels x lies farther right than xi,
 
-which is one matrix for each lag d. What zones do at points then goes by moments of the panels, sum_q w_q T_l(tau_q) over the quadrature
-nodes of the zones, and by series on the panels: in time linear in zones and points. A kernel of both places has a skeleton instead: it is
-called on zones alone.
+which is one matrix for each lag d. What zones do at points then goes by moments of the panels,
+sum_q w_q T_l(tau_q) over the quadrature nodes of the zones, and by series on the panels: in time
+linear in zones and points. A kernel of both places has a skeleton instead: it is called on zones
+alone.
 """
 
 from __future__ import annotations
@@ -29,23 +31,33 @@ from sie.fast.skeleton import Skeleton, skeleton_of
 Function = Callable[[Array, Array], Array]
 
 TERMS = 24
-# Panels over the zones, and over half a period, at the most: a kernel that varies over less is summed as it is. Of very many zones, so
-# many panels to each; and from which number of zones on a kernel that is not of the lag alone has a skeleton.
-_MOST, _EACH, _ZONES = 512, 8, 32
-# Coefficients that have decayed, over the largest; and those that are the kernel's own rounding, if half the width leaves them.
-_DECAYED, _ROUNDING, _FALLS = 1e-15, 1e-12, 0.3
+# Panels over the zones, and over half a period, at the most: a kernel that varies over less is
+# summed as it is. Of very many zones, so many panels to each; and from which number of zones on a
+# kernel that is not of the lag alone has a skeleton.
+_MOST = 512
+_EACH = 8
+_ZONES = 32
+# Coefficients that have decayed, over the largest; and those that are the kernel's own rounding, if
+# half the width leaves them.
+_DECAYED = 1e-15
+_ROUNDING = 1e-12
+_FALLS = 0.3
 # Pairs of points and nodes, and lags, handled at once.
-_BLOCK, _LAGS = 200_000, 64
+_BLOCK = 200_000
+_LAGS = 64
 # Panels that a kernel keeps: more than one choice of them takes, and few enough for memory.
 _KEPT = 24
 # Over a panel, what rounding moves a place by.
 _AT_END = 1e-9
-# A series that falls by _DECAYED in TERMS has no singularity nearer than so many widths of a panel, to the side of the line.
+# A series that falls by _DECAYED in TERMS has no singularity nearer than so many widths of a panel,
+# to the side of the line.
 _REACH = 0.5 * math.sinh(-math.log(_DECAYED) / TERMS)
 
 
 def panels_over(kernel: Kernel, zones: Zones) -> Panels | Skeleton | None:
-    """What sums a kernel's regular part fast over all zones; None where it has none, or varies over too little."""
+    """What sums a kernel's regular part fast over all zones; None where it has none, or varies over
+    too little.
+    """
     if kernel.regular is None or kernel.sure or not (kernel.of_lag or len(zones) >= _ZONES):
         return None
     if not kernel.of_lag:
@@ -57,8 +69,13 @@ def panels_of(kernel: Kernel, lo: float, hi: float, most: int = _MOST) -> Panels
     """The panels of the kernel's regular part over [lo, hi], no more than so many."""
     if kernel.regular is None or kernel.sure or not hi > lo:
         return None
-    # Without a period the panels end where the zones do: the kernel need not hold beyond. With one they are those of other zones too.
-    whole, origin = (hi - lo, lo) if kernel.period is None else (2.0 ** math.ceil(math.log2(max(hi - lo, kernel.period))), 0.0)
+    # Without a period the panels end where the zones do: the kernel need not hold beyond. With one
+    # they are those of other zones too.
+    whole, origin = (
+        (hi - lo, lo)
+        if kernel.period is None
+        else (2.0 ** math.ceil(math.log2(max(hi - lo, kernel.period))), 0.0)
+    )
     step, before = whole, math.inf
     while True:
         first = 0 if kernel.period is None else math.floor(lo / step)
@@ -82,7 +99,9 @@ def panels_of(kernel: Kernel, lo: float, hi: float, most: int = _MOST) -> Panels
 
 @record
 class Panels(Kept):
-    """Panels origin + [p step, (p + 1) step], p = first ... first + count - 1, of the sources; farthest: lag that is looked at."""
+    """Panels origin + [p step, (p + 1) step], p = first ... first + count - 1, of the sources;
+    farthest: lag that is looked at.
+    """
 
     kernel: Kernel
     step: float
@@ -92,13 +111,17 @@ class Panels(Kept):
     farthest: int
 
     def modes(self, half: Array) -> Index:
-        """How many modes of zones of these half widths the kernel sees, or makes: as many as its own coefficients there."""
+        """How many modes of zones of these half widths the kernel sees, or makes: as many as its
+        own coefficients there.
+        """
         fall = np.arcsinh(_REACH * self.step / half)
         return np.asarray(np.ceil(-math.log(_DECAYED) / fall), dtype=np.intp) + 2
 
     @cached_property
     def tail(self) -> float:
-        """The last coefficients in either variable, over the largest: of few panels, and if these have decayed of all."""
+        """The last coefficients in either variable, over the largest: of few panels, and if these
+        have decayed of all.
+        """
         few = _tail(self._few())
         return _tail(self._table(False).reshape(-1, TERMS, TERMS)) if few <= _ROUNDING else few
 
@@ -115,7 +138,9 @@ class Panels(Kept):
                 lags = np.arange(start, min(start + _LAGS, high))
                 # The panels are counted from the first one on, where the kernel holds.
                 target, source = np.maximum(lags, 0)[:, None], np.maximum(-lags, 0)[:, None]
-                out[lags - low] = self._coefficients(potential, self.place(target) + nodes, self.place(source) + nodes)
+                out[lags - low] = self._coefficients(
+                    potential, self.place(target) + nodes, self.place(source) + nodes
+                )
         return out
 
     def place(self, panel: Index) -> Array:
@@ -123,11 +148,18 @@ class Panels(Kept):
         return np.asarray(self.origin + (self.first + panel + 0.5) * self.step)
 
     def _coefficients(self, potential: bool, x: Array, xi: Array) -> Array:
-        """K by its values at the nodes x of several panels (n, TERMS) and xi of as many or one, (n, TERMS, TERMS)."""
-        function, to_series = self.kernel.regular_potential if potential else self.kernel.regular, chebyshev.to_series(TERMS)
+        """K by its values at the nodes x of several panels (n, TERMS) and xi of as many or one, (n,
+        TERMS, TERMS).
+        """
+        function, to_series = (
+            self.kernel.regular_potential if potential else self.kernel.regular,
+            chebyshev.to_series(TERMS),
+        )
         if function is None:
             raise ValueError("a condition on potentials needs the regular kernel's potential")
-        values = np.asarray(function(x[:, :, None], np.broadcast_to(xi.reshape(-1, 1, TERMS), (len(x), 1, TERMS))))
+        values = np.asarray(
+            function(x[:, :, None], np.broadcast_to(xi.reshape(-1, 1, TERMS), (len(x), 1, TERMS)))
+        )
         return np.asarray(to_series.T @ values @ to_series)
 
     @cached_property
@@ -144,7 +176,9 @@ class Panels(Kept):
         return self._made(potential, -self.farthest, self.farthest + 1)
 
     def _series(self, moments: Array, low: int, high: int, potential: bool) -> Array:
-        """Series on the panels low ... high, (panels, TERMS, n), by moments (count TERMS, n): a convolution over the panels."""
+        """Series on the panels low ... high, (panels, TERMS, n), by moments (count TERMS, n): a
+        convolution over the panels.
+        """
         kernel, length = self._waves(potential, low, high)
         moments = moments.reshape(self.count, TERMS, -1)
         waves = np.matmul(kernel, fft.rfft(moments, length, axis=0))
@@ -160,7 +194,9 @@ class Panels(Kept):
             kernel = np.zeros((length, TERMS, TERMS))
             kernel[lag % length] = self._table(potential)[lag + low - self.first + self.farthest]
             # Of the last one that was asked for: zones ask for the same again and again.
-            self._transforms.pop(next((k for k in self._transforms if k[0] == potential), key), None)
+            self._transforms.pop(
+                next((k for k in self._transforms if k[0] == potential), key), None
+            )
             self._transforms[key] = np.asarray(fft.rfft(kernel, axis=0)), length
         return self._transforms[key]
 
@@ -186,13 +222,19 @@ class Panels(Kept):
         return out.reshape(self.count * TERMS, *shape)
 
     def at(self, spread: Any, moments: Array, potential: bool) -> Array:
-        """Transform or potential at the points of `spread`, (n, ...), from moments (count TERMS, ...)."""
+        """Transform or potential at the points of `spread`, (n, ...), from moments (count TERMS,
+        ...).
+        """
         out = np.empty((len(spread.x), *moments.shape[1:]))
         looked_at = self.first + self.count - 1 - self.farthest, self.first + self.farthest
-        near = [(panel, here) for panel, here in spread.groups if looked_at[0] <= panel <= looked_at[1]]
+        near = [
+            (panel, here) for panel, here in spread.groups if looked_at[0] <= panel <= looked_at[1]
+        ]
         if near:
             low = min(panel for panel, _ in near)
-            series = self._series(moments, low, max(panel for panel, _ in near), potential).reshape(-1, TERMS, *moments.shape[1:])
+            series = self._series(moments, low, max(panel for panel, _ in near), potential).reshape(
+                -1, TERMS, *moments.shape[1:]
+            )
             for panel, here in near:
                 out[here] = spread.table[here] @ series[panel - low]
         far = [here for panel, here in spread.groups if not looked_at[0] <= panel <= looked_at[1]]
@@ -207,14 +249,28 @@ class Panels(Kept):
         assert function is not None
         middles = self.place(np.arange(self.count))
         nodes = (middles[:, None] + 0.5 * self.step * chebyshev.gauss(TERMS)).ravel()
-        weights = np.einsum("jl,pl...->pj...", chebyshev.to_series(TERMS), moments.reshape(self.count, TERMS, *moments.shape[1:]))
+        weights = np.einsum(
+            "jl,pl...->pj...",
+            chebyshev.to_series(TERMS),
+            moments.reshape(self.count, TERMS, *moments.shape[1:]),
+        )
         weights = weights.reshape(self.count * TERMS, *moments.shape[1:])
-        return np.asarray(by_rows(lambda some: function(some[:, None], nodes) @ weights, x, most=max(1, _BLOCK // len(nodes))))
+        return np.asarray(
+            by_rows(
+                lambda some: function(some[:, None], nodes) @ weights,
+                x,
+                most=max(1, _BLOCK // len(nodes)),
+            )
+        )
 
 
 def _tail(blocks: Array) -> float:
     largest = float(np.abs(blocks).max())
-    return 0.0 if largest == 0.0 else float(max(np.abs(blocks[:, -2:]).max(), np.abs(blocks[:, :, -2:]).max())) / largest
+    return (
+        0.0
+        if largest == 0.0
+        else float(max(np.abs(blocks[:, -2:]).max(), np.abs(blocks[:, :, -2:]).max())) / largest
+    )
 
 
 @record

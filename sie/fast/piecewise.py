@@ -1,11 +1,14 @@
-r"""The transform of a piecewise quadratic function, (1/pi) PV int f(xi) K(x - xi) dxi, at many points in time linear in their number.
+r"""The transform of a piecewise quadratic function, (1/pi) PV int f(xi) K(x - xi) dxi, at many
+points in time linear in their number.
 
-Where f'' jumps by J at s, the transform has (J/2 pi) (x - s)^2 ln|x - s|, and (J/pi) (x - s) ln|x - s| where f' does. The line is cut
-into cells: the pieces of f, halved where more than a few jumps lie near one. On a cell the jumps that lie near it are closed forms, and
-the rest is analytic, a Chebyshev series. It is made once, from a fast sum over the pieces themselves (`fast`) and closed forms of those
-near the cell,
+Where f'' jumps by J at s, the transform has (J/2 pi) (x - s)^2 ln|x - s|, and (J/pi) (x - s) ln|x -
+s| where f' does. The line is cut into cells: the pieces of f, halved where more than a few jumps
+lie near one. On a cell the jumps that lie near it are closed forms, and the rest is analytic, a
+Chebyshev series. It is made once, from a fast sum over the pieces themselves (`fast`) and closed
+forms of those near the cell,
 
-    int_-1^1 (p_0 + p_1 u + p_2 u^2) / (z - u) du = (p_0 + p_1 z + p_2 z^2) ln|(z + 1)/(z - 1)| - 2 p_1 - 2 p_2 z.
+    int_-1^1 (p_0 + p_1 u + p_2 u^2) / (z - u) du = (p_0 + p_1 z + p_2 z^2) ln|(z + 1)/(z - 1)| - 2
+    p_1 - 2 p_2 z.
 
 So no number is larger than f itself, where truncated powers of n jumps grow to n^2 times it.
 """
@@ -20,36 +23,43 @@ from sie.basis.kernels import Kernel
 from sie.fast.far import FarSum, Nested
 from sie.fast.tree import SEPARATION, TERMS, Tree
 
-# Jumps nearer to a cell than this part of its length are closed forms: series of TERMS terms hold what the others do.
+# Jumps nearer to a cell than this part of its length are closed forms: series of TERMS terms hold
+# what the others do.
 _MARGIN = 0.5 * SEPARATION
-# A cell is halved where more jumps than this are near, or two that are nearer to each other than this part of it: over its length
-# theirs would amount to much more than f.
-_MOST, _LEAST = 12, 0.2
-# Seen from farther than this, in half widths, the closed form of a piece cancels, and its moments are enough.
+# A cell is halved where more jumps than this are near, or two that are nearer to each other than
+# this part of it: over its length theirs would amount to much more than f.
+_MOST = 12
+_LEAST = 0.2
+# Seen from farther than this, in half widths, the closed form of a piece cancels, and its moments
+# are enough.
 _CLOSE = 1 + SEPARATION
 # Points, pairs of cells, and points of a series handled at once: they stay in the cache.
-_BLOCK, _PAIRS, _CACHED = 1 << 14, 1 << 12, 1 << 13
+_BLOCK = 1 << 14
+_PAIRS = 1 << 12
+_CACHED = 1 << 13
 
 
 class PiecewiseTransform:
-    """The transform of f = p_0 + p_1 (xi - s) + p_2 (xi - s)^2 on [s_i, s_i+1], zero beyond and continuous.
+    """The transform of f = p_0 + p_1 (xi - s) + p_2 (xi - s)^2 on [s_i, s_i+1], zero beyond and
+    continuous.
 
     Parameters
     ----------
     kernel : Kernel
         By which it is taken.
     ends : array_like
-        s (n + 1,), ascending; a kernel with a period has that from the first to the last, and f repeats.
+        s (n + 1,), ascending; a kernel with a period has that from the first to the last, and f
+        repeats.
     pieces : array_like
         The coefficients p (n, 3).
     at, jumps : array_like
-        Places, of which no two are one, and heights (k,) of the jumps of f'', with a period those of one.
+        Places, of which no two are one, and heights (k,) of the jumps of f'', with a period those
+        of one.
     kinks : array_like or None
         Heights (k,) of the jumps of f' there; None: it has none.
 
-    Examples
-    --------
-    Of f = 1 - (2 x - 1)^2 on [0, 1]: f'' = -8 between its ends, and f' does not jump if f is put together with smaller pieces.
+    Examples -------- Of f = 1 - (2 x - 1)^2 on [0, 1]: f'' = -8 between its ends, and f' does not
+    jump if f is put together with smaller pieces.
 
     >>> import numpy as np, sie
     >>> ends = np.array([0.0, 1.0, 2.0, 3.0])
@@ -59,9 +69,17 @@ class PiecewiseTransform:
     """
 
     def __init__(
-        self, kernel: Kernel, ends: ArrayLike, pieces: ArrayLike, at: ArrayLike, jumps: ArrayLike, kinks: ArrayLike | None = None
+        self,
+        kernel: Kernel,
+        ends: ArrayLike,
+        pieces: ArrayLike,
+        at: ArrayLike,
+        jumps: ArrayLike,
+        kinks: ArrayLike | None = None,
     ) -> None:
-        ends, pieces, at, jumps = (np.asarray(values, dtype=float) for values in (ends, pieces, at, jumps))
+        ends, pieces, at, jumps = (
+            np.asarray(values, dtype=float) for values in (ends, pieces, at, jumps)
+        )
         kinks = np.zeros(0) if kinks is None else np.asarray(kinks, dtype=float)
         self.kernel = kernel
         if kernel.period is not None:
@@ -90,7 +108,13 @@ class PiecewiseTransform:
         piece = np.minimum(np.searchsorted(ends, a, side="right") - 1, len(pieces) - 1)
         # In u from -1 to 1 on each cell.
         p, start = pieces[piece], (a - ends[piece]) + w
-        local = np.column_stack((p[:, 0] + start * (p[:, 1] + start * p[:, 2]), (p[:, 1] + 2 * start * p[:, 2]) * w, p[:, 2] * w * w))
+        local = np.column_stack(
+            (
+                p[:, 0] + start * (p[:, 1] + start * p[:, 2]),
+                (p[:, 1] + 2 * start * p[:, 2]) * w,
+                p[:, 2] * w * w,
+            )
+        )
         moments = (local @ _monomials()) * (w / np.pi)[:, None]
         tree = Nested(Tree.over(a, self.ends[1:]), kept=False)
         far = FarSum(tree, tree, self.kernel)
@@ -99,7 +123,9 @@ class PiecewiseTransform:
         values = np.zeros((len(w), TERMS))
         for s in range(0, len(near), _PAIRS):
             here = slice(s, s + _PAIRS)
-            found = self._from(near.target[here], near.source[here], near.shift[here], local, moments)
+            found = self._from(
+                near.target[here], near.source[here], near.shift[here], local, moments
+            )
             np.add.at(values, near.target[here], found)
         cells = np.arange(len(w))
         for s in range(0, len(w), _PAIRS):
@@ -107,21 +133,26 @@ class PiecewiseTransform:
             values[some[:, 0]] -= self._near(some, w[some] * left, w[some] * right)
         return np.asarray(series + values @ chebyshev.to_series(TERMS))
 
-    def _from(self, target: Index, source: Index, shift: Array, local: Array, moments: Array) -> Array:
+    def _from(
+        self, target: Index, source: Index, shift: Array, local: Array, moments: Array
+    ) -> Array:
         """What cells `source` do at the nodes of cells `target`, pair by pair: (pairs, nodes)."""
         left, right = chebyshev.gauss_sides(TERMS)
         a, b, w = self.ends[:-1], self.ends[1:], self.half
         after = (a[target] + b[target]) >= (a[source] + b[source]) + 2 * shift
         own = (target == source) & (shift == 0.0)
         wide, size = w[target][:, None], w[source][:, None]
-        # Distances from both ends of the source over its half width, from the end of the target that is the nearer one.
+        # Distances from both ends of the source over its half width, from the end of the target
+        # that is the nearer one.
         past_b = (a[target] - (b[source] + shift))[:, None] + wide * left
         before_a = ((a[source] + shift) - b[target])[:, None] + wide * right
         outside = np.where(after[:, None], past_b, before_a) / size
         outside[own] = 0.0
         sign = np.where(after, 1.0, -1.0)[:, None]
         z = np.where(own[:, None], 0.5 * (left - right), sign * (1 + outside))
-        ratio = np.where(own[:, None], left / right, (2 + outside) / np.where(own[:, None], 1.0, outside))
+        ratio = np.where(
+            own[:, None], left / right, (2 + outside) / np.where(own[:, None], 1.0, outside)
+        )
         log = np.where(own[:, None], 1.0, sign) * np.log(ratio)
         p = local[source].T[:, :, None]
         out = ((p[0] + z * (p[1] + z * p[2])) * log - 2 * (p[1] + p[2] * z)) / np.pi
@@ -136,7 +167,9 @@ class PiecewiseTransform:
         return np.asarray(out)
 
     def _near(self, cell: Index, from_left: Array, from_right: Array) -> Array:
-        """Closed forms of the jumps near the cells of points, given by their distances from both ends of these."""
+        """Closed forms of the jumps near the cells of points, given by their distances from both
+        ends of these.
+        """
         shape = np.broadcast_shapes(cell.shape, from_left.shape)
         cell, x = np.broadcast_to(cell, shape).ravel(), np.broadcast_to(from_left, shape).ravel()
         from_right = np.broadcast_to(from_right, shape).ravel()
@@ -146,7 +179,11 @@ class PiecewiseTransform:
             of = cell[here]
             jump = self._first[of] + k
             s = self._at[jump]
-            away = np.where(s <= self.ends[of], x[here] + (self.ends[of] - s), (self.ends[of + 1] - s) - from_right[here])
+            away = np.where(
+                s <= self.ends[of],
+                x[here] + (self.ends[of] - s),
+                (self.ends[of + 1] - s) - from_right[here],
+            )
             size = np.abs(away) / self.half[of]
             weight = self._jumps[jump] * away
             if self._kinks is not None:
@@ -162,11 +199,16 @@ class PiecewiseTransform:
     def _at_points(self, x: Array) -> Array:
         cell = np.clip(np.searchsorted(self.ends, x, side="right") - 1, 0, len(self) - 1)
         left, right = x - self.ends[cell], self.ends[cell + 1] - x
-        return np.asarray(clenshaw(self._series, cell, 0.5 * (left - right) / self.half[cell]) + self._near(cell, left, right))
+        return np.asarray(
+            clenshaw(self._series, cell, 0.5 * (left - right) / self.half[cell])
+            + self._near(cell, left, right)
+        )
 
 
 def clenshaw(table: Array, cell: Index, t: Array) -> Array:
-    """sum_k table[k, cell] T_k(t) by Clenshaw's recurrence, of so many points at once that it stays in the cache."""
+    """sum_k table[k, cell] T_k(t) by Clenshaw's recurrence, of so many points at once that it stays
+    in the cache.
+    """
     out = np.empty(len(t))
     for start in range(0, len(t), _CACHED):
         here = slice(start, start + _CACHED)

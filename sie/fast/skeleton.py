@@ -2,10 +2,11 @@ r"""The low rank of a smooth kernel of both places: some places on zones stand f
 
     k(x, xi) = sum_j k(x, s_j) P_j(xi)        x, xi on zones,
 
-and the same for its potential, by the same P. The places s_j are the columns that a pivoted QR of k on a few hundred places picks, and
-P_j(xi) solves the equation at as many rows (H. Cheng, Z. Gimbutas, P. G. Martinsson, V. Rokhlin, SIAM J. Sci. Comput. 26, 2005, 1389-1404).
-What zones do goes by the moments sum_q w_q P_j(xi_q), charges at s_j. So the kernel is called on zones alone, and off them where a value
-there is asked for.
+and the same for its potential, by the same P. The places s_j are the columns that a pivoted QR of k
+on a few hundred places picks, and P_j(xi) solves the equation at as many rows (H. Cheng, Z.
+Gimbutas, P. G. Martinsson, V. Rokhlin, SIAM J. Sci. Comput. 26, 2005, 1389-1404). What zones do
+goes by the moments sum_q w_q P_j(xi_q), charges at s_j. So the kernel is called on zones alone, and
+off them where a value there is asked for.
 """
 
 from __future__ import annotations
@@ -21,21 +22,27 @@ from sie.basis.data import Array, Index, Kept, record
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
 
-# Places looked at, in turn: a kernel whose rank is more than half of the last number is summed as it is.
+# Places looked at, in turn: a kernel whose rank is more than half of the last number is summed as
+# it is.
 _LOOKS = (96, 192, 384, 768)
-# What a column of the table adds, over the largest one, that is rounding; and what the skeleton may miss at other places.
-_RANK, _MISSED = 1e-15, 1e-12
-# Nodes on each zone that show how many modes the kernel has there, in turn; coefficients of which are rounding; and places of the skeleton
-# at which that is looked at.
-_NODES, _ROUNDING, _FROM = (24, 48, 96, 192, 384, 768), 1e-14, 8
+# What a column of the table adds, over the largest one, that is rounding; and what the skeleton may
+# miss at other places.
+_RANK = 1e-15
+_MISSED = 1e-12
+# Nodes on each zone that show how many modes the kernel has there, in turn; coefficients of which
+# are rounding; and places of the skeleton at which that is looked at.
+_NODES = (24, 48, 96, 192, 384, 768)
+_ROUNDING = 1e-14
+_FROM = 8
 # Skeletons that a kernel keeps.
 _KEPT = 4
 
 
 @record
 class Skeleton(Kept):
-    """Places s (r,) that stand for all sources, and rows: a function (regular part or potential, 0 or 1) and a place x each; factors: of
-    the kernel there; scale: of both functions."""
+    """Places s (r,) that stand for all sources, and rows: a function (regular part or potential, 0
+    or 1) and a place x each; factors: of the kernel there; scale: of both functions.
+    """
 
     kernel: Kernel
     zones: Zones
@@ -51,7 +58,9 @@ class Skeleton(Kept):
         return len(self.places)
 
     def modes(self, half: Array) -> Index:
-        """How many modes of each zone the kernel sees, or makes; half: their half widths, which are those of `zones`."""
+        """How many modes of each zone the kernel sees, or makes; half: their half widths, which are
+        those of `zones`.
+        """
         return self._modes
 
     @cached_property
@@ -172,7 +181,9 @@ def _made(kernel: Kernel, zones: Zones) -> Skeleton | None:
 
 
 def _misses(skeleton: Skeleton, x: Array, xi: Array) -> float:
-    """How far the kernel is from what its skeleton makes of it at other places, over its largest value."""
+    """How far the kernel is from what its skeleton makes of it at other places, over its largest
+    value.
+    """
     shares, worst = skeleton.shares(xi), 0.0
     for function, size in zip(_functions(skeleton.kernel), skeleton.scale, strict=True):
         off = np.asarray(function(x[:, None], skeleton.places)) @ shares.T - function(
@@ -193,8 +204,9 @@ def _functions(kernel: Kernel) -> list[Any]:
 
 
 def _some(zones: Zones, count: int, shift: int) -> Array:
-    """About so many places on zones, other ones for another shift: on each as many as its width asks for, but at least two; of very many
-    zones on some of them."""
+    """About so many places on zones, other ones for another shift: on each as many as its width
+    asks for, but at least two; of very many zones on some of them.
+    """
     number = min(len(zones), count // 3)
     chosen = np.unique(
         (np.linspace(0, len(zones) - 1, number).astype(np.intp) + shift * (len(zones) > number))

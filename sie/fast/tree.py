@@ -1,8 +1,9 @@
 """A binary tree over ascending intervals, and which of its nodes see each other from afar.
 
-Nodes are the hulls of what they hold; a node is split at the middle of its hull, and a leaf is one interval. Two nodes
-are *far* if the gap between them is at least `SEPARATION` times the larger half width: then z >= 1 + SEPARATION from
-either side, and series of `TERMS` Chebyshev terms leave rho^TERMS < 1e-16, rho = z - sqrt(z^2 - 1).
+Nodes are the hulls of what they hold; a node is split at the middle of its hull, and a leaf is one
+interval. Two nodes are *far* if the gap between them is at least `SEPARATION` times the larger half
+width: then z >= 1 + SEPARATION from either side, and series of `TERMS` Chebyshev terms leave
+rho^TERMS < 1e-16, rho = z - sqrt(z^2 - 1).
 """
 
 from __future__ import annotations
@@ -15,15 +16,19 @@ from sie.basis.data import Array, Index, record
 
 TERMS = 24
 SEPARATION = 1.45
-# A node is cut no farther from the middle of its hull than this part of its intervals, and than so many.
-_ASIDE, _FARTHEST = 8, 24
+# A node is cut no farther from the middle of its hull than this part of its intervals, and than so
+# many.
+_ASIDE = 8
+_FARTHEST = 24
 
 
 @record
 class Tree:
-    """Nodes (n,) level by level, the root first: hull [lo, hi], half width, children (-1 for a leaf), parent, and the
-    interval of a leaf (-1 for the others). levels: first node of every level, and n. rest: what rounding has cut off the ends of the
-    intervals, of leaves (2, n). parted: of neighbours, the hull of the smallest node that holds both."""
+    """Nodes (n,) level by level, the root first: hull [lo, hi], half width, children (-1 for a
+    leaf), parent, and the interval of a leaf (-1 for the others). levels: first node of every
+    level, and n. rest: what rounding has cut off the ends of the intervals, of leaves (2, n).
+    parted: of neighbours, the hull of the smallest node that holds both.
+    """
 
     lo: Array
     hi: Array
@@ -41,7 +46,9 @@ class Tree:
 
     @classmethod
     def over(cls, a: Array, b: Array, rest: Array | None = None) -> Tree:
-        """The tree over the ascending intervals [a, b]. rest: what rounding has cut off their ends (2, n)."""
+        """The tree over the ascending intervals [a, b]. rest: what rounding has cut off their ends
+        (2, n).
+        """
         middle, parted = 0.5 * (a + b), np.zeros(max(len(a) - 1, 0))
         narrower = np.minimum((b - a)[1:], (b - a)[:-1])
         first, last = np.zeros(1, dtype=np.intp), np.array([len(a) - 1])
@@ -71,7 +78,9 @@ class Tree:
         kept = np.zeros((2, len(item)))
         if rest is not None:
             kept[:, item >= 0] = rest[:, item[item >= 0]]
-        return cls(a[start], b[end], children, right, np.concatenate(parents), item, levels, kept, parted)
+        return cls(
+            a[start], b[end], children, right, np.concatenate(parents), item, levels, kept, parted
+        )
 
     def __len__(self) -> int:
         return len(self.lo)
@@ -84,8 +93,9 @@ class Tree:
 
 
 def _between_wide(cut: Index, first: Index, last: Index, narrower: Array) -> Index:
-    """Cuts moved a little to where both neighbours are wide: those are told apart by sums that are rounded to parts of the whole node,
-    which narrow ones would feel the most."""
+    """Cuts moved a little to where both neighbours are wide: those are told apart by sums that are
+    rounded to parts of the whole node, which narrow ones would feel the most.
+    """
     reach = np.minimum((last - first + 1) // _ASIDE, _FARTHEST)
     out = cut.copy()
     some = np.flatnonzero(reach > 0)
@@ -111,7 +121,9 @@ class Pairs:
         """All pairs, by target."""
         target = np.concatenate([p.target for p in parts])
         order = np.argsort(target, kind="stable")
-        source, shift = (np.concatenate([getattr(p, name) for p in parts])[order] for name in ("source", "shift"))
+        source, shift = (
+            np.concatenate([getattr(p, name) for p in parts])[order] for name in ("source", "shift")
+        )
         return cls(target[order], source, shift)
 
     def __len__(self) -> int:
@@ -119,24 +131,34 @@ class Pairs:
 
 
 def interactions(targets: Tree, sources: Tree, shifts: tuple[float, ...]) -> tuple[Pairs, Pairs]:
-    """(far pairs of nodes, near pairs of intervals) that together cover every target and every source once a shift."""
+    """(far pairs of nodes, near pairs of intervals) that together cover every target and every
+    source once a shift.
+    """
     far, near = [], []
     t_half, s_half = targets.half, sources.half
     for shift in shifts:
         t, s = np.zeros(1, dtype=np.intp), np.zeros(1, dtype=np.intp)
         while len(t):
-            gap = np.maximum(targets.lo[t] - (sources.hi[s] + shift), (sources.lo[s] + shift) - targets.hi[t])
+            gap = np.maximum(
+                targets.lo[t] - (sources.hi[s] + shift), (sources.lo[s] + shift) - targets.hi[t]
+            )
             apart = gap >= SEPARATION * np.maximum(t_half[t], s_half[s])
             far.append(Pairs(t[apart], s[apart], np.full(int(apart.sum()), shift)))
             t, s = t[~apart], s[~apart]
             t_leaf, s_leaf = targets.left[t] < 0, sources.left[s] < 0
             both = t_leaf & s_leaf
-            near.append(Pairs(targets.item[t[both]], sources.item[s[both]], np.full(int(both.sum()), shift)))
+            near.append(
+                Pairs(targets.item[t[both]], sources.item[s[both]], np.full(int(both.sum()), shift))
+            )
             # The larger node is split, and a leaf never.
             cut_t = ~t_leaf & (s_leaf | (t_half[t] >= s_half[s]))
             cut_s = ~both & ~cut_t
             t, s = (
-                np.concatenate((targets.left[t[cut_t]], targets.right[t[cut_t]], t[cut_s], t[cut_s])),
-                np.concatenate((s[cut_t], s[cut_t], sources.left[s[cut_s]], sources.right[s[cut_s]])),
+                np.concatenate(
+                    (targets.left[t[cut_t]], targets.right[t[cut_t]], t[cut_s], t[cut_s])
+                ),
+                np.concatenate(
+                    (s[cut_t], s[cut_t], sources.left[s[cut_s]], sources.right[s[cut_s]])
+                ),
             )
     return Pairs.joined(far), Pairs.joined(near)

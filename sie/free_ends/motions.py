@@ -1,6 +1,8 @@
-r"""What motions of free ends do to edge intensities and levels, in closed form: by the singular densities that stand for them.
+r"""What motions of free ends do to edge intensities and levels, in closed form: by the singular
+densities that stand for them.
 
-Where the end of a zone moves outward by s, the density K / sqrt(d) + A sqrt(d) beside it changes at fixed places by
+Where the end of a zone moves outward by s, the density K / sqrt(d) + A sqrt(d) beside it changes at
+fixed places by
 
     d phi/ds = -(K/2) d^(-3/2) + (dK/ds + A/2) d^(-1/2) + ...,
 
@@ -8,20 +10,22 @@ and what changes solves the equation with no right side. On a zone of half width
 
     S(t) = 1 / ((1 - t) sqrt(1 - t^2)) ~ (1/sqrt 2) (d/w)^(-3/2) + (1/(4 sqrt 2)) (d/w)^(-1/2)
 
-has no transform on the zone, no total, the potential -w there, and outside the transform and the potential of the coefficients
-c_l = -2 l (finite parts: (1/pi) int T_l S dt = -l, from rho^l / sqrt(z^2 - 1) at z -> 1).
-So the rows at hand, applied to these, tell what S does to the other zones, and one solution with the factors at hand what answers.
+has no transform on the zone, no total, the potential -w there, and outside the transform and the
+potential of the coefficients c_l = -2 l (finite parts: (1/pi) int T_l S dt = -l, from rho^l /
+sqrt(z^2 - 1) at z -> 1). So the rows at hand, applied to these, tell what S does to the other
+zones, and one solution with the factors at hand what answers.
 
-A motion d of the right end of a zone of half width w leaves s S, s = -K d / (sqrt(2) w^(3/2)): the coefficients -2 l s to all but the zone
-itself, the level -w s and a part of both K there.
+A motion d of the right end of a zone of half width w leaves s S, s = -K d / (sqrt(2) w^(3/2)): the
+coefficients -2 l s to all but the zone itself, the level -w s and a part of both K there.
 
-Of very many ends with prescribed intensities there is no matrix of these rates: the unknowns of the response and the motions d of all
-ends are found together,
+Of very many ends with prescribed intensities there is no matrix of these rates: the unknowns of the
+response and the motions d of all ends are found together,
 
     rows (y + singular densities of d) = 0,      K(y) + own K of d = change,
 
-by GMRES: one fast sum a step, as for the equation itself. The preconditioner is that of the equation for y, and for d what a motion does
-to its own zone alone, so that the number of steps does not grow with that of the zones.
+by GMRES: one fast sum a step, as for the equation itself. The preconditioner is that of the
+equation for y, and for d what a motion does to its own zone alone, so that the number of steps does
+not grow with that of the zones.
 """
 
 from dataclasses import dataclass
@@ -41,8 +45,10 @@ from sie.fast.krylov import gmres
 
 @record
 class Moved:
-    """coefficients: of the singular densities, as the rest sees them (unknowns, ...); own_level: what they do to their zones' own levels
-    (Z, ...); own: and to the intensities at both ends of these (2, Z, ...)."""
+    """coefficients: of the singular densities, as the rest sees them (unknowns, ...); own_level:
+    what they do to their zones' own levels (Z, ...); own: and to the intensities at both ends of
+    these (2, Z, ...).
+    """
 
     coefficients: Array
     own_level: Array
@@ -54,15 +60,24 @@ class Moved:
         zones, layout = state.density.zones, state.system.layout
         more = (1,) * (d.ndim - 2)
         w = zones.half.reshape(-1, *more)
-        k, slope = (np.array(part).reshape(2, -1, *more) for part in (state.density.intensities, state.density.edge_slopes))
+        k, slope = (
+            np.array(part).reshape(2, -1, *more)
+            for part in (state.density.intensities, state.density.edge_slopes)
+        )
         strength = -k * d / (np.sqrt(2.0) * w**1.5)
         zone = np.repeat(np.arange(len(zones)), layout.m + 1)
         order = (np.arange(layout.coefficients) - layout.offset[zone]).reshape(-1, *more)
         turned = 1.0 - 2.0 * (order % 2)
         coefficients = np.zeros((layout.size, *d.shape[2:]))
-        coefficients[: layout.coefficients] = -2.0 * order * (strength[1][zone] + turned * strength[0][zone])
+        coefficients[: layout.coefficients] = (
+            -2.0 * order * (strength[1][zone] + turned * strength[0][zone])
+        )
         root = strength * edge_scale(w)
-        return cls(coefficients, -w * strength.sum(axis=0), 0.25 * root + 0.5 * root[::-1] - 0.5 * slope * d)
+        return cls(
+            coefficients,
+            -w * strength.sum(axis=0),
+            0.25 * root + 0.5 * root[::-1] - 0.5 * slope * d,
+        )
 
 
 class FreeEnds:
@@ -72,7 +87,12 @@ class FreeEnds:
         zones = state.density.zones
         mirrored = int(zones.solved[0]) if zones.central else -1
         self.state, self.zones = state, zones
-        self.ends = [(side, int(i)) for side in (0, 1) for i in zones.solved if zones.moves[side, i] and (side, i) != (0, mirrored)]
+        self.ends = [
+            (side, int(i))
+            for side in (0, 1)
+            for i in zones.solved
+            if zones.moves[side, i] and (side, i) != (0, mirrored)
+        ]
         self.side, self.zone = np.array(self.ends, dtype=np.intp).reshape(-1, 2).T
         self.at = np.searchsorted(zones.solved, self.zone)
 
@@ -89,10 +109,15 @@ class FreeEnds:
         return out
 
 
-# Steps of Arnoldi's method for the growth of a push, between two looks and at the most; it is known when it changes by less than a part.
-_LOOK, _MOST, _KNOWN = 8, 64, 0.02
-# To what motions are found, relative: what that leaves of a Newton step is for the next one. And to what responses are, for the growth.
-STEP, _RESPONSE = 1e-6, 1e-4
+# Steps of Arnoldi's method for the growth of a push, between two looks and at the most; it is known
+# when it changes by less than a part.
+_LOOK = 8
+_MOST = 64
+_KNOWN = 0.02
+# To what motions are found, relative: what that leaves of a Newton step is for the next one. And to
+# what responses are, for the growth.
+STEP = 1e-6
+_RESPONSE = 1e-4
 # A residual that stays above this part: some motion leaves the intensities as they are.
 _LOST = 1e-3
 
@@ -107,15 +132,22 @@ class IteratedMotions(FreeEnds):
         self.width = self.zones.half[self.zone]
 
     def _applied(self, folded: Array, d: Array) -> tuple[Array, Array]:
-        """(rows of the equation and of its conditions, K at the ends) by a response and by motions of the ends."""
+        """(rows of the equation and of its conditions, K at the ends) by a response and by motions
+        of the ends.
+        """
         system: IterativeSystem = self.system
         moved = Moved.of(self.state, self.spread(d))
         y = system.symmetry.unfold(folded)
         rows, plain = system.applied(y + moved.coefficients)
         # The rows hold what coefficients do to their own zone, which singular densities do not.
         rows = rows + moved.coefficients[system.diagonal]
-        edges = np.array(system.intensities_of(system.layout.padded(y))) + moved.own[:, self.zones.solved]
-        view = Applied(system, plain.y, plain.middle, plain.rest + moved.own_level[self.zones.solved], edges)
+        edges = (
+            np.array(system.intensities_of(system.layout.padded(y)))
+            + moved.own[:, self.zones.solved]
+        )
+        view = Applied(
+            system, plain.y, plain.middle, plain.rest + moved.own_level[self.zones.solved], edges
+        )
         asked = condition_rows(system.equation, view, 1)[0][:, 0]
         return np.concatenate((rows, asked)), edges[self.side, self.at]
 
@@ -138,7 +170,8 @@ class IteratedMotions(FreeEnds):
             out[central] = np.diag([1.0, out[central, 1].sum()])
         size = np.abs(out).max(axis=(1, 2), keepdims=True)
         weak = np.abs(np.linalg.det(out / size)) < 1e-3
-        # A zone alone may turn or grow without a change of K: then it is the larger of both that counts.
+        # A zone alone may turn or grow without a change of K: then it is the larger of both that
+        # counts.
         out[weak] = np.eye(2) * size[weak]
         return np.asarray(np.linalg.inv(out))
 
@@ -151,7 +184,9 @@ class IteratedMotions(FreeEnds):
         return np.asarray(np.einsum("zab,bz->az", np.abs(self._local), k))
 
     def rates(self, d: Array, tolerance: float = 0.0) -> tuple[Array, Array]:
-        """(K at `ends`, levels of the solved zones) by motions of the ends, the values of the side conditions held."""
+        """(K at `ends`, levels of the solved zones) by motions of the ends, the values of the side
+        conditions held.
+        """
         rows, own = self._applied(np.zeros(self.solver.size), d)
         folded = self.solver(-rows, None, tolerance)
         _, at_ends = self._applied(folded, d)
@@ -159,7 +194,10 @@ class IteratedMotions(FreeEnds):
         if self.system.wants_levels:
             moved = Moved.of(self.state, self.spread(d))
             y = self.system.symmetry.unfold(folded)
-            levels = self.system.level_changes(y + moved.coefficients) + moved.own_level[self.zones.solved]
+            levels = (
+                self.system.level_changes(y + moved.coefficients)
+                + moved.own_level[self.zones.solved]
+            )
         return at_ends, levels
 
     def responses(self, d: Array) -> list[Array]:
@@ -169,13 +207,21 @@ class IteratedMotions(FreeEnds):
         return [self.system.symmetry.unfold(one) for one in folded]
 
     def meeting(self, change: Array, tolerance: float = STEP) -> Array:
-        """Motions of the ends (E,) that change K there like this; not a number where none are found."""
+        """Motions of the ends (E,) that change K there like this; not a number where none are
+        found.
+        """
         count = self.solver.size
 
         def precondition(rows: Array, k: Array) -> Array:
             folded = self.solver.preconditioner(rows)
-            beside = np.array(self.system.intensities_of(self.system.layout.padded(self.system.symmetry.unfold(folded))))
-            return np.concatenate((folded / self.scale, self._by_zone(k - beside[self.side, self.at]) / self.width))
+            beside = np.array(
+                self.system.intensities_of(
+                    self.system.layout.padded(self.system.symmetry.unfold(folded))
+                )
+            )
+            return np.concatenate(
+                (folded / self.scale, self._by_zone(k - beside[self.side, self.at]) / self.width)
+            )
 
         def apply(v: Array) -> Array:
             return precondition(*self._applied(v[:count] * self.scale, v[count:] * self.width))
@@ -188,15 +234,22 @@ class IteratedMotions(FreeEnds):
         return np.asarray(found.x[count:] * self.width)
 
     def amplification(self) -> float:
-        """By how much motions of all ends together are larger than of each zone by itself, for changes of K at random: without bound where
-        some motion leaves K as it is."""
+        """By how much motions of all ends together are larger than of each zone by itself, for
+        changes of K at random: without bound where some motion leaves K as it is.
+        """
         size = np.abs(np.linalg.inv(self._local)).max(axis=(1, 2))[self.zone] * self.width
-        found = self.meeting(size * np.random.default_rng(1).standard_normal(len(self.ends)), _RESPONSE) / self.width
+        found = (
+            self.meeting(size * np.random.default_rng(1).standard_normal(len(self.ends)), _RESPONSE)
+            / self.width
+        )
         return float(np.abs(found).max()) if np.all(np.isfinite(found)) else np.inf
 
-    def growth(self, signs: Array, normal: Array | None = None, by_value: Array | None = None) -> float:
-        """Largest real part of the eigenvalues of what drives the ends by their motions; see `newton`. By Arnoldi's method (W. E. Arnoldi,
-        Quart. Appl. Math. 9 (1951) 17-29)."""
+    def growth(
+        self, signs: Array, normal: Array | None = None, by_value: Array | None = None
+    ) -> float:
+        """Largest real part of the eigenvalues of what drives the ends by their motions; see
+        `newton`. By Arnoldi's method (W. E. Arnoldi, Quart. Appl. Math. 9 (1951) 17-29).
+        """
         driving = signs[self.side]
 
         def driven(d: Array) -> Array:
@@ -207,7 +260,9 @@ class IteratedMotions(FreeEnds):
 
         def along(d: Array) -> Array:
             """The part that meets the condition on the ends."""
-            return d if normal is None else np.asarray(d - normal * (normal @ d) / (normal @ normal))
+            return (
+                d if normal is None else np.asarray(d - normal * (normal @ d) / (normal @ normal))
+            )
 
         count = len(self.ends)
         v = along(np.random.default_rng(0).standard_normal(count))
@@ -234,14 +289,16 @@ class IteratedMotions(FreeEnds):
 
 # Condition of the rates of K from which on they are rounding.
 _NEUTRAL_FROM = 1e14
-# Beyond this number of unknowns a matrix costs more than as many solutions by iteration as there are ends.
+# Beyond this number of unknowns a matrix costs more than as many solutions by iteration as there
+# are ends.
 _MANY = 8000
 
 
 @dataclass(frozen=True, eq=False)
 class EndRates:
-    """Derivatives by the outward motions of the free ends, (side, zone) each, side 0 left and 1 right; of a mirrored pair the one on
-    the right stands for both. The values of the side conditions are held.
+    """Derivatives by the outward motions of the free ends, (side, zone) each, side 0 left and 1
+    right; of a mirrored pair the one on the right stands for both. The values of the side
+    conditions are held.
 
     Attributes
     ----------
@@ -299,7 +356,9 @@ def end_rates(state: State) -> EndRates:
 
 
 def _rates_and_responses(state: State) -> tuple[EndRates, Array]:
-    """(the rates, unknowns of the responses to the motion of each free end (unknowns, E), none where they are found by iteration)."""
+    """(the rates, unknowns of the responses to the motion of each free end (unknowns, E), none
+    where they are found by iteration).
+    """
     system, zones, layout = state.system, state.density.zones, state.system.layout
     free, solved, levels = FreeEnds(state), zones.solved, np.zeros((len(zones.solved), 0))
     each = np.eye(len(free.ends))
@@ -308,7 +367,9 @@ def _rates_and_responses(state: State) -> tuple[EndRates, Array]:
         columns = [motions.rates(one) for one in each]
         if system.wants_levels and len(columns):
             levels = np.column_stack([levels for _, levels in columns])
-        return EndRates(free.ends, np.array([k for k, _ in columns]).reshape(each.shape).T, levels), np.zeros((layout.size, 0))
+        return EndRates(
+            free.ends, np.array([k for k, _ in columns]).reshape(each.shape).T, levels
+        ), np.zeros((layout.size, 0))
     moved = Moved.of(state, free.spread(each))
     singular, own_level, own = moved.coefficients, moved.own_level, moved.own
     matrix = rows_of(state)
@@ -321,17 +382,25 @@ def _rates_and_responses(state: State) -> tuple[EndRates, Array]:
         right[-len(held) :] = np.array(held) / state.condition_scale[-len(held) :, None]
     factors = state.direct or Factored.of(matrix)
     answer = np.asarray(factors(-right))
-    unknowns = np.column_stack([state.symmetry.unfold(column) for column in answer.T]) if len(each) else np.zeros((layout.size, 0))
-    intensities = (np.array([part @ unknowns for part, _ in system.intensities()]) + own[:, solved])[free.side, free.at]
+    unknowns = (
+        np.column_stack([state.symmetry.unfold(column) for column in answer.T])
+        if len(each)
+        else np.zeros((layout.size, 0))
+    )
+    intensities = (
+        np.array([part @ unknowns for part, _ in system.intensities()]) + own[:, solved]
+    )[free.side, free.at]
     if system.wants_levels:
         levels = system.levels()[0] @ (unknowns + singular) + own_level[solved]
     return EndRates(free.ends, intensities, levels), unknowns
 
 
 def end_motions(state: State, change: Array) -> tuple[Array, Array]:
-    """The motions of the free ends by which the intensities change as wanted, the values of the side conditions held.
+    """The motions of the free ends by which the intensities change as wanted, the values of the
+    side conditions held.
 
-    Of very many ends, where the rates of each by each would be too many, they are found by iteration.
+    Of very many ends, where the rates of each by each would be too many, they are found by
+    iteration.
 
     Parameters
     ----------
@@ -352,9 +421,8 @@ def end_motions(state: State, change: Array) -> tuple[Array, Array]:
     SingularSystem
         If some motion leaves all intensities as they are.
 
-    Examples
-    --------
-    An adhering contact under a held load, whose K at both ends is to change by 0.01: as the rates have it.
+    Examples -------- An adhering contact under a held load, whose K at both ends is to change by
+    0.01: as the rates have it.
 
     >>> import numpy as np
     >>> import sie
@@ -380,7 +448,11 @@ class DirectMotions(FreeEnds):
         self._rates, self._responses = _rates_and_responses(state)
         # Rounding alone keeps the rates of a motion that changes nothing from being zero.
         neutral = len(self.ends) > 0 and not np.linalg.cond(self._rates.intensities) < _NEUTRAL_FROM
-        self._inverse = np.full_like(self._rates.intensities, np.nan) if neutral else np.linalg.inv(self._rates.intensities)
+        self._inverse = (
+            np.full_like(self._rates.intensities, np.nan)
+            if neutral
+            else np.linalg.inv(self._rates.intensities)
+        )
 
     def meeting(self, change: Array, tolerance: float = 0.0) -> Array:
         return np.asarray(self._inverse @ change)
@@ -393,12 +465,17 @@ class DirectMotions(FreeEnds):
         return self._rates.intensities @ d, levels @ d if levels.size else np.zeros(0)
 
     def responses(self, d: Array) -> list[Array]:
-        """Unknowns of the densities by which the zones respond to motions of the ends (E, n), at places that stay."""
+        """Unknowns of the densities by which the zones respond to motions of the ends (E, n), at
+        places that stay.
+        """
         return list((self._responses @ d).T)
 
-    def growth(self, signs: Array, normal: Array | None = None, by_value: Array | None = None) -> float:
-        """Largest real part of the eigenvalues of what drives the ends by their motions; with a condition on the ends, which the unknown
-        value keeps: of motions along it."""
+    def growth(
+        self, signs: Array, normal: Array | None = None, by_value: Array | None = None
+    ) -> float:
+        """Largest real part of the eigenvalues of what drives the ends by their motions; with a
+        condition on the ends, which the unknown value keeps: of motions along it.
+        """
         driven = signs[self.side][:, None] * self._rates.intensities
         if normal is not None and by_value is not None:
             driven = driven - np.outer(by_value, normal @ driven) / (normal @ by_value)
@@ -409,4 +486,6 @@ class DirectMotions(FreeEnds):
 
 def motions_of(state: State) -> DirectMotions | IteratedMotions:
     """By the matrix of the rates, or by iteration where the state was found so."""
-    return DirectMotions(state) if state.iteration is None else IteratedMotions(state, state.iteration)
+    return (
+        DirectMotions(state) if state.iteration is None else IteratedMotions(state, state.iteration)
+    )

@@ -1,11 +1,13 @@
 r"""How a solution answers unit sources outside its zones, in closed form where they are near.
 
-A unit source at c adds K(x, c)/pi to the right side. On a zone with rho of c seen from it (`sie.basis.interval`),
+A unit source at c adds K(x, c)/pi to the right side. On a zone with rho of c seen from it
+(`sie.basis.interval`),
 
     1/(x - c) = -(2/w) sum_{k >= 1} rho^k U_{k-1}(t),
 
-so the coefficients that are no unknowns are (2/w) rho^l / pi; their intensities, and what they do to the potential in other places of
-this kind, are geometric series and logarithms, however near to the zone a source is.
+so the coefficients that are no unknowns are (2/w) rho^l / pi; their intensities, and what they do
+to the potential in other places of this kind, are geometric series and logarithms, however near to
+the zone a source is.
 """
 
 from dataclasses import dataclass
@@ -77,9 +79,8 @@ def answers(state: State, at: Array, strengths: Array, values: Array, places: Ar
     ValueError
         If only half of the zones is solved for.
 
-    Examples
-    --------
-    A unit source far to the right of a zone is the right side -1/(pi c) on it, and its tilt makes K = w^(3/2)/(sqrt(2) pi c).
+    Examples -------- A unit source far to the right of a zone is the right side -1/(pi c) on it,
+    and its tilt makes K = w^(3/2)/(sqrt(2) pi c).
 
     >>> import numpy as np
     >>> import sie
@@ -111,27 +112,38 @@ def answers(state: State, at: Array, strengths: Array, values: Array, places: Ar
         # By its values at the nodes, and by those of its primitive.
         x = system.targets.x[:, None]
         rows += system.projected(kernel.regular(x, at) / np.pi)
-        mean += 0.0 if kernel.regular_potential is None else system.means(kernel.regular_potential(x, at) / np.pi)
+        mean += (
+            0.0
+            if kernel.regular_potential is None
+            else system.means(kernel.regular_potential(x, at) / np.pi)
+        )
     right = np.zeros((state.solver.size, cases))
     right[: len(rows)] = rows @ strengths
     own_level = -(mean @ strengths)
     right[state.conditions_from :] = values / state.condition_scale[:, None]
     right[state.conditions_from :] -= state.level_rows @ own_level
     unknowns = _solved(state, right)
-    table = np.array([layout.padded(column) for column in unknowns.T]).reshape(cases, len(zones), -1)
+    table = np.array([layout.padded(column) for column in unknowns.T]).reshape(
+        cases, len(zones), -1
+    )
     beyond = (2 / np.pi) / zones.half[:, None, None] * up ** (layout.m[:, None, None] + 1)
     turned = np.where(layout.m % 2 == 0, -1.0, 1.0)[:, None, None]
     root = edge_scale(zones.half)[:, None]
     order = np.arange(table.shape[2])
-    intensities = root * np.array([
-        (table * (1.0 - 2.0 * (order % 2))).sum(axis=2).T + (turned * beyond / (1 + up)).sum(axis=2) @ strengths,
-        table.sum(axis=2).T + (beyond / (1 - up)).sum(axis=2) @ strengths,
-    ])
+    intensities = root * np.array(
+        [
+            (table * (1.0 - 2.0 * (order % 2))).sum(axis=2).T
+            + (turned * beyond / (1 + up)).sum(axis=2) @ strengths,
+            table.sum(axis=2).T + (beyond / (1 - up)).sum(axis=2) @ strengths,
+        ]
+    )
     levels = np.zeros((0, cases))
     if system.wants_levels:
         levels = system.levels()[0] @ unknowns + own_level
     places = density.into_period(np.asarray(places, dtype=float))
-    potentials = _beyond_potential(outside(a, b, places[:, None] - poles).rho, up, layout.m) @ strengths
+    potentials = (
+        _beyond_potential(outside(a, b, places[:, None] - poles).rho, up, layout.m) @ strengths
+    )
     unknowns[: layout.coefficients] *= np.repeat(zones.half, layout.m + 1)[:, None]
     potentials += fields(zones, kernel, Places(places), layout, potential=True) @ unknowns
     return Answers(intensities, levels, potentials)
@@ -145,13 +157,17 @@ def _solved(state: State, right: Array) -> Array:
 
 
 def _beyond_potential(seen: Array, up: Array, m: Index) -> Array:
-    """Potential of (2/(pi w)) rho^l, l > m, of unit sources (Z, S, poles) at places (Z, P, poles): -(2/pi) sum_{l > m} (rho rho')^l / l."""
+    """Potential of (2/(pi w)) rho^l, l > m, of unit sources (Z, S, poles) at places (Z, P, poles):
+    -(2/pi) sum_{l > m} (rho rho')^l / l.
+    """
     out = np.zeros((seen.shape[1], up.shape[1]))
     for i in range(len(m)):
         least = _NOTHING ** (1.0 / (int(m[i]) + 1))
         for q in range(seen.shape[2]):
             # Of pairs far from the zone nothing is left.
-            sources = np.flatnonzero(np.abs(up[i]).max(axis=1) * np.abs(seen[i, :, q]).max(initial=0.0) >= least)
+            sources = np.flatnonzero(
+                np.abs(up[i]).max(axis=1) * np.abs(seen[i, :, q]).max(initial=0.0) >= least
+            )
             if len(sources) == 0:
                 continue
             places = np.flatnonzero(np.abs(seen[i, :, q]) * np.abs(up[i, sources]).max() >= least)

@@ -1,22 +1,26 @@
-r"""Jumps of the density or of its derivatives inside the zones, carried exactly: the mirror image of `forcing`.
+r"""Jumps of the density or of its derivatives inside the zones, carried exactly: the mirror image
+of `forcing`.
 
-Where the wanted density is known to jump, the right side has a logarithm. With t = cos(theta), s = cos(phi) and
+Where the wanted density is known to jump, the right side has a logarithm. With t = cos(theta), s =
+cos(phi) and
 
     eta(t) = theta/pi  (t > s),   theta/pi - 1  (t < s)      = -(2/pi) sum_j (1/j) cos(j phi) sin(j theta),
 
-which vanishes at both ends like a square root and jumps by 1 at s, the kernel makes of h (t - s)^q eta(t)
+which vanishes at both ends like a square root and jumps by 1 at s, the kernel makes of h (t - s)^q
+eta(t)
 
     (h/pi) ((t - s)^q ln(2 |t - s|) - P_q(t))                       on the zone,
     (h/pi) ((z - s)^q ln(1 - 2 rho cos(phi) + rho^2) - P_q(z))      off it,
     P_0 = 0,   P_1 = -s,   P_2 = -(t - 2 s) s - cos(2 phi)/4 = -s t + 3 s^2/2 + 1/4,
 
-P_q from (tau - s)^q = (t - s)^q - (t - tau)(...) and the moments of eta. So where the q-th derivative of the density
-jumps by J, h = J w^q / q!, the right side is smooth once this is subtracted: q = 0 is the slope of a gap over a kink of
-the profile, q = 1 over a jump of its curvature, q = 2 over a knot of a cubic spline.
+P_q from (tau - s)^q = (t - s)^q - (t - tau)(...) and the moments of eta. So where the q-th
+derivative of the density jumps by J, h = J w^q / q!, the right side is smooth once this is
+subtracted: q = 0 is the slope of a gap over a kink of the profile, q = 1 over a jump of its
+curvature, q = 2 over a knot of a cubic spline.
 
-For q = 0 the caller leaves (J/pi) Lambda(x, s), Lambda the kernel's potential, out of the right side's values
-altogether: it is added here, from distances that lose no digit however narrow the zone. Those near a zone but outside
-it are carried too (`jumps.exterior`).
+For q = 0 the caller leaves (J/pi) Lambda(x, s), Lambda the kernel's potential, out of the right
+side's values altogether: it is added here, from distances that lose no digit however narrow the
+zone. Those near a zone but outside it are carried too (`jumps.exterior`).
 """
 
 from collections.abc import Callable
@@ -38,8 +42,9 @@ from sie.jumps.formulas import HIGHEST, raised
 from sie.jumps.local_spline import LocalSpline
 from sie.jumps.poles import NO_POLES
 
-# From this number of jumps of order 2 on a spline takes their place. What the powers of n of them lose, n^2 units in the last digit, the
-# zones beside this one see; those of the right side need not tell these, since what is seen of them is found from g itself.
+# From this number of jumps of order 2 on a spline takes their place. What the powers of n of them
+# lose, n^2 units in the last digit, the zones beside this one see; those of the right side need not
+# tell these, since what is seen of them is found from g itself.
 _MANY = 128
 # Coefficients that a spline's potential is summed from: they fall as l^(-3).
 _SERIES = 1024
@@ -47,8 +52,9 @@ _SERIES = 1024
 
 @record
 class Logarithms:
-    """Terms (J/pi) Lambda(x, s) of the right side: places s, and J/pi. own: the zone that holds s, or -1; near: those
-    that lie near a zone, outside it."""
+    """Terms (J/pi) Lambda(x, s) of the right side: places s, and J/pi. own: the zone that holds s,
+    or -1; near: those that lie near a zone, outside it.
+    """
 
     kernel: Kernel
     zones: Zones
@@ -61,23 +67,32 @@ class Logarithms:
         """Their sum at points x (n,)."""
         away = x[:, None] - self.at
         with np.errstate(divide="ignore"):
-            return np.asarray((np.log(np.abs(away) / self.kernel.datum) + self._far(away)) @ self.weight)
+            return np.asarray(
+                (np.log(np.abs(away) / self.kernel.datum) + self._far(away)) @ self.weight
+            )
 
     def on_zone(self, zone: int, left: Array) -> Array:
-        """Their sum at distances over w from a zone's left end, less (J/pi) ln(2 |t - s|) for those that lie in it, and
-        (J/pi) ln(2 |rho| |t - s|) for those near."""
+        """Their sum at distances over w from a zone's left end, less (J/pi) ln(2 |t - s|) for those
+        that lie in it, and (J/pi) ln(2 |rho| |t - s|) for those near.
+        """
         w, kernel = self.zones.half[zone], self.kernel
         away = w * left[:, None] + (self.zones.a[zone] - self.at)
         if kernel.period is not None:
             # The image that is nearest to the zone, from the zone's own ends where it lies in it.
-            away = np.where(self.own == zone, away, away - np.round((away[len(left) // 2]) / kernel.period) * kernel.period)
+            away = np.where(
+                self.own == zone,
+                away,
+                away - np.round((away[len(left) // 2]) / kernel.period) * kernel.period,
+            )
         carried = self.own == zone
         size = np.ones(len(self.at))
         k = self.near.by_zone.get(zone)
         if k is not None:
             carried[self.near.which[k]], size[self.near.which[k]] = True, np.abs(self.near.rho[k])
         with np.errstate(divide="ignore"):
-            near = np.where(carried, np.log(w / (2 * size * kernel.datum)), np.log(np.abs(away) / kernel.datum))
+            near = np.where(
+                carried, np.log(w / (2 * size * kernel.datum)), np.log(np.abs(away) / kernel.datum)
+            )
         return np.asarray((near + self._far(away)) @ self.weight)
 
     def _far(self, away: Array) -> Array:
@@ -94,23 +109,39 @@ class Logarithms:
 
 @record
 class DensityJumps(ForcingJumps):
-    """Jumps of the density's derivatives, h = J w^q / q!; `logarithms`: all those of order 0, wherever they are."""
+    """Jumps of the density's derivatives, h = J w^q / q!; `logarithms`: all those of order 0,
+    wherever they are.
+    """
 
     logarithms: Logarithms | None = None
 
     @classmethod
     def inside(
-        cls, zones: Zones, at: Array, jumps: Array, orders: Index, kernel: Kernel, spline: Callable[[Array], Array] | None = None
+        cls,
+        zones: Zones,
+        at: Array,
+        jumps: Array,
+        orders: Index,
+        kernel: Kernel,
+        spline: Callable[[Array], Array] | None = None,
     ) -> "DensityJumps":
-        """The jumps at positions `at` (repeated with the kernel's period) that lie inside a zone. spline: a quadratic spline with those
-        of order 2, if there is one."""
+        """The jumps at positions `at` (repeated with the kernel's period) that lie inside a zone.
+        spline: a quadratic spline with those of order 2, if there is one.
+        """
         found, kinks = cls.placed(zones, at, jumps, orders, kernel.period), orders == 0
         if np.any(kinks):
             weight = jumps[kinks] / np.pi
             at, i, inside = cls.located(zones, at[kinks], kernel.period)
             near = ExteriorLogarithms.near(zones, at, weight, kernel.period)
-            found = replace(found, logarithms=Logarithms(kernel, zones, at, weight, np.where(inside, i, -1), near))
-        return found if spline is None else found._with_splines(zones, spline, LocalSpline.inside, _MANY)
+            found = replace(
+                found,
+                logarithms=Logarithms(kernel, zones, at, weight, np.where(inside, i, -1), near),
+            )
+        return (
+            found
+            if spline is None
+            else found._with_splines(zones, spline, LocalSpline.inside, _MANY)
+        )
 
     @property
     def near(self) -> ExteriorLogarithms:
@@ -126,7 +157,8 @@ class DensityJumps(ForcingJumps):
         """Those of the density itself alone."""
         return replace(self.chosen(self.order == 0), poles=NO_POLES)
 
-    # the right side -------------------------------------------------------------------------------------------------
+    # the right side
+    # -------------------------------------------------------------------------------------------------
     def smooth_part(self, zone: Index, left: Array) -> Array:
         out = -self._higher.carried(zone, left)
         if self.logarithms is not None:
@@ -143,9 +175,12 @@ class DensityJumps(ForcingJumps):
     def mean_offsets(self, zones: Zones) -> Array:
         raise ValueError("a condition on potentials is for right sides without logarithms")
 
-    # the density ----------------------------------------------------------------------------------------------------
+    # the density
+    # ----------------------------------------------------------------------------------------------------
     def integral_of(self, k: Index, left: Array, right: Array) -> Array:
-        """From the ends inwards: int_t^1 (tau - s)^q eta = (1/pi) int_0^theta (cos a - s)^q a sin(a) da for t > s."""
+        """From the ends inwards: int_t^1 (tau - s)^q eta = (1/pi) int_0^theta (cos a - s)^q a
+        sin(a) da for t > s.
+        """
         s, q, on_right = self.s[k], self.order[k], left > self.left[k]
         inner = np.where(on_right, theta(left, right), theta(right, left))
         # Seen from the left end, t and s change sign, and so does (tau - s)^q for odd q.
@@ -174,11 +209,14 @@ class DensityJumps(ForcingJumps):
             out[zone] = spline.t_coefficients(_SERIES)
         return out
 
-    # what the kernel makes of it ------------------------------------------------------------------------------------
+    # what the kernel makes of it
+    # ------------------------------------------------------------------------------------
     def sharp_potential(self, zone: Index, seen: OnLine) -> Array:
-        """Potential of the closed parts of zones over w, less c_0 log(w); on the zone rho = e^{i theta}.
+        """Potential of the closed parts of zones over w, less c_0 log(w); on the zone rho = e^{i
+        theta}.
 
-        Of q = 0 by partial fractions of -sum_j (cos(j phi)/j) (-rho^{j-1}/(j-1) + rho^{j+1}/(j+1)); of others see `_potential`.
+        Of q = 0 by partial fractions of -sum_j (cos(j phi)/j) (-rho^{j-1}/(j-1) + rho^{j+1}/(j+1));
+        of others see `_potential`.
         """
         root = np.sqrt(np.maximum(seen.left * seen.right, 0.0))
         rho = np.where(seen.on, 0.5 * (seen.left - seen.right) + 1j * root, seen.rho)
@@ -188,12 +226,15 @@ class DensityJumps(ForcingJumps):
         return out + self.poles.potential(zone, seen) if len(self.poles) else out
 
     def of_kinks(self, k: Index, log: Any, rho: Any) -> Any:
-        """Potential over w and h / pi, less c_0 log(w), of jumps k of the density itself; log: of 2 rho."""
+        """Potential over w and h / pi, less c_0 log(w), of jumps k of the density itself; log: of 2
+        rho.
+        """
         up = np.exp(1j * self.phi[k])
         both = potential_series(up, rho) + potential_series(np.conj(up), rho)
         return np.real(up) * (log - rho**2 / 2) - both / 2
 
-    # at complex points (see `plane`) ----------------------------------------------------------------------------------
+    # at complex points (see `plane`)
+    # ----------------------------------------------------------------------------------
     def logarithm(self, k: Index, seen: InPlane, away: Complex) -> Complex:
         """log(A B) of jumps k."""
         with np.errstate(divide="ignore"):
@@ -208,13 +249,20 @@ class DensityJumps(ForcingJumps):
         higher = self.order[k] > 0
         out = super().plane_potential(k[higher], seen, away[:, higher], log[:, higher])
         kinks = k[~higher]
-        return np.asarray(out + self.of_kinks(kinks, _LOG2 - seen.log[:, None], seen.rho[:, None]) @ (self.height[kinks] / np.pi))
+        return np.asarray(
+            out
+            + self.of_kinks(kinks, _LOG2 - seen.log[:, None], seen.rho[:, None])
+            @ (self.height[kinks] / np.pi)
+        )
 
-    # the closed forms -------------------------------------------------------------------------------------------------
+    # the closed forms
+    # -------------------------------------------------------------------------------------------------
     @cached_property
     def line(self) -> tuple[Array, Array]:
         first, second = self.order == 1, self.order == HIGHEST
-        return np.where(second, 1.5 * self.s**2 + 0.25, np.where(first, -self.s, 0.0)), np.where(second, -self.s, 0.0)
+        return np.where(second, 1.5 * self.s**2 + 0.25, np.where(first, -self.s, 0.0)), np.where(
+            second, -self.s, 0.0
+        )
 
     def turn(self, k: Index, away: Array) -> Array:
         # At the jump itself only powers of the distance are left.
@@ -229,23 +277,45 @@ class DensityJumps(ForcingJumps):
     def shape(self, k: Index, left: Array, right: Array) -> Array:
         """eta."""
         away, from_right, from_left = left - self.left[k], theta(left, right), theta(right, left)
-        return np.where(away == 0, 0.5 * (from_right - from_left), np.where(away > 0, from_right, -from_left))
+        return np.where(
+            away == 0, 0.5 * (from_right - from_left), np.where(away > 0, from_right, -from_left)
+        )
 
-    def _potential(self, q: int, k: Index, away: Any, z: Any, turn: Any, grown: Any, root: Any) -> Any:
-        """Of q = 1 and 2 the primitive of the transform that goes with -c_0 ln(2 |rho|) far away, L = ln(1 - 2 rho cos(phi) + rho^2),
+    def _potential(
+        self, q: int, k: Index, away: Any, z: Any, turn: Any, grown: Any, root: Any
+    ) -> Any:
+        """Of q = 1 and 2 the primitive of the transform that goes with -c_0 ln(2 |rho|) far away, L
+        = ln(1 - 2 rho cos(phi) + rho^2),
 
-            (z - s)^(q+1) (L / (q+1) - 1 / (q+1)^2) + int (z - s)^(q+1) / R dz / (q+1) - int P_q dz + C_q,
-            R = sgn(z) sqrt(z^2 - 1),   int dz / R = -ln |rho| =: g;   R = g = 0 on the zone.
+        (z - s)^(q+1) (L / (q+1) - 1 / (q+1)^2) + int (z - s)^(q+1) / R dz / (q+1) - int P_q dz +
+        C_q, R = sgn(z) sqrt(z^2 - 1),   int dz / R = -ln |rho| =: g;   R = g = 0 on the zone.
         """
         s, g = self.s[k], grown
         main = raised(away, q + 1) * (turn / (q + 1) - 1 / (q + 1) ** 2)
         if q == 1:
-            rest = 0.5 * (0.5 * (z * root + g) - 2 * s * root + s * s * g) + s * z - (0.25 + 0.5 * s * s) * _LOG2 - 0.5 * s * s
+            rest = (
+                0.5 * (0.5 * (z * root + g) - 2 * s * root + s * s * g)
+                + s * z
+                - (0.25 + 0.5 * s * s) * _LOG2
+                - 0.5 * s * s
+            )
         else:
             turned = (z * z + 2) * root / 3 - 1.5 * s * (z * root + g) + s * s * (3 * root - s * g)
             double = np.cos(2 * self.phi[k])
-            constant = -(3 * s + np.cos(3 * self.phi[k]) / 3) / 12 + s * double / 4 - s**3 + (1.5 * s + s**3) / 9 + 0.25 * s
-            rest = turned / 3 + s * z * (0.5 * z - 2 * s) + 0.25 * z * double + (0.5 * s + s**3 / 3) * _LOG2 - constant
+            constant = (
+                -(3 * s + np.cos(3 * self.phi[k]) / 3) / 12
+                + s * double / 4
+                - s**3
+                + (1.5 * s + s**3) / 9
+                + 0.25 * s
+            )
+            rest = (
+                turned / 3
+                + s * z * (0.5 * z - 2 * s)
+                + 0.25 * z * double
+                + (0.5 * s + s**3 / 3) * _LOG2
+                - constant
+            )
         return main + rest
 
     def sine_weights(self, k: Index, j: Array) -> Array:

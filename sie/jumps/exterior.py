@@ -2,10 +2,12 @@ r"""Logarithms of the right side that lie just outside a zone, carried exactly.
 
 With s > 1 or s < -1 and rho = s - sgn(s) sqrt(s^2 - 1), |rho| < 1, the bounded density
 
-    beta(t) = -(2/pi) sum_j (rho^j / j) sin(j theta) = -(2/pi) atan2(rho sin(theta), 1 - rho cos(theta))
+    beta(t) = -(2/pi) sum_j (rho^j / j) sin(j theta) = -(2/pi) atan2(rho sin(theta), 1 - rho
+    cos(theta))
 
-is transformed to (1/pi) ln(2 |rho| |t - s|) on the zone, and to (2/pi) ln(1 - rho rho_z) off it: `density` with
-cos(j phi) continued to rho^j. Without this a logarithm close to an end would ask for 1/sqrt(distance) modes.
+is transformed to (1/pi) ln(2 |rho| |t - s|) on the zone, and to (2/pi) ln(1 - rho rho_z) off it:
+`density` with cos(j phi) continued to rho^j. Without this a logarithm close to an end would ask for
+1/sqrt(distance) modes.
 """
 
 from functools import cached_property
@@ -17,7 +19,8 @@ from sie.basis.interval import Complex, InPlane, Outside, What, theta
 from sie.basis.sums import Grouped
 from sie.basis.zones import Zones
 
-# Logarithms nearer than this part of a zone's half width are carried; farther ones are smooth enough.
+# Logarithms nearer than this part of a zone's half width are carried; farther ones are smooth
+# enough.
 _NEAR = 0.5
 
 
@@ -31,8 +34,12 @@ class ExteriorLogarithms(Kept):
     weight: Array
 
     @classmethod
-    def near(cls, zones: Zones, at: Array, weights: Array, period: float | None) -> "ExteriorLogarithms":
-        """Those of the logarithms at `at` (repeated with the period) that lie outside a zone, but near."""
+    def near(
+        cls, zones: Zones, at: Array, weights: Array, period: float | None
+    ) -> "ExteriorLogarithms":
+        """Those of the logarithms at `at` (repeated with the period) that lie outside a zone, but
+        near.
+        """
         which = np.arange(len(at))
         if period is not None:
             at = wrapped(at, zones.a[0], period)
@@ -46,7 +53,10 @@ class ExteriorLogarithms(Kept):
         found: list[tuple[Index, Index, Array]] = []
         for sign, ends in ((1.0, zones.b), (-1.0, zones.a)):
             lo, hi = (ends, ends + reach) if sign > 0 else (ends - reach, ends)
-            first, last = np.searchsorted(at, lo, side="left"), np.searchsorted(at, hi, side="right")
+            first, last = (
+                np.searchsorted(at, lo, side="left"),
+                np.searchsorted(at, hi, side="right"),
+            )
             count = last - first
             zone = np.repeat(np.arange(len(zones)), count)
             place = numbered(count) + np.repeat(first, count)
@@ -80,9 +90,12 @@ class ExteriorLogarithms(Kept):
     def edge_slopes(self) -> tuple[Array, Array]:
         """Coefficient of the angle from the left and from the right end, one for each."""
         with np.errstate(divide="ignore"):
-            return -2 * self.weight * self.rho / (1 + self.rho), -2 * self.weight * self.rho / (1 - self.rho)
+            return -2 * self.weight * self.rho / (1 + self.rho), -2 * self.weight * self.rho / (
+                1 - self.rho
+            )
 
-    # at points (n,) of zones, by their distances from the zone's ends over w ----------------------------------------------
+    # at points (n,) of zones, by their distances from the zone's ends over w
+    # ----------------------------------------------
     def density(self, zone: Index, left: Array, right: Array) -> Array:
         """Sum of the parts of zones themselves."""
         phi = theta(left, right)
@@ -94,58 +107,85 @@ class ExteriorLogarithms(Kept):
         return self.grouped.summed(zone, -2 * self.weight, part)
 
     def own_transform(self, zone: Index, left: Array) -> Array:
-        """On the zone: ln(1 - 2 rho t + rho^2) = ln((1 - |rho|)^2 + 2 |rho| d), d the distance from the nearer end."""
+        """On the zone: ln(1 - 2 rho t + rho^2) = ln((1 - |rho|)^2 + 2 |rho| d), d the distance from
+        the nearer end.
+        """
 
         def part(at: Index, k: Index) -> Array:
             rho, size = self.rho[k], np.abs(self.rho[k])
             with np.errstate(divide="ignore"):
-                return np.asarray(np.log((1 - size) ** 2 + 2 * size * np.where(rho > 0, 2 - left[at], left[at])))
+                return np.asarray(
+                    np.log((1 - size) ** 2 + 2 * size * np.where(rho > 0, 2 - left[at], left[at]))
+                )
 
         return self.grouped.summed(zone, self.weight, part)
 
     def transform(self, zone: Index, rho: Array) -> Array:
         """Off the zone."""
-        return self.grouped.summed(zone, 2 * self.weight, lambda at, k: np.log1p(-rho[at] * self.rho[k]))
+        return self.grouped.summed(
+            zone, 2 * self.weight, lambda at, k: np.log1p(-rho[at] * self.rho[k])
+        )
 
     def integral(self, zone: Index, left: Array, right: Array) -> Array:
-        """Integral from the zone's left end over w: minus the one to the right end at the angle theta, and the whole."""
+        """Integral from the zone's left end over w: minus the one to the right end at the angle
+        theta, and the whole.
+        """
         angle = theta(left, right)
 
         def part(at: Index, k: Index) -> Array:
             phi, rho = angle[at], self.rho[k]
             own = np.arctan2(rho * np.sin(phi), 1 - rho * np.cos(phi))
             turn = np.arctan2((1 + rho) * np.sin(phi / 2), (1 - rho) * np.cos(phi / 2))
-            beyond = (1 + rho**2) / (2 * rho) * turn - (1 - rho**2) * phi / (4 * rho) - np.sin(phi) / 2 - np.cos(phi) * own
+            beyond = (
+                (1 + rho**2) / (2 * rho) * turn
+                - (1 - rho**2) * phi / (4 * rho)
+                - np.sin(phi) / 2
+                - np.cos(phi) * own
+            )
             return np.asarray(2 * beyond - np.pi * rho)
 
         return self.grouped.summed(zone, self.weight, part)
 
     def potential(self, zone: Index, log: Array, rho: Complex) -> Array:
         """Potential over w, less c_0 log(w); log: of 2 |rho|."""
-        return self.grouped.summed(zone, self.weight, lambda at, k: self._potential(k, log[at], rho[at]).real)
+        return self.grouped.summed(
+            zone, self.weight, lambda at, k: self._potential(k, log[at], rho[at]).real
+        )
 
     def _potential(self, k: Index, log: Complex | Array, rho: Complex) -> Complex:
         return self.rho[k] * (log - rho**2 / 2) - potential_series(self.rho[k], rho)
 
-    # at complex points (see `plane`) ----------------------------------------------------------------------------------
+    # at complex points (see `plane`)
+    # ----------------------------------------------------------------------------------
     def log(self, k: Index, seen: InPlane) -> Complex:
-        """2 log(1 - rho rho_z) of parts k, (points, k): (1 - rho_z) + rho_z (1 - rho), or the same from the left end."""
+        """2 log(1 - rho rho_z) of parts k, (points, k): (1 - rho_z) + rho_z (1 - rho), or the same
+        from the left end.
+        """
         rho, z = self.rho[k], seen.rho[:, None]
         from_left, from_right = (part[:, None] for part in seen.from_ends)
-        return np.asarray(2 * np.log(np.where(rho > 0, from_right + z * (1 - rho), from_left - z * (1 + rho))))
+        return np.asarray(
+            2 * np.log(np.where(rho > 0, from_right + z * (1 - rho), from_left - z * (1 + rho)))
+        )
 
     def in_plane(self, k: Index, seen: InPlane, what: What) -> Complex:
         """What parts k do, the derivative by zeta; for the potential over w, and less c_0 log(w)."""
         if what == "potential":
-            return np.asarray(self._potential(k, np.log(2.0) - seen.log[:, None], seen.rho[:, None]) @ self.weight[k])
+            return np.asarray(
+                self._potential(k, np.log(2.0) - seen.log[:, None], seen.rho[:, None])
+                @ self.weight[k]
+            )
         log = self.log(k, seen)
         if what == "transform":
             return np.asarray(log @ self.weight[k])
-        return np.asarray((2 * seen.rho[:, None] * self.rho[k] * np.exp(-0.5 * log)) @ self.weight[k] / seen.root)
+        return np.asarray(
+            (2 * seen.rho[:, None] * self.rho[k] * np.exp(-0.5 * log)) @ self.weight[k] / seen.root
+        )
 
 
 def potential_series(up: Complex | Array, rho: Complex | Array) -> Complex:
-    """sum_{j >= 2} (up^j / j) (-rho^{j-1} / (j-1) + rho^{j+1} / (j+1)), and of j = 1 what has no logarithm of rho."""
+    """sum_{j >= 2} (up^j / j) (-rho^{j-1} / (j-1) + rho^{j+1} / (j+1)), and of j = 1 what has no
+    logarithm of rho.
+    """
     q = up * rho
     log = -np.log1p(-q)
     rest = log - q

@@ -2,7 +2,8 @@
 
 With t = cos(theta), s = cos(phi) and
 
-    kappa(t) = ln|sin((theta + phi)/2) / sin((theta - phi)/2)| = sum_j (2/j) sin(j phi) sin(j theta),
+    kappa(t) = ln|sin((theta + phi)/2) / sin((theta - phi)/2)| = sum_j (2/j) sin(j phi) sin(j
+    theta),
 
 the kernel makes of (h/pi) (t - s)^q kappa(t), on the zone and off it,
 
@@ -10,16 +11,17 @@ the kernel makes of (h/pi) (t - s)^q kappa(t), on the zone and off it,
     (h/pi) ((z - s)^q 2 Im(-ln(1 - rho e^{i phi})) - P_q(z))
     P_0 = 0,   P_1 = sin(phi),   P_2 = (t - 2 s) sin(phi) + sin(2 phi)/4,
 
-P_q from (tau - s)^q = (t - s)^q - (t - tau)(...) and the moments of kappa. Their potentials are, by parts, with the angle F =
-2 Im(-ln(1 - rho e^{i phi})) off the zone, dF/dz = -sin(phi) / ((z - s) |z^2 - 1|^(1/2)) sgn(z), and F = pi - phi or -phi on it,
+P_q from (tau - s)^q = (t - s)^q - (t - tau)(...) and the moments of kappa. Their potentials are, by
+parts, with the angle F = 2 Im(-ln(1 - rho e^{i phi})) off the zone, dF/dz = -sin(phi) / ((z - s)
+|z^2 - 1|^(1/2)) sgn(z), and F = pi - phi or -phi on it,
 
     (h/pi) ((z - s)^{q+1} F/(q+1) + sin(phi) R_q) + c_0 ln(w),     A = arcosh|z|, B = sgn(z) (z^2 - 1)^(1/2), zero on the zone,
     R_0 = A - ln 2 - 1,        R_1 = (B - s A)/2 - z + s (3 + 2 ln 2)/4,
     R_2 = (A/2 + s^2 A + B z/2 - 2 s B)/3 - z^2/2 + 3 s z/2 + sin(phi)^2/9 - s^2/2 - 1/12 - ln(2) (sin(phi)^2/6 + s^2/2).
 
-So a jump J of the q-th derivative of g,
-with h = J w^q / q!, leaves a smooth right side once this is subtracted: q = 0 is a kink of the profile, q = 1 a jump of
-its curvature, q = 2 a knot of a cubic spline.
+So a jump J of the q-th derivative of g, with h = J w^q / q!, leaves a smooth right side once this
+is subtracted: q = 0 is a kink of the profile, q = 1 a jump of its curvature, q = 2 a knot of a
+cubic spline.
 """
 
 from collections.abc import Callable, Iterator
@@ -39,20 +41,24 @@ from sie.jumps.local_spline import MANY, LocalSpline, with_jumps
 from sie.jumps.poles import NO_POLES, Poles
 from sie.jumps.zone_spline import ZoneSpline
 
-# What takes the place of very many jumps of order 2 in one zone, of the right side's or of the density's own: with the same methods, of
-# which each refuses those that have no use for its kind.
+# What takes the place of very many jumps of order 2 in one zone, of the right side's or of the
+# density's own: with the same methods, of which each refuses those that have no use for its kind.
 Spline = LocalSpline | ZoneSpline
 MadeSpline = Callable[[Array, Array, Callable[[Array], Array]], tuple[Spline, Array, Array] | None]
 
-# Seen from farther than this rho, closed forms cancel, and the series of all parts of a zone is short: up to which rho so many terms of it
-# are enough. Of so many jumps the next longer one is shorter than all closed forms.
-_REACH, _TERMS, _JUMPS = np.array([0.25, 0.6, 0.87]), np.array([32, 80, 288]), (10, 36)
+# Seen from farther than this rho, closed forms cancel, and the series of all parts of a zone is
+# short: up to which rho so many terms of it are enough. Of so many jumps the next longer one is
+# shorter than all closed forms.
+_REACH = np.array([0.25, 0.6, 0.87])
+_TERMS = np.array([32, 80, 288])
+_JUMPS = (10, 36)
 
 
 @record
 class ForcingJumps(Jumps):
-    """Jumps inside the zones. splines: of zones with very many jumps of order 2, what carries most of these. poles: those of the algebraic
-    points in zones and near them."""
+    """Jumps inside the zones. splines: of zones with very many jumps of order 2, what carries most
+    of these. poles: those of the algebraic points in zones and near them.
+    """
 
     splines: dict[int, Spline] = field(default_factory=dict)
     poles: Poles = NO_POLES
@@ -66,41 +72,72 @@ class ForcingJumps(Jumps):
 
     @classmethod
     def within(
-        cls, zones: Zones, at: Array, jumps: Array, orders: Index, period: float | None, g: Callable[[Array], Array] | None = None
+        cls,
+        zones: Zones,
+        at: Array,
+        jumps: Array,
+        orders: Index,
+        period: float | None,
+        g: Callable[[Array], Array] | None = None,
     ) -> "ForcingJumps":
-        """The jumps at positions `at` (repeated with the period) that lie inside a zone. g: the right side, if it is known."""
+        """The jumps at positions `at` (repeated with the period) that lie inside a zone. g: the
+        right side, if it is known.
+        """
         found = cls.placed(zones, at, jumps, orders, period) if len(at) else _NONE
         return found if g is None else found._with_splines(zones, g, ZoneSpline.inside)
 
     @classmethod
-    def placed(cls, zones: Zones, at: Array, jumps: Array, orders: Index, period: float | None) -> Self:
+    def placed(
+        cls, zones: Zones, at: Array, jumps: Array, orders: Index, period: float | None
+    ) -> Self:
         """The same one by one."""
         at, i, inside = cls.located(zones, at, period)
         i, at, q = i[inside], at[inside], orders[inside]
         w = zones.half[i]
         factorial = np.array([1.0, 1.0, 2.0])[q]
-        return cls(i, zones.beyond_a(at, i) / w, zones.before_b(at, i) / w, jumps[inside] * w**q / factorial, q)
+        return cls(
+            i,
+            zones.beyond_a(at, i) / w,
+            zones.before_b(at, i) / w,
+            jumps[inside] * w**q / factorial,
+            q,
+        )
 
     @staticmethod
     def located(zones: Zones, at: Array, period: float | None) -> tuple[Array, Index, Mask]:
-        """(positions moved by periods to lie right of the first zone's left end, the last zone that starts before each,
-        whether they lie inside it)."""
+        """(positions moved by periods to lie right of the first zone's left end, the last zone that
+        starts before each, whether they lie inside it).
+        """
         if period is not None:
             at = at + np.ceil((zones.a[0] - at) / period) * period
         i = np.searchsorted(zones.a, at, side="right") - 1
-        return at, np.maximum(i, 0), (i >= 0) & (zones.beyond_a(at, i) > 0) & (zones.before_b(at, i) > 0)
+        return (
+            at,
+            np.maximum(i, 0),
+            (i >= 0) & (zones.beyond_a(at, i) > 0) & (zones.before_b(at, i) > 0),
+        )
 
-    def _with_splines(self, zones: Zones, f: Callable[[Array], Array], made: MadeSpline, least: int = MANY) -> Self:
-        """The same with splines, made of knots, their jumps and f, in every zone of many jumps of order 2, at the least so many. Where f
-        is more than a spline with these jumps, or jumps otherwise, they alone tell it."""
+    def _with_splines(
+        self, zones: Zones, f: Callable[[Array], Array], made: MadeSpline, least: int = MANY
+    ) -> Self:
+        """The same with splines, made of knots, their jumps and f, in every zone of many jumps of
+        order 2, at the least so many. Where f is more than a spline with these jumps, or jumps
+        otherwise, they alone tell it.
+        """
         height, more = self.height.copy(), []
         splines: dict[int, Spline] = {}
-        for zone in np.flatnonzero(np.bincount(self.zone[self.order == HIGHEST], minlength=1) >= least).tolist():
+        for zone in np.flatnonzero(
+            np.bincount(self.zone[self.order == HIGHEST], minlength=1) >= least
+        ).tolist():
             all_of_it = self.by_zone[zone]
             k = all_of_it[self.order[all_of_it] == HIGHEST]
             k = k[np.argsort(self.left[k])]
             left, jumps = self.left[k], height[k]
-            found = made(left, jumps, partial(_from_left, f, zones, zone)) if len(k) == len(all_of_it) else None
+            found = (
+                made(left, jumps, partial(_from_left, f, zones, zone))
+                if len(k) == len(all_of_it)
+                else None
+            )
             found = made(left, jumps, with_jumps(left, jumps)) if found is None else found
             if found is not None:
                 splines[zone], height[k], others = found
@@ -110,21 +147,29 @@ class ForcingJumps(Jumps):
         keep = height != 0.0
         zone, left, jump = np.concatenate(more).T
         return replace(
-            self, zone=np.append(self.zone[keep], zone.astype(np.intp)), left=np.append(self.left[keep], left),
-            right=np.append(self.right[keep], 2.0 - left), height=np.append(height[keep], jump),
-            order=np.append(self.order[keep], np.full(len(zone), HIGHEST)), splines=splines,
+            self,
+            zone=np.append(self.zone[keep], zone.astype(np.intp)),
+            left=np.append(self.left[keep], left),
+            right=np.append(self.right[keep], 2.0 - left),
+            height=np.append(height[keep], jump),
+            order=np.append(self.order[keep], np.full(len(zone), HIGHEST)),
+            splines=splines,
         )
 
     @property
     def count(self) -> Index:
         """Jumps in each zone, those of its spline included, as far as there are zones with any."""
-        out = np.bincount(self.zone, minlength=max((*self.splines, *self.poles.by_zone), default=-1) + 1)
+        out = np.bincount(
+            self.zone, minlength=max((*self.splines, *self.poles.by_zone), default=-1) + 1
+        )
         for zone in self.splines:
             out[zone] = len(self.places(zone)[0])
         return out + np.bincount(self.poles.points[0], minlength=len(out))
 
     def places(self, zone: int) -> tuple[Array, Index]:
-        """(distances from the left end over w, orders) of the jumps of a zone, those of its spline included."""
+        """(distances from the left end over w, orders) of the jumps of a zone, those of its spline
+        included.
+        """
         k = self.by_zone[zone]
         if zone not in self.splines:
             return self.left[k], self.order[k]
@@ -153,14 +198,17 @@ class ForcingJumps(Jumps):
         others = *self.splines, *self.near.by_zone, *self.poles.by_zone
         return {zone: np.zeros(0, np.intp) for zone in others} | self.grouped.places()
 
-    # at points (n,) of zones, by their distances from the zone's ends over w ------------------------------------------
+    # at points (n,) of zones, by their distances from the zone's ends over w
+    # ------------------------------------------
     def smooth_part(self, zone: Index, left: Array) -> Array:
         """What to add to g to make it smooth."""
         return -self.carried(zone, left)
 
     def level_part(self, zone: Index, left: Array) -> Array:
         """The same of the jumps of g itself alone: they have no slope."""
-        return -replace(self.chosen(self.order == 0), splines={}, poles=NO_POLES).carried(zone, left)
+        return -replace(self.chosen(self.order == 0), splines={}, poles=NO_POLES).carried(
+            zone, left
+        )
 
     def carried(self, zone: Index, left: Array) -> Array:
         """What the kernel makes of the parts of zones on these."""
@@ -193,8 +241,9 @@ class ForcingJumps(Jumps):
         return out + self.near.integral(zone, left, right) if len(self.near) else out
 
     def transform(self, zone: Index, seen: OnLine) -> Array:
-        """Transform of the parts of zones: off these by their closed forms, or by the series of all of them together where that is
-        shorter or the closed forms cancel."""
+        """Transform of the parts of zones: off these by their closed forms, or by the series of all
+        of them together where that is shorter or the closed forms cancel.
+        """
         out, off = np.empty(len(zone)), np.flatnonzero(~seen.on)
         on = np.flatnonzero(seen.on)
         out[on] = self.own_transform(zone[on], seen.left[on])
@@ -204,14 +253,20 @@ class ForcingJumps(Jumps):
     def _off(self, zone: Index, seen: OnLine) -> Array:
         z, rho, far = seen.zeta, seen.rho, self._far(zone, seen)
         out, near = np.empty(len(zone)), np.flatnonzero(~far)
-        out[far] = of_t(self._series, seen[far], _ONE, 1.0, self.grouped.rows(zone[far]), "transform")
-        out[near] = self.summed(zone[near], lambda at, k: self.off_zone(k, z[near[at]], rho[near[at]]))
+        out[far] = of_t(
+            self._series, seen[far], _ONE, 1.0, self.grouped.rows(zone[far]), "transform"
+        )
+        out[near] = self.summed(
+            zone[near], lambda at, k: self.off_zone(k, z[near[at]], rho[near[at]])
+        )
         for spline, here in self._in_splines(zone):
             out[here] += spline.transform_off(z[here], rho[here])
         return out + self.near.transform(zone, rho) + self.poles.transform(zone, rho)
 
     def sharp_potential(self, zone: Index, seen: OnLine) -> Array:
-        """Potential of the closed parts of zones over w, less c_0 log(w) (see the head of this file)."""
+        """Potential of the closed parts of zones over w, less c_0 log(w) (see the head of this
+        file).
+        """
         out = self._closed_potential(zone, seen)
         for spline, here in self._in_splines(zone):
             out[here] += spline.potential(seen.left[here], seen.right[here], seen.rho[here])
@@ -219,14 +274,24 @@ class ForcingJumps(Jumps):
 
     def _closed_potential(self, zone: Index, seen: OnLine) -> Array:
         l, r, rho, far = seen.left, seen.right, seen.rho, self._far(zone, seen)
-        out, on, near = np.empty(len(zone)), np.flatnonzero(seen.on), np.flatnonzero(~seen.on & ~far)
-        out[far] = of_t(self._series, seen[far], _ONE, 1.0, self.grouped.rows(zone[far]), "potential")
+        out, on, near = (
+            np.empty(len(zone)),
+            np.flatnonzero(seen.on),
+            np.flatnonzero(~seen.on & ~far),
+        )
+        out[far] = of_t(
+            self._series, seen[far], _ONE, 1.0, self.grouped.rows(zone[far]), "potential"
+        )
         out[on] = self.summed(zone[on], lambda at, k: self.potential_on(k, l[on[at]], r[on[at]]))
-        out[near] = self.summed(zone[near], lambda at, k: self.potential_off(k, l[near[at]], r[near[at]], rho[near[at]]))
+        out[near] = self.summed(
+            zone[near], lambda at, k: self.potential_off(k, l[near[at]], r[near[at]], rho[near[at]])
+        )
         return out
 
     def summed(self, zone: Index, of: Callable[[Index, Index], Array]) -> Array:
-        """Sums over the jumps in the zones of points; of: what is summed, over h / pi, by points and jumps, pair by pair."""
+        """Sums over the jumps in the zones of points; of: what is summed, over h / pi, by points
+        and jumps, pair by pair.
+        """
         return self.grouped.summed(zone, self.height / np.pi, of)
 
     def _in_splines(self, zone: Index) -> Iterator[tuple[Spline, Index]]:
@@ -236,8 +301,12 @@ class ForcingJumps(Jumps):
                 yield self.splines[i], here
 
     def _far(self, zone: Index, seen: OnLine) -> Mask:
-        """Whether zones are so far from points that the series of their parts takes the place of the closed forms."""
-        return np.asarray(~seen.on & (np.abs(seen.rho) < _REACH[self._length[self.grouped.rows(zone)]]))
+        """Whether zones are so far from points that the series of their parts takes the place of
+        the closed forms.
+        """
+        return np.asarray(
+            ~seen.on & (np.abs(seen.rho) < _REACH[self._length[self.grouped.rows(zone)]])
+        )
 
     @cached_property
     def _length(self) -> Index:
@@ -250,16 +319,20 @@ class ForcingJumps(Jumps):
         return self._coefficients(_TERMS[self._length])
 
     def mean_offsets(self, zones: Zones) -> Array:
-        """Mean over each zone of the primitive of g (zero where its values at the ends are), less what the smooth
-        part's own coefficients say, over w: see `System.levels`."""
+        """Mean over each zone of the primitive of g (zero where its values at the ends are), less
+        what the smooth part's own coefficients say, over w: see `System.levels`.
+        """
         phi, s, q = self.phi, self.s, self.order
         sine, double = self.sine, np.sin(2 * phi)
-        # A jump of g itself by its distance from the nearer end: close to that the parts cancel to its square root, cubed.
+        # A jump of g itself by its distance from the nearer end: close to that the parts cancel to
+        # its square root, cubed.
         near, angle = np.minimum(self.left, self.right), np.minimum(phi, self.psi)
         kink = (sine - angle * (1 - near)) / np.pi - 0.5 * near
         # Primitives of (t - s)_+^q at t = 1, and their means.
         end = self.right ** (q + 1) / (q + 1)
-        cubic = (sine - sine**3 / 3) - 3 * s * (phi / 2 + double / 4) + 3 * s * s * sine - s**3 * phi
+        cubic = (
+            (sine - sine**3 / 3) - 3 * s * (phi / 2 + double / 4) + 3 * s * s * sine - s**3 * phi
+        )
         square = (phi / 2 + double / 4) - 2 * s * sine + s * s * phi
         mean = np.where(q == 1, square / 2, cubic / 3) / np.pi
         # Primitives of C_q, zero at t = 0: half the sum of those at both ends, and their means.
@@ -272,12 +345,16 @@ class ForcingJumps(Jumps):
         return out + self.poles.mean_offsets(len(zones)) if len(self.poles) else out
 
     def t_coefficients(self, zones: Zones, count: int) -> Array:
-        """First `count` coefficients c_l of these parts as sums of T_l / sqrt(1 - t^2); shape (zones, count)."""
+        """First `count` coefficients c_l of these parts as sums of T_l / sqrt(1 - t^2); shape
+        (zones, count).
+        """
         out = self.coefficients(np.arange(len(self.zone)), self.zone, len(zones), count)
         for zone, spline in self.splines.items():
             out[zone] += spline.t_coefficients(count)
         if len(self.near):
-            np.add.at(out, self.near.zone, of_sines(self.near.sine_coefficients(count + 1))[:, :count])
+            np.add.at(
+                out, self.near.zone, of_sines(self.near.sine_coefficients(count + 1))[:, :count]
+            )
         if len(self.poles):
             out += of_sines(self.poles.sine_coefficients(len(zones), count + 1))[:, :count]
         return out
@@ -286,7 +363,9 @@ class ForcingJumps(Jumps):
         """The same, of each zone so many (Z,), zeros after them."""
         if len(self.near) or len(self.poles):
             count = int(counts.max(initial=0))
-            return np.where(np.arange(count) < counts[:, None], self.t_coefficients(zones, count), 0.0)
+            return np.where(
+                np.arange(count) < counts[:, None], self.t_coefficients(zones, count), 0.0
+            )
         out = self._coefficients(counts)
         for zone, spline in self.splines.items():
             out[zone, : counts[zone]] += spline.t_coefficients(int(counts[zone]))
@@ -303,14 +382,22 @@ class ForcingJumps(Jumps):
         return out
 
     def high_coefficients(self, zones: Zones) -> Array:
-        """Coefficients of the parts that have no closed potential, as many as potentials near an end need; (zones, 0) if none."""
+        """Coefficients of the parts that have no closed potential, as many as potentials near an
+        end need; (zones, 0) if none.
+        """
         return np.zeros((len(zones), 0))
 
     def edge_slopes(self, zones: Zones) -> tuple[Array, Array]:
         """Coefficient of the angle from the left and from the right end, per zone."""
-        out = np.array([np.bincount(self.zone, part, minlength=len(zones)) for part in self._edge_slopes()], dtype=float)
+        out = np.array(
+            [np.bincount(self.zone, part, minlength=len(zones)) for part in self._edge_slopes()],
+            dtype=float,
+        )
         if len(self.near):
-            out += [np.bincount(self.near.zone, part, minlength=len(zones)) for part in self.near.edge_slopes()]
+            out += [
+                np.bincount(self.near.zone, part, minlength=len(zones))
+                for part in self.near.edge_slopes()
+            ]
         for zone, spline in self.splines.items():
             out[:, zone] += spline.edge_slopes
         if len(self.poles):
@@ -323,24 +410,34 @@ class ForcingJumps(Jumps):
         return scale * (-self.left) ** self.order / cot, scale * self.right**self.order * cot
 
     def sharpest(self, zone: int) -> tuple[Array, Array]:
-        """(distances from the left end over w, heights) of a zone's jumps beside which its density is steepest: the kinks, without any
-        the jumps of the next order, none of those beyond; and of its algebraic points with exponents below 1."""
+        """(distances from the left end over w, heights) of a zone's jumps beside which its density
+        is steepest: the kinks, without any the jumps of the next order, none of those beyond; and
+        of its algebraic points with exponents below 1.
+        """
         k = self.by_zone.get(zone, np.zeros(0, dtype=np.intp))
         k = k[(self.order[k] == self.order[k].min(initial=2)) & (self.order[k] < HIGHEST)]
         of_zone, left, exponent, _ = self.poles.points
         steep = left[(of_zone == zone) & (exponent < 1.0)]
-        return np.append(self.left[k], steep), np.append(self.height[k], np.full(len(steep), np.inf))
+        return np.append(self.left[k], steep), np.append(
+            self.height[k], np.full(len(steep), np.inf)
+        )
 
     def left_out(self, x: Array) -> Array:
         """What the right side has at points x beyond the values that the caller gives: nothing."""
         return np.zeros(x.shape)
 
-    # at complex points (see `plane`) ----------------------------------------------------------------------------------
+    # at complex points (see `plane`)
+    # ----------------------------------------------------------------------------------
     def logarithm(self, k: Index, seen: InPlane, away: Complex) -> Complex:
         """-i log(B / A) of jumps k."""
         c, s = np.sqrt(0.5 * self.left[k]), np.sqrt(0.5 * self.right[k])
         with np.errstate(divide="ignore", invalid="ignore"):
-            return np.asarray(-1j * np.log((c - 1j * s) ** 2 * (c * seen.m[:, None] + 1j * s * seen.p[:, None]) ** 2 / away))
+            return np.asarray(
+                -1j
+                * np.log(
+                    (c - 1j * s) ** 2 * (c * seen.m[:, None] + 1j * s * seen.p[:, None]) ** 2 / away
+                )
+            )
 
     def logarithm_slope(self, k: Index, seen: InPlane, away: Complex) -> Complex:
         """Its derivative by zeta."""
@@ -348,7 +445,9 @@ class ForcingJumps(Jumps):
 
     def plane_potential(self, k: Index, seen: InPlane, away: Complex, log: Complex) -> Complex:
         """Potential of jumps k over w, less c_0 log(w)."""
-        parts = self.potential_of(k, away, seen.zeta[:, None], log, seen.log[:, None], seen.root[:, None])
+        parts = self.potential_of(
+            k, away, seen.zeta[:, None], log, seen.log[:, None], seen.root[:, None]
+        )
         return np.asarray(parts @ (self.height[k] / np.pi))
 
     @property
@@ -369,4 +468,6 @@ def _from_left(f: Callable[[Array], Array], zones: Zones, zone: int, left: Array
 
 # The half width of zones seen in units of their own.
 _ONE = np.ones(1)
-_NONE = ForcingJumps(np.zeros(0, np.intp), np.zeros(0), np.zeros(0), np.zeros(0), np.zeros(0, np.intp))
+_NONE = ForcingJumps(
+    np.zeros(0, np.intp), np.zeros(0), np.zeros(0), np.zeros(0), np.zeros(0, np.intp)
+)

@@ -1,4 +1,6 @@
-"""Jumps within zones: where they are, and the closed forms of each, at any points that broadcast with them; see `forcing`."""
+"""Jumps within zones: where they are, and the closed forms of each, at any points that broadcast
+with them; see `forcing`.
+"""
 
 import math
 from dataclasses import replace
@@ -15,13 +17,16 @@ from sie.basis.sums import PAIRS, Grouped
 HIGHEST = 2
 # Of q over p; zero for p > q.
 _BINOMIAL = np.array([[1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, 2.0, 1.0]])
-# Part of the distance over which one root outweighs the other: kappa is then taken from their ratio.
+# Part of the distance over which one root outweighs the other: kappa is then taken from their
+# ratio.
 _FAR_APART = 0.5
 
 
 @record
 class Jumps(Kept):
-    """Jumps inside the zones: zone index, distances from the zone's ends over w, h = J w^q / q!, and q."""
+    """Jumps inside the zones: zone index, distances from the zone's ends over w, h = J w^q / q!,
+    and q.
+    """
 
     zone: Index
     left: Array
@@ -32,7 +37,14 @@ class Jumps(Kept):
     def chosen(self, which: Mask | Index) -> Self:
         """Those of the jumps alone."""
         zone, left, right = self.zone[which], self.left[which], self.right[which]
-        return replace(self, zone=zone, left=left, right=right, height=self.height[which], order=self.order[which])
+        return replace(
+            self,
+            zone=zone,
+            left=left,
+            right=right,
+            height=self.height[which],
+            order=self.order[which],
+        )
 
     @cached_property
     def grouped(self) -> Grouped:
@@ -58,7 +70,8 @@ class Jumps(Kept):
     def s(self) -> Array:
         return 0.5 * (self.left - self.right)
 
-    # jumps k at points ------------------------------------------------------------------------------------------------
+    # jumps k at points
+    # ------------------------------------------------------------------------------------------------
     @cached_property
     def line(self) -> tuple[Array, Array]:
         """P_q(t) = line[0] + line[1] t of each."""
@@ -71,7 +84,9 @@ class Jumps(Kept):
         return np.asarray(slope[k] * t + constant[k])
 
     def turn(self, k: Index, away: Array) -> Array:
-        """What stands before (t - s)^q, away = t - s, in what the kernel makes on the zone: its smooth part is taken out."""
+        """What stands before (t - s)^q, away = t - s, in what the kernel makes on the zone: its
+        smooth part is taken out.
+        """
         return np.where(away > 0, self.psi[k], -self.phi[k])
 
     def turn_off(self, k: Index, rho: Array) -> Array:
@@ -80,9 +95,12 @@ class Jumps(Kept):
 
     def shape(self, k: Index, left: Array, right: Array) -> Array:
         """kappa, at points by their distances from the zone's ends over w."""
-        return kappa(np.sqrt(right * self.left[k]), np.sqrt(left * self.right[k]), left - self.left[k])
+        return kappa(
+            np.sqrt(right * self.left[k]), np.sqrt(left * self.right[k]), left - self.left[k]
+        )
 
-    # what is made of them, over h / pi ----------------------------------------------------------------------------------
+    # what is made of them, over h / pi
+    # ----------------------------------------------------------------------------------
     def on_zone(self, k: Index, left: Array) -> Array:
         """What the kernel makes of them on the zone."""
         away = left - self.left[k]
@@ -99,35 +117,58 @@ class Jumps(Kept):
             return np.where((away == 0) & (q > 0), 0.0, power(away, q) * self.shape(k, left, right))
 
     def integral_of(self, k: Index, left: Array, right: Array) -> Array:
-        """Their integrals from the left end over w, of kinks alone: int kappa dt = (t - s) kappa - theta sin(phi)."""
+        """Their integrals from the left end over w, of kinks alone: int kappa dt = (t - s) kappa -
+        theta sin(phi).
+        """
         if np.any(self.order[k] > 0):
-            raise ValueError("the integral along a zone is for kinks alone, or for densities without jumps of the right side")
+            raise ValueError(
+                "the integral along a zone is for kinks alone, or for densities without jumps of the right side"
+            )
         away = left - self.left[k]
         with np.errstate(invalid="ignore"):
-            return np.where(away == 0, 0.0, away * self.shape(k, left, right)) + self.sine[k] * theta(right, left)
+            return np.where(away == 0, 0.0, away * self.shape(k, left, right)) + self.sine[
+                k
+            ] * theta(right, left)
 
     def potential_on(self, k: Index, left: Array, right: Array) -> Array:
         """Their potentials on the zone over w, less c_0 log(w)."""
         away, nothing = left - self.left[k], np.zeros_like(left)
-        return np.asarray(self.potential_of(k, away, 0.5 * (left - right), self.turn(k, away), nothing, nothing))
+        return np.asarray(
+            self.potential_of(k, away, 0.5 * (left - right), self.turn(k, away), nothing, nothing)
+        )
 
     def potential_off(self, k: Index, left: Array, right: Array, rho: Array) -> Array:
         """And off it."""
         seen = Outside(np.where(left > 0, 1.0, -1.0), np.maximum(-left, -right))
-        return np.asarray(self.potential_of(k, left - self.left[k], 0.5 * (left - right), self.turn_off(k, rho), seen.log, seen.root))
+        return np.asarray(
+            self.potential_of(
+                k,
+                left - self.left[k],
+                0.5 * (left - right),
+                self.turn_off(k, rho),
+                seen.log,
+                seen.root,
+            )
+        )
 
     def potential_of(self, k: Index, away: Any, z: Any, turn: Any, grown: Any, root: Any) -> Any:
-        """Closed potentials (see the head of `forcing`), z - s, F, A and B at hand, real or complex."""
+        """Closed potentials (see the head of `forcing`), z - s, F, A and B at hand, real or
+        complex.
+        """
         orders = self.order[k]
         if np.all(orders == orders[:1]):
-            return self._potential(int(orders[0]), k, away, z, turn, grown, root) if len(k) else turn
+            return (
+                self._potential(int(orders[0]), k, away, z, turn, grown, root) if len(k) else turn
+            )
         parts, out = np.broadcast_arrays(away, z, turn, grown, root), np.empty_like(turn)
         for q in np.unique(orders).tolist():
             of = np.flatnonzero(orders == q)
             out[..., of] = self._potential(q, k[of], *(part[..., of] for part in parts))
         return out
 
-    def _potential(self, q: int, k: Index, away: Any, z: Any, turn: Any, grown: Any, root: Any) -> Any:
+    def _potential(
+        self, q: int, k: Index, away: Any, z: Any, turn: Any, grown: Any, root: Any
+    ) -> Any:
         """The same of jumps of order q."""
         s, sine = self.s[k], self.sine[k]
         if q == 0:
@@ -140,7 +181,8 @@ class Jumps(Kept):
             rest = rest + (square / 9 - s * s / 2 - 1 / 12 - LOG2 * (square / 6 + s * s / 2))
         return raised(away, q + 1) * turn / (q + 1) + sine * rest
 
-    # their series -----------------------------------------------------------------------------------------------------
+    # their series
+    # -----------------------------------------------------------------------------------------------------
     def sine_weights(self, k: Index, j: Array) -> Array:
         """b_j of jumps k where their function is sum_j (2/j) b_j sin(j theta)."""
         from_left = (self.psi < self.phi)[k][:, None]
@@ -148,8 +190,9 @@ class Jumps(Kept):
         return np.asarray(np.where(from_left & (j % 2 == 0), -sines, sines))
 
     def coefficients(self, k: Index, row: Index, rows: int, count: int) -> Array:
-        """Coefficients of jumps k, added up in rows (rows, count): (t - s)^q is expanded in powers of t, so that what is done with
-        series is done once a row."""
+        """Coefficients of jumps k, added up in rows (rows, count): (t - s)^q is expanded in powers
+        of t, so that what is done with series is done once a row.
+        """
         highest = int(self.order[k].max(initial=0))
         j = np.arange(1.0, count + highest + 2)
         powers = np.zeros((highest + 1, rows, len(j)))
@@ -163,7 +206,9 @@ class Jumps(Kept):
             q, s = self.order[some], self.s[some]
             for power in range(int(q.max()) + 1):
                 weight = self.height[some] * _BINOMIAL[q, power] * (-s) ** np.maximum(q - power, 0)
-                powers[power, into[first]] += np.add.reduceat(weight[:, None] * sines, first, axis=0)
+                powers[power, into[first]] += np.add.reduceat(
+                    weight[:, None] * sines, first, axis=0
+                )
         c = of_sines(powers[highest])
         for series in powers[:highest][::-1]:
             c = _times_t(c) + of_sines(series)
@@ -171,18 +216,29 @@ class Jumps(Kept):
 
 
 def kappa(up: Array, vp: Array, away: Array) -> Array:
-    """log(sin((theta + phi)/2) / |sin((theta - phi)/2)|) at points t = cos(theta), away = t - s, of jumps s = cos(phi), by the roots
-    sin((theta +- phi)/2) = (up +- vp) / 2, whose product is (s - t)/2 without cancellation."""
+    """log(sin((theta + phi)/2) / |sin((theta - phi)/2)|) at points t = cos(theta), away = t - s, of
+    jumps s = cos(phi), by the roots sin((theta +- phi)/2) = (up +- vp) / 2, whose product is (s -
+    t)/2 without cancellation.
+    """
     small, large = np.minimum(up, vp), np.maximum(up, vp)
     with np.errstate(divide="ignore", invalid="ignore"):
-        # A jump beside an end, or a point, has little of it: then it is 2 artanh of the roots' ratio, to all digits.
+        # A jump beside an end, or a point, has little of it: then it is 2 artanh of the roots'
+        # ratio, to all digits.
         far = 2 * np.arctanh(np.minimum(small / large, _FAR_APART))
-        return np.where(small < _FAR_APART * large, far, np.log((up + vp) ** 2 / (2 * np.abs(away))))
+        return np.where(
+            small < _FAR_APART * large, far, np.log((up + vp) ** 2 / (2 * np.abs(away)))
+        )
 
 
 def power(away: Array, order: Index) -> Array:
-    """away^order, 0 to 2; general powers take ten times as long as squares, which knots of splines ask for alone."""
-    return away * away if np.all(order == HIGHEST) else np.where(order == 0, 1.0, np.where(order == 1, away, away * away))
+    """away^order, 0 to 2; general powers take ten times as long as squares, which knots of splines
+    ask for alone.
+    """
+    return (
+        away * away
+        if np.all(order == HIGHEST)
+        else np.where(order == 0, 1.0, np.where(order == 1, away, away * away))
+    )
 
 
 def raised(away: Any, q: int) -> Any:
@@ -191,7 +247,9 @@ def raised(away: Any, q: int) -> Any:
 
 
 def of_sines(beta: Array) -> Array:
-    """Coefficients of T_l / sqrt(1 - t^2), l = 0, 1, ..., from those of sin(j theta), j = 1, 2, ..., along the last axis."""
+    """Coefficients of T_l / sqrt(1 - t^2), l = 0, 1, ..., from those of sin(j theta), j = 1, 2,
+    ..., along the last axis.
+    """
     c = 0.5 * beta
     c[..., 2:] -= 0.5 * beta[..., :-2]
     return np.asarray(c)

@@ -4,9 +4,9 @@ Beside an algebraic point s the right side g is a smooth function and
 
     left (s - x)^p  for x < s,      right (x - s)^p  for x > s,      p > -1.
 
-With y = x - s, the integrals of eta^(p+1) / (y^2 + eta^2) and eta^p y / (y^2 + eta^2) by eta from 0 to
-infinity are multiples of |y|^p and sgn(y) |y|^p, continued analytically in p. The trapezoidal rule in
-log(eta), of step h, gives
+With y = x - s, the integrals of eta^(p+1) / (y^2 + eta^2) and eta^p y / (y^2 + eta^2) by eta from 0
+to infinity are multiples of |y|^p and sgn(y) |y|^p, continued analytically in p. The trapezoidal
+rule in log(eta), of step h, gives
 
     g = Re sum_k c_k / (y - i eta_k),
     c_k = (h/pi) eta_k^(p+1) (cos(pi p/2) (right - left) + i sin(pi p/2) (right + left)),

@@ -1,16 +1,21 @@
-r"""A quadratic spline g inside a zone, and the density that the kernel turns into it: the place of hundreds of jumps of g''.
+r"""A quadratic spline g inside a zone, and the density that the kernel turns into it: the place of
+hundreds of jumps of g''.
 
-With t = cos(theta), the density bounded at both ends that makes g of it, less its mean over theta, is the conjugate of g(cos(theta)),
+With t = cos(theta), the density bounded at both ends that makes g of it, less its mean over theta,
+is the conjugate of g(cos(theta)),
 
-    sum_k g_k sin(k theta) = -(1/pi) PV int g / (t - tau) dtau + (1/pi) int_0^pi g(cos(phi)) cot((theta + phi)/2) dphi.
+    sum_k g_k sin(k theta) = -(1/pi) PV int g / (t - tau) dtau + (1/pi) int_0^pi g(cos(phi))
+    cot((theta + phi)/2) dphi.
 
-The first part is that of `local_spline`; the second is analytic in theta. What the density does off the zone, and its potential there,
+The first part is that of `local_spline`; the second is analytic in theta. What the density does off
+the zone, and its potential there,
 
-    (2/pi) int g rho (cos(phi) - rho) / |1 - rho e^(i phi)|^2 dphi,
-    (2/pi) int g sin(phi) arg(1 / (1 - rho e^(i phi))) dphi - rho g_0 - c_0 ln(2 |rho|),    g_0, c_0: means of g, g cos(phi),
+    (2/pi) int g rho (cos(phi) - rho) / |1 - rho e^(i phi)|^2 dphi, (2/pi) int g sin(phi) arg(1 / (1
+    - rho e^(i phi))) dphi - rho g_0 - c_0 ln(2 |rho|),    g_0, c_0: means of g, g cos(phi),
 
-have singularities no nearer to a phi than the ends of the zone. Panels that double in length away from these hold all that they see of g
-in a few moments each: the integrals are sums over some hundred nodes, whatever the number of knots.
+have singularities no nearer to a phi than the ends of the zone. Panels that double in length away
+from these hold all that they see of g in a few moments each: the integrals are sums over some
+hundred nodes, whatever the number of knots.
 """
 
 from collections.abc import Callable
@@ -30,22 +35,30 @@ from sie.jumps.local_spline import NEAREST, LocalSpline, same_jumps
 _TERMS = 24
 # Of the size of g: as much as that is left to the outermost panels.
 _NOTHING = 1e-12
-# Gauss nodes on a piece of the spline, and largest angle over which a panel is turned when coefficients are found.
-_NODES, _TURN = 16, 8.0
+# Gauss nodes on a piece of the spline, and largest angle over which a panel is turned when
+# coefficients are found.
+_NODES = 16
+_TURN = 8.0
 
 
 @record
 class ZoneSpline(Kept):
-    """spline: g by distance from the zone's left end over its half width, from one end to the other; zero there, and its slope too."""
+    """spline: g by distance from the zone's left end over its half width, from one end to the
+    other; zero there, and its slope too.
+    """
 
     spline: LocalSpline
     known: dict[str, Array] = field(default_factory=dict)
 
     @classmethod
-    def inside(cls, knots: Array, jumps: Array, g: Callable[[Array], Array]) -> "tuple[ZoneSpline, Array, Array] | None":
-        """(the spline, what is left of the jumps: none; place and height of another one); None if g has other jumps than these.
+    def inside(
+        cls, knots: Array, jumps: Array, g: Callable[[Array], Array]
+    ) -> "tuple[ZoneSpline, Array, Array] | None":
+        """(the spline, what is left of the jumps: none; place and height of another one); None if g
+        has other jumps than these.
 
-        What is left of g has its values and slopes at both ends, and two pieces: no number is larger than those slopes.
+        What is left of g has its values and slopes at both ends, and two pieces: no number is
+        larger than those slopes.
         """
         left = np.zeros_like(jumps)
         inner = np.minimum(knots, 2 - knots) > NEAREST
@@ -56,13 +69,18 @@ class ZoneSpline(Kept):
         length, middles = np.diff(ends), 0.5 * (ends[1:] + ends[:-1])
         values, between = np.asarray(g(ends)), np.asarray(g(middles))
         # Control points of the first and the last piece: they tell the slopes at the ends.
-        first, last = (2 * between[i] - 0.5 * (values[i] + values[j]) for i, j in ((0, 1), (-1, -2)))
+        first, last = (
+            2 * between[i] - 0.5 * (values[i] + values[j]) for i, j in ((0, 1), (-1, -2))
+        )
         at_left = float(values[0]), float(2 * (first - values[0]) / length[0])
         at_right = float(values[-1]), float(2 * (values[-1] - last) / length[-1])
         rest, height = _two_pieces(cut, *at_left, *at_right)
         size = float(np.abs(values).max()) + abs(height)
         values, between = values - rest(ends), between - rest(middles)
-        spline = LocalSpline.of(ends, np.concatenate(([0.0], (2 * between - 0.5 * (values[1:] + values[:-1]))[1:-1], [0.0])))
+        spline = LocalSpline.of(
+            ends,
+            np.concatenate(([0.0], (2 * between - 0.5 * (values[1:] + values[:-1]))[1:-1], [0.0])),
+        )
         found = np.diff(spline.pieces[:, 2])
         if not same_jumps(found, np.insert(jumps, piece, -height), length, size):
             return None
@@ -84,17 +102,23 @@ class ZoneSpline(Kept):
 
     @cached_property
     def _cuts(self) -> Array:
-        """Of panels that double in length away from both ends, from so near to these that g, which goes as the fourth power of the angle
-        there, is nothing to speak of within the first."""
+        """Of panels that double in length away from both ends, from so near to these that g, which
+        goes as the fourth power of the angle there, is nothing to speak of within the first.
+        """
         curved = np.abs(self.spline.pieces[[-1, 0], 2]) + 1e-300
         near = np.array([2 - self.knots[-1], self.knots[0]])
         outermost = theta(2 - near, near)
-        first, last = np.clip((_NOTHING * self.size / curved) ** 0.25, 1e-6, np.minimum(outermost, 0.5))
+        first, last = np.clip(
+            (_NOTHING * self.size / curved) ** 0.25, 1e-6, np.minimum(outermost, 0.5)
+        )
         return _graded(float(first), float(last))
 
-    # g by moments ---------------------------------------------------------------------------------------------------
+    # g by moments
+    # ---------------------------------------------------------------------------------------------------
     def _moments(self, cuts: Array) -> tuple[Array, Array]:
-        """(nodes phi, weights that hold g): int_0^pi g F dphi = sum of weights F(phi), F smooth on each panel between cuts."""
+        """(nodes phi, weights that hold g): int_0^pi g F dphi = sum of weights F(phi), F smooth on
+        each panel between cuts.
+        """
         ends = np.unique(np.concatenate((self.spline.knots, 1 + np.cos(cuts[1:-1]))))
         phi, weights = legendre(theta(ends, 2 - ends), _NODES)
         # From the left end to the right the angles fall.
@@ -110,7 +134,9 @@ class ZoneSpline(Kept):
             one, two = two, 2 * u * two - one
         moments[:, 1:] *= 2
         place = np.cos((np.arange(_TERMS) + 0.5) * np.pi / _TERMS)
-        return (middle[:, None] + half[:, None] * place).ravel(), (moments @ chebyshev.t_matrix(_TERMS, _TERMS).T / _TERMS).ravel()
+        return (middle[:, None] + half[:, None] * place).ravel(), (
+            moments @ chebyshev.t_matrix(_TERMS, _TERMS).T / _TERMS
+        ).ravel()
 
     @cached_property
     def _nodes(self) -> tuple[Array, Array]:
@@ -142,11 +168,14 @@ class ZoneSpline(Kept):
 
     @cached_property
     def mean_offset(self) -> float:
-        """Mean over theta of the primitive of g, less half of its values at both ends; over the half width."""
+        """Mean over theta of the primitive of g, less half of its values at both ends; over the
+        half width.
+        """
         phi, weight = self._nodes
         return float(weight @ ((phi - 0.5 * np.pi) * np.sin(phi))) / np.pi
 
-    # on the zone ----------------------------------------------------------------------------------------------------
+    # on the zone
+    # ----------------------------------------------------------------------------------------------------
     def own_transform(self, left: Array) -> Array:
         """g less its mean over theta."""
         return self.spline(left) - self.mean
@@ -161,7 +190,9 @@ class ZoneSpline(Kept):
         place = np.cos((np.arange(_TERMS) + 0.5) * np.pi / _TERMS)
         phi, weight = self._nodes
         theta = (middle[:, None] + half[:, None] * place).ravel()
-        values = ((1 / np.tan(0.5 * (theta[:, None] + phi))) @ weight / np.pi).reshape(len(half), _TERMS)
+        values = ((1 / np.tan(0.5 * (theta[:, None] + phi))) @ weight / np.pi).reshape(
+            len(half), _TERMS
+        )
         return cuts, np.ascontiguousarray((values @ chebyshev.to_series(_TERMS)).T)
 
     def density(self, left: Array, right: Array) -> Array:
@@ -184,14 +215,17 @@ class ZoneSpline(Kept):
 
     @cached_property
     def _cubics(self) -> tuple[float, float]:
-        """Beside the left and the right end the density is a series of odd powers of the angle from there: coefficient of the second."""
+        """Beside the left and the right end the density is a series of odd powers of the angle from
+        there: coefficient of the second.
+        """
         cuts = self._cells[0]
         theta, angle = cuts[[-1, 0]], np.array([np.pi - cuts[-1], cuts[0]])
         value = self._on_cells(theta, sides(theta)[0])
         left, right = (value / angle - np.array(self.edge_slopes)) / angle**2
         return float(left), float(right)
 
-    # off the zone ---------------------------------------------------------------------------------------------------
+    # off the zone
+    # ---------------------------------------------------------------------------------------------------
     def transform_off(self, z: Array, rho: Array) -> Array:
         """What the kernel makes of the density off the zone."""
         out = np.empty(rho.shape)
@@ -199,24 +233,36 @@ class ZoneSpline(Kept):
         for here in pair_blocks(len(rho), len(phi)):
             near = np.where(rho[here, None] > 0, right, left)
             size = np.abs(rho[here])[:, None]
-            # rho (cos(phi) - rho) = |rho| (1 - |rho| - near), near the distance of cos(phi) from the end on that side.
-            out[here] = (size * ((1 - size) - near) / ((1 - size) ** 2 + 2 * size * near)) @ weight * (2 / np.pi)
+            # rho (cos(phi) - rho) = |rho| (1 - |rho| - near), near the distance of cos(phi) from
+            # the end on that side.
+            out[here] = (
+                (size * ((1 - size) - near) / ((1 - size) ** 2 + 2 * size * near))
+                @ weight
+                * (2 / np.pi)
+            )
         return out
 
     def in_plane(self, seen: InPlane, what: What) -> Complex:
         """What the kernel makes of the density at complex points, or its derivative by zeta."""
         phi, weight = self._nodes
         rho, turn = seen.rho[:, None], np.exp(-1j * phi)
-        b, own = np.exp(seen.turned(np.cos(0.5 * phi), np.sin(0.5 * phi))), 1j * self.spline.in_plane(seen, what)
+        b, own = (
+            np.exp(seen.turned(np.cos(0.5 * phi), np.sin(0.5 * phi))),
+            1j * self.spline.in_plane(seen, what),
+        )
         if what == "transform":
             return np.asarray(own + (rho * turn / b) @ weight * (2 / np.pi))
         return np.asarray(own - (rho * turn / b**2) @ weight * (2 / np.pi) / seen.root)
 
     def integral(self, left: Array) -> Array:
-        raise ValueError("the integral along a zone is for kinks alone, or for densities without jumps of the right side")
+        raise ValueError(
+            "the integral along a zone is for kinks alone, or for densities without jumps of the right side"
+        )
 
     def potential(self, left: Array, right: Array, rho: Array) -> Array:
-        """Potential of the density over the half width, less c_0 log(half width), on the zone and off it."""
+        """Potential of the density over the half width, less c_0 log(half width), on the zone and
+        off it.
+        """
         phi, weight = self._nodes
         on = (left >= 0) & (right >= 0)
         rho = np.where(on, 1.0, rho)
@@ -234,15 +280,28 @@ class ZoneSpline(Kept):
 
 
 def _graded(first: float, last: float) -> Array:
-    """Cuts from 0 to pi: the panels at both ends have these lengths, and others are no longer than their distances from 0 and from pi."""
+    """Cuts from 0 to pi: the panels at both ends have these lengths, and others are no longer than
+    their distances from 0 and from pi.
+    """
     middle = 0.5 * np.pi
     low, high = (size * 2.0 ** np.arange(60) for size in (first, last))
-    return np.concatenate(([0.0], low[low < 0.75 * middle], [middle], np.pi - high[high < 0.75 * middle][::-1], [np.pi]))
+    return np.concatenate(
+        (
+            [0.0],
+            low[low < 0.75 * middle],
+            [middle],
+            np.pi - high[high < 0.75 * middle][::-1],
+            [np.pi],
+        )
+    )
 
 
-def _two_pieces(cut: float, left: float, left_slope: float, right: float, right_slope: float) -> tuple[Callable[[Array], Array], float]:
-    """(the function of two quadratic pieces with these values and slopes at 0 and 2, continuous at the cut with its slope; half of the jump
-    of its second derivative there)."""
+def _two_pieces(
+    cut: float, left: float, left_slope: float, right: float, right_slope: float
+) -> tuple[Callable[[Array], Array], float]:
+    """(the function of two quadratic pieces with these values and slopes at 0 and 2, continuous at
+    the cut with its slope; half of the jump of its second derivative there).
+    """
     beyond = 2.0 - cut
     # Control points.
     before, after = left + 0.5 * cut * left_slope, right - 0.5 * beyond * right_slope
@@ -251,6 +310,10 @@ def _two_pieces(cut: float, left: float, left_slope: float, right: float, right_
 
     def pieces(x: Array) -> Array:
         y = 2.0 - x
-        return np.where(x < cut, left + x * (left_slope + x * bends[0]), right - y * (right_slope - y * bends[1]))
+        return np.where(
+            x < cut,
+            left + x * (left_slope + x * bends[0]),
+            right - y * (right_slope - y * bends[1]),
+        )
 
     return pieces, bends[1] - bends[0]

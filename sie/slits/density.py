@@ -1,4 +1,6 @@
-"""The density of wide zones with slits, as that of the pieces between the slits; see `slits` for the equations."""
+"""The density of wide zones with slits, as that of the pieces between the slits; see `slits` for
+the equations.
+"""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -32,26 +34,32 @@ _TELLS = 0.36
 
 @dataclass(frozen=True, eq=False)
 class SlitDensity(Located):
-    """phi on zones beside narrow gaps: what wide zones that span the gaps, g - s on their right side, have beside the slits.
+    """phi on zones beside narrow gaps: what wide zones that span the gaps, g - s on their right
+    side, have beside the slits.
 
     Members are those of `Density`, told of the zones as they were given. `solve_zones` makes it.
 
     Attributes
     ----------
     merged : Merged
-        The zones (`merged.pieces`), the wide zones that span narrow gaps between them (`merged.wide`), and the slits in these.
+        The zones (`merged.pieces`), the wide zones that span narrow gaps between them
+        (`merged.wide`), and the slits in these.
     smooth : Density
-        c = phi - P[s] on the wide zones, P[s] the density that the slack s asks for: as smooth as the right side.
+        c = phi - P[s] on the wide zones, P[s] the density that the slack s asks for: as smooth as
+        the right side.
     whole : Density
         phi on the wide zones, by its coefficients: what other zones see of it.
     slits : tuple of Slits
         The slits, for each wide zone that has any.
     d : tuple of ndarray
-        The series of sigma = s sqrt(1 - t^2) on the slits of each of these, one after the other (modes,).
+        The series of sigma = s sqrt(1 - t^2) on the slits of each of these, one after the other
+        (modes,).
     bounded_ends : bool
-        Whether the last traces of 1/sqrt(d) at free ends are taken out; see `Density.with_bounded_ends`.
+        Whether the last traces of 1/sqrt(d) at free ends are taken out; see
+        `Density.with_bounded_ends`.
     forced : bool
-        Whether the right side stands behind it, with the kinks that it has in slits; not so for a response.
+        Whether the right side stands behind it, with the kinks that it has in slits; not so for a
+        response.
 
     Examples
     --------
@@ -100,7 +108,8 @@ class SlitDensity(Located):
         """The jumps in slits of one wide zone, by slit."""
         return here.kinks if self.forced else []
 
-    # series of the slits --------------------------------------------------------------------------------------------
+    # series of the slits
+    # --------------------------------------------------------------------------------------------
     @cached_property
     def series(self) -> list[list[Array]]:
         """d of each slit, without the traces of K where they are taken out."""
@@ -151,7 +160,8 @@ class SlitDensity(Located):
                 beta[here.zone] += kink.edge[1]
         return replace(self.smooth, edges=(alpha, beta), bounded_ends=self.bounded_ends)
 
-    # per piece --------------------------------------------------------------------------------------------------------
+    # per piece
+    # --------------------------------------------------------------------------------------------------------
     def at(self, zone: ArrayLike, left: ArrayLike, right: ArrayLike) -> Array:
         """Density at points given by piece and the distances from its ends over its half width."""
         zone = np.asarray(zone, dtype=np.intp)
@@ -164,7 +174,10 @@ class SlitDensity(Located):
         half = self.zones.half[piece]
         i = merged.piece_zone[piece]
         w = wide.half[i]
-        from_left, from_right = (merged.start[piece] + lf * half) / w, (merged.rest[piece] + rt * half) / w
+        from_left, from_right = (
+            (merged.start[piece] + lf * half) / w,
+            (merged.rest[piece] + rt * half) / w,
+        )
         out = self._edged.at(i, from_left, from_right).copy()
         for here, row in zip(self.slits, self._tilde, strict=True):
             on = np.flatnonzero(i == here.zone)
@@ -187,13 +200,16 @@ class SlitDensity(Located):
 
     @cached_property
     def intensities(self) -> tuple[Array, Array]:
-        """K at the left and right end of each piece. Across the end of a slit sigma / X goes on as the density, with the
-        sign of K turned at its left end."""
+        """K at the left and right end of each piece. Across the end of a slit sigma / X goes on as
+        the density, with the sign of K turned at its left end.
+        """
         return self.edges(self._edged.intensities, self.sigma.intensities, (-1.0, 1.0))
 
     @cached_property
     def edge_slopes(self) -> tuple[Array, Array]:
-        """A at the left and right end of each piece; at a slit's right end that of sigma with its sign turned."""
+        """A at the left and right end of each piece; at a slit's right end that of sigma with its
+        sign turned.
+        """
         left, right = (part.copy() for part in self._edged.edge_slopes)
         wide = self.merged.wide
         for here, row in zip(self.slits, self._tilde, strict=True):
@@ -208,7 +224,10 @@ class SlitDensity(Located):
         # 1 / X changes along the piece: K / (X sqrt(d)) has a share in A.
         k_left, k_right = self.intensities
         before, after = self.merged.slit_before, self.merged.slit_after
-        by_left, by_right = (0.5 / from_end - 0.5 / to_end for from_end, to_end in zip(*self._beside_ends, strict=True))  # d log X / dx
+        by_left, by_right = (
+            0.5 / from_end - 0.5 / to_end
+            for from_end, to_end in zip(*self._beside_ends, strict=True)
+        )  # d log X / dx
         slopes_left = slopes_left - np.where(before < 0, 0.0, (k_left * by_right[before]))
         slopes_right = slopes_right + np.where(after < 0, 0.0, (k_right * by_left[after]))
         return slopes_left, slopes_right
@@ -227,16 +246,25 @@ class SlitDensity(Located):
 
     @cached_property
     def sensitivity(self) -> tuple[Array, Array, Array]:
-        """See `Density.sensitivity`, of the pieces; the slope by differences, since a piece has no series of its own."""
-        angles = [self._looked_at(piece, count) for piece, count in enumerate(self._counts.tolist())]
+        """See `Density.sensitivity`, of the pieces; the slope by differences, since a piece has no
+        series of its own.
+        """
+        angles = [
+            self._looked_at(piece, count) for piece, count in enumerate(self._counts.tolist())
+        ]
         peak, by_left, by_right = self.followed(np.arange(len(angles)), angles)
         return peak, by_left, by_right
 
     @cached_property
     def _counts(self) -> Index:
-        """Even angles of each piece that show all of the density: its share of those of its wide zone, and as many again for the slits."""
+        """Even angles of each piece that show all of the density: its share of those of its wide
+        zone, and as many again for the slits.
+        """
         merged, w = self.merged, self.merged.wide.half[self.merged.piece_zone]
-        left, right = theta_of(merged.start / w, 2 - merged.start / w), theta_of(2 - merged.rest / w, merged.rest / w)
+        left, right = (
+            theta_of(merged.start / w, 2 - merged.start / w),
+            theta_of(2 - merged.rest / w, merged.rest / w),
+        )
         return np.clip(2 * self.sampling * (left - right) / np.pi, _FEWEST, LOOKS).astype(np.intp)
 
     def _looked_at(self, piece: int, count: int) -> Array:
@@ -249,17 +277,27 @@ class SlitDensity(Located):
         inside = (left > 0) & (left < 2)
         return beside_kinks(left[inside], height[inside], theta)
 
-    def edges(self, wide: tuple[Array, Array], slits: tuple[Array, Array], signs: tuple[float, float]) -> tuple[Array, Array]:
-        """Values at the pieces' ends, from those of wide zones and of slits (over X, with signs for their two ends)."""
+    def edges(
+        self, wide: tuple[Array, Array], slits: tuple[Array, Array], signs: tuple[float, float]
+    ) -> tuple[Array, Array]:
+        """Values at the pieces' ends, from those of wide zones and of slits (over X, with signs for
+        their two ends).
+        """
         before, after = self.merged.slit_before, self.merged.slit_after
         root_left, root_right = self.slit_roots
-        left = np.where(before < 0, wide[0][self.merged.piece_zone], (signs[1] * slits[1] / root_right)[before])
-        right = np.where(after < 0, wide[1][self.merged.piece_zone], (signs[0] * slits[0] / root_left)[after])
+        left = np.where(
+            before < 0, wide[0][self.merged.piece_zone], (signs[1] * slits[1] / root_right)[before]
+        )
+        right = np.where(
+            after < 0, wide[1][self.merged.piece_zone], (signs[0] * slits[0] / root_left)[after]
+        )
         return left, right
 
     @cached_property
     def _beside_ends(self) -> tuple[Array, Array]:
-        """Distances of the left and right ends of all slits (2, slits) from the left, from the right end of their wide zones."""
+        """Distances of the left and right ends of all slits (2, slits) from the left, from the
+        right end of their wide zones.
+        """
         merged, ends = self.merged, self.merged.slits.table.T
         return ends - merged.wide.a[merged.slit_zone], merged.wide.b[merged.slit_zone] - ends
 
@@ -267,9 +305,12 @@ class SlitDensity(Located):
     def slit_roots(self) -> Array:
         """X at the left and right end of each slit (2, slits)."""
         from_left, from_right = self._beside_ends
-        return np.asarray(np.sqrt(from_left * from_right) / self.merged.wide.half[self.merged.slit_zone])
+        return np.asarray(
+            np.sqrt(from_left * from_right) / self.merged.wide.half[self.merged.slit_zone]
+        )
 
-    # totals -----------------------------------------------------------------------------------------------------------
+    # totals
+    # -----------------------------------------------------------------------------------------------------------
     @property
     def total(self) -> float:
         return self.whole.total
@@ -279,10 +320,14 @@ class SlitDensity(Located):
 
     @cached_property
     def totals(self) -> Array:
-        """Integral over each piece: that of its wide zone, or by Gauss-Chebyshev beside slits, doubled until it stays; of the
-        logarithms of kinks in closed form."""
+        """Integral over each piece: that of its wide zone, or by Gauss-Chebyshev beside slits,
+        doubled until it stays; of the logarithms of kinks in closed form.
+        """
         out = self.whole.totals[self.merged.piece_zone].copy()
-        wide, kinks = self.merged.wide, replace(self.jumps.chosen(self.jumps.order == 0), splines={})
+        wide, kinks = (
+            self.merged.wide,
+            replace(self.jumps.chosen(self.jumps.order == 0), splines={}),
+        )
         for piece in np.flatnonzero(self.merged.beside_slits):
             zone = int(self.merged.piece_zone[piece])
             before, after = self.zones.a[piece] - wide.a[zone], wide.b[zone] - self.zones.b[piece]
@@ -293,19 +338,25 @@ class SlitDensity(Located):
                 left, right = sides(theta)
                 value = self.at(piece, left, right)
                 if zone in kinks.by_zone:
-                    value = value - kinks.density(zone, (before + half * left) / w, (after + half * right) / w)
+                    value = value - kinks.density(
+                        zone, (before + half * left) / w, (after + half * right) / w
+                    )
                     value = np.where(np.isfinite(value), value, 0.0)
                 here = float(half) * np.pi / n * float(value @ np.sin(theta))
                 if abs(here - last) <= 1e-13 * abs(here):
                     break
                 last, n = here, 2 * n
             if zone in kinks.by_zone:
-                ends = np.array([before, before + 2 * half]) / w, np.array([after + 2 * half, after]) / w
+                ends = (
+                    np.array([before, before + 2 * half]) / w,
+                    np.array([after + 2 * half, after]) / w,
+                )
                 here += float(w * np.diff(kinks.integral(np.full(2, zone), *ends))[0])
             out[piece] = here
         return out
 
-    # the line ---------------------------------------------------------------------------------------------------------
+    # the line
+    # ---------------------------------------------------------------------------------------------------------
     def _into_wide(self, x: Array) -> Array:
         """x moved by periods to lie right of the first wide zone's left end."""
         return wrapped(x, self.merged.wide.a[0], self.kernel.period)
@@ -333,7 +384,9 @@ class SlitDensity(Located):
         return out
 
     def _in_kinks(self, place: Array) -> Iterator[tuple[SlitKink, float, Mask, Array, Array]]:
-        """For each jump in a slit: itself, the slit's half width, which places lie in it, and how far from its ends over that."""
+        """For each jump in a slit: itself, the slit's half width, which places lie in it, and how
+        far from its ends over that.
+        """
         for here in self.slits:
             for k, kink in self.kinks_of(here):
                 a, b, width = here.a[k], here.b[k], here.slits[k].width
@@ -344,7 +397,9 @@ class SlitDensity(Located):
     def plane(self) -> SlitPlane:
         """The density at complex points."""
         kinks = [self.kinks_of(here) for here in self.slits]
-        return SlitPlane(self.merged, self.whole, self._told_density, self.slits, self.series, kinks)
+        return SlitPlane(
+            self.merged, self.whole, self._told_density, self.slits, self.series, kinks
+        )
 
     def _on_line(self, x: Array, potential: bool) -> Array:
         flat = x.ravel()
@@ -364,7 +419,9 @@ class SlitDensity(Located):
         """Mean over each wide zone of the integral of s."""
         out = np.zeros(len(self.merged.wide))
         for here, row in zip(self.slits, self.series, strict=True):
-            out[here.zone] = here.mean_row @ np.concatenate(row) + (here.mean_of_kinks if self.forced else 0.0)
+            out[here.zone] = here.mean_row @ np.concatenate(row) + (
+                here.mean_of_kinks if self.forced else 0.0
+            )
         return out
 
     @cached_property
@@ -377,8 +434,10 @@ class SlitDensity(Located):
         return Density(zones, self.kernel, whole - smooth, ForcingJumps.none(), np.zeros(0))
 
     def _near_slits(self, x: Array, out: Array, potential: bool) -> None:
-        """Puts right what the slits do close to their wide zones and to images of these, where as many of their coefficients as
-        others are told do not tell it: takes that out of `out`, and off the zone puts in what they do."""
+        """Puts right what the slits do close to their wide zones and to images of these, where as
+        many of their coefficients as others are told do not tell it: takes that out of `out`, and
+        off the zone puts in what they do.
+        """
         x = self.smooth.into_period(x)
         order = np.argsort(x, kind="stable")
         ascending = x[order]
@@ -390,17 +449,25 @@ class SlitDensity(Located):
                 first, last = np.searchsorted(ascending, [a - _TELLS * w, b + _TELLS * w])
                 for start in range(first, last, _BLOCK):
                     some = order[start : min(start + _BLOCK, last)]
-                    out[some] -= from_zones(self._told_density, x[some], np.full(len(some), number), shift, potential)
+                    out[some] -= from_zones(
+                        self._told_density, x[some], np.full(len(some), number), shift, potential
+                    )
                     left, right = (x[some] - a) / w, (b - x[some]) / w
                     off = (left < 0) | (right < 0)
-                    seen = Outside(np.where(left[off] < 0, -1.0, 1.0), -np.minimum(left[off], right[off]))
+                    seen = Outside(
+                        np.where(left[off] < 0, -1.0, 1.0), -np.minimum(left[off], right[off])
+                    )
                     out[some[off]] += what(seen, here, row)
 
     def _transform(self, seen: Outside, here: Slits, row: list[Array]) -> Array:
-        """Transform of P[s] off its wide zone: (sgn z / sqrt(z^2 - 1)) (1/pi) int sigma / (z - tau) dtau."""
+        """Transform of P[s] off its wide zone: (sgn z / sqrt(z^2 - 1)) (1/pi) int sigma / (z - tau)
+        dtau.
+        """
         total, past = np.zeros(seen.excess.shape), seen.sign > 0
         for slit, d in zip(here.slits, row, strict=True):
-            total += off_slit((seen.excess + np.where(past, slit.rest, slit.start)) / slit.half, seen.sign, d)
+            total += off_slit(
+                (seen.excess + np.where(past, slit.rest, slit.start)) / slit.half, seen.sign, d
+            )
         for _, kink in self.kinks_of(here):
             left, right, _, weight = kink.seen
             away = seen.excess[:, None] + np.where(past[:, None], right, left)
@@ -409,12 +476,16 @@ class SlitDensity(Located):
             return np.asarray(total / seen.root)
 
     def _potential(self, seen: Outside, here: Slits, row: list[Array]) -> Array:
-        """Potential of P[s] off its wide zone: -w sum s_k rho^k / k, summed in closed form over each slit."""
+        """Potential of P[s] off its wide zone: -w sum s_k rho^k / k, summed in closed form over
+        each slit.
+        """
         rho = seen.rho
         total = np.zeros(rho.shape)
 
         def angles(theta: Array) -> Array:
-            return np.asarray(np.arctan2(rho[:, None] * np.sin(theta), 1 - rho[:, None] * np.cos(theta)))
+            return np.asarray(
+                np.arctan2(rho[:, None] * np.sin(theta), 1 - rho[:, None] * np.cos(theta))
+            )
 
         for slit, d in zip(here.slits, row, strict=True):
             values = slit.at_gauss(d) / slit.x_root / slit.nodes
@@ -426,7 +497,9 @@ class SlitDensity(Located):
 
 
 def _closed(d: Array) -> Array:
-    """The series without (alpha + beta z) / sqrt(1 - z^2): from (1 - z^2) U_k = (T_k - T_(k+2)) / 2."""
+    """The series without (alpha + beta z) / sqrt(1 - z^2): from (1 - z^2) U_k = (T_k - T_(k+2)) /
+    2.
+    """
     u = chebyshev.bounded_part(d[None])[2][0]
     out = np.zeros(len(u) + 2)
     out[: len(u)] += 0.5 * u

@@ -1,21 +1,26 @@
-r"""A kink in a slit, a jump of the curvature or a knot: what the right side jumps by in a slit of a wide zone, carried in closed form.
+r"""A kink in a slit, a jump of the curvature or a knot: what the right side jumps by in a slit of a
+wide zone, carried in closed form.
 
-With h the jump (see `jumps.forcing`), q = 0 that of the right side, q = 1, 2 of its derivatives, the zone's own part of it,
-(h/pi)(t - s)^q kappa(t), is singular at s, and the slope of the gap with it. Let bars be means over the slit's equilibrium
-measure, and chi = arccos(-z)/pi the step whose jump is spread like that. Then psi = h (H(t - s) - chi), or for q = 1, m being
-the slit's middle, h ((t - s)_+ - bar((t - .)_+) - (m - s) chi), vanishes at both ends of the slit, and with psi taken out of s
+With h the jump (see `jumps.forcing`), q = 0 that of the right side, q = 1, 2 of its derivatives,
+the zone's own part of it, (h/pi)(t - s)^q kappa(t), is singular at s, and the slope of the gap with
+it. Let bars be means over the slit's equilibrium measure, and chi = arccos(-z)/pi the step whose
+jump is spread like that. Then psi = h (H(t - s) - chi), or for q = 1, m being the slit's middle, h
+((t - s)_+ - bar((t - .)_+) - (m - s) chi), vanishes at both ends of the slit, and with psi taken
+out of s
 
     (h/pi) kappa + P[psi] = (h/pi) bar(kappa) + (a_0 + a_1 t) / X,           a_0 = (1/pi) int psi tau / X,  a_1 = (1/pi) int psi / X,
     (h/pi) (t - s) kappa + P[psi] = (h/pi)(bar((t - .) kappa) + (m - s) bar(kappa) - (phi - bar(phi)) X) + (a_0 + a_1 t) / X,
 
-whose logarithms are, r the slit's half width, ln(r/2) and r z (ln(r/2) + 1) on the slit: what is left for its series is smooth.
-Off the slit, with |z| = cosh u, they are ln(r/2) + u and r sgn(z) (|z| (ln(r/2) + 1 + u) - sinh u).
+whose logarithms are, r the slit's half width, ln(r/2) and r z (ln(r/2) + 1) on the slit: what is
+left for its series is smooth. Off the slit, with |z| = cosh u, they are ln(r/2) + u and r sgn(z)
+(|z| (ln(r/2) + 1 + u) - sinh u).
 
-For q = 2, with t - m = r z, s - m = r zeta, b_k = bar((z - .)_+^k), psi = h r^2 ((z - zeta)_+^2 - b_2 + 2 zeta b_1 - (zeta^2 - 1/2) b_0),
-and (t - s)^2 kappa is spread as bar((t - .)^2 kappa) - 2 r zeta bar((t - .) kappa) + r^2 (zeta^2 - 1/2) bar(kappa),
-the mean of (z - .)^2 ln|z - .| being z^2 (3/2 - ln 2) + 1/4 - (ln 2)/2 on the slit and, off it,
-(z^2 + 1/2) (u - ln 2) + 2 |z| e^-u - e^-2u / 4. The transforms of both differ by a polynomial, which X times another
-one makes up for; with D = phi - phi(.), y = t - m, that is
+For q = 2, with t - m = r z, s - m = r zeta, b_k = bar((z - .)_+^k), psi = h r^2 ((z - zeta)_+^2 -
+b_2 + 2 zeta b_1 - (zeta^2 - 1/2) b_0), and (t - s)^2 kappa is spread as bar((t - .)^2 kappa) - 2 r
+zeta bar((t - .) kappa) + r^2 (zeta^2 - 1/2) bar(kappa), the mean of (z - .)^2 ln|z - .| being z^2
+(3/2 - ln 2) + 1/4 - (ln 2)/2 on the slit and, off it, (z^2 + 1/2) (u - ln 2) + 2 |z| e^-u - e^-2u /
+4. The transforms of both differ by a polynomial, which X times another one makes up for; with D =
+phi - phi(.), y = t - m, that is
 
     -(h/pi) X (bar(sin(phi) - sin(phi(.))) - 2 (s - m) bar(D) - 2 r bar(c D) + (y - m) bar(D)),   c = cos over the slit. (Derived here.)
 """
@@ -31,7 +36,8 @@ from sie.basis.data import Array, Kept, Mask, legendre, record
 from sie.basis.interval import Outside, sides, theta
 from sie.jumps.formulas import HIGHEST
 
-# Of those of order 2: beyond so many half widths of the slit its psi is summed up; there the closed forms cancel.
+# Of those of order 2: beyond so many half widths of the slit its psi is summed up; there the closed
+# forms cancel.
 _BEYOND = 4.0
 _MEANS = 32
 _LEGENDRE = 24
@@ -39,8 +45,10 @@ _LEGENDRE = 24
 
 @record
 class SlitKink(Kept):
-    """jump: h. start, rest, half: the slit, in the wide zone's half width: distances from that zone's ends, half width.
-    from_left, from_right: distances of the jump from the ends of the wide zone. order: q."""
+    """jump: h. start, rest, half: the slit, in the wide zone's half width: distances from that
+    zone's ends, half width. from_left, from_right: distances of the jump from the ends of the wide
+    zone. order: q.
+    """
 
     jump: float
     start: float
@@ -52,7 +60,9 @@ class SlitKink(Kept):
 
     @cached_property
     def _beside(self) -> tuple[float, float]:
-        """Distances of the jump from the left and right end of the slit, over the slit's half width."""
+        """Distances of the jump from the left and right end of the slit, over the slit's half
+        width.
+        """
         return (self.from_left - self.start) / self.half, (self.from_right - self.rest) / self.half
 
     @property
@@ -67,19 +77,25 @@ class SlitKink(Kept):
         left, right = chebyshev.gauss_sides(_MEANS)
         return chebyshev.gauss(_MEANS), self.start + self.half * left, self.rest + self.half * right
 
-    # psi ------------------------------------------------------------------------------------------------------------
+    # psi
+    # ------------------------------------------------------------------------------------------------------------
     @cached_property
     def _weights(self) -> tuple[float, ...]:
         """e_0 ... e_q of `mixed`."""
         return ((1.0,), (-self.zeta, 1.0), (self.zeta**2 - 0.5, -2 * self.zeta, 1.0))[self.order]
 
     def mixed(self, of_powers: Iterable[Any]) -> Any:
-        """r^q sum e_j of_powers[j]: psi is h r^q (z - zeta)_+^q less this of b_j, and so with what is made of it; no more is taken of
-        the powers than q + 1."""
-        return self.half**self.order * sum(e * part for e, part in zip(self._weights, of_powers, strict=False))
+        """r^q sum e_j of_powers[j]: psi is h r^q (z - zeta)_+^q less this of b_j, and so with what
+        is made of it; no more is taken of the powers than q + 1.
+        """
+        return self.half**self.order * sum(
+            e * part for e, part in zip(self._weights, of_powers, strict=False)
+        )
 
     def slope(self, left: Array, right: Array) -> Array:
-        """psi at distances from the slit's ends over its half width; the mean of both sides at a kink."""
+        """psi at distances from the slit's ends over its half width; the mean of both sides at a
+        kink.
+        """
         place = left - self._beside[0]
         own = np.heaviside(place, 0.5) * (self.half * place) ** self.order
         return np.asarray(self.jump * (own - self.mixed(_spread_powers(left, right))))
@@ -88,16 +104,22 @@ class SlitKink(Kept):
         """Integral of psi from the slit's left end, over its half width."""
         place, q = np.maximum(left - self._beside[0], 0.0), self.order
         integrals = (b / k for k, b in enumerate(_spread_powers(left, right)) if k)
-        return np.asarray(self.jump * (self.half**q * place ** (q + 1) / (q + 1) - self.mixed(integrals)))
+        return np.asarray(
+            self.jump * (self.half**q * place ** (q + 1) / (q + 1) - self.mixed(integrals))
+        )
 
     @property
     def at_ends(self) -> float:
-        """J of psi = -+(J/pi) sqrt(2 delta) at the slit's ends, delta the distance over its half width."""
+        """J of psi = -+(J/pi) sqrt(2 delta) at the slit's ends, delta the distance over its half
+        width.
+        """
         return self.jump * self.half**self.order * self._weights[0]
 
     @cached_property
     def seen(self) -> tuple[Array, Array, Array, Array]:
-        """(distances from the wide zone's ends, angles there, weights that hold psi): int psi f dt = sum W f."""
+        """(distances from the wide zone's ends, angles there, weights that hold psi): int psi f dt
+        = sum W f.
+        """
         border = float(theta(*self._beside[::-1]))
         beta, weights = legendre(np.array([0.0, border, np.pi]), _LEGENDRE)
         weight = weights * np.sin(beta)
@@ -124,27 +146,37 @@ class SlitKink(Kept):
 
     @property
     def mean_opening(self) -> float:
-        """Mean over the wide zone of the integral of psi, over that zone's half width, as that of a slit's series is counted."""
+        """Mean over the wide zone of the integral of psi, over that zone's half width, as that of a
+        slit's series is counted.
+        """
         middle = theta(self.start + self.half, self.rest + self.half)
         _, _, angle, weight = self.seen
         return float((angle - middle) @ weight) / np.pi
 
-    # what it makes of the density ---------------------------------------------------------------------------------------
+    # what it makes of the density
+    # ---------------------------------------------------------------------------------------
     @cached_property
     def edge(self) -> tuple[float, float]:
         """(a_0, a_1): P[psi] has (a_0 + a_1 t) / X."""
         from_left, from_right, _, _ = self.seen
-        return float(self._over_root @ (0.5 * (from_left - from_right))), float(self._over_root.sum())
+        return float(self._over_root @ (0.5 * (from_left - from_right))), float(
+            self._over_root.sum()
+        )
 
     @cached_property
     def polynomial(self) -> tuple[float, float]:
-        """(value at the middle of the slit, slope) of what is multiplied by X: 0 for q = 0, constant for q = 1."""
+        """(value at the middle of the slit, slope) of what is multiplied by X: 0 for q = 0,
+        constant for q = 1.
+        """
         if self.order == 0:
             return 0.0, 0.0
         cosine, l, r = self.mean_places
         s, places = 0.5 * (self.from_left - self.from_right), 0.5 * (l - r)
         # Differences of phi and of sin(phi) from those at the nodes, to all their digits.
-        away, roots = self.half * (cosine - self.zeta), np.sqrt(self.from_left * self.from_right) + np.sqrt(l * r)
+        away, roots = (
+            self.half * (cosine - self.zeta),
+            np.sqrt(self.from_left * self.from_right) + np.sqrt(l * r),
+        )
         angles = 2 * np.arctan2(away, roots)
         mean = float(np.mean(angles))
         if self.order == 1:
@@ -157,16 +189,25 @@ class SlitKink(Kept):
     def _turn(self, from_left: Array, from_right: Array) -> Array:
         """What is multiplied by X, at distances from the wide zone's ends."""
         value, slope = self.polynomial
-        return np.asarray(value + slope * 0.5 * ((from_left - self.start) - (from_right - self.rest)))
+        return np.asarray(
+            value + slope * 0.5 * ((from_left - self.start) - (from_right - self.rest))
+        )
 
     def in_slit(self, from_left: Array, from_right: Array, z: Array) -> Array:
-        """X ((h/pi)(t - s)^q kappa + P[psi]) at distances from the wide zone's ends, on this slit or another one; z: in this slit."""
+        """X ((h/pi)(t - s)^q kappa + P[psi]) at distances from the wide zone's ends, on this slit
+        or another one; z: in this slit.
+        """
         root, (a_0, a_1) = np.sqrt(from_left * from_right), self.edge
-        value = self.jump / np.pi * self._spread(from_left, from_right, z) - self._turn(from_left, from_right) * root
+        value = (
+            self.jump / np.pi * self._spread(from_left, from_right, z)
+            - self._turn(from_left, from_right) * root
+        )
         return np.asarray(root * value + a_0 + a_1 * 0.5 * (from_left - from_right))
 
     def beside(self, from_left: Array, from_right: Array, outside: Array, past: Mask) -> Array:
-        """P[psi] less (a_0 + a_1 t)/X, off the slit by `outside` of its half width. past: on its right."""
+        """P[psi] less (a_0 + a_1 t)/X, off the slit by `outside` of its half width. past: on its
+        right.
+        """
         if self.order == HIGHEST and np.any(outside > _BEYOND):
             out, far = np.empty(outside.shape), outside > _BEYOND
             out[far] = self._summed(from_left[far], from_right[far], outside[far], past[far])
@@ -174,10 +215,17 @@ class SlitKink(Kept):
             return out
         z = np.where(past, 1.0, -1.0) * (1 + outside)
         away = outside + np.where(past, self._beside[1], self._beside[0])
-        sums = 2 * np.log(np.sqrt(from_right * self.from_left) + np.sqrt(from_left * self.from_right)) - np.log(2.0)
-        own = (sums - np.log(self.half * away)) * (self.half * np.where(past, away, -away)) ** self.order
+        sums = 2 * np.log(
+            np.sqrt(from_right * self.from_left) + np.sqrt(from_left * self.from_right)
+        ) - np.log(2.0)
+        own = (sums - np.log(self.half * away)) * (
+            self.half * np.where(past, away, -away)
+        ) ** self.order
         spread = self._spread(from_left, from_right, z)
-        return np.asarray(-self.jump / np.pi * (own - spread) - self._turn(from_left, from_right) * np.sqrt(from_left * from_right))
+        return np.asarray(
+            -self.jump / np.pi * (own - spread)
+            - self._turn(from_left, from_right) * np.sqrt(from_left * from_right)
+        )
 
     def _summed(self, from_left: Array, from_right: Array, outside: Array, past: Mask) -> Array:
         """The same as X times (1/pi) int psi / (X (t - tau))."""
@@ -189,7 +237,9 @@ class SlitKink(Kept):
     def _spread(self, from_left: Array, from_right: Array, z: Array) -> Array:
         """What (t - s)^q kappa is spread as, by bar((t - .)^j kappa): see the head of this file."""
         nodes, l, r = self.mean_places
-        sums = 2 * np.log(np.sqrt(from_right[..., None] * l) + np.sqrt(from_left[..., None] * r)) - np.log(2.0)
+        sums = 2 * np.log(
+            np.sqrt(from_right[..., None] * l) + np.sqrt(from_left[..., None] * r)
+        ) - np.log(2.0)
         seen = Outside(np.sign(z), np.maximum(np.abs(z) - 1, 0.0))
         u, constant = seen.log, np.log(0.5 * self.half)
 
@@ -211,10 +261,18 @@ class SlitKink(Kept):
             return -float(self._over_root @ (1 / lefts)), float(self._over_root @ (1 / rights))
         _, l, r = self.mean_places
         out = []
-        sides = ((-1.0, l, r, self.from_left, self.from_right), (1.0, r, l, self.from_right, self.from_left))
+        sides = (
+            (-1.0, l, r, self.from_left, self.from_right),
+            (1.0, r, l, self.from_right, self.from_left),
+        )
         for sign, near, far, own_near, own_far in sides:
             own = (sign * own_near) ** self.order * np.sqrt(own_far / own_near)
-            spread = float(self.mixed(np.mean((sign * near / self.half) ** j * np.sqrt(far / near)) for j in range(HIGHEST)))
+            spread = float(
+                self.mixed(
+                    np.mean((sign * near / self.half) ** j * np.sqrt(far / near))
+                    for j in range(HIGHEST)
+                )
+            )
             out.append(-self.jump / np.pi * (own - spread) - self.polynomial[0])
         return out[0], out[1]
 
@@ -222,5 +280,8 @@ class SlitKink(Kept):
 def _spread_powers(left: Array, right: Array) -> tuple[Array, Array, Array, Array]:
     """b_k = bar((z - .)_+^k), k = 0 ... 3, at distances from the slit's ends over its half width."""
     angle, z, root = theta(right, left) / np.pi, 0.5 * (left - right), np.sqrt(left * right) / np.pi
-    second, third = angle * (z * z + 0.5) + 1.5 * z * root, angle * z * (z * z + 1.5) + root * (11 * z * z + 4) / 6
+    second, third = (
+        angle * (z * z + 0.5) + 1.5 * z * root,
+        angle * z * (z * z + 1.5) + root * (11 * z * z + 4) / 6,
+    )
     return angle, z * angle + root, second, third

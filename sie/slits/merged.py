@@ -1,7 +1,8 @@
 """Zones beside narrow gaps, seen as one wide zone with slits in it.
 
-A density on one of two zones a gap g apart has a singularity of its own one g beyond its end, and takes n ~ sqrt(width / g)
-modes. On the zone that spans both, g a *slit*, everything but the slit's own share is as smooth as the right side.
+A density on one of two zones a gap g apart has a singularity of its own one g beyond its end, and
+takes n ~ sqrt(width / g) modes. On the zone that spans both, g a *slit*, everything but the slit's
+own share is as smooth as the right side.
 """
 
 from collections.abc import Sequence
@@ -18,18 +19,20 @@ from sie.equation.equation import Equation
 
 # Gaps narrower than this part of the wider zone beside them may be slits.
 NARROW = 0.02
-# From one set of zones to the next a gap that was one stays one, and another one none, up to so many times that width or part of it.
+# From one set of zones to the next a gap that was one stays one, and another one none, up to so
+# many times that width or part of it.
 _STAYS = 1.5
-# Gaps with jumps of higher derivatives of the right side than the first in them, of which there may be hundreds, must be narrower than this
-# part of both zones.
+# Gaps with jumps of higher derivatives of the right side than the first in them, of which there may
+# be hundreds, must be narrower than this part of both zones.
 SMALL = 0.003
 
 
 @record
 class Merged(Kept):
-    """pieces: the zones as given. wide: zones that span narrow gaps; slits: those gaps, slit_zone the wide zone of each.
-    piece_zone: wide zone of each piece; shift: what to add to a piece to find it in its wide zone (periods); cut_off: what rounding has cut
-    off the ends of the pieces there (2, n).
+    """pieces: the zones as given. wide: zones that span narrow gaps; slits: those gaps, slit_zone
+    the wide zone of each. piece_zone: wide zone of each piece; shift: what to add to a piece to
+    find it in its wide zone (periods); cut_off: what rounding has cut off the ends of the pieces
+    there (2, n).
     """
 
     pieces: Zones
@@ -76,18 +79,27 @@ class Merged(Kept):
 
 
 def merge(equation: Equation, pieces: Zones, before: Mask | None = None) -> Merged | None:
-    """The zones with their narrow gaps as slits, None if there are none or the equation does not allow it. before: after which pieces there
-    were slits on about the same zones; it stays so as long as gaps are about as narrow."""
+    """The zones with their narrow gaps as slits, None if there are none or the equation does not
+    allow it. before: after which pieces there were slits on about the same zones; it stays so as
+    long as gaps are about as narrow.
+    """
     kernel = equation.kernel
     # A column that may be singular between zones is none of a wide one.
-    general = len(equation.forcing.singular_at) > 0 or any(column.modes is None and not column.between for column in equation.columns)
+    general = len(equation.forcing.singular_at) > 0 or any(
+        column.modes is None and not column.between for column in equation.columns
+    )
     if len(pieces) < 2 or general or not _one_level(equation.conditions) or not _plain(pieces):
         return None
     after = gaps(pieces, kernel)[1]
     width = pieces.b - pieces.a
     following = np.roll(width, -1)
-    # A slit has its neighbours' far ends as its singularities, as these have the slit's: whichever asks for less.
-    most = NARROW * (1.0 if before is None or len(before) != len(pieces) else np.where(before, _STAYS, 1 / _STAYS))
+    # A slit has its neighbours' far ends as its singularities, as these have the slit's: whichever
+    # asks for less.
+    most = NARROW * (
+        1.0
+        if before is None or len(before) != len(pieces)
+        else np.where(before, _STAYS, 1 / _STAYS)
+    )
     narrow = (after < most * np.maximum(width, following)) & (after**2 < width * following)
     narrow &= pieces.moves[1] & np.roll(pieces.moves[0], -1)
     if kernel.period is None or pieces.symmetric:
@@ -115,13 +127,18 @@ def merge(equation: Equation, pieces: Zones, before: Mask | None = None) -> Merg
     rest = np.array([cut_off[0][order[starts]], cut_off[1][order[stops]]])
     wide = Zones(a[starts], b[stops], left, right, pieces.symmetric, rest)
     at = np.flatnonzero(joined)
-    slits = replace(Zones.of(np.column_stack((b[at], a[at + 1]))), rest=np.array([cut_off[1][order[at]], cut_off[0][order[at + 1]]]))
+    slits = replace(
+        Zones.of(np.column_stack((b[at], a[at + 1]))),
+        rest=np.array([cut_off[1][order[at]], cut_off[0][order[at + 1]]]),
+    )
     return Merged(pieces, wide, slits, zone[order[at]], zone, shift, cut_off)
 
 
 def _one_level(conditions: Sequence[Condition]) -> bool:
-    """Whether all zones are held at one level, so that the gap between neighbours integrates to zero, and no condition speaks of
-    zones one by one, which become fewer: those of a user's own may."""
+    """Whether all zones are held at one level, so that the gap between neighbours integrates to
+    zero, and no condition speaks of zones one by one, which become fewer: those of a user's own
+    may.
+    """
     rows = [type(condition).rows for condition in conditions]
     one_by_one = ZoneTotals.rows in rows or any(one not in BUILT_IN for one in rows)
     return not one_by_one and any(condition.levels for condition in conditions)
@@ -129,11 +146,16 @@ def _one_level(conditions: Sequence[Condition]) -> bool:
 
 def _plain(pieces: Zones) -> bool:
     """Whether no intensity is prescribed but zero at ends that move."""
-    return all(end.intensity is None or (end.moves and end.intensity == 0.0) for end in (*pieces.left, *pieces.right))
+    return all(
+        end.intensity is None or (end.moves and end.intensity == 0.0)
+        for end in (*pieces.left, *pieces.right)
+    )
 
 
 def _bent(equation: Equation, pieces: Zones, after: Array) -> Mask:
-    """Gaps with a jump of a higher derivative of the right side in them than the first, or with an algebraic point."""
+    """Gaps with a jump of a higher derivative of the right side in them than the first, or with an
+    algebraic point.
+    """
     forcing = equation.forcing
     at = forcing.jumps_at[forcing.orders > 1] if forcing.orders is not None else np.zeros(0)
     if forcing.algebraic is not None:

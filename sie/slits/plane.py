@@ -1,19 +1,24 @@
-r"""A density of intervals with slits at complex points: see `plane` for the half plane, `slits` and `kinks` for the series.
+r"""A density of intervals with slits at complex points: see `plane` for the half plane, `slits` and
+`kinks` for the series.
 
-Off its wide zone the closed forms hold as they are on the line, sigma = s X and psi being real functions on the slits,
+Off its wide zone the closed forms hold as they are on the line, sigma = s X and psi being real
+functions on the slits,
 
     F[P[s]] = (1/pi) int sigma / (zeta - tau) dtau / sqrt(zeta^2 - 1),
 
-and of a jump in a slit, G_s = -i log(B/A) its angle (see `plane`), bars means over the slit's equilibrium measure,
+and of a jump in a slit, G_s = -i log(B/A) its angle (see `plane`), bars means over the slit's
+equilibrium measure,
 
     q = 0:  (h/pi)(bar(G) - G_s) + (a_0 + a_1 rho) / sqrt,
     q = 1:  (h/pi)(bar((zeta - .) G - sin) + (m - s) bar(G) - (phi - bar(phi)) rho - (zeta - s) G_s + sin(phi)) + (a_0 + a_1 rho) / sqrt,
     q = 2:  as `kinks` has it, with (zeta - s)^2 G - (zeta - 3 s/2) sin for (t - s)^2 kappa, and rho, rho^2/2 for X, t X,
 
-with -i (2 log(B) - log(2 rho (zeta - s'))) for G: the mean of log(B) is smooth, that of log(zeta - s') is log(r / 2 rho_slit), and that
-of (zeta - s') log(zeta - s') is r (zeta_slit (log(r/2) + 1 + arcosh(zeta_slit)) - sqrt(zeta_slit^2 - 1)).
+with -i (2 log(B) - log(2 rho (zeta - s'))) for G: the mean of log(B) is smooth, that of log(zeta -
+s') is log(r / 2 rho_slit), and that of (zeta - s') log(zeta - s') is r (zeta_slit (log(r/2) + 1 +
+arcosh(zeta_slit)) - sqrt(zeta_slit^2 - 1)).
 
-The potential is carried down from where the coefficients of the wide zones tell all of it, along the vertical: W(z) = W(z + i Y) - i int F.
+The potential is carried down from where the coefficients of the wide zones tell all of it, along
+the vertical: W(z) = W(z + i Y) - i int F.
 """
 
 from collections.abc import Iterator
@@ -29,18 +34,23 @@ from sie.slits.kinks import SlitKink
 from sie.slits.merged import Merged
 from sie.slits.slits import Slits
 
-# Where |rho| is below this, as many coefficients as wide zones are told of their slits tell all of them.
+# Where |rho| is below this, as many coefficients as wide zones are told of their slits tell all of
+# them.
 _TELLS = 0.44
-# The height, over the largest half width, from which the potential is carried down; panels halve in height towards the line, as often
-# as this, each with so many nodes.
-_HEIGHT, _PANELS, _NODES = 1.0, 50, 12
+# The height, over the largest half width, from which the potential is carried down; panels halve in
+# height towards the line, as often as this, each with so many nodes.
+_HEIGHT = 1.0
+_PANELS = 50
+_NODES = 12
 _POINTS = 256
 
 
 @record
 class SlitPlane:
-    """What intervals with slits do at complex points. whole: the density of the wide zones as others see it, told: the slits' part of
-    that, by wide zone that has any; series: of sigma, slit by slit; kinks: jumps in slits."""
+    """What intervals with slits do at complex points. whole: the density of the wide zones as
+    others see it, told: the slits' part of that, by wide zone that has any; series: of sigma, slit
+    by slit; kinks: jumps in slits.
+    """
 
     merged: Merged
     whole: Density
@@ -60,7 +70,9 @@ class SlitPlane:
         x = whole.into_period(x)
         out = whole.plane(complex_of(x, y), what)
         told = self.told
-        for number, (here, row, kinks) in enumerate(zip(self.slits, self.series, self.kinks, strict=True)):
+        for number, (here, row, kinks) in enumerate(
+            zip(self.slits, self.series, self.kinks, strict=True)
+        ):
             w = float(wide.half[here.zone])
             for shift in whole.kernel.poles:
                 at = x - shift
@@ -69,12 +81,20 @@ class SlitPlane:
                 if len(some) == 0:
                     continue
                 close = seen[some]
-                out[some] -= told.plane.of_zones(at[some], y[some], np.full(len(some), number), what)
+                out[some] -= told.plane.of_zones(
+                    at[some], y[some], np.full(len(some), number), what
+                )
                 value, slope = _of_series(here, row, at[some], y[some])
-                value = (value if what == "transform" else slope - value * close.zeta / close.root**2) / close.root
+                value = (
+                    value if what == "transform" else slope - value * close.zeta / close.root**2
+                ) / close.root
                 for k, kink in kinks:
                     slit = here.slits[k]
-                    inner = InPlane.of((at[some] - here.a[k]) / slit.width, (at[some] - here.b[k]) / slit.width, y[some] / slit.width)
+                    inner = InPlane.of(
+                        (at[some] - here.a[k]) / slit.width,
+                        (at[some] - here.b[k]) / slit.width,
+                        y[some] / slit.width,
+                    )
                     value = value + _of_kink(kink, close, inner, what)
                 out[some] += value / w if what == "derivative" else value
         return out
@@ -90,13 +110,17 @@ class SlitPlane:
             # In logarithmic steps towards the line: what is above y alone.
             height = y[here, None] + (top - y)[here, None] * parts
             place = np.broadcast_to(x[here, None], height.shape)
-            field = self._transform(place.ravel(), height.ravel(), "transform").reshape(height.shape)
+            field = self._transform(place.ravel(), height.ravel(), "transform").reshape(
+                height.shape
+            )
             out[here] -= 1j * (top - y)[here] * (field @ weights)
         return out
 
 
 def _of_series(here: Slits, row: list[Array], x: Array, y: Array) -> tuple[Complex, Complex]:
-    """(1/pi) int sigma / (zeta - tau) dtau over the slits of one wide zone, and its derivative by zeta."""
+    """(1/pi) int sigma / (zeta - tau) dtau over the slits of one wide zone, and its derivative by
+    zeta.
+    """
     value, slope = np.zeros((2, len(x)), dtype=complex)
     first = np.zeros(len(x), dtype=np.intp)
     for slit, a, b, d in zip(here.slits, here.a, here.b, row, strict=True):
@@ -108,23 +132,45 @@ def _of_series(here: Slits, row: list[Array], x: Array, y: Array) -> tuple[Compl
 
 
 def _of_kink(kink: SlitKink, seen: InPlane, inner: InPlane, what: What) -> Complex:
-    """What P[psi] of a jump in a slit does off the wide zone; its derivative by zeta. inner: seen from the slit."""
+    """What P[psi] of a jump in a slit does off the wide zone; its derivative by zeta. inner: seen
+    from the slit.
+    """
     _, l, r = kink.mean_places
     zeta, rho, root, half, q = seen.zeta, seen.rho, seen.root, kink.half, kink.order
     (a_0, a_1), (turn, bend), scale = kink.edge, kink.polynomial, kink.jump / np.pi
     constant = turn - bend * 0.5 * (kink.start - kink.rest)
-    log_b, log_rho, mean_log = seen.turned(np.sqrt(0.5 * l), np.sqrt(0.5 * r)), np.log(2.0) - seen.log, np.log(0.5 * half) + inner.log
-    away, c, s = seen.left - kink.from_left, np.sqrt(0.5 * kink.from_left), np.sqrt(0.5 * kink.from_right)
-    own, sine = -1j * np.log((c - 1j * s) ** 2 * (c * seen.m + 1j * s * seen.p) ** 2 / away), 2 * c * s
-    sines, nodes, moves = np.sqrt(l * r), 0.5 * (l - r), (seen.left[:, None] - l) / half  # moves: zeta - s' at the nodes
+    log_b, log_rho, mean_log = (
+        seen.turned(np.sqrt(0.5 * l), np.sqrt(0.5 * r)),
+        np.log(2.0) - seen.log,
+        np.log(0.5 * half) + inner.log,
+    )
+    away, c, s = (
+        seen.left - kink.from_left,
+        np.sqrt(0.5 * kink.from_left),
+        np.sqrt(0.5 * kink.from_right),
+    )
+    own, sine = (
+        -1j * np.log((c - 1j * s) ** 2 * (c * seen.m + 1j * s * seen.p) ** 2 / away),
+        2 * c * s,
+    )
+    sines, nodes, moves = (
+        np.sqrt(l * r),
+        0.5 * (l - r),
+        (seen.left[:, None] - l) / half,
+    )  # moves: zeta - s' at the nodes
     first = inner.zeta * (mean_log + 1) - inner.root
 
     def means() -> Iterator[Complex]:
         """bar(G), bar((zeta - .) G - sin) / r and that of q = 2 over r^2."""
         yield -1j * (2 * log_b.mean(axis=-1) - log_rho - mean_log)
-        yield -1j * (2 * (moves * log_b).mean(axis=-1) - inner.zeta * log_rho - first) - sines.mean() / half
+        yield (
+            -1j * (2 * (moves * log_b).mean(axis=-1) - inner.zeta * log_rho - first)
+            - sines.mean() / half
+        )
         fall = np.exp(-inner.log)
-        square = (inner.zeta**2 + 0.5) * (mean_log + log_rho) + (2 * inner.zeta - 0.25 * fall) * fall
+        square = (inner.zeta**2 + 0.5) * (mean_log + log_rho) + (
+            2 * inner.zeta - 0.25 * fall
+        ) * fall
         line = zeta * sines.mean() - 1.5 * (nodes * sines).mean()
         yield -1j * (2 * (moves**2 * log_b).mean(axis=-1) - square) - line / half**2
 
@@ -134,12 +180,31 @@ def _of_kink(kink: SlitKink, seen: InPlane, inner: InPlane, what: What) -> Compl
         yield -1j * (2 * b_slope.mean(axis=-1) + 1 / root - 1 / (half * inner.root))
         slope = 2 * (log_b / half + moves * b_slope).mean(axis=-1) - (log_rho + mean_log + 1) / half
         yield -1j * (slope + inner.zeta / root)
-        square = 2 * (moves * (2 * log_b / half + moves * b_slope)).mean(axis=-1) + (inner.zeta**2 + 0.5) / root
-        yield -1j * (square - (2 * inner.zeta * log_rho + 2 * first + inner.zeta) / half) - sines.mean() / half**2
+        square = (
+            2 * (moves * (2 * log_b / half + moves * b_slope)).mean(axis=-1)
+            + (inner.zeta**2 + 0.5) / root
+        )
+        yield (
+            -1j * (square - (2 * inner.zeta * log_rho + 2 * first + inner.zeta) / half)
+            - sines.mean() / half**2
+        )
 
     if what == "transform":
-        its = away**q * own - (0.0, sine, (zeta - 1.5 * 0.5 * (kink.from_left - kink.from_right)) * sine)[q]
-        return np.asarray(scale * (kink.mixed(means()) - its) - (constant + 0.5 * bend * rho) * rho + (a_0 + a_1 * rho) / root)
-    its = -(away ** (q - 1.0)) * sine / root + q * away ** max(q - 1, 0) * own - (sine if q == HIGHEST else 0.0)
+        its = (
+            away**q * own
+            - (0.0, sine, (zeta - 1.5 * 0.5 * (kink.from_left - kink.from_right)) * sine)[q]
+        )
+        return np.asarray(
+            scale * (kink.mixed(means()) - its)
+            - (constant + 0.5 * bend * rho) * rho
+            + (a_0 + a_1 * rho) / root
+        )
+    its = (
+        -(away ** (q - 1.0)) * sine / root
+        + q * away ** max(q - 1, 0) * own
+        - (sine if q == HIGHEST else 0.0)
+    )
     edge = -(a_1 * rho / root + (a_0 + a_1 * rho) * zeta / root**2) / root
-    return np.asarray(scale * (kink.mixed(mean_slopes()) - its) + (constant + bend * rho) * rho / root + edge)
+    return np.asarray(
+        scale * (kink.mixed(mean_slopes()) - its) + (constant + bend * rho) * rho / root + edge
+    )

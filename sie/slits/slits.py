@@ -1,17 +1,19 @@
 """Slits in wide zones: where the density vanishes and the equation has a slack, an unknown s.
 
-On a wide zone with slits the equation reads T[phi] = g - s, s zero off the slits and with no integral over any of them. Writing
-phi = c + P[s], c the density of the smooth part, its own operator gives P[s] in closed form: with X = sqrt(1 - t^2),
-sigma = s X and z the slit's own coordinate,
+On a wide zone with slits the equation reads T[phi] = g - s, s zero off the slits and with no
+integral over any of them. Writing phi = c + P[s], c the density of the smooth part, its own
+operator gives P[s] in closed form: with X = sqrt(1 - t^2), sigma = s X and z the slit's own
+coordinate,
 
     X P[s] = (1/pi) PV int sigma / (t - tau) dtau,          T[P[s]] = -s on the zone,
 
-so that phi = 0 on the slits is the same equation once more, with sigma = sum d_l T_l(z) / sqrt(1 - z^2) on each:
+so that phi = 0 on the slits is the same equation once more, with sigma = sum d_l T_l(z) / sqrt(1 -
+z^2) on each:
 
     sum d_l U_(l-1)(z) = sum c_k T_k(t) + X (jumps) + (what the other slits of the zone do),       int sigma / X = 0.
 
-Off its own zone P[s] acts through its coefficients s_k = (2/pi) int s sin(k phi) dtau alone. (From Sum sin(k phi) cos(k theta)
-= sin(phi) / 2 (cos(theta) - cos(phi)); derived here, see docs/theory.)
+Off its own zone P[s] acts through its coefficients s_k = (2/pi) int s sin(k phi) dtau alone. (From
+Sum sin(k phi) cos(k theta) = sin(phi) / 2 (cos(theta) - cos(phi)); derived here, see docs/theory.)
 """
 
 from functools import cached_property
@@ -27,7 +29,8 @@ from sie.jumps.formulas import HIGHEST
 from sie.slits.kinks import SlitKink
 from sie.slits.merged import Merged
 
-LEAST, MOST = 12, 512
+LEAST = 12
+MOST = 512
 # Modes at most for a jump of g, of g' or of g'' beside a slit: of those in it nothing is left.
 _BENT = (64, 256, 160)
 # Coefficients of s that are told to the other zones, at least.
@@ -36,8 +39,10 @@ TOLD = 48
 
 @record
 class Slit(Kept):
-    """One slit of a wide zone, in units of that zone's half width: distances of its ends from the zone's ends, its half
-    width; `modes`: the highest order of its series; `width`: half width in units of length."""
+    """One slit of a wide zone, in units of that zone's half width: distances of its ends from the
+    zone's ends, its half width; `modes`: the highest order of its series; `width`: half width in
+    units of length.
+    """
 
     start: float
     rest: float
@@ -46,7 +51,9 @@ class Slit(Kept):
     modes: int
 
     def angle(self, left: Array, right: Array) -> Array:
-        """Angle theta in the wide zone, t = cos(theta), at distances from the slit's ends over its half width."""
+        """Angle theta in the wide zone, t = cos(theta), at distances from the slit's ends over its
+        half width.
+        """
         from_left, from_right = self.start + self.half * left, self.rest + self.half * right
         return theta(from_left, from_right)
 
@@ -69,7 +76,9 @@ class Slit(Kept):
         return self.root(*chebyshev.gauss_sides(self.nodes))
 
     def means(self, values: Array) -> Array:
-        """Means of values (..., nodes) times T_l, l = 0 ... modes, with the weight 1 / sqrt(1 - z^2)."""
+        """Means of values (..., nodes) times T_l, l = 0 ... modes, with the weight 1 / sqrt(1 -
+        z^2).
+        """
         return chebyshev.t_means(values, self.modes + 1)
 
     def at_gauss(self, d: Array) -> Array:
@@ -96,12 +105,22 @@ class Slit(Kept):
 
 
 def off_slit(excess: Array, sign: Array | float, d: Array) -> Array:
-    """(1/pi) PV int sigma / (t - tau) of T_l / sqrt series d, off the slit: at |z| - 1 = excess on the side `sign`."""
-    return transform_of(*chebyshev.bounded_part(d[None]), Outside(sign, excess), np.zeros(len(excess), dtype=np.intp))
+    """(1/pi) PV int sigma / (t - tau) of T_l / sqrt series d, off the slit: at |z| - 1 = excess on
+    the side `sign`.
+    """
+    return transform_of(
+        *chebyshev.bounded_part(d[None]),
+        Outside(sign, excess),
+        np.zeros(len(excess), dtype=np.intp),
+    )
 
 
-def _within(jumps: ForcingJumps, zone: int, start: Array, length: Array) -> tuple[Index, ForcingJumps]:
-    """(the jumps of a zone that lie in slits with these starts and lengths, by number; those of its spline's knots there)."""
+def _within(
+    jumps: ForcingJumps, zone: int, start: Array, length: Array
+) -> tuple[Index, ForcingJumps]:
+    """(the jumps of a zone that lie in slits with these starts and lengths, by number; those of its
+    spline's knots there).
+    """
 
     def inside(left: Array) -> Mask:
         slit = np.maximum(np.searchsorted(start, left, side="right") - 1, 0)
@@ -115,7 +134,9 @@ def _within(jumps: ForcingJumps, zone: int, start: Array, length: Array) -> tupl
     some = np.flatnonzero(inside(spline.knots))
     left = spline.knots[some]
     count = len(some)
-    return closed, ForcingJumps(np.full(count, zone), left, 2 - left, spline.jumps[some], np.full(count, HIGHEST))
+    return closed, ForcingJumps(
+        np.full(count, zone), left, 2 - left, spline.jumps[some], np.full(count, HIGHEST)
+    )
 
 
 class Slits(Kept):
@@ -126,25 +147,41 @@ class Slits(Kept):
         self.which = np.flatnonzero(merged.slit_zone == zone)
         a, b = merged.slits.a[self.which], merged.slits.b[self.which]
         w = self.w = float(merged.wide.half[zone])
-        # Distances of their ends from the left end of the zone, and of the right ones from its right end.
+        # Distances of their ends from the left end of the zone, and of the right ones from its
+        # right end.
         every, (cut_a, cut_b) = np.full(len(a), zone), merged.slits.rest[:, self.which]
-        self.start, self.stop = merged.wide.beyond_a(a, every) + cut_a, merged.wide.beyond_a(b, every) + cut_b
+        self.start, self.stop = (
+            merged.wide.beyond_a(a, every) + cut_a,
+            merged.wide.beyond_a(b, every) + cut_b,
+        )
         self.rest = merged.wide.before_b(b, every) - cut_b
         start, rest, half = self.start / w, self.rest / w, merged.slits.half[self.which]
-        # Distances to the far ends of the pieces on both sides, and to jumps: the nearest singularities.
+        # Distances to the far ends of the pieces on both sides, and to jumps: the nearest
+        # singularities.
         before = np.concatenate(([start[0] * w], a[1:] - b[:-1]))
         after = np.concatenate((a[1:] - b[:-1], [rest[-1] * w]))
         near = np.minimum(before, after) / half
         self._inside, self._knots = _within(jumps, zone, start, 2 * half / w)
         self.kinks = [
-            (i, SlitKink(height, float(start[i]), float(rest[i]), float(half[i]) / w, left, right, order))
+            (
+                i,
+                SlitKink(
+                    height, float(start[i]), float(rest[i]), float(half[i]) / w, left, right, order
+                ),
+            )
             for within in (jumps.chosen(self._inside), self._knots)
             for i, height, left, right, order in zip(
-                (np.searchsorted(start, within.left, side="right") - 1).tolist(), within.height.tolist(), within.left.tolist(),
-                within.right.tolist(), within.order.tolist(), strict=True,
+                (np.searchsorted(start, within.left, side="right") - 1).tolist(),
+                within.height.tolist(),
+                within.left.tolist(),
+                within.right.tolist(),
+                within.order.tolist(),
+                strict=True,
             )
         ]
-        sharp = np.setdiff1d(np.flatnonzero((jumps.zone == zone) & (jumps.order == 0)), self._inside)
+        sharp = np.setdiff1d(
+            np.flatnonzero((jumps.zone == zone) & (jumps.order == 0)), self._inside
+        )
         if len(sharp):
             away = np.abs(jumps.left[sharp][:, None] - (start + half / w)) * w / half - 1
             near = np.minimum(near, away.min(axis=0))
@@ -161,7 +198,8 @@ class Slits(Kept):
             need = np.maximum(need, np.minimum(37 / fall(away), most).max(axis=0, initial=0.0))
         size = np.clip(np.ceil(need), LEAST, MOST).astype(int)
         self.slits = [
-            Slit(float(s), float(r), float(h) / w, float(h), int(n)) for s, r, h, n in zip(start, rest, half, size, strict=True)
+            Slit(float(s), float(r), float(h) / w, float(h), int(n))
+            for s, r, h, n in zip(start, rest, half, size, strict=True)
         ]
         self.a, self.b = a, b
         self.offset = np.concatenate(([0], np.cumsum([slit.modes + 1 for slit in self.slits])))
@@ -172,14 +210,20 @@ class Slits(Kept):
     @cached_property
     def by_coefficients(self) -> Array:
         """Right sides of the slits' rows by the zone's smooth coefficients c_0 ... c_modes."""
-        return self._rows(lambda slit, left, right: np.cos(slit.angle(left, right)[:, None] * np.arange(self.modes + 1)))
+        return self._rows(
+            lambda slit, left, right: np.cos(
+                slit.angle(left, right)[:, None] * np.arange(self.modes + 1)
+            )
+        )
 
     def of_jumps(self, jumps: ForcingJumps) -> Array:
         """Right sides of the slits' rows by the jumps; those in a slit with the slack they ask for."""
         if self.zone not in jumps.by_zone:
             return np.zeros(self.offset[-1])
         # Those of other zones have no part in it.
-        rest = jumps.chosen(np.setdiff1d(np.flatnonzero(jumps.zone == self.zone), self._inside, assume_unique=True))
+        rest = jumps.chosen(
+            np.setdiff1d(np.flatnonzero(jumps.zone == self.zone), self._inside, assume_unique=True)
+        )
 
         def values(slit: Slit, left: Array, right: Array) -> Array:
             from_left, from_right = slit.start + slit.half * left, slit.rest + slit.half * right
@@ -188,7 +232,11 @@ class Slits(Kept):
                 density -= self._knots.density(self.zone, from_left, from_right)
             out = slit.root(left, right) * density
             for _, kink in self.kinks:
-                z = 0.5 * (left - right) if slit.start == kink.start else (from_left - kink.start) / kink.half - 1
+                z = (
+                    0.5 * (left - right)
+                    if slit.start == kink.start
+                    else (from_left - kink.start) / kink.half - 1
+                )
                 out += kink.in_slit(from_left, from_right, z)
             return out[:, None]
 
@@ -224,7 +272,9 @@ class Slits(Kept):
                     away, sign = self.start[i] - self.stop[j] + slit.width * left, 1.0
                 else:
                     away, sign = self.start[j] - self.stop[i] + slit.width * right, -1.0
-                matrix[rows, columns] = -chebyshev.project_rows(Outside(sign, away / other.width).transforms(other.modes + 1))
+                matrix[rows, columns] = -chebyshev.project_rows(
+                    Outside(sign, away / other.width).transforms(other.modes + 1)
+                )
         return Factored.of(matrix)
 
     @cached_property

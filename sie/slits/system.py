@@ -1,8 +1,9 @@
 """Solutions on zones beside narrow gaps: the system of the wide zones, with a slack on their slits.
 
-The slits change the right side of the wide zones' system by -s, and the level of each by the mean of what s opens; the wide
-zones' coefficients are the right sides of the slits. With factors at hand both are solved together by GMRES on the slits' series; by
-iteration the slits' answer is part of the rows.
+The slits change the right side of the wide zones' system by -s, and the level of each by the mean
+of what s opens; the wide zones' coefficients are the right sides of the slits. With factors at hand
+both are solved together by GMRES on the slits' series; by iteration the slits' answer is part of
+the rows.
 """
 
 from collections.abc import Callable
@@ -35,16 +36,20 @@ _START = 0.1
 _ROUNDING = 2.2e-16
 # What may be left over the largest coefficient, to be stated as an error; more is no solution.
 _SETTLED = 1e-10
-# Times the tolerance: with such an error the zones are looked at by themselves too, where a kink lies between them.
+# Times the tolerance: with such an error the zones are looked at by themselves too, where a kink
+# lies between them.
 _CARELESS = 1e3
-# On a slit the rounding of the right side and of all terms are seen at one place, where at the end of a zone they average.
+# On a slit the rounding of the right side and of all terms are seen at one place, where at the end
+# of a zone they average.
 _SAFETY = 3.0
 
 
 @record
 class Opened(Trial):
-    """What an opening s changes in the quantities that side conditions speak of (`conditions.Rows`): constants only. table: s_k of every
-    wide zone that has slits, for a condition that asks for them."""
+    """What an opening s changes in the quantities that side conditions speak of
+    (`conditions.Rows`): constants only. table: s_k of every wide zone that has slits, for a
+    condition that asks for them.
+    """
 
     told: dict[int, Array]
     mean_opening: Array
@@ -54,7 +59,9 @@ class Opened(Trial):
         return self.level, self.mean_opening[self.zones.solved]
 
     def integrals(self, weight: Callable[[Array], Array], degree: int | None = None) -> Linear:
-        """Beyond the coupled modes, whose coefficients are unknowns, s adds to those of the density."""
+        """Beyond the coupled modes, whose coefficients are unknowns, s adds to those of the
+        density.
+        """
         out = np.zeros(len(self.zones.solved))
         for place, i in enumerate(self.zones.solved.tolist()):
             if i in self.told:
@@ -78,12 +85,15 @@ class SlitSystem(Kept):
         system = self.system
         modes = base.sizes.own[: len(merged.wide)]
         self.slits = tuple(
-            Slits(merged, int(i), int(max(modes[i], system.layout.m[i])), system.jumps) for i in np.unique(merged.slit_zone)
+            Slits(merged, int(i), int(max(modes[i], system.layout.m[i])), system.jumps)
+            for i in np.unique(merged.slit_zone)
         )
 
     @cached_property
     def _given(self) -> list[Array]:
-        """Right sides of the slits' rows by what is known: jumps, and coefficients beyond the coupled ones."""
+        """Right sides of the slits' rows by what is known: jumps, and coefficients beyond the
+        coupled ones.
+        """
         out = []
         for here in self.slits:
             m = int(self.system.layout.m[here.zone])
@@ -91,36 +101,46 @@ class SlitSystem(Kept):
             count = min(self.system.g.shape[1], len(c))
             c[: m + 1] = -self.system.taken[here.zone, : m + 1]
             c[m + 1 : count] = -self.system.g[here.zone, m + 1 : count]
-            # Their coefficients are what the rows find less what s adds to them, and so what the kinks in slits do.
-            seen = np.where(np.arange(here.modes + 1) <= m, here.told_by_kinks[: here.modes + 1], 0.0)
+            # Their coefficients are what the rows find less what s adds to them, and so what the
+            # kinks in slits do.
+            seen = np.where(
+                np.arange(here.modes + 1) <= m, here.told_by_kinks[: here.modes + 1], 0.0
+            )
             out.append(here.by_coefficients @ (c - seen) + here.of_jumps(self.system.jumps))
         return out
 
     @cached_property
     def _answers(self) -> list[tuple[Array, Array]]:
-        """(by the zone's coefficients with what s adds to them, by what is given): series of the slits of each wide zone."""
+        """(by the zone's coefficients with what s adds to them, by what is given): series of the
+        slits of each wide zone.
+        """
         out = []
         for here, given in zip(self.slits, self._given, strict=True):
             m = int(self.system.layout.m[here.zone])
             smooth = here.solve(here.by_coefficients[:, : m + 1])
             both = np.column_stack((smooth, here.solve(given)))
             answer = np.linalg.solve(np.eye(len(smooth)) + smooth @ here.told[: m + 1], both)
-            out.append((np.asarray(answer[:, :-1], dtype=float), np.asarray(answer[:, -1], dtype=float)))
+            out.append(
+                (np.asarray(answer[:, :-1], dtype=float), np.asarray(answer[:, -1], dtype=float))
+            )
         return out
 
     def _series(self, folded: Array, homogeneous: bool) -> tuple[Array, ...]:
         """Series of all slits for unknowns of the wide zones."""
         y, offset = self.base.symmetry.unfold(folded), self.system.layout.offset
         return tuple(
-            by @ y[offset[here.zone] : offset[here.zone] + by.shape[1]] + (0.0 if homogeneous else given)
+            by @ y[offset[here.zone] : offset[here.zone] + by.shape[1]]
+            + (0.0 if homogeneous else given)
             for here, (by, given) in zip(self.slits, self._answers, strict=True)
         )
 
-    def solve(self, values: Array | None = None, loose: float = 0.0) -> tuple[Array, tuple[Array, ...], float]:
+    def solve(
+        self, values: Array | None = None, loose: float = 0.0
+    ) -> tuple[Array, tuple[Array, ...], float]:
         """(unknowns of the wide zones, series of all slits, size of the last change).
 
-        values: of the side conditions, with no right side and no jumps; None: the equation itself. loose: tolerance of an iteration, where
-        that is more than the one at hand.
+        values: of the side conditions, with no right side and no jumps; None: the equation itself.
+        loose: tolerance of an iteration, where that is more than the one at hand.
         """
         base, homogeneous, iteration = self.base, values is not None, self.base.iteration
 
@@ -128,22 +148,34 @@ class SlitSystem(Kept):
             """What the slits' answer to the wide zones adds to the right side of these."""
             return self._right(self._series(folded, True), True)
 
-        given = self._right(tuple(np.zeros_like(one) if homogeneous else one for _, one in self._answers), homogeneous)
+        given = self._right(
+            tuple(np.zeros_like(one) if homogeneous else one for _, one in self._answers),
+            homogeneous,
+        )
         if iteration is not None:
             # The slits' answer is part of the rows: what is iterated on is both at once.
-            right, near = (iteration.right(), base.folded_unknowns) if values is None else (base.right_of(values), None)
+            right, near = (
+                (iteration.right(), base.folded_unknowns)
+                if values is None
+                else (base.right_of(values), None)
+            )
             folded = iteration(right + given, near, max(self.linear, loose), bends)
             return folded, self._series(folded, homogeneous), 0.0
-        start = (base.folded_unknowns if values is None else base.solver(base.right_of(values))) + base.solver(given)
+        start = (
+            base.folded_unknowns if values is None else base.solver(base.right_of(values))
+        ) + base.solver(given)
 
         def apart(folded: Array) -> Array:
             return np.asarray(folded - base.solver(bends(folded)))
 
-        # A slit bends its surroundings by the square of its width over its distance: a few steps are enough.
+        # A slit bends its surroundings by the square of its width over its distance: a few steps
+        # are enough.
         folded = start + base.solver(bends(start))
         for _ in range(_CORRECTIONS):
             folded = folded + gmres(apart, start - apart(folded), _ROUNDING * float(norm(folded))).x
-        change = float(np.abs(start - apart(folded)).max()) / max(float(np.abs(folded).max()), 1e-300)
+        change = float(np.abs(start - apart(folded)).max()) / max(
+            float(np.abs(folded).max()), 1e-300
+        )
         if not change <= max(_SETTLED, 10 * self.linear):
             raise SlitsNotConverged("the slits of a wide zone do not come to rest")
         return folded, self._series(folded, homogeneous), change
@@ -160,7 +192,8 @@ class SlitSystem(Kept):
     def told(self, d: tuple[Array, ...], homogeneous: bool) -> dict[int, Array]:
         """s_k of every wide zone with slits."""
         return {
-            here.zone: here.told @ one + (0.0 if homogeneous else here.told_by_kinks) for here, one in zip(self.slits, d, strict=True)
+            here.zone: here.told @ one + (0.0 if homogeneous else here.told_by_kinks)
+            for here, one in zip(self.slits, d, strict=True)
         }
 
     def mean_openings(self, d: tuple[Array, ...], homogeneous: bool) -> Array:
@@ -172,41 +205,62 @@ class SlitSystem(Kept):
     def _right(self, d: tuple[Array, ...], homogeneous: bool) -> Array:
         """What s adds to the right side of the wide zones' rows."""
         system, base, told = self.system, self.base, self.told(d, homogeneous)
-        rows, nothing = -self._among_unknowns(told)[system.diagonal], np.zeros((len(system.zones.solved), 0))
-        view = Opened(system.zones, nothing, nothing, told, self.mean_openings(d, homogeneous), system)
+        rows, nothing = (
+            -self._among_unknowns(told)[system.diagonal],
+            np.zeros((len(system.zones.solved), 0)),
+        )
+        view = Opened(
+            system.zones, nothing, nothing, told, self.mean_openings(d, homogeneous), system
+        )
         constants = [asked(condition, view, 0)[1] for condition in system.equation.conditions]
         conditions = -np.concatenate(constants) / base.condition_scale if constants else np.zeros(0)
         return np.concatenate((rows, conditions))
 
-    def density(self, folded: Array, d: tuple[Array, ...], homogeneous: bool = False) -> tuple[State, SlitDensity]:
+    def density(
+        self, folded: Array, d: tuple[Array, ...], homogeneous: bool = False
+    ) -> tuple[State, SlitDensity]:
         """(state of the wide zones, density) for solved unknowns."""
         base, system = self.base, self.system
         y = self.base.symmetry.unfold(folded)
         whole = base.homogeneous(y) if homogeneous else density_of(system, y)
         told = self.told(d, homogeneous)
         # As many of s are told, of all zones.
-        count = max(int(system.layout.m.max()) + 1, TOLD + 1, *map(len, told.values()), whole.coefficients.shape[1])
+        count = max(
+            int(system.layout.m.max()) + 1,
+            TOLD + 1,
+            *map(len, told.values()),
+            whole.coefficients.shape[1],
+        )
         without = widened(whole.coefficients, count)
         with_slits = without.copy()
         for zone, s in told.items():
             coupled = int(system.layout.m[zone]) + 1
             without[zone, : len(s)][:coupled] -= s[:coupled]
             with_slits[zone, coupled : len(s)] += s[coupled:]
-        whole, smooth = replace(whole, coefficients=with_slits), replace(whole, coefficients=without)
+        whole, smooth = (
+            replace(whole, coefficients=with_slits),
+            replace(whole, coefficients=without),
+        )
         left_over = base.linear_error if base.iteration is None else base.iteration.error
-        state = replace(base, folded_unknowns=folded, unknowns=y, density=whole, linear_error=left_over)
+        state = replace(
+            base, folded_unknowns=folded, unknowns=y, density=whole, linear_error=left_over
+        )
         return state, SlitDensity(self.merged, smooth, whole, self.slits, d, forced=not homogeneous)
 
     def tails(self, wide: State, d: tuple[Array, ...]) -> Array:
         """See `State.tails`, of what stands in the rows beside s."""
-        return fixed.field_tails(self.system, wide.unknowns - self._among_unknowns(self.told(d, False)), wide.density)
+        return fixed.field_tails(
+            self.system, wide.unknowns - self._among_unknowns(self.told(d, False)), wide.density
+        )
 
 
 @record
 class SlitState(Answered):
-    """The solution on zones beside narrow gaps: what `State` tells of zones, told of the pieces between the slits.
+    """The solution on zones beside narrow gaps: what `State` tells of zones, told of the pieces
+    between the slits.
 
-    whole: state of the wide zones, slits included; rest: what solving both together left, over the largest coefficient.
+    whole: state of the wide zones, slits included; rest: what solving both together left, over the
+    largest coefficient.
     """
 
     slit_system: SlitSystem
@@ -236,10 +290,13 @@ class SlitState(Answered):
         """The state of the wide zones, and the places of zones among these."""
         return self.whole, self.merged.piece_zone[zones]
 
-    # further right sides --------------------------------------------------------------------------------------------
+    # further right sides
+    # --------------------------------------------------------------------------------------------
     def response(self, values: Array, tolerance: float = 0.0) -> SlitDensity:
         """See `State.response`."""
-        return self.slit_system.density(*self.slit_system.solve(values, tolerance)[:2], homogeneous=True)[1]
+        return self.slit_system.density(
+            *self.slit_system.solve(values, tolerance)[:2], homogeneous=True
+        )[1]
 
     def with_value(self, condition: int, change: float) -> "SlitState":
         """See `State.with_value`."""
@@ -257,9 +314,13 @@ class SlitState(Answered):
     def level_rates(self, values: Array) -> Array:
         folded, series, _ = self.slit_system.solve(values)
         opened = self.slit_system.mean_openings(series, True)
-        return self.whole.system.level_changes(self.whole.symmetry.unfold(folded)) + opened[self.merged.wide.solved]
+        return (
+            self.whole.system.level_changes(self.whole.symmetry.unfold(folded))
+            + opened[self.merged.wide.solved]
+        )
 
-    # errors ---------------------------------------------------------------------------------------------------------
+    # errors
+    # ---------------------------------------------------------------------------------------------------------
     @property
     def natural(self) -> Array:
         return self.whole.natural[self.merged.piece_zone]
@@ -269,8 +330,9 @@ class SlitState(Answered):
         return self.whole.noise[self.merged.piece_zone]
 
     def _intensities_of(self, of_coefficients: Array, at_slits: float = 1.0) -> Array:
-        """K at the left and right ends of the pieces (2, n) for errors of the wide zones' coefficients, in sum; at_slits:
-        factor there."""
+        """K at the left and right ends of the pieces (2, n) for errors of the wide zones'
+        coefficients, in sum; at_slits: factor there.
+        """
         merged = self.merged
         wide = edge_scale(merged.wide.half) * of_coefficients
         slits = at_slits * edge_scale(merged.slits.half) * of_coefficients[merged.slit_zone]
@@ -286,7 +348,9 @@ class SlitState(Answered):
 
     @cached_property
     def _tails(self) -> Array:
-        """What the neglected coefficients of the slits of each wide zone may amount to, by the fall of the last ones."""
+        """What the neglected coefficients of the slits of each wide zone may amount to, by the fall
+        of the last ones.
+        """
         out = np.zeros(len(self.merged.wide))
         for here, row in zip(self.slit_system.slits, self.density.series, strict=True):
             for d in row:
@@ -309,9 +373,13 @@ class SlitState(Answered):
 
     @cached_property
     def missing(self) -> Array:
-        """What is neglected of each wide zone's coefficients and of the equation between its nodes, in all."""
+        """What is neglected of each wide zone's coefficients and of the equation between its nodes,
+        in all.
+        """
         rounding = 2e-15 * self.whole.zone_sizes + self.whole.jumps_rounding
-        return np.asarray(self._neglected + 3 * np.maximum(self._residual - rounding, 0.0) + self._tails)
+        return np.asarray(
+            self._neglected + 3 * np.maximum(self._residual - rounding, 0.0) + self._tails
+        )
 
     @cached_property
     def _residual(self) -> Array:
@@ -322,7 +390,9 @@ class SlitState(Answered):
 
     @cached_property
     def _residuals(self) -> Array:
-        """Residual of the equation times the wide zone's sqrt(1 - t^2) at a few points of each piece."""
+        """Residual of the equation times the wide zone's sqrt(1 - t^2) at a few points of each
+        piece.
+        """
         zones, t = self.density.zones, np.cos(fixed.THETA)
         x = (zones.middle[:, None] + zones.half[:, None] * t).ravel()
         value = self.density.transform(x) - self.right_side(x)
@@ -337,7 +407,9 @@ class SlitState(Answered):
         return np.asarray(np.sqrt(left * right) / merged.wide.half[merged.piece_zone][:, None])
 
     def _wide_residuals(self, wide: Index, theta: Array) -> Array:
-        """Residual of the equation times sqrt(1 - t^2) on wide zones (n,) at angles (n, points), 0 in slits."""
+        """Residual of the equation times sqrt(1 - t^2) on wide zones (n,) at angles (n, points), 0
+        in slits.
+        """
         zones = self.merged.wide
         x = (zones.middle[wide][:, None] + zones.half[wide][:, None] * np.cos(theta)).ravel()
         inside = self.density.locate(x)[2]
@@ -365,7 +437,9 @@ class SlitState(Answered):
         """The largest of the density times sqrt(1 - t^2) on each piece (n,)."""
         left, right = sides(fixed.THETA)
         piece = np.arange(len(self.density.zones))[:, None]
-        return np.asarray(np.abs(self.density.at(piece, left, right) * np.sin(fixed.THETA)).max(axis=1))
+        return np.asarray(
+            np.abs(self.density.at(piece, left, right) * np.sin(fixed.THETA)).max(axis=1)
+        )
 
     @cached_property
     def _sines(self) -> Array:
@@ -373,12 +447,22 @@ class SlitState(Answered):
         return np.asarray(np.sin(fixed.THETA) / self._wide_sines)
 
     def _errors_over(self, sizes: Array) -> Array:
-        """Error of the density on each piece, times the wide zone's sqrt(1 - t^2), over these sizes (n,)."""
+        """Error of the density on each piece, times the wide zone's sqrt(1 - t^2), over these sizes
+        (n,).
+        """
         wide, zone = self.whole, self.merged.piece_zone
         sizes = np.where(sizes > 0.0, sizes, np.inf)
-        of_wide = wide.made_of(self._neglected) + self._tails + self.density_rounding + wide.linear_error + self.rest * self.size
+        of_wide = (
+            wide.made_of(self._neglected)
+            + self._tails
+            + self.density_rounding
+            + wide.linear_error
+            + self.rest * self.size
+        )
         alone, rounding = np.bincount(zone)[zone] == 1, wide.jumps_rounding[zone]
-        seen = fixed.residual_errors(self._residuals, sizes, wide.system.layout.m[zone], rounding, alone)
+        seen = fixed.residual_errors(
+            self._residuals, sizes, wide.system.layout.m[zone], rounding, alone
+        )
         return np.asarray(of_wide[zone] / sizes + seen)
 
     @cached_property
@@ -392,7 +476,9 @@ class SlitState(Answered):
 
     @property
     def _no_modes(self) -> Array:
-        """Lowest modes of the residual on the solved wide zones: none, since the points in pieces do not tell them."""
+        """Lowest modes of the residual on the solved wide zones: none, since the points in pieces
+        do not tell them.
+        """
         return np.zeros((len(self.merged.wide.solved), 0))
 
 
@@ -400,7 +486,9 @@ AnyState = State | SlitState
 AnyDensity = Density | SlitDensity
 
 
-def solve_zones(equation: Equation, zones: Zones, tolerance: float = 1e-14, sizes: Sizes | None = None) -> AnyState:
+def solve_zones(
+    equation: Equation, zones: Zones, tolerance: float = 1e-14, sizes: Sizes | None = None
+) -> AnyState:
     """`solve_fixed`, with narrow gaps between zones as slits of the wide zones that span them.
 
     Parameters
@@ -442,7 +530,11 @@ def solve_zones(equation: Equation, zones: Zones, tolerance: float = 1e-14, size
     inner.linear = sizes.linear if equation.grows else max(sizes.linear, _START)
     inner.start = not equation.grows
     inner.rough, inner.value = sizes.rough, sizes.value
-    profile, kernel, iterations = inner.profile_evaluations, inner.kernel_evaluations, inner.iterations
+    profile, kernel, iterations = (
+        inner.profile_evaluations,
+        inner.kernel_evaluations,
+        inner.iterations,
+    )
     while True:
         before = inner.iterations
         state = fixed.solve_fixed(equation, found.wide, tolerance, inner)
@@ -463,15 +555,20 @@ def solve_zones(equation: Equation, zones: Zones, tolerance: float = 1e-14, size
         inner.least = least
     if inner.carried is not None:
         told = slit_system.told(series, False)
-        inner.carried = sizes.carried = Carried.of(inner.carried.coarse, wide.system, wide.unknowns, told)
+        inner.carried = sizes.carried = Carried.of(
+            inner.carried.coarse, wide.system, wide.unknowns, told
+        )
     sizes.wide = inner
     sizes.solves += 1
     sizes.profile_evaluations += inner.profile_evaluations - profile
     sizes.kernel_evaluations += inner.kernel_evaluations - kernel
     sizes.iterations += inner.iterations - iterations
     found_state = SlitState(slit_system, wide, density, series, rest, sizes)
-    if any(here.kinks for here in slit_system.slits) and found_state.density_error > max(_CARELESS * tolerance, _SETTLED):
-        # A jump of a derivative that is not declared lies between zones by themselves, but within a wide one.
+    if any(here.kinks for here in slit_system.slits) and found_state.density_error > max(
+        _CARELESS * tolerance, _SETTLED
+    ):
+        # A jump of a derivative that is not declared lies between zones by themselves, but within a
+        # wide one.
         separate = fixed.solve_fixed(equation, zones, tolerance, sizes)
         return separate if separate.density_error < found_state.density_error else found_state
     return found_state

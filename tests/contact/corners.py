@@ -1,24 +1,28 @@
-r"""Exact contacts of profiles with corners: one zone in closed form, and many zones folded out of it.
+r"""Exact contacts of profiles with corners: one zone in closed form, and many zones folded out of
+it.
 
-**One zone** [a, b] of f' = c0 + c1 (x - m) + sum J H(x - s) + sum Q (x - s)_+ : jumps J and Q of slope and curvature at s.
-With x - a : b - x = 1 + cos(theta) : 1 - cos(theta), s at phi, a step alone has the Chebyshev series
-(2/pi) sum sin(k phi) cos(k theta)/k + phi/pi, so that (w the half width)
+**One zone** [a, b] of f' = c0 + c1 (x - m) + sum J H(x - s) + sum Q (x - s)_+ : jumps J and Q of
+slope and curvature at s. With x - a : b - x = 1 + cos(theta) : 1 - cos(theta), s at phi, a step
+alone has the Chebyshev series (2/pi) sum sin(k phi) cos(k theta)/k + phi/pi, so that (w the half
+width)
 
-    p = (E*/2 pi) sum J kappa(theta, phi) + (E* w/2 pi) sum Q [(t - cos phi) kappa + phi sin(theta)] + (E* w/2) c1 sin(theta)
+    p = (E*/2 pi) sum J kappa(theta, phi) + (E* w/2 pi) sum Q [(t - cos phi) kappa + phi sin(theta)]
+    + (E* w/2) c1 sin(theta)
         + (C - D cos(theta))/sin(theta),   kappa = ln|sin((theta + phi)/2)/sin((theta - phi)/2)|,
     D = (E*/2)(mean of f' with the weight 1/(pi sin theta)),   C = D, -D at an end where p is bounded, and free at corners,
     P = (E* w/2) sum J sin(phi) + (E* w^2/4) sum Q (phi - sin(phi) cos(phi)) + pi E* w^2 c1/4 + pi w C.
 
-With a period L (no Q, no c1) the map y = tan(pi(x - m)/L)/tan A, A = pi w/L, makes Hilbert's kernel Cauchy's and a
-constant, and with psi = arccos(sin(pi(s - m)/L)/sin A)
+With a period L (no Q, no c1) the map y = tan(pi(x - m)/L)/tan A, A = pi w/L, makes Hilbert's kernel
+Cauchy's and a constant, and with psi = arccos(sin(pi(s - m)/L)/sin A)
 
     D = (E*/2)(c0 + sum J psi/pi),   the last term of p  (C - D cos(theta)/cos A)/sin(theta),
     P = (E* L/2 pi) sum J artanh(sin A sin phi) + L sin A C.
 
-**Many zones.** If a profile h(y) has the one zone [alpha, beta], pressure q and gap d, then f(x) = h(Q(x)) with a polynomial
-or trigonometric polynomial Q whose n roots of Q = y are all real for every y of the zone has the n zones Q^-1([alpha, beta]),
-the pressure |Q'| q(Q(x)) and the gap d(Q(x)), since sum_k K(x - xi_k) = Q'(x)/(Q(x) - y) over the roots xi_k: corners in
-every zone, at one level, and no two zones alike.
+**Many zones.** If a profile h(y) has the one zone [alpha, beta], pressure q and gap d, then f(x) =
+h(Q(x)) with a polynomial or trigonometric polynomial Q whose n roots of Q = y are all real for
+every y of the zone has the n zones Q^-1([alpha, beta]), the pressure |Q'| q(Q(x)) and the gap
+d(Q(x)), since sum_k K(x - xi_k) = Q'(x)/(Q(x) - y) over the roots xi_k: corners in every zone, at
+one level, and no two zones alike.
 """
 
 from __future__ import annotations
@@ -41,10 +45,12 @@ def rows(values):
 
 @dataclass(frozen=True, eq=False)
 class Bent(contact.Profile):
-    """Slope and bend at `middle`, where f = 0, and from there outwards the slope's jumps `steps` and those of its derivative `bends`:
+    """Slope and bend at `middle`, where f = 0, and from there outwards the slope's jumps `steps`
+    and those of its derivative `bends`:
 
-    f' = slope + bend (x - middle) + sum J H(x - s) + sum Q (x - s)_+ over s on the right, - J H(s - x) and + Q (s - x)_+ on the
-    left: what is flat in the middle is so to the last digit. With a period the cell begins at `start`, in a valley's corner.
+    f' = slope + bend (x - middle) + sum J H(x - s) + sum Q (x - s)_+ over s on the right, - J H(s -
+    x) and + Q (s - x)_+ on the left: what is flat in the middle is so to the last digit. With a
+    period the cell begins at `start`, in a valley's corner.
     """
 
     middle: float
@@ -68,7 +74,10 @@ class Bent(contact.Profile):
 
     def height(self, x):
         y = np.asarray(self.wrap(x)) - self.middle
-        out = y * (self.flat + 0.5 * self.bend * y) + self._beyond(x, self.steps[:, 0])[1] @ self.steps[:, 1]
+        out = (
+            y * (self.flat + 0.5 * self.bend * y)
+            + self._beyond(x, self.steps[:, 0])[1] @ self.steps[:, 1]
+        )
         side, past = self._beyond(x, self.bends[:, 0])
         out = out + 0.5 * past**2 @ (side * self.bends[:, 1])
         if self.walls is None:
@@ -94,7 +103,10 @@ class Bent(contact.Profile):
 
     @property
     def symmetric(self):
-        mirrored = (np.array_equal(of, of[::-1] * [-1.0, sign]) for of, sign in ((self.steps, 1.0), (self.bends, -1.0)))
+        mirrored = (
+            np.array_equal(of, of[::-1] * [-1.0, sign])
+            for of, sign in ((self.steps, 1.0), (self.bends, -1.0))
+        )
         cell = self.period is None or self.start == -0.5 * self.period
         return bool(self.middle == 0 and self.flat == 0 and cell and all(mirrored))
 
@@ -105,18 +117,30 @@ def polygon(x, height, period):
     slopes = -np.diff(np.append(height, height[0])) / np.diff(ends)
     k = len(x) // 2
     steps = np.column_stack((x[1:], np.diff(slopes)))
-    return Bent(0.5 * (ends[k] + ends[k + 1]), slopes[k], 0.0, steps, period=period, start=x[0], finest=float(np.diff(ends).min()))
+    return Bent(
+        0.5 * (ends[k] + ends[k + 1]),
+        slopes[k],
+        0.0,
+        steps,
+        period=period,
+        start=x[0],
+        finest=float(np.diff(ends).min()),
+    )
 
 
 def _load_of_ramp(phi):
     """phi - sin(phi) cos(phi), without cancellation for small phi."""
-    series = sum((-1) ** (k + 1) * (2 * phi) ** (2 * k + 1) / factorial(2 * k + 1) for k in range(1, 12))
+    series = sum(
+        (-1) ** (k + 1) * (2 * phi) ** (2 * k + 1) / factorial(2 * k + 1) for k in range(1, 12)
+    )
     return np.where(phi < 0.5, 0.5 * series, phi - np.sin(phi) * np.cos(phi))
 
 
 def _mean_of_ramp(phi):
     """sin(phi) - phi cos(phi), without cancellation for small phi."""
-    series = sum((-1) ** (k + 1) * 2 * k * phi ** (2 * k + 1) / factorial(2 * k + 1) for k in range(1, 12))
+    series = sum(
+        (-1) ** (k + 1) * 2 * k * phi ** (2 * k + 1) / factorial(2 * k + 1) for k in range(1, 12)
+    )
     return np.where(phi < 1, series, np.sin(phi) - phi * np.cos(phi))
 
 
@@ -124,8 +148,8 @@ def _mean_of_ramp(phi):
 class CorneredZone:
     """The contact of a `Bent` profile on one zone (a, b); see the head of this file.
 
-    The slope left of the zone is the one that puts the zone there: `profile` has it. punch: what C exceeds |D| by, for walls
-    at both ends; `tilted` D over E*/2 there.
+    The slope left of the zone is the one that puts the zone there: `profile` has it. punch: what C
+    exceeds |D| by, for walls at both ends; `tilted` D over E*/2 there.
     """
 
     zone: tuple[float, float]
@@ -151,7 +175,11 @@ class CorneredZone:
 
     def _sine(self, distance):
         """sin(pi d/L), alone d: what stands for distances in both cases."""
-        return np.asarray(distance) if self.period is None else np.sin(np.pi / self.period * np.asarray(distance))
+        return (
+            np.asarray(distance)
+            if self.period is None
+            else np.sin(np.pi / self.period * np.asarray(distance))
+        )
 
     def _angle(self, left, right):
         """theta from the distances to the ends."""
@@ -163,11 +191,15 @@ class CorneredZone:
         return 0.5 * (self.zone[0] + self.zone[1])
 
     def _from_end(self, places):
-        """Angles of jumps from the end of their own half of the zone, 0 beyond it, and the signs of their sides."""
+        """Angles of jumps from the end of their own half of the zone, 0 beyond it, and the signs of
+        their sides.
+        """
         a, b = self.zone
         s = np.clip(places, a, b)
         left = s < self.middle
-        return self._angle(np.where(left, b - s, s - a), np.where(left, s - a, b - s)), np.where(left, -1.0, 1.0)
+        return self._angle(np.where(left, b - s, s - a), np.where(left, s - a, b - s)), np.where(
+            left, -1.0, 1.0
+        )
 
     @property
     def turn(self):
@@ -178,18 +210,28 @@ class CorneredZone:
     def cosine(self):
         """cos A, from the gap between the zone and its next image."""
         a, b = self.zone
-        return 1.0 if self.period is None else np.sin(0.5 * np.pi / self.period * (a + self.period - b))
+        return (
+            1.0
+            if self.period is None
+            else np.sin(0.5 * np.pi / self.period * (a + self.period - b))
+        )
 
     @cached_property
     def profile(self):
-        """The profile that has its contact here; a periodic one has a valley's corner where it closes, outside the zone."""
+        """The profile that has its contact here; a periodic one has a valley's corner where it
+        closes, outside the zone.
+        """
         a, b = self.zone
         side, bent = self._from_end(self.steps[:, 0])[1], self._from_end(self.bends[:, 0])[0]
         s = np.clip(self.steps[:, 0], a, b)
         # From sin(A - u) sin(A + u) = sin^2 A - sin^2 u; from the end of its own half, as phi.
-        psi = np.arctan2(np.sqrt(self._sine(s - a) * self._sine(b - s)), self._sine(np.abs(s - self.middle)))
+        psi = np.arctan2(
+            np.sqrt(self._sine(s - a) * self._sine(b - s)), self._sine(np.abs(s - self.middle))
+        )
         # Sums of their own, so that what is the same on both sides leaves nothing.
-        mean = (self.steps[:, 1] * side * psi).sum() + self.half * (self.bends[:, 1] * _mean_of_ramp(bent)).sum()
+        mean = (self.steps[:, 1] * side * psi).sum() + self.half * (
+            self.bends[:, 1] * _mean_of_ramp(bent)
+        ).sum()
         flat = self.tilted - mean / np.pi
         walls = self.zone if self.punch > 0 else None
         if self.period is None:
@@ -198,7 +240,9 @@ class CorneredZone:
         first = flat - J[at < self.middle].sum()
         # first L + sum J (v - s) = 0 at the right border v of the cell
         v = (J @ at - first * self.period) / J.sum() if len(J) else b + 0.5 * (self.period - b + a)
-        assert b < v < a + self.period and np.all((at > v - self.period) & (at < v)), "the valley falls into the zone"
+        assert b < v < a + self.period and np.all((at > v - self.period) & (at < v)), (
+            "the valley falls into the zone"
+        )
         return Bent(self.middle, flat, 0.0, self.steps, NONE, self.period, v - self.period, walls)
 
     @property
@@ -217,7 +261,9 @@ class CorneredZone:
             bounded = E * self.period / (2 * np.pi) * J[inside] @ grown
             return float(bounded + self.period * np.sin(self.turn) * self.excess)
         at, side = self._from_end(self.bends[:, 0])
-        curved = 0.25 * E * w**2 * (self.bends[:, 1] @ (side * _load_of_ramp(at)) + np.pi * self.bend)
+        curved = (
+            0.25 * E * w**2 * (self.bends[:, 1] @ (side * _load_of_ramp(at)) + np.pi * self.bend)
+        )
         return float(0.5 * E * w * J @ np.sin(phi) + curved + np.pi * w * self.excess)
 
     def pressure_at(self, t, zone=0):
@@ -240,17 +286,24 @@ class CorneredZone:
             return out + (self.excess - lean * np.cos(theta)) / np.sin(theta)
 
     def _kappa(self, left, right, s):
-        """kappa at distances from the ends for a jump at s, 0 outside the zone, and x - s; from the distances, which keep digits."""
+        """kappa at distances from the ends for a jump at s, 0 outside the zone, and x - s; from the
+        distances, which keep digits.
+        """
         a, b = self.zone
         away = left - (s - a)
         if not a < s < b:
             return np.zeros_like(left), away
-        up, down = np.sqrt(self._sine(right) * self._sine(s - a)), np.sqrt(self._sine(left) * self._sine(b - s))
+        up, down = (
+            np.sqrt(self._sine(right) * self._sine(s - a)),
+            np.sqrt(self._sine(left) * self._sine(b - s)),
+        )
         small, large = np.minimum(up, down), np.maximum(up, down)
         with np.errstate(divide="ignore", invalid="ignore"):
             # up^2 - down^2 = sin(b - a) sin(s - x)
             near = np.log((up + down) ** 2 / np.abs(self._sine(b - a) * self._sine(away)))
-            return np.where(small < 0.5 * large, 2 * np.arctanh(np.minimum(small / large, 0.5)), near), away
+            return np.where(
+                small < 0.5 * large, 2 * np.arctanh(np.minimum(small / large, 0.5)), near
+            ), away
 
     def pressure(self, x):
         x = np.asarray(x, dtype=float)
@@ -266,7 +319,11 @@ class CorneredZone:
     @property
     def max_pressure(self):
         a, b = self.zone
-        infinite = self.punch > 0 or self.tilted != 0 or np.any((self.steps[:, 0] > a) & (self.steps[:, 0] < b))
+        infinite = (
+            self.punch > 0
+            or self.tilted != 0
+            or np.any((self.steps[:, 0] > a) & (self.steps[:, 0] < b))
+        )
         return np.inf if infinite else float(np.max(self.pressure_at(np.linspace(-1, 1, 20001))))
 
 
@@ -346,7 +403,9 @@ class FoldedProfile(contact.Profile):
 
     @property
     def jumps(self):
-        """f'' = h'' Q'^2 + h' Q'', f''' = h''' Q'^3 + 3 h'' Q' Q'' + h' Q''', each jump with the sign of Q'."""
+        """f'' = h'' Q'^2 + h' Q'', f''' = h''' Q'^3 + 3 h'' Q' Q'' + h' Q''', each jump with the
+        sign of Q'.
+        """
         out = []
         for x, J, Q in self._places:
             d = [self.map_.derivative(x, n) for n in (1, 2, 3)]
@@ -411,4 +470,6 @@ class FoldedContact:
     def max_pressure(self):
         if np.isinf(self.base.max_pressure):
             return np.inf
-        return float(np.max([self.pressure_at(np.linspace(-1, 1, 20001), k) for k in range(len(self.zones))]))
+        return float(
+            np.max([self.pressure_at(np.linspace(-1, 1, 20001), k) for k in range(len(self.zones))])
+        )

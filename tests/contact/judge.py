@@ -23,12 +23,16 @@ def unit_pressure(solution):
 
 
 def counterparts(solution, exact):
-    """Zones of the solution in the order of the exact ones and moved to them: a left end at the border may round across it."""
+    """Zones of the solution in the order of the exact ones and moved to them: a left end at the
+    border may round across it.
+    """
     assert solution.zones.shape == exact.zones.shape
     order, zones = np.arange(len(exact.zones)), solution.zones
     if solution.scene.period is None:
         return order, zones
-    first = np.argmin(np.abs((zones[:, 0] - exact.zones[0, 0]) / solution.scene.period % 1.0 - 0.5) * -1.0)
+    first = np.argmin(
+        np.abs((zones[:, 0] - exact.zones[0, 0]) / solution.scene.period % 1.0 - 0.5) * -1.0
+    )
     order = np.roll(order, -first)
     turns = np.round((exact.zones[:, 0] - zones[order, 0]) / solution.scene.period)
     return order, zones[order] + solution.scene.period * turns[:, None]
@@ -37,7 +41,10 @@ def counterparts(solution, exact):
 def pressure_error(solution, exact, t=T):
     """Largest difference of the pressures at equal position in corresponding zones, over the peak."""
     order, _ = counterparts(solution, exact)
-    off = [np.max(np.abs(solution.pressure_at(t, k) - exact.pressure_at(t, i))) for i, k in enumerate(order)]
+    off = [
+        np.max(np.abs(solution.pressure_at(t, k) - exact.pressure_at(t, i)))
+        for i, k in enumerate(order)
+    ]
     return max(off) / unit_pressure(exact)
 
 

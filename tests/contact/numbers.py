@@ -1,7 +1,8 @@
 """The numbers of a solution by quadrature of its own fields: nothing of how the solver finds them.
 
-Zones and gaps are cut where the profile or one of its derivatives jumps; on each panel double-exponential quadrature takes roots and
-logarithms at its ends for what they are (H. Takahasi and M. Mori, Publ. RIMS 9 (1974) 721-741).
+Zones and gaps are cut where the profile or one of its derivatives jumps; on each panel
+double-exponential quadrature takes roots and logarithms at its ends for what they are (H. Takahasi
+and M. Mori, Publ. RIMS 9 (1974) 721-741).
 """
 
 from __future__ import annotations
@@ -14,10 +15,18 @@ WEIGHT = (_S[1] - _S[0]) * np.pi * np.cosh(_S) * LEFT * RIGHT
 
 
 def breaks_in(solution, lo, hi):
-    """[lo, places at which something of the profile jumps and no more than its resolution apart, hi]."""
+    """[lo, places at which something of the profile jumps and no more than its resolution apart,
+    hi].
+    """
     profile = solution.scene.profile
-    finest = 0 if len(profile.breakpoints) or profile.resolution is None else int(2 * (hi - lo) / profile.resolution)
-    at = np.concatenate((profile.breakpoints, lo + (hi - lo) * np.arange(1, finest) / max(finest, 1)))
+    finest = (
+        0
+        if len(profile.breakpoints) or profile.resolution is None
+        else int(2 * (hi - lo) / profile.resolution)
+    )
+    at = np.concatenate(
+        (profile.breakpoints, lo + (hi - lo) * np.arange(1, finest) / max(finest, 1))
+    )
     if solution.scene.period is not None and len(at):
         at = at + np.ceil((lo - at) / profile.period) * profile.period
     # A panel a rounding wide holds nothing.
@@ -42,7 +51,9 @@ def zone_loads(solution):
 
 
 def moment(solution):
-    return sum(float(x @ load) for x, load in (pressures(solution, k) for k in range(len(solution.zones))))
+    return sum(
+        float(x @ load) for x, load in (pressures(solution, k) for k in range(len(solution.zones)))
+    )
 
 
 def open_intervals(solution):
@@ -66,6 +77,12 @@ def approach(solution, x):
     for k in range(len(solution.zones)):
         xi, load = pressures(solution, k)
         d = x - xi
-        log = np.log(np.abs(d / scene.interaction.datum) if scene.period is None else np.abs(2 * np.sin(np.pi * d / scene.period)))
+        log = np.log(
+            np.abs(d / scene.interaction.datum)
+            if scene.period is None
+            else np.abs(2 * np.sin(np.pi * d / scene.period))
+        )
         u -= 2 / (np.pi * scene.E_star) * float(log @ load)
-    return u + float(scene.profile.height(x) - solution.fields.problem.lowest) - float(solution.gap(x))
+    return (
+        u + float(scene.profile.height(x) - solution.fields.problem.lowest) - float(solution.gap(x))
+    )

@@ -1,13 +1,16 @@
-"""Forms of the paper that only proofs take: the pressure of a round spot, (1) and (3), and the principle for any shape, (6)-(17), by
-quadrature, what the paper prints where that does not hold, and Johnson's almost full contact, which its results name.
+"""Forms of the paper that only proofs take: the pressure of a round spot, (1) and (3), and the
+principle for any shape, (6)-(17), by quadrature, what the paper prints where that does not hold,
+and Johnson's almost full contact, which its results name.
 
-I. G. Goryacheva & I. Tsukanov, Front. Mech. Eng. 6 (2020) 45, doi 10.3389/fmech.2020.00045. The rest of the surface is its
-nominal pressure P_s/L outside a strip of width L, which bends the half-plane under the zone by
+I. G. Goryacheva & I. Tsukanov, Front. Mech. Eng. 6 (2020) 45, doi 10.3389/fmech.2020.00045. The
+rest of the surface is its nominal pressure P_s/L outside a strip of width L, which bends the
+half-plane under the zone by
 
     (13) h'(x) = f'(x) + (4 P_s/pi E* L) artanh(2x/L),
 
-and the zone is then an isolated one under h. Where print and proof differ, the plain name is the proved form and the name
-that begins with `printed` (or `Printed`) is what the paper says, so that both can be computed.
+and the zone is then an isolated one under h. Where print and proof differ, the plain name is the
+proved form and the name that begins with `printed` (or `Printed`) is what the paper says, so that
+both can be computed.
 """
 
 from __future__ import annotations
@@ -25,7 +28,8 @@ from contact.reference.exact.pair import tips_slope
 
 
 def strip_slope(x, strip, period, mean_pressure, E_star):
-    """(12) summed: the slope u'(x) that pressure p on strips |x| < b, once in every period, gives the half-plane,
+    """(12) summed: the slope u'(x) that pressure p on strips |x| < b, once in every period, gives
+    the half-plane,
 
     u' = -(2 p/pi E*) ln|sin(pi (x + b)/L)/sin(pi (x - b)/L)|,   strip = 2b;
 
@@ -37,19 +41,26 @@ def strip_slope(x, strip, period, mean_pressure, E_star):
 
 
 def printed_strip_slope(x, strip, period, mean_pressure, terms=4000):
-    """(12) as printed, u' = (4 p/pi) sum sin(2 pi n b/L) sin(2 pi n x/L)/n: without 1/E* and with the other sign."""
+    """(12) as printed, u' = (4 p/pi) sum sin(2 pi n b/L) sin(2 pi n x/L)/n: without 1/E* and with
+    the other sign.
+    """
     n = np.arange(1, terms + 1)
     waves = np.sin(2.0 * pi / period * np.multiply.outer(np.asarray(x, dtype=float), n))
     return np.asarray(4.0 / pi * mean_pressure * (waves @ (np.sin(pi * n * strip / period) / n)))
 
 
 def neighbour_slope(x, period, nominal_load, E_star):
-    """f2'(x) of (10) and (13): (4 P_s/pi E* L) artanh(2x/L), the bend by the pressure outside the strip."""
-    return np.asarray(4.0 * nominal_load / (pi * E_star * period) * np.arctanh(2.0 / period * np.asarray(x)))
+    """f2'(x) of (10) and (13): (4 P_s/pi E* L) artanh(2x/L), the bend by the pressure outside the
+    strip.
+    """
+    return np.asarray(
+        4.0 * nominal_load / (pi * E_star * period) * np.arctanh(2.0 / period * np.asarray(x))
+    )
 
 
 def cauchy_slope(pressure_at, half_width, E_star, t):
-    """(6) for h': (2/pi E*) PV int p(xi)/(x - xi) dxi at x = a t, for a pressure bounded at both ends.
+    """(6) for h': (2/pi E*) PV int p(xi)/(x - xi) dxi at x = a t, for a pressure bounded at both
+    ends.
 
     pressure_at: p as a function of t in [-1, 1].
     """
@@ -58,7 +69,9 @@ def cauchy_slope(pressure_at, half_width, E_star, t):
     # p/sin(phi) is smooth: sqrt(1 - t^2) U_j has the transform T_(j+1).
     coefficients = 2.0 / n * (np.sin(np.outer(np.arange(1, n), phi)) @ pressure_at(np.cos(phi)))
     angle = np.arccos(np.asarray(t, dtype=float))
-    return np.asarray(2.0 / E_star * (np.cos(np.multiply.outer(angle, np.arange(1, n))) @ coefficients))
+    return np.asarray(
+        2.0 / E_star * (np.cos(np.multiply.outer(angle, np.arange(1, n))) @ coefficients)
+    )
 
 
 def printed_cauchy_slope(pressure_at, half_width, E_star, t):
@@ -86,15 +99,24 @@ class LocalizedShape:
     def isolated_load(self):
         """P0, the first term of (16)."""
         angle, x = 0.5 * pi * FROM_LEFT, self.half_width * np.sin(0.5 * pi * FROM_LEFT)
-        return float(self.E_star * np.sum(0.5 * pi * WEIGHT * self.slope(x) * self.half_width * np.sin(angle)))
+        return float(
+            self.E_star
+            * np.sum(0.5 * pi * WEIGHT * self.slope(x) * self.half_width * np.sin(angle))
+        )
 
     @property
     def load(self):
         """(16) with the closure's P_s."""
         if self.closure == FIRST_ORDER:
-            return self.isolated_load + correction_load(self.half_width, self.period, self.isolated_load)
+            return self.isolated_load + correction_load(
+                self.half_width, self.period, self.isolated_load
+            )
         a = self.half_width
-        return self.isolated_load * self.period / sqrt((self.period - 2.0 * a) * (self.period + 2.0 * a))
+        return (
+            self.isolated_load
+            * self.period
+            / sqrt((self.period - 2.0 * a) * (self.period + 2.0 * a))
+        )
 
     @property
     def nominal_load(self):
@@ -111,11 +133,15 @@ class LocalizedShape:
         return self.slope(x) + neighbour_slope(x, self.period, self.nominal_load, self.E_star)
 
     def printed_contact_slope(self, x):
-        """h' by (8) as printed, h = delta - (f + f2): the opposite sign, with which (7) would give a negative pressure."""
+        """h' by (8) as printed, h = delta - (f + f2): the opposite sign, with which (7) would give
+        a negative pressure.
+        """
         return -self.contact_slope(x)
 
     def isolated_pressure(self, x):
-        """p0 by (7), folded onto 0 < xi < a, with f'(x) subtracted: its own integral is ln((a + q)/(a - q))."""
+        """p0 by (7), folded onto 0 < xi < a, with f'(x) subtracted: its own integral is ln((a +
+        q)/(a - q)).
+        """
         return self._inverse(np.asarray(np.abs(np.asarray(x, dtype=float))), self.slope)
 
     def pressure(self, x):
@@ -137,13 +163,16 @@ class LocalizedShape:
         q = np.sqrt((a - inside) * (a + inside))
         own = slope(inside)
         with np.errstate(divide="ignore", invalid="ignore"):
-            singular = np.where(own == 0.0, 0.0, own * 2.0 * np.arcsinh(q / np.where(inside > 0.0, inside, 0.0)))
+            singular = np.where(
+                own == 0.0, 0.0, own * 2.0 * np.arcsinh(q / np.where(inside > 0.0, inside, 0.0))
+            )
         # xi = a sin(psi); the quotient is smooth but for x = 0, so each side of x has its own rule.
         top = np.arcsin(inside / a)
         regular = np.zeros_like(inside)
         for low, width in ((np.zeros_like(top), top), (top, 0.5 * pi - top)):
             psi = low[..., None] + width[..., None] * FROM_LEFT
-            # xi - x = 2 a cos((psi + top)/2) sin((psi - top)/2), from the distance to the common end of the two parts.
+            # xi - x = 2 a cos((psi + top)/2) sin((psi - top)/2), from the distance to the common
+            # end of the two parts.
             apart = width[..., None] * (FROM_LEFT if low is top else -FROM_RIGHT)
             xi = a * np.sin(psi)
             gap = 2.0 * a * np.cos(0.5 * (psi + top[..., None])) * np.sin(0.5 * apart)
@@ -154,7 +183,8 @@ class LocalizedShape:
 
 @dataclass(frozen=True)
 class PrintedLocalizedShape(LocalizedShape):
-    """(17) as its brackets are printed: (xi - x) stands behind the integrand's fraction, as a factor, so that the first term is
+    """(17) as its brackets are printed: (xi - x) stands behind the integrand's fraction, as a
+    factor, so that the first term is
 
     (E*/2pi) sqrt(a^2 - x^2) int f'(xi) (xi - x) dxi/sqrt(a^2 - xi^2) = sqrt(a^2 - x^2) P0/pi,
 
@@ -169,8 +199,10 @@ class PrintedLocalizedShape(LocalizedShape):
 
 @dataclass(frozen=True)
 class PrintedWestergaard(Westergaard):
-    """(18) as printed: the factor sqrt(2 pi E* Delta)/L for sqrt(2) pi E* Delta/L, the root drawn too far. It has the
-    dimension of sqrt(Pa/m), and in the units at hand is 1/sqrt(pi E* Delta) of the pressure whose mean is (19)."""
+    """(18) as printed: the factor sqrt(2 pi E* Delta)/L for sqrt(2) pi E* Delta/L, the root drawn
+    too far. It has the dimension of sqrt(Pa/m), and in the units at hand is 1/sqrt(pi E* Delta) of
+    the pressure whose mean is (19).
+    """
 
     def pressure(self, x):
         """(18) as printed, 0 outside the zone."""
@@ -182,8 +214,8 @@ class PrintedWestergaard(Westergaard):
 
 @dataclass(frozen=True)
 class AlmostFullWave:
-    """K. L. Johnson (1985), sec. 13.2, almost complete contact: the gap of half-width b = L/2 - a is a crack alone in the
-    pressure of full contact, whose stress intensity vanishes,
+    """K. L. Johnson (1985), sec. 13.2, almost complete contact: the gap of half-width b = L/2 - a
+    is a crack alone in the pressure of full contact, whose stress intensity vanishes,
 
     mean pressure = p* (1 - (pi b/L)^2),   p* = pi E* Delta/L.
 
@@ -212,7 +244,9 @@ class PrintedLocalizedWedge(OneZone):
         with np.errstate(divide="ignore", invalid="ignore"):
             own = np.arccosh(np.where(inside, self.half_width / x, 1.0))
         alone = self.E_star * self.isolated.wedge_slope / pi
-        return np.where(inside, alone * own + (super().pressure(x) - self.isolated.pressure(x)), 0.0)
+        return np.where(
+            inside, alone * own + (super().pressure(x) - self.isolated.pressure(x)), 0.0
+        )
 
 
 def contact_slope(pair, x):
@@ -224,8 +258,10 @@ def contact_slope(pair, x):
 
 @dataclass(frozen=True)
 class PrintedArtanhPair(LocalizedPair):
-    """(36) as printed, on the ends of `LocalizedPair`: one integral over [a, b] with 1/(xi - x) and E*/2pi, which is the
-    corrected one without the other zone, -(E* sqrt(Z)/2pi) int_a^b h' dxi/((xi + x) sqrt(Z))."""
+    """(36) as printed, on the ends of `LocalizedPair`: one integral over [a, b] with 1/(xi - x) and
+    E*/2pi, which is the corrected one without the other zone, -(E* sqrt(Z)/2pi) int_a^b h' dxi/((xi
+    + x) sqrt(Z)).
+    """
 
     def pressure(self, x):
         """(36) as printed for a <= |x| <= b; 0 outside."""
@@ -243,13 +279,15 @@ class PrintedArtanhPair(LocalizedPair):
 
 
 def direct_kernel(r, s, a, apart=None):
-    """(3): H1(r, s) = int_0^2pi (2 s/(pi D)) arctan(sqrt(a^2 - r^2) sqrt(a^2 - s^2)/(a D)) dtheta, D^2 = r^2 - 2 r s cos theta + s^2.
+    """(3): H1(r, s) = int_0^2pi (2 s/(pi D)) arctan(sqrt(a^2 - r^2) sqrt(a^2 - s^2)/(a D)) dtheta,
+    D^2 = r^2 - 2 r s cos theta + s^2.
 
     It is infinite where r = s. apart: |r - s| where it is known better than the difference.
     """
     r, s = np.broadcast_arrays(np.asarray(r, dtype=float), np.asarray(s, dtype=float))
     d = np.abs(r - s) if apart is None else apart
-    # D^2 = d^2 + 4 r s sin^2(theta/2) is nearly singular at theta = 0: the panel ends where D has grown to sqrt(d).
+    # D^2 = d^2 + 4 r s sin^2(theta/2) is nearly singular at theta = 0: the panel ends where D has
+    # grown to sqrt(d).
     scale = np.sqrt(np.clip(d / np.maximum(r + s, 1e-300), 1e-30, 1.0))
     theta, weight = panels([np.zeros_like(d), pi * scale**2, pi * scale, np.full_like(d, pi)])
     D = np.sqrt(d[..., None] ** 2 + 4.0 * (r * s)[..., None] * np.sin(0.5 * theta) ** 2)
@@ -259,16 +297,23 @@ def direct_kernel(r, s, a, apart=None):
 
 
 def direct_pressure(profile, E_star, a, r):
-    """(1) of a spot alone, p_f(r) = (E*/4 pi) int_0^a Laplacian f(s) H1(r, s) ds, 0 < r < a, of a shape without edges.
+    """(1) of a spot alone, p_f(r) = (E*/4 pi) int_0^a Laplacian f(s) H1(r, s) ds, 0 < r < a, of a
+    shape without edges.
 
-    Nothing of the Abel transforms is used. The paper prints E*/(4 pi^2); with H1 as printed f = r^2/(2R) gives Hertz only with
-    E*/(4 pi).
+    Nothing of the Abel transforms is used. The paper prints E*/(4 pi^2); with H1 as printed f =
+    r^2/(2R) gives Hertz only with E*/(4 pi).
     """
     total = np.zeros(r.shape)
     for width, border, sign in ((r, 0.0, -1.0), (a - r, a, 1.0)):
         # On either side of r, by the distance from it.
         apart = width[..., None] * FROM_LEFT
-        s = np.where(FROM_RIGHT < 0.5, border - sign * width[..., None] * FROM_RIGHT, r[..., None] + sign * apart)
+        s = np.where(
+            FROM_RIGHT < 0.5,
+            border - sign * width[..., None] * FROM_RIGHT,
+            r[..., None] + sign * apart,
+        )
         kernel = direct_kernel(np.broadcast_to(r[..., None], s.shape), s, a, apart)
-        total = total + np.sum(width[..., None] * WEIGHT * profile.r_laplacian(s) / s * kernel, axis=-1)
+        total = total + np.sum(
+            width[..., None] * WEIGHT * profile.r_laplacian(s) / s * kernel, axis=-1
+        )
     return E_star / (4.0 * pi) * total

@@ -1,5 +1,5 @@
-"""Singular quadrature that knows neither the engine nor the closed forms: the laws exact solutions are held
-to.
+"""Singular quadrature that knows neither the engine nor the closed forms: the laws exact solutions
+are held to.
 
 Only `pressure_at(t, zone)`, `pressure(x)`, `zones` and `period` of a solution are used.
 """
@@ -14,8 +14,9 @@ FOLD_WEIGHT = 0.06 * np.pi * np.cosh(FOLD) * FOLD_LEFT * (1.0 - FOLD_LEFT)
 
 
 def zone_rule(solution, zone, nodes):
-    """Angles, centre, half-width and p dx weights of Gauss-Chebyshev in one zone, for free and for sharp
-    ends."""
+    """Angles, centre, half-width and p dx weights of Gauss-Chebyshev in one zone, for free and for
+    sharp ends.
+    """
     a, b = solution.zones[zone]
     phi = (np.arange(nodes) + 0.5) * np.pi / nodes
     half = 0.5 * (b - a)
@@ -31,8 +32,9 @@ def load_of(solution, nodes=400):
 
 
 def transform(solution, zone, period, nodes=400, points=9):
-    """x and (1/pi) PV int p K dxi at points of a zone halfway between nodes, where the rule holds for PV
-    integrals."""
+    """x and (1/pi) PV int p K dxi at points of a zone halfway between nodes, where the rule holds
+    for PV integrals.
+    """
     step = max(nodes // (points + 1), 1)
     psi = np.arange(1, nodes, step) * np.pi / nodes
     _, centre, half, _ = zone_rule(solution, zone, 1)
@@ -54,8 +56,9 @@ def kernel(d, period):
 
 
 def folded_transform(solution, x, breaks):
-    """(1/pi) PV int p K dxi at one x by folding about it: int_0 [p(x - s) - p(x + s)] K(s) ds, broken at
-    `breaks`."""
+    """(1/pi) PV int p K dxi at one x by folding about it: int_0 [p(x - s) - p(x + s)] K(s) ds,
+    broken at `breaks`.
+    """
     period = solution.period
     breaks = np.asarray(breaks, dtype=float)
     if period is None:
@@ -75,7 +78,9 @@ def folded_transform(solution, x, breaks):
 
 
 def displacement_of(solution, x, nodes=400):
-    """u(x) outside the zones: -(2/pi E*) int p ln|2 sin(pi (x - xi)/L)| dxi, alone ln|(x - xi)/datum|."""
+    """u(x) outside the zones: -(2/pi E*) int p ln|2 sin(pi (x - xi)/L)| dxi, alone ln|(x -
+    xi)/datum|.
+    """
     total = np.zeros_like(x)
     for k in range(len(solution.zones)):
         phi, middle, half, weight = zone_rule(solution, k, nodes)

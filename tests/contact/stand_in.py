@@ -1,7 +1,9 @@
-"""A solution made of closed forms, for what only reads solutions: Westergaard's contact, repeated or one wave of it.
+"""A solution made of closed forms, for what only reads solutions: Westergaard's contact, repeated
+or one wave of it.
 
-p = (2 pi E* D/L) cos(pi x/L) sqrt(S^2 - s^2) on |x| < a, with s = sin(pi x/L), S = sin(pi a/L); the gap outside is
-2 D (s sqrt(s^2 - S^2) - S^2 arcosh(s/S)) (Johnson 1985, section 13.2; Goryacheva & Tsukanov 2020, (18)-(19)).
+p = (2 pi E* D/L) cos(pi x/L) sqrt(S^2 - s^2) on |x| < a, with s = sin(pi x/L), S = sin(pi a/L); the
+gap outside is 2 D (s sqrt(s^2 - S^2) - S^2 arcosh(s/S)) (Johnson 1985, section 13.2; Goryacheva &
+Tsukanov 2020, (18)-(19)).
 """
 
 from __future__ import annotations
@@ -38,7 +40,9 @@ class StandIn:
     tilt: float | None = None
     moment: float | None = None
     rotational_stiffness: float | None = None
-    certificate: StandInReport = StandInReport({"smallest_pressure": np.float64(0.0), "largest_gap": np.inf})
+    certificate: StandInReport = StandInReport(
+        {"smallest_pressure": np.float64(0.0), "largest_gap": np.inf}
+    )
     plan: StandInReport = StandInReport({"rows": [{"name": "search", "used": False}]})
     warnings: tuple[str, ...] = ()
 

@@ -1,5 +1,6 @@
-"""Hypothesis strategies of exact contact problems; every draw is a function of a few bounded numbers, so it
-shrinks."""
+"""Hypothesis strategies of exact contact problems; every draw is a function of a few bounded
+numbers, so it shrinks.
+"""
 
 from __future__ import annotations
 
@@ -27,12 +28,16 @@ def designed_contacts(draw, min_zones=1, max_zones=12, periodic=None, nearest=0.
     repeats = draw(st.booleans()) if periodic is None else periodic
     E_star = 10.0 ** draw(st.floats(-1.0, 11.0))
     strain = 10.0 ** draw(st.floats(-3.0, -1.0))
-    steps = np.stack([gaps * (1.0 - share) / np.sum(gaps), widths * share / np.sum(widths)], axis=1).ravel()
+    steps = np.stack(
+        [gaps * (1.0 - share) / np.sum(gaps), widths * share / np.sum(widths)], axis=1
+    ).ravel()
     unit = np.cumsum(steps).reshape(count, 2) + shift
     if repeats:
         unit = unit - np.floor(unit[:, :1] + 0.5)
         unit = unit[np.argsort(unit[:, 0])]
-    problem: DesignedContact = design(cell * unit, E_star, strain * E_star * cell, cell if repeats else None)
+    problem: DesignedContact = design(
+        cell * unit, E_star, strain * E_star * cell, cell if repeats else None
+    )
     return problem
 
 
@@ -40,7 +45,13 @@ def designed_contacts(draw, min_zones=1, max_zones=12, periodic=None, nearest=0.
 def adhesive_designs(draw, periodic=None):
     """One to six unlike zones, by a seed; the pull of adhesion from weak to stronger than the load."""
     seed, count = draw(st.integers(0, 10**6)), draw(st.integers(1, 6))
-    period = draw(st.sampled_from((1.0, 1e-4))) if (draw(st.booleans()) if periodic is None else periodic) else None
+    period = (
+        draw(st.sampled_from((1.0, 1e-4)))
+        if (draw(st.booleans()) if periodic is None else periodic)
+        else None
+    )
     pull = 10.0 ** draw(st.floats(-3.0, 0.5))
     E_star = 10.0 ** draw(st.floats(-1.0, 11.0))
-    return random_adhesive_problem(np.random.default_rng(seed), count, period, pull=pull, E_star=E_star)
+    return random_adhesive_problem(
+        np.random.default_rng(seed), count, period, pull=pull, E_star=E_star
+    )

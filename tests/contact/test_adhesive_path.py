@@ -18,12 +18,24 @@ E, DELTA, WORK = 1.0, 0.01, 1e-5
 WAVE = exact.JKRWave(DELTA, 1.0, E, WORK)
 CYLINDER = exact.JKRCylinder(1.0, E, 1e-6, datum=1.0)
 SCENES = {
-    "wave": contact.Scene(contact.Sinusoid(DELTA, 1.0), E, contact.Periodic(), law=contact.JKR(WORK), load=0.0),
-    "cylinder": contact.Scene(contact.Parabola(1.0), E, contact.Isolated(datum=1.0), law=contact.JKR(1e-6), load=0.0),
+    "wave": contact.Scene(
+        contact.Sinusoid(DELTA, 1.0), E, contact.Periodic(), law=contact.JKR(WORK), load=0.0
+    ),
+    "cylinder": contact.Scene(
+        contact.Parabola(1.0), E, contact.Isolated(datum=1.0), law=contact.JKR(1e-6), load=0.0
+    ),
 }
 LOOPS = {
-    "wave": {"load": [-2e-3, 4e-3, -2e-3], "approach": [-4e-3, 6e-3, -4e-3], "spring": [-0.05, 0.02, -0.05]},
-    "cylinder": {"load": [-1e-3, 1e-3, -1e-3], "approach": [-1e-2, 1e-3, -1e-2], "spring": [-0.01, 1e-3, -0.01]},
+    "wave": {
+        "load": [-2e-3, 4e-3, -2e-3],
+        "approach": [-4e-3, 6e-3, -4e-3],
+        "spring": [-0.05, 0.02, -0.05],
+    },
+    "cylinder": {
+        "load": [-1e-3, 1e-3, -1e-3],
+        "approach": [-1e-2, 1e-3, -1e-2],
+        "spring": [-0.01, 1e-3, -0.01],
+    },
 }
 STIFF = {"wave": 0.2, "cylinder": 0.05}
 REFERENCES = {"wave": WAVE, "cylinder": CYLINDER}
@@ -36,11 +48,17 @@ def loop(body, held):
 
 
 def value(state, held, stiffness):
-    return {"load": state.load, "approach": state.approach, "spring": state.approach + state.load / stiffness}[held]
+    return {
+        "load": state.load,
+        "approach": state.approach,
+        "spring": state.approach + state.load / stiffness,
+    }[held]
 
 
 def half_widths(body, held):
-    """Of the closed forms: where the control has its minimum, after the jump from first touch, and at the greatest value."""
+    """Of the closed forms: where the control has its minimum, after the jump from first touch, and
+    at the greatest value.
+    """
     reference, stiffness = REFERENCES[body], STIFF[body]
 
     def of(a):
@@ -48,14 +66,17 @@ def half_widths(body, held):
 
     a = np.geomspace(1e-4, 0.45, 400) if body == "wave" else np.geomspace(1e-4, 0.3, 400)
     values = np.array([of(x) for x in a])
-    low = int(np.argmin(values[: 300]))
+    low = int(np.argmin(values[:300]))
 
     def slope(x):
         return (of(x * (1 + 1e-5)) - of(x * (1 - 1e-5))) / (2e-5 * x)
 
     least = brentq(slope, a[low - 2], a[low + 2], xtol=1e-14)
     top = low + int(np.flatnonzero(values[low:] > LOOPS[body][held][1])[0])
-    reach = [brentq(lambda x, v=v: of(x) - v, least, a[top], xtol=1e-15) for v in (0.0, LOOPS[body][held][1])]
+    reach = [
+        brentq(lambda x, v=v: of(x) - v, least, a[top], xtol=1e-15)
+        for v in (0.0, LOOPS[body][held][1])
+    ]
     return least, *reach
 
 
@@ -65,7 +86,11 @@ def work(reference, first, last):
     a = 0.5 * (first + last) + 0.5 * (last - first) * t
     states, (start, end) = [reference.at(x) for x in a], (reference.at(first), reference.at(last))
     slopes = [reference._rates(x)[0] for x in a]
-    by_parts = 0.5 * (last - first) * sum(w * s * r.approach for w, s, r in zip(weights, slopes, states, strict=True))
+    by_parts = (
+        0.5
+        * (last - first)
+        * sum(w * s * r.approach for w, s, r in zip(weights, slopes, states, strict=True))
+    )
     return end.load * end.approach - start.load * start.approach - by_parts
 
 
@@ -76,10 +101,13 @@ def test_a_loop_loses_the_work_of_its_load_by_the_closed_forms(body, held):
     least, touched, top = half_widths(body, held)
     jump_in, pull_off = found.events
     assert (jump_in.kind, pull_off.kind) == ("jump-in", "pull-off")
-    assert jump_in.value == 0.0 and pull_off.value == pytest.approx(value(reference.at(least), held, STIFF[body]), rel=1e-10)
+    assert jump_in.value == 0.0 and pull_off.value == pytest.approx(
+        value(reference.at(least), held, STIFF[body]), rel=1e-10
+    )
     assert jump_in.after[0, 1] == pytest.approx(touched, rel=1e-9)
     assert pull_off.before[0, 1] == pytest.approx(least, rel=1e-6)
-    # The load's work over the loop: on the curve, on the jumps' straight lines, and of a dead load until no approach holds any more.
+    # The load's work over the loop: on the curve, on the jumps' straight lines, and of a dead load
+    # until no approach holds any more.
     on, off = reference.at(touched), reference.at(least)
     done = work(reference, touched, top) + work(reference, top, least) + 0.5 * on.load * on.approach
     if held == "spring":
@@ -95,47 +123,72 @@ def test_a_loop_loses_the_work_of_its_load_by_the_closed_forms(body, held):
 def test_every_point_of_a_loop_has_its_error_its_certificate_and_its_way(held):
     found = loop("wave", held)
     below, top, again = found.solutions
-    assert below.load == again.load == 0.0 and below.contact_fraction == 0.0 and len(below.zones) == 0
+    assert (
+        below.load == again.load == 0.0 and below.contact_fraction == 0.0 and len(below.zones) == 0
+    )
     assert below.energy.total == 0.0 and np.all(below.pressure([0.0, 0.3]) == 0.0)
     twice = contact.path(SCENES["cylinder"], [1e-3, 0.0, 0.0]).solutions
     assert [solution.branch for solution in twice] == ["advancing", "receding", "receding"]
-    assert (top.branch, again.branch) == ("advancing", "receding") and "raised" in top.plan["branch"].detail
+    assert (top.branch, again.branch) == ("advancing", "receding") and "raised" in top.plan[
+        "branch"
+    ].detail
     assert top.error <= 1e-8 and top.certificate.holds and top.certificate.stability > 0.0
     least = value(WAVE.at(top.zones[0, 1]), held, STIFF["wave"])
     assert least == pytest.approx(LOOPS["wave"][held][1], rel=1e-9)
     pull_off = top.pull_off
-    assert value(WAVE.at(pull_off.zones[0, 1]), held, STIFF["wave"]) == pytest.approx(found.events[-1].value, rel=1e-9)
+    assert value(WAVE.at(pull_off.zones[0, 1]), held, STIFF["wave"]) == pytest.approx(
+        found.events[-1].value, rel=1e-9
+    )
 
 
 def test_a_spring_pulls_off_between_a_held_approach_and_a_held_load():
-    ends = [contact.path(SCENES["cylinder"], [0.0, -1.0], stiffness=k).events[-1] for k in (1e3, 1e-3)]
+    ends = [
+        contact.path(SCENES["cylinder"], [0.0, -1.0], stiffness=k).events[-1] for k in (1e3, 1e-3)
+    ]
     assert ends[0].approach == pytest.approx(CYLINDER.pull_off(0.0).approach, rel=1e-3)
     assert ends[1].load == pytest.approx(CYLINDER.pull_off_load, rel=1e-3)
 
 
 def test_a_jump_into_full_contact_is_johnsons_and_full_contact_does_not_open_again():
     wave = exact.JKRWave(DELTA, 1.0, E, 3e-5)
-    scene = contact.Scene(contact.Sinusoid(DELTA, 1.0), E, contact.Periodic(), law=contact.JKR(3e-5), load=0.0)
+    scene = contact.Scene(
+        contact.Sinusoid(DELTA, 1.0), E, contact.Periodic(), law=contact.JKR(3e-5), load=0.0
+    )
     found = contact.path(scene, [0.0, 0.03, -0.5])
     (event,) = found.events
     last = wave.jump_into_full_contact
     assert event.kind == "full" and event.value == pytest.approx(last.load, rel=1e-10)
     lost = last.energy - wave.full_contact_energy + last.load * (DELTA - last.approach)
     assert event.lost == pytest.approx(lost, rel=1e-8)
-    assert [len(s.zones) for s in found.solutions] == [1, 0, 0] and found.solutions[-1].contact_fraction == 1.0
-    assert found.work == pytest.approx(found.solutions[-1].energy.total - found.solutions[0].energy.total + event.lost, rel=1e-12)
+    assert [len(s.zones) for s in found.solutions] == [1, 0, 0] and found.solutions[
+        -1
+    ].contact_fraction == 1.0
+    assert found.work == pytest.approx(
+        found.solutions[-1].energy.total - found.solutions[0].energy.total + event.lost, rel=1e-12
+    )
     # A flaw of half width c has K = tension sqrt(c/2).
     flaw = 2 * E * 3e-5 / np.pi / found.solutions[-1].certificate.smallest_pressure ** 2
     assert f"half width {flaw * 1e6:.3g} µm would open" in found.solutions[-1].certificate.note
     # Under a spring the load is what the spring makes of the approach of full contact.
     sprung = contact.path(scene, [0.0, 0.05], stiffness=1.0)
-    assert sprung.events[-1].kind == "full" and sprung.solutions[-1].load == pytest.approx(0.05 - DELTA, rel=1e-12)
+    assert sprung.events[-1].kind == "full" and sprung.solutions[-1].load == pytest.approx(
+        0.05 - DELTA, rel=1e-12
+    )
 
 
-@pytest.mark.parametrize("law", [contact.JKR(1e-3), contact.Dugdale(1e-2, 1e6)], ids=["JKR", "Dugdale"])
+@pytest.mark.parametrize(
+    "law", [contact.JKR(1e-3), contact.Dugdale(1e-2, 1e6)], ids=["JKR", "Dugdale"]
+)
 def test_on_a_base_the_approach_of_surfaces_that_adhesion_has_closed_tells_their_load(law):
     layer, lifted = contact.Layer(1e-4, 0.3), 3e-6
-    scene = contact.Scene(contact.Sinusoid(1e-6, 1e-4), 1e9, contact.Periodic(), law=law, substrate=layer, approach=6e-6)
+    scene = contact.Scene(
+        contact.Sinusoid(1e-6, 1e-4),
+        1e9,
+        contact.Periodic(),
+        law=law,
+        substrate=layer,
+        approach=6e-6,
+    )
     # Beyond the mean of the profile, 1 um, the layer is pressed together evenly.
     modulus = 1e9 * 1e-4 / (2 * layer.compression)
     loads = [modulus * (approach - 1e-6) for approach in (6e-6, 5e-6)]
@@ -143,9 +196,12 @@ def test_on_a_base_the_approach_of_surfaces_that_adhesion_has_closed_tells_their
         solved = contact.solve(scene, branch=branch)
         assert solved.contact_fraction == 1.0 and solved.load == pytest.approx(loads[0], rel=1e-12)
     closed = contact.path(scene, [6e-6, 5e-6], control="approach")
-    assert [s.load for s in closed.solutions] == pytest.approx(loads, rel=1e-12) and not closed.events
+    assert [s.load for s in closed.solutions] == pytest.approx(
+        loads, rel=1e-12
+    ) and not closed.events
     assert closed.work == pytest.approx(-1e-6 * np.mean(loads), rel=1e-12)
-    # Up into full contact and back: JKR's stays closed, and Dugdale's opens where its load has come down to what closed it.
+    # Up into full contact and back: JKR's stays closed, and Dugdale's opens where its load has come
+    # down to what closed it.
     up = contact.path(scene, [-lifted, 6e-6, -lifted], control="approach")
     down = contact.path(scene, [-lifted, loads[0], 0.0], control="load")
     kinds = {event.kind: event for event in up.events}
@@ -154,13 +210,21 @@ def test_on_a_base_the_approach_of_surfaces_that_adhesion_has_closed_tells_their
         assert up.solutions[-1].load == pytest.approx(modulus * (-lifted - 1e-6), rel=1e-12)
     else:
         assert up.work == pytest.approx(up.dissipated, rel=1e-8)
-        assert kinds["open"].load == pytest.approx({e.kind: e for e in down.events}["open"].load, rel=1e-9)
-    assert kinds["full"].value > 1e-6 / 2 and kinds["full"].load_after == pytest.approx(modulus * (kinds["full"].value - 1e-6), rel=1e-6)
+        assert kinds["open"].load == pytest.approx(
+            {e.kind: e for e in down.events}["open"].load, rel=1e-9
+        )
+    assert kinds["full"].value > 1e-6 / 2 and kinds["full"].load_after == pytest.approx(
+        modulus * (kinds["full"].value - 1e-6), rel=1e-6
+    )
 
 
 def test_above_the_critical_work_the_wave_closes_as_it_touches():
     scene = contact.Scene(
-        contact.Sinusoid(DELTA, 1.0), E, contact.Periodic(), law=contact.JKR(1.01 * WAVE.self_closing_work), load=0.0
+        contact.Sinusoid(DELTA, 1.0),
+        E,
+        contact.Periodic(),
+        law=contact.JKR(1.01 * WAVE.self_closing_work),
+        load=0.0,
     )
     found = contact.path(scene, [-1e-3, 1e-3])
     assert [event.kind for event in found.events] == ["full"] and found.events[0].value == 0.0
@@ -196,8 +260,12 @@ def test_a_rough_body_hangs_on_more_than_it_was_pressed_on_and_every_jump_loses_
 
 
 def test_on_the_way_up_a_path_has_the_advancing_contacts():
-    alone = contact.solve(contact.Scene(rough().profile, 1e9, contact.Periodic(), law=contact.JKR(1e-3), load=40.0))
-    assert rough_loop().solutions[2].zones == pytest.approx(alone.zones, abs=1e-8 * alone.zone_widths.min())
+    alone = contact.solve(
+        contact.Scene(rough().profile, 1e9, contact.Periodic(), law=contact.JKR(1e-3), load=40.0)
+    )
+    assert rough_loop().solutions[2].zones == pytest.approx(
+        alone.zones, abs=1e-8 * alone.zone_widths.min()
+    )
 
 
 @pytest.mark.parametrize("start", [1, 3])
@@ -212,23 +280,33 @@ def test_between_jumps_the_work_of_the_load_is_the_change_of_energy(start):
         warnings.simplefilter("ignore", contact.ModelWarning)
         piece = contact.path(rough(), values)
     one, *inner, two = piece.solutions[-8:]
-    assert one.zones == pytest.approx(first.zones, abs=1e-9 * first.zone_widths.min()) and len(one.zones) == len(two.zones)
+    assert one.zones == pytest.approx(first.zones, abs=1e-9 * first.zone_widths.min()) and len(
+        one.zones
+    ) == len(two.zones)
     by_parts = 0.5 * (last - first.load) * float(weights @ [s.approach for s in inner])
     done = two.load * two.approach - one.load * one.approach - by_parts
     assert two.energy.total - one.energy.total == pytest.approx(done, rel=1e-8)
 
 
 def test_without_a_datum_jumps_are_where_they_are_and_nothing_is_said_of_their_energy():
-    pair = contact.Scene(contact.Biquadratic(1.0, 0.2), 1.0, contact.Isolated(), law=contact.JKR(1e-6), load=0.0)
+    pair = contact.Scene(
+        contact.Biquadratic(1.0, 0.2), 1.0, contact.Isolated(), law=contact.JKR(1e-6), load=0.0
+    )
     found = contact.path(pair, [0.0, 5e-3])
-    assert [event.kind for event in found.events] == ["merge"] and found.dissipated is None is found.work
+    assert [event.kind for event in found.events] == [
+        "merge"
+    ] and found.dissipated is None is found.work
     assert found.events[0].lost is None
 
 
 def test_what_a_path_cannot_follow_is_refused_by_name():
     wave = SCENES["wave"]
     bare = contact.Scene(contact.Sinusoid(DELTA, 1.0), E, contact.Periodic(), load=1.0)
-    wrong = ({"control": "half_width"}, "control"), ({"stiffness": -1.0}, "stiffness"), ({"stiffness": 1.0, "control": "load"}, "stiffness")
+    wrong = (
+        ({"control": "half_width"}, "control"),
+        ({"stiffness": -1.0}, "stiffness"),
+        ({"stiffness": 1.0, "control": "load"}, "stiffness"),
+    )
     for kwargs, name in wrong:
         with pytest.raises(contact.SceneError, match=name):
             contact.path(wave, [0.0], **kwargs)
@@ -239,7 +317,9 @@ def test_what_a_path_cannot_follow_is_refused_by_name():
     for kwargs in ({"control": "approach"}, {"stiffness": 1.0}):
         with pytest.raises(contact.SceneError, match="frictionless"):
             contact.path(bare, [1e-3], **kwargs)
-    lone = contact.Scene(contact.Parabola(1.0), E, contact.Isolated(), law=contact.JKR(1e-6), load=0.0)
+    lone = contact.Scene(
+        contact.Parabola(1.0), E, contact.Isolated(), law=contact.JKR(1e-6), load=0.0
+    )
     with pytest.raises(contact.SceneError, match="approach"):
         contact.path(lone, [0.0], control="approach")
 
@@ -249,9 +329,16 @@ def test_the_figure_has_both_ways_every_jump_and_the_surfaces_at_pull_off():
     figure = found.plot()
     curve, surfaces = figure.axes
     told = [text.get_text() for text in curve.get_legend().get_texts()]
-    assert told == ["rising", "falling", "jump-in", "pull-off"] and surfaces.get_title() == "just before pull-off"
-    rising, falling = (line.get_ydata()[np.isfinite(line.get_ydata())] for line in curve.get_lines()[:2])
-    assert rising.max() == pytest.approx(4.0) and falling.min() == pytest.approx(1e3 * found.events[-1].load, rel=1e-9)
+    assert (
+        told == ["rising", "falling", "jump-in", "pull-off"]
+        and surfaces.get_title() == "just before pull-off"
+    )
+    rising, falling = (
+        line.get_ydata()[np.isfinite(line.get_ydata())] for line in curve.get_lines()[:2]
+    )
+    assert rising.max() == pytest.approx(4.0) and falling.min() == pytest.approx(
+        1e3 * found.events[-1].load, rel=1e-9
+    )
     x, surface, body = found.events[-1].surfaces
     a = found.events[-1].before[0, 1]
     touching, apart = np.abs(x) < a * (1 - 1e-9), np.abs(x) > a * (1 + 1e-9)
@@ -267,59 +354,111 @@ def test_what_was_followed_lies_on_the_curve_of_equilibria():
     assert len(on) > 7
     for k in on:
         state = WAVE.at(0.5 * width[k])
-        assert (load[k], approach[k]) == pytest.approx((state.load, state.approach), rel=1e-8, abs=1e-11)
+        assert (load[k], approach[k]) == pytest.approx(
+            (state.load, state.approach), rel=1e-8, abs=1e-11
+        )
 
 
 def test_surfaces_apart_are_shown_over_their_period_and_a_lone_body_s_are_not():
     below = loop("wave", "approach").solutions[0]
     surfaces, pressure = below.plot().axes
-    assert not any(np.isfinite(line.get_ydata()).any() for line in surfaces.get_lines() if line.get_label() == "contact")
+    assert not any(
+        np.isfinite(line.get_ydata()).any()
+        for line in surfaces.get_lines()
+        if line.get_label() == "contact"
+    )
     assert pressure.get_ylim() == (0.0, pytest.approx(1.08))
-    assert below.gap([0.0, 0.5]) == pytest.approx([4e-3, 4e-3 + 2 * DELTA]) and below.to_dict()["certificate"]["holds"]
+    assert (
+        below.gap([0.0, 0.5]) == pytest.approx([4e-3, 4e-3 + 2 * DELTA])
+        and below.to_dict()["certificate"]["holds"]
+    )
     with pytest.raises(contact.SceneError, match="apart"):
         loop("cylinder", "approach").solutions[0].plot()
 
 
 def test_a_pull_off_whose_end_breaks_a_symmetry_is_located_and_its_loss_left_open():
-    pair = contact.Scene(contact.Biquadratic(1.0, 0.2, period=1.0), 1.0, contact.Periodic(), law=contact.JKR(6.33e-7), load=0.0)
+    pair = contact.Scene(
+        contact.Biquadratic(1.0, 0.2, period=1.0),
+        1.0,
+        contact.Periodic(),
+        law=contact.JKR(6.33e-7),
+        load=0.0,
+    )
     found = contact.path(pair, [0.0, 1.8e-3, -0.05])
-    assert [event.kind for event in found.events] == ["merge", "pull-off"] and found.events[0].lost > 0.0
+    assert [event.kind for event in found.events] == ["merge", "pull-off"] and found.events[
+        0
+    ].lost > 0.0
     assert found.events[1].lost is None is found.dissipated and found.events[1].load < 0.0
 
 
 @pytest.mark.slow
 def test_of_two_equal_tips_under_a_held_approach_one_comes_off_where_stability_is_lost():
-    twice = contact.Scene(contact.Fourier(1.0, [0.0, -0.01], [0.0, 0.0]), 1.0, contact.Periodic(), law=contact.JKR(1e-4), approach=0.0)
+    twice = contact.Scene(
+        contact.Fourier(1.0, [0.0, -0.01], [0.0, 0.0]),
+        1.0,
+        contact.Periodic(),
+        law=contact.JKR(1e-4),
+        approach=0.0,
+    )
     one = contact.path(twice, [0.006, -0.0041], control="approach")
     (event,) = one.events
-    assert event.kind == "death" and event.lost > 0.0 and (len(event.before), len(event.after)) == (2, 1)
-    above, below = (contact.solve(replace(twice, approach=event.value + more)) for more in (1e-7, -1e-9))
+    assert (
+        event.kind == "death"
+        and event.lost > 0.0
+        and (len(event.before), len(event.after)) == (2, 1)
+    )
+    above, below = (
+        contact.solve(replace(twice, approach=event.value + more)) for more in (1e-7, -1e-9)
+    )
     assert len(above.zones) == 2 and 0.0 < above.certificate.stability < 1e-3
-    assert len(below.zones) == 1 and below.certificate.holds and below.load == pytest.approx(event.load_after, rel=1e-5)
+    assert (
+        len(below.zones) == 1
+        and below.certificate.holds
+        and below.load == pytest.approx(event.load_after, rel=1e-5)
+    )
 
 
 @pytest.mark.slow
 def test_two_equal_tips_on_a_soft_spring_come_off_together_since_one_alone_would_have_before():
-    twice = contact.Scene(contact.Fourier(1.0, [0.0, -0.01], [0.0, 0.0]), 1.0, contact.Periodic(), law=contact.JKR(1e-4), approach=0.0)
+    twice = contact.Scene(
+        contact.Fourier(1.0, [0.0, -0.01], [0.0, 0.0]),
+        1.0,
+        contact.Periodic(),
+        law=contact.JKR(1e-4),
+        approach=0.0,
+    )
     kinds, far = [], {}
     for stiffness in (1.0, 3.0):
-        found = contact.path(twice, [0.006 + 0.02 / stiffness, -0.0041 - 0.05 / stiffness], control="approach", stiffness=stiffness)
+        found = contact.path(
+            twice,
+            [0.006 + 0.02 / stiffness, -0.0041 - 0.05 / stiffness],
+            control="approach",
+            stiffness=stiffness,
+        )
         kinds.append([(event.kind, len(event.before), len(event.after)) for event in found.events])
         far[stiffness] = found.events[0].value, found.events[-1]
     assert kinds == [[("pull-off", 2, 0)], [("death", 2, 1), ("pull-off", 1, 0)]]
-    # One tip alone comes off near the approach and the load of the stiffer spring, too: on the softer one that is a higher far end.
+    # One tip alone comes off near the approach and the load of the stiffer spring, too: on the
+    # softer one that is a higher far end.
     one = far[3.0][1]
-    assert one.approach + one.load / 1.0 > far[1.0][0] and one.approach + one.load / 3.0 < far[3.0][0]
+    assert (
+        one.approach + one.load / 1.0 > far[1.0][0] and one.approach + one.load / 3.0 < far[3.0][0]
+    )
 
 
 def test_a_tip_that_others_relieve_as_they_touch_begins_later():
-    # Four tips of nearly one height: the first hold the surfaces so near that all touch, and two of them press hardest.
+    # Four tips of nearly one height: the first hold the surfaces so near that all touch, and two of
+    # them press hardest.
     body = drawn(np.random.default_rng(4), "turned", 300)
-    scene = contact.Scene(body, 2.3e11, contact.Periodic(), law=contact.JKR(0.08145729947206055), mean_pressure=1.0)
+    scene = contact.Scene(
+        body, 2.3e11, contact.Periodic(), law=contact.JKR(0.08145729947206055), mean_pressure=1.0
+    )
     loads = 1001345.1073676093 * np.array([-0.02, 0.5, -0.3])
     loop = contact.path(scene, loads, control="mean_pressure")
     assert [(event.kind, len(event.before), len(event.after)) for event in loop.events] == [
-        ("jump-in", 0, 3), ("birth", 3, 4), ("pull-off", 4, 0),
+        ("jump-in", 0, 3),
+        ("birth", 3, 4),
+        ("pull-off", 4, 0),
     ]
     advancing = contact.solve(replace(scene, mean_pressure=float(loads[1])))
     assert loop.solutions[1].zones == pytest.approx(advancing.zones, abs=1e-9 * body.period)
@@ -327,9 +466,16 @@ def test_a_tip_that_others_relieve_as_they_touch_begins_later():
 
 @pytest.mark.slow
 def test_an_end_that_has_passed_its_rest_is_not_put_back_for_ever():
-    # Steps with noise: an end between them stepped over its place of rest to where it would run on, and back, three thousand times.
+    # Steps with noise: an end between them stepped over its place of rest to where it would run on,
+    # and back, three thousand times.
     rng = np.random.default_rng(21)
     body = drawn(rng, "steps", 200)
-    scene = contact.Scene(body, 2.3e11, contact.Periodic(), law=contact.JKR(19.087977588936866), mean_pressure=1.0)
-    loop = contact.path(scene, 4.375646328234528e8 * np.array([-0.02, 1.0]), control="mean_pressure")
-    assert loop.solutions[1].zones == pytest.approx(contact.solve(scene.under("mean_pressure", 4.375646328234528e8)).zones, rel=1e-8)
+    scene = contact.Scene(
+        body, 2.3e11, contact.Periodic(), law=contact.JKR(19.087977588936866), mean_pressure=1.0
+    )
+    loop = contact.path(
+        scene, 4.375646328234528e8 * np.array([-0.02, 1.0]), control="mean_pressure"
+    )
+    assert loop.solutions[1].zones == pytest.approx(
+        contact.solve(scene.under("mean_pressure", 4.375646328234528e8)).zones, rel=1e-8
+    )

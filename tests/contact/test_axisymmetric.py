@@ -1,4 +1,6 @@
-"""A round spot alone and in the first step of the localization: closed forms, the paper's kernel, balance, scaling."""
+"""A round spot alone and in the first step of the localization: closed forms, the paper's kernel,
+balance, scaling.
+"""
 
 from __future__ import annotations
 
@@ -51,15 +53,21 @@ TEN_ROUNDINGS = 1e-12  # of a derivative taken from a Chebyshev series of degree
 def test_closed_forms_agree_with_the_transforms_by_quadrature(shape):
     plain = SlopeOnly(shape)
     for name in ("height", "line", "line_slope", "r_laplacian"):
-        assert getattr(plain, name)(RADII) == pytest.approx(getattr(shape, name)(RADII), rel=TEN_ROUNDINGS)
+        assert getattr(plain, name)(RADII) == pytest.approx(
+            getattr(shape, name)(RADII), rel=TEN_ROUNDINGS
+        )
     assert plain.load_integral(A) == pytest.approx(shape.load_integral(A), rel=1e-14)
     assert plain.line_integral(A) == pytest.approx(shape.line_integral(A), rel=1e-13)
-    assert plain.pressure_shape(RADII, A) == pytest.approx(shape.pressure_shape(RADII, A), rel=TEN_ROUNDINGS)
+    assert plain.pressure_shape(RADII, A) == pytest.approx(
+        shape.pressure_shape(RADII, A), rel=TEN_ROUNDINGS
+    )
 
 
 @pytest.mark.parametrize("shape", SHAPES, ids=lambda s: type(s).__name__)
 def test_the_paper_s_kernel_gives_the_pressure_of_the_abel_transform(shape):
-    assert direct_pressure(shape, E, A, RADII) == pytest.approx(E * shape.pressure_shape(RADII, A), rel=1e-12)
+    assert direct_pressure(shape, E, A, RADII) == pytest.approx(
+        E * shape.pressure_shape(RADII, A), rel=1e-12
+    )
 
 
 def test_the_printed_prefactor_does_not_give_hertz():
@@ -109,14 +117,18 @@ def test_a_quartic_alone_has_its_closed_pressure():
 def flattened(b):
     """A paraboloid worn flat up to the radius b."""
     return Revolved(
-        slope_of=lambda r: np.where(r < b, 0.0, r / R), second=lambda r: np.where(r < b, 0.0, 1 / R), breaks=(b,)
+        slope_of=lambda r: np.where(r < b, 0.0, r / R),
+        second=lambda r: np.where(r < b, 0.0, 1 / R),
+        breaks=(b,),
     )
 
 
 def test_a_flattened_paraboloid_alone_carries_the_known_load():
     b = 0.3
     spot = solve_spot(flattened(b), E, spot_radius=A)
-    assert spot.load == pytest.approx(2 * E / (3 * R) * (2 * A**2 + b**2) * sqrt(A**2 - b**2), rel=1e-13)
+    assert spot.load == pytest.approx(
+        2 * E / (3 * R) * (2 * A**2 + b**2) * sqrt(A**2 - b**2), rel=1e-13
+    )
     g = (A * sqrt(A**2 - b**2)) / R  # int_b^a r dr/(R sqrt(a^2 - r^2)) times a
     assert spot.approach == pytest.approx(g, rel=1e-13)
     assert spot.max_pressure == inf and abs(spot.balance()) < 1e-12
@@ -124,11 +136,17 @@ def test_a_flattened_paraboloid_alone_carries_the_known_load():
     assert b < back.radius < A
 
 
-@pytest.mark.parametrize("shape", [
-    lambda r: r**2 / (2 * R),
-    Revolved(slope_of=lambda r: r / R),
-    Revolved(height_of=lambda r: 4.0 + np.hypot(r, 0.0) ** 2 / (2 * R), slope_of=lambda r: r / R),
-], ids=["height", "slope", "both"])
+@pytest.mark.parametrize(
+    "shape",
+    [
+        lambda r: r**2 / (2 * R),
+        Revolved(slope_of=lambda r: r / R),
+        Revolved(
+            height_of=lambda r: 4.0 + np.hypot(r, 0.0) ** 2 / (2 * R), slope_of=lambda r: r / R
+        ),
+    ],
+    ids=["height", "slope", "both"],
+)
 def test_a_callable_is_as_good_as_the_shape_it_spells(shape):
     lattice = Hexagonal(1.0)
     mine, known = (solve_spot(s, E, lattice, load=0.03, rings=1) for s in (shape, Sphere(R)))
@@ -146,7 +164,10 @@ def test_a_height_whose_tip_is_all_rounding_is_differentiated_exactly():
 
 
 @pytest.mark.parametrize("radius", [1e-6, 1e-3, 0.1])
-@pytest.mark.parametrize("height", [lambda r: np.cosh(r) - 1, lambda r: np.sqrt(1 + r * r) - 1, lambda r: np.log(1 + r * r)])
+@pytest.mark.parametrize(
+    "height",
+    [lambda r: np.cosh(r) - 1, lambda r: np.sqrt(1 + r * r) - 1, lambda r: np.log(1 + r * r)],
+)
 def test_by_its_load_a_spot_whose_tip_is_all_rounding_is_the_same(height, radius):
     # Looked for from small radii on, where heights tell nothing.
     spot = solve_spot(height, E, spot_radius=radius)
@@ -160,20 +181,31 @@ def test_by_its_load_a_spot_whose_tip_is_all_rounding_is_the_same(height, radius
 @pytest.mark.parametrize("shape", ["catenary", "hyperboloid", "raised"])
 def test_what_rounding_of_heights_leaves_of_the_pressure_is_stated(shape, radius):
     hyperboloid, raised = (lambda r: np.sqrt(1 + r * r) - 1), (lambda r: 3.0 + r * r / (1 + r))
-    height = {"catenary": lambda r: np.cosh(r) - 1, "hyperboloid": hyperboloid, "raised": raised}[shape]
+    height = {"catenary": lambda r: np.cosh(r) - 1, "hyperboloid": hyperboloid, "raised": raised}[
+        shape
+    ]
     exact = solve_spot(height, E, spot_radius=radius)
-    rounded = solve_spot(lambda r: height(np.asarray(r, dtype=float)), E, spot_radius=radius, tol=0.1)
+    rounded = solve_spot(
+        lambda r: height(np.asarray(r, dtype=float)), E, spot_radius=radius, tol=0.1
+    )
     r = radius * np.append(1e-6, np.geomspace(1e-3, 0.99, 30))
     off = np.max(np.abs(rounded.pressure(r) - exact.pressure(r))) / exact.mean_pressure
     assert off <= rounded.error < 1e6 * max(off, 1e-12)
     assert rounded.error < 2e-8 / radius
     with pytest.raises(NotConverged, match="rounding of the heights"):
-        solve_spot(lambda r: height(np.asarray(r, dtype=float)), E, spot_radius=radius, tol=1e-3 * rounded.error)
+        solve_spot(
+            lambda r: height(np.asarray(r, dtype=float)),
+            E,
+            spot_radius=radius,
+            tol=1e-3 * rounded.error,
+        )
 
 
 def test_a_height_that_takes_no_complex_numbers_and_has_a_kink_at_the_tip_will_do():
     lattice = Square(1.0)
-    mine, cone = (solve_spot(s, E, lattice, load=0.03) for s in (lambda r: 0.1 * np.abs(r), Cone(0.1)))
+    mine, cone = (
+        solve_spot(s, E, lattice, load=0.03) for s in (lambda r: 0.1 * np.abs(r), Cone(0.1))
+    )
     assert mine.radius == pytest.approx(cone.radius, rel=1e-12)
     assert mine.max_pressure == inf
 
@@ -200,7 +232,13 @@ def test_the_first_step_agrees_with_the_paper_s_form_to_1e_10(shape, share):
     spot = solve_spot(shape, E, lattice, spot_radius=a)
     assert spot.load == pytest.approx(first_step_load(shape, E, lattice.density, a), rel=1e-12)
     r = a * np.array([0.02, 0.4, 0.8, 0.99])
-    around = 2 / pi * lattice.density * spot.load * np.arctan(np.sqrt(a**2 - r**2) / sqrt(circle**2 - a**2))
+    around = (
+        2
+        / pi
+        * lattice.density
+        * spot.load
+        * np.arctan(np.sqrt(a**2 - r**2) / sqrt(circle**2 - a**2))
+    )
     assert spot.pressure(r) == pytest.approx(direct_pressure(shape, E, a, r) + around, rel=1e-10)
 
 
@@ -217,7 +255,11 @@ def test_the_correction_carries_its_share_of_the_load(share):
 def test_the_three_controls_name_the_same_spot(control, rings):
     lattice = Square(1.0)
     spot = solve_spot(Cone(0.1), E, lattice, load=0.03, rings=rings)
-    value = {"load": spot.load, "nominal_pressure": spot.nominal_pressure, "spot_radius": spot.radius}[control]
+    value = {
+        "load": spot.load,
+        "nominal_pressure": spot.nominal_pressure,
+        "spot_radius": spot.radius,
+    }[control]
     again = solve_spot(Cone(0.1), E, lattice, rings=rings, **{control: value})
     assert (again.radius, again.load) == pytest.approx((spot.radius, spot.load), rel=1e-12)
     assert again.approach == pytest.approx(spot.approach, rel=1e-11)
@@ -262,7 +304,9 @@ def own_displacement(spot: Spot, r: float) -> float:
     """(4/pi E*) int p s K/(r + s) ds: the displacement of an axisymmetric pressure, by quadrature."""
     s, w = panels([0.0, r, spot.radius])
     p = spot.pressure(np.minimum(s, spot.radius))
-    apart = np.maximum(((r - s) / (r + s)) ** 2, 1e-33)  # the logarithm is cut where the weights are below rounding
+    apart = np.maximum(
+        ((r - s) / (r + s)) ** 2, 1e-33
+    )  # the logarithm is cut where the weights are below rounding
     return float(4 / (pi * spot.E_star) * np.sum(w * p * s / (r + s) * ellipkm1(apart)))
 
 
@@ -275,25 +319,46 @@ def test_the_pressure_makes_the_displacement_of_the_contact():
     assert abs(own_displacement(wrong, 0.1) - (spot.approach - 0.01 / (2 * R))) > 1e-6
 
 
-@pytest.mark.parametrize(("change", "word"), [
-    ({"load": -1.0}, "load"), ({"load": float("nan")}, "load"), ({"load": True}, "load"), ({}, "exactly one"),
-    ({"load": 1.0, "spot_radius": 1.0}, "exactly one"), ({"load": 1.0, "rings": -1}, "rings"),
-    ({"load": 1.0, "rings": 1.5}, "rings"), ({"load": 1.0, "lattice": 3.0}, "lattice"),
-    ({"load": 1.0, "lattice": Density(1.0), "rings": 1}, "rings"), ({"load": 1.0, "profile": 3.0}, "profile"),
-    ({"nominal_pressure": 1.0, "lattice": None}, "nominal_pressure"), ({"load": 1.0, "E_star": 0.0}, "E_star"),
-    ({"load": 1.0, "tol": 0.0}, "tol"),
-])
+@pytest.mark.parametrize(
+    ("change", "word"),
+    [
+        ({"load": -1.0}, "load"),
+        ({"load": float("nan")}, "load"),
+        ({"load": True}, "load"),
+        ({}, "exactly one"),
+        ({"load": 1.0, "spot_radius": 1.0}, "exactly one"),
+        ({"load": 1.0, "rings": -1}, "rings"),
+        ({"load": 1.0, "rings": 1.5}, "rings"),
+        ({"load": 1.0, "lattice": 3.0}, "lattice"),
+        ({"load": 1.0, "lattice": Density(1.0), "rings": 1}, "rings"),
+        ({"load": 1.0, "profile": 3.0}, "profile"),
+        ({"nominal_pressure": 1.0, "lattice": None}, "nominal_pressure"),
+        ({"load": 1.0, "E_star": 0.0}, "E_star"),
+        ({"load": 1.0, "tol": 0.0}, "tol"),
+    ],
+)
 def test_what_is_wrong_is_refused_by_name(change, word):
     given = {"profile": Sphere(R), "E_star": E, "lattice": Hexagonal(1.0)} | change
     with pytest.raises(SceneError, match=word):
         solve_spot(given.pop("profile"), given.pop("E_star"), given.pop("lattice"), **given)
 
 
-@pytest.mark.parametrize("make", [
-    lambda: Sphere(0.0), lambda: Cone(-1.0), lambda: Cone(inf), lambda: PowerLaw(0.5, 1.0), lambda: PowerLaw(2.0, "a"),
-    lambda: Revolved(), lambda: Revolved(height_of=3), lambda: Revolved(lambda r: None),
-    lambda: Revolved(lambda r: r, breaks=(1.0,)), lambda: Hexagonal(0.0), lambda: Density(-1.0),
-])
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda: Sphere(0.0),
+        lambda: Cone(-1.0),
+        lambda: Cone(inf),
+        lambda: PowerLaw(0.5, 1.0),
+        lambda: PowerLaw(2.0, "a"),
+        lambda: Revolved(),
+        lambda: Revolved(height_of=3),
+        lambda: Revolved(lambda r: None),
+        lambda: Revolved(lambda r: r, breaks=(1.0,)),
+        lambda: Hexagonal(0.0),
+        lambda: Density(-1.0),
+    ],
+)
 def test_shapes_and_lattices_that_are_none_are_refused(make):
     with pytest.raises(SceneError):
         make()
@@ -306,7 +371,11 @@ def test_a_shape_that_would_touch_again_is_out_of_range():
     falling = Revolved(slope_of=lambda r: np.sin(20 * r))
     with pytest.raises(OutOfRange, match="falls beyond"):
         solve_spot(falling, 1.0, load=0.02)
-    hollow = Revolved(slope_of=lambda r: np.where(r < 0.2, 0.05, r), second=lambda r: 1.0 * (r > 0.2), breaks=(0.2,))
+    hollow = Revolved(
+        slope_of=lambda r: np.where(r < 0.2, 0.05, r),
+        second=lambda r: 1.0 * (r > 0.2),
+        breaks=(0.2,),
+    )
     assert solve_spot(hollow, 1.0, spot_radius=0.4).load > 0
 
 

@@ -1,4 +1,6 @@
-"""Neighbours kept in their places: lattice sums, the contact condition summed directly, the rate, a public 3D code."""
+"""Neighbours kept in their places: lattice sums, the contact condition summed directly, the rate, a
+public 3D code.
+"""
 
 from __future__ import annotations
 
@@ -19,28 +21,49 @@ LATTICES = [Hexagonal(1.0), Square(1.0)]
 
 @pytest.mark.parametrize("s", [1, 3, 5, 11, 31])
 def test_lattice_sums_are_products_of_zeta_functions(s):
-    """Glasser & Zucker: 6 zeta(s/2) L_-3(s/2), 4 zeta(s/2) beta(s/2); the centres of squares by a square lattice less
-    one of twice the cell."""
+    """Glasser & Zucker: 6 zeta(s/2) L_-3(s/2), 4 zeta(s/2) beta(s/2); the centres of squares by a
+    square lattice less one of twice the cell.
+    """
     h = mpmath.mpf(s) / 2
     three = (mpmath.zeta(h, mpmath.mpf(1) / 3) - mpmath.zeta(h, mpmath.mpf(2) / 3)) / 3**h
     four = (mpmath.zeta(h, 0.25) - mpmath.zeta(h, 0.75)) / 4**h
-    assert epstein(Hexagonal(2.0), (0.0, 0.0), s) == pytest.approx(float(6 * mpmath.zeta(h) * three), rel=1e-13)
+    assert epstein(Hexagonal(2.0), (0.0, 0.0), s) == pytest.approx(
+        float(6 * mpmath.zeta(h) * three), rel=1e-13
+    )
     square = 4 * mpmath.zeta(h) * four
     assert epstein(Square(1.0), (0.0, 0.0), s) == pytest.approx(float(square), rel=1e-13)
-    assert epstein(Square(1.0), (0.5, -1.5), s) == pytest.approx(float(square * (2**h - 1)), rel=1e-13)
+    assert epstein(Square(1.0), (0.5, -1.5), s) == pytest.approx(
+        float(square * (2**h - 1)), rel=1e-13
+    )
     assert abs(epstein(Square(1.0), (0.5, 0.49), s) / float(square * (2**h - 1)) - 1) > 1e-5
 
 
 def test_rings_hold_the_spots_of_the_lattice():
     radii, counts = Hexagonal(2.0).neighbours(5)
-    assert radii / 2 == pytest.approx(np.sqrt([1, 3, 4, 7, 9])) and counts.tolist() == [6, 6, 6, 12, 6]
+    assert radii / 2 == pytest.approx(np.sqrt([1, 3, 4, 7, 9])) and counts.tolist() == [
+        6,
+        6,
+        6,
+        12,
+        6,
+    ]
     radii, counts = Square(2.0).neighbours(5)
-    assert radii / 2 == pytest.approx(np.sqrt([1, 2, 4, 5, 8])) and counts.tolist() == [4, 4, 4, 8, 4]
-    assert Hexagonal(2.0).density == pytest.approx(2 / (sqrt(3) * 4)) and Square(2.0).density == 0.25
+    assert radii / 2 == pytest.approx(np.sqrt([1, 2, 4, 5, 8])) and counts.tolist() == [
+        4,
+        4,
+        4,
+        8,
+        4,
+    ]
+    assert (
+        Hexagonal(2.0).density == pytest.approx(2 / (sqrt(3) * 4)) and Square(2.0).density == 0.25
+    )
 
 
 def ring_displacement(spot, lattice, rings, r):
-    """u at the radius r, mean over the angle, from the pressures themselves: its own, the kept rings', the rest's."""
+    """u at the radius r, mean over the angle, from the pressures themselves: its own, the kept
+    rings', the rest's.
+    """
     a, E = spot.radius, spot.E_star
     s, w = panels([0.0, r, a])
     apart = np.maximum(((r - s) / (r + s)) ** 2, 1e-33)
@@ -59,14 +82,23 @@ def ring_displacement(spot, lattice, rings, r):
 
 
 @pytest.mark.parametrize("lattice", LATTICES, ids=["hexagonal", "square"])
-@pytest.mark.parametrize("shape", [Sphere(1.3), Cone(0.2), PowerLaw(3.0, 0.4)], ids=["sphere", "cone", "cubic"])
+@pytest.mark.parametrize(
+    "shape", [Sphere(1.3), Cone(0.2), PowerLaw(3.0, 0.4)], ids=["sphere", "cone", "cubic"]
+)
 @pytest.mark.parametrize("rings", [1, 3])
 def test_the_pressures_summed_directly_close_the_contact(lattice, shape, rings):
     spot = solve_spot(shape, 2.0, lattice, spot_radius=0.45, rings=rings)
     for r in (0.05, 0.3, 0.44):
         u = ring_displacement(spot, lattice, rings, r)
         assert u + float(shape.height(r)) == pytest.approx(spot.approach, abs=1e-12)
-    assert abs(ring_displacement(spot, lattice, rings + 1, 0.3) + float(shape.height(0.3)) - spot.approach) > 1e-5
+    assert (
+        abs(
+            ring_displacement(spot, lattice, rings + 1, 0.3)
+            + float(shape.height(0.3))
+            - spot.approach
+        )
+        > 1e-5
+    )
 
 
 @pytest.mark.parametrize("rings", [0, 1, 2, inf])
@@ -84,16 +116,22 @@ def test_load_and_pressure_balance_and_the_gap_opens(lattice, rings):
 
 
 def test_the_error_falls_with_the_cube_of_the_circle():
-    """The nominal pressure begins sharply at A, spots of finite size do not: (3/2) (N/A^3) x^2 int w t^2 dt is left out,
-    A^-3; the spots are few or many for their circle by chance: A^-7/2. As in the plane, (2m + 1)^-3."""
+    """The nominal pressure begins sharply at A, spots of finite size do not: (3/2) (N/A^3) x^2 int
+    w t^2 dt is left out, A^-3; the spots are few or many for their circle by chance: A^-7/2. As in
+    the plane, (2m + 1)^-3.
+    """
     for lattice in LATTICES:
         _, counts = lattice.neighbours(1000)
         kept = 1 + np.cumsum(counts)
         exact = solve_spot(Sphere(1.0), 1.0, lattice, spot_radius=0.45, rings=inf).load
         rings = np.unique(np.geomspace(1, 1000, 14).astype(int))
-        errors = np.array([
-            solve_spot(Sphere(1.0), 1.0, lattice, spot_radius=0.45, rings=int(n)).load / exact - 1 for n in rings
-        ])
+        errors = np.array(
+            [
+                solve_spot(Sphere(1.0), 1.0, lattice, spot_radius=0.45, rings=int(n)).load / exact
+                - 1
+                for n in rings
+            ]
+        )
         circles = np.sqrt(kept[rings - 1] / (pi * lattice.density))
         rate = np.polyfit(np.log(circles), np.log(np.abs(errors)), 1)[0]
         assert -3.4 < rate < -2.6
@@ -106,13 +144,18 @@ def test_the_error_falls_with_the_cube_of_the_circle():
 def test_one_ring_beats_none_by_ten(lattice):
     load = 0.02
     exact = solve_spot(Sphere(1.0), 1.0, lattice, load=load, rings=inf)
-    off = [abs(solve_spot(Sphere(1.0), 1.0, lattice, load=load, rings=n).radius / exact.radius - 1) for n in (0, 1)]
+    off = [
+        abs(solve_spot(Sphere(1.0), 1.0, lattice, load=load, rings=n).radius / exact.radius - 1)
+        for n in (0, 1)
+    ]
     assert off[1] < 0.1 * off[0]
 
 
 def test_all_rings_of_a_lattice_are_those_of_a_lattice_cut_far_away():
     lattice = Hexagonal(1.0)
-    far, all_of_them = (solve_spot(Sphere(1.0), 1.0, lattice, load=0.05, rings=n) for n in (800, inf))
+    far, all_of_them = (
+        solve_spot(Sphere(1.0), 1.0, lattice, load=0.05, rings=n) for n in (800, inf)
+    )
     assert far.radius == pytest.approx(all_of_them.radius, rel=1e-7)
     assert far.max_pressure == pytest.approx(all_of_them.max_pressure, rel=1e-6)
 
@@ -123,11 +166,14 @@ def test_spots_about_to_meet_are_not_claimed():
 
 
 def half_space(lattice, load, n=64):
-    """Approach, peak pressure of the paraboloids R = 1, E* = 1 on the full periodic half-space, by FFT on a grid.
+    """Approach, peak pressure of the paraboloids R = 1, E* = 1 on the full periodic half-space, by
+    FFT on a grid.
 
     Polonsky & Keer's method with the grid's own Fourier modes; n points along the spacing.
     """
-    tamaas = pytest.importorskip("tamaas", reason="the public half-space code tamaas is not installed")
+    tamaas = pytest.importorskip(
+        "tamaas", reason="the public half-space code tamaas is not installed"
+    )
     square = isinstance(lattice, Square)
     l = lattice.spacing
     size, points = ([l, l], [n, n]) if square else ([sqrt(3.0) * l, l], [2 * n, n])
@@ -136,10 +182,16 @@ def half_space(lattice, load, n=64):
     x, y = (length * np.arange(count) / count for length, count in zip(size, points, strict=True))
 
     def height(cx, cy):
-        dx, dy = ((z - c + z0 / 2) % z0 - z0 / 2 for z, c, z0 in ((x, cx, size[0]), (y, cy, size[1])))
+        dx, dy = (
+            (z - c + z0 / 2) % z0 - z0 / 2 for z, c, z0 in ((x, cx, size[0]), (y, cy, size[1]))
+        )
         return 0.5 * (dx[:, None] ** 2 + dy**2)
 
-    f = height(0.0, 0.0) if square else np.minimum(height(0.0, 0.0), height(size[0] / 2, size[1] / 2))
+    f = (
+        height(0.0, 0.0)
+        if square
+        else np.minimum(height(0.0, 0.0), height(size[0] / 2, size[1] / 2))
+    )
     by_pressure = tamaas.PolonskyKeerRey.pressure
     solver = tamaas.PolonskyKeerRey(model, -f, 1e-9, by_pressure, by_pressure)
     solver.max_iter = 5000
@@ -148,14 +200,18 @@ def half_space(lattice, load, n=64):
     return float(np.mean((u + f)[p > 0]) - np.mean(u)), float(p[0, 0])
 
 
-# a/l at all rings; bounds of the relative error of peak pressure and approach, at 0 rings and at all of them. The grid is
-# good to some 1e-4. What all rings leave is what varies with the angle: cos 6 phi or cos 4 phi.
-@pytest.mark.parametrize(("lattice", "share", "first", "last"), [
-    (Hexagonal(0.25), 0.3, (0.009, 0.012, 0.08, 0.10), (2e-4, 2e-4)),
-    (Hexagonal(0.25), 0.4, (0.018, 0.021, 0.14, 0.17), (2e-4, 3e-4)),
-    (Square(0.25), 0.3, (0.006, 0.009, 0.06, 0.09), (2e-4, 2e-4)),
-    (Square(0.25), 0.4, (0.012, 0.017, 0.10, 0.14), (5e-4, 1.2e-3)),
-])
+# a/l at all rings; bounds of the relative error of peak pressure and approach, at 0 rings and at
+# all of them. The grid is good to some 1e-4. What all rings leave is what varies with the angle:
+# cos 6 phi or cos 4 phi.
+@pytest.mark.parametrize(
+    ("lattice", "share", "first", "last"),
+    [
+        (Hexagonal(0.25), 0.3, (0.009, 0.012, 0.08, 0.10), (2e-4, 2e-4)),
+        (Hexagonal(0.25), 0.4, (0.018, 0.021, 0.14, 0.17), (2e-4, 3e-4)),
+        (Square(0.25), 0.3, (0.006, 0.009, 0.06, 0.09), (2e-4, 2e-4)),
+        (Square(0.25), 0.4, (0.012, 0.017, 0.10, 0.14), (5e-4, 1.2e-3)),
+    ],
+)
 def test_the_full_half_space_of_a_public_code_agrees(lattice, share, first, last):
     exact = solve_spot(Sphere(1.0), 1.0, lattice, spot_radius=share * lattice.spacing, rings=inf)
     approach, peak = half_space(lattice, exact.load)
@@ -170,4 +226,6 @@ def test_the_full_half_space_of_a_public_code_agrees(lattice, share, first, last
 
 
 def test_the_circle_of_a_spot_has_its_share_of_area():
-    assert pi * own_radius(4.0) ** 2 * 4.0 == pytest.approx(1.0) and isinf(solve_spot(Sphere(1.0), 1.0, load=1.0).circle)
+    assert pi * own_radius(4.0) ** 2 * 4.0 == pytest.approx(1.0) and isinf(
+        solve_spot(Sphere(1.0), 1.0, load=1.0).circle
+    )

@@ -1,4 +1,6 @@
-"""Asperities of several heights: equal ones are one lattice, each touches at its pressure, all share the load."""
+"""Asperities of several heights: equal ones are one lattice, each touches at its pressure, all
+share the load.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +30,10 @@ CORNERS = [(0.0, 0.0)]
 
 def chequered(depth, shape=None):
     """Two levels of spheres, the lower ones in the centres of the squares of the higher ones."""
-    return [Level(Sphere(1.0), 0.0, sites=CORNERS), Level(shape or Sphere(1.0), depth, sites=CENTRES)]
+    return [
+        Level(Sphere(1.0), 0.0, sites=CORNERS),
+        Level(shape or Sphere(1.0), depth, sites=CENTRES),
+    ]
 
 
 def test_two_levels_of_one_height_are_one_lattice():
@@ -37,9 +42,16 @@ def test_two_levels_of_one_height_are_one_lattice():
     assert two.radii == pytest.approx([one.radius] * 2, rel=1e-12)
     assert two.approach == pytest.approx(one.approach, rel=1e-12)
     assert two.touch_pressures.tolist() == [0, 0]
-    inside, outside = np.linspace(0, 0.9, 7), np.array([1.0, 1.1, 1.2])  # at an edge pressure is the root of a rounding
-    assert two.spots[1].pressure(inside * one.radius) == pytest.approx(one.pressure(inside * one.radius), rel=1e-11)
-    assert two.spots[1].gap(outside * one.radius) == pytest.approx(one.gap(outside * one.radius), abs=1e-15)
+    inside, outside = (
+        np.linspace(0, 0.9, 7),
+        np.array([1.0, 1.1, 1.2]),
+    )  # at an edge pressure is the root of a rounding
+    assert two.spots[1].pressure(inside * one.radius) == pytest.approx(
+        one.pressure(inside * one.radius), rel=1e-11
+    )
+    assert two.spots[1].gap(outside * one.radius) == pytest.approx(
+        one.gap(outside * one.radius), abs=1e-15
+    )
 
 
 def test_three_sublattices_of_one_height_are_one_lattice():
@@ -57,32 +69,48 @@ def test_below_its_pressure_a_level_is_not_there_and_just_above_it_carries_littl
     first, second = touch_pressures(levels, 1.0, lattice, rings=rings)
     assert first == 0
     below, above = (
-        solve_levels(levels, 1.0, lattice, nominal_pressure=second * k, rings=rings) for k in (1 - 1e-4, 1 + 1e-4)
+        solve_levels(levels, 1.0, lattice, nominal_pressure=second * k, rings=rings)
+        for k in (1 - 1e-4, 1 + 1e-4)
     )
     assert below.touching == (True, False) and above.touching == (True, True)
     assert below.spots[1] is None and below.shares.tolist() == [1, 0]
     assert 0 < above.shares[1] < 1e-4
     assert above.radii[0] == pytest.approx(below.radii[0], rel=1e-3)
     if rings == inf:
-        alone = solve_spot(Sphere(1.0), 1.0, lattice, nominal_pressure=second * (1 - 1e-4), rings=inf)
+        alone = solve_spot(
+            Sphere(1.0), 1.0, lattice, nominal_pressure=second * (1 - 1e-4), rings=inf
+        )
         assert below.radii[0] == pytest.approx(alone.radius, rel=1e-12)
 
 
 @pytest.mark.parametrize("rings", [0, 1, inf])
 @pytest.mark.parametrize("over", [1e-5, 1e-3])
 def test_a_level_just_born_is_as_good_as_the_digits_of_its_depth(over, rings):
-    """Its penetration is the approach less its depth: their last digits are all that is lost, in its load too."""
+    """Its penetration is the approach less its depth: their last digits are all that is lost, in
+    its load too.
+    """
     lattice, levels = Square(0.25), chequered(0.002)
     second = touch_pressures(levels, 1.0, lattice, rings=rings)[1]
-    solution = solve_levels(levels, 1.0, lattice, nominal_pressure=second * (1 + over), rings=rings, tol=1e-8)
+    solution = solve_levels(
+        levels, 1.0, lattice, nominal_pressure=second * (1 + over), rings=rings, tol=1e-8
+    )
     born = solution.spots[1]
-    digits = 4 * np.finfo(float).eps * (abs(solution.approach) + born.depth) / born.profile.line(born.radius)
+    digits = (
+        4
+        * np.finfo(float).eps
+        * (abs(solution.approach) + born.depth)
+        / born.profile.line(born.radius)
+    )
     assert abs(born.balance()) < digits and born.error < 1e-13 / over
 
 
 def test_the_lower_tip_touches_where_the_surface_in_the_middle_meets_it():
-    """The mean plane and the lattice sum over centres: u = (P/(pi E* l)) [Z(1) + (P's second moment) Z(3)/2 + ...]."""
-    from_sum = 4 * -1.4603545088 * 0.6676914571896 * (sqrt(2) - 1)  # 4 zeta(1/2) beta(1/2) (sqrt 2 - 1)
+    """The mean plane and the lattice sum over centres: u = (P/(pi E* l)) [Z(1) + (P's second
+    moment) Z(3)/2 + ...].
+    """
+    from_sum = (
+        4 * -1.4603545088 * 0.6676914571896 * (sqrt(2) - 1)
+    )  # 4 zeta(1/2) beta(1/2) (sqrt 2 - 1)
     depth, lattice = 1e-5, Square(1.0)
     levels = chequered(depth)
     second = touch_pressures(levels, 1.0, lattice, rings=inf)[1]
@@ -106,7 +134,11 @@ def test_all_levels_share_the_pressure_and_the_approach(rings):
     assert np.all(np.diff(solution.touch_pressures) > 0)
     for spot in solution.spots:
         assert abs(spot.balance()) < 1e-11
-        u = spot.displacement(0.7 * spot.radius) + spot.profile.height(0.7 * spot.radius) + spot.depth
+        u = (
+            spot.displacement(0.7 * spot.radius)
+            + spot.profile.height(0.7 * spot.radius)
+            + spot.depth
+        )
         assert u == pytest.approx(solution.approach, rel=1e-12)
     back = solve_levels(levels, 2.0, Square(0.5), approach=solution.approach, rings=rings)
     if rings:
@@ -131,7 +163,13 @@ def test_densities_alone_will_do_for_the_first_step():
 
 def test_one_level_is_the_spot_of_the_lattice():
     for rings in (0, 1, inf):
-        level = solve_levels([Level(Sphere(1.0), sites=CORNERS)], 1.0, Hexagonal(0.3), nominal_pressure=0.03, rings=rings)
+        level = solve_levels(
+            [Level(Sphere(1.0), sites=CORNERS)],
+            1.0,
+            Hexagonal(0.3),
+            nominal_pressure=0.03,
+            rings=rings,
+        )
         spot = solve_spot(Sphere(1.0), 1.0, Hexagonal(0.3), nominal_pressure=0.03, rings=rings)
         assert level.radii[0] == pytest.approx(spot.radius, rel=1e-12)
         assert level.approach == pytest.approx(spot.approach, rel=1e-11)
@@ -144,26 +182,38 @@ def test_a_level_too_deep_never_touches():
         solve_levels(levels, 1.0, Square(0.25), nominal_pressure=10.0, rings=inf)
 
 
-@pytest.mark.parametrize("make", [
-    lambda: Level(Sphere(1.0)),
-    lambda: Level(Sphere(1.0), -1.0, density=1.0),
-    lambda: Level(Sphere(1.0), 0.0, density=1.0, sites=CORNERS),
-    lambda: Level(Sphere(1.0), 0.0, sites=[(0.0, 0.0), (1.0, 0.0)]),
-    lambda: Level(Sphere(1.0), 0.0, sites=[0.0, 1.0]),
-    lambda: solve_levels([], 1.0, nominal_pressure=1.0),
-    lambda: solve_levels([Level(Sphere(1.0), 1.0, density=1.0)], 1.0, nominal_pressure=1.0),
-    lambda: solve_levels(chequered(0.0), 1.0, nominal_pressure=1.0),
-    lambda: solve_levels([Level(Sphere(1.0), density=1.0)], 1.0, Square(1.0), nominal_pressure=1.0),
-    lambda: solve_levels(chequered(0.0), 1.0, Square(1.0)),
-    lambda: solve_levels([Level(Sphere(1.0), sites=[(0.0, 0.0), (0.5, 0.0), (0.2, 0.3)])], 1.0, Square(1.0), approach=1.0),
-])
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda: Level(Sphere(1.0)),
+        lambda: Level(Sphere(1.0), -1.0, density=1.0),
+        lambda: Level(Sphere(1.0), 0.0, density=1.0, sites=CORNERS),
+        lambda: Level(Sphere(1.0), 0.0, sites=[(0.0, 0.0), (1.0, 0.0)]),
+        lambda: Level(Sphere(1.0), 0.0, sites=[0.0, 1.0]),
+        lambda: solve_levels([], 1.0, nominal_pressure=1.0),
+        lambda: solve_levels([Level(Sphere(1.0), 1.0, density=1.0)], 1.0, nominal_pressure=1.0),
+        lambda: solve_levels(chequered(0.0), 1.0, nominal_pressure=1.0),
+        lambda: solve_levels(
+            [Level(Sphere(1.0), density=1.0)], 1.0, Square(1.0), nominal_pressure=1.0
+        ),
+        lambda: solve_levels(chequered(0.0), 1.0, Square(1.0)),
+        lambda: solve_levels(
+            [Level(Sphere(1.0), sites=[(0.0, 0.0), (0.5, 0.0), (0.2, 0.3)])],
+            1.0,
+            Square(1.0),
+            approach=1.0,
+        ),
+    ],
+)
 def test_levels_that_make_no_sense_are_refused(make):
     with pytest.raises(SceneError):
         make()
 
 
 def test_a_public_half_space_code_agrees_on_two_levels():
-    tamaas = pytest.importorskip("tamaas", reason="the public half-space code tamaas is not installed")
+    tamaas = pytest.importorskip(
+        "tamaas", reason="the public half-space code tamaas is not installed"
+    )
     n, l = 64, 0.25
     x = l * np.arange(n) / n
 
@@ -183,4 +233,6 @@ def test_a_public_half_space_code_agrees_on_two_levels():
     ours = solve_levels(chequered(0.002), 1.0, Square(l), nominal_pressure=0.02, rings=inf)
     # The grid is good to 1e-3 here; what varies with the angle is left out.
     assert ours.shares[0] == pytest.approx(share, rel=1e-3)
-    assert [s.max_pressure for s in ours.spots] == pytest.approx([p[0, 0], p[n // 2, n // 2]], rel=1e-3)
+    assert [s.max_pressure for s in ours.spots] == pytest.approx(
+        [p[0, 0], p[n // 2, n // 2]], rel=1e-3
+    )

@@ -1,4 +1,6 @@
-"""What is wrong is refused by name: a ContactError that says which field, which value, what is allowed; never numpy's own."""
+"""What is wrong is refused by name: a ContactError that says which field, which value, what is
+allowed; never numpy's own.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +20,9 @@ CONTROLS = ["load", "mean_pressure", "approach", "half_width", "contact_fraction
 
 
 def in_short(value):
-    """What a value is called in the name of a test: the same in every process, so no address and no four hundred digits."""
+    """What a value is called in the name of a test: the same in every process, so no address and no
+    four hundred digits.
+    """
     if type(value) is object:
         return "object"
     return "1e400" if isinstance(value, int) and value > 10**100 else repr(value)
@@ -73,7 +77,9 @@ class TestNumbers:
         refused(lambda: contact.Sampled(np.arange(5.0), np.arange(5.0), period=value), "period")
         refused(lambda: contact.Isolated(datum=value), "datum")
 
-    @pytest.mark.parametrize("value", [0, -1e-8, 1.0, 2, 1e-16, NAN, INF, True, "1e-8", None, [1e-8]], ids=repr)
+    @pytest.mark.parametrize(
+        "value", [0, -1e-8, 1.0, 2, 1e-16, NAN, INF, True, "1e-8", None, [1e-8]], ids=repr
+    )
     def test_a_tolerance_is_between_rounding_and_one(self, value):
         refused(lambda: contact.solve(scene(), tol=value), "tol")
 
@@ -92,7 +98,9 @@ class TestArrays:
         refused(lambda: contact.Sampled(np.arange(5.0), values), "height")
         refused(lambda: contact.Sampled(np.array([0.0, 1.0, bad, 3.0, 4.0]), np.ones(5)), "x")
 
-    @pytest.mark.parametrize("bad", ["12345", [], [[1.0, 2.0], [3.0, 4.0]], None, ["a"] * 5, [1j] * 5, {}, 3.0], ids=repr)
+    @pytest.mark.parametrize(
+        "bad", ["12345", [], [[1.0, 2.0], [3.0, 4.0]], None, ["a"] * 5, [1j] * 5, {}, 3.0], ids=repr
+    )
     def test_what_is_no_list_of_numbers_is_refused(self, bad):
         refused(lambda: contact.Polynomial(bad), "coefficients")
         refused(lambda: contact.Fourier(1.0, bad))
@@ -121,11 +129,16 @@ class TestArrays:
 
 
 class TestNames:
-    @pytest.mark.parametrize("name, near", [("sinusiod", "sinusoid"), ("Wedge", "wedge"), ("parabolla", "parabola")])
+    @pytest.mark.parametrize(
+        "name, near", [("sinusiod", "sinusoid"), ("Wedge", "wedge"), ("parabolla", "parabola")]
+    )
     def test_an_unknown_profile_is_refused_with_the_nearest_one(self, name, near):
         refused(lambda: contact.profile(name), near)
 
-    @pytest.mark.parametrize("name, near", [("periodical", "periodic"), ("isolate", "isolated"), ("localised", "localized")])
+    @pytest.mark.parametrize(
+        "name, near",
+        [("periodical", "periodic"), ("isolate", "isolated"), ("localised", "localized")],
+    )
     def test_an_unknown_interaction_too(self, name, near):
         refused(lambda: contact.interaction(name), near)
 
@@ -184,7 +197,11 @@ class TestScenes:
         refused(lambda: scene(punch, contact_fraction=0.5), "contact_fraction")
         refused(lambda: scene(punch, contact_fraction=0.3), "contact_fraction")
         refused(lambda: scene(punch, half_width=0.25), "half_width")
-        refused(lambda: scene(punch, contact.Localized("first-order"), load=1.0), "interaction", "closure")
+        refused(
+            lambda: scene(punch, contact.Localized("first-order"), load=1.0),
+            "interaction",
+            "closure",
+        )
 
 
 class TestOutOfRange:
@@ -210,7 +227,9 @@ class TestOutOfRange:
         assert solution.zone_widths[0] < 4e-4
         self.out_of_range("approach", profile=HERTZ, interaction=isolated, approach=1.001 * top)
 
-    @pytest.mark.parametrize("coefficients", [[0, 0, -1.0], [0, 1.0], [0, 1.0, 0, -2.0], [1, 0, 1, 0, -1e-3]], ids=repr)
+    @pytest.mark.parametrize(
+        "coefficients", [[0, 0, -1.0], [0, 1.0], [0, 1.0, 0, -2.0], [1, 0, 1, 0, -1e-3]], ids=repr
+    )
     def test_a_polynomial_that_is_unbounded_below(self, coefficients):
         with pytest.raises(contact.ContactError) as caught:
             contact.solve(contact.Scene(contact.Polynomial(coefficients), 1.0, ISOLATED, load=1e3))
@@ -224,12 +243,18 @@ class TestOutOfRange:
         self.out_of_range("border", profile=bowl, interaction=ISOLATED, E_star=1.0, load=1e-4)
 
     def test_every_error_is_a_contact_error_and_bad_input_a_value_error(self):
-        for kind in (contact.SceneError, contact.OutOfRange, contact.NotConverged, contact.MissingExtra):
+        for kind in (
+            contact.SceneError,
+            contact.OutOfRange,
+            contact.NotConverged,
+            contact.MissingExtra,
+        ):
             assert issubclass(kind, contact.ContactError)
         assert issubclass(contact.SceneError, ValueError)
 
     def test_a_tolerance_that_rounding_forbids_is_not_met_in_silence(self):
-        # A zone of a millionth of the period far from the origin: its ends are known to 1e-10 of their width.
+        # A zone of a millionth of the period far from the origin: its ends are known to 1e-10 of
+        # their width.
         wave = contact.Fourier(1.0, [-0.01, 0.004], [0.003, 0.001])
         with pytest.raises(contact.NotConverged, match="tolerance") as caught:
             contact.solve(contact.Scene(wave, 1.0, PERIODIC, load=1e-12), tol=1e-12)

@@ -1,4 +1,6 @@
-"""The measurements measure: their truths hold by other laws, their verdicts can fail, and their files say what was run."""
+"""The measurements measure: their truths hold by other laws, their verdicts can fail, and their
+files say what was run.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +18,7 @@ import contact
 from contact.commands.cli import main
 from contact.reference import inverse
 from contact.reference.exact import HertzLine, IsolatedWedge, Westergaard
-from contact.studies import mutations, pages
+from contact.studies import pages
 from contact.studies.bench import (
     cases,
     clock,
@@ -59,12 +61,19 @@ class TestTruths:
     def test_the_pressure_of_a_series_has_its_load(self):
         series = HarmonicZone((0.01, 0.0, 2e-4), 1.0, 0.4)
         phi = (np.arange(200) + 0.5) * np.pi / 200
-        assert 0.4 * np.pi / 200 * np.sum(series.pressure_at(np.cos(phi)) * np.sin(phi)) == pytest.approx(series.load, rel=1e-12)
+        assert 0.4 * np.pi / 200 * np.sum(
+            series.pressure_at(np.cos(phi)) * np.sin(phi)
+        ) == pytest.approx(series.load, rel=1e-12)
 
     def test_a_wedge_blunted_by_little_is_a_wedge_away_from_its_tip(self):
         sharp = IsolatedWedge(wedge_slope=0.1, E_star=1.0, half_width=1.0)
         t = np.array([0.1, 0.5, 0.9])
-        gaps = [np.abs(IsolatedBluntedWedge(0.1, d, 1.0, 1.0).pressure_at(t) - sharp.pressure_at(t)).max() for d in (1e-3, 1e-4)]
+        gaps = [
+            np.abs(
+                IsolatedBluntedWedge(0.1, d, 1.0, 1.0).pressure_at(t) - sharp.pressure_at(t)
+            ).max()
+            for d in (1e-3, 1e-4)
+        ]
         assert gaps[1] < 0.02 * gaps[0] < 1e-6
 
     def test_a_wedge_blunted_by_much_is_hertz_s_parabola(self):
@@ -82,16 +91,22 @@ class TestTruths:
     )
     def test_the_transform_of_the_pressure_is_half_the_slope(self, exact, slope):
         x = np.cos(np.pi * np.array([800, 1500, 2400]) / 4000)
-        assert [transform_at(exact.pressure_at, v) for v in x] == pytest.approx(0.5 * slope(x), rel=1e-6)
+        assert [transform_at(exact.pressure_at, v) for v in x] == pytest.approx(
+            0.5 * slope(x), rel=1e-6
+        )
 
     def test_a_transform_of_another_pressure_is_not(self):
         x = np.cos(np.pi * 800 / 4000)
-        assert transform_at(lambda t: 1.001 * PowerPunch(6).pressure_at(t), x) != pytest.approx(0.5 * x**5, rel=1e-4)
+        assert transform_at(lambda t: 1.001 * PowerPunch(6).pressure_at(t), x) != pytest.approx(
+            0.5 * x**5, rel=1e-4
+        )
 
     @pytest.mark.parametrize(("part", "rounding"), [(1e-3, 1e-13), (1e-6, 1e-11)])
     def test_one_gap_in_closed_form_is_the_one_that_the_solver_finds(self, part, rounding):
         profile = contact.Fourier(1.0, [-1e-3, 2e-4], [3e-4])
-        full = contact.solve(contact.Scene(profile, 1.0, contact.Periodic(), contact_fraction=1.0)).mean_pressure
+        full = contact.solve(
+            contact.Scene(profile, 1.0, contact.Periodic(), contact_fraction=1.0)
+        ).mean_pressure
         scene = contact.Scene(profile, 1.0, contact.Periodic(), mean_pressure=full * (1 - part))
         found, exact = contact.solve(scene, 1e-10), OneGap.of(profile, full, scene)
         assert truth.stated_measure(found, exact) < rounding
@@ -111,8 +126,12 @@ class TestTruths:
     def test_equal_zones_repeat_one_wave_and_lie_in_one_period(self):
         one = Westergaard.from_contact_fraction(0.1, amplitude=1e-4, period=0.25, E_star=1.0)
         four = Repeated(one, 4, 0.3)
-        assert np.all((four.zones[:, 0] >= -0.5) & (four.zones[:, 0] < 0.5)) and np.allclose(np.diff(four.zones[:, 0]), 0.25)
-        assert four.pressure(np.mean(four.zones, axis=1)) == pytest.approx(np.full(4, one.max_pressure), rel=1e-12)
+        assert np.all((four.zones[:, 0] >= -0.5) & (four.zones[:, 0] < 0.5)) and np.allclose(
+            np.diff(four.zones[:, 0]), 0.25
+        )
+        assert four.pressure(np.mean(four.zones, axis=1)) == pytest.approx(
+            np.full(4, one.max_pressure), rel=1e-12
+        )
 
     def test_both_formulations_of_a_nearly_full_rough_contact_agree(self):
         case = cases.rough_nearly_full()
@@ -130,7 +149,9 @@ class TestMeasures:
 
     def test_another_number_of_zones_is_no_solution(self):
         two = inverse.design([[0.0, 0.2], [0.4, 0.7]], 1.0, 1e-3, 1.0)
-        assert truth.stated_measure(HertzLine(radius=1.0, E_star=1.0, half_width=1.0), two) == np.inf
+        assert (
+            truth.stated_measure(HertzLine(radius=1.0, E_star=1.0, half_width=1.0), two) == np.inf
+        )
 
     def test_times_to_an_error_are_for_good(self):
         def row(error, seconds):
@@ -166,7 +187,9 @@ class TestVerdicts:
 
     def test_a_known_failure_is_named_with_its_reason(self):
         scene, _ = self.WAVE.make()
-        case = dataclasses.replace(self.WAVE, make=lambda: (scene, PowerPunch(2)), known="the truth is another scene's")
+        case = dataclasses.replace(
+            self.WAVE, make=lambda: (scene, PowerPunch(2)), known="the truth is another scene's"
+        )
         verdict = stability.run(case)
         assert verdict.outcome == "known" and verdict.note.endswith(case.known)
 
@@ -188,7 +211,11 @@ class TestVerdicts:
         told = {f.name: getattr(exact, f.name) for f in dataclasses.fields(exact)}
         told["half_width"] *= 1 + 1e-9
         for error, outcome in ((1e-8, "not judged"), (1e-12, "FAIL")):
-            verdict = stability.run(dataclasses.replace(self.WAVE, make=lambda error=error: (scene, Found(**told, error=error))))
+            verdict = stability.run(
+                dataclasses.replace(
+                    self.WAVE, make=lambda error=error: (scene, Found(**told, error=error))
+                )
+            )
             assert verdict.outcome == outcome
 
     @pytest.mark.parametrize(("undecided", "outcome"), [(True, "undecided"), (False, "FAIL")])
@@ -197,7 +224,9 @@ class TestVerdicts:
     ):
         scene, one = self.WAVE.make()
         found = contact.solve(scene)
-        said = dataclasses.replace(found, certificate=dataclasses.replace(found.certificate, undecided=undecided))
+        said = dataclasses.replace(
+            found, certificate=dataclasses.replace(found.certificate, undecided=undecided)
+        )
         monkeypatch.setattr(stability, "solve", lambda scene, tol: said)
         hair = 1e-9 * one.half_width
         a, b = one.zones[0]
@@ -213,9 +242,18 @@ class TestVerdicts:
     @pytest.mark.slow
     def test_the_matrix_has_every_kind_of_extreme(self):
         assert {case.group for case in extremes.matrix(False)} >= {
-            "contact of the period", "gap between zones", "zones of very different width", "heights of very different scale",
-            "moduli", "lengths", "load below a merge by", "load above a merge by", "load below full contact by", "slopes",
-            "measured with noise", "many equal zones",
+            "contact of the period",
+            "gap between zones",
+            "zones of very different width",
+            "heights of very different scale",
+            "moduli",
+            "lengths",
+            "load below a merge by",
+            "load above a merge by",
+            "load below full contact by",
+            "slopes",
+            "measured with noise",
+            "many equal zones",
         }
 
 
@@ -226,30 +264,57 @@ class TestRuns:
                 assert row.error <= row.stated
 
     def test_the_localized_models_come_nearer_with_every_neighbour(self):
-        errors = [row.error for row in hierarchy(cases.wave(0.4), quick=True) if row.method.startswith("localized, m")]
+        errors = [
+            row.error
+            for row in hierarchy(cases.wave(0.4), quick=True)
+            if row.method.startswith("localized, m")
+        ]
         assert errors == sorted(errors, reverse=True) and errors[0] > 1e-3 > 1e-6 > errors[-1]
 
     @pytest.mark.slow
     def test_a_bench_writes_tables_csv_and_figures(self, tmp_path, monkeypatch):
         monkeypatch.setattr(run, "suite", lambda quick: [cases.wave(0.4)])
         monkeypatch.setattr(curves, "CURVES", {"a wave": (curves._waves, 5, 5)})
-        monkeypatch.setattr(scaling, "series", lambda quick: [("zones, equal", [3, 5, 7], scaling.equal_waves, 1e-6)])
+        monkeypatch.setattr(
+            scaling,
+            "series",
+            lambda quick: [("zones, equal", [3, 5, 7], scaling.equal_waves, 1e-6)],
+        )
         result = CliRunner().invoke(main, ["bench", "--quick", "--out", str(tmp_path / "out")])
         assert result.exit_code == 0, result.output
         names = {file.name for file in (tmp_path / "out").iterdir()}
         assert names == {
-            "precision.csv", "precision.png", "scaling.csv", "scaling.png", "precision.md", "hierarchy.md", "scaling.md",
-            "exponents.md", "single.md", "required.md", "machine.md", "curves.md", "imports.md",
+            "precision.csv",
+            "precision.png",
+            "scaling.csv",
+            "scaling.png",
+            "precision.md",
+            "hierarchy.md",
+            "scaling.md",
+            "exponents.md",
+            "single.md",
+            "required.md",
+            "machine.md",
+            "curves.md",
+            "imports.md",
         }
         for name in names:
             if name.endswith(".md"):
-                assert re.search(r"^Made at (commit|version) ", (tmp_path / "out" / name).read_text(), re.MULTILINE), name
+                assert re.search(
+                    r"^Made at (commit|version) ",
+                    (tmp_path / "out" / name).read_text(),
+                    re.MULTILINE,
+                ), name
         # What is measured is told as it comes.
         assert "wave 2a/L=0.4: " in result.stderr and "zones, equal, 7: " in result.stderr
         with (tmp_path / "out" / "precision.csv").open() as stream:
             table = list(csv.DictReader(stream))
         assert {row["scene"] for row in table} == {"wave 2a/L=0.4"}
-        assert all(float(row["error"]) <= float(row["stated"]) for row in table if row["method"] == "contact")
+        assert all(
+            float(row["error"]) <= float(row["stated"])
+            for row in table
+            if row["method"] == "contact"
+        )
 
     def test_peers_that_are_not_installed_are_named_with_their_extra(self, tmp_path, monkeypatch):
         # None in sys.modules is a module that cannot be imported.
@@ -259,14 +324,21 @@ class TestRuns:
         assert result.exit_code == 2 and "[peers]'" in result.stderr
 
     def test_stability_ends_with_3_if_a_scene_fails(self, tmp_path, monkeypatch):
-        impossible = dataclasses.replace(TestVerdicts.WAVE, make=lambda: (TestVerdicts.WAVE.make()[0], PowerPunch(2)))
+        impossible = dataclasses.replace(
+            TestVerdicts.WAVE, make=lambda: (TestVerdicts.WAVE.make()[0], PowerPunch(2))
+        )
         monkeypatch.setattr(stability, "matrix", lambda quick: [TestVerdicts.WAVE, impossible])
         result = CliRunner().invoke(main, ["stability", "--out", str(tmp_path)])
         assert result.exit_code == 3 and "1 of 2" in result.stderr
         assert (tmp_path / "stability.md").read_text().count("\n| moduli") == 2
 
     def test_a_bar_in_a_cell_does_not_break_a_page_s_table(self):
-        assert report.markdown(report.Table("key", "title", ("a", "b"), [("|x|", "1")])).splitlines()[-1] == "| \\|x\\| | 1 |"
+        assert (
+            report.markdown(report.Table("key", "title", ("a", "b"), [("|x|", "1")])).splitlines()[
+                -1
+            ]
+            == "| \\|x\\| | 1 |"
+        )
 
 
 @pytest.mark.parametrize("peer", peers.PEERS, ids=lambda peer: peer.name)
@@ -282,7 +354,8 @@ def test_another_code_nears_the_same_contact_as_its_grid_is_refined(peer):
         run()
         return truth.at_places(x, read(), case.exact)[1]
 
-    # The error sits in the two cells that hold an end, and is its root there: h sqrt(h) of the mean.
+    # The error sits in the two cells that hold an end, and is its root there: h sqrt(h) of the
+    # mean.
     assert mean_error(64) < 3e-3
     assert mean_error(1024) < mean_error(64) / 8
 
@@ -302,18 +375,24 @@ class TestRequired:
 
     def test_a_hundred_times_faster_is_met_and_ninety_times_is_missed_with_its_reason(self):
         for seconds, word in ((0.11, "met"), (0.09, "missed: ")):
-            (measured, verdict) = self.told(self.rows([(1e-3, 1e-5)], [(seconds, 5e-5)]))["at an error of p(x) of 1e-4"]
+            (measured, verdict) = self.told(self.rows([(1e-3, 1e-5)], [(seconds, 5e-5)]))[
+                "at an error of p(x) of 1e-4"
+            ]
             assert verdict.startswith(word) and f"{1e3 * seconds:.3g}" in measured
 
     def test_a_peer_that_never_gets_there_counts_with_its_longest_run(self):
-        measured, verdict = self.told(self.rows([(1e-3, 1e-5)], [(0.5, 5e-3)]))["at an error of p(x) of 1e-4"]
+        measured, verdict = self.told(self.rows([(1e-3, 1e-5)], [(0.5, 5e-3)]))[
+            "at an error of p(x) of 1e-4"
+        ]
         assert "> 500" in measured and verdict == "met"
 
     def test_a_true_error_above_the_stated_one_is_a_miss(self):
         rows = self.rows([(1e-3, 1e-5)], [])
         assert self.told(rows, ())["the true error is at most the stated one"][1] == "met"
         rows.append(dataclasses.replace(rows[0], stated=0.9e-5))
-        assert self.told(rows, ())["the true error is at most the stated one"][1].startswith("missed")
+        assert self.told(rows, ())["the true error is at most the stated one"][1].startswith(
+            "missed"
+        )
 
     def test_without_peers_nothing_is_said_of_them(self):
         assert not any("peer" in figure for figure in self.told(self.rows([(1e-3, 1e-5)], []), ()))
@@ -328,10 +407,27 @@ class TestPages:
         assert filled.startswith("before\n") and filled.endswith("\nafter")
         assert pages.filled(filled, tmp_path) == filled
 
-    def test_every_place_in_the_pages_is_that_of_a_table_that_is_made_and_is_filled(self, monkeypatch):
+    def test_every_place_in_the_pages_is_that_of_a_table_that_is_made_and_is_filled(
+        self, monkeypatch
+    ):
         made = {
-            "precision", "hierarchy", "peers", "scaling", "exponents", "single", "required", "machine", "stability", "mutations",
-            "curves", "imports", "self-affine", "measured-trace", "kinds-10000", "kinds-20000", "challenge", "challenge-curves",
+            "precision",
+            "hierarchy",
+            "peers",
+            "scaling",
+            "exponents",
+            "single",
+            "required",
+            "machine",
+            "stability",
+            "curves",
+            "imports",
+            "self-affine",
+            "measured-trace",
+            "kinds-10000",
+            "kinds-20000",
+            "challenge",
+            "challenge-curves",
             "many-intervals",
         }
         named = set()
@@ -340,12 +436,3 @@ class TestPages:
                 named.add(found[2])
                 assert found[0].count("\n| ") > 3, f"{found[2]} in {name} is empty"
         assert named == made
-
-
-def test_every_mutation_still_finds_its_source_once(monkeypatch):
-    module = mutations
-    assert len(module.MUTATIONS) >= 10
-    for mutation in module.MUTATIONS:
-        assert (ROOT / mutation.file).read_text().count(mutation.old) == 1, mutation.name
-        assert mutation.new != mutation.old
-        assert all((ROOT / file).exists() for file in (*mutation.first, *module.SUBSET))

@@ -1,4 +1,6 @@
-"""Contact fractions and approaches by a bracket on the load: few solutions on the way, and no ends that do not settle."""
+"""Contact fractions and approaches by a bracket on the load: few solutions on the way, and no ends
+that do not settle.
+"""
 
 import numpy as np
 import pytest
@@ -19,12 +21,16 @@ def scene(profile, **control):
 
 
 def honed(points, seed=3):
-    """A plateau of fine roughness cut by grooves, at positions off by up to 0.4 of the pitch: a little more load brings much more
-    into contact."""
+    """A plateau of fine roughness cut by grooves, at positions off by up to 0.4 of the pitch: a
+    little more load brings much more into contact.
+    """
     rng = np.random.default_rng(seed)
     k = np.arange(1, points // 4)
     at = np.arange(points) + rng.uniform(-0.4, 0.4, points)
-    height = np.sum(k**-1.3 * np.cos(2 * np.pi * np.outer(at / points, k) + rng.uniform(0, 2 * np.pi, len(k))), axis=1)
+    height = np.sum(
+        k**-1.3 * np.cos(2 * np.pi * np.outer(at / points, k) + rng.uniform(0, 2 * np.pi, len(k))),
+        axis=1,
+    )
     height *= 0.05 / height.std()
     for centre, depth in zip(rng.uniform(0, points, 6), rng.uniform(1, 5, 6), strict=True):
         away = np.abs((at - centre + 0.5 * points) % points - 0.5 * points)
@@ -57,7 +63,12 @@ def test_a_contact_fraction_of_a_rough_trace_takes_few_loads(loads, fraction):
 
 
 def test_a_contact_fraction_beside_a_solution_needs_no_grid(loads, monkeypatch):
-    first = contact.solve(scene(honed(120), mean_pressure=contact.solve(scene(honed(120), contact_fraction=0.3)).mean_pressure))
+    first = contact.solve(
+        scene(
+            honed(120),
+            mean_pressure=contact.solve(scene(honed(120), contact_fraction=0.3)).mean_pressure,
+        )
+    )
     loads.clear()
     monkeypatch.setattr("contact.search.ways.guesses.proposed", lambda *_: pytest.fail("a grid"))
     beside = contact.solve(scene(honed(120), contact_fraction=0.305), near=first)
@@ -102,7 +113,11 @@ class Made:
     """A stand-in of a solution: contact that grows as a function of the load."""
 
     def __init__(self, load, value, slope):
-        self.load, self.contact_fraction, self.fields = load, value, type("F", (), {"widening_rate": slope})
+        self.load, self.contact_fraction, self.fields = (
+            load,
+            value,
+            type("F", (), {"widening_rate": slope}),
+        )
         self.approach, self.stiffness = value, 1 / slope
 
 
@@ -135,7 +150,9 @@ def test_a_load_without_a_solution_is_passed_by():
 
 
 @pytest.mark.parametrize("gap", [1e-3, 1e-8])
-def test_a_gap_that_keeps_asking_to_close_has_closed_however_narrow_it_was_to_begin_with(gap, monkeypatch):
+def test_a_gap_that_keeps_asking_to_close_has_closed_however_narrow_it_was_to_begin_with(
+    gap, monkeypatch
+):
     steps, plain = [], sie.find_ends
 
     def counted(*args, **named):
@@ -145,10 +162,17 @@ def test_a_gap_that_keeps_asking_to_close_has_closed_however_narrow_it_was_to_be
 
     monkeypatch.setattr(sie, "find_ends", counted)
     wave = scaled_scene(scene(contact.Sinusoid(1e-6, 1.0), mean_pressure=1e5), False)
-    alone = refine_topology(ByPressure(wave.problem), wave.control, np.array([[-0.3, 0.3]]), Newton(1e-9))
+    alone = refine_topology(
+        ByPressure(wave.problem), wave.control, np.array([[-0.3, 0.3]]), Newton(1e-9)
+    )
     steps.clear()
     (a, b), off = alone.free.density.zones.table[0], 0.02
-    found = refine_topology(ByPressure(wave.problem), wave.control, np.array([[a - off, -gap], [gap, b + off]]), Newton(1e-9))
+    found = refine_topology(
+        ByPressure(wave.problem),
+        wave.control,
+        np.array([[a - off, -gap], [gap, b + off]]),
+        Newton(1e-9),
+    )
     assert len(found.free.density.zones) == 1 and sum(steps) <= 6
 
 
@@ -160,6 +184,8 @@ def test_a_contact_fraction_of_a_rough_trace_takes_no_solution_under_another_loa
         raise AssertionError("a load on the way was solved")
 
     monkeypatch.setattr("contact.search.ways.loads._on_the_way", refused)
-    solution = contact.solve(contact.Scene(trace, 1.0, contact.Periodic(), contact_fraction=0.3), tol=1e-6)
+    solution = contact.solve(
+        contact.Scene(trace, 1.0, contact.Periodic(), contact_fraction=0.3), tol=1e-6
+    )
     assert solution.contact_fraction == pytest.approx(0.3, abs=1e-6)
     assert solution.certificate.holds

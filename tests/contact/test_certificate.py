@@ -1,4 +1,6 @@
-"""The certificate is not satisfied with zones that are not the contact: a zone missing, or one too many taken for one."""
+"""The certificate is not satisfied with zones that are not the contact: a zone missing, or one too
+many taken for one.
+"""
 
 from __future__ import annotations
 
@@ -19,10 +21,18 @@ EXACT = design(ZONES, 1.0, 1e-3, 1.0)
 
 
 def certificate_of(zones):
-    """Of the state on these zones, whose ends are moved to where the pressure is bounded, whatever the signs."""
+    """Of the state on these zones, whose ends are moved to where the pressure is bounded, whatever
+    the signs.
+    """
     problem = scaled(contact.Scene(EXACT.profile, 1.0, contact.Periodic(), load=1e-3))
     load = 1e-3 / problem.units.load
-    found = refine_topology(ByPressure(problem), Load(load), problem.units.scaled(np.array(zones)), Newton(1e-12), formal=True)
+    found = refine_topology(
+        ByPressure(problem),
+        Load(load),
+        problem.units.scaled(np.array(zones)),
+        Newton(1e-12),
+        formal=True,
+    )
     return certify(found.fields, load), problem.units
 
 
@@ -34,7 +44,9 @@ def test_the_right_zones_are_certified():
 
 def test_where_a_zone_is_missing_the_bodies_overlap():
     certificate, units = certificate_of([ZONES[0], ZONES[2]])
-    assert not certificate.holds and certificate.smallest_gap < 0 and certificate.smallest_pressure > 0
+    assert (
+        not certificate.holds and certificate.smallest_gap < 0 and certificate.smallest_pressure > 0
+    )
     assert [lo < -0.025 < hi for lo, hi in units.x(certificate.overlaps)] == [True]
 
 
@@ -45,7 +57,8 @@ def test_where_two_zones_are_taken_for_one_the_pressure_pulls_between_them():
 
 
 def test_a_contact_whose_gap_is_not_zero_on_its_zones_is_not_certified():
-    # A slope that is not the height's gives a pressure of the right sign everywhere, for another body.
+    # A slope that is not the height's gives a pressure of the right sign everywhere, for another
+    # body.
     class Bent(contact.Polynomial):
         def slope(self, x):
             return 1.001 * super().slope(x)
@@ -72,5 +85,7 @@ def test_of_many_gaps_each_is_looked_at_beside_its_ends_as_closely_as_one_of_a_f
     width = fields.density.zones.a[1:] - gaps
     assert len(gaps) == waves - 1
     # A second touch has been seen to begin within a hundredth of the gap from its end.
-    within = np.searchsorted(looks, gaps + 0.01 * width) - np.searchsorted(looks, gaps, side="right")
+    within = np.searchsorted(looks, gaps + 0.01 * width) - np.searchsorted(
+        looks, gaps, side="right"
+    )
     assert within.min() >= 3

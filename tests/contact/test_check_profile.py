@@ -28,7 +28,8 @@ class Good(Profile):
 
 def variant(**members: object) -> Profile:
     wrapped = {
-        k: v if callable(v) or k == "period" else property(lambda self, v=v: v) for k, v in members.items()
+        k: v if callable(v) or k == "period" else property(lambda self, v=v: v)
+        for k, v in members.items()
     }
     made: Profile = type("Variant", (Good,), wrapped)()
     return made
@@ -36,7 +37,10 @@ def variant(**members: object) -> Profile:
 
 def _bare(profile: Profile) -> Profile:
     """The profile without the jumps that it declares."""
-    nothing = {"jumps": property(lambda self: np.empty((0, 3))), "breakpoints": property(lambda self: np.empty(0))}
+    nothing = {
+        "jumps": property(lambda self: np.empty((0, 3))),
+        "breakpoints": property(lambda self: np.empty(0)),
+    }
     made: Profile = object.__new__(type("Bare", (type(profile),), nothing))
     made.__dict__.update(profile.__dict__)
     return made
@@ -45,7 +49,11 @@ def _bare(profile: Profile) -> Profile:
 def _shouldered() -> Profile:
     """Flat for |x| <= L/10, parabolic beyond."""
     beyond = lambda s, x: np.sign(s.wrap(x)) * np.maximum(np.abs(s.wrap(x)) - L / 10, 0)  # noqa: E731
-    return variant(height=lambda s, x: 100 * beyond(s, x) ** 2, slope=lambda s, x: 200 * beyond(s, x), kinks=np.array([[-L / 2, -160 * L]]))
+    return variant(
+        height=lambda s, x: 100 * beyond(s, x) ** 2,
+        slope=lambda s, x: 200 * beyond(s, x),
+        kinks=np.array([[-L / 2, -160 * L]]),
+    )
 
 
 _valley = np.array([[-L / 2, -1.0]])
@@ -74,7 +82,11 @@ FAULTS = {
     "raises": (variant(height=lambda s, x: 1 / 0), "ZeroDivisionError"),
     "complex": (variant(height=lambda s, x: Good.height(s, x) + 0j), "real"),
     "false symmetry": (
-        variant(height=lambda s, x: 1e-6 * np.sin(K * np.asarray(x)), slope=Profile.slope, symmetric=True),
+        variant(
+            height=lambda s, x: 1e-6 * np.sin(K * np.asarray(x)),
+            slope=Profile.slope,
+            symmetric=True,
+        ),
         "symmetric is claimed",
     ),
     "symmetric by word": (variant(symmetric="yes"), "True or False"),
@@ -86,7 +98,10 @@ FAULTS = {
         variant(height=lambda s, x: np.abs(s.wrap(x)), slope=Profile.slope),
         "kinks does not say so",
     ),
-    "kink declared where there is none": (variant(kinks=np.array([[0.1 * L, 0.1]])), "kink declared"),
+    "kink declared where there is none": (
+        variant(kinks=np.array([[0.1 * L, 0.1]])),
+        "kink declared",
+    ),
     "kink of the wrong size": (
         variant(
             height=lambda s, x: np.abs(s.wrap(x)),
@@ -106,17 +121,26 @@ FAULTS = {
         variant(slope_conjugate=lambda s, x: 1e-6 * K * np.cos(K * np.asarray(x))),
         "slope_conjugate",
     ),
-    "jump of the curvature that is not there": (variant(jumps=np.array([[0.0, 2, 5.0]])), "jump declared"),
+    "jump of the curvature that is not there": (
+        variant(jumps=np.array([[0.0, 2, 5.0]])),
+        "jump declared",
+    ),
     "jump of the third derivative at the border of the cell": (
         _bare(Biquadratic(1e-3, 4e-5, L)),
         r"derivative 3 .* \[-0.0001, 3, -1.5e\+09\]",
     ),
-    "jump of the curvature at the border of the cell": (_bare(Polynomial([0, -1.0, 1.0, 1.0], 2.0)), r"\[-1, 2, -12\]"),
+    "jump of the curvature at the border of the cell": (
+        _bare(Polynomial([0, -1.0, 1.0, 1.0], 2.0)),
+        r"\[-1, 2, -12\]",
+    ),
     "jump at the border, slope left out": (
         variant(height=lambda s, x: s.wrap(x) ** 4 / L**3, slope=Profile.slope, kinks=_valley),
         "derivative 3",
     ),
-    "knots of a spline": (_bare(Sampled(np.arange(9.0), np.cos(np.arange(9.0)), 9.0)), "derivative 3 jumps by .* at 0,"),
+    "knots of a spline": (
+        _bare(Sampled(np.arange(9.0), np.cos(np.arange(9.0)), 9.0)),
+        "derivative 3 jumps by .* at 0,",
+    ),
     "jump of the curvature within the cell": (_shouldered(), r"\[-2e-05, 2, -200\]"),
     "support that does not end it": (variant(support=(-L / 4, L / 4)), "inf just outside"),
     "negative resolution": (variant(resolution=-1.0), "resolution"),
@@ -187,14 +211,19 @@ CORRECT = {
 @pytest.mark.parametrize("given", [True, False])
 def test_a_correct_profile_of_any_size_has_no_fault(shape: str, unit: float, given: bool) -> None:
     height, slope = CORRECT[shape]
-    members = {"height": lambda s, x: unit * height(np.asarray(x) / unit), "slope": lambda s, x: slope(np.asarray(x) / unit)}
+    members = {
+        "height": lambda s, x: unit * height(np.asarray(x) / unit),
+        "slope": lambda s, x: slope(np.asarray(x) / unit),
+    }
     made = type("Correct", (Profile,), members if given else {"height": members["height"]})()
     report = check_profile(made, raises=False)
     assert report.ok, report
 
 
 def test_a_kink_that_is_reported_can_be_copied() -> None:
-    tooth = type("Tooth", (Profile,), {"height": lambda s, x: np.maximum(np.abs(np.asarray(x)) - 0.1, 0.0)})()
+    tooth = type(
+        "Tooth", (Profile,), {"height": lambda s, x: np.maximum(np.abs(np.asarray(x)) - 0.1, 0.0)}
+    )()
     faults = check_profile(tooth, raises=False).faults
     assert "jumps by 1 at -0.1," in faults[0] and "jumps by 1 at 0.1," in faults[1]
 

@@ -1,4 +1,6 @@
-"""What a profile of one's own says of itself: a constant, a far origin and a false claim are harmless, stated, or refused by name."""
+"""What a profile of one's own says of itself: a constant, a far origin and a false claim are
+harmless, stated, or refused by name.
+"""
 
 from __future__ import annotations
 
@@ -29,7 +31,9 @@ LAYER, JKR, DUGDALE = (
 
 @dataclass(frozen=True)
 class Heights(contact.Profile):
-    """Three harmonics about a place, on a constant, with a corner; nothing but heights, of real numbers alone."""
+    """Three harmonics about a place, on a constant, with a corner; nothing but heights, of real
+    numbers alone.
+    """
 
     constant: float = 0.0
     origin: float = 0.0
@@ -131,13 +135,17 @@ def reference(route, profile):
 
 
 def place(origin):
-    """Where a shape about this origin stands within its period, by exact arithmetic of its own wave number."""
+    """Where a shape about this origin stands within its period, by exact arithmetic of its own wave
+    number.
+    """
     with mp.workdps(40):
         return float(mp.fmod(mp.mpf(WAVE) * mp.mpf(origin), 2 * mp.pi) / mp.mpf(WAVE))
 
 
 def difference(solution, exact, shift=0.0):
-    """Largest difference of ends over widths and of pressures at equal normalised positions over the peak."""
+    """Largest difference of ends over widths and of pressures at equal normalised positions over
+    the peak.
+    """
     peak = (
         exact.max_pressure
         if np.isfinite(exact.max_pressure)
@@ -257,7 +265,8 @@ def test_a_false_transform_of_the_slope_is_harmless_or_named(route, times):
     assert "slope_conjugate disagrees with the slope" in said if abs(times - 1) > 1e-6 else not said
 
 
-# Profiles whose claims are true -------------------------------------------------------------------------------------
+# Profiles whose claims are true
+# -------------------------------------------------------------------------------------
 def own(height, slope=None, **said):
     """A profile of these functions and properties, its period an attribute."""
     parts = {"height": lambda self, x: height(np.asarray(x, dtype=float))}

@@ -1,4 +1,6 @@
-"""The commands answer as their documentation says, and end in 0, 2 or 3 with one clear line for the last two."""
+"""The commands answer as their documentation says, and end in 0, 2 or 3 with one clear line for the
+last two.
+"""
 
 from __future__ import annotations
 
@@ -73,7 +75,7 @@ class TestSolve:
         assert read["mean_pressure"] == pytest.approx(2e7, rel=1e-12)
 
     def test_the_zone_is_westergaards(self, scene):
-        (left, right), = json.loads(run("solve", scene(), "--json").stdout)["zones"]
+        ((left, right),) = json.loads(run("solve", scene(), "--json").stdout)["zones"]
         a = 1e-4 / np.pi * np.arcsin(np.sqrt(2e7 * 1e-4 / (np.pi * 1.1e11 * 1e-6)))
         assert [left, right] == pytest.approx([-a, a], rel=1e-8)
         assert right != pytest.approx(1.001 * a, rel=1e-8)
@@ -88,7 +90,11 @@ class TestSolve:
         pytest.importorskip("h5py")
         pytest.importorskip("matplotlib")
         names = {"--save": "out.nc", "--plot": "out.png", "--csv": "out.csv"}
-        result = run("solve", scene(), *(part for option, name in names.items() for part in (option, tmp_path / name)))
+        result = run(
+            "solve",
+            scene(),
+            *(part for option, name in names.items() for part in (option, tmp_path / name)),
+        )
         assert result.exit_code == 0, result.output
         assert (tmp_path / "out.nc").read_bytes().startswith(b"\x89HDF")
         assert (tmp_path / "out.png").read_bytes().startswith(b"\x89PNG")
@@ -97,7 +103,9 @@ class TestSolve:
     def test_json_stays_one_object_when_files_are_written(self, scene, tmp_path):
         json.loads(run("solve", scene(), "--json", "--csv", tmp_path / "out.csv").stdout)
 
-    def test_numbers_are_written_over_only_when_asked_and_a_picture_is_drawn_anew(self, scene, tmp_path, monkeypatch):
+    def test_numbers_are_written_over_only_when_asked_and_a_picture_is_drawn_anew(
+        self, scene, tmp_path, monkeypatch
+    ):
         pytest.importorskip("matplotlib")
         table, figure = tmp_path / "out.csv", tmp_path / "out.png"
         for path in (table, figure):
@@ -112,17 +120,24 @@ class TestSolve:
         assert table.read_text().startswith("left") and figure.read_bytes().startswith(b"\x89PNG")
 
     def test_two_options_cannot_name_one_file(self, scene, tmp_path):
-        assert "--fields" in stopped(2, "solve", scene(), "--csv", tmp_path / "out.csv", "--fields", tmp_path / "out.csv")
+        assert "--fields" in stopped(
+            2, "solve", scene(), "--csv", tmp_path / "out.csv", "--fields", tmp_path / "out.csv"
+        )
 
     @pytest.mark.parametrize("option", ["--save", "--csv", "--fields"])
-    def test_a_file_of_numbers_whose_ending_is_none_of_its_own_is_refused_before_solving(self, scene, tmp_path, monkeypatch, option):
+    def test_a_file_of_numbers_whose_ending_is_none_of_its_own_is_refused_before_solving(
+        self, scene, tmp_path, monkeypatch, option
+    ):
         monkeypatch.setattr(cli, "solve", lambda *a, **k: pytest.fail("solved"))
         assert option in stopped(2, "solve", scene(), option, tmp_path / "out.txt")
 
     def test_a_scene_comes_in_on_standard_input(self, scene):
         text = open(scene(), encoding="utf-8").read()
         result = CliRunner().invoke(cli.main, ["solve", "-", "--json"], input=text)
-        assert json.loads(result.stdout)["zones"] == json.loads(run("solve", scene(), "--json").stdout)["zones"]
+        assert (
+            json.loads(result.stdout)["zones"]
+            == json.loads(run("solve", scene(), "--json").stdout)["zones"]
+        )
         for broken in ("", "[profile", text.replace("amplitude", "amplitud"), "\xff"):
             refused = CliRunner().invoke(cli.main, ["solve", "-"], input=broken.encode("latin-1"))
             assert refused.exit_code == 2 and refused.stderr.startswith("contact: standard input: ")
@@ -141,7 +156,9 @@ class TestSolve:
         assert "full contact" in result.stdout
 
     @pytest.mark.parametrize("name", ["out.xyz", "none/out.png", "out", ""])
-    def test_a_figure_that_cannot_be_written_is_refused_before_solving(self, scene, tmp_path, monkeypatch, name):
+    def test_a_figure_that_cannot_be_written_is_refused_before_solving(
+        self, scene, tmp_path, monkeypatch, name
+    ):
         monkeypatch.setattr(cli, "solve", lambda *a, **k: pytest.fail("solved"))
         assert "--plot" in stopped(2, "solve", scene(), "--plot", tmp_path / name)
 
@@ -167,13 +184,21 @@ control = {mean_pressure = 1e7}
 
 @pytest.mark.parametrize(
     "command",
-    [["solve"], ["plan", "--solve"], ["compare"], ["path", "--loads", "1e2,1.1e2"], ["sweep", "--vary", "control.load=1e2,1.1e2", "--out"]],
+    [
+        ["solve"],
+        ["plan", "--solve"],
+        ["compare"],
+        ["path", "--loads", "1e2,1.1e2"],
+        ["sweep", "--vary", "control.load=1e2,1.1e2", "--out"],
+    ],
     ids=lambda command: command[0],
 )
 def test_every_solve_of_a_trace_says_what_it_read(command, tmp_path):
     pytest.importorskip("h5netcdf")
     x = np.linspace(0.0, 100.0, 41)
-    np.savetxt(tmp_path / "trace.csv", np.column_stack((x, np.cos(2 * np.pi * x / 100))), delimiter=",")
+    np.savetxt(
+        tmp_path / "trace.csv", np.column_stack((x, np.cos(2 * np.pi * x / 100))), delimiter=","
+    )
     (tmp_path / "trace.toml").write_text(TRACE)
     name, *options = [*command, str(tmp_path / "out.nc")] if command[-1] == "--out" else command
     result = run(name, tmp_path / "trace.toml", *options)
@@ -182,7 +207,10 @@ def test_every_solve_of_a_trace_says_what_it_read(command, tmp_path):
 
 
 def test_the_shell_completes_commands_and_options(monkeypatch, capsys):
-    for words, place, expected in (("contact so", 1, {"solve"}), ("contact path --b", 2, {"--back"})):
+    for words, place, expected in (
+        ("contact so", 1, {"solve"}),
+        ("contact path --b", 2, {"--back"}),
+    ):
         monkeypatch.setenv("_CONTACT_COMPLETE", "bash_complete")
         monkeypatch.setenv("COMP_WORDS", words)
         monkeypatch.setenv("COMP_CWORD", str(place))
@@ -210,11 +238,15 @@ class TestFailures:
     def test_a_tolerance_that_is_none_is_refused(self, scene, tol):
         assert "tol" in stopped(2, "solve", scene(), "--tol", tol)
 
-    @pytest.mark.parametrize("arguments", [["frob"], ["solve"], ["solve", "a", "b"], ["solve", "a", "--frob"]])
+    @pytest.mark.parametrize(
+        "arguments", [["frob"], ["solve"], ["solve", "a", "b"], ["solve", "a", "--frob"]]
+    )
     def test_wrong_usage_ends_in_2(self, arguments):
         stopped(2, *arguments)
 
-    def test_no_convergence_ends_in_3_with_one_line_however_many_the_message_has(self, scene, monkeypatch):
+    def test_no_convergence_ends_in_3_with_one_line_however_many_the_message_has(
+        self, scene, monkeypatch
+    ):
         def solve(*arguments, **options):
             raise contact.NotConverged("error 3e-3\n  after 50 steps", trace=[1])
 
@@ -227,7 +259,9 @@ class TestFailures:
 
     def test_without_click_the_command_says_what_to_install(self):
         code = "import sys; sys.modules['click'] = None; from contact.__main__ import main; main()"
-        done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+        done = subprocess.run(
+            [sys.executable, "-c", code], capture_output=True, text=True, check=False
+        )
         assert done.returncode == 2
         assert done.stderr.count("\n") == 1 and "pip install click" in done.stderr
 
@@ -242,13 +276,19 @@ class TestPlan:
             assert part.name in result.stdout
             assert part.reason.split(":")[0] in result.stdout
 
-
     def test_solved_it_also_says_the_sizes_and_where_the_time_went(self, scene):
         result = run("plan", scene(), "--solve")
         assert result.exit_code == 0
         header = next(line for line in result.stdout.splitlines() if "reason" in line)
         assert header.split()[-2:] == ["time", "share"]
-        for name in ("zones", "own modes", "coupled unknowns", "kernel evaluations", "profile evaluations", "time in all"):
+        for name in (
+            "zones",
+            "own modes",
+            "coupled unknowns",
+            "kernel evaluations",
+            "profile evaluations",
+            "time in all",
+        ):
             assert name in result.stdout
 
 
@@ -257,13 +297,25 @@ class TestCompare:
         result = run("compare", scene())
         assert result.exit_code == 0, result.output
         lines = [line.strip() for line in result.stdout.splitlines()]
-        names = ("isolated", "first-order", "self-consistent", "m = 1", "m = 2", "m = 4", "m = 8", "exact")
+        names = (
+            "isolated",
+            "first-order",
+            "self-consistent",
+            "m = 1",
+            "m = 2",
+            "m = 4",
+            "m = 8",
+            "exact",
+        )
         listed = [name for line in lines for name in names if line.startswith(name)]
         assert listed == [*names] * 3
         exact = [line.split() for line in lines if line.startswith("exact")][1]
         assert exact[1:6] == ["0"] * 5
 
-    @pytest.mark.parametrize("control", ["mean_pressure = 2e7", "mean_pressure = 2.6e9", "contact_fraction = 0.123456789"])
+    @pytest.mark.parametrize(
+        "control",
+        ["mean_pressure = 2e7", "mean_pressure = 2.6e9", "contact_fraction = 0.123456789"],
+    )
     def test_no_line_of_a_comparison_is_wider_than_80_columns(self, scene, control):
         result = run("compare", scene(control))
         tables = result.stdout.partition("no solution")[0].splitlines()
@@ -272,12 +324,16 @@ class TestCompare:
     def test_a_column_of_a_comparison_has_one_unit_in_its_head(self, scene):
         lines = run("compare", scene("mean_pressure = 2.6e9")).stdout.splitlines()
         assert sum(line.count("[") for line in lines) == 4 + 1 + 2
-        assert not any(unit in line for line in lines if "m = " in line for unit in ("Pa", "µm", "nm", "kN"))
+        assert not any(
+            unit in line for line in lines if "m = " in line for unit in ("Pa", "µm", "nm", "kN")
+        )
 
     def test_a_model_without_a_solution_says_why_and_the_others_go_on(self, scene):
         result = run("compare", scene("approach = 3e-7"))
         assert result.exit_code == 0
-        reason = next(line for line in result.stdout.splitlines() if line.startswith("isolated: no solution"))
+        reason = next(
+            line for line in result.stdout.splitlines() if line.startswith("isolated: no solution")
+        )
         assert "datum" in reason
 
     def test_the_models_own_parameters_are_compared_too(self, scene, tmp_path):
@@ -304,7 +360,9 @@ class TestCompare:
         assert out.read_bytes().startswith(b"\x89PNG")
         assert "--plot" in stopped(2, "compare", scene(), "--plot", tmp_path / "compared.what")
 
-    @pytest.mark.parametrize(("error", "status"), [(contact.OutOfRange, 2), (contact.NotConverged, 3)])
+    @pytest.mark.parametrize(
+        ("error", "status"), [(contact.OutOfRange, 2), (contact.NotConverged, 3)]
+    )
     def test_no_model_with_a_solution_ends_as_solve_would(self, scene, monkeypatch, error, status):
         def solve(problem, tol):
             raise error(f"{problem.interaction.name} has none")
@@ -315,7 +373,10 @@ class TestCompare:
         assert result.stderr.count("\n") == 1
         # One line for each reason, with the models it holds for.
         assert result.stdout.count("no solution: ") == 3
-        assert "first-order, self-consistent, m = 1, m = 2, m = 4, m = 8: no solution: localized has none" in result.stdout
+        assert (
+            "first-order, self-consistent, m = 1, m = 2, m = 4, m = 8: no solution: localized has none"
+            in result.stdout
+        )
 
 
 class TestLists:
@@ -326,7 +387,9 @@ class TestLists:
             assert name in result.stdout
         assert "amplitude, period" in result.stdout and "detrend = 'none'" in result.stdout
 
-    @pytest.mark.parametrize("command, names", [("substrates", ("half-plane", "layer")), ("laws", ("frictionless",))])
+    @pytest.mark.parametrize(
+        "command, names", [("substrates", ("half-plane", "layer")), ("laws", ("frictionless",))]
+    )
     def test_every_substrate_and_law_is_listed(self, command, names):
         result = run(command)
         assert result.exit_code == 0
@@ -371,7 +434,16 @@ class TestProgress:
 
 
 def test_importing_contact_loads_nothing_the_command_line_or_a_figure_needs():
-    heavy = ("click", "rich", "matplotlib", "xarray", "h5netcdf", "h5py", "pydantic", "contact.commands.cli")
+    heavy = (
+        "click",
+        "rich",
+        "matplotlib",
+        "xarray",
+        "h5netcdf",
+        "h5py",
+        "pydantic",
+        "contact.commands.cli",
+    )
     code = f"import sys, contact; print([name for name in {heavy!r} if name in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"

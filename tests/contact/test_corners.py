@@ -1,4 +1,6 @@
-"""Kinks, jumps of curvature and sharp corners, in zones, at their edges and beside them, against exact contacts."""
+"""Kinks, jumps of curvature and sharp corners, in zones, at their edges and beside them, against
+exact contacts.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +18,8 @@ from tests.contact.corners import CorneredZone, FoldedContact, Power, Wave, poly
 from tests.contact.judge import counterparts, end_error, solve, unit_pressure
 from tests.tiers import quick
 
-# The stated error is about pressures no nearer than this to a kink or a sharp corner, over the half width.
+# The stated error is about pressures no nearer than this to a kink or a sharp corner, over the half
+# width.
 NEAREST = 0.01
 T = np.cos((np.arange(200) + 0.5) * np.pi / 200)
 
@@ -32,36 +35,60 @@ SCENES = {
     "truncated wedge": CorneredZone((-1.5, 1.5), rows([(-1, 0.1), (1, 0.1)])),
     "truncated wedge, two slopes": CorneredZone((-1.1, 1.5), rows([(-1, 0.1), (1, 0.2)])),
     "steep trapezoid": CorneredZone((-1.1 - 1e-3, 1.0 + 2e-3), rows([(-1.1, 50.0), (1.0, 80.0)])),
-    "corners and bends": CorneredZone((-1, 1), PAIR, rows([(-0.7, -0.2), (0.3, 0.4), (1.2, 0.1)]), 0.3),
+    "corners and bends": CorneredZone(
+        (-1, 1), PAIR, rows([(-0.7, -0.2), (0.3, 0.4), (1.2, 0.1)]), 0.3
+    ),
     "trapezoid row": CorneredZone((-0.3, 0.3), rows([(-0.2, 0.1), (0.2, 0.1)]), period=1.0),
     "sawtooth row": CorneredZone((-0.3, 0.2), rows([(0.1, 0.3)]), period=1.0),
-    "polygon row": CorneredZone((-0.3, 0.2), rows([(-0.25, 0.1), (-0.1, 0.04), (0.1, 0.3), (0.15, 0.1), (0.3, 0.01)]), period=1.0),
+    "polygon row": CorneredZone(
+        (-0.3, 0.2),
+        rows([(-0.25, 0.1), (-0.1, 0.04), (0.1, 0.3), (0.15, 0.1), (0.3, 0.01)]),
+        period=1.0,
+    ),
     "body that ends at corners": CorneredZone((-1, 1.2), PAIR, punch=0.2, tilted=0.1),
-    "row of bodies that end at corners": CorneredZone((-0.3, 0.2), rows([(-0.1, 0.3), (0.1, 0.2)]), period=1.0, punch=0.2, tilted=0.002),
+    "row of bodies that end at corners": CorneredZone(
+        (-0.3, 0.2), rows([(-0.1, 0.3), (0.1, 0.2)]), period=1.0, punch=0.2, tilted=0.002
+    ),
 }
 each_scene = pytest.mark.parametrize("answer", SCENES.values(), ids=SCENES)
 
-UP, DOWN = np.polynomial.chebyshev.cheb2poly([0, 0, 0, 1]) * 1.3, np.polynomial.chebyshev.cheb2poly([0, 0, 1]) * 1.3
+UP, DOWN = (
+    np.polynomial.chebyshev.cheb2poly([0, 0, 0, 1]) * 1.3,
+    np.polynomial.chebyshev.cheb2poly([0, 0, 1]) * 1.3,
+)
 FOLDED = {
-    "two zones, kinks and bends": FoldedContact(Power(tuple(DOWN)), CorneredZone((-0.8, 0.7), PAIR, rows([(-0.6, -0.1), (0.3, 0.2)]), 0.2)),
-    "three zones": FoldedContact(Power(tuple(UP)), CorneredZone((-0.8, 0.7), PAIR)),
-    "three zones 1e-4 of a zone apart": FoldedContact(Power(tuple(UP / 1.3 * 1.0001)), CorneredZone((-0.99, 0.9999), PAIR)),
-    "three zones, kinks 1e-9 beside their ends": FoldedContact(
-        Power(tuple(UP)), CorneredZone((-0.8, 0.7), rows([(-0.8 + 1e-9, 0.3), (0.1, 0.2), (0.7 + 1e-9, 0.1)]))
+    "two zones, kinks and bends": FoldedContact(
+        Power(tuple(DOWN)), CorneredZone((-0.8, 0.7), PAIR, rows([(-0.6, -0.1), (0.3, 0.2)]), 0.2)
     ),
-    "four zones a period": FoldedContact(Wave((0.1, 1.0), (0.2, 0.3), 2.0), CorneredZone((-0.6, 0.5), PAIR)),
-    "a valley's gap of a thousandth": FoldedContact(Wave((1.0,), (0.2,), 2.0), CorneredZone((-0.99, 0.999), PAIR)),
+    "three zones": FoldedContact(Power(tuple(UP)), CorneredZone((-0.8, 0.7), PAIR)),
+    "three zones 1e-4 of a zone apart": FoldedContact(
+        Power(tuple(UP / 1.3 * 1.0001)), CorneredZone((-0.99, 0.9999), PAIR)
+    ),
+    "three zones, kinks 1e-9 beside their ends": FoldedContact(
+        Power(tuple(UP)),
+        CorneredZone((-0.8, 0.7), rows([(-0.8 + 1e-9, 0.3), (0.1, 0.2), (0.7 + 1e-9, 0.1)])),
+    ),
+    "four zones a period": FoldedContact(
+        Wave((0.1, 1.0), (0.2, 0.3), 2.0), CorneredZone((-0.6, 0.5), PAIR)
+    ),
+    "a valley's gap of a thousandth": FoldedContact(
+        Wave((1.0,), (0.2,), 2.0), CorneredZone((-0.99, 0.999), PAIR)
+    ),
 }
 
 
 def solved(answer, tol=1e-8, **control):
     """The solution of an exact contact's profile, by its load unless told otherwise."""
     model = contact.Isolated() if answer.period is None else contact.Periodic()
-    return solve(answer.profile, model, answer.E_star, tol=tol, **(control or {"load": answer.load}))
+    return solve(
+        answer.profile, model, answer.E_star, tol=tol, **(control or {"load": answer.load})
+    )
 
 
 def off(solution, answer):
-    """The true error as `Solution.error` means it: no nearer to corners than what is stated holds for."""
+    """The true error as `Solution.error` means it: no nearer to corners than what is stated holds
+    for.
+    """
     order, _ = counterparts(solution, answer)
     worst = 0.0
     for i, k in enumerate(order):
@@ -72,14 +99,21 @@ def off(solution, answer):
         clear = np.all(np.abs(away) > 0.5 * NEAREST * (b - a), axis=1)
         if answer.profile.support is not None:
             clear &= np.abs(T) < 1 - NEAREST
-        worst = max(worst, float(np.max(np.abs(solution.pressure_at(T[clear], k) - answer.pressure_at(T[clear], i)))))
+        worst = max(
+            worst,
+            float(
+                np.max(np.abs(solution.pressure_at(T[clear], k) - answer.pressure_at(T[clear], i)))
+            ),
+        )
     return max(worst / unit_pressure(answer), end_error(solution, answer))
 
 
 class TestTheExactContacts:
     @pytest.mark.parametrize("answer", [*SCENES.values(), *FOLDED.values()], ids=[*SCENES, *FOLDED])
     def test_answer_the_equation(self, answer):
-        breaks = np.concatenate((answer.zones.ravel(), answer.profile.kinks[:, 0], answer.profile.jumps[:, 0]))
+        breaks = np.concatenate(
+            (answer.zones.ravel(), answer.profile.kinks[:, 0], answer.profile.jumps[:, 0])
+        )
         # A 1/sqrt at a sharp corner costs double-exponential quadrature half of its digits.
         tolerance = 1e-7 if answer.profile.support is not None else 1e-10
         for a, b in answer.zones:
@@ -87,18 +121,29 @@ class TestTheExactContacts:
                 x = a + part * (b - a)
                 slope = 0.5 * answer.E_star * float(answer.slope(np.array(x)))
                 terms = 0.5 * answer.E_star * np.abs(answer.profile.kinks[:, 1]).max(initial=0.1)
-                assert abs(reference.folded_transform(answer, x, breaks) - slope) < tolerance * terms
+                assert (
+                    abs(reference.folded_transform(answer, x, breaks) - slope) < tolerance * terms
+                )
 
     @each_scene
     def test_carry_their_load(self, answer):
         (a, b), kinks = answer.zone, answer.profile.kinks[:, 0]
         ends = np.unique(np.concatenate(([a, b], kinks[(kinks > a) & (kinks < b)])))
+
         # x = m + h sin(y): smooth at ends, and integrable at kinks.
         def inner(y, lo, hi):
-            return float(answer.pressure(np.array(0.5 * (lo + hi) + 0.5 * (hi - lo) * np.sin(y)))) * 0.5 * (hi - lo) * np.cos(y)
+            return (
+                float(answer.pressure(np.array(0.5 * (lo + hi) + 0.5 * (hi - lo) * np.sin(y))))
+                * 0.5
+                * (hi - lo)
+                * np.cos(y)
+            )
 
         pieces = zip(ends[:-1], ends[1:], strict=True)
-        total = sum(quad(inner, -np.pi / 2, np.pi / 2, piece, epsabs=1e-12, limit=200)[0] for piece in pieces)
+        total = sum(
+            quad(inner, -np.pi / 2, np.pi / 2, piece, epsabs=1e-12, limit=200)[0]
+            for piece in pieces
+        )
         assert total == pytest.approx(answer.load, rel=1e-7)
 
     def test_are_those_known_of_wedges_and_of_the_rounded_punch(self):
@@ -106,8 +151,9 @@ class TestTheExactContacts:
         tip = CorneredZone((-0.3, 0.3), rows([(0.0, 0.2)]), E_star=2.0, period=1.0)
         assert tip.pressure_at(T) == pytest.approx(wedge.pressure_at(T), rel=1e-13)
         assert tip.load == pytest.approx(wedge.load, rel=1e-14)
-        # M. Ciavarella, D. A. Hills, G. Monno, Proc. IMechE C 212 (1998) 319, doi 10.1243/0954406981521259: sin(phi0) = b/a,
-        # 4 P R/(E* b^2) = (pi - 2 phi0)/sin(phi0)^2 - 2 cot(phi0).
+        # M. Ciavarella, D. A. Hills, G. Monno, Proc. IMechE C 212 (1998) 319, doi
+        # 10.1243/0954406981521259: sin(phi0) = b/a, 4 P R/(E* b^2) = (pi - 2 phi0)/sin(phi0)^2 - 2
+        # cot(phi0).
         phi0 = np.arcsin(1 / 1.5)
         known = (np.pi - 2 * phi0) / np.sin(phi0) ** 2 - 2 / np.tan(phi0)
         assert 4 * SCENES["rounded punch"].load / 0.1 == pytest.approx(known, rel=1e-14)
@@ -131,18 +177,26 @@ class TestOneZone:
         assert solution.load == pytest.approx(answer.load, rel=1e-12)
         assert solution.certificate.holds
 
-    @pytest.mark.parametrize("distance", quick([1e-1, 1e-3, 1e-6, 1e-9, 1e-12], [1e-1, 1e-6, 1e-12]))
-    @pytest.mark.parametrize("place", ["inside", "outside", "both sides, in a row", "two corners inside"])
+    @pytest.mark.parametrize(
+        "distance", quick([1e-1, 1e-3, 1e-6, 1e-9, 1e-12], [1e-1, 1e-6, 1e-12])
+    )
+    @pytest.mark.parametrize(
+        "place", ["inside", "outside", "both sides, in a row", "two corners inside"]
+    )
     def test_corners_may_lie_right_beside_the_ends(self, distance, place):
         r = distance
         answer = {
             "inside": lambda: CorneredZone((-1, 1), rows([(0.2, 0.1), (1 - r, 0.2)])),
             "outside": lambda: CorneredZone((-1, 1), rows([(0.2, 0.1), (1 + r, 0.2)])),
             "both sides, in a row": lambda: CorneredZone(
-                (-0.3, 0.2), rows([(0.1, 0.1), (0.2 + r, 0.1), (0.2 - r, 0.05), (-0.3 - r, 0.1)]), period=1.0
+                (-0.3, 0.2),
+                rows([(0.1, 0.1), (0.2 + r, 0.1), (0.2 - r, 0.05), (-0.3 - r, 0.1)]),
+                period=1.0,
             ),
             # All that carries load are two corners that the ends have just passed.
-            "two corners inside": lambda: CorneredZone((-1 - r, 1 + r), rows([(-1, 0.1), (1, 0.1)])),
+            "two corners inside": lambda: CorneredZone(
+                (-1 - r, 1 + r), rows([(-1, 0.1), (1, 0.1)])
+            ),
         }[place]()
         solution = solved(answer)
         assert off(solution, answer) <= solution.error <= 1e-8
@@ -163,15 +217,26 @@ class TestOneZone:
     def test_any_convex_polygon(self, at, sizes, ends):
         # Corners nearer to each other than this are one; some corner is inside.
         at = np.append(np.unique(np.round(at, 3)), 0.5 * (ends[0] + ends[1]))
-        answer = CorneredZone(ends, np.unique(np.column_stack((at, sizes[: len(at) - 1] + [0.5])), axis=0))
+        answer = CorneredZone(
+            ends, np.unique(np.column_stack((at, sizes[: len(at) - 1] + [0.5])), axis=0)
+        )
         solution = solved(answer)
         assert off(solution, answer) <= solution.error <= 1e-8
 
-    @pytest.mark.parametrize(("name", "control"), [
-        ("trapezoid row", "approach"), ("trapezoid row", "contact_fraction"), ("trapezoid row", "mean_pressure"),
-        ("sawtooth row", "approach"), ("sawtooth row", "contact_fraction"), ("truncated wedge", "approach"),
-        ("truncated wedge", "half_width"), ("rounded punch", "approach"), ("rounded punch", "half_width"),
-    ])
+    @pytest.mark.parametrize(
+        ("name", "control"),
+        [
+            ("trapezoid row", "approach"),
+            ("trapezoid row", "contact_fraction"),
+            ("trapezoid row", "mean_pressure"),
+            ("sawtooth row", "approach"),
+            ("sawtooth row", "contact_fraction"),
+            ("truncated wedge", "approach"),
+            ("truncated wedge", "half_width"),
+            ("rounded punch", "approach"),
+            ("rounded punch", "half_width"),
+        ],
+    )
     def test_every_control_comes_to_the_same_contact(self, name, control):
         answer = SCENES[name]
         model = contact.Periodic() if answer.period else contact.Isolated(datum=10.0)
@@ -201,7 +266,11 @@ class TestASharpCorner:
     def test_a_flat_with_steep_sides_keeps_its_ends_at_its_corners_until_the_load_is_heavy(self):
         beyond = []
         for load in (1e-4, 1e-2, 1.0, 30.0):
-            solution = solve(CorneredZone((-1.1, 1.1), rows([(-1, 20.0), (1, 20.0)])).profile, contact.Isolated(), load=load)
+            solution = solve(
+                CorneredZone((-1.1, 1.1), rows([(-1, 20.0), (1, 20.0)])).profile,
+                contact.Isolated(),
+                load=load,
+            )
             beyond.append(float(solution.zones[0, 1]) - 1)
             # P = E* s sqrt(a^2 - b^2)
             assert (1 + beyond[-1]) ** 2 - 1 == pytest.approx((load / 20.0) ** 2, rel=1e-4)
@@ -214,13 +283,17 @@ class TestManyZones:
         solution = solved(answer)
         assert off(solution, answer) <= solution.error <= 1e-8
         assert solution.load == pytest.approx(answer.load, rel=1e-12)
-        assert solution.zone_loads == pytest.approx(np.full(len(answer.zones), answer.base.load), rel=1e-7)
+        assert solution.zone_loads == pytest.approx(
+            np.full(len(answer.zones), answer.base.load), rel=1e-7
+        )
 
 
 class TestNearlyFullContact:
     @pytest.mark.parametrize("gap", [1e-1, 1e-3, 1e-5, 1e-6])
     def test_the_gap_over_a_valley_between_two_corners(self, gap):
-        answer = CorneredZone((-0.5 + gap / 2, 0.5 - gap / 2), rows([(-0.2, 0.1), (0.2, 0.1)]), period=1.0)
+        answer = CorneredZone(
+            (-0.5 + gap / 2, 0.5 - gap / 2), rows([(-0.2, 0.1), (0.2, 0.1)]), period=1.0
+        )
         solution = solved(answer)
         assert off(solution, answer) <= solution.error <= 1e-8
         assert solution.certificate.note == "solved by its gaps"
@@ -244,12 +317,15 @@ def measured(points, seed):
 class TestMeasuredProfiles:
     @pytest.mark.parametrize("seed", range(3))
     def test_joined_by_straight_lines_are_solved_at_three_quarters_of_contact(self, seed):
-        solution = solve(polygon(*measured(32, seed), 1.0), contact.Periodic(), tol=1e-8, contact_fraction=0.75)
+        solution = solve(
+            polygon(*measured(32, seed), 1.0), contact.Periodic(), tol=1e-8, contact_fraction=0.75
+        )
         assert solution.certificate.holds and solution.error <= 1e-8
         assert solution.contact_fraction == pytest.approx(0.75, abs=1e-12)
 
     def test_joined_by_straight_lines_have_gaps_of_a_thousandth_of_a_billionth(self):
-        # 41 gaps, one of 2e-12: known to less than the digits of its place, and nothing false is stated of it.
+        # 41 gaps, one of 2e-12: known to less than the digits of its place, and nothing false is
+        # stated of it.
         solution = solve(polygon(*measured(128, 1), 1.0), contact.Periodic(), tol=1e-8, load=0.06)
         assert solution.certificate.note.startswith("solved by its gaps") and solution.error <= 1e-8
 
@@ -259,11 +335,18 @@ class TestMeasuredProfiles:
         a, b = solution.zones[int(np.argmax(solution.zone_widths))]
         breaks = np.concatenate((solution.zones.ravel(), profile.kinks[:, 0]))
         for x in a + np.array([0.2137, 0.7713]) * (b - a):
-            left = reference.folded_transform(Repeated(solution), x, np.unique(breaks - np.round(breaks)))
-            assert left == pytest.approx(0.5 * float(profile.slope(np.array(x))), abs=1e-8 * np.abs(profile.kinks[:, 1]).max())
+            left = reference.folded_transform(
+                Repeated(solution), x, np.unique(breaks - np.round(breaks))
+            )
+            assert left == pytest.approx(
+                0.5 * float(profile.slope(np.array(x))),
+                abs=1e-8 * np.abs(profile.kinks[:, 1]).max(),
+            )
 
     @pytest.mark.parametrize("seed", range(3))
-    def test_splines_at_three_quarters_of_the_load_of_full_contact_by_gaps_and_by_zones(self, seed, monkeypatch):
+    def test_splines_at_three_quarters_of_the_load_of_full_contact_by_gaps_and_by_zones(
+        self, seed, monkeypatch
+    ):
         x, heights = measured(64, seed)
         profile = contact.Sampled(x, heights, period=1.0)
         full = solve(profile, contact.Periodic(), contact_fraction=1.0)

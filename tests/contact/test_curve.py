@@ -18,12 +18,16 @@ from contact.verify.certificate import certify
 
 ROUGH = contact.Fourier(1.0, [-0.01, 0.004, 0.002], [0.003, -0.002, 0.004])
 # Under growing loads its one zone becomes two, and one again, time and again.
-TRACE = contact.Sampled(np.arange(96) / 96, 1e-3 * np.random.default_rng(5).normal(size=96), period=1.0)
+TRACE = contact.Sampled(
+    np.arange(96) / 96, 1e-3 * np.random.default_rng(5).normal(size=96), period=1.0
+)
 BUMPY = contact.Fourier(1.0, [-0.01, 0, 0, 0, 0, 0, -0.0004], [0.002, 0, 0, 0, 0, 0, 0])
 
 
 def scene(profile, interaction=None, **control):
-    return contact.Scene(profile, 1.0, interaction or contact.Periodic(), **control or {"load": 1.0})
+    return contact.Scene(
+        profile, 1.0, interaction or contact.Periodic(), **control or {"load": 1.0}
+    )
 
 
 def full_load(profile):
@@ -78,10 +82,22 @@ class TestProcesses:
     def test_solutions_of_several_processes_are_those_of_one(self):
         loads = full_load(ROUGH) * np.array([0.4, 0.05, 1.2, 0.3, 0.31, 0.4])
         steps = []
-        found = contact.solve_many(scene(ROUGH), loads, workers=2, progress=lambda stage, done, total: steps.append((done, total)))
+        found = contact.solve_many(
+            scene(ROUGH),
+            loads,
+            workers=2,
+            progress=lambda stage, done, total: steps.append((done, total)),
+        )
         assert steps[-1] == (6, 6)
-        for load, one, other in zip(loads, found, contact.solve_many(scene(ROUGH), loads), strict=True):
-            assert one.load == pytest.approx(load, rel=1e-12) and one.scene.load == load and one.certificate.holds and one.error <= 1e-8
+        for load, one, other in zip(
+            loads, found, contact.solve_many(scene(ROUGH), loads), strict=True
+        ):
+            assert (
+                one.load == pytest.approx(load, rel=1e-12)
+                and one.scene.load == load
+                and one.certificate.holds
+                and one.error <= 1e-8
+            )
             np.testing.assert_allclose(one.zones, other.zones, rtol=0, atol=2e-8)
 
     def test_what_no_contact_has_is_refused_as_by_one(self):
@@ -92,7 +108,9 @@ class TestProcesses:
 
     def test_none_is_started_for_what_is_known_at_once(self, monkeypatch):
         monkeypatch.setattr("contact.sweeps.many.solved_in_processes", None)
-        found = contact.solve_many(scene(contact.Sinusoid(1e-2, 1.0)), [1e-3, 2e-3, 3e-3, 4e-3], workers=2)
+        found = contact.solve_many(
+            scene(contact.Sinusoid(1e-2, 1.0)), [1e-3, 2e-3, 3e-3, 4e-3], workers=2
+        )
         assert [solution.scene.load for solution in found] == [1e-3, 2e-3, 3e-3, 4e-3]
 
     def test_a_scene_that_cannot_be_sent_is_solved_here(self):
@@ -126,7 +144,9 @@ def test_zones_that_come_and_go_at_close_loads_ask_for_no_grid_but_the_first(mon
     monkeypatch.setattr(contact.search.ways.guesses, "proposed", proposed)
     random, k = np.random.default_rng(3), np.arange(1, 25)
     profile = contact.Fourier(1.0, *(1e-3 * k**-1.3 * random.normal(size=24) for _ in range(2)))
-    along = contact.solve_many(scene(profile), full_load(profile) * 0.3 * 1.06 ** -np.arange(12.0, 18.0))
+    along = contact.solve_many(
+        scene(profile), full_load(profile) * 0.3 * 1.06 ** -np.arange(12.0, 18.0)
+    )
     assert [len(one.zones) for one in along] == [4, 3, 3, 3, 3, 2]
     assert len(asked) == 1
 
@@ -137,7 +157,9 @@ def test_points_close_together_take_about_two_steps_of_newton():
     assert np.mean(steps[4:]) <= 2.3
 
 
-@pytest.mark.parametrize(("values", "control"), [([], None), ([np.nan], None), ([0.0], "load"), ([1.0], "weight")])
+@pytest.mark.parametrize(
+    ("values", "control"), [([], None), ([np.nan], None), ([0.0], "load"), ([1.0], "weight")]
+)
 def test_values_and_controls_that_are_none_are_refused_by_name(values, control):
     with pytest.raises(contact.SceneError, match="values|load|control"):
         contact.solve_many(scene(ROUGH), values, control)
@@ -146,7 +168,9 @@ def test_values_and_controls_that_are_none_are_refused_by_name(values, control):
 def test_the_certificate_sees_a_second_touch_right_beside_an_end_that_is_about_to_move_far():
     load = 0.0010874649540675919
     problem = contact.solve(scene(BUMPY, load=load)).fields.problem
-    fields = ByPressure(problem).formal(load / problem.units.load, np.array([[-0.0842, 0.0234]]), 1e-10)
+    fields = ByPressure(problem).formal(
+        load / problem.units.load, np.array([[-0.0842, 0.0234]]), 1e-10
+    )
     beside = fields.density.zones.a[0] - np.linspace(0, 0.01, 101)
     assert fields.formal_gap(beside).min() < -1e-8
     assert not certify(fields, load / problem.units.load).holds
@@ -158,7 +182,9 @@ def passed(profile, *loads):
 
 @pytest.mark.parametrize(("known", "order"), [(1, 2), (2, 4)])
 def test_ends_are_carried_on_by_values_and_rates_to_the_order_that_these_tell(known, order):
-    """Of three zones between which nothing happens, in the middle of its way: steps half as long leave 2^order times less."""
+    """Of three zones between which nothing happens, in the middle of its way: steps half as long
+    leave 2^order times less.
+    """
     profile, load = contact.Fourier(1.0, [0.0, 0.0, -0.01], [0.001, 0.002, 0.0]), 0.012
     missed = []
     for step in (0.08, 0.04):
@@ -171,13 +197,19 @@ def test_ends_are_carried_on_by_values_and_rates_to_the_order_that_these_tell(kn
 
 
 def test_zones_are_born_and_gaps_close_as_they_are_carried_on():
-    """A wave with a lower crest between its crests, which touches at the load of a birth, and all merge in the end."""
+    """A wave with a lower crest between its crests, which touches at the load of a birth, and all
+    merge in the end.
+    """
     profile = contact.Fourier(1.0, [0.004, -0.01], [0.003, 0.0])
     events = contact.path(scene(profile), [1e-3, 0.9999 * full_load(profile)]).events
     assert [event.kind for event in events] == ["birth", "merge"]
     for event in events:
         before = passed(profile, 0.98 * event.load)
-        assert carried(before, float(np.log(0.99 * event.load)))[1] == 0 < carried(before, float(np.log(1.01 * event.load)))[1]
+        assert (
+            carried(before, float(np.log(0.99 * event.load)))[1]
+            == 0
+            < carried(before, float(np.log(1.01 * event.load)))[1]
+        )
     birth = events[0]
     zones, _ = carried(passed(profile, 0.98 * birth.load), float(np.log(1.01 * birth.load)))
     # Positions lie in the cell, zones carried on may lie in the next one.
@@ -199,7 +231,9 @@ def test_a_curve_of_many_zones_is_the_same_whatever_the_spacing_of_its_loads(cou
 
 
 @pytest.mark.slow
-def test_along_a_curve_grids_have_fewer_points_and_solutions_are_fewer_than_from_scratch(monkeypatch):
+def test_along_a_curve_grids_have_fewer_points_and_solutions_are_fewer_than_from_scratch(
+    monkeypatch,
+):
     count = {"points": 0, "solves": 0}
     grid, state = contact.search.grid.coarse.solve_grid, sie.free_ends.newton._state
 
@@ -223,7 +257,9 @@ def test_along_a_curve_grids_have_fewer_points_and_solutions_are_fewer_than_from
 
 
 @pytest.mark.slow
-def test_a_few_loads_far_apart_take_no_more_than_twice_the_solutions_of_searches_from_scratch(monkeypatch):
+def test_a_few_loads_far_apart_take_no_more_than_twice_the_solutions_of_searches_from_scratch(
+    monkeypatch,
+):
     """Where a grid takes no time, zones that are carried far are not put right again and again."""
     count, state = [0], sie.free_ends.newton._state
 
@@ -242,10 +278,17 @@ def test_a_few_loads_far_apart_take_no_more_than_twice_the_solutions_of_searches
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("points", "fractions"), [(600, np.linspace(0.02, 0.6, 20)[5:8]), (300, np.linspace(0.1, 0.6, 8)[3:6])])
-def test_narrow_gaps_that_become_slits_of_wide_zones_or_cease_to_be_do_not_stop_a_curve(points, fractions):
+@pytest.mark.parametrize(
+    ("points", "fractions"),
+    [(600, np.linspace(0.02, 0.6, 20)[5:8]), (300, np.linspace(0.1, 0.6, 8)[3:6])],
+)
+def test_narrow_gaps_that_become_slits_of_wide_zones_or_cease_to_be_do_not_stop_a_curve(
+    points, fractions
+):
     profile = drawn(np.random.default_rng(5), "steps", points)
-    for one in contact.solve_many(contact.Scene(profile, 2.3e11, contact.Periodic(), contact_fraction=0.1), fractions):
+    for one in contact.solve_many(
+        contact.Scene(profile, 2.3e11, contact.Periodic(), contact_fraction=0.1), fractions
+    ):
         assert one.certificate.holds and one.error <= 1e-8
 
 
@@ -265,13 +308,17 @@ def test_what_a_solution_near_by_leads_to_too_roughly_is_looked_for_from_nothing
     else:
         found = contact.solve_many(scene(ROUGH), loads)[1]
     assert found.error <= 1e-8
-    assert found.contact_fraction == pytest.approx(contact.solve(scene(ROUGH, load=loads[1])).contact_fraction, rel=1e-8)
+    assert found.contact_fraction == pytest.approx(
+        contact.solve(scene(ROUGH, load=loads[1])).contact_fraction, rel=1e-8
+    )
 
 
 def test_what_is_no_better_from_nothing_is_refused_with_its_best_state(monkeypatch):
     full, real = full_load(ROUGH), refine._as_told
     first = contact.solve(scene(ROUGH, load=0.2 * full))
-    monkeypatch.setattr(refine, "_as_told", lambda *given: dataclasses.replace(real(*given), off=1e-6))
+    monkeypatch.setattr(
+        refine, "_as_told", lambda *given: dataclasses.replace(real(*given), off=1e-6)
+    )
     with pytest.raises(contact.NotConverged) as refused:
         contact.solve(scene(ROUGH, load=0.25 * full), near=first)
     assert refused.value.best.error > 1e-8

@@ -1,4 +1,6 @@
-"""Built-in profiles jump where they say, as they say, and nowhere else; that keeps the work of a solve small at every load."""
+"""Built-in profiles jump where they say, as they say, and nowhere else; that keeps the work of a
+solve small at every load.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +10,17 @@ import numpy as np
 import pytest
 
 import contact
-from contact import Biquadratic, Flat, Fourier, Parabola, Polynomial, Profile, Sampled, Sinusoid, Wedge
+from contact import (
+    Biquadratic,
+    Flat,
+    Fourier,
+    Parabola,
+    Polynomial,
+    Profile,
+    Sampled,
+    Sinusoid,
+    Wedge,
+)
 from contact.jump_checks import jumps_at
 from contact.model.profiles.tilted import Tilted
 
@@ -33,9 +45,15 @@ def built_in(seed: int) -> Iterator[Profile]:
     c[1] -= np.sum(c[odd] * h ** (odd - 1.0))
     yield Polynomial(c, length)
     count = int(rng.integers(1, 200))
-    yield Fourier(length, *(rng.standard_normal((2, count)) * np.arange(1, count + 1) ** -2.0 * steep * length))
+    yield Fourier(
+        length,
+        *(rng.standard_normal((2, count)) * np.arange(1, count + 1) ** -2.0 * steep * length),
+    )
     count = int(rng.integers(12, 60))
-    x = length * (np.arange(count) + rng.uniform(-0.4, 0.4, count)) / count + length * _POSITIONS[seed % 3]
+    x = (
+        length * (np.arange(count) + rng.uniform(-0.4, 0.4, count)) / count
+        + length * _POSITIONS[seed % 3]
+    )
     z = rng.standard_normal(count) * steep * length / count
     yield Sampled(x, z)
     yield Sampled(x, z, 1.1 * length)
@@ -44,7 +62,9 @@ def built_in(seed: int) -> Iterator[Profile]:
 
 def places_of(profile: Profile) -> np.ndarray:
     border = [] if profile.period is None else [profile.x0]
-    return np.unique(np.concatenate((border, profile.kinks[:, 0], profile.jumps[:, 0], profile.breakpoints)))
+    return np.unique(
+        np.concatenate((border, profile.kinks[:, 0], profile.jumps[:, 0], profile.breakpoints))
+    )
 
 
 def assert_jumps_are_declared(profile: Profile) -> None:
@@ -54,21 +74,33 @@ def assert_jumps_are_declared(profile: Profile) -> None:
         places = places[(places > ends[0]) & (places < ends[1])]
     if not len(places):
         return
-    around = [places[-1] - profile.period, places[0] + profile.period] if profile.period else list(ends or (-np.inf, np.inf))
+    around = (
+        [places[-1] - profile.period, places[0] + profile.period]
+        if profile.period
+        else list(ends or (-np.inf, np.inf))
+    )
     beside = np.diff(np.concatenate((around[:1], places, around[1:])))
-    reach = 0.9 * np.minimum(np.minimum(beside[:-1], beside[1:]), 0.1 * (profile.period or profile.resolution or 1.0))
+    reach = 0.9 * np.minimum(
+        np.minimum(beside[:-1], beside[1:]), 0.1 * (profile.period or profile.resolution or 1.0)
+    )
     seen = jumps_at(profile, places, reach)
     declared = np.zeros((len(places), 3))
     for s, jump in profile.kinks:
         declared[places == s, 0] += jump
     for s, order, jump in profile.jumps:
         declared[places == s, int(order) - 1] += jump
-    size = np.abs(profile.slope(places[:, None] + reach[:, None] * np.linspace(-1, 1, 20))).max(axis=1)
+    size = np.abs(profile.slope(places[:, None] + reach[:, None] * np.linspace(-1, 1, 20))).max(
+        axis=1
+    )
     for order in (1, 2, 3):
-        # What is asked for is far below what the shape itself makes of a jump: its slope over the length looked at.
+        # What is asked for is far below what the shape itself makes of a jump: its slope over the
+        # length looked at.
         unit = size / reach ** (order - 1) + np.abs(declared[:, order - 1])
         assert np.all(seen.doubt[:, order - 1] <= 1e-4 * unit)
-        assert np.all(np.abs(seen.height - declared)[:, order - 1] <= 10 * seen.doubt[:, order - 1] + 1e-9 * unit)
+        assert np.all(
+            np.abs(seen.height - declared)[:, order - 1]
+            <= 10 * seen.doubt[:, order - 1] + 1e-9 * unit
+        )
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -91,7 +123,9 @@ def test_a_jump_left_out_or_off_by_a_thousandth_is_seen() -> None:
 
 
 @pytest.mark.parametrize("pressure", [2e6, 5e6, 1e7, 2e7, 4e7, 6e7])
-def test_the_paper_s_two_tips_take_little_work_at_every_load(pressure: float, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_paper_s_two_tips_take_little_work_at_every_load(
+    pressure: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
     places = 0
     slope = Biquadratic.slope
 
@@ -101,6 +135,14 @@ def test_the_paper_s_two_tips_take_little_work_at_every_load(pressure: float, mo
         return slope(self, x)
 
     monkeypatch.setattr(Biquadratic, "slope", counted)
-    solution = contact.solve(contact.Scene(Biquadratic(1e-3, 4e-5, 1e-4), 1e10, contact.Periodic(), mean_pressure=pressure))
+    solution = contact.solve(
+        contact.Scene(
+            Biquadratic(1e-3, 4e-5, 1e-4), 1e10, contact.Periodic(), mean_pressure=pressure
+        )
+    )
     assert solution.certificate.holds and solution.error <= 1e-8
-    assert places <= 3000 and solution.plan.counts["own_modes"] <= 96 and solution.plan.counts["solves"] <= 12
+    assert (
+        places <= 3000
+        and solution.plan.counts["own_modes"] <= 96
+        and solution.plan.counts["solves"] <= 12
+    )

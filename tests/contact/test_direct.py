@@ -1,4 +1,6 @@
-"""Scenes of one interval: the direct way has the answers of the general one, to what both state, and is left where anything is in doubt."""
+"""Scenes of one interval: the direct way has the answers of the general one, to what both state,
+and is left where anything is in doubt.
+"""
 
 import copy
 import pickle
@@ -10,7 +12,12 @@ import pytest
 import contact
 import contact.solver
 from contact.formulation.direct.fields import DirectFields
-from contact.reference.exact import IsolatedBiquadratic, PeriodicParabola, PeriodicWedge, Westergaard
+from contact.reference.exact import (
+    IsolatedBiquadratic,
+    PeriodicParabola,
+    PeriodicWedge,
+    Westergaard,
+)
 from contact.search.ways.direct import all_directly, directly
 
 PERIODIC, ISOLATED = contact.Periodic(), contact.Isolated(datum=3.0)
@@ -81,7 +88,9 @@ def drawn(name, rng):
     profile = make(L, slope, rng.uniform(1.05, 6.0))
     model = PERIODIC if repeats else contact.Isolated(datum=L * 10 ** rng.uniform(0, 2))
     size = 1e-3 if name in ("own waves", "one of them") else 1.0 if name == "own body" else slope
-    return contact.Scene(profile, E_star, model, load=E_star * L * size * 10 ** rng.uniform(-9, 0.3))
+    return contact.Scene(
+        profile, E_star, model, load=E_star * L * size * 10 ** rng.uniform(-9, 0.3)
+    )
 
 
 def generally(scene, monkeypatch, tol=1e-7):
@@ -97,7 +106,9 @@ def unit_of(solution):
 
 @pytest.mark.filterwarnings("ignore::contact.ModelWarning")
 @pytest.mark.parametrize("name", SHAPES)
-def test_the_direct_way_has_the_answer_of_the_general_one_over_ten_decades_of_load(name, monkeypatch):
+def test_the_direct_way_has_the_answer_of_the_general_one_over_ten_decades_of_load(
+    name, monkeypatch
+):
     rng, direct = np.random.default_rng(list(map(ord, name))), 0
     for _ in range(4):
         scene = drawn(name, rng)
@@ -115,21 +126,31 @@ def test_the_direct_way_has_the_answer_of_the_general_one_over_ten_decades_of_lo
         width = other.zone_widths
         assert np.all(np.abs(one.zones - other.zones) <= error * width[:, None])
         t = np.cos(np.linspace(0.03, np.pi - 0.04, 21))
-        # Beside a corner or a tip with a kink the pressure is not bounded: there it is counted over its singularity.
+        # Beside a corner or a tip with a kink the pressure is not bounded: there it is counted over
+        # its singularity.
         weight = np.sqrt(1 - t**2) if not np.isfinite(other.max_pressure) else 1.0
         for zone in range(len(one.zones)):
-            assert np.all(weight * np.abs(one.pressure_at(t, zone) - other.pressure_at(t, zone)) <= error * unit)
+            assert np.all(
+                weight * np.abs(one.pressure_at(t, zone) - other.pressure_at(t, zone))
+                <= error * unit
+            )
         length = scene.period or width.max()
         slack = 3 * error * unit * length / scene.E_star
         assert np.abs(one.zone_loads - other.zone_loads).max() <= 3 * error * unit * width.max()
         assert abs(one.approach - other.approach) <= slack + other.certificate.gap_rounding
-        assert abs(1 / one.stiffness - 1 / other.stiffness) <= 4 * error / scene.E_star + 1e-14 / abs(other.stiffness)
+        assert abs(
+            1 / one.stiffness - 1 / other.stiffness
+        ) <= 4 * error / scene.E_star + 1e-14 / abs(other.stiffness)
         assert one.max_pressure <= one.fields.pressure_bound * (1 + 1e-12)
-        assert (one.max_pressure == other.max_pressure) or abs(one.max_pressure - other.max_pressure) <= error * unit
+        assert (one.max_pressure == other.max_pressure) or abs(
+            one.max_pressure - other.max_pressure
+        ) <= error * unit
         x = other.zones[-1, 1] + width[-1] * np.array([0.01, 0.3, 2.0])
         here, there = one.gap(x), other.gap(x)
         known = np.isfinite(there)
-        assert np.all(np.isinf(here[~known])) and np.all(np.abs(here[known] - there[known]) <= slack + 10 * other.certificate.gap_rounding)
+        assert np.all(np.isinf(here[~known])) and np.all(
+            np.abs(here[known] - there[known]) <= slack + 10 * other.certificate.gap_rounding
+        )
     assert direct >= 2
 
 
@@ -145,22 +166,32 @@ def test_the_true_error_is_at_most_the_stated_one(fraction):
         assert isinstance(found.fields, DirectFields)
         assert abs(found.zones[0, 1] - a) <= 2 * a * found.error
         t = np.linspace(-0.99, 0.99, 40)
-        assert np.all(np.abs(found.pressure_at(t) - answer.pressure(a * t)) <= found.error * unit_of(found))
+        assert np.all(
+            np.abs(found.pressure_at(t) - answer.pressure(a * t)) <= found.error * unit_of(found)
+        )
 
 
 @pytest.mark.parametrize("inner", [0.049, 0.02, 1e-3])
 def test_a_pair_is_found_up_to_where_its_zones_meet(inner):
     answer = IsolatedBiquadratic.from_inner_end(inner, radius=1.0, spacing=0.1, E_star=1.0)
-    found = contact.solve(contact.Scene(contact.Biquadratic(1.0, 0.1), 1.0, ISOLATED, load=answer.load), 1e-9)
+    found = contact.solve(
+        contact.Scene(contact.Biquadratic(1.0, 0.1), 1.0, ISOLATED, load=answer.load), 1e-9
+    )
     assert isinstance(found.fields, DirectFields) and len(found.zones) == 2
     assert np.all(np.abs(found.zones - answer.zones) <= found.error * found.zone_widths[:, None])
 
 
 def test_a_given_width_and_a_load_lead_to_each_other():
-    for profile, model in [(contact.Sinusoid(1e-3, 1.0), PERIODIC), (contact.Wedge(0.01), ISOLATED), (Even(3.0), ISOLATED)]:
+    for profile, model in [
+        (contact.Sinusoid(1e-3, 1.0), PERIODIC),
+        (contact.Wedge(0.01), ISOLATED),
+        (Even(3.0), ISOLATED),
+    ]:
         wide = contact.solve(contact.Scene(profile, 1.0, model, half_width=0.2), 1e-12)
         back = contact.solve(contact.Scene(profile, 1.0, model, load=wide.load), 1e-12)
-        assert back.zones[0, 1] == pytest.approx(0.2, rel=1e-12) and wide.zones.tolist() == [[-0.2, 0.2]]
+        assert back.zones[0, 1] == pytest.approx(0.2, rel=1e-12) and wide.zones.tolist() == [
+            [-0.2, 0.2]
+        ]
 
 
 @pytest.mark.filterwarnings("ignore::contact.ModelWarning")
@@ -174,19 +205,35 @@ def test_a_given_approach_and_a_load_lead_to_each_other(name, monkeypatch):
         except contact.OutOfRange:
             continue
         # An approach that is rounded with the heights tells no load.
-        told = under_load.approach > 1e-9 * np.abs(scene.profile.height(np.array(under_load.zones))).max()
-        if not isinstance(under_load.fields, DirectFields) or not (under_load.stiffness > 0 and told):
+        told = (
+            under_load.approach
+            > 1e-9 * np.abs(scene.profile.height(np.array(under_load.zones))).max()
+        )
+        if not isinstance(under_load.fields, DirectFields) or not (
+            under_load.stiffness > 0 and told
+        ):
             continue
         back = contact.solve(scene.under("approach", under_load.approach), 1e-6)
         direct += isinstance(back.fields, DirectFields)
-        assert back.certificate.holds and abs(back.approach / under_load.approach - 1) <= 1e-12 + back.error
-        assert np.abs(back.zones - under_load.zones).max() <= (back.error + under_load.error) * under_load.zone_widths.max()
+        assert (
+            back.certificate.holds
+            and abs(back.approach / under_load.approach - 1) <= 1e-12 + back.error
+        )
+        assert (
+            np.abs(back.zones - under_load.zones).max()
+            <= (back.error + under_load.error) * under_load.zone_widths.max()
+        )
     assert direct >= 2
 
 
 def test_an_approach_beyond_what_one_interval_bears_is_left_to_the_general_ways():
     for approach in (0.999999e-3, 1.1e-3):
-        assert directly(contact.Scene(contact.Sinusoid(1e-3, 1.0), 1.0, PERIODIC, approach=approach), 1e-9) is None
+        assert (
+            directly(
+                contact.Scene(contact.Sinusoid(1e-3, 1.0), 1.0, PERIODIC, approach=approach), 1e-9
+            )
+            is None
+        )
 
 
 class Stuck(contact.Law):
@@ -203,9 +250,19 @@ class Stuck(contact.Law):
     "scene",
     [
         contact.Scene(contact.Parabola(1.0), 1.0, ISOLATED, load=1e-3, tilt=1e-3),
-        contact.Scene(contact.Parabola(1.0, 1.0), 1.0, PERIODIC, substrate=contact.Layer(0.2, 0.3), load=1e-3),
-        contact.Scene(contact.Parabola(1.0), 1.0, contact.Isolated(), substrate=contact.Layer(0.2, 0.3), load=1e-3),
-        contact.Scene(contact.Sinusoid(1e-3, 1.0), 1.0, contact.Localized("self-consistent"), load=1e-4),
+        contact.Scene(
+            contact.Parabola(1.0, 1.0), 1.0, PERIODIC, substrate=contact.Layer(0.2, 0.3), load=1e-3
+        ),
+        contact.Scene(
+            contact.Parabola(1.0),
+            1.0,
+            contact.Isolated(),
+            substrate=contact.Layer(0.2, 0.3),
+            load=1e-3,
+        ),
+        contact.Scene(
+            contact.Sinusoid(1e-3, 1.0), 1.0, contact.Localized("self-consistent"), load=1e-4
+        ),
         contact.Scene(contact.Sinusoid(1e-3, 1.0), 1.0, PERIODIC, law=contact.JKR(1e-9), load=1e-4),
         contact.Scene(contact.Sinusoid(1e-3, 1.0), 1.0, PERIODIC, load=3.135e-3),
         contact.Scene(contact.Fourier(1.0, [-1e-3, 4e-4]), 1.0, PERIODIC, load=1e-4),
@@ -223,7 +280,9 @@ def test_a_law_with_a_word_of_its_own_is_asked():
 
 @dataclass(frozen=True)
 class Shouldered(contact.Profile):
-    """One tip, and shoulders on which the body touches as well, though they are no tips: a steep flank beyond a flat one."""
+    """One tip, and shoulders on which the body touches as well, though they are no tips: a steep
+    flank beyond a flat one.
+    """
 
     symmetric = property(lambda self: True)
     summits = property(lambda self: np.zeros(1))
@@ -266,7 +325,9 @@ def test_a_curve_of_one_interval_is_solved_without_the_engine(monkeypatch):
     pressures = np.linspace(0.01, 0.9, 50) * np.pi * 1e-3
     found = contact.solve_many(wave, pressures)
     assert all(s.certificate.holds and s.error < 1e-12 for s in found)
-    assert np.allclose([np.sin(np.pi * s.zones[0, 1]) ** 2 for s in found], pressures / (np.pi * 1e-3), rtol=1e-12)
+    assert np.allclose(
+        [np.sin(np.pi * s.zones[0, 1]) ** 2 for s in found], pressures / (np.pi * 1e-3), rtol=1e-12
+    )
     assert contact.path(wave, pressures).events == ()
 
 
@@ -281,7 +342,10 @@ def test_one_load_and_several_at_once_have_the_same_answer(name):
         several = all_directly([scene.under("load", load) for load in loads], 1e-8)
         for a, b in zip(alone, several, strict=True):
             assert (a is None) == (b is None)
-            assert a is None or np.abs(a.zones - b.zones).max() <= (a.error + b.error) * a.zone_widths.min()
+            assert (
+                a is None
+                or np.abs(a.zones - b.zones).max() <= (a.error + b.error) * a.zone_widths.min()
+            )
 
 
 def bounded(k, middle, half, a):
@@ -306,14 +370,20 @@ def test_pressures_follow_the_ends_no_faster_than_the_stated_error_has_it(k):
 
 def test_one_zone_costs_a_few_looks_at_its_shape(monkeypatch):
     looks, plain = [], contact.Sinusoid.slope
-    monkeypatch.setattr(contact.Sinusoid, "slope", lambda self, x: looks.append(np.size(x)) or plain(self, x))
+    monkeypatch.setattr(
+        contact.Sinusoid, "slope", lambda self, x: looks.append(np.size(x)) or plain(self, x)
+    )
     wave = contact.Sinusoid(1e-3, 1.0)
     wave.slope_sizes  # noqa: B018
     looks.clear()
     solution = contact.solve(contact.Scene(wave, 1.0, PERIODIC, load=1e-3), 1e-12)
     # Two of Newton's steps, the gap outside, and how steep it is where it touches.
     assert looks == [8, 8, 32, 8]
-    assert solution.certificate.holds and solution.plan.counts["profile_evaluations"] <= 48 and len(looks) == 4
+    assert (
+        solution.certificate.holds
+        and solution.plan.counts["profile_evaluations"] <= 48
+        and len(looks) == 4
+    )
 
 
 @dataclass(frozen=True)
@@ -333,13 +403,22 @@ class Plateau(contact.Profile):
 
 @pytest.mark.parametrize("load", [5e-324, 1e-300, 1e-200, 1e30, 1e200, 1e300])
 def test_loads_that_numbers_hardly_hold_are_answered_or_left(load):
-    for profile in (contact.Sinusoid(1e-3, 1.0), contact.Parabola(1e300), contact.Wedge(0.1, 1.0), contact.Biquadratic(1.0, 0.1, 0.3)):
+    for profile in (
+        contact.Sinusoid(1e-3, 1.0),
+        contact.Parabola(1e300),
+        contact.Wedge(0.1, 1.0),
+        contact.Biquadratic(1.0, 0.1, 0.3),
+    ):
         for model in (PERIODIC, ISOLATED) if profile.period else (ISOLATED,):
             for E_star in (1e-300, 1.0, 1e300):
                 scene = contact.Scene(profile, E_star, model, load=load)
                 alone, several = directly(scene, 1e-8), all_directly([scene, scene], 1e-8)
                 assert (alone is None) == (several[0] is None) == (several[1] is None)
-                assert alone is None or (alone.certificate.holds and np.isfinite(alone.zones).all() and alone.zone_widths.min() > 0)
+                assert alone is None or (
+                    alone.certificate.holds
+                    and np.isfinite(alone.zones).all()
+                    and alone.zone_widths.min() > 0
+                )
 
 
 def test_a_flat_top_is_left_to_the_general_ways():
@@ -352,8 +431,13 @@ def test_a_flat_top_is_left_to_the_general_ways():
 @pytest.mark.parametrize("name", ["wave", "wedge", "pair", "parabolas"])
 def test_the_ends_of_zones_move_as_the_rates_have_it(name):
     scene = drawn(name, np.random.default_rng(3)).under("load", 1.0)
-    scene = scene.under("load", 0.1 * scene.E_star * (1e-6 if name == "pair" else 1e-4) * (scene.period or 1.0))
-    low, here, high = (contact.solve(scene.under("load", scene.load * np.exp(d)), 1e-11) for d in (-1e-4, 0.0, 1e-4))
+    scene = scene.under(
+        "load", 0.1 * scene.E_star * (1e-6 if name == "pair" else 1e-4) * (scene.period or 1.0)
+    )
+    low, here, high = (
+        contact.solve(scene.under("load", scene.load * np.exp(d)), 1e-11)
+        for d in (-1e-4, 0.0, 1e-4)
+    )
     outward = (high.zones - low.zones) / 2e-4 * [-1, 1]
     assert here.fields.spreading * [1, 1] == pytest.approx(outward, rel=1e-6)
 
@@ -362,4 +446,8 @@ def test_two_zones_whose_interval_comes_to_fill_the_period_are_left_to_the_gener
     # Their approach is the mean of the profile to the last digit but one.
     two_tips = contact.Biquadratic(8.469013871188167, 0.5623775496434059, 0.6963644001577347)
     with pytest.raises(contact.OutOfRange, match="the approach is the mean of the profile"):
-        contact.solve(contact.Scene(two_tips, 1.8602866940716e7, contact.Periodic(), approach=0.001731331755008503))
+        contact.solve(
+            contact.Scene(
+                two_tips, 1.8602866940716e7, contact.Periodic(), approach=0.001731331755008503
+            )
+        )

@@ -1,4 +1,6 @@
-"""Dugdale's law, solved: against closed forms, by its equations under quadrature, towards JKR and towards none, with pull-off."""
+"""Dugdale's law, solved: against closed forms, by its equations under quadrature, towards JKR and
+towards none, with pull-off.
+"""
 
 from __future__ import annotations
 
@@ -31,14 +33,22 @@ def stress_of(tabor):
 
 
 def wave(stress, work=WORK, branch="advancing", **control):
-    scene = contact.Scene(contact.Sinusoid(DELTA, 1.0), E, contact.Periodic(), law=contact.Dugdale(work, stress), **control)
+    scene = contact.Scene(
+        contact.Sinusoid(DELTA, 1.0),
+        E,
+        contact.Periodic(),
+        law=contact.Dugdale(work, stress),
+        **control,
+    )
     return contact.solve(scene, branch=branch), exact.DugdaleWave(DELTA, 1.0, E, work, stress)
 
 
 def cylinder(tabor, branch="advancing", **control):
     law = contact.Dugdale(W_CYLINDER, stress_of(tabor))
     scene = contact.Scene(contact.Parabola(1.0), E, contact.Isolated(datum=1.0), law=law, **control)
-    return contact.solve(scene, branch=branch), exact.DugdaleCylinder(1.0, E, W_CYLINDER, law.stress, datum=1.0)
+    return contact.solve(scene, branch=branch), exact.DugdaleCylinder(
+        1.0, E, W_CYLINDER, law.stress, datum=1.0
+    )
 
 
 def rough(count=30, seed=1):
@@ -65,7 +75,16 @@ def agrees(solution, reference, tol=1e-10):
 
 @pytest.mark.parametrize("branch", ["advancing", "receding"])
 @pytest.mark.parametrize(
-    ("stress", "load"), [(2e-2, 1e-2), (2e-2, -6e-4), (5e-3, 2e-2), (5e-3, 0.0), (2e-3, -6e-4), (1e-3, 1e-2), (5e-4, -3e-4)]
+    ("stress", "load"),
+    [
+        (2e-2, 1e-2),
+        (2e-2, -6e-4),
+        (5e-3, 2e-2),
+        (5e-3, 0.0),
+        (2e-3, -6e-4),
+        (1e-3, 1e-2),
+        (5e-4, -3e-4),
+    ],
 )
 def test_the_wave_is_that_of_the_closed_form_on_either_branch(stress, load, branch):
     solution, curve = wave(stress, branch=branch, load=load)
@@ -114,7 +133,10 @@ def test_pull_off_is_a_turning_point_or_where_contact_has_shrunk_to_a_point(tabo
 
 
 def test_past_pull_off_there_is_none_and_the_message_says_where_it_was():
-    with pytest.raises(contact.OutOfRange, match=r"past pull-off, which is at load -6\.4992918\d*e-05 N/m, approach -0\.000157372"):
+    with pytest.raises(
+        contact.OutOfRange,
+        match=r"past pull-off, which is at load -6\.4992918\d*e-05 N/m, approach -0\.000157372",
+    ):
         cylinder(0.1, load=-1e-4)
     with pytest.raises(contact.OutOfRange, match="past pull-off"):
         wave(5e-4, branch="receding", load=-6e-4)
@@ -138,24 +160,37 @@ def test_large_stresses_are_adhesion_without_range_at_the_rate_of_the_strips():
     # The strip, pi E* w/(4 s^2) wide, is what either end differs by.
     assert off[0] / off[1] == pytest.approx(4.0, rel=0.02)
     strip = [np.pi * E * W_CYLINDER / (4 * stress_of(tabor) ** 2) for tabor in (20.0, 40.0)]
-    assert [float(s.cohesive[0, 1] - s.zones[0, 1]) for s in found] == pytest.approx(strip, rel=0.02)
+    assert [float(s.cohesive[0, 1] - s.zones[0, 1]) for s in found] == pytest.approx(
+        strip, rel=0.02
+    )
 
 
 def test_without_adhesion_left_it_is_the_frictionless_contact():
     profile = contact.Fourier(1.0, [0.01, 0.004, 0.002], [0.0, 0.003, -0.002])
     scene = contact.Scene(profile, E, contact.Periodic(), mean_pressure=5e-3)
     bare = contact.solve(scene)
-    off = [np.abs(contact.solve(replace(scene, law=contact.Dugdale(w, 1e-6))).zones - bare.zones).max() for w in (1e-11, 1e-13)]
+    off = [
+        np.abs(contact.solve(replace(scene, law=contact.Dugdale(w, 1e-6))).zones - bare.zones).max()
+        for w in (1e-11, 1e-13)
+    ]
     assert off[1] < off[0] < 1e-4
 
 
 def quadrature(solution, x, count=400):
-    """u(x) by the pressure alone: Gauss's rule in the angle on every part of every interval, ln|2 sin(pi (x - xi)/L)|."""
+    """u(x) by the pressure alone: Gauss's rule in the angle on every part of every interval, ln|2
+    sin(pi (x - xi)/L)|.
+    """
     t, weights = np.polynomial.legendre.leggauss(count)
     theta = 0.5 * np.pi * (1 + t)
     period, total = solution.scene.period, np.zeros(len(x))
     for lo, hi in solution.cohesive:
-        inner = [z for row in solution.zones for shift in (-period, 0.0, period) for z in row + shift if lo < z < hi]
+        inner = [
+            z
+            for row in solution.zones
+            for shift in (-period, 0.0, period)
+            for z in row + shift
+            if lo < z < hi
+        ]
         cuts = np.array(sorted([lo, *inner, hi]))
         for a, b in zip(cuts[:-1], cuts[1:], strict=True):
             xi = 0.5 * (a + b) + 0.5 * (b - a) * np.cos(theta)
@@ -165,7 +200,8 @@ def quadrature(solution, x, count=400):
 
 
 @pytest.mark.parametrize(
-    ("stress", "branch"), quick([(1e5, "advancing"), (1e6, "receding"), (5e6, "advancing")], always=[(1e5, "advancing")])
+    ("stress", "branch"),
+    quick([(1e5, "advancing"), (1e6, "receding"), (5e6, "advancing")], always=[(1e5, "advancing")]),
 )
 def test_a_rough_profile_obeys_its_equations_by_quadrature_of_the_pressure(stress, branch):
     law = contact.Dugdale(1e-3, stress)
@@ -173,8 +209,12 @@ def test_a_rough_profile_obeys_its_equations_by_quadrature_of_the_pressure(stres
     solution = contact.solve(scene, branch=branch)
     assert solution.certificate.holds and len(solution.zones) >= 5
     # Beside the parts, not on them: there the logarithm is smooth enough for the rule.
-    edges = np.concatenate((solution.cohesive[:, 1], solution.cohesive[1:, 0], [solution.cohesive[0, 0] + 1e-4]))
-    x = np.array([0.5 * (a + b) for a, b in zip(np.sort(edges)[::2], np.sort(edges)[1::2], strict=True)])
+    edges = np.concatenate(
+        (solution.cohesive[:, 1], solution.cohesive[1:, 0], [solution.cohesive[0, 0] + 1e-4])
+    )
+    x = np.array(
+        [0.5 * (a + b) for a, b in zip(np.sort(edges)[::2], np.sort(edges)[1::2], strict=True)]
+    )
     u = quadrature(solution, x)
     heights = scene.profile.height(x) - min(scene.profile.height(np.linspace(0, 1e-4, 20001)))
     scale = float(np.ptp(scene.profile.height(np.linspace(0, 1e-4, 999))))
@@ -185,7 +225,9 @@ def test_a_rough_profile_obeys_its_equations_by_quadrature_of_the_pressure(stres
 
 @pytest.mark.slow
 def test_what_advances_lies_within_what_recedes():
-    scene = contact.Scene(rough(), 1e9, contact.Periodic(), law=contact.Dugdale(1e-3, 5e6), mean_pressure=2e6)
+    scene = contact.Scene(
+        rough(), 1e9, contact.Periodic(), law=contact.Dugdale(1e-3, 5e6), mean_pressure=2e6
+    )
     least, most = contact.solve(scene), contact.solve(scene, branch="receding")
     assert len(least.zones) == 5 and len(most.zones) == 6
     for a, b in least.cohesive:
@@ -205,7 +247,10 @@ def test_the_work_of_the_load_is_elastic_and_surface_energy(load):
         for lo, hi in ((-c, -a), (-a, a), (a, c)):
             x = 0.5 * (lo + hi) + 0.5 * (hi - lo) * np.cos(angle)
             per = 0.25 * np.pi * (hi - lo) * np.sin(angle) * weights
-            total += float(per @ (0.5 * solution.pressure(x) * solution.displacement(x) + stress * solution.gap(x)))
+            total += float(
+                per
+                @ (0.5 * solution.pressure(x) * solution.displacement(x) + stress * solution.gap(x))
+            )
         return total
 
     low, high = states
@@ -233,13 +278,23 @@ def test_rates_are_those_of_moved_ends_and_symmetric(kind):
     step = 1e-5 * float(np.diff(table)[0, 0])
     for j in range(4):
         move = step * (np.arange(4) == j)
-        ahead, behind = curve.at(here.moved(move), here.value), curve.at(here.moved(-move), here.value)
+        ahead, behind = (
+            curve.at(here.moved(move), here.value),
+            curve.at(here.moved(-move), here.value),
+        )
         rate = (ahead.residual - behind.residual) / (2 * step)
-        assert rate == pytest.approx(here.rates[:, j], rel=1e-5, abs=1e-6 * np.abs(here.rates).max())
+        assert rate == pytest.approx(
+            here.rates[:, j], rel=1e-5, abs=1e-6 * np.abs(here.rates).max()
+        )
 
 
-@pytest.mark.parametrize(("stress", "load", "branch"), [(5e-3, 1e-3, "advancing"), (5e-3, 2e-2, "advancing"), (2e-2, 1.135e-2, "receding")])
-def test_the_energies_are_those_of_the_closed_form_apart_met_and_nearly_closed(stress, load, branch):
+@pytest.mark.parametrize(
+    ("stress", "load", "branch"),
+    [(5e-3, 1e-3, "advancing"), (5e-3, 2e-2, "advancing"), (2e-2, 1.135e-2, "receding")],
+)
+def test_the_energies_are_those_of_the_closed_form_apart_met_and_nearly_closed(
+    stress, load, branch
+):
     solution, curve = wave(stress, branch=branch, load=load)
     reference = getattr(curve, branch)(load)
     assert solution.energy.elastic == pytest.approx(reference.elastic_energy, rel=1e-8)
@@ -247,7 +302,12 @@ def test_the_energies_are_those_of_the_closed_form_apart_met_and_nearly_closed(s
 
 
 def test_clausens_integral_and_the_potential_of_a_tension_have_their_slopes():
-    known = [0.9159655941772190, 1.0149416064096537, 2 / 3 * 1.0149416064096537, -0.9159655941772190]
+    known = [
+        0.9159655941772190,
+        1.0149416064096537,
+        2 / 3 * 1.0149416064096537,
+        -0.9159655941772190,
+    ]
     assert clausen2(np.array([1 / 4, 1 / 6, 1 / 3, -1 / 4])) == pytest.approx(known, rel=1e-14)
     x, step = np.array([-0.41, 0.05, 0.3]), 1e-5
     for kernel in (sie.hilbert(1.0), sie.cauchy(0.7)):
@@ -258,7 +318,11 @@ def test_clausens_integral_and_the_potential_of_a_tension_have_their_slopes():
 
 def test_a_layer_comes_by_itself():
     scene = contact.Scene(
-        contact.Sinusoid(1e-6, 1e-4), 1e9, contact.Periodic(), substrate=contact.Layer(2e-5, 0.3), law=contact.Dugdale(5e-2, 2e6),
+        contact.Sinusoid(1e-6, 1e-4),
+        1e9,
+        contact.Periodic(),
+        substrate=contact.Layer(2e-5, 0.3),
+        law=contact.Dugdale(5e-2, 2e6),
         mean_pressure=1e6,
     )
     solution = contact.solve(scene)
@@ -269,15 +333,23 @@ def test_a_layer_comes_by_itself():
 
 
 def test_what_does_not_go_with_it_is_refused_by_name():
-    for name, values in (("work", (0.0, 1.0)), ("stress", (1.0, -1.0)), ("stress", (1.0, float("nan")))):
+    for name, values in (
+        ("work", (0.0, 1.0)),
+        ("stress", (1.0, -1.0)),
+        ("stress", (1.0, float("nan"))),
+    ):
         with pytest.raises(contact.SceneError, match=name):
             contact.Dugdale(*values)
     law = contact.Dugdale(1e-5, 1e-2)
     with pytest.raises(contact.SceneError, match="dugdale goes with isolated and periodic"):
         contact.Scene(contact.Sinusoid(DELTA, 1.0), E, contact.Localized(), law=law, load=0.01)
     with pytest.raises(contact.SceneError, match="the controls of dugdale are"):
-        contact.Scene(contact.Sinusoid(DELTA, 1.0), E, contact.Periodic(), law=law, contact_fraction=0.5)
-    with pytest.raises(contact.SceneError, match="pull-off is told of contact that is not nearly full"):
+        contact.Scene(
+            contact.Sinusoid(DELTA, 1.0), E, contact.Periodic(), law=law, contact_fraction=0.5
+        )
+    with pytest.raises(
+        contact.SceneError, match="pull-off is told of contact that is not nearly full"
+    ):
         wave(2e-2, branch="receding", load=2e-2)[0].pull_off  # noqa: B018
 
 
@@ -295,36 +367,60 @@ def test_a_scene_file_names_it(tmp_path):
 def test_an_interval_that_has_lost_its_zones_begins_with_its_lowest_place():
     law = contact.Dugdale(1.33e-4, 1.12e5)
     scene = contact.Scene(rough(19, 644939), 1e9, contact.Periodic(), law=law, mean_pressure=0.0)
-    assert contact.solve(scene, branch="receding").zones == pytest.approx(contact.solve(scene).zones, rel=1e-9)
+    assert contact.solve(scene, branch="receding").zones == pytest.approx(
+        contact.solve(scene).zones, rel=1e-9
+    )
 
 
-def test_strips_that_are_too_narrow_and_zones_that_are_too_many_are_refused_at_once_with_their_figures(monkeypatch):
-    with pytest.raises(contact.NotConverged, match=r"narrower than a millionth.*They are 2\.7e-10 m beside .* terms a zone"):
+def test_strips_that_are_too_narrow_and_zones_that_are_too_many_are_refused_at_once_with_their_figures(
+    monkeypatch,
+):
+    with pytest.raises(
+        contact.NotConverged,
+        match=r"narrower than a millionth.*They are 2\.7e-10 m beside .* terms a zone",
+    ):
         cylinder(1e4, load=1e-5)
     monkeypatch.setattr("contact.search.ways.cohesive._MOST_ZONES", 5)
-    with pytest.raises(contact.OutOfRange, match="zones: under a tension beside the contact .* 5 zones at the most"):
-        contact.solve(contact.Scene(rough(), 1e9, contact.Periodic(), law=contact.Dugdale(1e-3, 1e6), mean_pressure=2e6))
+    with pytest.raises(
+        contact.OutOfRange, match="zones: under a tension beside the contact .* 5 zones at the most"
+    ):
+        contact.solve(
+            contact.Scene(
+                rough(), 1e9, contact.Periodic(), law=contact.Dugdale(1e-3, 1e6), mean_pressure=2e6
+            )
+        )
 
 
 def test_what_the_ends_of_the_tension_leave_open_is_named_where_it_is_too_much(monkeypatch):
     monkeypatch.setattr("contact.search.ways.cohesive.uncertain", lambda *_: 1e-6)
-    with pytest.raises(contact.NotConverged, match=r"at the ends of the tension, .* adds 1\.0e-06; allow a larger tol"):
+    with pytest.raises(
+        contact.NotConverged,
+        match=r"at the ends of the tension, .* adds 1\.0e-06; allow a larger tol",
+    ):
         cylinder(1.0, load=1e-5)
 
 
 def many_zones(seed=1, stress=5e6, count=60, **control):
-    profile = contact.self_affine(hurst=0.8, period=1e-4, shortest=1e-4 / count, rms_slope=0.02, seed=seed)
-    return contact.Scene(profile, 1e10, contact.Periodic(), law=contact.Dugdale(0.01, stress), **control)
+    profile = contact.self_affine(
+        hurst=0.8, period=1e-4, shortest=1e-4 / count, rms_slope=0.02, seed=seed
+    )
+    return contact.Scene(
+        profile, 1e10, contact.Periodic(), law=contact.Dugdale(0.01, stress), **control
+    )
 
 
 @pytest.mark.parametrize("branch", ["advancing", pytest.param("receding", marks=pytest.mark.slow)])
-def test_a_grid_guides_the_ends_to_the_equilibrium_that_they_come_to_by_themselves(branch, monkeypatch):
+def test_a_grid_guides_the_ends_to_the_equilibrium_that_they_come_to_by_themselves(
+    branch, monkeypatch
+):
     scene = many_zones(mean_pressure=2e7)
     guided = contact.solve(scene, branch=branch)
     monkeypatch.setattr(GridTension, "of", classmethod(lambda *given: None))
     alone = contact.solve(scene, branch=branch)
     assert len(guided.zones) == len(alone.zones) >= 8
-    assert guided.cohesive == pytest.approx(alone.cohesive, abs=1e-9 * float(np.diff(alone.cohesive).min()))
+    assert guided.cohesive == pytest.approx(
+        alone.cohesive, abs=1e-9 * float(np.diff(alone.cohesive).min())
+    )
 
 
 def test_ends_guided_by_a_grid_take_a_few_states(monkeypatch):
@@ -334,8 +430,12 @@ def test_ends_guided_by_a_grid_take_a_few_states(monkeypatch):
     assert len(taken) <= 10
 
 
-@pytest.mark.parametrize("control", [{"mean_pressure": 2e7}, pytest.param({"approach": 1.2e-7}, marks=pytest.mark.slow)])
-def test_a_law_without_range_leads_narrow_strips_to_where_they_come_by_themselves(control, monkeypatch):
+@pytest.mark.parametrize(
+    "control", [{"mean_pressure": 2e7}, pytest.param({"approach": 1.2e-7}, marks=pytest.mark.slow)]
+)
+def test_a_law_without_range_leads_narrow_strips_to_where_they_come_by_themselves(
+    control, monkeypatch
+):
     scene = many_zones(stress=5e7, **control)
     led = contact.solve(scene)
     last = led.pull_off.load
@@ -343,7 +443,9 @@ def test_a_law_without_range_leads_narrow_strips_to_where_they_come_by_themselve
     monkeypatch.setattr(GridTension, "of", classmethod(lambda *given: None))
     alone = contact.solve(scene)
     assert len(led.zones) == len(alone.zones) >= 8
-    assert led.cohesive == pytest.approx(alone.cohesive, abs=1e-9 * float(np.diff(alone.cohesive).min()))
+    assert led.cohesive == pytest.approx(
+        alone.cohesive, abs=1e-9 * float(np.diff(alone.cohesive).min())
+    )
     assert last == pytest.approx(alone.pull_off.load, rel=1e-9)
 
 
@@ -351,23 +453,41 @@ def test_a_law_without_range_leads_narrow_strips_to_where_they_come_by_themselve
 def test_what_snaps_shut_beside_narrow_strips_does_not_drive_others_past_their_rest():
     rng = np.random.default_rng(125)
     rng.integers(4, 40)
-    trace, law = drawn(rng, "spikes", 400), contact.Dugdale(5.743098063906238, 2.4841445193278564e10)
+    trace, law = (
+        drawn(rng, "spikes", 400),
+        contact.Dugdale(5.743098063906238, 2.4841445193278564e10),
+    )
     scene = contact.Scene(trace, 2.3e11, contact.Periodic(), law=law, mean_pressure=4.86253689983e8)
-    here, more = contact.solve(scene), contact.solve(replace(scene, law=contact.JKR(1.02 * law.work)))
+    here, more = (
+        contact.solve(scene),
+        contact.solve(replace(scene, law=contact.JKR(1.02 * law.work))),
+    )
     # Strips are a hundredth of the zones: a fiftieth more adhesion without range makes up for them.
     assert all(np.any((more.zones[:, 0] < a) & (b < more.zones[:, 1])) for a, b in here.zones)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed, kind, pressure, work, stress", [
-    # An interval whose zone has all but vanished as the curve turns; a gap that all but closes within one.
-    (339, "turned", 208626890.0, 43.9684771, 6.26417572e9),
-    (305, "honed", 51471104.6, 0.471628390, 6.20859683e8),
-])
-def test_traces_come_to_pull_off_past_zones_that_vanish_and_gaps_that_close(seed, kind, pressure, work, stress):
+@pytest.mark.parametrize(
+    "seed, kind, pressure, work, stress",
+    [
+        # An interval whose zone has all but vanished as the curve turns; a gap that all but closes
+        # within one.
+        (339, "turned", 208626890.0, 43.9684771, 6.26417572e9),
+        (305, "honed", 51471104.6, 0.471628390, 6.20859683e8),
+    ],
+)
+def test_traces_come_to_pull_off_past_zones_that_vanish_and_gaps_that_close(
+    seed, kind, pressure, work, stress
+):
     rng = np.random.default_rng(seed)
     rng.integers(8, 40)
-    scene = contact.Scene(drawn(rng, kind, 400), 2.3e11, contact.Periodic(), law=contact.Dugdale(work, stress), mean_pressure=pressure)
+    scene = contact.Scene(
+        drawn(rng, kind, 400),
+        2.3e11,
+        contact.Periodic(),
+        law=contact.Dugdale(work, stress),
+        mean_pressure=pressure,
+    )
     here = contact.solve(scene)
     last = here.pull_off.load
     down = contact.path(scene, np.array([here.load, 1.05 * last]), control="load")
@@ -384,7 +504,9 @@ def test_narrow_strips_take_a_few_states(monkeypatch):
 
 @pytest.mark.slow
 def test_a_contact_is_not_followed_to_pull_off_past_where_its_interval_is_cut():
-    scene = contact.Scene(rough(12, 8), 1e9, contact.Periodic(), law=contact.Dugdale(0.05, 1e6), mean_pressure=0.0)
+    scene = contact.Scene(
+        rough(12, 8), 1e9, contact.Periodic(), law=contact.Dugdale(0.05, 1e6), mean_pressure=0.0
+    )
     last = contact.solve(scene).pull_off.load
     held = contact.solve(replace(scene, mean_pressure=None, load=0.99 * last))
     assert held.certificate.holds
@@ -394,34 +516,57 @@ def test_a_contact_is_not_followed_to_pull_off_past_where_its_interval_is_cut():
 
 def test_a_zone_opens_where_what_it_bears_falls_below_zero_between_two_looks():
     profile, law = contact.Biquadratic(1.0, 0.2), contact.Dugdale(1e-5, 5e-3)
-    solution = contact.solve(contact.Scene(profile, 1.0, contact.Isolated(), law=law, load=1.6675e-3))
+    solution = contact.solve(
+        contact.Scene(profile, 1.0, contact.Isolated(), law=law, load=1.6675e-3)
+    )
     assert solution.certificate.holds
 
 
 def test_ends_next_to_pull_off_are_off_by_rounding_times_the_condition():
     curve = exact.DugdaleCylinder(1.0, 1.0, 1e-6, (1e-6 / np.pi) ** (1 / 3))
     load = 0.99 * curve.pull_off().load
-    found = contact.solve(contact.Scene(contact.Parabola(1.0), 1.0, contact.Isolated(), law=contact.Dugdale(1e-6, curve.stress), load=load))
+    found = contact.solve(
+        contact.Scene(
+            contact.Parabola(1.0),
+            1.0,
+            contact.Isolated(),
+            law=contact.Dugdale(1e-6, curve.stress),
+            load=load,
+        )
+    )
     # Relative changes of the load move them eight times as much.
     assert found.zones[0, 1] == pytest.approx(curve.at_load(load).half_width, rel=1e-13)
     assert found.error < 2e-12
 
 
 def test_the_error_of_a_wave_under_tension_everywhere_knows_that_load_and_tension_cancel():
-    curve = exact.DugdaleWave(0.01, 1.0, 1.0, 1e-5, 1e-2 * (1e-5 / np.pi) ** (1 / 3) * 0.01 ** (1 / 3))
+    curve = exact.DugdaleWave(
+        0.01, 1.0, 1.0, 1e-5, 1e-2 * (1e-5 / np.pi) ** (1 / 3) * 0.01 ** (1 / 3)
+    )
     load = (1 - 1e-6) * curve.pull_off().load
-    scene = contact.Scene(contact.Sinusoid(0.01, 1.0), 1.0, contact.Periodic(), law=contact.Dugdale(1e-5, curve.stress), load=load)
+    scene = contact.Scene(
+        contact.Sinusoid(0.01, 1.0),
+        1.0,
+        contact.Periodic(),
+        law=contact.Dugdale(1e-5, curve.stress),
+        load=load,
+    )
     found, wanted = contact.solve(scene), curve.at_load(load)
     assert abs(np.diff(found.zones)[0, 0] / (2 * wanted.half_width) - 1) < found.error < 1e-8
 
 
 @pytest.mark.parametrize(("work", "pressure"), [(7e-8, 5.2e-3), (7e-8, 8e-3), (2.7e-8, 8e-3)])
-def test_strips_that_contact_covers_are_widened_by_what_they_are_and_not_by_their_zones(work, pressure):
-    # Widened by a part of the zones, ends of narrow strips began far beyond their rest: "no step of the ends keeps to the branch".
+def test_strips_that_contact_covers_are_widened_by_what_they_are_and_not_by_their_zones(
+    work, pressure
+):
+    # Widened by a part of the zones, ends of narrow strips began far beyond their rest: "no step of
+    # the ends keeps to the branch".
     a, c, s = 0.384, *np.array([np.cos(4.12), np.sin(4.12)])
     cosine, sine = np.array([[-2, -a * c, 2 * a * c, -a * c], [0, a * s, -2 * a * s, a * s]])
     profile = contact.Fourier(1.0, 2e-3 * cosine, 2e-3 * sine)
-    scene = contact.Scene(profile, 1.0, contact.Periodic(), law=contact.Dugdale(work, 0.23), mean_pressure=pressure)
+    scene = contact.Scene(
+        profile, 1.0, contact.Periodic(), law=contact.Dugdale(work, 0.23), mean_pressure=pressure
+    )
     solution = contact.solve(scene)
     assert solution.certificate.holds and solution.error <= 1e-8
     without_range = contact.solve(replace(scene, law=contact.JKR(work)))
@@ -439,13 +584,24 @@ class FlatTopped(contact.Profile):
 
     def slope(self, x):
         x = np.asarray(x)
-        return 9.15e-3 * 13.6 * np.pi * np.cos(2 * np.pi * x) / np.cosh(6.8 * np.sin(2 * np.pi * x)) ** 2
+        return (
+            9.15e-3
+            * 13.6
+            * np.pi
+            * np.cos(2 * np.pi * x)
+            / np.cosh(6.8 * np.sin(2 * np.pi * x)) ** 2
+        )
 
 
 def test_a_zone_on_a_level_top_beside_narrow_strips_is_followed_to_pull_off():
-    # Its position is all but neutral: states on the way were solved to the strips, which are 3e-5 of it, and their rates were off by 3 %.
-    scene = contact.Scene(FlatTopped(), 1.0, contact.Periodic(), law=contact.Dugdale(2.22e-7, 0.18), approach=0.0)
-    found, without_range = (contact.solve(replace(scene, law=law)).pull_off for law in (scene.law, contact.JKR(2.22e-7)))
+    # Its position is all but neutral: states on the way were solved to the strips, which are 3e-5
+    # of it, and their rates were off by 3 %.
+    scene = contact.Scene(
+        FlatTopped(), 1.0, contact.Periodic(), law=contact.Dugdale(2.22e-7, 0.18), approach=0.0
+    )
+    found, without_range = (
+        contact.solve(replace(scene, law=law)).pull_off for law in (scene.law, contact.JKR(2.22e-7))
+    )
     assert found.approach == pytest.approx(without_range.approach, rel=1e-8)
     assert found.load == pytest.approx(without_range.load, rel=1e-6)
 
@@ -454,10 +610,16 @@ def test_pull_off_of_one_zone_takes_the_states_of_its_curve(monkeypatch):
     # 230 states, most of them to learn again and again where there is no contact left.
     states = []
     real = Cohesive.from_zones
-    monkeypatch.setattr(Cohesive, "from_zones", lambda self, *given, **named: states.append(1) or real(self, *given, **named))
+    monkeypatch.setattr(
+        Cohesive,
+        "from_zones",
+        lambda self, *given, **named: states.append(1) or real(self, *given, **named),
+    )
     cosine, sine = np.array([-1.0, 0.2, 0.1]), np.array([0.3, 0.0, -0.1])
     profile = contact.Fourier(1.0, 5e-3 * cosine, 5e-3 * sine)
-    solution = contact.solve(contact.Scene(profile, 1.0, contact.Periodic(), law=contact.Dugdale(1e-6, 0.02), load=0.0))
+    solution = contact.solve(
+        contact.Scene(profile, 1.0, contact.Periodic(), law=contact.Dugdale(1e-6, 0.02), load=0.0)
+    )
     states.clear()
     pull_off = solution.pull_off
     assert pull_off.load < 0.0 and len(states) < 120
@@ -476,18 +638,27 @@ class HyperbolaWithSlope(Hyperbola):
         return np.asarray(x, dtype=float) / np.sqrt(1 + np.asarray(x, dtype=float) ** 2)
 
 
-def test_pull_off_of_a_shape_without_a_slope_is_that_of_one_with_it_and_takes_few_heights(monkeypatch):
-    # The derived slope was noise beside its lowest place: not solved to 1e-4, and of others contact that shrinks to a point took 40 s.
+def test_pull_off_of_a_shape_without_a_slope_is_that_of_one_with_it_and_takes_few_heights(
+    monkeypatch,
+):
+    # The derived slope was noise beside its lowest place: not solved to 1e-4, and of others contact
+    # that shrinks to a point took 40 s.
     heights = []
     real = Hyperbola.height
-    monkeypatch.setattr(Hyperbola, "height", lambda self, x: heights.append(np.size(x)) or real(self, x))
-    scene = contact.Scene(Hyperbola(), 1.0, contact.Isolated(datum=1.0), law=contact.Dugdale(1e-6, 3e-4), load=1e-4)
+    monkeypatch.setattr(
+        Hyperbola, "height", lambda self, x: heights.append(np.size(x)) or real(self, x)
+    )
+    scene = contact.Scene(
+        Hyperbola(), 1.0, contact.Isolated(datum=1.0), law=contact.Dugdale(1e-6, 3e-4), load=1e-4
+    )
     solution = contact.solve(scene)
     heights.clear()
     found = solution.pull_off
     assert sum(heights) < 3e6
     wanted = contact.solve(replace(scene, profile=HyperbolaWithSlope())).pull_off
-    assert found.load == pytest.approx(wanted.load, rel=1e-9) and found.approach == pytest.approx(wanted.approach, rel=1e-8)
+    assert found.load == pytest.approx(wanted.load, rel=1e-9) and found.approach == pytest.approx(
+        wanted.approach, rel=1e-8
+    )
 
 
 @dataclass(frozen=True)
@@ -499,8 +670,11 @@ class TwoWells(contact.Profile):
 
 
 def test_two_equal_tips_that_touch_last_are_found():
-    # They were looked for in the middle between them: "the place where the surfaces touch last was not found".
-    scene = contact.Scene(TwoWells(), 1.0, contact.Isolated(datum=1.0), law=contact.Dugdale(5e-7, 3.466e-4), load=1e-5)
+    # They were looked for in the middle between them: "the place where the surfaces touch last was
+    # not found".
+    scene = contact.Scene(
+        TwoWells(), 1.0, contact.Isolated(datum=1.0), law=contact.Dugdale(5e-7, 3.466e-4), load=1e-5
+    )
     pull_off = contact.solve(scene).pull_off
     assert contact.solve(replace(scene, load=pull_off.load * (1 - 1e-3))).certificate.holds
     with pytest.raises(contact.OutOfRange, match="past pull-off"):
@@ -508,15 +682,27 @@ def test_two_equal_tips_that_touch_last_are_found():
 
 
 @pytest.mark.slow
-def test_a_zone_that_snaps_shut_among_a_hundred_is_led_to_its_width_by_a_law_without_range(monkeypatch):
+def test_a_zone_that_snaps_shut_among_a_hundred_is_led_to_its_width_by_a_law_without_range(
+    monkeypatch,
+):
     # 17 states, of which five widened one new interval; and pull-off went the whole way down twice.
     base = contact.load_scene(Path(__file__).parents[2] / "examples" / "stylus.toml")
     profile = base.profile.varied({"profile": {"taper": 0.05}})
-    scene = replace(base, profile=profile, mean_pressure=7 * 6.473e6, law=contact.Dugdale(1e-3, 1e8))
+    scene = replace(
+        base, profile=profile, mean_pressure=7 * 6.473e6, law=contact.Dugdale(1e-3, 1e8)
+    )
     states, tips = [], []
     real, at = Cohesive.from_zones, Equilibria.at
-    monkeypatch.setattr(Cohesive, "from_zones", lambda self, *given, **named: states.append(1) or real(self, *given, **named))
-    monkeypatch.setattr(Equilibria, "at", lambda self, *given, **named: tips.append(len(given[0])) or at(self, *given, **named))
+    monkeypatch.setattr(
+        Cohesive,
+        "from_zones",
+        lambda self, *given, **named: states.append(1) or real(self, *given, **named),
+    )
+    monkeypatch.setattr(
+        Equilibria,
+        "at",
+        lambda self, *given, **named: tips.append(len(given[0])) or at(self, *given, **named),
+    )
     solution = contact.solve(scene)
     assert len(solution.zones) == 125 and len(states) <= 12
     assert solution.contact_fraction == pytest.approx(0.0581966381596, rel=1e-9)
@@ -527,13 +713,62 @@ def test_a_zone_that_snaps_shut_among_a_hundred_is_led_to_its_width_by_a_law_wit
 
 @pytest.mark.slow
 def test_ends_that_others_drive_outward_as_tension_lets_go_of_all_of_a_period_come_to_rest():
-    # Under a held approach: what is lost in one place raises the surface in others, where gaps close again.
+    # Under a held approach: what is lost in one place raises the surface in others, where gaps
+    # close again.
     heights = [
-        193, 65, 43, 0, 85, 259, 696, 640, 592, 602, 799, 966, 999, 980, 926, 759, 749, 657, 687, 651, 622, 683, 722, 547,
-        473, 573, 467, 424, 695, 518, 535, 741, 629, 623, 782, 589, 467, 501, 417, 633, 452, 352, 331, 379, 434, 384, 351, 266,
+        193,
+        65,
+        43,
+        0,
+        85,
+        259,
+        696,
+        640,
+        592,
+        602,
+        799,
+        966,
+        999,
+        980,
+        926,
+        759,
+        749,
+        657,
+        687,
+        651,
+        622,
+        683,
+        722,
+        547,
+        473,
+        573,
+        467,
+        424,
+        695,
+        518,
+        535,
+        741,
+        629,
+        623,
+        782,
+        589,
+        467,
+        501,
+        417,
+        633,
+        452,
+        352,
+        331,
+        379,
+        434,
+        384,
+        351,
+        266,
     ]
     profile = contact.Sampled(np.arange(48) / 48, 1e-2 / 999 * np.array(heights), period=1.0)
-    scene = contact.Scene(profile, 1.0, contact.Periodic(), law=contact.Dugdale(2.076e-6, 0.4235), approach=0.0036)
+    scene = contact.Scene(
+        profile, 1.0, contact.Periodic(), law=contact.Dugdale(2.076e-6, 0.4235), approach=0.0036
+    )
     fractions = []
     for approach in (0.0036, 0.0034, 0.00324):
         here = replace(scene, approach=approach)

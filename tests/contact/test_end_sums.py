@@ -14,7 +14,9 @@ def ends_of(kind, rng):
     if kind == "even":
         return np.linspace(0.0, 6.5, 60)
     if kind == "clustered":
-        return np.sort(np.concatenate((1.0 + 1e-9 * rng.uniform(size=20), rng.uniform(1.1, 6.5, 40))))
+        return np.sort(
+            np.concatenate((1.0 + 1e-9 * rng.uniform(size=20), rng.uniform(1.1, 6.5, 40)))
+        )
     return np.sort(rng.uniform(0.0, 6.5, 160))
 
 
@@ -25,6 +27,7 @@ def places_of(ends, rng):
 
 def exactly(x, ends, period):
     """Sum of the signed logarithms, to 30 digits."""
+
     def log(lag):
         return mpmath.log(abs(lag if period is None else 2 * mpmath.sin(mpmath.pi * lag / period)))
 
@@ -49,7 +52,9 @@ def test_they_are_what_they_are_one_by_one(kind, period, longest):
     wanted = np.array([exactly(place, ends, period) for place in x])
     # Rounding of a place is felt by the ends near by.
     near = np.abs(sie.nearest_image(x[:, None] - ends, 0.0, period))
-    assert np.all(np.abs(found - wanted) <= 1e-13 + 8 * np.finfo(float).eps * PERIOD / near.min(axis=1))
+    assert np.all(
+        np.abs(found - wanted) <= 1e-13 + 8 * np.finfo(float).eps * PERIOD / near.min(axis=1)
+    )
 
 
 def test_ends_far_off_are_not_looked_at_for_each_place():

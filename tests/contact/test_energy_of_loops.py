@@ -1,4 +1,6 @@
-"""Whole loops of rough surfaces that adhere: the work of the load by Gauss's rule, from solutions between the events, is what was lost."""
+"""Whole loops of rough surfaces that adhere: the work of the load by Gauss's rule, from solutions
+between the events, is what was lost.
+"""
 
 import numpy as np
 import pytest
@@ -7,8 +9,8 @@ import contact
 from contact.studies.trace_kinds import drawn
 
 POINTS, STIFFNESS = 20, 1e9
-# On every piece of a curve the values of the control end like a square at a turn: in the angle whose sine they are the square of the
-# integrand is smooth there.
+# On every piece of a curve the values of the control end like a square at a turn: in the angle
+# whose sine they are the square of the integrand is smooth there.
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(POINTS)
 ANGLE = 0.25 * np.pi * (NODES + 1)
 SHARE, WEIGHT = np.sin(ANGLE) ** 2, 0.25 * np.pi * WEIGHTS * np.sin(2 * ANGLE)
@@ -22,7 +24,9 @@ HELD = {
 
 
 def pieces(loop, held):
-    """((value, load, approach) at both ends of each piece between events, work of the load in the jumps between them)."""
+    """((value, load, approach) at both ends of each piece between events, work of the load in the
+    jumps between them).
+    """
     found, jumps = [], 0.0
     for k in range(1, len(loop.values)):
         first, last = loop.solutions[k - 1], loop.solutions[k]
@@ -42,7 +46,11 @@ def work(held, at, to, inner):
         return 0.0
     moved, load = (to[0] - at[0]) * WEIGHT, np.array([solution.load for solution in inner])
     if held == "load":
-        return to[1] * to[2] - at[1] * at[2] - moved @ np.array([solution.approach for solution in inner])
+        return (
+            to[1] * to[2]
+            - at[1] * at[2]
+            - moved @ np.array([solution.approach for solution in inner])
+        )
     return moved @ load - (0.5 * (to[1] ** 2 - at[1] ** 2) / STIFFNESS if held == "spring" else 0.0)
 
 
@@ -57,18 +65,29 @@ def test_the_work_of_the_load_over_a_loop_by_quadrature_is_what_its_jumps_lose(l
     loop = contact.path(scene, values, **how)
     found, total = pieces(loop, held)
     assert len(loop.events) >= 3 and all(event.lost > 0.0 for event in loop.events)
-    between = contact.path(scene, np.concatenate([values[:1], *(at[0] + (to[0] - at[0]) * SHARE for at, to in found), values[-1:]]), **how)
+    between = contact.path(
+        scene,
+        np.concatenate(
+            [values[:1], *(at[0] + (to[0] - at[0]) * SHARE for at, to in found), values[-1:]]
+        ),
+        **how,
+    )
     for k, (at, to) in enumerate(found):
         total += work(held, at, to, between.solutions[1 + POINTS * k : 1 + POINTS * (k + 1)])
     # The rule's own error at 20 points is 1e-11; at 10 it is 1e-6.
-    assert total == pytest.approx(loop.dissipated, rel=1e-9) and loop.work == pytest.approx(loop.dissipated, rel=1e-12)
+    assert total == pytest.approx(loop.dissipated, rel=1e-9) and loop.work == pytest.approx(
+        loop.dissipated, rel=1e-12
+    )
 
 
 @pytest.mark.slow
 def test_a_step_with_two_extremes_of_its_control_is_not_taken_for_one_with_one():
-    # The surfaces are drawn apart by the approach after their pull-off: two turns of that curve are near one another.
+    # The surfaces are drawn apart by the approach after their pull-off: two turns of that curve are
+    # near one another.
     profile = drawn(np.random.default_rng(4), "turned", 300)
     law, pressure = contact.Dugdale(0.08145729947206055, 1823005540.8403118), 1001345.1073676093
     scene = contact.Scene(profile, 2.3e11, contact.Periodic(), law=law, mean_pressure=0.0)
-    loop = contact.path(scene, [-0.02 * pressure, pressure, -0.3 * pressure], control="mean_pressure")
+    loop = contact.path(
+        scene, [-0.02 * pressure, pressure, -0.3 * pressure], control="mean_pressure"
+    )
     assert loop.events[-1].kind == "pull-off" and loop.events[-1].lost > 0.0

@@ -1,5 +1,6 @@
-"""Every closed form is held to laws it does not contain: the singular integral, the load, the displacement it
-makes."""
+"""Every closed form is held to laws it does not contain: the singular integral, the load, the
+displacement it makes.
+"""
 
 import inspect
 from dataclasses import dataclass, replace
@@ -60,8 +61,11 @@ LOCALIZED = list(localized())
 
 @pytest.mark.parametrize("solution", SMOOTH, ids=name)
 def test_the_pressure_solves_the_singular_integral_equation(solution):
-    # Two zones about to merge leave a branch point 1e-5 widths from an end: 60/sqrt(gap/width) nodes.
-    nodes = 12000 if getattr(solution, "inner_end", 1.0) and name(solution).endswith("0.707") else 400
+    # Two zones about to merge leave a branch point 1e-5 widths from an end: 60/sqrt(gap/width)
+    # nodes.
+    nodes = (
+        12000 if getattr(solution, "inner_end", 1.0) and name(solution).endswith("0.707") else 400
+    )
     assert reference.equation_error(solution, nodes=nodes) < TOL * nodes / 400
 
 
@@ -70,7 +74,8 @@ def test_the_pressure_solves_the_singular_integral_equation(solution):
 def test_a_wedge_solves_the_equation_by_folded_quadrature(solution, t):
     a = solution.half_width
     left = reference.folded_transform(solution, t * a, [-a, 0.0, a])
-    # Positions x - s are rounded: sqrt(eps) at an end of the zone, spread over a few nodes of tiny weight.
+    # Positions x - s are rounded: sqrt(eps) at an end of the zone, spread over a few nodes of tiny
+    # weight.
     assert left == pytest.approx(0.5 * E_STAR * np.sign(t) * solution.wedge_slope, rel=1e-10)
 
 
@@ -121,8 +126,12 @@ def test_the_displacement_outside_is_the_logarithmic_potential_of_the_pressure(s
     if len(ends) == 2 and ends[1, 0] > 0.05 * L:
         x = np.append(x, [0.0, 0.5 * ends[1, 0]])
     u = solution.displacement(x)
-    scale = np.max(np.abs(u)) + np.max(solution.gap(x), where=np.isfinite(solution.gap(x)), initial=0.0)
-    np.testing.assert_allclose(reference.displacement_of(solution, x, 2000), u, rtol=0.0, atol=1e-11 * scale)
+    scale = np.max(np.abs(u)) + np.max(
+        solution.gap(x), where=np.isfinite(solution.gap(x)), initial=0.0
+    )
+    np.testing.assert_allclose(
+        reference.displacement_of(solution, x, 2000), u, rtol=0.0, atol=1e-11 * scale
+    )
 
 
 @pytest.mark.parametrize("solution", WEDGES, ids=name)
@@ -143,7 +152,9 @@ def test_the_displacement_outside_a_wedge_is_the_logarithmic_potential_of_the_pr
 def test_the_stiffness_is_the_slope_of_load_over_approach(solution):
     """Also for punches, whose load and approach are proportional, and beyond the load's maximum."""
     control = (
-        "half_width" if hasattr(solution, "half_width") and "Punch" not in type(solution).__name__ else "load"
+        "half_width"
+        if hasattr(solution, "half_width") and "Punch" not in type(solution).__name__
+        else "load"
     )
     middle = getattr(solution, control)
     if solution.period is not None and control == "half_width":
@@ -154,13 +165,16 @@ def test_the_stiffness_is_the_slope_of_load_over_approach(solution):
             return  # the two formulas meet here: compared on either side
     else:
         room = min(middle, 0.5 * L - middle) if hasattr(solution, "wavelength") else middle
-    # The derivative of the polynomial through 13 Chebyshev points within a fifth of the way to a singularity.
+    # The derivative of the polynomial through 13 Chebyshev points within a fifth of the way to a
+    # singularity.
     nodes = np.cos(np.pi * (np.arange(13) + 0.5) / 13)
     near = [replace(solution, **{control: middle + 0.2 * room * t}) for t in nodes]
 
     def slope(quantity):
         values = np.array([getattr(s, quantity) for s in near])
-        return np.polynomial.Chebyshev.fit(nodes, values - values[6], 12, domain=[-1, 1]).deriv()(0.0)
+        return np.polynomial.Chebyshev.fit(nodes, values - values[6], 12, domain=[-1, 1]).deriv()(
+            0.0
+        )
 
     assert slope("load") == pytest.approx(solution.stiffness * slope("approach"), rel=1e-8)
 
@@ -174,7 +188,9 @@ def test_pressure_is_positive_in_zones_and_the_gap_positive_outside(solution):
     for zone in range(len(solution.zones)):
         assert np.all(solution.pressure_at(t, zone) > 0.0)
     x = np.linspace(-0.5 * L, 0.5 * L, 401)
-    inside = np.any((x[:, None] > solution.zones[:, 0]) & (x[:, None] < solution.zones[:, 1]), axis=1)
+    inside = np.any(
+        (x[:, None] > solution.zones[:, 0]) & (x[:, None] < solution.zones[:, 1]), axis=1
+    )
     near_end = np.min(np.abs(x[:, None] - solution.zones.ravel()), axis=1) < 1e-9 * L
     assert np.all(solution.gap(x[~inside & ~near_end]) > 0.0)
     assert np.all(solution.gap(x[inside & ~near_end]) == 0.0)
@@ -194,10 +210,13 @@ def test_the_peak_is_the_largest_pressure(solution):
 
 @pytest.mark.parametrize("solution", [*SMOOTH, *WEDGES, *LOCALIZED], ids=name)
 def test_pressure_follows_the_square_root_down_to_the_last_digit_of_t(solution):
-    """p ~ K d^(1/2) at a free end, d^(-1/2) at a corner: no digit is lost between t = 1 - 2^-36 and 1 -
-    2^-52."""
+    """p ~ K d^(1/2) at a free end, d^(-1/2) at a corner: no digit is lost between t = 1 - 2^-36 and
+    1 - 2^-52.
+    """
     power = -0.5 if "Punch" in type(solution).__name__ else 0.5
-    near, nearer = solution.pressure_at(np.array([1.0 - 2.0**-36, 1.0 - 2.0**-52]), len(solution.zones) - 1)
+    near, nearer = solution.pressure_at(
+        np.array([1.0 - 2.0**-36, 1.0 - 2.0**-52]), len(solution.zones) - 1
+    )
     # The next term is d/(distance to the next singularity), at most 100 times 2^-36.
     assert nearer / near == pytest.approx(2.0 ** (-16 * power), rel=3e-9)
 
@@ -205,9 +224,18 @@ def test_pressure_follows_the_square_root_down_to_the_last_digit_of_t(solution):
 @pytest.mark.parametrize(
     ("periodic", "alone"),
     [
-        (lambda period: exact.PeriodicParabola(1.0, period, 2.0, 0.1), exact.HertzLine(1.0, 2.0, 0.1)),
-        (lambda period: exact.PeriodicWedge(0.1, period, 2.0, 0.1), exact.IsolatedWedge(0.1, 2.0, 0.1)),
-        (lambda period: exact.PeriodicPunch(0.1, period, 2.0, 1.0), exact.IsolatedPunch(0.1, 2.0, 1.0)),
+        (
+            lambda period: exact.PeriodicParabola(1.0, period, 2.0, 0.1),
+            exact.HertzLine(1.0, 2.0, 0.1),
+        ),
+        (
+            lambda period: exact.PeriodicWedge(0.1, period, 2.0, 0.1),
+            exact.IsolatedWedge(0.1, 2.0, 0.1),
+        ),
+        (
+            lambda period: exact.PeriodicPunch(0.1, period, 2.0, 1.0),
+            exact.IsolatedPunch(0.1, 2.0, 1.0),
+        ),
         (
             lambda period: exact.LocalizedZone(exact.HertzLine(1.0, 2.0, 0.1), period),
             exact.HertzLine(1.0, 2.0, 0.1),
@@ -217,7 +245,9 @@ def test_pressure_follows_the_square_root_down_to_the_last_digit_of_t(solution):
 def test_a_long_period_tends_to_the_isolated_zone_as_its_inverse_square(periodic, alone):
     t = np.array([0.1, 0.5, 0.9])
     periods = np.array([4.0, 8.0, 16.0])
-    errors = [np.max(np.abs(periodic(p).pressure_at(t) / alone.pressure_at(t) - 1.0)) for p in periods]
+    errors = [
+        np.max(np.abs(periodic(p).pressure_at(t) / alone.pressure_at(t) - 1.0)) for p in periods
+    ]
     rate = np.polyfit(np.log(periods), np.log(errors), 1)[0]
     assert rate == pytest.approx(-2.0, abs=0.02)
 
@@ -226,7 +256,9 @@ def test_full_contact_of_the_sinusoid_continues_partial_contact():
     shape = dict(amplitude=1e-6, period=L, E_star=E_STAR)
     full = np.pi * E_STAR * 1e-6 / L
     partial, complete = exact.sinusoid((1 - 1e-12) * full, **shape), exact.sinusoid(full, **shape)
-    assert isinstance(partial, exact.Westergaard) and isinstance(complete, exact.FullContactSinusoid)
+    assert isinstance(partial, exact.Westergaard) and isinstance(
+        complete, exact.FullContactSinusoid
+    )
     x = np.linspace(-0.4 * L, 0.4 * L, 9)
     np.testing.assert_allclose(partial.pressure(x), complete.pressure(x), rtol=1e-10)
     assert partial.approach == pytest.approx(complete.approach, rel=1e-10)
@@ -245,7 +277,9 @@ def test_the_paper_s_localized_formulas_come_out():
     parabola = exact.LocalizedZone(exact.HertzLine(2e-3, E_STAR, a), L)
     p29 = E_STAR / (2 * 2e-3) * np.sqrt(a * a - x * x) + E_STAR * a * a / (2 * 2e-3 * L) * angle
     np.testing.assert_allclose(parabola.pressure(x), p29, rtol=1e-13)
-    assert parabola.load == pytest.approx(np.pi * E_STAR * a * a / (4 * 2e-3) * (2 - root / L), rel=1e-14)
+    assert parabola.load == pytest.approx(
+        np.pi * E_STAR * a * a / (4 * 2e-3) * (2 - root / L), rel=1e-14
+    )
     wave = exact.LocalizedZone(exact.IsolatedSinusoid(1e-6, L, E_STAR, a), L)
     # J_1(0.6 pi) and int_0^{0.6 pi} J_0 by Gauss-Legendre of their integral representations
     node, weight = np.polynomial.legendre.leggauss(40)
@@ -364,7 +398,11 @@ def test_a_pressure_off_by_one_part_in_1e8_fails_the_same_law():
 
 def test_exact_solutions_import_neither_the_solver_nor_the_engine():
     for file in Path(inspect.getfile(exact)).parent.glob("*.py"):
-        lines = [line for line in file.read_text().splitlines() if line.startswith(("import ", "from "))]
+        lines = [
+            line for line in file.read_text().splitlines() if line.startswith(("import ", "from "))
+        ]
         assert not [
-            line for line in lines if " sie" in line or "contact.solve" in line or "contact.equation" in line
+            line
+            for line in lines
+            if " sie" in line or "contact.solve" in line or "contact.equation" in line
         ]

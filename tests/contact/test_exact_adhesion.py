@@ -1,5 +1,7 @@
-"""Adhesive closed forms are held to laws they do not contain: the singular integral, the logarithmic potential, the intensity
-at the ends, and the work of the load, which is the change of elastic and surface energy."""
+"""Adhesive closed forms are held to laws they do not contain: the singular integral, the
+logarithmic potential, the intensity at the ends, and the work of the load, which is the change of
+elastic and surface energy.
+"""
 
 from dataclasses import dataclass, replace
 
@@ -48,14 +50,20 @@ JKR, DUGDALE = list(jkr_zones()), list(dugdale_zones())
 
 def name(state):
     of = f"{type(state).__name__}-{type(state.zone).__name__}{state.half_width / L:.3g}"
-    return of + (f"-{state.work:.1g}" if isinstance(state, exact.JKRZone) else f"-{state.cohesive_end / L:.3g}")
+    return of + (
+        f"-{state.work:.1g}"
+        if isinstance(state, exact.JKRZone)
+        else f"-{state.cohesive_end / L:.3g}"
+    )
 
 
 @pytest.mark.parametrize("state", JKR, ids=name)
 def test_the_pressure_solves_the_singular_integral_equation_and_carries_the_load(state):
     # Where adhesion outweighs the frictionless load, the terms outweigh the slope as much.
     assert reference.equation_error(state) < TOL * (1.0 + state.punch.load / state.zone.load)
-    assert reference.load_of(state) == pytest.approx(state.load, rel=1e-12, abs=1e-12 * state.punch.load)
+    assert reference.load_of(state) == pytest.approx(
+        state.load, rel=1e-12, abs=1e-12 * state.punch.load
+    )
 
 
 @pytest.mark.parametrize("state", JKR, ids=name)
@@ -63,13 +71,17 @@ def test_the_displacement_outside_is_the_potential_of_the_pressure(state):
     x = state.half_width + (0.5 * L - state.half_width) * np.array([1e-3, 0.3, 0.7, 1.0])
     u = state.displacement(x)
     scale = np.max(np.abs(u)) + np.max(state.gap(x))
-    np.testing.assert_allclose(reference.displacement_of(state, x, 2000), u, rtol=0.0, atol=1e-11 * scale)
+    np.testing.assert_allclose(
+        reference.displacement_of(state, x, 2000), u, rtol=0.0, atol=1e-11 * scale
+    )
     assert np.all(state.gap(x) > 0.0)
 
 
 @pytest.mark.parametrize("state", JKR, ids=name)
 def test_the_energy_released_at_the_ends_is_the_work_of_adhesion(state):
-    """Irwin: pi K^2/E* by the pressure's intensity, and (pi/4) K times that of the gap, 4 K sqrt(d)/E*."""
+    """Irwin: pi K^2/E* by the pressure's intensity, and (pi/4) K times that of the gap, 4 K
+    sqrt(d)/E*.
+    """
     d = state.half_width * 2.0**-40
     inside = -state.pressure_at(1.0 - 2.0**-40) * np.sqrt(d)
     assert inside == pytest.approx(state.intensity, rel=1e-5)
@@ -88,7 +100,10 @@ def cohesive_potential(state, x):
     else:
 
         def whole(t):
-            return np.array([-L / (2 * np.pi) * float(mpmath.clsin(2, 2 * np.pi * v / L)) for v in t])
+            return np.array(
+                [-L / (2 * np.pi) * float(mpmath.clsin(2, 2 * np.pi * v / L)) for v in t]
+            )
+
     return 2.0 * state.stress / (np.pi * state.E_star) * (whole(x + c) - whole(x - c))
 
 
@@ -114,11 +129,15 @@ def nodes(state):
 
 
 def cohesive_error(state, off=0.0):
-    """Largest |transform - (E*/2) f'| over the largest term, the uniform tension's transform in closed form."""
+    """Largest |transform - (E*/2) f'| over the largest term, the uniform tension's transform in
+    closed form.
+    """
     x, excess = reference.transform(Excess(state, off), 0, state.period, nodes(state))
     c = state.cohesive_end
     sin = (lambda v: v) if state.period is None else (lambda v: np.sin(np.pi * v / L))
-    uniform = 0.0 if c == 0.5 * L else -state.stress / np.pi * np.log(np.abs(sin(x + c) / sin(x - c)))
+    uniform = (
+        0.0 if c == 0.5 * L else -state.stress / np.pi * np.log(np.abs(sin(x + c) / sin(x - c)))
+    )
     right = 0.5 * E_STAR * state.slope(x)
     return np.max(np.abs(excess + uniform - right)) / max(np.max(np.abs(right)), state.stress)
 
@@ -127,12 +146,16 @@ def cohesive_error(state, off=0.0):
 def test_contact_and_cohesive_tractions_solve_the_equation_and_carry_the_load(state):
     assert cohesive_error(state) < TOL * nodes(state) / 300
     total = reference.load_of(Excess(state), nodes(state)) - 2.0 * state.stress * state.cohesive_end
-    assert total == pytest.approx(state.load, rel=0.0, abs=1e-12 * (state.zone.load + state.stress * L))
+    assert total == pytest.approx(
+        state.load, rel=0.0, abs=1e-12 * (state.zone.load + state.stress * L)
+    )
     assert state.pressure(0.5 * (state.half_width + state.cohesive_end)) == -state.stress
 
 
 @pytest.mark.parametrize("state", DUGDALE, ids=name)
-def test_approach_and_gap_on_either_side_of_the_cohesive_end_are_the_potential_of_the_tractions(state):
+def test_approach_and_gap_on_either_side_of_the_cohesive_end_are_the_potential_of_the_tractions(
+    state,
+):
     a, c = state.half_width, state.cohesive_end
     x = np.unique([a + 1e-3 * (c - a), 0.5 * (a + c), c, 0.5 * (c + 0.5 * L), 0.5 * L])
     u = reference.displacement_of(Excess(state), x, 4 * nodes(state)) + cohesive_potential(state, x)
@@ -140,7 +163,9 @@ def test_approach_and_gap_on_either_side_of_the_cohesive_end_are_the_potential_o
     np.testing.assert_allclose(state.displacement(x), u, rtol=0.0, atol=1e-11 * scale)
 
 
-@pytest.mark.parametrize("state", [s for s in DUGDALE if isinstance(s, exact.DugdaleZone)], ids=name)
+@pytest.mark.parametrize(
+    "state", [s for s in DUGDALE if isinstance(s, exact.DugdaleZone)], ids=name
+)
 def test_contact_ends_under_cohesion_are_bounded_and_the_gap_opens_without_overlap(state):
     near, nearer = state.pressure_at(np.array([1.0 - 2.0**-40, 1.0 - 2.0**-48])) + state.stress
     assert nearer / near == pytest.approx(2.0**-4, rel=1e-3)
@@ -163,7 +188,9 @@ PLACES = [(curve, 0.5 * L * share) for curve, shares in CURVES for share in shar
 def slopes(states_of, middle, *quantities):
     """Derivatives at the middle of the polynomial through 11 Chebyshev points close to it."""
     t = np.cos(np.pi * (np.arange(11) + 0.5) / 11)
-    states = [states_of(middle * (1.0 + 0.02 * v) if middle < 0.5 else middle + 0.01 * v) for v in t]
+    states = [
+        states_of(middle * (1.0 + 0.02 * v) if middle < 0.5 else middle + 0.01 * v) for v in t
+    ]
     for quantity in quantities:
         values = np.array([getattr(s, quantity) for s in states])
         yield np.polynomial.Chebyshev.fit(t, values - values[5], 10, domain=[-1, 1]).deriv()(0.0)
@@ -180,7 +207,9 @@ def test_the_work_of_the_load_is_the_change_of_elastic_and_surface_energy(curve,
 def test_a_work_of_adhesion_off_by_one_part_in_1e5_fails_the_energy_law():
     curve = CURVES[0][0]
     state = curve.at(0.3)
-    energy, approach, surface = slopes(curve.at, 0.3, "elastic_energy", "approach", "surface_energy")
+    energy, approach, surface = slopes(
+        curve.at, 0.3, "elastic_energy", "approach", "surface_energy"
+    )
     assert abs(energy + surface - state.load * approach) < 1e-9 * abs(surface)
     assert abs(energy + (1.0 + 1e-5) * surface - state.load * approach) > 1e-6 * abs(surface)
 
@@ -189,7 +218,9 @@ def test_a_work_of_adhesion_off_by_one_part_in_1e5_fails_the_energy_law():
 def test_the_elastic_energy_is_half_the_tractions_times_the_displacement(state):
     a = state.half_width
     count = 4000
-    phi, _, _, load = reference.zone_rule(Excess(state) if hasattr(state, "stress") else state, 0, count)
+    phi, _, _, load = reference.zone_rule(
+        Excess(state) if hasattr(state, "stress") else state, 0, count
+    )
     total = float(np.sum(load * (state.approach - state.height(a * np.cos(phi)))))
     if hasattr(state, "stress"):
         # -stress over |x| < c: u = approach - f in contact, + gap beyond.
@@ -289,7 +320,11 @@ def test_loading_jumps_in_and_into_full_contact_and_unloading_comes_back_another
     opening = soft.opening_mean_pressure * L
     assert soft.advancing(0.5 * load).load == pytest.approx(0.5 * load, rel=1e-11)
     jumped, closed = soft.advancing(1.001 * load), soft.receding(1.001 * load)
-    assert jumped is None if 1.001 * load > opening else jumped.half_width == pytest.approx(closed.half_width, rel=1e-11)
+    assert (
+        jumped is None
+        if 1.001 * load > opening
+        else jumped.half_width == pytest.approx(closed.half_width, rel=1e-11)
+    )
     assert soft.receding(1.001 * opening) is None
     assert soft.receding(0.999 * opening).half_width > soft.at(upper).half_width
 
@@ -297,8 +332,14 @@ def test_loading_jumps_in_and_into_full_contact_and_unloading_comes_back_another
 @pytest.mark.parametrize(
     ("jkr", "dugdale"),
     [
-        (exact.JKRWave(**WAVE, work=2e-4), lambda s: exact.DugdaleWave(**WAVE, work=2e-4, stress=s)),
-        (exact.JKRCylinder(**CYLINDER, work=2e-4), lambda s: exact.DugdaleCylinder(**CYLINDER, work=2e-4, stress=s)),
+        (
+            exact.JKRWave(**WAVE, work=2e-4),
+            lambda s: exact.DugdaleWave(**WAVE, work=2e-4, stress=s),
+        ),
+        (
+            exact.JKRCylinder(**CYLINDER, work=2e-4),
+            lambda s: exact.DugdaleCylinder(**CYLINDER, work=2e-4, stress=s),
+        ),
     ],
 )
 def test_the_pull_off_tends_to_jkr_as_the_inverse_square_of_the_stress(jkr, dugdale):
@@ -307,7 +348,9 @@ def test_the_pull_off_tends_to_jkr_as_the_inverse_square_of_the_stress(jkr, dugd
     exact_load, exact_width = jkr.pull_off().load, jkr.pull_off().half_width
     states = [dugdale(s).pull_off() for s in stresses]
     widths = [abs(s.half_width / exact_width - 1.0) for s in states]
-    assert np.polyfit(np.log(stresses[1:]), np.log(widths[1:]), 1)[0] == pytest.approx(-2.0, abs=0.05)
+    assert np.polyfit(np.log(stresses[1:]), np.log(widths[1:]), 1)[0] == pytest.approx(
+        -2.0, abs=0.05
+    )
     # Dugdale's interval beside a crack of intensity K_I^2 = 2 E* w: pi K_I^2/8 s^2.
     last = states[-1]
     length = 0.25 * np.pi * E_STAR * 2e-4 / stresses[-1] ** 2
@@ -322,7 +365,9 @@ def test_weak_adhesion_tends_to_the_frictionless_zone(law):
     for work in works:
         if law == "jkr":
             state = exact.JKRZone(zone, work)
-            assert state.load / zone.load - 1.0 == pytest.approx(-state.punch.load / zone.load, rel=1e-6)
+            assert state.load / zone.load - 1.0 == pytest.approx(
+                -state.punch.load / zone.load, rel=1e-6
+            )
             assert state.punch.load / zone.load < 20.0 * np.sqrt(work / (E_STAR * 0.02**2))
         else:
             curve = exact.DugdaleWave(**WAVE, work=work, stress=1e-3)
@@ -337,15 +382,29 @@ def test_gap_load_and_approach_of_a_cohesive_wave_are_those_of_its_tractions_by_
         low, high = mpmath.pi * a / L, mpmath.pi * c / L
 
         def pressure(u):
-            full = 2 * mpmath.pi * E_STAR * 0.02 / L * mpmath.cos(u) * mpmath.sqrt(mpmath.sin(low) ** 2 - mpmath.sin(u) ** 2)
-            ratio = (mpmath.sin(high) ** 2 - mpmath.sin(low) ** 2) / (mpmath.sin(low) ** 2 - mpmath.sin(u) ** 2)
-            return full - 0.6 / mpmath.pi * mpmath.atan(mpmath.cos(u) / mpmath.cos(high) * mpmath.sqrt(ratio))
+            full = (
+                2
+                * mpmath.pi
+                * E_STAR
+                * 0.02
+                / L
+                * mpmath.cos(u)
+                * mpmath.sqrt(mpmath.sin(low) ** 2 - mpmath.sin(u) ** 2)
+            )
+            ratio = (mpmath.sin(high) ** 2 - mpmath.sin(low) ** 2) / (
+                mpmath.sin(low) ** 2 - mpmath.sin(u) ** 2
+            )
+            return full - 0.6 / mpmath.pi * mpmath.atan(
+                mpmath.cos(u) / mpmath.cos(high) * mpmath.sqrt(ratio)
+            )
 
         def potential(at):
             def both(u):
                 return mpmath.log(abs(4 * mpmath.sin(at - u) * mpmath.sin(at + u)))
 
-            total = mpmath.quad(lambda u: pressure(u) * both(u), [0, low]) - 0.3 * mpmath.quad(both, [low, high])
+            total = mpmath.quad(lambda u: pressure(u) * both(u), [0, low]) - 0.3 * mpmath.quad(
+                both, [low, high]
+            )
             return -2 * total * L / (mpmath.pi**2 * E_STAR)
 
         approach = potential(low) + 0.04 * mpmath.sin(low) ** 2
@@ -363,9 +422,13 @@ def test_the_cylinder_under_cohesion_is_baney_and_hui_s():
         state = curve.at(c)
         a, m = state.half_width / unit, c / state.half_width
         mu, lam = np.sqrt(m * m - 1.0), curve.tabor
-        assert state.load / (np.pi * E_STAR * 2e-4**2 * 0.8) ** (1 / 3) == pytest.approx(a * a - lam * a * mu, rel=1e-11)
+        assert state.load / (np.pi * E_STAR * 2e-4**2 * 0.8) ** (1 / 3) == pytest.approx(
+            a * a - lam * a * mu, rel=1e-11
+        )
         first = 0.5 * lam * a * a * (m * mu - np.log(m + mu))
-        assert first + 0.5 * lam**2 * a * (mu * np.log(m + mu) - m * np.log(m)) == pytest.approx(1.0, rel=1e-11)
+        assert first + 0.5 * lam**2 * a * (mu * np.log(m + mu) - m * np.log(m)) == pytest.approx(
+            1.0, rel=1e-11
+        )
 
 
 def test_cohesive_intervals_meet_without_a_jump_of_load_and_open_full_contact_at_the_valley_s_strength():
@@ -375,7 +438,9 @@ def test_cohesive_intervals_meet_without_a_jump_of_load_and_open_full_contact_at
     assert before.half_width == pytest.approx(after.half_width, rel=1e-6)
     assert before.load == pytest.approx(after.load, rel=1e-6)
     assert after.end_gap == pytest.approx(2e-4 / 0.03, rel=1e-12)
-    closed = exact.MetDugdaleZone(exact.Westergaard(0.02, L, E_STAR, 0.5 * L * (1 - 1e-9)), 0.03, 2e-4)
+    closed = exact.MetDugdaleZone(
+        exact.Westergaard(0.02, L, E_STAR, 0.5 * L * (1 - 1e-9)), 0.03, 2e-4
+    )
     assert closed.mean_pressure == pytest.approx(curve.opening_mean_pressure, rel=1e-12)
     with pytest.raises(OutOfRange, match="meet from"):
         exact.MetDugdaleZone(exact.Westergaard(0.02, L, E_STAR, 0.1), 0.03, 2e-4)

@@ -32,10 +32,19 @@ TRACE = contact.Sampled(np.linspace(0.0, 1e-4, 41), 1e-7 * np.random.default_rng
 SCENES = {
     "wave": WAVE,
     "layer": replace(WAVE, substrate=contact.Layer(1e-5, 0.3, "smooth")),
-    "series": replace(WAVE, profile=contact.Fourier(1e-4, (1e-6, 0.0, 2e-7), (1e-7,)), mean_pressure=None, contact_fraction=0.3),
+    "series": replace(
+        WAVE,
+        profile=contact.Fourier(1e-4, (1e-6, 0.0, 2e-7), (1e-7,)),
+        mean_pressure=None,
+        contact_fraction=0.3,
+    ),
     "trace": contact.Scene(TRACE, 1e9, contact.Isolated(), load=1.0),
-    "turned": contact.Scene(contact.Parabola(1e-3), 1e9, contact.Isolated(datum=0.1), tilt=1e-3, load=10.0),
-    "adhesion": contact.Scene(contact.Parabola(1e-3), 1e9, contact.Isolated(), law=contact.JKR(0.05), load=0.0),
+    "turned": contact.Scene(
+        contact.Parabola(1e-3), 1e9, contact.Isolated(datum=0.1), tilt=1e-3, load=10.0
+    ),
+    "adhesion": contact.Scene(
+        contact.Parabola(1e-3), 1e9, contact.Isolated(), law=contact.JKR(0.05), load=0.0
+    ),
     "strip": replace(WAVE, interaction=contact.Localized("self-consistent", neighbours=2)),
     "punch": contact.Scene(contact.Flat(4e-5, 1e-4), 1e9, contact.Periodic(), load=1e3),
 }
@@ -71,7 +80,11 @@ def test_amplitude_and_length_of_a_shape_scale_it_however_it_is_given(name: str)
     scene = SCENES[name]
     known = {handle.name: handle for handle in handles(scene)}
     length = known["length" if name == "trace" else "period"]
-    moved = turned(scene, {"amplitude": 3 * known["amplitude"].value, length.name: 2 * length.value}, tuple(known.values())).profile
+    moved = turned(
+        scene,
+        {"amplitude": 3 * known["amplitude"].value, length.name: 2 * length.value},
+        tuple(known.values()),
+    ).profile
     x = np.linspace(0.0, 1e-4, 23)
     away = moved.height(2 * x) - 3 * scene.profile.height(x)
     assert np.ptp(away) < 1e-12 * known["amplitude"].value * 3
@@ -91,7 +104,9 @@ def test_a_slider_that_moves_shows_the_solution_of_the_text_beside_it() -> None:
     assert scene.mean_pressure == pytest.approx(1.7e9 / math.sqrt(10), rel=1e-3)
     solution = contact.solve(scene)
     assert np.array(page.frame.solution.zones) == pytest.approx(solution.zones, rel=1e-8)
-    assert ["in contact", f"{solution.contact_fraction * 100:.6g} %"] in page.pictures.frame["numbers"]
+    assert ["in contact", f"{solution.contact_fraction * 100:.6g} %"] in page.pictures.frame[
+        "numbers"
+    ]
     assert page.pictures.refused == ""
     before = page.pictures.curve
     assert len(before["points"][1]) > 20  # the load curve, up to full contact
@@ -117,14 +132,18 @@ def test_a_frame_shows_the_fields_of_its_solution(name: str) -> None:
 
 @pytest.fixture
 def awaited(monkeypatch: pytest.MonkeyPatch) -> list[Callable[[], None]]:
-    """What a served page has put off, in order; a hand rests as soon as there is nothing else to do."""
+    """What a served page has put off, in order; a hand rests as soon as there is nothing else to
+    do.
+    """
     later: list[Callable[[], None]] = []
     monkeypatch.setattr(Explorer, "_is_served", True)
     monkeypatch.setattr(Explorer, "_soon", lambda self, do, after=0: later.append(do))
     return later
 
 
-def test_while_a_hand_moves_frames_are_light_and_at_rest_all_is_there(awaited: list[Callable[[], None]]) -> None:
+def test_while_a_hand_moves_frames_are_light_and_at_rest_all_is_there(
+    awaited: list[Callable[[], None]],
+) -> None:
     shown = Explorer(WAVE, 1e-8)
     text, light = shown.text.value, points(shown)
     for _ in range(5):
@@ -138,19 +157,26 @@ def test_while_a_hand_moves_frames_are_light_and_at_rest_all_is_there(awaited: l
     shown._rest_at = 0.0
     awaited.pop()()
     assert points(shown) > 1.5 * light
-    assert scene_from_tables(tomllib.loads(shown.text.value)).mean_pressure == shown.frame.solution.mean_pressure
+    assert (
+        scene_from_tables(tomllib.loads(shown.text.value)).mean_pressure
+        == shown.frame.solution.mean_pressure
+    )
     # The load curve, a point at a time.
     while awaited:
         awaited.pop()()
     assert len(shown.pictures.curve["points"][1]) > 20
 
 
-def test_a_frame_under_a_moving_hand_is_one_change_of_one_thing(awaited: list[Callable[[], None]]) -> None:
+def test_a_frame_under_a_moving_hand_is_one_change_of_one_thing(
+    awaited: list[Callable[[], None]],
+) -> None:
     shown, changes = Explorer(WAVE, 1e-8), []
     shown._rest_at = 0.0
     while awaited:  # until the curve stands
         awaited.pop()()
-    shown.pictures.param.watch(lambda event: changes.append(event.name), ["frame", "curve", "refused"])
+    shown.pictures.param.watch(
+        lambda event: changes.append(event.name), ["frame", "curve", "refused"]
+    )
     for widget in (shown.text, shown.draw, shown.branch, *shown.sliders.objects):
         widget.param.watch(lambda event: changes.append(event.name), list(widget.param))
     for count in range(1, 4):
@@ -175,7 +201,12 @@ def points(shown: Explorer) -> int:
 def test_a_scene_that_cannot_be_is_told_and_the_last_one_stays() -> None:
     page = Explorer(SCENES["layer"], 1e-8)
     last = page.frame
-    wrong = ("[profile", "x = 1", page.text.value.replace('"sinusoid"', '"sinusiod"'), page.text.value.replace("nu = 0.3", "nu = 0.7"))
+    wrong = (
+        "[profile",
+        "x = 1",
+        page.text.value.replace('"sinusoid"', '"sinusiod"'),
+        page.text.value.replace("nu = 0.3", "nu = 0.7"),
+    )
     for text, said in zip(wrong, ("not a scene file", "x", "did you mean", "Poisson"), strict=True):
         page.text.value = text
         page._read()
@@ -196,7 +227,10 @@ def test_a_fault_of_the_program_is_told_as_one(monkeypatch: pytest.MonkeyPatch) 
 
     monkeypatch.setattr(page, "solved", broken)
     shown.sliders.objects[0].value -= 0.5
-    assert "a fault of the program, not of the scene (ZeroDivisionError: division by zero)" in shown.pictures.refused
+    assert (
+        "a fault of the program, not of the scene (ZeroDivisionError: division by zero)"
+        in shown.pictures.refused
+    )
 
 
 def test_without_panel_the_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -219,12 +253,18 @@ def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
     file = tmp_path_factory.mktemp("scene") / "wave.toml"
     file.write_text(to_toml(WAVE), encoding="utf-8")
     command = [sys.executable, "-m", "contact", "explore", "--no-show", str(file)]
-    with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, stdin=subprocess.DEVNULL, text=True) as process:
+    with subprocess.Popen(
+        command, cwd=ROOT, stdout=subprocess.PIPE, stdin=subprocess.DEVNULL, text=True
+    ) as process:
         try:
             address = process.stdout.readline().split()[0]
             with browser() as page:
                 page.open(address)
-                page.until(lambda: page.run("deep('dd').length > 5 && deep('textarea')[0].value.length > 20"))
+                page.until(
+                    lambda: page.run(
+                        "deep('dd').length > 5 && deep('textarea')[0].value.length > 20"
+                    )
+                )
                 yield Served(page, address)
         finally:
             process.terminate()
@@ -233,7 +273,7 @@ def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
 def shown(page: Page) -> dict[str, str]:
     """The numbers that stand on the page: all of a frame, the last of which is its time."""
     rows = "deep('dl > div').map(one => [one.children[0].innerText, one.children[1].innerText])"
-    return page.until(lambda: (now if "solved in" in (now := dict(page.run(rows))) else None))
+    return page.until(lambda: now if "solved in" in (now := dict(page.run(rows))) else None)
 
 
 def solved(text: str) -> contact.Solution:
@@ -254,7 +294,12 @@ def test_a_hand_that_drags_the_load_reads_the_numbers_of_that_load(served: Serve
     assert before["in contact"] == in_contact(page)
     page.drag("deep('.noUi-handle')[0]", -60)
     # The text follows once the hand is at rest.
-    page.until(lambda: page.run("deep('textarea')[0].value") != text and shown(page)["in contact"] == in_contact(page))
+    page.until(
+        lambda: (
+            page.run("deep('textarea')[0].value") != text
+            and shown(page)["in contact"] == in_contact(page)
+        )
+    )
     now, found = shown(page), solved(page.run("deep('textarea')[0].value"))
     assert found.mean_pressure < 1.2e9
     assert now["highest pressure"] == quantity(found.max_pressure, "Pa", 6)
@@ -262,7 +307,9 @@ def test_a_hand_that_drags_the_load_reads_the_numbers_of_that_load(served: Serve
 
 
 @pytest.mark.slow
-def test_what_the_server_sends_of_a_frame_is_one_message_and_is_painted_once(served: Served) -> None:
+def test_what_the_server_sends_of_a_frame_is_one_message_and_is_painted_once(
+    served: Served,
+) -> None:
     page, painted, text = served.page, "deep('canvas')[0].frames", "deep('textarea')[0].value"
     before, was, heard = page.run(painted), page.run(text), len(page.told)
     page.drag("deep('.noUi-handle')[0]", -40, steps=40)
@@ -302,7 +349,9 @@ def test_a_bad_scene_is_a_message_on_the_page(served: Served) -> None:
 def test_all_that_the_page_loads_comes_from_this_machine(served: Served) -> None:
     assert served.address.startswith(f"http://{ADDRESS}:")
     own = served.address.partition("//")[2]
-    asked = [address for address in served.page.requests if not address.startswith(("data:", "blob:"))]
+    asked = [
+        address for address in served.page.requests if not address.startswith(("data:", "blob:"))
+    ]
     assert len(asked) > 5
     assert [address for address in asked if address.partition("//")[2][: len(own)] != own] == []
     assert served.page.faults == []

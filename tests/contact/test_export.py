@@ -49,7 +49,9 @@ class TestJSON:
         assert json.loads(export.to_json(westergaard(0.5 * L)))["zones"] == []
 
     def test_numbers_of_numpy_become_plain_ones(self):
-        made = export.plain({"n": np.int64(3), "x": np.float64(0.1), "yes": np.bool_(True), "name": "p", 1: True})
+        made = export.plain(
+            {"n": np.int64(3), "x": np.float64(0.1), "yes": np.bool_(True), "name": "p", 1: True}
+        )
         assert made == {"n": 3, "x": 0.1, "yes": True, "name": "p", "1": True}
         assert [type(value) for value in made.values()] == [int, float, bool, str, bool]
 
@@ -59,7 +61,9 @@ class TestCSV:
         solution = westergaard(waves=5)
         rows = list(csv.DictReader(io.StringIO(export.to_csv(solution))))
         assert tuple(rows[0]) == export.ZONE_COLUMNS
-        assert np.array_equal([[float(row["left"]), float(row["right"])] for row in rows], solution.zones)
+        assert np.array_equal(
+            [[float(row["left"]), float(row["right"])] for row in rows], solution.zones
+        )
         assert np.array_equal([float(row["load"]) for row in rows], solution.zone_loads)
 
     def test_width_times_mean_pressure_is_the_load_of_the_zone(self):
@@ -92,17 +96,22 @@ class TestNetCDF:
     def test_the_fields_satisfy_u_plus_f_less_approach_is_the_gap(self):
         data = export.to_xarray(westergaard())
         profile = data.profile - float(data.profile.min())
-        assert np.allclose(data.displacement + profile - data.attrs["approach"], data.gap, rtol=0, atol=1e-20)
+        assert np.allclose(
+            data.displacement + profile - data.attrs["approach"], data.gap, rtol=0, atol=1e-20
+        )
 
     def test_a_trapezoid_over_the_sampled_pressure_gives_the_load(self):
         data = export.to_xarray(westergaard())
         load = float(np.trapezoid(data.pressure, data.x))
-        # Even cells of a thousandth of the period: curvature (h^2/12) p'' of some 1e-6, and more at the ends.
+        # Even cells of a thousandth of the period: curvature (h^2/12) p'' of some 1e-6, and more at
+        # the ends.
         assert load == pytest.approx(data.attrs["load"], rel=1e-4)
         assert load != pytest.approx(1.001 * data.attrs["load"], rel=1e-4)
 
     def test_what_the_scene_does_not_define_is_left_out(self):
-        scene = contact.Scene(contact.Parabola(1e-2), E_star=1.1e11, interaction=contact.Isolated(), load=1e3)
+        scene = contact.Scene(
+            contact.Parabola(1e-2), E_star=1.1e11, interaction=contact.Isolated(), load=1e3
+        )
         attributes = export.to_xarray(contact.solve(scene)).attrs
         assert "mean_pressure" not in attributes and "approach" not in attributes
 
@@ -118,8 +127,15 @@ class TestNetCDF:
 class TestDescription:
     def test_a_described_scene_is_the_tables_of_a_file_that_gives_it_back(self):
         interaction = contact.Localized(closure="self-consistent", neighbours=1)
-        scene = contact.Scene(contact.Wedge(0.02, L), E_star=1.1e11, interaction=interaction, load=3.0)
-        assert contact.model.scene_file.scene_from_tables(json.loads(json.dumps(export.describe(scene)))) == scene
+        scene = contact.Scene(
+            contact.Wedge(0.02, L), E_star=1.1e11, interaction=interaction, load=3.0
+        )
+        assert (
+            contact.model.scene_file.scene_from_tables(
+                json.loads(json.dumps(export.describe(scene)))
+            )
+            == scene
+        )
 
 
 class TestSampling:
@@ -144,8 +160,12 @@ class TestSampling:
     def test_full_contact_is_one_stretch(self):
         assert zones_within(westergaard(0.5 * L), -L / 2, L / 2).tolist() == [[-L / 2, L / 2]]
 
-    def test_an_isolated_zone_is_shown_with_its_width_on_either_side_but_not_beyond_what_was_measured(self):
-        scene = contact.Scene(contact.Flat(2e-5), E_star=1.1e11, interaction=contact.Isolated(), load=1e3)
+    def test_an_isolated_zone_is_shown_with_its_width_on_either_side_but_not_beyond_what_was_measured(
+        self,
+    ):
+        scene = contact.Scene(
+            contact.Flat(2e-5), E_star=1.1e11, interaction=contact.Isolated(), load=1e3
+        )
         assert window(contact.solve(scene)) == pytest.approx((-3e-5, 3e-5), rel=1e-12)
         x = np.linspace(-L, L, 41)
         trace = contact.Sampled(x, -(x**2) / 2e-2)
@@ -153,5 +173,7 @@ class TestSampling:
         load = np.pi / 4 * 1.1e11 * (0.8 * L) ** 2 / 1e-2
         wide = contact.Scene(trace, E_star=1.1e11, interaction=contact.Isolated(), load=load)
         assert window(contact.solve(wide)) == (-L, L)
-        lightly = contact.Scene(trace, E_star=1.1e11, interaction=contact.Isolated(), load=1e-3 * load)
+        lightly = contact.Scene(
+            trace, E_star=1.1e11, interaction=contact.Isolated(), load=1e-3 * load
+        )
         assert window(contact.solve(lightly)) == (-L, L)

@@ -1,4 +1,6 @@
-"""The paper's figures: every one is drawn, its numbers are its CSV's, and they say what docs/paper says of them."""
+"""The paper's figures: every one is drawn, its numbers are its CSV's, and they say what docs/paper
+says of them.
+"""
 
 from __future__ import annotations
 
@@ -53,7 +55,9 @@ def test_a_figure_is_a_picture_and_its_numbers(number, made, tmp_path):
     names, *rows = csv.reader(lines[len(head) :])
     assert names == list(made(number).columns)
     read = np.array([[float(word or "nan") for word in row] for row in rows])
-    np.testing.assert_allclose(read, np.column_stack(list(made(number).columns.values())), rtol=1e-11)
+    np.testing.assert_allclose(
+        read, np.column_stack(list(made(number).columns.values())), rtol=1e-11
+    )
 
 
 @pytest.mark.parametrize("number", EVERY)
@@ -78,7 +82,9 @@ def test_figures_7_and_9_are_the_closed_forms(made):
             drawn = column(made(number), "first-order", f"={fraction}") * unit
             np.testing.assert_allclose(drawn[away], closed.pressure(x)[away], atol=1e-9 * unit)
             drawn = column(made(number), "exact", f"={fraction}") * unit
-            np.testing.assert_allclose(drawn[away], closed.exact.pressure(x)[away], atol=1e-9 * unit)
+            np.testing.assert_allclose(
+                drawn[away], closed.exact.pressure(x)[away], atol=1e-9 * unit
+            )
 
 
 @pytest.mark.slow
@@ -86,7 +92,8 @@ def test_figure_8_has_the_first_order_maximum_and_the_end_of_the_isolated_wave(m
     fraction, first = column(made("8"), "2a/L"), column(made("8"), "mean", "first-order")
     assert fraction[np.nanargmax(first)] == pytest.approx(0.88, abs=0.011)  # a/L near 0.44
     alone = column(made("8"), "mean", "isolated")
-    # (20)-(22) keep p > 0 up to a/L = 0.3827, but from 0.304 on the wave alone would overlap the surface at its valley.
+    # (20)-(22) keep p > 0 up to a/L = 0.3827, but from 0.304 on the wave alone would overlap the
+    # surface at its valley.
     assert fraction[np.isfinite(alone)].max() == pytest.approx(0.6)
     gap = [float(exact.IsolatedSinusoid(0.01, 1.0, 1.0, a).gap(0.5)) for a in (0.303, 0.305)]
     assert gap[0] > 0 > gap[1]
@@ -97,7 +104,9 @@ def test_figure_8_has_the_first_order_maximum_and_the_end_of_the_isolated_wave(m
 @pytest.mark.slow
 def test_figures_10_and_12_overestimate_the_width_beyond_seven_tenths(made):
     for number, share in (("10", "2a/L"), ("12", "a/L")):
-        at = column(made(number), *([share] if number == "10" else []), *([] if number == "10" else ["a/L"]))
+        at = column(
+            made(number), *([share] if number == "10" else []), *([] if number == "10" else ["a/L"])
+        )
         true, first = column(made(number), "exact"), column(made(number), "first-order")
         beyond = at > (0.7 if number == "10" else 0.35)
         assert np.all(first[beyond] < true[beyond])
@@ -119,7 +128,9 @@ def test_figure_13_orders_the_pairs_by_how_far_they_are_from_the_exact_one(made)
     names = ("cut", "artanh", "cubic", "printed")
     off = [np.max(np.abs(column(made("13"), name) - true)) for name in names]
     assert np.all(np.diff(off) > 0)
-    assert np.max(true) < np.max(column(made("13"), "alone")) < np.max(column(made("13"), "printed"))
+    assert (
+        np.max(true) < np.max(column(made("13"), "alone")) < np.max(column(made("13"), "printed"))
+    )
 
 
 def test_figure_2_reads_the_caption_as_a_load_per_spot(made):
@@ -137,13 +148,16 @@ def test_figure_2_reads_the_caption_as_a_load_per_spot(made):
 def test_figure_2b_has_hertz_below_and_the_first_step_above_the_pressure_of_all_neighbours(made):
     for spacing in ("1.0", "0.5", "0.2"):
         hertz, first, every = (
-            column(made("2B"), "p/E*", f"{name} l/R={spacing}") for name in ("Hertz", "(1)-(4)", "all neighbours")
+            column(made("2B"), "p/E*", f"{name} l/R={spacing}")
+            for name in ("Hertz", "(1)-(4)", "all neighbours")
         )
         assert np.all(hertz < every) and np.all(every < first)
 
 
 def test_the_command_writes_what_is_asked_for(tmp_path):
-    result = CliRunner().invoke(main, ["figures", "11", "--out", str(tmp_path)], standalone_mode=False)
+    result = CliRunner().invoke(
+        main, ["figures", "11", "--out", str(tmp_path)], standalone_mode=False
+    )
     assert result.exception is None
     assert sorted(file.name for file in tmp_path.iterdir()) == ["figure-11.csv", "figure-11.png"]
 

@@ -1,5 +1,6 @@
-"""What ends of many zones are driven by as they move on, as it is foretold: against states in which they have, and the equilibria that
-are come to with it and without."""
+"""What ends of many zones are driven by as they move on, as it is foretold: against states in which
+they have, and the equilibria that are come to with it and without.
+"""
 
 from __future__ import annotations
 
@@ -21,17 +22,25 @@ STYLUS = Path(__file__).parents[2] / "examples" / "stylus.toml"
 
 
 def rough(seed, hurst=0.7, **more):
-    """(a scene of a random trace under adhesion, in contact in a dozen zones or more, the same without adhesion)."""
+    """(a scene of a random trace under adhesion, in contact in a dozen zones or more, the same
+    without adhesion).
+    """
     heights = 2e-8 * self_affine_heights(np.random.default_rng(seed), 400, hurst, longest=20)
     profile = contact.Sampled(np.linspace(0.0, 1e-4, 400, endpoint=False), heights, period=1e-4)
-    bare = contact.solve(contact.Scene(profile, E, contact.Periodic(), contact_fraction=0.15, **more))
+    bare = contact.solve(
+        contact.Scene(profile, E, contact.Periodic(), contact_fraction=0.15, **more)
+    )
     work = 0.03 * bare.energy.elastic / np.diff(bare.zones).sum()
-    return replace(bare.scene, law=contact.JKR(work), contact_fraction=None, mean_pressure=bare.mean_pressure), bare
+    return replace(
+        bare.scene, law=contact.JKR(work), contact_fraction=None, mean_pressure=bare.mean_pressure
+    ), bare
 
 
 def state(scene):
     solution = contact.solve(scene)
-    return Equilibria(solution.fields.problem, solution.parting.held), solution.fields.density.zones.table
+    return Equilibria(
+        solution.fields.problem, solution.parting.held
+    ), solution.fields.density.zones.table
 
 
 @pytest.mark.parametrize("layer", [False, True], ids=["half-plane", "layer"])
@@ -48,7 +57,10 @@ def test_what_an_end_is_driven_by_farther_on_is_told_the_better_the_nearer_that_
         distance = told.farthest * (place / 64) ** 2
         off = []
         for end in ends:
-            ahead = curve.at(here.moved(sign * np.where(np.arange(len(distance)) == end, distance, 0.0)), here.value)
+            ahead = curve.at(
+                here.moved(sign * np.where(np.arange(len(distance)) == end, distance, 0.0)),
+                here.value,
+            )
             alone = told.driven[end, place] - told.driven[end, 0]
             off.append(abs(sign * (ahead.residual - here.residual)[end] - alone))
         missed.append(max(off))
@@ -56,8 +68,13 @@ def test_what_an_end_is_driven_by_farther_on_is_told_the_better_the_nearer_that_
 
 
 @pytest.mark.parametrize("control", ["mean_pressure", "approach"])
-@pytest.mark.parametrize(("seed", "hurst"), quick([(seed, hurst) for seed in range(4) for hurst in (0.3, 0.9)], [(0, 0.3), (1, 0.9)]))
-def test_ends_come_to_the_same_equilibrium_whether_it_is_foretold_or_not(seed, hurst, control, monkeypatch):
+@pytest.mark.parametrize(
+    ("seed", "hurst"),
+    quick([(seed, hurst) for seed in range(4) for hurst in (0.3, 0.9)], [(0, 0.3), (1, 0.9)]),
+)
+def test_ends_come_to_the_same_equilibrium_whether_it_is_foretold_or_not(
+    seed, hurst, control, monkeypatch
+):
     scene, bare = rough(seed, hurst)
     scene = scene.under(control, getattr(bare, control))
     counted = []
@@ -92,7 +109,9 @@ def test_an_end_that_runs_over_forty_samples_is_not_stopped_at_each(monkeypatch)
     states = []
     real = flow._flowed
     at = Equilibria.at
-    monkeypatch.setattr(Equilibria, "at", lambda *given, **more: states.append(given[1]) or at(*given, **more))
+    monkeypatch.setattr(
+        Equilibria, "at", lambda *given, **more: states.append(given[1]) or at(*given, **more)
+    )
     flows = []
 
     def flowed(curve, table, *given):
@@ -100,7 +119,11 @@ def test_an_end_that_runs_over_forty_samples_is_not_stopped_at_each(monkeypatch)
         found = real(curve, table, *given)
         ends = found.table.ravel()
         # The nearest end that it may have come from.
-        ran = max(np.abs(ends - one).min() for one in table.ravel()) * curve.problem.units.length / scene.profile.resolution
+        ran = (
+            max(np.abs(ends - one).min() for one in table.ravel())
+            * curve.problem.units.length
+            / scene.profile.resolution
+        )
         flows.append((ran, len(states) - before))
         return found
 

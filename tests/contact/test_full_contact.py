@@ -25,7 +25,9 @@ ROUGH = contact.Fourier(1.0, COSINE, SINE)
 def rough_pressure(mean, x=X):
     """mean - (E*/2) H f', H cos = sin, H sin = -cos, E* = 1."""
     k = 2 * np.pi * np.arange(1, 5)
-    return mean - 0.5 * (np.cos(np.outer(x, k)) @ (k * COSINE) + np.sin(np.outer(x, k)) @ (k * SINE))
+    return mean - 0.5 * (
+        np.cos(np.outer(x, k)) @ (k * COSINE) + np.sin(np.outer(x, k)) @ (k * SINE)
+    )
 
 
 def smallest_rough_load():
@@ -47,10 +49,20 @@ class TestSmallestLoad:
 
     def test_of_samples_of_a_wave_is_nearly_that_of_the_wave(self):
         x = np.arange(128) / 128
-        solution = solve(contact.Sampled(x, 0.01 * np.cos(2 * np.pi * x), period=1.0), PERIODIC, contact_fraction=1.0)
-        assert abs(solution.mean_pressure / (np.pi * 0.01) - 1) < (2 * np.pi / 128) ** 4  # a cubic spline's slope
+        solution = solve(
+            contact.Sampled(x, 0.01 * np.cos(2 * np.pi * x), period=1.0),
+            PERIODIC,
+            contact_fraction=1.0,
+        )
+        assert (
+            abs(solution.mean_pressure / (np.pi * 0.01) - 1) < (2 * np.pi / 128) ** 4
+        )  # a cubic spline's slope
 
-    @pytest.mark.parametrize("profile", [contact.Wedge(0.1, period=1.0), contact.Parabola(1.0, period=1.0)], ids=lambda p: p.name)
+    @pytest.mark.parametrize(
+        "profile",
+        [contact.Wedge(0.1, period=1.0), contact.Parabola(1.0, period=1.0)],
+        ids=lambda p: p.name,
+    )
     def test_does_not_exist_where_a_valley_has_a_kink(self, profile):
         with pytest.raises(contact.OutOfRange, match="full contact"):
             solve(profile, PERIODIC, contact_fraction=1.0)
@@ -84,7 +96,9 @@ class TestPressure:
         answer = exact.FullContactSinusoid(DELTA, L, E, max(over, 1 + 1e-12) * star)
         solution = solve(WAVE, PERIODIC, E, mean_pressure=answer.mean_pressure)
         x = L * np.linspace(-1.2, 0.7, 333)
-        assert np.max(np.abs(solution.pressure(x) - answer.pressure(x))) < 1e-12 * answer.max_pressure
+        assert (
+            np.max(np.abs(solution.pressure(x) - answer.pressure(x))) < 1e-12 * answer.max_pressure
+        )
         assert relative(solution.max_pressure, answer.max_pressure) < 1e-12
         assert np.max(np.abs(solution.displacement(x) - answer.displacement(x))) < 1e-13 * DELTA
         assert abs(solution.approach / DELTA - 1) < 1e-13
@@ -98,7 +112,9 @@ class TestPressure:
         n = 64
         x = np.arange(n) / n
         rng = np.random.default_rng(0)
-        heights = sum(rng.normal() / k**3 * np.cos(2 * np.pi * k * x + k) for k in range(1, 6)) * 1e-3
+        heights = (
+            sum(rng.normal() / k**3 * np.cos(2 * np.pi * k * x + k) for k in range(1, 6)) * 1e-3
+        )
         profile = contact.Sampled(x, heights, period=1.0)
         least = solve(profile, PERIODIC, contact_fraction=1.0).mean_pressure
         solution = solve(profile, PERIODIC, mean_pressure=1.5 * least)
@@ -108,13 +124,16 @@ class TestPressure:
         spectrum = np.fft.rfft(solution.pressure(fine)) * -1j
         spectrum[0] = 0
         back = 2 * np.fft.irfft(spectrum)
-        assert np.max(np.abs(back - profile.slope(fine))) < 1e-4 * np.max(np.abs(profile.slope(fine)))
+        assert np.max(np.abs(back - profile.slope(fine))) < 1e-4 * np.max(
+            np.abs(profile.slope(fine))
+        )
 
     def test_goes_over_into_the_one_just_below_full_contact(self):
         least = solve(ROUGH, PERIODIC, contact_fraction=1.0).mean_pressure
         below = solve(ROUGH, PERIODIC, tol=1e-7, mean_pressure=least * (1 - 1e-8))
         above = solve(ROUGH, PERIODIC, mean_pressure=least)
-        # A gap of width g takes the pressure g^2 of the curvature's away: the loads' difference and no more.
+        # A gap of width g takes the pressure g^2 of the curvature's away: the loads' difference and
+        # no more.
         assert np.max(np.abs(below.pressure(X) - above.pressure(X))) < 1e-6 * above.max_pressure
 
 
@@ -133,7 +152,10 @@ class TestNumbers:
     def test_surface_and_profile_are_the_approach_apart(self):
         solution = solve(ROUGH, PERIODIC, mean_pressure=0.2)
         lowest = ROUGH.height(np.linspace(-0.5, 0.5, 200001)).min()
-        assert np.max(np.abs(solution.displacement(X) + ROUGH.height(X) - lowest - solution.approach)) < 1e-10
+        assert (
+            np.max(np.abs(solution.displacement(X) + ROUGH.height(X) - lowest - solution.approach))
+            < 1e-10
+        )
 
     def test_an_approach_of_the_mean_height_or_more_names_no_load(self):
         full = solve(ROUGH, PERIODIC, contact_fraction=1.0).approach
@@ -148,12 +170,16 @@ class TestNumbers:
         for model in (contact.Isolated(), contact.Localized("first-order")):
             with pytest.raises(contact.OutOfRange):
                 solve(WAVE, model, E, mean_pressure=10 * star)
-        strip = solve(WAVE, contact.Localized("self-consistent"), E, tol=1e-8, mean_pressure=10 * star)
+        strip = solve(
+            WAVE, contact.Localized("self-consistent"), E, tol=1e-8, mean_pressure=10 * star
+        )
         assert 0.9 < strip.contact_fraction < 1
 
 
 class Rough(contact.Profile):
-    """f' = u - 1/2 + c sum cos(2 pi k u) / k^2, u = x mod 1: a valley with a kink, and a bend there that is not declared."""
+    """f' = u - 1/2 + c sum cos(2 pi k u) / k^2, u = x mod 1: a valley with a kink, and a bend there
+    that is not declared.
+    """
 
     period, c = 1.0, 0.1
 
@@ -185,7 +211,9 @@ def test_a_conjugate_in_closed_form_is_taken_where_the_series_does_not_end():
 
 
 class Arcs(contact.Profile):
-    """Arcs of cubics on a wave, of which no conjugate is given: the slope's first and second derivatives jump at places of their own."""
+    """Arcs of cubics on a wave, of which no conjugate is given: the slope's first and second
+    derivatives jump at places of their own.
+    """
 
     period = 2.0
 
@@ -199,7 +227,14 @@ class Arcs(contact.Profile):
         u = ((np.asarray(x, dtype=float)[..., None] - self.at) / 2.0) % 1.0
         second = (((u - 1) * u + 1 / 6) / 2) * 2.0, (((u - 1.5) * u + 0.5) * u / 6) * 4.0
         third = second[1] * 1.0, ((((u - 2) * u + 1) * u * u - 1 / 30) / 24) * 8.0
-        return -np.where(self.order == 2, (second if derivative else third)[0], (second if derivative else third)[1]) @ self.height_of
+        return (
+            -np.where(
+                self.order == 2,
+                (second if derivative else third)[0],
+                (second if derivative else third)[1],
+            )
+            @ self.height_of
+        )
 
     def height(self, x):
         return self._sum(x, 0) - np.cos(np.pi * np.asarray(x, dtype=float))
@@ -213,17 +248,25 @@ class Arcs(contact.Profile):
 
 
 @pytest.mark.parametrize("places", [3, 300])
-def test_jumps_are_summed_one_by_one_or_as_one_piecewise_quadratic_of_which_points_see_few(places, monkeypatch):
+def test_jumps_are_summed_one_by_one_or_as_one_piecewise_quadratic_of_which_points_see_few(
+    places, monkeypatch
+):
     profile = Arcs(places)
     seen = []
     for name in ("clausen2", "clausen3"):
         inner = getattr(conjugate, name)
-        monkeypatch.setattr(conjugate, name, lambda u, inner=inner: (seen.append(u.shape[-1]), inner(u))[1])
-    x = np.concatenate((np.random.default_rng(1).uniform(0, 2, 200), profile.at[:3], profile.at[:3] + 1e-9))
+        monkeypatch.setattr(
+            conjugate, name, lambda u, inner=inner: (seen.append(u.shape[-1]), inner(u))[1]
+        )
+    x = np.concatenate(
+        (np.random.default_rng(1).uniform(0, 2, 200), profile.at[:3], profile.at[:3] + 1e-9)
+    )
     found = Conjugate(profile).smooth(x)
     assert max(seen) <= places and (places < 100 or max(seen) == 1)
     u = ((x[:, None] - profile.at) / 2.0 + 0.5) % 1.0 - 0.5
-    parts = np.where(profile.order == 2, -2.0 / (2 * np.pi**2) * clausen2(u), 4.0 / (4 * np.pi**3) * clausen3(u))
+    parts = np.where(
+        profile.order == 2, -2.0 / (2 * np.pi**2) * clausen2(u), 4.0 / (4 * np.pi**3) * clausen3(u)
+    )
     wanted = parts @ profile.height_of - np.pi * np.cos(np.pi * x)
     assert found == pytest.approx(wanted, abs=1e-12 * np.abs(wanted).max())
 
@@ -247,11 +290,14 @@ class Rippled(contact.Profile):
 
 
 class TestAllButKinks:
-    """Gaps over the kinks of valleys never close: from a load on digits do not tell them, and nothing else is left of the contact."""
+    """Gaps over the kinks of valleys never close: from a load on digits do not tell them, and
+    nothing else is left of the contact.
+    """
 
     @pytest.mark.parametrize("share", [0.98, 1.0001, 2.0, 30.0, 1e6])
     def test_a_row_of_wedges_under_any_load_has_the_pressure_of_the_closed_form(self, share):
-        # mean = (slope/pi) artanh(sin A), here of a gap of 1e-13 of the period on either side of the valley: cos A = pi 1e-13.
+        # mean = (slope/pi) artanh(sin A), here of a gap of 1e-13 of the period on either side of
+        # the valley: cos A = pi 1e-13.
         mean = share * 0.01 / np.pi * np.log(2 / (np.pi * 1e-13))
         solution = solve(contact.Wedge(0.01, period=1.0), PERIODIC, mean_pressure=mean)
         x = np.array([1e-6, 0.01, 0.2, 0.4, 0.499, 0.5 - 1e-6])
@@ -265,7 +311,9 @@ class TestAllButKinks:
 
     @pytest.mark.filterwarnings("ignore::contact.ModelWarning")
     def test_smooth_valleys_close_at_loads_of_their_own(self):
-        path = contact.path(contact.Scene(Rippled(-0.02), 1.0, PERIODIC, load=1.0), [0.313, 0.316, 2.0])
+        path = contact.path(
+            contact.Scene(Rippled(-0.02), 1.0, PERIODIC, load=1.0), [0.313, 0.316, 2.0]
+        )
         x = np.linspace(0.38, 0.42, 2_000_001)
         full = (0.02 / np.pi) * np.log(2 * np.cos(np.pi * x)) - 0.1 * np.pi * np.cos(10 * np.pi * x)
         # The last two at once.
@@ -276,18 +324,28 @@ class TestAllButKinks:
 
     @pytest.mark.filterwarnings("ignore::contact.ModelWarning")
     def test_the_gap_over_the_kink_narrows_without_an_event(self):
-        path = contact.path(contact.Scene(Rippled(0.02), 1.0, PERIODIC, load=1.0), [0.35, 0.45, 2.0])
-        assert [len(solution.zones) for solution in path.solutions] == [1, 1, 0] and path.events == ()
+        path = contact.path(
+            contact.Scene(Rippled(0.02), 1.0, PERIODIC, load=1.0), [0.35, 0.45, 2.0]
+        )
+        assert [len(solution.zones) for solution in path.solutions] == [
+            1,
+            1,
+            0,
+        ] and path.events == ()
 
 
 def test_what_rounding_makes_of_gaps_is_named():
     zones = SimpleNamespace(a=np.array([0.0, 1.0]), b=np.array([0.5, 1.001]))
     free = SimpleNamespace(
-        density=SimpleNamespace(zones=zones), rounding=np.array([[0, 0], [2e-10, 1e-10]]), end_error=np.array([[0, 0], [3e-10, 1e-10]])
+        density=SimpleNamespace(zones=zones),
+        rounding=np.array([[0, 0], [2e-10, 1e-10]]),
+        end_error=np.array([[0, 0], [3e-10, 1e-10]]),
     )
     why = limit(free, 1e-8, "gap", error=2e-8)
     assert "gaps uncertain by 2.0e-10 of their width" in why and "1e+02 times" in why
-    assert limit(free, 1e-10, "gap", error=2e-8).startswith("rounding of heights and slopes leaves the ends of a gap of 2.0e-03")
+    assert limit(free, 1e-10, "gap", error=2e-8).startswith(
+        "rounding of heights and slopes leaves the ends of a gap of 2.0e-03"
+    )
     # What Newton's steps have left to do is no rounding.
     free.end_error = free.end_error * 10
     assert limit(free, 1e-8, "gap", error=2e-8) == ""

@@ -1,4 +1,6 @@
-"""Nearly full contact, solved by its gaps: closed forms, agreement with the zones, and the smallest gaps."""
+"""Nearly full contact, solved by its gaps: closed forms, agreement with the zones, and the smallest
+gaps.
+"""
 
 import numpy as np
 import pytest
@@ -38,14 +40,18 @@ def test_the_wave_is_exact_up_to_gaps_of_a_millionth_of_the_period(gap):
 
 def test_a_load_a_part_in_a_million_off_is_seen():
     truth = closed(1e-2)
-    solution = contact.solve(contact.Scene(WAVE, MODULUS, contact.Periodic(), load=truth.load * (1 + 1e-6)))
+    solution = contact.solve(
+        contact.Scene(WAVE, MODULUS, contact.Periodic(), load=truth.load * (1 + 1e-6))
+    )
     assert errors(solution, truth) > 1e-8
 
 
 @pytest.mark.parametrize("gap", [0.2, 1e-2])
 def test_numbers_and_fields_are_those_of_the_closed_form(gap):
     truth = closed(gap)
-    solution = contact.solve(contact.Scene(WAVE, MODULUS, contact.Periodic(), load=truth.load), tol=1e-10)
+    solution = contact.solve(
+        contact.Scene(WAVE, MODULUS, contact.Periodic(), load=truth.load), tol=1e-10
+    )
     x = np.linspace(-0.7, 0.7, 41) * PERIOD
     assert solution.approach == pytest.approx(truth.approach, rel=1e-12)
     assert solution.stiffness == pytest.approx(truth.stiffness, rel=1e-9)
@@ -81,9 +87,13 @@ def test_gaps_and_zones_give_the_same_contact(seed, monkeypatch):
 def test_a_rough_profile_next_to_full_contact_is_open_where_it_should_be(share):
     rng = np.random.default_rng(3)
     k = np.arange(1, 31)
-    profile = contact.Fourier(1.0, 0.01 * rng.normal(size=30) * k**-1.3, 0.01 * rng.normal(size=30) * k**-1.3)
+    profile = contact.Fourier(
+        1.0, 0.01 * rng.normal(size=30) * k**-1.3, 0.01 * rng.normal(size=30) * k**-1.3
+    )
     full = contact.solve(contact.Scene(profile, 1.0, contact.Periodic(), contact_fraction=1.0))
-    solution = contact.solve(contact.Scene(profile, 1.0, contact.Periodic(), load=share * full.load))
+    solution = contact.solve(
+        contact.Scene(profile, 1.0, contact.Periodic(), load=share * full.load)
+    )
     x = np.linspace(-0.5, 0.5, 20001)
     assert 0.9 < solution.contact_fraction < 1.0
     assert solution.pressure(x).min() > -1e-9 * solution.max_pressure
@@ -95,13 +105,17 @@ class TestBorders:
     @pytest.mark.parametrize("gap", [1e-4, 1e-5, 1e-6])
     def test_gaps_over_a_smooth_valley_under_a_contact_fraction(self, gap):
         answer = exact.Westergaard(1e-6, 1e-4, 1e9, 0.5e-4 * (1 - gap))
-        scene = contact.Scene(contact.Sinusoid(1e-6, 1e-4), 1e9, contact.Periodic(), contact_fraction=1 - gap)
+        scene = contact.Scene(
+            contact.Sinusoid(1e-6, 1e-4), 1e9, contact.Periodic(), contact_fraction=1 - gap
+        )
         solution = contact.solve(scene)
         assert true_error(solution, answer) <= solution.error <= 1e-8
         assert abs(solution.load / answer.load - 1) < 1e-13
 
     @pytest.mark.parametrize("gap", quick([1e-8, 1e-9, 1e-12], [1e-9]))
-    def test_a_gap_that_rounding_may_have_anywhere_on_the_top_of_the_valley_is_not_stated_to_be_in_its_place(self, gap):
+    def test_a_gap_that_rounding_may_have_anywhere_on_the_top_of_the_valley_is_not_stated_to_be_in_its_place(
+        self, gap
+    ):
         cosine, sine = np.array([1e-6, 2e-7, 1e-7]), np.array([3e-7, 0.0, 2e-8])
         wave = contact.Fourier(PERIOD, cosine, sine)
         # The top of H f', by Newton on its derivative.
@@ -110,28 +124,50 @@ class TestBorders:
         for _ in range(6):
             up = np.sum(k**2 * (-cosine * np.sin(k * x) + sine * np.cos(k * x)))
             x += up / np.sum(k**3 * (cosine * np.cos(k * x) + sine * np.sin(k * x)))
-        with np.errstate(divide="raise", invalid="raise"):  # gaps on the way are narrower than the rounding of their places
+        with np.errstate(
+            divide="raise", invalid="raise"
+        ):  # gaps on the way are narrower than the rounding of their places
             best = _best(contact.Scene(wave, 1e9, contact.Periodic(), contact_fraction=1 - gap))
         off = (0.5 * float(best.zones.sum()) + 0.5 * PERIOD - x) / PERIOD + 0.5
         assert abs(off - np.floor(off) - 0.5) <= best.error
 
     def test_an_approach_whose_last_digit_is_a_different_load_is_told_so(self):
         answer = exact.PeriodicWedge(0.1, 1.0, 1e9, 0.5 * (1 - 1e-6))
-        scene = contact.Scene(contact.Wedge(0.1, 1.0), 1e9, contact.Periodic(), approach=answer.approach)
-        with pytest.raises(contact.NotConverged, match="last digit of the approach is .* of the load .*: give a load") as refused:
+        scene = contact.Scene(
+            contact.Wedge(0.1, 1.0), 1e9, contact.Periodic(), approach=answer.approach
+        )
+        with pytest.raises(
+            contact.NotConverged,
+            match="last digit of the approach is .* of the load .*: give a load",
+        ) as refused:
             contact.solve(scene)
         best = refused.value.best
         assert pressure_error(best, answer) <= best.error
         # One digit up or down: the load moves by as much as is said.
         shifted = [np.nextafter(answer.approach, side) for side in (0.0, 1.0)]
-        loads = [_best(contact.Scene(contact.Wedge(0.1, 1.0), 1e9, contact.Periodic(), approach=a)).load for a in shifted]
-        assert 0.2 < abs(loads[1] - loads[0]) / best.load / (2 * np.spacing(answer.approach) * best.stiffness / best.load) < 5
+        loads = [
+            _best(contact.Scene(contact.Wedge(0.1, 1.0), 1e9, contact.Periodic(), approach=a)).load
+            for a in shifted
+        ]
+        assert (
+            0.2
+            < abs(loads[1] - loads[0])
+            / best.load
+            / (2 * np.spacing(answer.approach) * best.stiffness / best.load)
+            < 5
+        )
 
     def test_an_approach_far_below_the_heights_is_that_of_the_load(self):
         # The slope of a gap over so deep a valley tells little of so small a pressure.
-        terrace = polygon(np.array([-4.67, -2.6, 0.1, 0.55, 2.2, 3.82]), -np.array([0.0, 0.0, 0.0, 0.15, 0.15, 0.15]), 9.35)
+        terrace = polygon(
+            np.array([-4.67, -2.6, 0.1, 0.55, 2.2, 3.82]),
+            -np.array([0.0, 0.0, 0.0, 0.15, 0.15, 0.15]),
+            9.35,
+        )
         loaded = contact.solve(contact.Scene(terrace, 1e9, contact.Periodic(), load=1e4), tol=1e-8)
-        solution = contact.solve(contact.Scene(terrace, 1e9, contact.Periodic(), approach=loaded.approach), tol=1e-8)
+        solution = contact.solve(
+            contact.Scene(terrace, 1e9, contact.Periodic(), approach=loaded.approach), tol=1e-8
+        )
         assert abs(solution.load / loaded.load - 1) < loaded.error + solution.error < 1e-8
 
 
@@ -143,7 +179,9 @@ def _best(scene):
 
 
 def test_what_full_contact_takes_of_the_pressure_is_sampled_once_for_all_loads_of_a_curve():
-    profile = contact.self_affine(hurst=0.8, period=1.0, shortest=1 / 40, longest=1.0, rms_slope=0.1, seed=3)
+    profile = contact.self_affine(
+        hurst=0.8, period=1.0, shortest=1 / 40, longest=1.0, rms_slope=0.1, seed=3
+    )
     scene = contact.Scene(profile, 1.0, contact.Periodic(), contact_fraction=1.0)
     full = contact.solve(scene).load
     found = contact.solve_many(scene, np.array([0.6, 0.7, 0.75]) * full, "load")

@@ -19,13 +19,19 @@ pytestmark = pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs named p
 pytest.importorskip("click")
 
 
-def interrupted(folder: Path, after: str, command: tuple[str, ...] = ("-m", "contact")) -> subprocess.CompletedProcess[str]:
-    """Run a command that waits for ever for its scene, a pipe, and interrupt it once it has imported a module."""
+def interrupted(
+    folder: Path, after: str, command: tuple[str, ...] = ("-m", "contact")
+) -> subprocess.CompletedProcess[str]:
+    """Run a command that waits for ever for its scene, a pipe, and interrupt it once it has
+    imported a module.
+    """
     os.mkfifo(folder / "scene.toml")
     arguments = [sys.executable, "-X", "importtime", *command, "solve", str(folder / "scene.toml")]
     # Tests that run in the background of a shell ignore the signal, and a process inherits that.
     heard = partial(signal.signal, signal.SIGINT, signal.SIG_DFL)
-    with subprocess.Popen(arguments, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, preexec_fn=heard) as process:
+    with subprocess.Popen(
+        arguments, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, preexec_fn=heard
+    ) as process:
         assert process.stderr is not None and process.stdout is not None
         # Nothing below waits longer than this, though a module were not imported any more.
         watch = threading.Timer(60.0, process.kill)
@@ -40,7 +46,9 @@ def interrupted(folder: Path, after: str, command: tuple[str, ...] = ("-m", "con
     return subprocess.CompletedProcess(arguments, process.returncode, out, "".join(said))
 
 
-@pytest.mark.parametrize("module", ["contact.interrupts", "numpy", "contact", "contact.solution.terminal"])
+@pytest.mark.parametrize(
+    "module", ["contact.interrupts", "numpy", "contact", "contact.solution.terminal"]
+)
 def test_a_command_is_interrupted_at_any_import(tmp_path: Path, module: str) -> None:
     done = interrupted(tmp_path, module)
     assert (done.returncode, done.stdout, done.stderr.strip()) == (130, "", "contact: interrupted")

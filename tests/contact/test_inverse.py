@@ -1,5 +1,6 @@
-"""Designed contacts are exact: held to the singular integral, the load and the signs, which the design does
-not compute."""
+"""Designed contacts are exact: held to the singular integral, the load and the signs, which the
+design does not compute.
+"""
 
 from dataclasses import dataclass
 
@@ -19,8 +20,9 @@ TOL = 2e-11
 
 
 def nodes_for(problem):
-    """Gauss-Chebyshev converges like exp(-2 n sqrt(2 gap/half-width)); 20/sqrt(nearness) leave rounding
-    only."""
+    """Gauss-Chebyshev converges like exp(-2 n sqrt(2 gap/half-width)); 20/sqrt(nearness) leave
+    rounding only.
+    """
     return 200 + int(40 / np.sqrt(min(problem.nearness, 1.0)))
 
 
@@ -36,7 +38,8 @@ def test_pressures_are_positive_gaps_open_and_zone_loads_add_up(problem):
         assert np.all(problem.pressure_at(t, zone) > 0.0)
     ends = problem.zones.ravel()
     right = np.append(
-        problem.zones[1:, 0], ends[0] + problem.period if problem.period else ends[-1] + np.ptp(ends)
+        problem.zones[1:, 0],
+        ends[0] + problem.period if problem.period else ends[-1] + np.ptp(ends),
     )
     for left, end in zip(problem.zones[:, 1], right, strict=True):
         assert np.all(problem.gap(left + (end - left) * np.array([1e-6, 0.1, 0.5, 0.9])) > 0.0)
@@ -49,7 +52,10 @@ def test_the_displacement_is_the_logarithmic_potential_of_the_pressure(problem):
     """Ties the approach, the gaps between all zones and the heights to the pressure alone."""
     ends = np.append(problem.zones.ravel(), problem.zones[0, 0] + problem.period)
     x = np.concatenate(
-        [b + (a - b) * np.array([0.1, 0.5, 0.9]) for b, a in zip(ends[1::2], ends[2::2], strict=True)]
+        [
+            b + (a - b) * np.array([0.1, 0.5, 0.9])
+            for b, a in zip(ends[1::2], ends[2::2], strict=True)
+        ]
     )
     u = reference.displacement_of(problem, x, 4 * nodes_for(problem))
     scale = np.max(np.abs(u)) + np.max(np.abs(problem.height(x)))
@@ -89,7 +95,9 @@ def test_one_periodic_zone_is_westergaard():
     np.testing.assert_allclose(problem.pressure_at(t), true.pressure_at(t), rtol=1e-13)
     x = np.linspace(-6e-5, 6e-5, 25)
     np.testing.assert_allclose(problem.gap(x), true.gap(x), rtol=1e-11, atol=1e-24)
-    np.testing.assert_allclose(problem.height(x) - problem.height(0.0), true.height(x), rtol=0.0, atol=1e-20)
+    np.testing.assert_allclose(
+        problem.height(x) - problem.height(0.0), true.height(x), rtol=0.0, atol=1e-20
+    )
     assert problem.approach == pytest.approx(true.approach, rel=1e-12)
     assert problem.max_pressure == pytest.approx(true.max_pressure, rel=1e-13)
 
@@ -97,13 +105,17 @@ def test_one_periodic_zone_is_westergaard():
 def test_one_zone_alone_is_hertz_and_two_are_the_biquadratic():
     hertz = exact.HertzLine(2e-3, 1.1e11, 3e-5)
     one = inverse.design(hertz.zones, 1.1e11, hertz.load)
-    np.testing.assert_allclose(one.profile.coefficients, [0.0, 0.0, 1.0 / (2 * 2e-3)], rtol=1e-13, atol=1e-18)
+    np.testing.assert_allclose(
+        one.profile.coefficients, [0.0, 0.0, 1.0 / (2 * 2e-3)], rtol=1e-13, atol=1e-18
+    )
     double = exact.IsolatedBiquadratic(2e-3, 5e-5, 1.1e11, 100.0)
     two = inverse.design(double.zones, 1.1e11, double.load)
     x = np.linspace(-5e-5, 5e-5, 41)
     np.testing.assert_allclose(two.pressure(x), double.pressure(x), rtol=1e-8, atol=1e-6)
     np.testing.assert_allclose(two.gap(x), double.gap(x), rtol=1e-9, atol=1e-24)
-    np.testing.assert_allclose(two.slope(x), double.slope(x), rtol=0.0, atol=1e-14 * double.slope(x[-1]))
+    np.testing.assert_allclose(
+        two.slope(x), double.slope(x), rtol=0.0, atol=1e-14 * double.slope(x[-1])
+    )
 
 
 def test_a_periodic_design_of_n_zones_has_n_harmonics_and_its_conjugate_slope():
@@ -111,8 +123,8 @@ def test_a_periodic_design_of_n_zones_has_n_harmonics_and_its_conjugate_slope():
     assert len(problem.profile.cosine) == len(problem.profile.sine) == 7
     x = 0.37
     s = 2.0 / 4000 * (np.arange(4000) + 0.5)
-    # The trapezoidal rule with nodes staggered about x is exact for the principal value of a trigonometric
-    # polynomial.
+    # The trapezoidal rule with nodes staggered about x is exact for the principal value of a
+    # trigonometric polynomial.
     conjugate = np.mean(problem.slope(x - s) / np.tan(np.pi * s / 2.0))
     assert problem.profile.slope_conjugate(x) == pytest.approx(conjugate, rel=1e-11)
 
@@ -123,8 +135,8 @@ def test_a_narrow_gap_and_a_narrow_zone_keep_their_digits():
         problem = inverse.design(zones, 2.0, 0.1, period)
         assert reference.equation_error(problem, nodes=60000) < 1e-10
         x = 1e-7 * np.array([-0.9, -0.5, 0.0, 0.5, 0.9])
-        # In a gap far narrower than its surroundings X M ~ sqrt(w^2 - x^2) x, and its integral (w^2 -
-        # x^2)^(3/2).
+        # In a gap far narrower than its surroundings X M ~ sqrt(w^2 - x^2) x, and its integral (w^2
+        # - x^2)^(3/2).
         shape = problem.gap(x) / problem.gap(0.0)
         np.testing.assert_allclose(shape, (1.0 - (x / 1e-7) ** 2) ** 1.5, rtol=1e-5)
 
@@ -159,8 +171,9 @@ def test_zones_that_are_not_ascending_or_longer_than_the_period_are_refused(zone
 
 @dataclass(frozen=True)
 class Displaced:
-    """The pressure of a problem whose last end is off by 1e-7 of its zone, under the profile of the true
-    one."""
+    """The pressure of a problem whose last end is off by 1e-7 of its zone, under the profile of the
+    true one.
+    """
 
     true: inverse.DesignedContact
     wrong: inverse.DesignedContact

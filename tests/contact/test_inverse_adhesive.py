@@ -1,5 +1,6 @@
-"""Designed JKR contacts are held to the singular integral, the load, the intensities and the potential, which the design does
-not compute."""
+"""Designed JKR contacts are held to the singular integral, the load, the intensities and the
+potential, which the design does not compute.
+"""
 
 from dataclasses import dataclass
 
@@ -35,19 +36,28 @@ def test_every_end_carries_the_intensity_and_the_gap_that_release_the_work_of_ad
         for side in (-1.0, 1.0):
             p = problem.pressure_at(side * (1.0 - 2.0**-40), zone)
             assert -p * np.sqrt(d) == pytest.approx(problem.intensity, rel=1e-4)
-    gaps = np.append(np.diff(ends)[1::2], problem.period + ends[0] - ends[-1] if problem.period else np.ptp(ends))
+    gaps = np.append(
+        np.diff(ends)[1::2], problem.period + ends[0] - ends[-1] if problem.period else np.ptp(ends)
+    )
     for end, room in zip(ends[1::2], gaps, strict=True):
         d = 1e-8 * min(room, np.min(problem.zone_widths))
         x = end + d  # rounded: the distance is what is left
         # The gap opens as (4/E*) K sqrt(d): G = (pi/E*) K^2 = w.
-        assert problem.gap(x) == pytest.approx(4.0 / problem.E_star * problem.intensity * np.sqrt(x - end), rel=1e-3)
+        assert problem.gap(x) == pytest.approx(
+            4.0 / problem.E_star * problem.intensity * np.sqrt(x - end), rel=1e-3
+        )
 
 
 @given(adhesive_designs(periodic=True))
 def test_the_displacement_is_the_logarithmic_potential_of_the_pressure(problem):
     """Ties the approach, the gaps between all zones and the heights to the pressure alone."""
     ends = np.append(problem.zones.ravel(), problem.zones[0, 0] + problem.period)
-    x = np.concatenate([b + (a - b) * np.array([0.1, 0.5, 0.9]) for b, a in zip(ends[1::2], ends[2::2], strict=True)])
+    x = np.concatenate(
+        [
+            b + (a - b) * np.array([0.1, 0.5, 0.9])
+            for b, a in zip(ends[1::2], ends[2::2], strict=True)
+        ]
+    )
     u = reference.displacement_of(problem, x, 4 * nodes(problem))
     scale = np.max(np.abs(u)) + np.max(np.abs(problem.height(x)))
     np.testing.assert_allclose(problem.displacement(x), u, rtol=0.0, atol=1e-10 * scale)
@@ -69,7 +79,10 @@ class WithDatum:
 def test_alone_all_zones_have_one_approach(problem):
     """u + f - gap is the same constant at the middle of every gap, and beyond."""
     ends = problem.zones.ravel()
-    x = np.append(0.5 * (ends[1:-1:2] + ends[2::2]), [ends[0] - 0.1 * np.ptp(ends), ends[-1] + 0.2 * np.ptp(ends)])
+    x = np.append(
+        0.5 * (ends[1:-1:2] + ends[2::2]),
+        [ends[0] - 0.1 * np.ptp(ends), ends[-1] + 0.2 * np.ptp(ends)],
+    )
     u = reference.displacement_of(WithDatum(problem, float(np.ptp(ends))), x, 4 * nodes(problem))
     level = u + problem.height(x) - problem.gap(x)
     scale = np.max(np.abs(u)) + np.ptp(problem.height(x)) + np.max(problem.gap(x))
@@ -98,7 +111,9 @@ def test_one_zone_is_johnson_s_wave_or_the_cylinder():
     cylinder = exact.JKRZone(exact.HertzLine(2e-3, 1.1e11, 3e-5), 0.05)
     alone = inverse.adhesive_design(cylinder.zones, 1.1e11, cylinder.load, 0.05)
     np.testing.assert_allclose(alone.pressure_at(t), cylinder.pressure_at(t), rtol=1e-11)
-    np.testing.assert_allclose(alone.profile.coefficients, [0.0, 0.0, 250.0], rtol=1e-12, atol=1e-18)
+    np.testing.assert_allclose(
+        alone.profile.coefficients, [0.0, 0.0, 250.0], rtol=1e-12, atol=1e-18
+    )
 
 
 @given(adhesive_designs())
@@ -111,19 +126,26 @@ def test_the_second_variation_is_symmetric_and_positive_where_the_design_is_stab
 
 @pytest.mark.parametrize("share", (0.05, 0.25, 0.45))
 def test_ends_that_move_together_change_their_energy_as_the_load_tells(share):
-    """One zone: dG/da = 2 w (dP/da)/Q at a held load; and the same waves, counted as two in a period of twice the length."""
+    """One zone: dG/da = 2 w (dP/da)/Q at a held load; and the same waves, counted as two in a
+    period of twice the length.
+    """
     state = exact.JKRZone(exact.Westergaard(0.02, 2.0, 3.0, share * 2.0), 1e-3)
     rate = exact.JKRWave(0.02, 2.0, 3.0, 1e-3)._rates(state.half_width)[0]
     one = inverse.second_variation(inverse.adhesive_design(state.zones, 3.0, state.load, 1e-3, 2.0))
-    assert np.sum(one, axis=1) == pytest.approx(np.full(2, 2e-3 * rate / state.punch.load), rel=1e-10)
+    assert np.sum(one, axis=1) == pytest.approx(
+        np.full(2, 2e-3 * rate / state.punch.load), rel=1e-10
+    )
     zones = np.concatenate([state.zones, state.zones + 2.0])
     two = inverse.second_variation(inverse.adhesive_design(zones, 3.0, 2.0 * state.load, 1e-3, 4.0))
-    np.testing.assert_allclose(two[:2, :2] + two[:2, 2:], one, rtol=0.0, atol=1e-10 * np.max(np.abs(one)))
+    np.testing.assert_allclose(
+        two[:2, :2] + two[:2, 2:], one, rtol=0.0, atol=1e-10 * np.max(np.abs(one))
+    )
 
 
 def released(design, ends, terms=60):
-    """G at the given ends of the design's profile under its load: Chebyshev series over 1/sqrt(1 - t^2) in every zone, collocated,
-    with one level of u + f in the middles of all zones."""
+    """G at the given ends of the design's profile under its load: Chebyshev series over 1/sqrt(1 -
+    t^2) in every zone, collocated, with one level of u + f in the middles of all zones.
+    """
     zones = ends.reshape(-1, 2)
     half, middle = 0.5 * np.diff(zones)[:, 0], zones.mean(axis=1)
     k, psi = np.arange(terms), np.arange(1, terms) * np.pi / terms
@@ -136,7 +158,9 @@ def released(design, ends, terms=60):
     def potential(zone, x):
         s = (x - middle[zone]) / half[zone]
         v = s + np.sign(s) * np.sqrt(s * s - 1.0) if abs(s) > 1.0 else 1j
-        series = np.append(-np.log(0.5 * half[zone] * abs(v)), (np.real(v ** -k[1:].astype(float)) / k[1:]))
+        series = np.append(
+            -np.log(0.5 * half[zone] * abs(v)), (np.real(v ** -k[1:].astype(float)) / k[1:])
+        )
         return 2.0 / design.E_star * half[zone] * series
 
     count = range(len(zones))
@@ -156,7 +180,9 @@ def released(design, ends, terms=60):
 
 
 @pytest.mark.parametrize(("seed", "zones"), [(0, 1), (1, 2), (2, 3)])
-def test_the_second_variation_is_the_change_of_what_moved_ends_release_in_a_direct_solution(seed, zones):
+def test_the_second_variation_is_the_change_of_what_moved_ends_release_in_a_direct_solution(
+    seed, zones
+):
     problem = inverse.random_adhesive_problem(np.random.default_rng(seed), zones, None, spread=4.0)
     ends, step = problem.zones.ravel(), 1e-3 * min(np.diff(problem.zones.ravel()))
     assert released(problem, ends) == pytest.approx(np.full(2 * zones, problem.work), rel=1e-10)
@@ -165,7 +191,9 @@ def test_the_second_variation_is_the_change_of_what_moved_ends_release_in_a_dire
         move = np.where(np.arange(2 * zones) == j, step if j % 2 else -step, 0.0)
         near = [released(problem, ends + v * move) for v in (-2, -1, 1, 2)]
         slope = (near[0] - 8.0 * near[1] + 8.0 * near[2] - near[3]) / (12.0 * step)
-        np.testing.assert_allclose(slope, matrix[:, j], rtol=0.0, atol=1e-8 * np.max(np.abs(matrix)))
+        np.testing.assert_allclose(
+            slope, matrix[:, j], rtol=0.0, atol=1e-8 * np.max(np.abs(matrix))
+        )
 
 
 def test_little_work_of_adhesion_leaves_the_frictionless_design():
@@ -180,7 +208,9 @@ def test_little_work_of_adhesion_leaves_the_frictionless_design():
 
 def test_a_design_for_another_work_of_adhesion_fails_the_law_of_the_ends():
     problem = inverse.random_adhesive_problem(np.random.default_rng(3), 3, 1.0)
-    wrong = inverse.adhesive_design(problem.zones, problem.E_star, problem.load, 1.001 * problem.work, 1.0)
+    wrong = inverse.adhesive_design(
+        problem.zones, problem.E_star, problem.load, 1.001 * problem.work, 1.0
+    )
     d = 2.0**-41 * problem.zone_widths[1]
     for design, holds in ((problem, True), (wrong, False)):
         found = -design.pressure_at(1.0 - 2.0**-40, 1) * np.sqrt(d)

@@ -1,4 +1,6 @@
-"""JKR adhesion, solved: against closed forms and designed contacts, on the branch that is asked for, with its pull-off."""
+"""JKR adhesion, solved: against closed forms and designed contacts, on the branch that is asked
+for, with its pull-off.
+"""
 
 from __future__ import annotations
 
@@ -25,12 +27,16 @@ INSIDE = np.array([-0.95, -0.5, 0.0, 0.3, 0.9])
 
 
 def wave(work=WORK, branch="advancing", **control):
-    scene = contact.Scene(contact.Sinusoid(DELTA, 1.0), E, contact.Periodic(), law=contact.JKR(work), **control)
+    scene = contact.Scene(
+        contact.Sinusoid(DELTA, 1.0), E, contact.Periodic(), law=contact.JKR(work), **control
+    )
     return contact.solve(scene, branch=branch)
 
 
 def cylinder(branch="advancing", **control):
-    scene = contact.Scene(contact.Parabola(1.0), E, contact.Isolated(datum=1.0), law=contact.JKR(1e-6), **control)
+    scene = contact.Scene(
+        contact.Parabola(1.0), E, contact.Isolated(datum=1.0), law=contact.JKR(1e-6), **control
+    )
     return contact.solve(scene, branch=branch)
 
 
@@ -38,10 +44,14 @@ def designed(problem, branch="advancing"):
     model = contact.Isolated() if problem.period is None else contact.Periodic()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", contact.ModelWarning)
-        scene = contact.Scene(problem.profile, problem.E_star, model, law=contact.JKR(problem.work), load=problem.load)
+        scene = contact.Scene(
+            problem.profile, problem.E_star, model, law=contact.JKR(problem.work), load=problem.load
+        )
         try:
             return contact.solve(scene, branch=branch)
-        except contact.NotConverged as failure:  # heights of high degree may be rounded to more than 1e-8 of a narrow zone
+        except (
+            contact.NotConverged
+        ) as failure:  # heights of high degree may be rounded to more than 1e-8 of a narrow zone
             assert failure.best.error < 1e-6
             return failure.best
 
@@ -50,7 +60,10 @@ def agrees(solution, reference, tol=1e-10):
     a = reference.half_width
     error = max(abs(solution.zones[0, 1] - a), abs(solution.zones[0, 0] + a)) / a
     x = INSIDE * a
-    pressure = np.abs(solution.pressure(x) - reference.pressure(x)).max() / np.abs(reference.pressure(x)).max()
+    pressure = (
+        np.abs(solution.pressure(x) - reference.pressure(x)).max()
+        / np.abs(reference.pressure(x)).max()
+    )
     assert max(error, pressure) < tol
     assert max(error, pressure) < 2 * solution.error < 1e-8
     assert solution.certificate.holds and solution.certificate.stability > 0.0
@@ -95,7 +108,9 @@ def test_a_load_as_near_to_pull_off_is_still_on_the_stable_branch(short):
 
 
 def test_past_pull_off_there_is_none_and_the_message_says_where_it_was():
-    with pytest.raises(contact.OutOfRange, match=r"past pull-off.*-0\.0001743671.*approach -0\.000586351"):
+    with pytest.raises(
+        contact.OutOfRange, match=r"past pull-off.*-0\.0001743671.*approach -0\.000586351"
+    ):
         cylinder(load=1.0001 * CYLINDER.pull_off_load)
     with pytest.raises(contact.OutOfRange, match=f"{WAVE.pull_off().load:.6g}"[:9]):
         wave(load=1.001 * WAVE.pull_off().load)
@@ -117,22 +132,30 @@ def test_above_the_critical_work_the_wave_closes_by_itself():
     full = wave(1.01 * critical, load=0.0)
     assert len(full.zones) == 0
     x = np.array([0.0, 0.2, 0.5])
-    assert full.pressure(x) == pytest.approx(np.pi * E * DELTA * np.cos(2 * np.pi * x), rel=1e-10, abs=1e-12)
+    assert full.pressure(x) == pytest.approx(
+        np.pi * E * DELTA * np.cos(2 * np.pi * x), rel=1e-10, abs=1e-12
+    )
     assert full.certificate.smallest_pressure == pytest.approx(-np.pi * E * DELTA, rel=1e-9)
 
 
 @pytest.mark.parametrize("period", [None, 1.0])
 @pytest.mark.parametrize("seed", quick(range(40), always=range(8)))
-def test_a_designed_contact_lies_between_the_branches_and_is_one_where_as_many_zones_come_about(seed, period):
+def test_a_designed_contact_lies_between_the_branches_and_is_one_where_as_many_zones_come_about(
+    seed, period
+):
     count = seed % 6 + 1
-    problem = inverse.random_adhesive_problem(np.random.default_rng(seed), count, period, pull=10.0 ** (0.5 - seed % 4))
+    problem = inverse.random_adhesive_problem(
+        np.random.default_rng(seed), count, period, pull=10.0 ** (0.5 - seed % 4)
+    )
     solution = designed(problem)
     assert solution.certificate.holds and solution.certificate.stability > 0
     width = problem.zone_widths.sum()
     if len(solution.zones) == count and abs(solution.zone_widths.sum() / width - 1) < 1e-3:
         error = np.abs(np.sort(solution.zone_widths) / np.sort(problem.zone_widths) - 1).max()
         assert error < 1e-9 + 3 * solution.error
-        assert np.sort(solution.zone_loads) == pytest.approx(np.sort(problem.zone_loads), abs=1e-7 * np.abs(problem.zone_loads).max())
+        assert np.sort(solution.zone_loads) == pytest.approx(
+            np.sort(problem.zone_loads), abs=1e-7 * np.abs(problem.zone_loads).max()
+        )
     else:  # a zone of it is come by only from a larger load
         assert solution.zone_widths.sum() < width
         assert period is not None or designed(problem, "receding").zone_widths.sum() > width
@@ -142,9 +165,13 @@ def test_a_designed_contact_lies_between_the_branches_and_is_one_where_as_many_z
 @given(adhesive_designs(periodic=False))
 def test_a_lone_designed_contact_is_found_to_what_the_rounding_of_its_heights_leaves(problem):
     solution = designed(problem)
-    assume(len(solution.zones) == len(problem.zones) and abs(solution.zone_widths.sum() / problem.zone_widths.sum() - 1) < 1e-3)
+    assume(
+        len(solution.zones) == len(problem.zones)
+        and abs(solution.zone_widths.sum() / problem.zone_widths.sum() - 1) < 1e-3
+    )
     error = float((np.abs(solution.zones - problem.zones).max(axis=1) / problem.zone_widths).max())
-    # What bends the surfaces over what adhesion asks for at the ends, and over how firmly these stand: a condition number.
+    # What bends the surfaces over what adhesion asks for at the ends, and over how firmly these
+    # stand: a condition number.
     condition = solution.fields.bending / solution.certificate.stability
     assert error < 1e-10 + 20 * np.finfo(float).eps * condition
     assert error < 1e-9 or condition > 1e5
@@ -156,10 +183,13 @@ def test_the_certificate_tells_the_second_variation_of_the_design(seed, period):
     problem = inverse.random_adhesive_problem(np.random.default_rng(seed), None, period)
     solution = designed(problem)
     root = np.sqrt(np.repeat(problem.zone_widths, 2))
-    expected = np.linalg.eigvalsh(root[:, None] * second_variation(problem) * root / (2 * problem.work))
+    expected = np.linalg.eigvalsh(
+        root[:, None] * second_variation(problem) * root / (2 * problem.work)
+    )
     matrix = solution.fields.second_variation()
     assert np.linalg.eigvalsh(matrix) == pytest.approx(expected, abs=1e-9 * expected.max())
-    # What one end gains as another one advances: contact grows together (contact.search.equilibria.flow).
+    # What one end gains as another one advances: contact grows together
+    # (contact.search.equilibria.flow).
     assert np.all(matrix - np.diag(np.diag(matrix)) <= 0.0)
 
 
@@ -168,14 +198,19 @@ def test_an_unstable_equilibrium_is_not_certified():
     given = wave(half_width=narrow.half_width)
     assert given.load == pytest.approx(-5e-4, rel=1e-9)
     eigenvalues = np.linalg.eigvalsh(given.fields.second_variation())
-    assert eigenvalues.min() < 0 < np.linalg.eigvalsh(wave(load=-5e-4).fields.second_variation()).min()
+    assert (
+        eigenvalues.min() < 0 < np.linalg.eigvalsh(wave(load=-5e-4).fields.second_variation()).min()
+    )
 
 
 def test_without_adhesion_left_it_is_the_frictionless_contact():
     profile = contact.Fourier(1.0, [0.01, 0.004, 0.002], [0.0, 0.003, -0.002])
     scene = contact.Scene(profile, E, contact.Periodic(), mean_pressure=5e-3)
     bare = contact.solve(scene)
-    off = [np.abs(contact.solve(replace(scene, law=contact.JKR(w))).zones - bare.zones).max() for w in (1e-12, 1e-16)]
+    off = [
+        np.abs(contact.solve(replace(scene, law=contact.JKR(w))).zones - bare.zones).max()
+        for w in (1e-12, 1e-16)
+    ]
     # The zones follow the intensity, a root of the work.
     assert off[0] < 1e-3 and off[0] / off[1] == pytest.approx(100.0, rel=0.05)
 
@@ -189,19 +224,34 @@ def test_the_work_of_the_load_is_elastic_and_surface_energy(load):
     def energy(solution):
         a = solution.zones[0, 1]
         x = a * np.cos(angle)
-        inner = 0.5 * np.pi * a * float(np.sum(weights * np.sin(angle) * solution.pressure(x) * solution.displacement(x)))
+        inner = (
+            0.5
+            * np.pi
+            * a
+            * float(
+                np.sum(weights * np.sin(angle) * solution.pressure(x) * solution.displacement(x))
+            )
+        )
         return 0.5 * inner - 2 * a * WORK
 
     low, high = states
     done = 0.5 * (high.load + low.load) * (high.approach - low.approach)
     assert energy(high) - energy(low) == pytest.approx(done, rel=1e-5, abs=1e-15)
-    assert (high.load - low.load) / (high.approach - low.approach) == pytest.approx(wave(load=load).stiffness, rel=1e-5)
+    assert (high.load - low.load) / (high.approach - low.approach) == pytest.approx(
+        wave(load=load).stiffness, rel=1e-5
+    )
 
 
 def test_a_rough_profile_is_solved_on_its_branch_and_pulled_off():
-    scene = contact.Scene(rough(), 1e9, contact.Periodic(), law=contact.JKR(1e-4), mean_pressure=2e6)
+    scene = contact.Scene(
+        rough(), 1e9, contact.Periodic(), law=contact.JKR(1e-4), mean_pressure=2e6
+    )
     solution = contact.solve(scene)
-    assert solution.certificate.holds and solution.certificate.stability > 0 and len(solution.zones) > 3
+    assert (
+        solution.certificate.holds
+        and solution.certificate.stability > 0
+        and len(solution.zones) > 3
+    )
     last = solution.pull_off
     assert last.load < 0
     inside = contact.solve(replace(scene, mean_pressure=0.0)).pull_off
@@ -214,18 +264,29 @@ def test_what_does_not_go_with_it_is_refused_by_name():
         with pytest.raises(contact.SceneError, match="work"):
             contact.JKR(work)
     with pytest.raises(contact.SceneError, match="jkr goes with isolated and periodic"):
-        contact.Scene(contact.Sinusoid(DELTA, 1.0), E, contact.Localized(), law=contact.JKR(1e-5), load=0.01)
+        contact.Scene(
+            contact.Sinusoid(DELTA, 1.0), E, contact.Localized(), law=contact.JKR(1e-5), load=0.01
+        )
     with pytest.raises(contact.SceneError, match="the controls of jkr are"):
-        contact.Scene(contact.Sinusoid(DELTA, 1.0), E, contact.Periodic(), law=contact.JKR(1e-5), contact_fraction=0.5)
+        contact.Scene(
+            contact.Sinusoid(DELTA, 1.0),
+            E,
+            contact.Periodic(),
+            law=contact.JKR(1e-5),
+            contact_fraction=0.5,
+        )
     with pytest.raises(contact.SceneError, match="load"):
         contact.Scene(contact.Parabola(1.0), E, contact.Isolated(), load=-1.0)
     falls = contact.Polynomial([0.0, 0.01, 0.3, 0.1, 0.0, 1.0])
     with pytest.raises(contact.OutOfRange, match="falls without bound"):
-        contact.solve(contact.Scene(falls, E, contact.Isolated(datum=5.0), law=contact.JKR(1e-5), load=0.0))
+        contact.solve(
+            contact.Scene(falls, E, contact.Isolated(datum=5.0), law=contact.JKR(1e-5), load=0.0)
+        )
     with pytest.raises(contact.SceneError, match="branch"):
         wave(load=0.01, branch="upper")
     with pytest.raises(contact.SceneError, match="no pull-off under the law frictionless"):
-        contact.solve(contact.Scene(contact.Parabola(1.0), E, contact.Isolated(), load=1.0)).pull_off  # noqa: B018
+        scene = contact.Scene(contact.Parabola(1.0), E, contact.Isolated(), load=1.0)
+        _ = contact.solve(scene).pull_off
 
 
 def test_a_scene_file_names_it(tmp_path):
@@ -239,8 +300,13 @@ def test_a_scene_file_names_it(tmp_path):
     assert contact.solve(scene).load == pytest.approx(-5e-4, rel=1e-12)
 
 
-@pytest.mark.parametrize(("slopes", "after", "passed"), [((-1.0, 1.0), 0.1, True), ((0.0, 0.0), 0.1, False), ((-0.2, -0.2), -0.1, True)])
-def test_a_step_over_a_place_of_rest_is_noticed_by_its_ends_and_by_the_cubic_between_them(slopes, after, passed):
+@pytest.mark.parametrize(
+    ("slopes", "after", "passed"),
+    [((-1.0, 1.0), 0.1, True), ((0.0, 0.0), 0.1, False), ((-0.2, -0.2), -0.1, True)],
+)
+def test_a_step_over_a_place_of_rest_is_noticed_by_its_ends_and_by_the_cubic_between_them(
+    slopes, after, passed
+):
     table, step = np.array([[-1.0, 1.0]]), np.full(2, 0.5)
     here, ahead = (
         Point(table, 0.0, np.full(2, residual), slope * np.eye(2), np.ones(2), 0.0, 0.0)
@@ -250,12 +316,11 @@ def test_a_step_over_a_place_of_rest_is_noticed_by_its_ends_and_by_the_cubic_bet
 
 
 class Stiff:
-    """Two zones, of which the left end of the second is driven inward, grows unstable at first, and comes to rest 0.09 of its width on; the
-    others are at rest, one a little beyond."""
+    """Two zones, of which the left end of the second is driven inward, grows unstable at first, and
+    comes to rest 0.09 of its width on; the others are at rest, one a little beyond.
+    """
 
-    problem = SimpleNamespace(
-        detail=np.inf, borders=(-np.inf, np.inf), period=None
-    )
+    problem = SimpleNamespace(detail=np.inf, borders=(-np.inf, np.inf), period=None)
     start = np.array([[-2.0, -1.0], [1.0, 2.0]])
     unit, gaps, room = Equilibria.unit, Equilibria.gaps, Equilibria.room
 
@@ -275,7 +340,9 @@ def test_an_end_that_is_at_rest_does_not_hold_up_one_that_runs():
 
 
 class Relieved(Stiff):
-    """Two zones, of which the right one is relieved as the left one is lost, and comes apart by itself."""
+    """Two zones, of which the right one is relieved as the left one is lost, and comes apart by
+    itself.
+    """
 
     def __init__(self):
         self.narrowest = 1.0
@@ -283,7 +350,11 @@ class Relieved(Stiff):
     def at(self, table, value, tolerance=0.0):
         width = np.diff(table, axis=1)[:, 0]
         self.narrowest = min(self.narrowest, width[-1])
-        driven = np.array([-50.0 / width[0], -50.0]) if len(table) > 1 else np.maximum(-2.0 * width**-0.5, -60.0)
+        driven = (
+            np.array([-50.0 / width[0], -50.0])
+            if len(table) > 1
+            else np.maximum(-2.0 * width**-0.5, -60.0)
+        )
         count = 2 * len(table)
         return Point(table, value, np.tile(driven, 2), np.eye(count), np.ones(count), 0.0, 0.0)
 
@@ -309,7 +380,9 @@ def test_a_zone_that_slides_as_it_comes_off_does_so_next_to_its_turning_point():
 
 def test_past_a_turning_point_ends_are_pushed_no_farther_than_the_narrow_gap_between_them_holds():
     table = np.array([[-1.0, -1e-3], [1e-3, 1.0]])
-    turned = Point(table, 0.0, np.zeros(4), 0.25 * np.ones((4, 4)) - np.eye(4), np.ones(4), 0.0, 0.0)
+    turned = Point(
+        table, 0.0, np.zeros(4), 0.25 * np.ones((4, 4)) - np.eye(4), np.ones(4), 0.0, 0.0
+    )
     wider, narrower = arc.beyond(Stiff(), turned, 1.0), arc.beyond(Stiff(), turned, -1.0)
     assert np.all(np.diff(wider.ravel()) > 0.0)
     assert np.all(wider[:, 0] < table[:, 0]) and np.all(wider[:, 1] > table[:, 1])
@@ -324,7 +397,11 @@ def rough():
 
 
 @pytest.mark.parametrize(
-    "law", [pytest.param(contact.JKR(1e-4), id="jkr"), pytest.param(contact.Dugdale(1e-4, 2e6), id="dugdale", marks=pytest.mark.slow)]
+    "law",
+    [
+        pytest.param(contact.JKR(1e-4), id="jkr"),
+        pytest.param(contact.Dugdale(1e-4, 2e6), id="dugdale", marks=pytest.mark.slow),
+    ],
 )
 def test_pull_off_under_a_held_approach_is_where_the_path_ends(monkeypatch, law):
     frictionless = contact.solve(contact.Scene(rough(), 1e9, contact.Periodic(), mean_pressure=2e6))
@@ -334,21 +411,39 @@ def test_pull_off_under_a_held_approach_is_where_the_path_ends(monkeypatch, law)
     lowered = []
     real = coming_apart.lowered_by_load
     for room in (coming_apart, parting):
-        monkeypatch.setattr(room, "lowered_by_load", lambda *given: lowered.append(real(*given)) or lowered[-1])
+        monkeypatch.setattr(
+            room, "lowered_by_load", lambda *given: lowered.append(real(*given)) or lowered[-1]
+        )
     found = solution.pull_off
-    assert len(lowered) == 1 and 0 < len(lowered[0].contact) < len(solution.zones) and lowered[0].growth < 0.0
-    path = contact.path(scene, [scene.approach, found.approach - 0.1 * (scene.approach - found.approach)], control="approach")
+    assert (
+        len(lowered) == 1
+        and 0 < len(lowered[0].contact) < len(solution.zones)
+        and lowered[0].growth < 0.0
+    )
+    path = contact.path(
+        scene,
+        [scene.approach, found.approach - 0.1 * (scene.approach - found.approach)],
+        control="approach",
+    )
     assert path.events[-1].kind == "pull-off"
     assert found.approach == pytest.approx(path.events[-1].value, rel=1e-9)
 
 
-@pytest.mark.parametrize("layer", [{}, {"substrate": contact.Layer(3e-5, 0.2)}], ids=["half-plane", "layer"])
+@pytest.mark.parametrize(
+    "layer", [{}, {"substrate": contact.Layer(3e-5, 0.2)}], ids=["half-plane", "layer"]
+)
 @pytest.mark.parametrize("part", [-0.5, 0.5, 0.9, 1.0, 1.1, 2.0])
 def test_growth_and_motions_are_those_of_the_rates_whichever_way_they_are_told(layer, part):
-    # K dK/ds is symmetric, as the energy has second derivatives: told where all K have one sign, as under less load.
-    scene = contact.Scene(rough(), 1e9, contact.Periodic(), law=contact.JKR(1e-4), mean_pressure=2e6, **layer)
+    # K dK/ds is symmetric, as the energy has second derivatives: told where all K have one sign, as
+    # under less load.
+    scene = contact.Scene(
+        rough(), 1e9, contact.Periodic(), law=contact.JKR(1e-4), mean_pressure=2e6, **layer
+    )
     solution = contact.solve(scene)
-    curve, zones = Equilibria(solution.fields.problem, solution.parting.held), solution.fields.density.zones.table
+    curve, zones = (
+        Equilibria(solution.fields.problem, solution.parting.held),
+        solution.fields.density.zones.table,
+    )
     here = curve.at(zones, part * curve.held.value)
     assert len(zones) > 2 and (here.gains.min() > 0.0) == (part <= 1.0)
     growth, motions = here.motions(np.arange(2 * len(zones)))
@@ -357,16 +452,31 @@ def test_growth_and_motions_are_those_of_the_rates_whichever_way_they_are_told(l
     assert here.growth == pytest.approx(wanted.max(), rel=1e-9)
     if part <= 1.0:
         driven = here.rates @ motions
-        assert np.abs(driven - here.weight[:, None] * motions * growth).max() < 1e-9 * np.abs(driven).max()
+        assert (
+            np.abs(driven - here.weight[:, None] * motions * growth).max()
+            < 1e-9 * np.abs(driven).max()
+        )
 
 
 @pytest.mark.parametrize("work", [1e-3, 1e-7, 1e-9, 2e-12])
-@pytest.mark.parametrize("half_width, control", [(0.447, "load"), (0.447, "approach"), (0.2, "load")])
-def test_the_load_of_pull_off_is_that_of_its_zone_however_wide_the_contact_was(work, half_width, control):
-    """Westergaard's load less that of the edge intensities, sqrt(2 E* w L tan(pi a / L)); work: w L / (E* A^2)."""
+@pytest.mark.parametrize(
+    "half_width, control", [(0.447, "load"), (0.447, "approach"), (0.2, "load")]
+)
+def test_the_load_of_pull_off_is_that_of_its_zone_however_wide_the_contact_was(
+    work, half_width, control
+):
+    """Westergaard's load less that of the edge intensities, sqrt(2 E* w L tan(pi a / L)); work: w L
+    / (E* A^2).
+    """
     wave, law = contact.Sinusoid(1.0, 1.0), contact.JKR(work)
-    at_first = contact.solve(contact.Scene(wave, 1.0, contact.Periodic(), law=law, half_width=half_width))
-    scene = contact.Scene(wave, 1.0, contact.Periodic(), law=law, **{control: getattr(at_first, control)})
+    at_first = contact.solve(
+        contact.Scene(wave, 1.0, contact.Periodic(), law=law, half_width=half_width)
+    )
+    scene = contact.Scene(
+        wave, 1.0, contact.Periodic(), law=law, **{control: getattr(at_first, control)}
+    )
     last = contact.solve(scene).pull_off
     s = np.pi * last.zones[0, 1]
-    assert last.load == pytest.approx(np.pi * np.sin(s) ** 2 - np.sqrt(2 * work * np.tan(s)), rel=1e-12)
+    assert last.load == pytest.approx(
+        np.pi * np.sin(s) ** 2 - np.sqrt(2 * work * np.tan(s)), rel=1e-12
+    )

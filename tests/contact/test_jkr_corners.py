@@ -1,4 +1,6 @@
-"""JKR adhesion between sharp corners: ends are held there while their intensity is above that of free ones, and let go below."""
+"""JKR adhesion between sharp corners: ends are held there while their intensity is above that of
+free ones, and let go below.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +30,9 @@ LAST = (RADIUS / (pi * E) * sqrt(2 * pi * E * WORK)) ** (2 / 3)
 
 def cut(a, slope=0.0, period=None):
     """A cylinder that ends in sharp corners at -a and a, turned by a slope."""
-    return contact.Combined(contact.Flat(2 * a, period), contact.Polynomial([0.0, slope, 0.5 / RADIUS]))
+    return contact.Combined(
+        contact.Flat(2 * a, period), contact.Polynomial([0.0, slope, 0.5 / RADIUS])
+    )
 
 
 def solve(profile, branch="advancing", law=LAW, **control):
@@ -54,14 +58,24 @@ def test_a_flat_punch_has_its_closed_form_under_pressure_and_tension_and_lets_go
     with pytest.raises(contact.OutOfRange, match="past pull-off"):
         solve(contact.Flat(width), branch, load=1.001 * least)
     solution = solve(contact.Flat(width, period), branch, load=load)
-    agrees(solution, x, load / period * np.cos(pi * x) / np.sqrt(sin(angle) ** 2 - np.sin(pi * x) ** 2))
-    assert solution.pull_off.load == pytest.approx(-K * sqrt(2 * pi * period * sin(angle) / cos(angle)), rel=1e-9)
+    agrees(
+        solution, x, load / period * np.cos(pi * x) / np.sqrt(sin(angle) ** 2 - np.sin(pi * x) ** 2)
+    )
+    assert solution.pull_off.load == pytest.approx(
+        -K * sqrt(2 * pi * period * sin(angle) / cos(angle)), rel=1e-9
+    )
 
 
-@pytest.mark.parametrize(("part", "branch"), [(0.5, "advancing"), (0.5, "receding"), (1.5, "receding"), (3.0, "advancing")])
-def test_ends_of_a_cut_cylinder_are_held_from_the_load_on_under_which_free_ones_reach_the_corners(part, branch):
+@pytest.mark.parametrize(
+    ("part", "branch"),
+    [(0.5, "advancing"), (0.5, "receding"), (1.5, "receding"), (3.0, "advancing")],
+)
+def test_ends_of_a_cut_cylinder_are_held_from_the_load_on_under_which_free_ones_reach_the_corners(
+    part, branch
+):
     a = part * LAST
-    # Of a cylinder so narrow that free ends would be unstable, held ones let go; else they leave the corners first.
+    # Of a cylinder so narrow that free ends would be unstable, held ones let go; else they leave
+    # the corners first.
     least = free_load(min(a, LAST))
     for load in (free_load(a) + 1e-6 * abs(free_load(a)), free_load(a) + 0.01, 0.5 * least):
         solution = solve(cut(a), branch, load=load)
@@ -72,7 +86,11 @@ def test_ends_of_a_cut_cylinder_are_held_from_the_load_on_under_which_free_ones_
             assert free_load(c) == pytest.approx(load, rel=1e-9)
         x = c * INSIDE
         root = np.sqrt(c**2 - x**2)
-        agrees(solution, x, E / (2 * RADIUS) * root + (load - pi * E * c**2 / (4 * RADIUS)) / (pi * root))
+        agrees(
+            solution,
+            x,
+            E / (2 * RADIUS) * root + (load - pi * E * c**2 / (4 * RADIUS)) / (pi * root),
+        )
     assert solution.pull_off.load == pytest.approx(least, rel=1e-12)
 
 
@@ -92,10 +110,14 @@ def test_one_end_held_at_its_corner_and_the_other_one_free(seed):
         solution = solve(cut(a, slope), branch, contact.JKR(work), load=load)
         assert solution.zones == pytest.approx(np.array([[-a, b]]), abs=1e-11)
         y = c * INSIDE
-        pressure = (E / (2 * RADIUS) * (c**2 - y**2) - 0.5 * E * tilt * y + punch) / np.sqrt(c**2 - y**2)
+        pressure = (E / (2 * RADIUS) * (c**2 - y**2) - 0.5 * E * tilt * y + punch) / np.sqrt(
+            c**2 - y**2
+        )
         agrees(solution, middle + y, pressure)
         # Free ends about the tip are as those of the whole cylinder.
-        assert solution.pull_off.load == pytest.approx(-3 * (pi * E * work**2 * RADIUS / 16) ** (1 / 3), rel=1e-9)
+        assert solution.pull_off.load == pytest.approx(
+            -3 * (pi * E * work**2 * RADIUS / 16) ** (1 / 3), rel=1e-9
+        )
 
 
 def test_a_cut_wave_is_held_at_its_corners_in_every_period():
@@ -107,7 +129,9 @@ def test_a_cut_wave_is_held_at_its_corners_in_every_period():
     for load in (reached + 1e-6, 0.03):
         solution = solve(wave, load=load)
         assert solution.zones[0, 1] == a
-        agrees(solution, x, np.cos(pi * x) * (2 * pi * E * size * root + (load - westergaard) / root))
+        agrees(
+            solution, x, np.cos(pi * x) * (2 * pi * E * size * root + (load - westergaard) / root)
+        )
 
 
 def test_a_path_tells_where_ends_are_held_and_freed_and_loses_nothing_there():
@@ -115,7 +139,9 @@ def test_a_path_tells_where_ends_are_held_and_freed_and_loses_nothing_there():
     scene = contact.Scene(cut(a), E, contact.Isolated(datum=1.0), law=LAW, load=0.0)
     loop = contact.path(scene, [-0.01, 0.02, -0.01])
     assert [event.kind for event in loop.events] == ["jump-in", "held", "freed", "pull-off"]
-    assert [event.load for event in loop.events] == pytest.approx([0.0, free_load(a), free_load(a), free_load(LAST)], rel=1e-10)
+    assert [event.load for event in loop.events] == pytest.approx(
+        [0.0, free_load(a), free_load(a), free_load(LAST)], rel=1e-10
+    )
     assert loop.events[1].lost == loop.events[2].lost == 0.0
     assert loop.work == pytest.approx(loop.dissipated, rel=1e-9)
     # Held ends that would be unstable as free ones let go together, with a loss.
@@ -134,7 +160,11 @@ def test_the_work_of_the_load_through_the_kink_of_the_curve_is_the_change_of_ene
     loads = np.concatenate([0.5 * (p + q) + 0.5 * (q - p) * nodes for p, q in parts])
     share = np.concatenate([0.5 * (q - p) * weights for p, q in parts])
     first, *between, last = contact.path(scene, [low, *loads, high]).solutions
-    work = last.load * last.approach - first.load * first.approach - share @ [state.approach for state in between]
+    work = (
+        last.load * last.approach
+        - first.load * first.approach
+        - share @ [state.approach for state in between]
+    )
     assert last.energy.total - first.energy.total == pytest.approx(work, rel=1e-10)
 
 
@@ -150,10 +180,14 @@ def test_where_a_tension_is_lost_under_a_held_approach_the_surface_comes_up_else
     waves = np.arange(1, 5)
     phase = np.array([5.2, 3.7, 1.8, 0.3])
     size = 0.015 * waves**-1.5
-    profile = contact.Combined(contact.Flat(0.9, 1.0), contact.Fourier(1.0, size * np.cos(phase), size * np.sin(phase)))
+    profile = contact.Combined(
+        contact.Flat(0.9, 1.0), contact.Fourier(1.0, size * np.cos(phase), size * np.sin(phase))
+    )
     scene = contact.Scene(profile, E, contact.Periodic(), law=contact.JKR(1e-6), load=0.0)
     loop = contact.path(scene, [-1e-3, 0.02, -0.1], control="approach")
-    assert any(event.kind == "jump" and len(event.after) > len(event.before) for event in loop.events)
+    assert any(
+        event.kind == "jump" and len(event.after) > len(event.before) for event in loop.events
+    )
     # Surfaces are apart below first touch only.
     assert loop.events[-1].kind == "pull-off" and loop.events[-1].value < 0.0
 
@@ -162,7 +196,9 @@ def rough_row(work):
     """A row of rough bodies between corners."""
     waves, phase = np.arange(1, 5), np.array([0.3, 2.1, 4.4, 1.2])
     size = 0.01 * waves**-1.5
-    profile = contact.Combined(contact.Flat(0.8, 1.0), contact.Fourier(1.0, size * np.cos(phase), size * np.sin(phase)))
+    profile = contact.Combined(
+        contact.Flat(0.8, 1.0), contact.Fourier(1.0, size * np.cos(phase), size * np.sin(phase))
+    )
     return contact.Scene(profile, E, contact.Periodic(), law=contact.JKR(work), approach=0.0)
 
 
@@ -172,7 +208,10 @@ def test_the_greatest_contact_under_a_held_approach_is_where_a_path_down_comes_t
     scene = rough_row(1e-7)
     solution = contact.solve(replace(scene, approach=approach), branch="receding")
     path = contact.path(scene, [1.0, approach, -1.0], control="approach")
-    assert solution.zones == pytest.approx(path.solutions[1].zones, abs=1e-9) and solution.certificate.holds
+    assert (
+        solution.zones == pytest.approx(path.solutions[1].zones, abs=1e-9)
+        and solution.certificate.holds
+    )
     assert solution.pull_off.load == pytest.approx(path.events[-1].load, rel=1e-9)
     # A body that is pressed down touches.
     assert path.events[-1].kind == "pull-off" and path.events[-1].value < 0.0
@@ -195,9 +234,14 @@ def test_an_end_at_a_limit_is_let_go_where_its_intensity_is_below_that_of_free_o
     reached = 0.5 * pi - pi * k * sqrt(2)
     equation = sie.Equation(sie.cauchy(), sie.Forcing(lambda x: x), (sie.Total(reached + above),))
     end = sie.free_with_intensity(-k)
-    for start in (sie.Zones.of([[-1.0, 1.0]], sie.SINGULAR, sie.SINGULAR), sie.Zones.of([[-0.9, 0.95]], end, end)):
+    for start in (
+        sie.Zones.of([[-1.0, 1.0]], sie.SINGULAR, sie.SINGULAR),
+        sie.Zones.of([[-0.9, 0.95]], end, end),
+    ):
         free = sie.find_ends(equation, start, limits=(-1.0, 1.0), limited=end)
         c = free.density.zones.b[0]
         assert free.converged and (c == 1.0 if above > 0 else c < 1.0)
         if above < 0:
-            assert 0.5 * pi * c**2 - pi * k * sqrt(2 * c) == pytest.approx(reached + above, rel=1e-12)
+            assert 0.5 * pi * c**2 - pi * k * sqrt(2 * c) == pytest.approx(
+                reached + above, rel=1e-12
+            )

@@ -1,4 +1,6 @@
-"""A law is one class: found by its name, asked by solver and certificate, and refused where it does not go with a scene."""
+"""A law is one class: found by its name, asked by solver and certificate, and refused where it does
+not go with a scene.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +18,9 @@ SCENE = contact.Scene(WAVE, 1.0, contact.Periodic(), mean_pressure=0.01)
 
 @dataclass(frozen=True)
 class Glued(contact.Law):
-    """Ends of a given edge intensity [Pa m^(1/2)], by load and by approach; its own check names ends without it."""
+    """Ends of a given edge intensity [Pa m^(1/2)], by load and by approach; its own check names
+    ends without it.
+    """
 
     K: float = 0.0
     name = "glued"
@@ -32,7 +36,9 @@ class Glued(contact.Law):
     def fault(self, fields, load):
         units = fields.problem.units
         found = np.concatenate(fields.density.intensities) * units.intensity
-        return "" if np.allclose(found, -self.K, rtol=1e-9, atol=1e-12) else f"K = {found} at the ends"
+        return (
+            "" if np.allclose(found, -self.K, rtol=1e-9, atol=1e-12) else f"K = {found} at the ends"
+        )
 
 
 @pytest.fixture
@@ -84,8 +90,14 @@ def test_what_it_does_not_admit_is_refused_before_any_arithmetic():
     with pytest.raises(contact.SceneError, match="glued is for periodic scenes"):
         contact.Scene(contact.Parabola(1.0), 1.0, contact.Isolated(), law=Glued(), load=0.1)
     with pytest.raises(contact.SceneError, match="not solved for bodies that turn"):
-        contact.Scene(contact.Parabola(1.0), 1.0, contact.Isolated(), law=type("On", (Glued,), {"refuses": lambda *_: None})(),
-                      load=0.1, tilt=0.01)
+        contact.Scene(
+            contact.Parabola(1.0),
+            1.0,
+            contact.Isolated(),
+            law=type("On", (Glued,), {"refuses": lambda *_: None})(),
+            load=0.1,
+            tilt=0.01,
+        )
     with pytest.raises(contact.SceneError, match="a path under others"):
         contact.path(replace(SCENE, law=Glued()), [0.01, 0.02])
 
@@ -98,4 +110,6 @@ def test_what_is_no_law_is_refused(wrong):
 
 def test_frictionless_under_another_name_is_the_same_contact():
     other = type("Smooth", (contact.Frictionless,), {"name": "smooth"})()
-    assert np.array_equal(contact.solve(replace(SCENE, law=other)).zones, contact.solve(SCENE).zones)
+    assert np.array_equal(
+        contact.solve(replace(SCENE, law=other)).zones, contact.solve(SCENE).zones
+    )

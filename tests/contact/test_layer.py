@@ -20,11 +20,17 @@ def westergaard(half_width):
     """Normalised places in the zone, the pressure there on the wave, E* = 1, and its load."""
     t = np.linspace(-0.999, 0.999, 33)
     u, A = np.pi * half_width * t, np.pi * half_width
-    return t, 0.2 * np.pi * np.cos(u) * np.sqrt(np.sin(A) ** 2 - np.sin(u) ** 2), 0.1 * np.pi * np.sin(A) ** 2
+    return (
+        t,
+        0.2 * np.pi * np.cos(u) * np.sqrt(np.sin(A) ** 2 - np.sin(u) ** 2),
+        0.1 * np.pi * np.sin(A) ** 2,
+    )
 
 
 def on_a_layer(layer, half_width):
-    """The profile under which a layer has Westergaard's contact: f - sum 4 (L_n - 1) p_n cos(q_n x) / (E* q_n)."""
+    """The profile under which a layer has Westergaard's contact: f - sum 4 (L_n - 1) p_n cos(q_n x)
+    / (E* q_n).
+    """
     n = np.arange(1, int(4 / layer.thickness) + 4)
     angle = (np.arange(4000) + 0.5) * np.pi / 4000 - 0.5 * np.pi
     s = np.sin(np.pi * half_width)
@@ -39,8 +45,12 @@ class TestSymbol:
     def test_is_that_of_the_layers_equations(self):
         # From the elastic field of a layer, solved as an ordinary differential equation.
         s = np.array([0.3, 1.0, 2.5])
-        assert contact.Layer(1.0, 0.3).symbol(s) == pytest.approx([0.12313858166, 0.41575179846, 0.86752762805], rel=1e-10)
-        assert contact.Layer(1.0, 0.3, "smooth").symbol(s) == pytest.approx([0.14997346138, 0.49089465366, 0.92433056679], rel=1e-10)
+        assert contact.Layer(1.0, 0.3).symbol(s) == pytest.approx(
+            [0.12313858166, 0.41575179846, 0.86752762805], rel=1e-10
+        )
+        assert contact.Layer(1.0, 0.3, "smooth").symbol(s) == pytest.approx(
+            [0.14997346138, 0.49089465366, 0.92433056679], rel=1e-10
+        )
 
     @pytest.mark.parametrize("base, nu", KINDS)
     def test_neither_overflows_nor_cancels(self, base, nu):
@@ -53,14 +63,20 @@ class TestSymbol:
                 if base == "smooth":
                     exact = (mp.cosh(2 * x) - 1) / (mp.sinh(2 * x) + 2 * x)
                 else:
-                    exact = (2 * k * mp.sinh(2 * x) - 4 * x) / (2 * k * mp.cosh(2 * x) + 1 + k * k + 4 * x * x)
+                    exact = (2 * k * mp.sinh(2 * x) - 4 * x) / (
+                        2 * k * mp.cosh(2 * x) + 1 + k * k + 4 * x * x
+                    )
                 assert abs(mp.mpf(float(value)) / exact - 1) < 1e-15
-        assert np.array_equal(contact.Layer(2.0, nu, base).symbol(np.array([1e3, 1e8, 1e300])), [1, 1, 1])
+        assert np.array_equal(
+            contact.Layer(2.0, nu, base).symbol(np.array([1e3, 1e8, 1e300])), [1, 1, 1]
+        )
 
     @pytest.mark.parametrize("base, nu", KINDS)
     def test_of_long_waves_is_the_compression(self, base, nu):
         layer = contact.Layer(3.0, nu, base)
-        assert layer.symbol(np.array([1e-9]))[0] / 1e-9 == pytest.approx(layer.compression, rel=1e-14, abs=1e-16)
+        assert layer.symbol(np.array([1e-9]))[0] / 1e-9 == pytest.approx(
+            layer.compression, rel=1e-14, abs=1e-16
+        )
 
 
 @pytest.mark.parametrize("base, nu", KINDS)
@@ -68,9 +84,17 @@ class TestContact:
     def test_full_contact_is_that_of_the_symbol(self, base, nu):
         layer = contact.Layer(0.2, nu, base)
         L = layer.symbol(2 * np.pi * np.arange(1, 3))
-        full = solve(contact.Fourier(1.0, (-0.1, 0.02), (0.0, 0.03)), PERIODIC, substrate=layer, mean_pressure=3.0)
+        full = solve(
+            contact.Fourier(1.0, (-0.1, 0.02), (0.0, 0.03)),
+            PERIODIC,
+            substrate=layer,
+            mean_pressure=3.0,
+        )
         x = np.linspace(-0.5, 0.5, 41)
-        f = (-0.1 * np.cos(2 * np.pi * x) / L[0], (0.02 * np.cos(4 * np.pi * x) + 0.03 * np.sin(4 * np.pi * x)) / L[1])
+        f = (
+            -0.1 * np.cos(2 * np.pi * x) / L[0],
+            (0.02 * np.cos(4 * np.pi * x) + 0.03 * np.sin(4 * np.pi * x)) / L[1],
+        )
         expected = 3.0 - np.pi * f[0] - 2 * np.pi * f[1]
         assert len(full.zones) == 0
         assert np.abs(full.pressure(x) - expected).max() < 1e-12 * full.max_pressure
@@ -80,32 +104,55 @@ class TestContact:
         layer, a = contact.Layer(thickness, nu, base), 0.2
         t, pressure, load = westergaard(a)
         solution = solve(on_a_layer(layer, a), PERIODIC, tol=1e-8, substrate=layer, load=load)
-        off = max(np.abs(solution.pressure_at(t, 0) - pressure).max() / pressure.max(), np.abs(solution.zones - [[-a, a]]).max() / (2 * a))
-        # What the profile's own numbers are rounded to, over the compliance that a thin layer has left.
+        off = max(
+            np.abs(solution.pressure_at(t, 0) - pressure).max() / pressure.max(),
+            np.abs(solution.zones - [[-a, a]]).max() / (2 * a),
+        )
+        # What the profile's own numbers are rounded to, over the compliance that a thin layer has
+        # left.
         assert off < solution.error + 4e-15 / layer.symbol(np.array([np.pi / (2 * a)]))[0]
 
     def test_a_thick_layer_is_a_half_plane_up_to_the_square_of_its_thickness(self, base, nu):
         plain = solve(contact.Parabola(1.0), ALONE, tol=1e-11, load=0.01)
         off = []
         for h in (4.0, 16.0):
-            layered = solve(contact.Parabola(1.0), ALONE, tol=1e-11, substrate=contact.Layer(h, nu, base), load=0.01)
+            layered = solve(
+                contact.Parabola(1.0),
+                ALONE,
+                tol=1e-11,
+                substrate=contact.Layer(h, nu, base),
+                load=0.01,
+            )
             off.append(abs(plain.zones[0, 1] - layered.zones[0, 1]))
         assert np.log(off[0] / off[1]) / np.log(4) == pytest.approx(2, abs=0.05)
 
     def test_agrees_with_an_independent_grid(self, base, nu):
-        profile, layer = contact.Fourier(1.0, (-0.01, 0.006, 0.002), (0.002, -0.003, 0.001)), contact.Layer(0.1, nu, base)
+        profile, layer = (
+            contact.Fourier(1.0, (-0.01, 0.006, 0.002), (0.002, -0.003, 0.001)),
+            contact.Layer(0.1, nu, base),
+        )
         solution = solve(profile, PERIODIC, tol=1e-8, substrate=layer, load=0.02)
         grid = judge_period(profile.height, (-0.5, 0.5), 1.0, layer.symbol, 0.02, 1024)
-        assert np.count_nonzero((solution.pressure(grid.x) > 0) != grid.contact) <= 4 * max(len(solution.zones), 1)
+        assert np.count_nonzero((solution.pressure(grid.x) > 0) != grid.contact) <= 4 * max(
+            len(solution.zones), 1
+        )
         height = np.asarray(profile.height(grid.x))
-        assert solution.approach == pytest.approx(grid.level + 2 * layer.compression * 0.02 - height.min(), rel=5e-3)
+        assert solution.approach == pytest.approx(
+            grid.level + 2 * layer.compression * 0.02 - height.min(), rel=5e-3
+        )
 
-    @pytest.mark.parametrize("interaction", [PERIODIC, ALONE, contact.Localized("self-consistent"), contact.Localized()])
+    @pytest.mark.parametrize(
+        "interaction", [PERIODIC, ALONE, contact.Localized("self-consistent"), contact.Localized()]
+    )
     def test_every_control_leads_back(self, base, nu, interaction):
-        scene = contact.Scene(WAVE, 1.0, interaction, substrate=contact.Layer(0.3, nu, base), half_width=0.2)
+        scene = contact.Scene(
+            WAVE, 1.0, interaction, substrate=contact.Layer(0.3, nu, base), half_width=0.2
+        )
         given = contact.solve(scene, tol=1e-9)
         for control in ("load", "approach"):
-            again = contact.solve(replace(scene, half_width=None, **{control: getattr(given, control)}), tol=1e-8)
+            again = contact.solve(
+                replace(scene, half_width=None, **{control: getattr(given, control)}), tol=1e-8
+            )
             assert np.abs(again.zones - given.zones).max() < 1e-8
 
 
@@ -115,15 +162,22 @@ class TestLimits:
         off = []
         for h in (0.016, 0.008):
             layer = contact.Layer(h, 0.3, base)
-            solution = solve(contact.Parabola(1.0), ALONE, tol=1e-4, substrate=layer, half_width=0.2)
+            solution = solve(
+                contact.Parabola(1.0), ALONE, tol=1e-4, substrate=layer, half_width=0.2
+            )
             x = np.linspace(-0.15, 0.15, 13)
             expected = (solution.approach - 0.5 * x**2) / (2 * layer.compression)
             off.append(np.abs(solution.pressure(x) / expected - 1).max())
         assert off[0] < 0.2 and off[1] < 0.6 * off[0]
 
     def test_all_periods_of_a_thin_layer_act_as_one(self):
-        scene = contact.Scene(WAVE, 1.0, PERIODIC, substrate=contact.Layer(0.02, 0.3), half_width=0.1)
-        one, alone = contact.solve(scene, tol=1e-11), contact.solve(replace(scene, interaction=ALONE), tol=1e-11)
+        scene = contact.Scene(
+            WAVE, 1.0, PERIODIC, substrate=contact.Layer(0.02, 0.3), half_width=0.1
+        )
+        one, alone = (
+            contact.solve(scene, tol=1e-11),
+            contact.solve(replace(scene, interaction=ALONE), tol=1e-11),
+        )
         assert true_error(one, alone) < one.error + alone.error
         assert one.approach == pytest.approx(alone.approach, rel=1e-11)
         assert one.stiffness == pytest.approx(alone.stiffness, rel=1e-9)
@@ -131,25 +185,47 @@ class TestLimits:
     def test_several_zones_beside_each_other_are_those_of_a_period_that_is_long(self):
         layer = contact.Layer(0.1, 0.3)
         alone = solve(contact.Biquadratic(1.0, 0.4), ALONE, tol=1e-9, substrate=layer, load=0.02)
-        row = solve(contact.Biquadratic(1.0, 0.4, period=4.0), PERIODIC, tol=1e-9, substrate=layer, load=0.02)
+        row = solve(
+            contact.Biquadratic(1.0, 0.4, period=4.0),
+            PERIODIC,
+            tol=1e-9,
+            substrate=layer,
+            load=0.02,
+        )
         assert true_error(alone, row) < alone.error + row.error
 
     def test_a_zone_too_wide_for_its_layer_is_refused_with_the_reason(self):
-        scene = contact.Scene(contact.Parabola(1.0), 1.0, ALONE, substrate=contact.Layer(0.5e-4, 0.3), half_width=0.4)
-        with pytest.raises(contact.OutOfRange, match=r"9015 times as wide as the length 8.9e-05 m over which the kernel of layer varies"):
+        scene = contact.Scene(
+            contact.Parabola(1.0), 1.0, ALONE, substrate=contact.Layer(0.5e-4, 0.3), half_width=0.4
+        )
+        with pytest.raises(
+            contact.OutOfRange,
+            match=r"9015 times as wide as the length 8.9e-05 m over which the kernel of layer varies",
+        ):
             contact.solve(scene)
 
 
 @pytest.mark.parametrize("base, nu", KINDS)
 @pytest.mark.parametrize("interaction", [PERIODIC, ALONE])
 @pytest.mark.parametrize("thickness", [3e-3, pytest.param(1e-3, marks=pytest.mark.slow)])
-def test_a_contact_of_hundreds_of_thicknesses_has_few_unknowns_under_every_control(base, nu, interaction, thickness):
-    """Between layers beside its ends, a thickness wide, the pressure is smooth: its modes grow as the root of the width."""
+def test_a_contact_of_hundreds_of_thicknesses_has_few_unknowns_under_every_control(
+    base, nu, interaction, thickness
+):
+    """Between layers beside its ends, a thickness wide, the pressure is smooth: its modes grow as
+    the root of the width.
+    """
     layer = contact.Layer(thickness, nu, base)
-    given = contact.solve(contact.Scene(WAVE, 1.0, interaction, substrate=layer, half_width=0.15), tol=1e-6)
+    given = contact.solve(
+        contact.Scene(WAVE, 1.0, interaction, substrate=layer, half_width=0.15), tol=1e-6
+    )
     assert given.plan.counts["coupled_unknowns"] < 40 * np.sqrt(0.3 / thickness)
     for control in ("load", "approach") + ("contact_fraction",) * interaction.needs_period:
-        again = contact.solve(contact.Scene(WAVE, 1.0, interaction, substrate=layer, **{control: getattr(given, control)}), tol=1e-6)
+        again = contact.solve(
+            contact.Scene(
+                WAVE, 1.0, interaction, substrate=layer, **{control: getattr(given, control)}
+            ),
+            tol=1e-6,
+        )
         assert true_error(again, given) < 3 * (again.error + given.error) + 1e-9
         assert again.plan.counts["solves"] < 15
 
@@ -192,9 +268,15 @@ def test_the_coth_kernel_has_its_closed_form(a):
 @pytest.mark.parametrize(
     "thickness, nu, base, fault",
     [
-        (0.0, 0.3, "bonded", "thickness"), (-1.0, 0.3, "bonded", "thickness"), (np.inf, 0.3, "bonded", "thickness"),
-        (1.0, 0.51, "bonded", "nu"), (1.0, -1.0, "smooth", "nu"), (1.0, np.nan, "bonded", "nu"),
-        (1.0, 0.3, "smoth", "did you mean 'smooth'"), (1.0, 0.3, None, "base"), ("1", 0.3, "bonded", "thickness"),
+        (0.0, 0.3, "bonded", "thickness"),
+        (-1.0, 0.3, "bonded", "thickness"),
+        (np.inf, 0.3, "bonded", "thickness"),
+        (1.0, 0.51, "bonded", "nu"),
+        (1.0, -1.0, "smooth", "nu"),
+        (1.0, np.nan, "bonded", "nu"),
+        (1.0, 0.3, "smoth", "did you mean 'smooth'"),
+        (1.0, 0.3, None, "base"),
+        ("1", 0.3, "bonded", "thickness"),
     ],
 )
 def test_what_is_no_layer_is_refused(thickness, nu, base, fault):

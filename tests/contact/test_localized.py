@@ -1,4 +1,6 @@
-"""The localization principle: the paper's closures against their closed forms, and the hierarchy of explicit neighbours."""
+"""The localization principle: the paper's closures against their closed forms, and the hierarchy of
+explicit neighbours.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +26,11 @@ from contact.studies.trace_kinds import drawn
 from tests.contact.judge import relative, solve, true_error
 from tests.tiers import quick
 
-FIRST, SELF, PERIODIC = contact.Localized("first-order"), contact.Localized("self-consistent"), contact.Periodic()
+FIRST, SELF, PERIODIC = (
+    contact.Localized("first-order"),
+    contact.Localized("self-consistent"),
+    contact.Periodic(),
+)
 MODELS = [FIRST, SELF]
 WAVE = contact.Sinusoid(0.01, 1.0)
 LOPSIDED = contact.Fourier(1.0, [-0.01, 0.003], [0.004, 0.002])
@@ -34,8 +40,14 @@ TWO = contact.Fourier(1.0, [-0.004, -0.01], [0.003, 0.001])
 
 def closed_forms(a, closure):
     yield WAVE, exact.LocalizedZone(exact.IsolatedSinusoid(0.01, 1.0, 1.0, a), 1.0, closure)
-    yield contact.Parabola(1.0, period=1.0), exact.LocalizedZone(exact.HertzLine(1.0, 1.0, a), 1.0, closure)
-    yield contact.Wedge(0.1, period=1.0), exact.LocalizedZone(exact.IsolatedWedge(0.1, 1.0, a), 1.0, closure)
+    yield (
+        contact.Parabola(1.0, period=1.0),
+        exact.LocalizedZone(exact.HertzLine(1.0, 1.0, a), 1.0, closure),
+    )
+    yield (
+        contact.Wedge(0.1, period=1.0),
+        exact.LocalizedZone(exact.IsolatedWedge(0.1, 1.0, a), 1.0, closure),
+    )
 
 
 class TestClosedForms:
@@ -63,12 +75,16 @@ class TestClosedForms:
     def test_the_stated_error_is_honest_beside_the_border_where_the_term_is_steep(self, a, tol):
         for model in MODELS:
             for profile, answer in list(closed_forms(0.3, model.closure))[1:]:
-                answer = exact.LocalizedZone(type(answer.isolated)(*_shape(answer.isolated), a), 1.0, model.closure)
+                answer = exact.LocalizedZone(
+                    type(answer.isolated)(*_shape(answer.isolated), a), 1.0, model.closure
+                )
                 solution = solve(profile, model, tol=tol, half_width=a)
                 assert true_error(solution, answer) <= solution.error <= tol
 
     def test_the_two_closures_are_not_the_same(self):
-        answers = [exact.LocalizedZone(exact.HertzLine(1.0, 1.0, 0.3), 1.0, m.closure) for m in MODELS]
+        answers = [
+            exact.LocalizedZone(exact.HertzLine(1.0, 1.0, 0.3), 1.0, m.closure) for m in MODELS
+        ]
         assert abs(answers[0].load / answers[1].load - 1) > 1e-2
         solution = solve(contact.Parabola(1.0, period=1.0), FIRST, half_width=0.3)
         assert true_error(solution, answers[1]) > 1e-3
@@ -85,7 +101,8 @@ class TestNeighbours:
         return abs(solve(WAVE, model, tol=1e-11, half_width=a).load / whole.load - 1)
 
     @pytest.mark.parametrize(
-        "neighbours, figure", [(0, 1.4e-1), (1, 3.8e-3), (2, 8.3e-4), (4, 1.4e-4), (8, 2.1e-5), (16, 2.9e-6)]
+        "neighbours, figure",
+        [(0, 1.4e-1), (1, 3.8e-3), (2, 8.3e-4), (4, 1.4e-4), (8, 2.1e-5), (16, 2.9e-6)],
     )
     def test_load_errors_of_the_sinusoid_at_four_fifths_of_contact(self, neighbours, figure):
         # Two digits are given.
@@ -104,19 +121,31 @@ class TestNeighbours:
         assert self.load_error(1, 0.45) < 6e-3
 
     def test_an_asymmetric_shape_comes_nearer_with_the_first_power_only(self):
-        # The load's centre is not the strip's: the uniform pressure beyond the copies acts as if it were.
+        # The load's centre is not the strip's: the uniform pressure beyond the copies acts as if it
+        # were.
         whole = solve(LOPSIDED, PERIODIC, mean_pressure=0.01)
         m = np.array([1, 2, 4, 8, 16])
-        strips = [solve(LOPSIDED, contact.Localized("self-consistent", neighbours=int(k)), mean_pressure=0.01) for k in m]
+        strips = [
+            solve(
+                LOPSIDED,
+                contact.Localized("self-consistent", neighbours=int(k)),
+                mean_pressure=0.01,
+            )
+            for k in m
+        ]
         errors = [np.max(np.abs(strip.zones - whole.zones)) for strip in strips]
         assert abs(np.polyfit(np.log(2 * m[1:] + 1), np.log(errors[1:]), 1)[0] + 1) < 0.1
 
     def test_the_approach_comes_nearer_with_the_first_power_of_the_periods(self):
-        # What is left beyond the copies are their second moments over the squares of their distances.
+        # What is left beyond the copies are their second moments over the squares of their
+        # distances.
         whole = exact.Westergaard(0.01, 1.0, 1.0, 0.2)
         m = np.array([2, 4, 8, 16])
         models = [contact.Localized("self-consistent", neighbours=int(k)) for k in m]
-        errors = [abs(solve(WAVE, model, half_width=0.2).approach / whole.approach - 1) for model in models]
+        errors = [
+            abs(solve(WAVE, model, half_width=0.2).approach / whole.approach - 1)
+            for model in models
+        ]
         assert abs(np.polyfit(np.log(2 * m + 1), np.log(errors), 1)[0] + 1) < 0.05
 
 
@@ -127,7 +156,9 @@ class TestStrips:
         fields = solution.fields
         zones = fields.density.zones
         assert len(zones) == 1
-        assert abs(fields.problem.centre - 0.5 * (zones.a[0] + zones.b[0])) < 1e-9 * (zones.b[0] - zones.a[0])
+        assert abs(fields.problem.centre - 0.5 * (zones.a[0] + zones.b[0])) < 1e-9 * (
+            zones.b[0] - zones.a[0]
+        )
 
     @pytest.mark.parametrize("model", MODELS, ids=lambda m: m.closure)
     def test_several_zones_of_a_strip_share_the_load(self, model):
@@ -144,7 +175,9 @@ class TestStrips:
         def turned(wave, shift):
             k = 2 * np.pi * np.arange(1, 1 + len(wave.cosine)) * shift
             c, s = np.cos(k), np.sin(k)
-            return contact.Fourier(1.0, wave.cosine * c - wave.sine * s, wave.cosine * s + wave.sine * c)
+            return contact.Fourier(
+                1.0, wave.cosine * c - wave.sine * s, wave.cosine * s + wave.sine * c
+            )
 
         for wave in (LOPSIDED, TWO):
             one = solve(wave, model, tol=1e-9, mean_pressure=0.004)
@@ -155,36 +188,57 @@ class TestStrips:
     def test_the_first_order_closure_takes_the_isolated_load_of_the_same_total_width(self):
         solution = solve(TWO, FIRST, tol=1e-9, mean_pressure=0.004)
         amplitude = solution.fields.problem.amplitude * solution.fields.problem.units.pressure
-        # Any periodic design far from its images is nearly isolated: here the order of magnitude decides.
+        # Any periodic design far from its images is nearly isolated: here the order of magnitude
+        # decides.
         assert 0.5 * solution.mean_pressure < amplitude < solution.mean_pressure
 
-    def test_the_first_order_nominal_pressure_is_that_of_the_isolated_zones_of_the_same_total_width(self):
+    def test_the_first_order_nominal_pressure_is_that_of_the_isolated_zones_of_the_same_total_width(
+        self,
+    ):
         whole = solve(TWO, FIRST, tol=1e-9, mean_pressure=0.004)
         fields = whole.fields
-        alone = replace(fields.problem, interaction=contact.Isolated(), amplitude=None, reference=True)
+        alone = replace(
+            fields.problem, interaction=contact.Isolated(), amplitude=None, reference=True
+        )
         zones = fields.density.zones
         width = float((zones.b - zones.a).sum())
         free = sie.find_ends(alone.equation(Width(width)), sie.Zones.of(zones.table), 1e-10)
         assert free.converged
         assert abs(free.density.total / fields.problem.period / fields.problem.amplitude - 1) < 1e-8
 
-    @pytest.mark.parametrize("scene", [
-        contact.Scene(LOPSIDED, 1.0, FIRST, mean_pressure=0.004), contact.Scene(LOPSIDED, 1.0, FIRST, approach=0.006),
-        random_scenes.draw(30100).scene,
-    ])
-    def test_one_asperity_is_found_by_its_width_in_few_steps_and_keeps_the_formal_load_of_that(self, monkeypatch, scene):
+    @pytest.mark.parametrize(
+        "scene",
+        [
+            contact.Scene(LOPSIDED, 1.0, FIRST, mean_pressure=0.004),
+            contact.Scene(LOPSIDED, 1.0, FIRST, approach=0.006),
+            random_scenes.draw(30100).scene,
+        ],
+    )
+    def test_one_asperity_is_found_by_its_width_in_few_steps_and_keeps_the_formal_load_of_that(
+        self, monkeypatch, scene
+    ):
         # The last one fills all but a fortieth of the period.
         tried, at_width = [], FirstOrder._at_width
-        monkeypatch.setattr(FirstOrder, "_at_width", lambda self, *which: tried.append(which) or at_width(self, *which))
+        monkeypatch.setattr(
+            FirstOrder,
+            "_at_width",
+            lambda self, *which: tried.append(which) or at_width(self, *which),
+        )
         solution = contact.solve(scene)
         fields = solution.fields
-        alone = replace(fields.problem, interaction=contact.Isolated(), amplitude=None, reference=True)
+        alone = replace(
+            fields.problem, interaction=contact.Isolated(), amplitude=None, reference=True
+        )
         zones = fields.density.zones
-        free = sie.find_ends(alone.equation(Width(float(zones.b[0] - zones.a[0]))), sie.Zones.of(zones.table), 1e-10)
+        free = sie.find_ends(
+            alone.equation(Width(float(zones.b[0] - zones.a[0]))), sie.Zones.of(zones.table), 1e-10
+        )
         assert free.converged and len(zones) == 1 and len(tried) < 20
         assert abs(free.density.total / fields.problem.period / fields.problem.amplitude - 1) < 1e-8
         # How the nominal pressure follows the load is a part of the stiffness.
-        more = contact.solve(replace(scene, load=solution.load * (1 + 1e-5), approach=None, mean_pressure=None))
+        more = contact.solve(
+            replace(scene, load=solution.load * (1 + 1e-5), approach=None, mean_pressure=None)
+        )
         rate = 1e-5 * solution.load / (more.approach - solution.approach)
         assert abs(solution.stiffness / rate - 1) < 1e-3
 
@@ -193,7 +247,8 @@ class TestStrips:
         whole = solve(answer.profile, PERIODIC, tol=1e-9, load=answer.load)
         for model in MODELS:
             strip = solve(answer.profile, model, tol=1e-9, load=answer.load)
-            # (a/L)^2 is what the neighbours do to first order, and what localization gets wrong is less.
+            # (a/L)^2 is what the neighbours do to first order, and what localization gets wrong is
+            # less.
             assert relative(strip.zone_widths, whole.zone_widths) < 1e-5
 
 
@@ -201,7 +256,8 @@ class TestLimits:
     def test_past_the_first_order_maximum_of_the_sinusoid_a_load_is_out_of_range(self):
         widths = np.linspace(0.3, 0.49, 200)
         loads = [
-            exact.IsolatedSinusoid(0.01, 1.0, 1.0, a).load * (2 - np.sqrt(1 - 4 * a * a)) for a in widths
+            exact.IsolatedSinusoid(0.01, 1.0, 1.0, a).load * (2 - np.sqrt(1 - 4 * a * a))
+            for a in widths
         ]
         top, at = max(loads), widths[int(np.argmax(loads))]
         assert 0.42 < at < 0.46
@@ -212,7 +268,9 @@ class TestLimits:
 
     def test_no_load_below_it_is_refused(self):
         for a in (0.05, 0.2, 0.35, 0.38):
-            answer = exact.LocalizedZone(exact.IsolatedSinusoid(0.01, 1.0, 1.0, a), 1.0, "first-order")
+            answer = exact.LocalizedZone(
+                exact.IsolatedSinusoid(0.01, 1.0, 1.0, a), 1.0, "first-order"
+            )
             assert true_error(solve(WAVE, FIRST, load=answer.load), answer) < 1e-10
 
     def test_the_self_consistent_load_of_a_sinusoid_has_no_maximum_below_full_contact(self):
@@ -222,7 +280,8 @@ class TestLimits:
             solve(WAVE, SELF, load=1e3)
 
     def test_one_wave_alone_is_out_of_range_once_it_touches_at_the_border_of_its_cell(self):
-        # The valley of the closed form, which knows no border, sinks below the counter-face near a = 0.3.
+        # The valley of the closed form, which knows no border, sinks below the counter-face near a
+        # = 0.3.
         cell = contact.Isolated()
         low, high = (exact.IsolatedSinusoid(0.01, 1.0, 1.0, a) for a in (0.295, 0.31))
         x = np.linspace(0.32, 0.5, 200)
@@ -246,16 +305,23 @@ class TestLimits:
 
     @pytest.mark.parametrize("turns", [1.1, 2.0, 10.0])
     def test_a_nominal_pressure_keeps_a_gap_at_the_borders_of_its_strip_under_any_load(self, turns):
-        # Beside a border it bends the surface without bound: no zone gets there, and the centre stays where the gaps balance.
-        solution = solve(ROUGH, SELF, load=turns * solve(ROUGH, PERIODIC, contact_fraction=1.0).load)
+        # Beside a border it bends the surface without bound: no zone gets there, and the centre
+        # stays where the gaps balance.
+        solution = solve(
+            ROUGH, SELF, load=turns * solve(ROUGH, PERIODIC, contact_fraction=1.0).load
+        )
         assert solution.certificate.holds and len(solution.zones) == 1
         centre = solution.fields.problem.units.x(np.array(solution.fields.problem.centre))
         beside = solution.zones[0] - centre + 0.5 * np.array([1.0, -1.0])
         assert beside[0] > 1e-5 and abs(beside.sum()) < 1e-10
 
-    def test_beside_neighbours_a_load_grows_as_the_logarithm_of_the_gap_that_its_zone_leaves_at_the_border(self, monkeypatch):
+    def test_beside_neighbours_a_load_grows_as_the_logarithm_of_the_gap_that_its_zone_leaves_at_the_border(
+        self, monkeypatch
+    ):
         model = contact.Localized("self-consistent", neighbours=1)
-        loads = [solve(WAVE, model, half_width=0.5 - gap, tol=1e-8).load for gap in (1e-2, 1e-3, 1e-4)]
+        loads = [
+            solve(WAVE, model, half_width=0.5 - gap, tol=1e-8).load for gap in (1e-2, 1e-3, 1e-4)
+        ]
         decade = loads[2] - loads[1]
         assert 0.8 < decade / (loads[1] - loads[0]) < 1.0
         # A first guess knows of full contact only: the branch from zero load leads on ...
@@ -277,7 +343,10 @@ class TestSelfConsistentStrip:
         wave = Swinging(1.3357133912296777, 0.6150541064175756, 0.0)
         solution = solve(wave, SELF, mean_pressure=0.00363165122206578)
         zones, problem = solution.fields.density.zones, solution.fields.problem
-        middle, beside = 0.5 * float(zones.a[0] + zones.b[-1]), problem.period - float(zones.b[-1] - zones.a[0])
+        middle, beside = (
+            0.5 * float(zones.a[0] + zones.b[-1]),
+            problem.period - float(zones.b[-1] - zones.a[0]),
+        )
         assert middle == pytest.approx(problem.centre, abs=1e-8) and len(zones) == 2
         assert beside < float(zones.a[1] - zones.b[0])
 
@@ -289,8 +358,13 @@ class TestSelfConsistentStrip:
         scene = contact.Scene(body, 1e9, SELF, mean_pressure=part * full)
         solution = contact.solve(scene)
         assert solution.certificate.holds and solution.error <= 1e-8
-        more, less = (contact.solve(replace(scene, mean_pressure=by * part * full)) for by in (1 + 1e-3, 1 - 1e-3))
-        assert (more.load - less.load) / (more.approach - less.approach) == pytest.approx(solution.stiffness, rel=1e-4)
+        more, less = (
+            contact.solve(replace(scene, mean_pressure=by * part * full))
+            for by in (1 + 1e-3, 1 - 1e-3)
+        )
+        assert (more.load - less.load) / (more.approach - less.approach) == pytest.approx(
+            solution.stiffness, rel=1e-4
+        )
 
 
 class TestNearFullContact:
@@ -310,7 +384,9 @@ class TestCentring:
             looks.append(centre)
             touches = not walls[0] < centre < walls[1]
             b = balance(centre)
-            return SimpleNamespace(centre=centre, balance=b, miss=0.02 * b, room=0.1, cell=cell, touches=touches)
+            return SimpleNamespace(
+                centre=centre, balance=b, miss=0.02 * b, room=0.1, cell=cell, touches=touches
+            )
 
         return *settled(look, look(start), reach), looks
 
@@ -362,18 +438,28 @@ class TestFirstOrderSearch:
         off = np.abs(solution.zones - tight.zones) / np.diff(tight.zones, axis=1)
         assert off.max() <= solution.error + tight.error
 
-    @pytest.mark.parametrize(("seed", "kind", "positions", "part"), [
-        (zlib.crc32(b"rougheven") + 1, "rough", "even", 0.6), (zlib.crc32(b"honeduneven") + 2, "honed", "uneven", 0.3),
-    ])
-    def test_no_gap_of_the_profile_alone_is_missed_near_full_contact(self, seed, kind, positions, part):
+    @pytest.mark.parametrize(
+        ("seed", "kind", "positions", "part"),
+        [
+            (zlib.crc32(b"rougheven") + 1, "rough", "even", 0.6),
+            (zlib.crc32(b"honeduneven") + 2, "honed", "uneven", 0.3),
+        ],
+    )
+    def test_no_gap_of_the_profile_alone_is_missed_near_full_contact(
+        self, seed, kind, positions, part
+    ):
         profile = drawn(np.random.default_rng(seed), kind, 200, positions)
-        full = contact.solve(contact.Scene(profile, 1e9, PERIODIC, contact_fraction=1.0)).mean_pressure
+        full = contact.solve(
+            contact.Scene(profile, 1e9, PERIODIC, contact_fraction=1.0)
+        ).mean_pressure
         solution = contact.solve(contact.Scene(profile, 1e9, FIRST, mean_pressure=part * full))
         alone = alone_on_a_grid(solution, 2**16, 1e-8)
         assert abs(alone.width - solution.zone_widths.sum()) < 4 * alone.cell
 
     @pytest.mark.parametrize("seed", [11899, pytest.param(70530, marks=pytest.mark.slow)])
-    def test_zones_of_the_profile_alone_that_come_and_go_beside_the_root_are_put_in_a_bracket(self, seed):
+    def test_zones_of_the_profile_alone_that_come_and_go_beside_the_root_are_put_in_a_bracket(
+        self, seed
+    ):
         solution = contact.solve(random_scenes.draw(seed).scene)
         assert solution.certificate.holds and solution.error <= 1e-8
         alone = alone_on_a_grid(solution, 2**16, 1e-8)
@@ -381,11 +467,21 @@ class TestFirstOrderSearch:
 
     def test_a_light_load_is_on_the_summit_that_is_highest_not_on_that_of_a_coarse_grid(self):
         solution = contact.solve(random_scenes.draw(70548).scene)
-        periodic = contact.solve(contact.Scene(solution.scene.profile, solution.scene.E_star, PERIODIC, load=solution.load))
-        assert relative(solution.zones.mean(), periodic.zones.mean()) < 1e-8 and relative(solution.zone_widths, periodic.zone_widths) < 1e-5
+        periodic = contact.solve(
+            contact.Scene(
+                solution.scene.profile, solution.scene.E_star, PERIODIC, load=solution.load
+            )
+        )
+        assert (
+            relative(solution.zones.mean(), periodic.zones.mean()) < 1e-8
+            and relative(solution.zone_widths, periodic.zone_widths) < 1e-5
+        )
 
     def test_a_flat_summit_of_almost_fixed_width_tells_no_nominal_pressure(self):
-        with pytest.raises(contact.OutOfRange, match="from corner to corner, where every isolated load has their width"):
+        with pytest.raises(
+            contact.OutOfRange,
+            match="from corner to corner, where every isolated load has their width",
+        ):
             contact.solve(random_scenes.draw(11018).scene)
 
     def test_a_profile_alone_that_presses_at_its_border_is_given_a_zone_there(self):
@@ -393,9 +489,16 @@ class TestFirstOrderSearch:
         rng = np.random.default_rng([91, 102])
         rng.integers(0, 13), rng.integers(30, 300), rng.random()
         drawn_one = drawn(rng, "spikes", 39)
-        mirrored = contact.Sampled(-np.asarray(drawn_one.x)[::-1], np.asarray(drawn_one.heights)[::-1], period=drawn_one.period)
+        mirrored = contact.Sampled(
+            -np.asarray(drawn_one.x)[::-1],
+            np.asarray(drawn_one.heights)[::-1],
+            period=drawn_one.period,
+        )
         full = contact.solve(contact.Scene(drawn_one, 1.0, PERIODIC, contact_fraction=1.0)).load
-        one, other = (contact.solve(contact.Scene(each, 1.0, FIRST, load=0.06087 * full)) for each in (drawn_one, mirrored))
+        one, other = (
+            contact.solve(contact.Scene(each, 1.0, FIRST, load=0.06087 * full))
+            for each in (drawn_one, mirrored)
+        )
         assert len(one.zones) == len(other.zones) == 10
         assert np.abs(np.sort(one.zone_loads) - np.sort(other.zone_loads)).max() < 1e-9 * one.load
 
@@ -407,8 +510,13 @@ class TestFirstOrderSearch:
     def test_a_strip_with_very_many_zones_is_solved_by_fast_sums(self):
         rng = np.random.default_rng(5)
         trace = contact.Sampled(np.arange(600.0), 1e-3 * rng.normal(size=600), period=600.0)
-        full = contact.solve(contact.Scene(trace, 1.0, contact.Periodic(), contact_fraction=1.0)).load
-        solution = contact.solve(contact.Scene(trace, 1.0, contact.Localized("self-consistent", 0), load=0.05 * full), tol=1e-6)
+        full = contact.solve(
+            contact.Scene(trace, 1.0, contact.Periodic(), contact_fraction=1.0)
+        ).load
+        solution = contact.solve(
+            contact.Scene(trace, 1.0, contact.Localized("self-consistent", 0), load=0.05 * full),
+            tol=1e-6,
+        )
         assert solution.certificate.holds and len(solution.zones) > 60
         assert solution.plan["fast sums"].used
 
@@ -416,7 +524,9 @@ class TestFirstOrderSearch:
 def trace(points, positions):
     """A rough one, and its smallest mean pressure of full contact."""
     profile = drawn(np.random.default_rng(6), "rough", points, positions)
-    return profile, contact.solve(contact.Scene(profile, 1.0, contact.Periodic(), contact_fraction=1.0)).mean_pressure
+    return profile, contact.solve(
+        contact.Scene(profile, 1.0, contact.Periodic(), contact_fraction=1.0)
+    ).mean_pressure
 
 
 class Swinging(contact.Profile):
@@ -441,7 +551,9 @@ class TestFirstOrderOfSeveralZones:
         about = float(fields.problem.units.x(np.array(fields.problem.centre)))
         turn = 2 * np.pi * np.arange(1, 5) * about
         c, s = np.cos(turn), np.sin(turn)
-        cell = contact.Fourier(1.0, ROUGH.cosine * c + ROUGH.sine * s, ROUGH.sine * c - ROUGH.cosine * s)
+        cell = contact.Fourier(
+            1.0, ROUGH.cosine * c + ROUGH.sine * s, ROUGH.sine * c - ROUGH.cosine * s
+        )
         alone = solve(cell, contact.Isolated(), tol=1e-10, load=nominal)
         assert abs(alone.zone_widths.sum() / solution.zone_widths.sum() - 1) < 1e-8
         assert abs(alone.zones.mean()) > 1e-3  # and has zones of its own
@@ -454,11 +566,24 @@ class TestFirstOrderOfSeveralZones:
 
     @pytest.mark.parametrize("shift", [0.0, 0.25])
     def test_a_gap_of_the_profile_alone_that_has_nearly_closed_stays(self, shift):
-        fields = solve(Swinging(1.7023660265563023, 0.012030454697263937, shift), FIRST, mean_pressure=6.7498e-4).fields
-        nominal, width = fields.problem.amplitude * fields.problem.units.pressure, float(fields.density.zones.half.sum()) * 2
+        fields = solve(
+            Swinging(1.7023660265563023, 0.012030454697263937, shift),
+            FIRST,
+            mean_pressure=6.7498e-4,
+        ).fields
+        nominal, width = (
+            fields.problem.amplitude * fields.problem.units.pressure,
+            float(fields.density.zones.half.sum()) * 2,
+        )
         about = float(fields.problem.units.x(np.array(fields.problem.centre)))
-        alone = solve(Swinging(1.7023660265563023, 0.012030454697263937, shift - about), contact.Isolated(), load=nominal)
-        assert alone.zone_widths.sum() == pytest.approx(width * fields.problem.units.length, rel=1e-7)
+        alone = solve(
+            Swinging(1.7023660265563023, 0.012030454697263937, shift - about),
+            contact.Isolated(),
+            load=nominal,
+        )
+        assert alone.zone_widths.sum() == pytest.approx(
+            width * fields.problem.units.length, rel=1e-7
+        )
         assert len(alone.zones) == 2 and 0 < alone.zones[1, 0] - alone.zones[0, 1] < 0.01
 
     def test_a_narrow_zone_of_it_at_the_border_of_the_strip_moves_with_that(self):
@@ -471,31 +596,41 @@ class TestFirstOrderOfSeveralZones:
         assert np.max(np.abs(again.zones - first.zones) / np.diff(first.zones, axis=1)) < 1e-8
 
     def test_the_stiffness_follows_the_nominal_pressure_and_the_centre(self):
-        at = [solve(ROUGH, FIRST, tol=1e-11, mean_pressure=0.006 * (1 + off)) for off in (-1e-4, 0, 1e-4)]
+        at = [
+            solve(ROUGH, FIRST, tol=1e-11, mean_pressure=0.006 * (1 + off))
+            for off in (-1e-4, 0, 1e-4)
+        ]
         by_difference = (at[2].load - at[0].load) / (at[2].approach - at[0].approach)
         assert abs(at[1].stiffness / by_difference - 1) < 1e-4
 
     @pytest.mark.parametrize(
         ("cosine", "sine", "load"),
         [
-            ([0.0087, -0.0332], [0.0023, -0.0035], 0.1253), ([-0.01, 0.0089], [-0.0029, 0.0088], 0.0483),
+            ([0.0087, -0.0332], [0.0023, -0.0035], 0.1253),
+            ([-0.01, 0.0089], [-0.0029, 0.0088], 0.0483),
             ([-0.0058, 0.0021, 0.0078], [0.0023, -0.0249, 0.0069], 0.1137),
         ],
     )
-    def test_the_stiffness_follows_the_profile_alone_too_where_it_is_cut_off_at_the_borders(self, cosine, sine, load):
+    def test_the_stiffness_follows_the_profile_alone_too_where_it_is_cut_off_at_the_borders(
+        self, cosine, sine, load
+    ):
         profile, step = contact.Fourier(1.0, cosine, sine), 2e-4 * load
         at = [
-            contact.solve(contact.Scene(profile, 1.0, contact.Localized(), load=one), tol=1e-9) for one in (load - step, load, load + step)
+            contact.solve(contact.Scene(profile, 1.0, contact.Localized(), load=one), tol=1e-9)
+            for one in (load - step, load, load + step)
         ]
         by_difference = 2 * step / (at[2].approach - at[0].approach)
         assert abs(at[1].stiffness / by_difference - 1) < 1e-4
 
-    # Honed: 28 knots within a gap beat with 128, 256 and 512 modes, which was taken for rounding: 2.6e-7.
+    # Honed: 28 knots within a gap beat with 128, 256 and 512 modes, which was taken for rounding:
+    # 2.6e-7.
     @pytest.mark.slow
     @pytest.mark.parametrize(("seed", "kind", "spacing", "part"), [([7, 2], "honed", "even", 0.1)])
     def test_no_series_is_cut_short(self, seed, kind, spacing, part):
         profile = drawn(np.random.default_rng(seed), kind, 2000, spacing)
-        full = contact.solve(contact.Scene(profile, 1e9, PERIODIC, contact_fraction=1.0), tol=1e-6).load
+        full = contact.solve(
+            contact.Scene(profile, 1e9, PERIODIC, contact_fraction=1.0), tol=1e-6
+        ).load
         solution = contact.solve(contact.Scene(profile, 1e9, FIRST, load=part * full))
         assert solution.certificate.holds and solution.error <= 1e-8
 
@@ -505,8 +640,11 @@ class TestFirstOrderOfSeveralZones:
         scene = contact.Scene(profile, 1e11, contact.Periodic(), contact_fraction=1.0)
         full = contact.solve(scene).mean_pressure
         solution = contact.solve(contact.Scene(profile, 1e11, FIRST, mean_pressure=0.7 * full))
-        assert solution.certificate.holds and solution.error <= 1e-8 and solution.contact_fraction > 0.95
-
+        assert (
+            solution.certificate.holds
+            and solution.error <= 1e-8
+            and solution.contact_fraction > 0.95
+        )
 
 
 @pytest.mark.parametrize("seed", [21479, 23180])
@@ -519,7 +657,8 @@ def test_zones_of_a_body_between_corners_lie_between_those_of_its_own_period(see
 
 
 def test_the_profile_alone_ends_at_its_corners_as_in_the_strip():
-    # Pressed so little that the nominal pressure does nothing: the strip and its profile alone are the same contact at the corner.
+    # Pressed so little that the nominal pressure does nothing: the strip and its profile alone are
+    # the same contact at the corner.
     solution = contact.solve(random_scenes.draw(21479).scene)
     alone = contact.solve(replace(solution.scene, interaction=contact.Periodic()))
     assert relative(solution.zone_widths, alone.zone_widths) < 1e-6
@@ -534,15 +673,27 @@ def test_an_approach_at_which_grids_see_no_contact_is_that_of_a_load():
 class TestBetweenCorners:
     """A flat body on a wave with ripples, its own mirror image, under the first-order closure."""
 
-    FACES = contact.Combined(contact.Flat(0.6, period=1.0), contact.Fourier(1.0, -np.r_[0.004, np.zeros(8), 1e-4]))
+    FACES = contact.Combined(
+        contact.Flat(0.6, period=1.0), contact.Fourier(1.0, -np.r_[0.004, np.zeros(8), 1e-4])
+    )
 
     def under(self, mean, tol=1e-11):
-        return contact.solve(contact.Scene(self.FACES, 1.0, contact.Localized(closure="first-order"), mean_pressure=mean), tol=tol)
+        return contact.solve(
+            contact.Scene(
+                self.FACES, 1.0, contact.Localized(closure="first-order"), mean_pressure=mean
+            ),
+            tol=tol,
+        )
 
     def test_the_approach_grows_as_the_stiffness_says(self):
         low, here, high = (self.under(mean) for mean in (9.999e-4, 1e-3, 1.0001e-3))
-        assert abs((high.load - low.load) / (high.approach - low.approach) / here.stiffness - 1) < 1e-7
+        assert (
+            abs((high.load - low.load) / (high.approach - low.approach) / here.stiffness - 1) < 1e-7
+        )
 
     def test_zones_from_corner_to_corner_tell_no_nominal_pressure(self):
-        with pytest.raises(contact.OutOfRange, match="from corner to corner, where every isolated load has their width"):
+        with pytest.raises(
+            contact.OutOfRange,
+            match="from corner to corner, where every isolated load has their width",
+        ):
             self.under(0.03, tol=1e-8)

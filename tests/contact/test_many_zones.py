@@ -1,4 +1,6 @@
-"""Many zones: by fast sums as by a matrix, equal zones that stay equal, and work that grows with the zones and no faster."""
+"""Many zones: by fast sums as by a matrix, equal zones that stay equal, and work that grows with
+the zones and no faster.
+"""
 
 from dataclasses import replace
 
@@ -27,7 +29,9 @@ def rough(kmax, seed=1):
     amplitude *= 0.1 / np.sqrt(0.5 * np.sum((2 * np.pi * k * amplitude) ** 2))
     cosine, sine = np.zeros(kmax), np.zeros(kmax)
     cosine[3:], sine[3:] = amplitude * np.cos(phase), amplitude * np.sin(phase)
-    return contact.Scene(contact.Fourier(1.0, cosine, sine), 1.0, contact.Periodic(), mean_pressure=0.005)
+    return contact.Scene(
+        contact.Fourier(1.0, cosine, sine), 1.0, contact.Periodic(), mean_pressure=0.005
+    )
 
 
 def solve(scene, monkeypatch, unknowns, tol=1e-9):
@@ -56,8 +60,15 @@ def test_equal_waves_in_one_period_are_each_the_wave_alone(zones):
     """Harmonic number `zones` alone: rounding must not make one zone differ from the next."""
     cosine = np.zeros(zones)
     cosine[-1] = -1e-3 / zones
-    truth = Westergaard(amplitude=1e-3 / zones, period=1 / zones, E_star=1.0, half_width=0.15 / zones)
-    scene = contact.Scene(contact.Fourier(1.0, cosine, 0 * cosine), 1.0, contact.Periodic(), mean_pressure=truth.mean_pressure)
+    truth = Westergaard(
+        amplitude=1e-3 / zones, period=1 / zones, E_star=1.0, half_width=0.15 / zones
+    )
+    scene = contact.Scene(
+        contact.Fourier(1.0, cosine, 0 * cosine),
+        1.0,
+        contact.Periodic(),
+        mean_pressure=truth.mean_pressure,
+    )
     solution = contact.solve(scene, tol=1e-8)
     assert len(solution.zones) == zones and solution.certificate.holds
     assert solution.zone_widths == pytest.approx(0.3 / zones, rel=1e-8)
@@ -91,15 +102,21 @@ def test_iterations_do_not_grow_with_the_zones(monkeypatch):
 def test_a_harmonic_left_out_is_seen(monkeypatch):
     whole = solve(rough(300), monkeypatch, 10)
     less = contact.Fourier(1.0, whole.scene.profile.cosine[:-1], whole.scene.profile.sine[:-1])
-    part = contact.solve(contact.Scene(less, 1.0, contact.Periodic(), mean_pressure=0.005), tol=1e-9)
+    part = contact.solve(
+        contact.Scene(less, 1.0, contact.Periodic(), mean_pressure=0.005), tol=1e-9
+    )
     assert abs(part.max_pressure / whole.max_pressure - 1) > 1e-6
 
 
 def test_long_sums_are_exact_at_the_place_given():
-    """Slopes of 5,000 harmonics vary over a ten thousandth of the period: x / L rounded would show in the twelfth digit."""
+    """Slopes of 5,000 harmonics vary over a ten thousandth of the period: x / L rounded would show
+    in the twelfth digit.
+    """
     rng, count, period = np.random.default_rng(4), 5000, 0.3
     k = np.arange(1, count + 1)
-    profile = contact.Fourier(period, rng.standard_normal(count) / k, rng.standard_normal(count) / k)
+    profile = contact.Fourier(
+        period, rng.standard_normal(count) / k, rng.standard_normal(count) / k
+    )
     x = np.array([0.1234567, -0.1477, 0.05])
     slopes = []
     with mpmath.workdps(30):
@@ -110,10 +127,16 @@ def test_long_sums_are_exact_at_the_place_given():
                 term *= turn
                 powers.append(term)
             waves = [2 * mpmath.pi / mpmath.mpf(period) * int(n) for n in k]
-            slopes.append(float(mpmath.fsum(
-                w * (s * p.real - c * p.imag)
-                for w, c, s, p in zip(waves, profile.cosine, profile.sine, powers, strict=True)
-            )))
+            slopes.append(
+                float(
+                    mpmath.fsum(
+                        w * (s * p.real - c * p.imag)
+                        for w, c, s, p in zip(
+                            waves, profile.cosine, profile.sine, powers, strict=True
+                        )
+                    )
+                )
+            )
     size = 2 * np.pi / period * np.sqrt(np.sum(k**2 * (profile.cosine**2 + profile.sine**2)))
     assert profile.slope(x) == pytest.approx(slopes, abs=3e-15 * size)
 
@@ -126,7 +149,9 @@ def test_narrow_gaps_among_many_zones_cost_the_iteration_nothing(monkeypatch):
     without = solve(scene, monkeypatch, 10, 1e-8)
     assert with_slits.plan["slits"].used and not without.plan["slits"].used
     width = np.diff(with_slits.zones, axis=1)
-    assert np.abs((with_slits.zones - without.zones) / width).max() <= with_slits.error + without.error
+    assert (
+        np.abs((with_slits.zones - without.zones) / width).max() <= with_slits.error + without.error
+    )
     x = np.linspace(-0.5, 0.5, 501)
     assert with_slits.gap(x) == pytest.approx(without.gap(x), abs=1e-12)
     counts = [int(one.plan["fast sums"].detail.split()[0]) for one in (with_slits, without)]
@@ -150,7 +175,10 @@ def test_by_iteration_a_total_width_takes_hardly_more_than_a_total(monkeypatch):
     forcing = sie.Forcing(profile.slope, profile.height, resolution=1 / 400)
     width = float(np.diff(solution.zones).sum())
     start = sie.Zones.of(solution.zones + 0.01 * np.diff(solution.zones) * np.array([0.4, -0.7]))
-    for total, ends in ((sie.Total(solution.load), ()), (sie.Total(None), (sie.TotalWidth(width),))):
+    for total, ends in (
+        (sie.Total(solution.load), ()),
+        (sie.Total(None), (sie.TotalWidth(width),)),
+    ):
         counts.append(0)
         problem = sie.Equation(sie.hilbert(1.0), forcing, (total, sie.EqualPotential()), (), ends)
         found = sie.find_ends(problem, start, 1e-9, value=0.9 * solution.load)
@@ -179,7 +207,9 @@ def solved_with_its_equation(tol):
     scene = replace(rough(400), E_star=2.0, mean_pressure=0.01)
     solution, profile = contact.solve(scene, tol=tol), scene.profile
     forcing = sie.Forcing(profile.slope, profile.height, resolution=1 / 400)
-    return solution, sie.Equation(sie.hilbert(1.0), forcing, (sie.Total(solution.load), sie.EqualPotential()))
+    return solution, sie.Equation(
+        sie.hilbert(1.0), forcing, (sie.Total(solution.load), sie.EqualPotential())
+    )
 
 
 def test_ends_that_are_known_well_are_solved_for_tightly_at_once(monkeypatch):
@@ -190,7 +220,10 @@ def test_ends_that_are_known_well_are_solved_for_tightly_at_once(monkeypatch):
     plain, told = (sie.find_ends(equation, start, 1e-7, off=off) for off in (1.0, 1e-6))
     assert plain.converged and told.converged and len(told.trace) < len(plain.trace)
     width = np.diff(plain.density.zones.table, axis=1)
-    assert np.all(np.abs(told.density.zones.table - plain.density.zones.table) <= (told.end_error + plain.end_error) * width)
+    assert np.all(
+        np.abs(told.density.zones.table - plain.density.zones.table)
+        <= (told.end_error + plain.end_error) * width
+    )
 
 
 def test_a_shape_of_very_many_features_has_half_as_fine_a_grid(monkeypatch):
@@ -198,21 +231,30 @@ def test_a_shape_of_very_many_features_has_half_as_fine_a_grid(monkeypatch):
 
     def sized(f, influence, **asked):
         sizes.append(influence.n)
-        return once(np.cos(2 * np.pi * np.arange(64) / 64), influence.periodic(64, 1 / 64, 1.0), load=0.1)
+        return once(
+            np.cos(2 * np.pi * np.arange(64) / 64), influence.periodic(64, 1 / 64, 1.0), load=0.1
+        )
 
     once = coarse.solve_grid
     monkeypatch.setattr(coarse, "solve_grid", sized)
     monkeypatch.setattr(coarse, "_refine", lambda p, periodic: p)
     for features in (2**14, 2**15, 2**16):
         coarse.propose(np.cos, (0.0, 1.0), coarse.Response(1.0), load=0.1, resolution=1 / features)
-    assert [n for n, after in zip(sizes, [*sizes[1:], 64], strict=True) if after <= n] == [2**18, 2**19, 2**19]
+    assert [n for n, after in zip(sizes, [*sizes[1:], 64], strict=True) if after <= n] == [
+        2**18,
+        2**19,
+        2**19,
+    ]
 
 
 @pytest.mark.parametrize(
-    ("lacking", "sure", "looks"), [([3, 17], 0, [loop.LOOSELY] * 2), ([3], 0, [loop.LOOSELY] * 2), ([3], 2, [loop.LOOSELY])],
+    ("lacking", "sure", "looks"),
+    [([3, 17], 0, [loop.LOOSELY] * 2), ([3], 0, [loop.LOOSELY] * 2), ([3], 2, [loop.LOOSELY])],
     ids=["many", "few", "hardly any"],
 )
-def test_very_many_zones_are_first_looked_at_with_ends_that_are_known_loosely(monkeypatch, lacking, sure, looks):
+def test_very_many_zones_are_first_looked_at_with_ends_that_are_known_loosely(
+    monkeypatch, lacking, sure, looks
+):
     """Where the first zones are not those of the solution, no tight solution is made on them."""
     monkeypatch.setattr(loop, "MANY", 20)
     monkeypatch.setattr(loop, "SURE", sure)
@@ -236,21 +278,33 @@ def test_very_many_zones_are_first_looked_at_with_ends_that_are_known_loosely(mo
     assert asked[-1][0] < loop.LOOSELY and len(solution.zones) != asked[0][1]
     monkeypatch.undo()
     plain = contact.solve(scene, tol=1e-9)
-    assert np.abs((solution.zones - plain.zones) / np.diff(plain.zones)).max() <= solution.error + plain.error
+    assert (
+        np.abs((solution.zones - plain.zones) / np.diff(plain.zones)).max()
+        <= solution.error + plain.error
+    )
 
 
 def test_ends_with_what_their_places_cut_off_are_those_of_the_roughness_moved_by_a_quarter():
-    """A quarter turns the harmonics exactly: zones are the same to more digits than their places have."""
+    """A quarter turns the harmonics exactly: zones are the same to more digits than their places
+    have.
+    """
     scene = rough(1200)
     profile = scene.profile
-    c = (np.asarray(profile.cosine) - 1j * np.asarray(profile.sine)) * np.array([1, -1j, -1, 1j])[np.arange(1, 1201) % 4]
-    here, moved = (contact.solve(replace(scene, profile=one), tol=1e-9) for one in (profile, contact.Fourier(1.0, c.real, -c.imag)))
+    c = (np.asarray(profile.cosine) - 1j * np.asarray(profile.sine)) * np.array([1, -1j, -1, 1j])[
+        np.arange(1, 1201) % 4
+    ]
+    here, moved = (
+        contact.solve(replace(scene, profile=one), tol=1e-9)
+        for one in (profile, contact.Fourier(1.0, c.real, -c.imag))
+    )
     order = np.argsort((here.zones[:, 0] + 0.75) % 1.0)
     apart = moved.zones - here.zones[order] - 0.25
     apart = (apart - np.round(apart)) + (moved.zone_remainders - here.zone_remainders[order])
     assert np.any(here.zone_remainders != 0.0)
     assert np.abs(apart / here.zone_widths[order, None]).max() <= here.error + moved.error
-    assert here.zone_widths[order] == pytest.approx(moved.zone_widths, rel=2 * (here.error + moved.error), abs=0)
+    assert here.zone_widths[order] == pytest.approx(
+        moved.zone_widths, rel=2 * (here.error + moved.error), abs=0
+    )
 
 
 def test_a_finer_grid_begins_without_the_cells_beyond_an_end():
@@ -287,5 +341,8 @@ def test_a_search_goes_on_from_what_the_last_one_has_left(monkeypatch):
     solution, equation = solved_with_its_equation(1e-8)
     beside = sie.Zones.of(solution.zones + 1e-5 * np.diff(solution.zones) * np.array([0.4, -0.7]))
     left = sie.find_ends(equation, sie.Zones.of(solution.zones), 1e-7).state.sizes
-    fresh, after = (sie.find_ends(equation, beside, 1e-7, max_steps=0, like=like).state.sizes for like in (None, left))
+    fresh, after = (
+        sie.find_ends(equation, beside, 1e-7, max_steps=0, like=like).state.sizes
+        for like in (None, left)
+    )
     assert after.iterations < 0.6 * fresh.iterations

@@ -1,4 +1,6 @@
-"""Reading measured traces: the stylus file as it came from the instrument, and every way a file can be bad."""
+"""Reading measured traces: the stylus file as it came from the instrument, and every way a file can
+be bad.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +18,9 @@ from contact.model.traces.prepare import load_trace, subtract_trend, taper_ends,
 STYLUS = Path(__file__).parents[2] / "examples" / "data" / "stylus-profile.csv"
 
 
-def read_columns(path: Path, columns: tuple[int | str, ...] = (), units: str | None = None) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def read_columns(
+    path: Path, columns: tuple[int | str, ...] = (), units: str | None = None
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Position and height [m] of a text file, and the line of each."""
     table = read_table(path, columns)
     values, _ = in_metres(path, table, units)
@@ -51,7 +55,8 @@ def test_the_stylus_profile_has_the_stated_roughness_and_spikes() -> None:
 def test_rounded_positions_are_recognised_and_the_pitch_behind_them_found() -> None:
     trace = load_trace(STYLUS, units="um", regrid=True)
     pitch = np.diff(trace.x)
-    # 1500 um in 9600 steps; a fit through n positions rounded to q is good to about q/n^1.5 of the pitch.
+    # 1500 um in 9600 steps; a fit through n positions rounded to q is good to about q/n^1.5 of the
+    # pitch.
     assert np.mean(pitch) == pytest.approx(1500e-6 / 9600, rel=1e-6)
     assert np.ptp(pitch) < 1e-12 * 1e-3
     assert any("rounding" in said for said in trace.history)
@@ -127,7 +132,9 @@ def test_a_bad_row_is_named_by_file_and_line(tmp_path: Path, text: str, line: in
         load_trace(write(tmp_path, text))
 
 
-@pytest.mark.parametrize("content", [b"", b"\n\n", b"only words\nand more\n", b"1,2\n", bytes(range(256))])
+@pytest.mark.parametrize(
+    "content", [b"", b"\n\n", b"only words\nand more\n", b"1,2\n", bytes(range(256))]
+)
 def test_a_file_without_a_table_is_refused_by_name(tmp_path: Path, content: bytes) -> None:
     with pytest.raises(SceneError, match=r"trace\.csv"):
         load_trace(write(tmp_path, content))
@@ -192,7 +199,8 @@ def test_a_taper_leaves_the_middle_alone_and_makes_the_ends_meet() -> None:
     inside = (x > 0.1) & (x < 0.9)
     assert np.allclose(t[inside], h[inside], rtol=0, atol=1e-15)
     assert t[0] == t[-1]
-    # The blend begins as (pi s)^2/4, s the distance over a tenth of the length: 6e-5 of the offset one point in.
+    # The blend begins as (pi s)^2/4, s the distance over a tenth of the length: 6e-5 of the offset
+    # one point in.
     assert abs(t[1] - t[0]) == pytest.approx((np.pi * 0.005) ** 2 / 4 * abs(h[1] - t[0]), rel=1e-4)
 
 
@@ -205,12 +213,20 @@ def test_regrid_keeps_even_points_and_interpolates_uneven_ones() -> None:
     assert x.size == 25 and np.allclose(h, 2 * x, rtol=1e-13) and "linearly" in said
 
 
-def test_rounding_that_repeats_positions_is_mended_and_other_repeats_are_not(tmp_path: Path) -> None:
+def test_rounding_that_repeats_positions_is_mended_and_other_repeats_are_not(
+    tmp_path: Path,
+) -> None:
     x = np.round(0.04 * np.arange(100), 1)
     even, h, said = to_uniform(x, np.arange(100.0), 100)
-    assert "rounding" in said and np.ptp(np.diff(even)) < 1e-12 and np.array_equal(h, np.arange(100.0))
+    assert (
+        "rounding" in said and np.ptp(np.diff(even)) < 1e-12 and np.array_equal(h, np.arange(100.0))
+    )
     assert np.mean(np.diff(even)) == pytest.approx(0.04, rel=1e-3)
     x = np.linspace(0, 1, 100)
     x[50] = x[49]
     with pytest.raises(SceneError, match="is repeated, and rounding does not explain it"):
-        load_trace(write(tmp_path, "\n".join(f"{place:.17g},{place:.17g}" for place in x)), units="mm", regrid=True)
+        load_trace(
+            write(tmp_path, "\n".join(f"{place:.17g},{place:.17g}" for place in x)),
+            units="mm",
+            regrid=True,
+        )

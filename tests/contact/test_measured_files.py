@@ -1,4 +1,6 @@
-"""Files of traces as instruments, spreadsheets and programs write them: read rightly, or refused with both readings."""
+"""Files of traces as instruments, spreadsheets and programs write them: read rightly, or refused
+with both readings.
+"""
 
 from __future__ import annotations
 
@@ -17,8 +19,13 @@ Z[1:3] = 0.25, -0.5
 
 
 def table(delimiter: str, decimal: str = ".", index: bool = False, form: str = "{:.3f}") -> str:
-    rows = ([f"{i}"] * index + [form.format(x), form.format(z)] for i, (x, z) in enumerate(zip(X, Z, strict=True)))
-    return "".join(delimiter.join(cell.replace(".", decimal) for cell in row) + "\n" for row in rows)
+    rows = (
+        [f"{i}"] * index + [form.format(x), form.format(z)]
+        for i, (x, z) in enumerate(zip(X, Z, strict=True))
+    )
+    return "".join(
+        delimiter.join(cell.replace(".", decimal) for cell in row) + "\n" for row in rows
+    )
 
 
 def write(folder: Path, content: str | bytes) -> Path:
@@ -66,19 +73,35 @@ UM, BOTH = {"units": "um"}, {"units": ["um", "nm"]}
         (table(",").replace("\n", ",ok\n"), UM, 1e-6),
         (table(";").replace("-", "\u2212"), UM, 1e-6),
         ("".join(f"{z:.3f}\n" for z in Z), {"pitch": 5e-7, **UM}, 1e-6),
-        ("".join(f"{z:.3f}\n" for z in Z).replace(".", ","), {"pitch": 5e-7, "decimal": ",", **UM}, 1e-6),
+        (
+            "".join(f"{z:.3f}\n" for z in Z).replace(".", ","),
+            {"pitch": 5e-7, "decimal": ",", **UM},
+            1e-6,
+        ),
     ],
 )
-def test_what_can_be_read_in_one_way_is(tmp_path: Path, content: str | bytes, options: dict, height: float) -> None:
+def test_what_can_be_read_in_one_way_is(
+    tmp_path: Path, content: str | bytes, options: dict, height: float
+) -> None:
     read = Sampled.from_file(write(tmp_path, content), **options)
     assert np.allclose(read.x / read.x[1], X / X[1], rtol=1e-12)
     assert np.allclose(read.heights, height * Z, rtol=1e-12)
 
 
-@pytest.mark.parametrize("options", [{}, UM, {"columns": [0, 1]}, {"delimiter": ","}, {"columns": ["x", "z"]}], ids=str)
-def test_commas_between_columns_and_in_numbers_are_refused_with_both_readings(tmp_path: Path, options: dict) -> None:
+@pytest.mark.parametrize(
+    "options", [{}, UM, {"columns": [0, 1]}, {"delimiter": ","}, {"columns": ["x", "z"]}], ids=str
+)
+def test_commas_between_columns_and_in_numbers_are_refused_with_both_readings(
+    tmp_path: Path, options: dict
+) -> None:
     """Read as four columns the heights would be the decimals of the positions."""
-    readings = ("'0,500,0,250'", "0 | 500 | 0 | 250", "0,500 | 0,250", 'decimal = "."', 'decimal = ","')
+    readings = (
+        "'0,500,0,250'",
+        "0 | 500 | 0 | 250",
+        "0,500 | 0,250",
+        'decimal = "."',
+        'decimal = ","',
+    )
     content = table(",", ",").split("\n", 1)[1]
     refused(tmp_path, "x,z\n" + content, *readings, **options)
 
@@ -88,25 +111,33 @@ def test_whole_numbers_in_three_columns_may_have_decimals_too(tmp_path: Path) ->
     refused(tmp_path, rows, "0 | 0 | 0", 'decimal = "."', columns=[1, 2])
     with pytest.warns(contact.ModelWarning):
         assert Sampled.from_file(write(tmp_path, rows), columns=[1, 2], decimal=".").x[1] == 10.0
-    assert Sampled.from_file(write(tmp_path, "i,x,z\n" + rows), columns=[1, 2], units="um").x[1] == pytest.approx(1e-5)
+    assert Sampled.from_file(write(tmp_path, "i,x,z\n" + rows), columns=[1, 2], units="um").x[
+        1
+    ] == pytest.approx(1e-5)
     refused(tmp_path, rows, "told apart only where every number has decimals", decimal=",")
 
 
 def test_thousands_may_be_decimals(tmp_path: Path) -> None:
     rows = "".join(f"1,{100 + i};{i % 3}\n" for i in range(8))
     refused(tmp_path, rows, "'1,100' can be read as 1.100 or as 1100", 'decimal = ","')
-    assert Sampled.from_file(write(tmp_path, rows), units="um", decimal=",").x[0] == pytest.approx(1.1e-6)
+    assert Sampled.from_file(write(tmp_path, rows), units="um", decimal=",").x[0] == pytest.approx(
+        1.1e-6
+    )
 
 
 @pytest.mark.parametrize(("form", "decimal"), [("{:,.2f};{:.2f}", "."), ("{:,.2f}\t{:.2f}", ",")])
 def test_separated_thousands_are_refused(tmp_path: Path, form: str, decimal: str) -> None:
     swap = str.maketrans(",.", ".,") if decimal == "," else {}
-    rows = "".join(form.format(1000 * x, z).translate(swap) + "\n" for x, z in zip(X, Z, strict=True))
+    rows = "".join(
+        form.format(1000 * x, z).translate(swap) + "\n" for x, z in zip(X, Z, strict=True)
+    )
     refused(tmp_path, rows, "thousands")
 
 
 @pytest.mark.parametrize("regrid", [None, True])
-def test_thousands_between_which_and_columns_is_the_same_comma_are_refused(tmp_path: Path, regrid: bool | None) -> None:
+def test_thousands_between_which_and_columns_is_the_same_comma_are_refused(
+    tmp_path: Path, regrid: bool | None
+) -> None:
     """Read as columns the positions are 1, 1, 1, ... 2, 2, which rounding might explain."""
     rows = "".join(f"{1000 + 20.5 * i:,.1f},{i % 7}\n" for i in range(80))
     refused(tmp_path, rows, "'000.0' in '1,000.0,0'", units="um", columns=[0, 1], regrid=regrid)
@@ -116,7 +147,14 @@ def test_thousands_between_which_and_columns_is_the_same_comma_are_refused(tmp_p
 
 
 def test_more_columns_than_two_are_refused_with_the_readings_unless_chosen(tmp_path: Path) -> None:
-    message = refused(tmp_path, table(",", index=True), "3 columns of numbers", "0 | 0.000", "columns = [0, 1]", "columns = [1, 2]")
+    message = refused(
+        tmp_path,
+        table(",", index=True),
+        "3 columns of numbers",
+        "0 | 0.000",
+        "columns = [0, 1]",
+        "columns = [1, 2]",
+    )
     assert "line 1" in message
     refused(tmp_path, "i;x;z\n" + table(";", index=True), "columns = [1, 2] for 'x' and 'z'", **UM)
     refused(tmp_path, table(","), "2 columns of numbers", "columns = [1]", pitch=1e-6)
@@ -126,15 +164,26 @@ def test_more_columns_than_two_are_refused_with_the_readings_unless_chosen(tmp_p
 def test_a_column_that_counts_the_points_holds_no_positions(tmp_path: Path, name: str) -> None:
     rows = f"{name},height [um]\n" + "".join(f"{i},{z}\n" for i, z in enumerate(Z))
     refused(tmp_path, rows, "a count", "columns = [1] and pitch", "columns = [0, 1]", units="um")
-    assert Sampled.from_file(write(tmp_path, rows), columns=[1], pitch=5e-7).x[1] == pytest.approx(5e-7)
-    assert Sampled.from_file(write(tmp_path, rows), columns=[0, 1], units="um").x[1] == pytest.approx(1e-6)
+    assert Sampled.from_file(write(tmp_path, rows), columns=[1], pitch=5e-7).x[1] == pytest.approx(
+        5e-7
+    )
+    assert Sampled.from_file(write(tmp_path, rows), columns=[0, 1], units="um").x[
+        1
+    ] == pytest.approx(1e-6)
 
 
 def test_one_column_needs_a_pitch(tmp_path: Path) -> None:
     heights = "".join(f"{abs(z)}\n" for z in Z)
     refused(tmp_path, heights, "pitch")
     refused(tmp_path, heights, "pitch", pitch=-1.0)
-    refused(tmp_path, heights.replace(".", ","), "can be read as 2 columns", 'decimal = ","', pitch=1e-6, units="um")
+    refused(
+        tmp_path,
+        heights.replace(".", ","),
+        "can be read as 2 columns",
+        'decimal = ","',
+        pitch=1e-6,
+        units="um",
+    )
     refused(tmp_path, table(","), "columns", pitch=1e-6, columns=[0, 1])
 
 
@@ -149,7 +198,9 @@ def test_one_column_needs_a_pitch(tmp_path: Path) -> None:
         ("x [um],z", None, "one column only"),
     ],
 )
-def test_units_that_contradict_the_header_are_refused(tmp_path: Path, header: str, units: str | None, said: str) -> None:
+def test_units_that_contradict_the_header_are_refused(
+    tmp_path: Path, header: str, units: str | None, said: str
+) -> None:
     refused(tmp_path, f"{header}\n{table(',')}", "units", "line 1", said, units=units)
 
 
@@ -160,7 +211,10 @@ def test_units_that_contradict_the_header_are_refused(tmp_path: Path, header: st
         (table(",").replace("-0.500", "***"), "line 3"),
         (table(",").replace("-0.500", "0.5 ?"), "no two numbers"),
         (table(",").replace("-0.500", ""), "line 3"),
-        ("\n".join(table(",").split()[5:] + table(",").split()[:5]), "positions must increase or decrease throughout"),
+        (
+            "\n".join(table(",").split()[5:] + table(",").split()[:5]),
+            "positions must increase or decrease throughout",
+        ),
         ("".join(f"{z},{x}\n" for x, z in zip(X, Z, strict=True)), "other way round"),
         ("".join(f"3.0,{z}\n" for z in Z), "all positions are"),
         (b"PK\x03\x04" + bytes(100), "spreadsheet"),
@@ -171,7 +225,9 @@ def test_units_that_contradict_the_header_are_refused(tmp_path: Path, header: st
         ("0.5,1.2\n", "no two rows of numbers"),
     ],
 )
-def test_a_file_that_is_no_table_of_a_trace_is_refused_by_what_it_is(tmp_path: Path, content: str | bytes, word: str) -> None:
+def test_a_file_that_is_no_table_of_a_trace_is_refused_by_what_it_is(
+    tmp_path: Path, content: str | bytes, word: str
+) -> None:
     refused(tmp_path, content, word, units="um")
 
 
@@ -182,15 +238,21 @@ def test_options_of_the_layout_are_refused_by_name(tmp_path: Path, field: str, b
 
 
 @pytest.mark.parametrize(
-    "heights", [lambda x: 3.1 + 0 * x, lambda x: 0.1 + 0.3 * x, lambda x: 1e3 - 0.7 * x], ids="constant line slope".split()
+    "heights",
+    [lambda x: 3.1 + 0 * x, lambda x: 0.1 + 0.3 * x, lambda x: 1e3 - 0.7 * x],
+    ids="constant line slope".split(),
 )
 @pytest.mark.parametrize("detrend", ["none", "line", "quadratic"])
 @pytest.mark.parametrize("taper", [None, 0.1])
-def test_heights_constant_to_rounding_are_refused(tmp_path: Path, heights, detrend: str, taper: float | None) -> None:
+def test_heights_constant_to_rounding_are_refused(
+    tmp_path: Path, heights, detrend: str, taper: float | None
+) -> None:
     """What is left of a line is its rounding, with as many peaks as there are points."""
     if detrend == "none" and heights(X)[0] != heights(X)[1]:
         return
-    rows = "".join(f"{1000 + x!r},{z!r}\n" for x, z in zip(X.tolist(), heights(X).tolist(), strict=True))
+    rows = "".join(
+        f"{1000 + x!r},{z!r}\n" for x, z in zip(X.tolist(), heights(X).tolist(), strict=True)
+    )
     refused(tmp_path, rows, "the same everywhere", units="um", detrend=detrend, taper=taper)
     with pytest.raises(SceneError, match="the same everywhere"):
         contact.Sampled(X, np.where(X > 2, 0.3, 0.1 + 0.2))
@@ -202,5 +264,8 @@ def test_regrid_makes_no_millions_of_points(tmp_path: Path) -> None:
 
 
 def test_the_history_says_in_which_units_a_file_was_read(tmp_path: Path) -> None:
-    assert "the header's" in Sampled.from_file(write(tmp_path, "x [um],z [nm]\n" + table(","))).history[0]
+    assert (
+        "the header's"
+        in Sampled.from_file(write(tmp_path, "x [um],z [nm]\n" + table(","))).history[0]
+    )
     assert '"um"' in Sampled.from_file(write(tmp_path, table(",")), units="um").history[0]

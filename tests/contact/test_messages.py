@@ -16,7 +16,9 @@ WAVE = contact.Scene(contact.Sinusoid(1e-6, 1e-4), 1e9, contact.Periodic(), load
         lambda: contact.solve_many(WAVE, -np.arange(1.0, 4000.0)),
         lambda: contact.Sampled(np.arange(4000.0), np.full(4000, np.nan)),
         lambda: contact.profile("x" * 5000),
-        lambda: contact.Scene(contact.Sinusoid(np.arange(5000.0), 1.0), 1.0, contact.Periodic(), load=1.0),
+        lambda: contact.Scene(
+            contact.Sinusoid(np.arange(5000.0), 1.0), 1.0, contact.Periodic(), load=1.0
+        ),
         lambda: (_ for _ in ()).throw(contact.NotConverged("y" * 9000)),
     ],
 )
@@ -32,7 +34,11 @@ def test_a_path_names_its_values():
 
 
 def test_events_lie_in_the_cell():
-    profile = contact.Sampled(np.arange(16) / 16, np.random.default_rng(0).normal(size=16) * 1e-3, period=1.0)
-    found = contact.path(contact.Scene(profile, 1.0, contact.Periodic(), load=1.0), np.geomspace(1e-5, 0.03, 7))
+    profile = contact.Sampled(
+        np.arange(16) / 16, np.random.default_rng(0).normal(size=16) * 1e-3, period=1.0
+    )
+    found = contact.path(
+        contact.Scene(profile, 1.0, contact.Periodic(), load=1.0), np.geomspace(1e-5, 0.03, 7)
+    )
     assert any(event.kind == "full" for event in found.events)
     assert all(profile.x0 <= event.position < profile.x0 + 1.0 for event in found.events)

@@ -1,4 +1,6 @@
-"""Traces and their mirror images have one answer, within what both state: all rounding, all grids and all sides are others."""
+"""Traces and their mirror images have one answer, within what both state: all rounding, all grids
+and all sides are others.
+"""
 
 import pytest
 

@@ -1,4 +1,6 @@
-"""What the model hardly covers is solved and said: by Python, on one line of stderr, and in the answer."""
+"""What the model hardly covers is solved and said: by Python, on one line of stderr, and in the
+answer.
+"""
 
 from __future__ import annotations
 
@@ -31,7 +33,9 @@ def told(call) -> list[str]:
         warnings.simplefilter("always")
         call()
     assert all(warning.category is contact.ModelWarning for warning in caught)
-    assert all(Path(warning.filename) == Path(__file__) for warning in caught), "of the line that called"
+    assert all(Path(warning.filename) == Path(__file__) for warning in caught), (
+        "of the line that called"
+    )
     return [str(warning.message) for warning in caught]
 
 
@@ -52,13 +56,28 @@ IN_GPA = scene(contact.Sinusoid(1e-6, L), 110.0, contact_fraction=0.1)
         (PRESSED, ("slopes up to", "pressure of")),
         (RIGID, ("E_star = 1e+40",)),
         (IN_GPA, ("E_star = 110",)),
-        (scene(contact.Wedge(0.5), 1.0, ISOLATED, load=1.0), ("slopes up to 0.5", "mean contact pressure")),
-        (scene(contact.Flat(1.0), 1.0, ISOLATED, load=0.3), ("mean contact pressure of 300 mPa, 0.3 of E*",)),
+        (
+            scene(contact.Wedge(0.5), 1.0, ISOLATED, load=1.0),
+            ("slopes up to 0.5", "mean contact pressure"),
+        ),
+        (
+            scene(contact.Flat(1.0), 1.0, ISOLATED, load=0.3),
+            ("mean contact pressure of 300 mPa, 0.3 of E*",),
+        ),
         (scene(contact.Sinusoid(0.02, 1.0), 1.0, mean_pressure=0.2), ("pressure of",)),
-        (scene(contact.Sinusoid(1.0, 100.0), contact_fraction=0.1), ("a profile 100 m long",)),  # in micrometres
+        (
+            scene(contact.Sinusoid(1.0, 100.0), contact_fraction=0.1),
+            ("a profile 100 m long",),
+        ),  # in micrometres
         (scene(contact.Parabola(50.0, 20.0), contact_fraction=0.01), ("a profile 20 m long",)),
         (scene(contact.Flat(40.0), interaction=ISOLATED, load=1e3), ("a profile 40 m long",)),
-        (scene(contact.Sampled(np.arange(8.0), 0.1 * np.cos(np.arange(8.0)), period=8.0), contact_fraction=0.1), ("8 m long",)),
+        (
+            scene(
+                contact.Sampled(np.arange(8.0), 0.1 * np.cos(np.arange(8.0)), period=8.0),
+                contact_fraction=0.1,
+            ),
+            ("8 m long",),
+        ),
         (scene(contact.Fourier(1e-10, [1e-12]), contact_fraction=0.5), ("100 pm long",)),
         (scene(contact.Sinusoid(1e-12, L), contact_fraction=0.5), ("less than an atom",)),
     ],
@@ -67,7 +86,9 @@ IN_GPA = scene(contact.Sinusoid(1e-6, L), 110.0, contact_fraction=0.1)
 def test_what_the_model_hardly_covers_is_solved_and_said(given, words):
     solution = []
     messages = told(lambda: solution.append(contact.solve(given)))
-    assert len(messages) == len(words) and all(word in message for word, message in zip(words, messages, strict=True))
+    assert len(messages) == len(words) and all(
+        word in message for word, message in zip(words, messages, strict=True)
+    )
     assert solution[0].warnings == messages
     assert issubclass(contact.ModelWarning, UserWarning)
 
@@ -83,7 +104,11 @@ def test_what_the_model_hardly_covers_is_solved_and_said(given, words):
         scene(contact.Parabola(1.0), 1e-9, ISOLATED, load=1e-12),
         scene(contact.Parabola(1.0), 1e11, ISOLATED, load=1e3),
         scene(contact.Sinusoid(1e-3, 5.0), 2.1e5, mean_pressure=1.0),  # millimetres and megapascals
-        scene(contact.Sampled(np.arange(8.0), 0.1 * np.cos(np.arange(8.0)), period=8.0), 1.0, mean_pressure=1e-3),
+        scene(
+            contact.Sampled(np.arange(8.0), 0.1 * np.cos(np.arange(8.0)), period=8.0),
+            1.0,
+            mean_pressure=1e-3,
+        ),
     ],
     ids="wave parabola wedge punch modulus soft roller megapascals trace".split(),
 )
@@ -91,7 +116,9 @@ def test_numbers_without_units_are_nothing_to_warn_of(given):
     assert told(lambda: contact.solve(given)) == []
 
 
-@pytest.mark.parametrize("name", [path.name for path in sorted(EXAMPLES.glob("*.toml")) if "stylus" not in path.name])
+@pytest.mark.parametrize(
+    "name", [path.name for path in sorted(EXAMPLES.glob("*.toml")) if "stylus" not in path.name]
+)
 def test_no_example_is_warned_of(name):
     assert told(lambda: contact.solve(contact.load_scene(EXAMPLES / name), tol=1e-5)) == []
 
@@ -109,10 +136,15 @@ def test_a_body_on_the_slope_that_it_is_turned_by_is_not_steep():
 
 
 def test_a_path_a_comparison_and_an_approach_say_it_once():
-    assert len(told(lambda: contact.path(scene(contact.Sinusoid(1e-3, L), load=1.0), [1.0, 2.0, 3.0]))) == 1
+    assert (
+        len(told(lambda: contact.path(scene(contact.Sinusoid(1e-3, L), load=1.0), [1.0, 2.0, 3.0])))
+        == 1
+    )
     assert len(told(lambda: compare_module.compare(replace(STEEP, mean_pressure=1e6)))) == 1
     by_approach = scene(contact.Parabola(1.0), 1.0, contact.Isolated(datum=10.0), approach=0.4)
-    assert [message[:6] for message in told(lambda: contact.solve(by_approach))].count("slopes") <= 1
+    assert [message[:6] for message in told(lambda: contact.solve(by_approach))].count(
+        "slopes"
+    ) <= 1
 
 
 def test_what_cannot_be_solved_is_still_warned_of():
@@ -140,9 +172,13 @@ class TestTraces:
             ("pm", ("4 nm long", "pitch of 0.4 pm")),
         ],
     )
-    def test_a_trace_whose_lengths_are_none_of_a_surface_is_warned_of_when_read(self, trace, units, words):
+    def test_a_trace_whose_lengths_are_none_of_a_surface_is_warned_of_when_read(
+        self, trace, units, words
+    ):
         read = []
-        (message,) = told_here = told(lambda: read.append(contact.Sampled.from_file(trace, units=units)))
+        (message,) = told_here = told(
+            lambda: read.append(contact.Sampled.from_file(trace, units=units))
+        )
         assert all(word in message for word in words), message
         assert read[0].warnings == (*told_here,)
 
@@ -163,8 +199,10 @@ class TestTraces:
 
 @pytest.mark.filterwarnings("always::contact.ModelWarning")
 class TestCommandLine:
-    SCENE = '[profile]\nshape = "sinusoid"\namplitude = {}\nperiod = 1e-4\n[material]\nE_star = {}\n' \
+    SCENE = (
+        '[profile]\nshape = "sinusoid"\namplitude = {}\nperiod = 1e-4\n[material]\nE_star = {}\n'
         '[interaction]\nmodel = "periodic"\n[control]\nmean_pressure = 2e7\n'
+    )
 
     def run(self, folder: Path, amplitude: float, E_star: float, *options: str):
         (folder / "scene.toml").write_text(self.SCENE.format(amplitude, E_star))
@@ -185,10 +223,14 @@ class TestCommandLine:
 
     def test_a_trace_read_in_the_wrong_units_is_said_once(self, tmp_path):
         x = np.arange(100)
-        rows = "".join(f"{a},{b:.6f}\n" for a, b in zip(x, 0.01 * np.cos(2 * np.pi * x / 50), strict=True))
+        rows = "".join(
+            f"{a},{b:.6f}\n" for a, b in zip(x, 0.01 * np.cos(2 * np.pi * x / 50), strict=True)
+        )
         (tmp_path / "trace.csv").write_text(rows)
-        tables = '[profile]\nshape = "sampled"\nfile = "trace.csv"\nperiod = 100\n[material]\nE_star = 1e11\n' \
+        tables = (
+            '[profile]\nshape = "sampled"\nfile = "trace.csv"\nperiod = 100\n[material]\nE_star = 1e11\n'
             '[interaction]\nmodel = "periodic"\n[control]\nmean_pressure = 1e4\n'
+        )
         (tmp_path / "scene.toml").write_text(tables)
         result = CliRunner().invoke(cli.main, ["solve", str(tmp_path / "scene.toml"), "--json"])
         assert result.exit_code == 0, result.stderr
@@ -199,7 +241,11 @@ class TestCommandLine:
         with warnings.catch_warnings():
             warnings.simplefilter("error")
             result = self.run(tmp_path, 1e-3, 1.1e11)
-        assert result.exit_code == 2 and result.stderr.startswith("contact: slopes") and result.stderr.count("\n") == 1
+        assert (
+            result.exit_code == 2
+            and result.stderr.startswith("contact: slopes")
+            and result.stderr.count("\n") == 1
+        )
 
 
 def test_it_costs_a_handful_of_slopes_and_pressures(monkeypatch):

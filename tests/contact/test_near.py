@@ -1,4 +1,6 @@
-"""A start from a solution at hand saves steps where it is near, and costs hardly any where it is not."""
+"""A start from a solution at hand saves steps where it is near, and costs hardly any where it is
+not.
+"""
 
 import numpy as np
 import pytest

@@ -1,4 +1,6 @@
-"""Wide contacts by their approach, contact fraction and mean pressure: the same as by their load, up to the last digits."""
+"""Wide contacts by their approach, contact fraction and mean pressure: the same as by their load,
+up to the last digits.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +17,11 @@ def tops(rng):
     """A few samples raised to one height, side by side or scattered."""
     height = np.zeros(40)
     many = int(rng.integers(2, 9))
-    chosen = (rng.integers(0, 40) + np.arange(many)) % 40 if rng.random() < 0.5 else rng.choice(40, many, replace=False)
+    chosen = (
+        (rng.integers(0, 40) + np.arange(many)) % 40
+        if rng.random() < 0.5
+        else rng.choice(40, many, replace=False)
+    )
     height[chosen] = 2.5e-5
     return height
 
@@ -23,11 +29,17 @@ def tops(rng):
 def steps(rng):
     height = np.zeros(40)
     for _ in range(3):
-        height[(rng.integers(0, 40) + np.arange(rng.integers(2, 20))) % 40] += 10 ** rng.uniform(-6, -4)
+        height[(rng.integers(0, 40) + np.arange(rng.integers(2, 20))) % 40] += 10 ** rng.uniform(
+            -6, -4
+        )
     return height
 
 
-@pytest.mark.parametrize("substrate", [contact.HalfPlane(), contact.Layer(0.05, 0.3), contact.Layer(0.02, 0.4, "smooth")], ids=repr)
+@pytest.mark.parametrize(
+    "substrate",
+    [contact.HalfPlane(), contact.Layer(0.05, 0.3), contact.Layer(0.02, 0.4, "smooth")],
+    ids=repr,
+)
 @pytest.mark.parametrize("shape", [tops, steps])
 @pytest.mark.parametrize("seed", range(2))
 def test_every_control_leads_to_the_contact_of_the_load_however_full(shape, seed, substrate):
@@ -35,9 +47,18 @@ def test_every_control_leads_to_the_contact_of_the_load_however_full(shape, seed
     profile = contact.Sampled(PLACES, shape(rng), period=1.0)
     for fraction in (0.9, 0.97):
         model = dict(substrate=substrate)
-        given = solve(profile, contact.Periodic(), E_star=1e11, tol=1e-8, contact_fraction=fraction, **model)
+        given = solve(
+            profile, contact.Periodic(), E_star=1e11, tol=1e-8, contact_fraction=fraction, **model
+        )
         for control in ("load", "mean_pressure", "approach"):
-            again = solve(profile, contact.Periodic(), E_star=1e11, tol=1e-8, **{control: getattr(given, control)}, **model)
+            again = solve(
+                profile,
+                contact.Periodic(),
+                E_star=1e11,
+                tol=1e-8,
+                **{control: getattr(given, control)},
+                **model,
+            )
             assert true_error(again, given) < 3 * (again.error + given.error) + 1e-12
 
 
@@ -47,5 +68,7 @@ def test_an_approach_near_full_contact_is_found_from_a_solution_near_by_too():
     profile = contact.Sampled(PLACES, height, period=1.0)
     near = solve(profile, contact.Periodic(), E_star=1e11, contact_fraction=0.5)
     given = solve(profile, contact.Periodic(), E_star=1e11, contact_fraction=0.95)
-    again = contact.solve(contact.Scene(profile, 1e11, contact.Periodic(), approach=given.approach), near=near)
+    again = contact.solve(
+        contact.Scene(profile, 1e11, contact.Periodic(), approach=given.approach), near=near
+    )
     assert true_error(again, given) < 3 * (again.error + given.error)

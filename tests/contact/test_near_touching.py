@@ -1,4 +1,6 @@
-"""Zones that almost touch, from profile and load alone: right ends, right pressure, and a cost that does not depend on the gap."""
+"""Zones that almost touch, from profile and load alone: right ends, right pressure, and a cost that
+does not depend on the gap.
+"""
 
 import numpy as np
 import pytest
@@ -14,15 +16,21 @@ GAPS = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
 def errors(solution, designed):
     """(pressure over the peak, ends over widths)."""
     width = np.diff(designed.zones, axis=1)
-    pressure = max(
-        np.abs(solution.pressure_at(T, k) - designed.pressure_at(T, k)).max() for k in range(len(width))
-    ) / designed.max_pressure
+    pressure = (
+        max(
+            np.abs(solution.pressure_at(T, k) - designed.pressure_at(T, k)).max()
+            for k in range(len(width))
+        )
+        / designed.max_pressure
+    )
     return pressure, float((np.abs(solution.zones - designed.zones) / width).max())
 
 
 def solve(designed, period, **options):
     interaction = contact.Isolated() if period is None else contact.Periodic()
-    return contact.solve(contact.Scene(designed.profile, 1.0, interaction, load=designed.load), **options)
+    return contact.solve(
+        contact.Scene(designed.profile, 1.0, interaction, load=designed.load), **options
+    )
 
 
 @pytest.mark.parametrize("period", [None, 1.0], ids=["isolated", "periodic"])
@@ -46,7 +54,8 @@ class TestTwoZones:
         solution = solve(designed, period, tol=1e-8)
         a, b = solution.zones[0, 1], solution.zones[1, 0]
         x = a + (b - a) * np.array([0.2, 0.5, 0.8])
-        # Ends off by 1e-16 / gap of a width are off by the square of that more of the gap, at the worst.
+        # Ends off by 1e-16 / gap of a width are off by the square of that more of the gap, at the
+        # worst.
         relative = max(1e-6, 1e-14 / gap**2)
         assert solution.gap(x) == pytest.approx(designed.gap(x), rel=relative)
 
@@ -81,10 +90,19 @@ def test_an_island_between_two_narrow_gaps():
 def test_gap_and_stiffness_agree_with_the_solution_zone_by_zone():
     """Just above and below the gap at which slits begin, load and approach go on smoothly."""
     texture = contact.Biquadratic(radius=1e-3, spacing=4e-5, period=1e-4)
-    merging = [e for e in contact.path(contact.Scene(texture, 1e11, contact.Periodic(), load=1.0), [1e2, 1e5]).events]
+    merging = [
+        e
+        for e in contact.path(
+            contact.Scene(texture, 1e11, contact.Periodic(), load=1.0), [1e2, 1e5]
+        ).events
+    ]
     load = next(event.load for event in merging if event.kind == "merge")
-    below = contact.solve(contact.Scene(texture, 1e11, contact.Periodic(), load=load * (1 - 1e-7)), tol=1e-9)
-    above = contact.solve(contact.Scene(texture, 1e11, contact.Periodic(), load=load * (1 + 1e-7)), tol=1e-9)
+    below = contact.solve(
+        contact.Scene(texture, 1e11, contact.Periodic(), load=load * (1 - 1e-7)), tol=1e-9
+    )
+    above = contact.solve(
+        contact.Scene(texture, 1e11, contact.Periodic(), load=load * (1 + 1e-7)), tol=1e-9
+    )
     assert len(below.zones) == 2 and len(above.zones) == 1
     rate = (above.load - below.load) / (above.approach - below.approach)
     assert rate == pytest.approx(below.stiffness, rel=1e-6)

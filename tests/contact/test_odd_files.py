@@ -1,4 +1,6 @@
-"""Text files that are easily read wrong: each is read right, refused by name, or read with a warning."""
+"""Text files that are easily read wrong: each is read right, refused by name, or read with a
+warning.
+"""
 
 from __future__ import annotations
 
@@ -73,8 +75,12 @@ def same(found: contact.Sampled, scales: tuple[float, float], z=Z) -> None:
         ("km", 1e3), ("dm", 0.1), ("ft", 0.3048), ("m", 1.0),
     ],
 )  # fmt: skip
-@pytest.mark.parametrize("header", ["X ({0});Z [{0}]", "X/{0};Z/{0}", "x;z\n{0};{0}", "X, {0};Z, {0}"])
-def test_the_usual_names_of_units_are_known(tmp_path: Path, word: str, scale: float, header: str) -> None:
+@pytest.mark.parametrize(
+    "header", ["X ({0});Z [{0}]", "X/{0};Z/{0}", "x;z\n{0};{0}", "X, {0};Z, {0}"]
+)
+def test_the_usual_names_of_units_are_known(
+    tmp_path: Path, word: str, scale: float, header: str
+) -> None:
     # Numbers that make a plausible trace in that unit.
     x, z = X * 1e-6 / scale, Z * 1e-7 / scale
     rows = "".join(f"{a!r};{b!r}\n" for a, b in zip(x.tolist(), z.tolist(), strict=True))
@@ -182,13 +188,16 @@ def test_a_remark_says_no_unit_of_heights_alone(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("scale", [1.0, 0.05])
-def test_metres_that_nobody_says_are_warned_of_where_they_are_rare(tmp_path: Path, scale: float) -> None:
+def test_metres_that_nobody_says_are_warned_of_where_they_are_rare(
+    tmp_path: Path, scale: float
+) -> None:
     warned(tmp_path, table(scale * X, 1e-3 * Z), "no units being given", "units says")
     half = 1e-3 * np.arange(501)
     warned(tmp_path, table(half, 1e-4 * np.sin(300 * half)), "500 mm long", "pitch of 1 mm")
 
 
-# Rows that are no points, and columns ---------------------------------------------------------------
+# Rows that are no points, and columns
+# ---------------------------------------------------------------
 @pytest.mark.parametrize("head", ["40\n", "z [um]\n40\n", "40\n0.25\n"])
 def test_a_number_of_points_is_no_height(tmp_path: Path, head: str) -> None:
     refused(tmp_path, head + column(), "'40'", "number of points", pitch=1e-6, units="um")
@@ -227,7 +236,9 @@ def test_a_table_on_its_side_is_told_as_one(tmp_path: Path) -> None:
         named = "".join(between.join(r) + "\n" for r in (["x", *rows[0]], ["z", *rows[1]]))
         for content in (plain, named):
             refused(tmp_path, content, "2 rows of 40 numbers", "on its side", units="um")
-    refused(tmp_path, ";".join(rows[1]), "a row of 40 numbers", "on its side", units="um", pitch=1e-6)
+    refused(
+        tmp_path, ";".join(rows[1]), "a row of 40 numbers", "on its side", units="um", pitch=1e-6
+    )
 
 
 def test_positions_that_double_lead_to_heights_and_a_pitch(tmp_path: Path) -> None:
@@ -249,7 +260,8 @@ def test_positions_that_may_count_the_points_are_warned_of(tmp_path: Path) -> No
     refused(tmp_path, f"No.;z\nremark\n{rows}", "'No.'", "a count", units="um")
 
 
-# Heights that are missing -----------------------------------------------------------------------------
+# Heights that are missing
+# -----------------------------------------------------------------------------
 @pytest.mark.parametrize(
     "word",
     [
@@ -314,7 +326,8 @@ def test_among_heights_alone_no_line_is_lost(tmp_path: Path) -> None:
     refused(tmp_path, lost.replace("#N/A", "# bad"), "a comment", "line 9", pitch=1e-6)
 
 
-# Heights that are hardly any ----------------------------------------------------------------------------
+# Heights that are hardly any
+# ----------------------------------------------------------------------------
 SPIKE = 40 * float(np.ptp(Z))
 
 
@@ -365,7 +378,8 @@ def test_shapes_that_are_meant_are_not_warned_of(tmp_path: Path, shape) -> None:
     read(tmp_path, "x [mm];z [um]\n" + table(x, shape(x)))
 
 
-# Messages -------------------------------------------------------------------------------------------------
+# Messages
+# -------------------------------------------------------------------------------------------------
 @pytest.mark.parametrize(
     ("content", "keys"),
     [
@@ -378,5 +392,7 @@ def test_shapes_that_are_meant_are_not_warned_of(tmp_path: Path, shape) -> None:
     ],
     ids=range(6),
 )  # fmt: skip
-def test_messages_stay_short_whatever_the_file_holds(tmp_path: Path, content: str, keys: dict) -> None:
+def test_messages_stay_short_whatever_the_file_holds(
+    tmp_path: Path, content: str, keys: dict
+) -> None:
     refused(tmp_path, content, **keys)

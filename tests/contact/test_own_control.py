@@ -1,4 +1,6 @@
-"""Controls from outside the package: one class each, in a scene, a scene file, a curve, certified, and right by closed forms."""
+"""Controls from outside the package: one class each, in a scene, a scene file, a curve, certified,
+and right by closed forms.
+"""
 
 from __future__ import annotations
 
@@ -59,12 +61,17 @@ def known() -> Iterator[None]:
 
 
 def test_a_mean_gap_is_that_of_the_load_which_has_it() -> None:
-    # The mean gap of a wave falls from the mean of its heights to 0: 1.7e-7 m at about half of full contact's load.
+    # The mean gap of a wave falls from the mean of its heights to 0: 1.7e-7 m at about half of full
+    # contact's load.
     given = contact.solve(contact.Scene(WAVE, 1e9, contact.Periodic(), mean_pressure=1.5e7))
     assert given.mean_gap is not None
-    found = contact.solve(contact.Scene(WAVE, 1e9, contact.Periodic(), given=MeanGap(given.mean_gap)))
+    found = contact.solve(
+        contact.Scene(WAVE, 1e9, contact.Periodic(), given=MeanGap(given.mean_gap))
+    )
     assert found.certificate.holds and found.error <= 1e-8
-    assert abs(found.zones - given.zones).max() <= (found.error + given.error) * given.zone_widths[0]
+    assert (
+        abs(found.zones - given.zones).max() <= (found.error + given.error) * given.zone_widths[0]
+    )
     assert found.scene.control == ("mean_gap", given.mean_gap)
 
 
@@ -118,10 +125,15 @@ TURNED = {"interaction": contact.Isolated(datum=1e-3), "moment": 1e-3}
         (Quantity.WIDTH, {"contact_fraction": 1.0}, {}),
     ],
 )
-def test_a_control_that_is_held_is_as_good_as_the_one_with_its_name(quantity: Quantity, named: dict[str, float], others: dict) -> None:
+def test_a_control_that_is_held_is_as_good_as_the_one_with_its_name(
+    quantity: Quantity, named: dict[str, float], others: dict
+) -> None:
     parts = {"profile": WAVE, "E_star": 1e9, "interaction": contact.Periodic(), **others}
     value = next(iter(named.values())) * (1e-4 if quantity is Quantity.WIDTH else 1.0)
-    expected, found = contact.Scene(**parts, **named), contact.Scene(**parts, given=Nanometres(1e9 * value, quantity))
+    expected, found = (
+        contact.Scene(**parts, **named),
+        contact.Scene(**parts, given=Nanometres(1e9 * value, quantity)),
+    )
     assert [(part.name, part.used, part.reason) for part in contact.plan(found).parts] == [
         (part.name, part.used, part.reason) for part in contact.plan(expected).parts
     ]
@@ -135,7 +147,9 @@ def test_a_control_that_is_held_is_as_good_as_the_one_with_its_name(quantity: Qu
         (Quantity.WIDTH, 2e-4, "contact_fraction = .* at most 1"),
     ],
 )
-def test_what_a_control_holds_must_go_with_the_scene(quantity: Quantity, metres: float, told: str) -> None:
+def test_what_a_control_holds_must_go_with_the_scene(
+    quantity: Quantity, metres: float, told: str
+) -> None:
     with pytest.raises(contact.SceneError, match=told):
         contact.Scene(WAVE, 1e9, contact.Periodic(), given=Nanometres(1e9 * metres, quantity))
 

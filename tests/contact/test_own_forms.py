@@ -1,4 +1,6 @@
-"""Odd things given to the public entries: each has a named error that says what to change, or the right answer."""
+"""Odd things given to the public entries: each has a named error that says what to change, or the
+right answer.
+"""
 
 from __future__ import annotations
 
@@ -22,8 +24,13 @@ def squared(x):
 
 def own(**said):
     """A profile whose class has these attributes and methods of x."""
-    parts = {name: (lambda self, x, f=value: f(x)) if callable(value) else value for name, value in said.items()}
-    return dataclass(frozen=True)(type("Own", (contact.Profile,), {"height": lambda self, x: squared(x), **parts}))()
+    parts = {
+        name: (lambda self, x, f=value: f(x)) if callable(value) else value
+        for name, value in said.items()
+    }
+    return dataclass(frozen=True)(
+        type("Own", (contact.Profile,), {"height": lambda self, x: squared(x), **parts})
+    )()
 
 
 def scene(profile, model=None):
@@ -31,15 +38,30 @@ def scene(profile, model=None):
 
 
 FORMS = {
-    "a height without shape": ({"height": lambda x: 1.0}, r"height\(x\) .* must be real and of the shape of x"),
+    "a height without shape": (
+        {"height": lambda x: 1.0},
+        r"height\(x\) .* must be real and of the shape of x",
+    ),
     "a slope without shape": ({"slope": lambda x: 1.0}, r"slope\(x\) .* of the shape of x"),
-    "a flattened height": ({"height": lambda x: squared(x).ravel()}, r"height\(x\) .* of the shape of x"),
-    "an extra axis": ({"slope": lambda x: np.asarray(x)[..., None]}, r"slope\(x\) .* of the shape of x"),
+    "a flattened height": (
+        {"height": lambda x: squared(x).ravel()},
+        r"height\(x\) .* of the shape of x",
+    ),
+    "an extra axis": (
+        {"slope": lambda x: np.asarray(x)[..., None]},
+        r"slope\(x\) .* of the shape of x",
+    ),
     "nothing": ({"height": lambda x: None}, r"height\(x\) .* must be real"),
     "complex heights": ({"height": lambda x: squared(x) + 0j}, r"height\(x\) .* must be real"),
-    "a function of one number": ({"height": lambda x: cosh(x)}, r"height\(x\) raises TypeError .*numpy's functions"),
+    "a function of one number": (
+        {"height": lambda x: cosh(x)},
+        r"height\(x\) raises TypeError .*numpy's functions",
+    ),
     "an error": ({"height": lambda x: 1 / 0}, r"height\(x\) raises ZeroDivisionError"),
-    "no numbers": ({"height": lambda x: np.asarray(x) * np.nan}, r"height\(x\) is nowhere a finite number"),
+    "no numbers": (
+        {"height": lambda x: np.asarray(x) * np.nan},
+        r"height\(x\) is nowhere a finite number",
+    ),
     "a list of kinks": ({"kinks": [[0.0, 2.0]]}, "kinks .* a numpy array of finite rows of 2"),
     "one kink": ({"kinks": np.array([0.0, 2.0])}, "kinks .* a numpy array of finite rows of 2"),
     "no resolution": ({"resolution": 0.0}, "resolution .* > 0"),
@@ -60,7 +82,9 @@ def test_a_profile_of_the_wrong_form_is_refused_by_the_name_of_what_is_wrong(sai
 
 
 def test_a_profile_of_the_right_form_is_solved():
-    assert contact.solve(scene(own(summits=[0.0]))).max_pressure == pytest.approx(1e3 * 0.5 * np.sqrt(4 / (np.pi * 1e3)))
+    assert contact.solve(scene(own(summits=[0.0]))).max_pressure == pytest.approx(
+        1e3 * 0.5 * np.sqrt(4 / (np.pi * 1e3))
+    )
 
 
 @pytest.mark.parametrize(
@@ -68,12 +92,18 @@ def test_a_profile_of_the_right_form_is_solved():
     [
         ({"slope": lambda x: 3 * np.asarray(x)}, "slope disagrees with the height"),
         ({"height": np.abs, "slope": np.sign}, "kinks does not say so"),
-        ({"height": np.abs, "slope": np.sign, "kinks": np.array([[0.0, 1.0]])}, "the slope jumps by 2 there"),
+        (
+            {"height": np.abs, "slope": np.sign, "kinks": np.array([[0.0, 1.0]])},
+            "the slope jumps by 2 there",
+        ),
     ],
     ids=["slope", "kink", "jump"],
 )
 def test_a_profile_that_contradicts_itself_is_told_so_where_it_leads_nowhere(said, fault):
-    with pytest.raises(contact.NotConverged, match=f"contradicts itself, says contact.testing.check_profile: .*{fault}"):
+    with pytest.raises(
+        contact.NotConverged,
+        match=f"contradicts itself, says contact.testing.check_profile: .*{fault}",
+    ):
         contact.solve(scene(own(**said)))
 
 
@@ -85,7 +115,9 @@ def test_heights_that_their_own_rounding_drowns_are_told_as_that_and_solved_in_a
         profile = own(height=height, slope=lambda x: np.sinh(np.asarray(x)))
         return contact.solve(contact.Scene(profile, 1e9, contact.Isolated(), load=load))
 
-    with pytest.raises(contact.SceneError, match="heights of the profile vary by .* are rounded to about .* left"):
+    with pytest.raises(
+        contact.SceneError, match="heights of the profile vary by .* are rounded to about .* left"
+    ):
         solved(lambda x: np.cosh(np.asarray(x)) - 1)
     kept = solved(lambda x: 2 * np.sinh(0.5 * np.asarray(x)) ** 2)
     assert abs(kept.zones[0, 1] / size - 1) < 1e-9 and kept.certificate.holds
@@ -111,7 +143,10 @@ def test_zones_and_positions_in_them_are_refused_by_name():
         (lambda: solution.pressure_at(0.5, 5), "zone = 5 .* there being 1 zone"),
         (lambda: solution.pressure_at(0.5, 0.0), "zone = 0.0 .* whole number"),
         (lambda: solution.pressure_at([0.0, 1.5]), "t = .* from -1 to 1"),
-        (lambda: full.pressure_at(0.5), r"full contact, or surfaces apart, have no zones, use pressure\(x\)"),
+        (
+            lambda: full.pressure_at(0.5),
+            r"full contact, or surfaces apart, have no zones, use pressure\(x\)",
+        ),
     ):
         with pytest.raises(contact.SceneError, match=message):
             ask()
@@ -139,18 +174,25 @@ def dip(size, at=0.0):
 @pytest.mark.parametrize("size", [1e-8, 1e-5, 1e-2, 10.0, 1e4])
 def test_an_asperity_that_states_no_size_and_levels_off_is_found_whatever_its_size(size):
     load = 1e-4 * size
-    found, unit = (contact.solve(contact.Scene(dip(s), 1.0, contact.Isolated(), load=load / size * s)) for s in (size, 1.0))
+    found, unit = (
+        contact.solve(contact.Scene(dip(s), 1.0, contact.Isolated(), load=load / size * s))
+        for s in (size, 1.0)
+    )
     assert np.allclose(found.zones / size, unit.zones, rtol=0, atol=1e-9 * np.diff(unit.zones))
     # Light enough for Hertz: R = size^2/(2 depth) = 5 size.
     assert found.zones[0, 1] == pytest.approx(np.sqrt(20 * load * size / np.pi), rel=1e-3)
-    assert contact.solve(contact.Scene(dip(size, 10 * size), 1.0, contact.Isolated(), load=load)).zones.mean() == pytest.approx(10 * size)
+    assert contact.solve(
+        contact.Scene(dip(size, 10 * size), 1.0, contact.Isolated(), load=load)
+    ).zones.mean() == pytest.approx(10 * size)
 
 
 def test_a_derived_slope_is_that_of_its_place_whatever_stands_beside_it():
     profile, x = dip(1e-5), np.array([-3e-6, 1e-7, 8e-6])
     wide = np.append(x, [1.0, -1e12])
     assert np.allclose(profile.slope(wide)[:3], profile.slope(x), rtol=1e-8, atol=0)
-    assert np.allclose(profile.slope(x), 0.2 * x / 1e-5 * np.exp(-((x / 1e-5) ** 2)), rtol=1e-8, atol=0)
+    assert np.allclose(
+        profile.slope(x), 0.2 * x / 1e-5 * np.exp(-((x / 1e-5) ** 2)), rtol=1e-8, atol=0
+    )
 
 
 def test_a_derived_slope_of_a_shape_that_repeats_is_checked_once():
@@ -163,7 +205,12 @@ def test_a_derived_slope_of_a_shape_that_repeats_is_checked_once():
     wave, x = own(height=height, period=1.0), np.linspace(-0.5, 0.5, 1000)
     for _ in range(20):
         slope = wave.slope(x)
-    assert np.allclose(slope, 2 * np.pi * np.cos(2 * np.pi * x) * np.exp(np.sin(2 * np.pi * x)), rtol=1e-13, atol=1e-13)
+    assert np.allclose(
+        slope,
+        2 * np.pi * np.cos(2 * np.pi * x) * np.exp(np.sin(2 * np.pi * x)),
+        rtol=1e-13,
+        atol=1e-13,
+    )
     assert sum(counted) < 100_000
 
 
@@ -171,7 +218,9 @@ def test_a_derived_slope_of_a_shape_that_repeats_is_checked_once():
 def test_where_a_height_drops_the_imaginary_part_differences_tell_its_slope(width):
     def height(x):
         x = np.asarray(x)
-        return np.cos(2 * np.pi * x) + 0.1 * np.where(np.abs(x.real) < width, (1 - (x.real / width) ** 2) ** 4, 0.0)
+        return np.cos(2 * np.pi * x) + 0.1 * np.where(
+            np.abs(x.real) < width, (1 - (x.real / width) ** 2) ** 4, 0.0
+        )
 
     x = width * np.linspace(-0.9, 0.9, 50)
     slope = -2 * np.pi * np.sin(2 * np.pi * x) - 0.8 * x / width**2 * (1 - (x / width) ** 2) ** 3

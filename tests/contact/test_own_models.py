@@ -1,4 +1,6 @@
-"""Shapes and interactions of one's own, each one small class in the test, against exact answers derived beside it."""
+"""Shapes and interactions of one's own, each one small class in the test, against exact answers
+derived beside it.
+"""
 
 from __future__ import annotations
 
@@ -96,8 +98,11 @@ def answer_of(zone, load, pressure):
     """An exact answer as the judge reads one: p(t) on its one zone."""
     t = np.linspace(-1, 1, 2001)[1:-1]
     return SimpleNamespace(
-        zones=np.array([zone]), zone_widths=np.array([zone[1] - zone[0]]), load=load,
-        max_pressure=float(np.max(pressure(t))), pressure_at=lambda t, zone=0: pressure(np.asarray(t)),
+        zones=np.array([zone]),
+        zone_widths=np.array([zone[1] - zone[0]]),
+        load=load,
+        max_pressure=float(np.max(pressure(t))),
+        pressure_at=lambda t, zone=0: pressure(np.asarray(t)),
     )
 
 
@@ -125,7 +130,8 @@ class TestCosh:
 
 
 class TestExponential:
-    # Zone m +- w: no singularity asks for e^m I_0(w) = 1, and P = (pi E*/2) w e^m I_1(w), in units of s.
+    # Zone m +- w: no singularity asks for e^m I_0(w) = 1, and P = (pi E*/2) w e^m I_1(w), in units
+    # of s.
     @pytest.mark.parametrize("w", [1e-4, 0.1, 1.0, 4.0])
     def test_an_asymmetric_zone_is_where_its_ends_are_bounded(self, w):
         middle = -np.log(i0(w))
@@ -136,13 +142,16 @@ class TestExponential:
 
 
 class TestTiltedPunch:
-    # H sqrt((1-t)/(1+t)) = 1: p = (E*/2) tilt sqrt((b-x)/(x+h)) from the left corner -h to b, P = (pi E*/4) tilt (b+h).
+    # H sqrt((1-t)/(1+t)) = 1: p = (E*/2) tilt sqrt((b-x)/(x+h)) from the left corner -h to b, P =
+    # (pi E*/4) tilt (b+h).
     @pytest.mark.parametrize("share", [0.01, 0.5, 0.98])
     def test_a_light_load_touches_from_one_corner_with_one_free_end(self, share):
         tilt, h = 0.01, 1.0
         load = share * 0.5 * np.pi * tilt * h
         solution = solve(Tilted(tilt, 2 * h), ISOLATED, tol=1e-9, load=load)
-        answer = answer_of([-h, -h + 2 * h * share], load, lambda t: 0.5 * tilt * np.sqrt((1 - t) / (1 + t)))
+        answer = answer_of(
+            [-h, -h + 2 * h * share], load, lambda t: 0.5 * tilt * np.sqrt((1 - t) / (1 + t))
+        )
         answer.max_pressure = np.inf
         assert solution.max_pressure == np.inf
         assert true_error(solution, answer, WITHIN) <= solution.error <= 1e-9
@@ -152,7 +161,9 @@ class TestTiltedPunch:
         tilt, h = 0.01, 1.0
         load = share * 0.5 * np.pi * tilt * h
         solution = solve(Tilted(tilt, 2 * h), ISOLATED, tol=1e-9, load=load)
-        answer = answer_of([-h, h], load, lambda t: (load / (np.pi * h) - 0.5 * tilt * t) / np.sqrt(1 - t * t))
+        answer = answer_of(
+            [-h, h], load, lambda t: (load / (np.pi * h) - 0.5 * tilt * t) / np.sqrt(1 - t * t)
+        )
         answer.max_pressure = np.inf
         assert true_error(solution, answer, WITHIN) <= solution.error <= 1e-9
 
@@ -160,8 +171,9 @@ class TestTiltedPunch:
 class TestRoundedPunch:
     @pytest.mark.parametrize("b", [1e-3, 0.1, 0.7])
     def test_is_singular_at_its_corner_and_bounded_on_its_round_side(self, b):
-        # K = 0 at b for g = max(x, 0)/2R: with x = m + w cos(th) and x = 0 at th0, the load is
-        # P = w int_0^th0 g (1 + cos th) dth, from P + pi w c_1 = 0 and c_1 = -(2/pi) int g cos th dth / 2 ...
+        # K = 0 at b for g = max(x, 0)/2R: with x = m + w cos(th) and x = 0 at th0, the load is P =
+        # w int_0^th0 g (1 + cos th) dth, from P + pi w c_1 = 0 and c_1 = -(2/pi) int g cos th dth /
+        # 2 ...
         radius, left = 2.0, -1.0
         m, w = 0.5 * (b + left), 0.5 * (b - left)
         theta = np.arccos(-m / w)
@@ -185,12 +197,16 @@ class Bedded(Interaction):
 
     def kernel(self, period, unit):
         c = self.c * unit**2
-        return sie.cauchy() + sie.Smooth(lambda x, xi: c * (x - xi), lambda x, xi: 0.5 * c * (x - xi) ** 2)
+        return sie.cauchy() + sie.Smooth(
+            lambda x, xi: c * (x - xi), lambda x, xi: 0.5 * c * (x - xi) ** 2
+        )
 
 
 @dataclass(frozen=True)
 class Breathing(Interaction):
-    """A row over a substrate whose pressure also tilts the surface: Hilbert's kernel and a regular sin(2 pi (x - xi)/L)."""
+    """A row over a substrate whose pressure also tilts the surface: Hilbert's kernel and a regular
+    sin(2 pi (x - xi)/L).
+    """
 
     c: float
     name = "breathing"
@@ -203,7 +219,8 @@ class Breathing(Interaction):
     def kernel(self, period, unit):
         k = 2 * np.pi / period
         soft = sie.Smooth(
-            lambda x, xi: self.c * k * np.sin(k * (x - xi)), lambda x, xi: -self.c * np.cos(k * (x - xi))
+            lambda x, xi: self.c * k * np.sin(k * (x - xi)),
+            lambda x, xi: -self.c * np.cos(k * (x - xi)),
         )
         return sie.hilbert(period) + soft
 
@@ -228,8 +245,9 @@ class TestOwnInteractions:
 
     @pytest.mark.parametrize("c", [-0.2, 0.2])
     def test_a_periodic_kernel_with_a_regular_part_changes_the_wave(self, c):
-        # int p sin k(x - xi) = S sin kx for an even p, S = int p cos k xi: the amplitude D becomes D - 2 c S/(pi E*),
-        # and the answer is Westergaard's for that amplitude, S of which is found from its own pressure.
+        # int p sin k(x - xi) = S sin kx for an even p, S = int p cos k xi: the amplitude D becomes
+        # D - 2 c S/(pi E*), and the answer is Westergaard's for that amplitude, S of which is found
+        # from its own pressure.
 
         changed = exact.Westergaard(0.01, 1.0, 1.0, 0.2)
         nodes = np.cos((np.arange(200) + 0.5) * np.pi / 200)

@@ -1,7 +1,8 @@
 """Models whose operator is not the half-plane's: solved by their own kernel, or refused by name.
 
-The exact answer, for any zones: the kernel's waves act on the pressure's harmonics p_n alone, so that zones and pressure are those of a
-half-plane under the profile f + sum 2 (L_n - 1) p_n / (E* q_n), which is known once the pressure is.
+The exact answer, for any zones: the kernel's waves act on the pressure's harmonics p_n alone, so
+that zones and pressure are those of a half-plane under the profile f + sum 2 (L_n - 1) p_n / (E*
+q_n), which is known once the pressure is.
 """
 
 from __future__ import annotations
@@ -25,7 +26,9 @@ TIPS = contact.Fourier(1.0, (-0.01, 0.006, 0.002), (0.002, -0.003, 0.001))
 
 
 def harmonic(solution, n):
-    """p_n = (1/l) int p exp(-2 pi i n x/l) dx, zone by zone in the angle, where the pressure is smooth."""
+    """p_n = (1/l) int p exp(-2 pi i n x/l) dx, zone by zone in the angle, where the pressure is
+    smooth.
+    """
     angle = (np.arange(4000) + 0.5) * np.pi / 4000
     t, total = np.cos(angle), 0.0
     for k, (a, b) in enumerate(solution.zones):
@@ -43,10 +46,14 @@ def on_a_half_plane(solution, excess):
     else:
         cosine, sine = list(profile.cosine), list(profile.sine)
     size = max(len(cosine), len(excess))
-    added = [4 * e * harmonic(solution, n) / (2 * np.pi * n) for n, e in enumerate(excess, 1)] + [0.0] * size
+    added = [4 * e * harmonic(solution, n) / (2 * np.pi * n) for n, e in enumerate(excess, 1)] + [
+        0.0
+    ] * size
     c = [(cosine + [0.0] * size)[n] + np.real(added[n]) for n in range(size)]
     s = [(sine + [0.0] * size)[n] - np.imag(added[n]) for n in range(size)]
-    return solve(contact.Fourier(1.0, tuple(c), tuple(s)), contact.Periodic(), tol=1e-12, load=solution.load)
+    return solve(
+        contact.Fourier(1.0, tuple(c), tuple(s)), contact.Periodic(), tol=1e-12, load=solution.load
+    )
 
 
 class TestByItsZones:
@@ -74,7 +81,10 @@ class TestByItsZones:
             assert again.load == pytest.approx(given.load, rel=1e-7)
 
     def test_its_mean_gap_is_that_of_the_gap_and_its_stiffness_that_of_the_loads(self):
-        near = [solve(TIPS, Bed(0.9, 0.1), tol=1e-11, load=0.2 * FULL * (1 + h)) for h in (-1e-4, 0.0, 1e-4)]
+        near = [
+            solve(TIPS, Bed(0.9, 0.1), tol=1e-11, load=0.2 * FULL * (1 + h))
+            for h in (-1e-4, 0.0, 1e-4)
+        ]
         x = (np.arange(20000) + 0.5) / 20000
         assert np.mean(near[1].gap(x)) == pytest.approx(near[1].mean_gap, rel=1e-6)
         rate = (near[2].load - near[0].load) / (near[2].approach - near[0].approach)
@@ -82,7 +92,10 @@ class TestByItsZones:
         assert np.mean(near[1].displacement(x)) == pytest.approx(0.0, abs=1e-7 * near[1].approach)
 
     def test_a_constant_in_its_potential_changes_nothing(self):
-        one, other = (solve(TIPS, model, tol=1e-9, mean_pressure=0.2 * FULL) for model in (Waves((0.5,)), Raised()))
+        one, other = (
+            solve(TIPS, model, tol=1e-9, mean_pressure=0.2 * FULL)
+            for model in (Waves((0.5,)), Raised())
+        )
         assert other.approach == pytest.approx(one.approach, rel=1e-12)
         assert other.mean_gap == pytest.approx(one.mean_gap, rel=1e-9)
 
@@ -93,9 +106,14 @@ class TestByItsZones:
         assert solution.approach is None and solution.stiffness is None
 
     @pytest.mark.parametrize("load", [1.0, 100.0])
-    def test_a_kernel_that_varies_over_less_than_the_first_cells_looked_with_is_seen_in_their_mean(self, load):
-        # The depth is some tenth of the contact, and a hundred-thousandth of the metre that is looked at first.
-        solution = solve(contact.Parabola(1e-3), Buried(-0.65, 1e-7), E_star=1e10, tol=1e-8, load=load)
+    def test_a_kernel_that_varies_over_less_than_the_first_cells_looked_with_is_seen_in_their_mean(
+        self, load
+    ):
+        # The depth is some tenth of the contact, and a hundred-thousandth of the metre that is
+        # looked at first.
+        solution = solve(
+            contact.Parabola(1e-3), Buried(-0.65, 1e-7), E_star=1e10, tol=1e-8, load=load
+        )
         assert fault(solution.scene, solution) == ""
         # Deep below: as a half-plane; far above: as one 1 + eps times as soft.
         radius = np.sqrt(4 * load * 1e-3 / (np.pi * 1e10))
@@ -103,20 +121,37 @@ class TestByItsZones:
 
     def test_the_window_of_a_lone_body_is_looked_for_with_its_own_kernel(self):
         # So soft that contact is wider than the window in which a half-plane's is looked for.
-        wide = solve(contact.Polynomial((0.0, 0.0, 1.0, 0.3, 0.5)), Buried(300.0, 0.1), tol=1e-8, load=1e-3)
+        wide = solve(
+            contact.Polynomial((0.0, 0.0, 1.0, 0.3, 0.5)), Buried(300.0, 0.1), tol=1e-8, load=1e-3
+        )
         assert fault(wide.scene, wide) == "" and len(wide.zones) == 1
 
-
-    def test_a_kernel_finer_than_the_modes_of_a_zone_is_named_at_the_first_grid_that_would_show_its_zones(self):
+    def test_a_kernel_finer_than_the_modes_of_a_zone_is_named_at_the_first_grid_that_would_show_its_zones(
+        self,
+    ):
         # A grid of four times as many points leads to the same zones, after minutes.
-        at, heights = np.array([-1.0, -0.9996, -0.6, 0.4, 0.4004, 1.0]), np.array([0.3, 0.03, -0.1, -0.1, 0.0, 0.3])
-        with pytest.raises(contact.NotConverged, match="regular part varies more than the modes of a zone show") as refused:
-            solve(PiecewiseLinear(at, heights, None), Buried(1.2, 1e-3), E_star=1.0, tol=1e-8, load=0.05)
+        at, heights = (
+            np.array([-1.0, -0.9996, -0.6, 0.4, 0.4004, 1.0]),
+            np.array([0.3, 0.03, -0.1, -0.1, 0.0, 0.3]),
+        )
+        with pytest.raises(
+            contact.NotConverged, match="regular part varies more than the modes of a zone show"
+        ) as refused:
+            solve(
+                PiecewiseLinear(at, heights, None),
+                Buried(1.2, 1e-3),
+                E_star=1.0,
+                tol=1e-8,
+                load=0.05,
+            )
         assert sum("a grid of" in left for left in refused.value.best.plan.tried) == 1
 
 
 class TestFullContact:
-    @pytest.mark.parametrize("control", [{"mean_pressure": 0.7 * FULL}, {"mean_pressure": 0.9 * FULL}, {"contact_fraction": 1.0}])
+    @pytest.mark.parametrize(
+        "control",
+        [{"mean_pressure": 0.7 * FULL}, {"mean_pressure": 0.9 * FULL}, {"contact_fraction": 1.0}],
+    )
     def test_is_refused_by_name_where_no_symbol_is_declared(self, control):
         with pytest.raises(contact.OutOfRange, match="'waves' gives a kernel and no symbol"):
             solve(WAVE, Waves((0.5,)), tol=1e-8, **control)
@@ -128,30 +163,44 @@ class TestFullContact:
     def test_begins_where_the_declared_symbol_says(self):
         model = Coated(0.5, 0.2)
         begins = FULL / model.multiplier(np.array([2 * np.pi]), 1.0)[0]
-        assert solve(WAVE, model, contact_fraction=1.0).mean_pressure == pytest.approx(begins, rel=1e-13)
+        assert solve(WAVE, model, contact_fraction=1.0).mean_pressure == pytest.approx(
+            begins, rel=1e-13
+        )
         assert solve(WAVE, model, mean_pressure=0.999 * begins, tol=1e-8).contact_fraction < 1
         full = solve(WAVE, model, mean_pressure=1.5 * begins)
         x = np.linspace(-1, 1, 41)
-        assert np.allclose(full.pressure(x), 1.5 * begins + begins * np.cos(2 * np.pi * x), rtol=0, atol=1e-13)
+        assert np.allclose(
+            full.pressure(x), 1.5 * begins + begins * np.cos(2 * np.pi * x), rtol=0, atol=1e-13
+        )
 
     def test_of_a_measured_trace_is_that_of_an_independent_grid(self):
         heights = 1e-3 * np.sin(7.0 * np.arange(24) ** 2)
         profile = contact.Sampled(np.arange(24) / 24, heights, period=1.0)
         scene = contact.Scene(profile, 1.0, Coated(0.9, 0.03), contact_fraction=1.0)
         full = contact.solve(scene)
-        found = judge(replace(scene, contact_fraction=None, load=1.001 * full.load), 1.001 * full.load)
+        found = judge(
+            replace(scene, contact_fraction=None, load=1.001 * full.load), 1.001 * full.load
+        )
         assert found.fraction == 1.0
         x, size = found.x, full.max_pressure
-        assert np.max(np.abs(full.pressure(x) + 1e-3 * full.mean_pressure - found.pressure)) < 1e-3 * size
+        assert (
+            np.max(np.abs(full.pressure(x) + 1e-3 * full.mean_pressure - found.pressure))
+            < 1e-3 * size
+        )
 
     def test_a_symbol_alone_gives_the_same_contact_as_its_kernel(self):
-        one, other = (solve(TIPS, model, tol=1e-10, mean_pressure=0.3 * FULL) for model in (Bed(0.9, 0.05), Coated(0.9, 0.05)))
+        one, other = (
+            solve(TIPS, model, tol=1e-10, mean_pressure=0.3 * FULL)
+            for model in (Bed(0.9, 0.05), Coated(0.9, 0.05))
+        )
         assert true_error(one, other) <= one.error + other.error
         assert one.approach == pytest.approx(other.approach, rel=1e-12)
 
     def test_the_plan_says_what_the_operator_offers(self):
         said = {
-            model.name: contact.plan(contact.Scene(WAVE, 1.0, model, mean_pressure=0.01))["inverse operator"]
+            model.name: contact.plan(contact.Scene(WAVE, 1.0, model, mean_pressure=0.01))[
+                "inverse operator"
+            ]
             for model in (contact.Periodic(), Coated(0.5, 0.2), Waves((0.5,)), contact.Localized())
         }
         assert [part.used for part in said.values()] == [True, True, False, False]
@@ -159,13 +208,19 @@ class TestFullContact:
 
 
 class TestPath:
-    @pytest.mark.parametrize("kind, loads", [("birth", [1e-5, 1e-3]), pytest.param("merge", [0.05, 0.065], marks=pytest.mark.slow)])
+    @pytest.mark.parametrize(
+        "kind, loads",
+        [("birth", [1e-5, 1e-3]), pytest.param("merge", [0.05, 0.065], marks=pytest.mark.slow)],
+    )
     def test_an_event_is_where_the_number_of_zones_changes(self, kind, loads):
         scene = contact.Scene(TIPS, 1.0, Waves(TOGETHER), load=1.0)
         found = contact.path(scene, loads).events
         assert [event.kind for event in found] == [kind]
         for event in found:
-            counts = [len(contact.solve(replace(scene, load=event.load * (1 + h)), tol=1e-8).zones) for h in (-1e-4, 1e-4)]
+            counts = [
+                len(contact.solve(replace(scene, load=event.load * (1 + h)), tol=1e-8).zones)
+                for h in (-1e-4, 1e-4)
+            ]
             assert counts == [len(event.before), len(event.after)]
 
     @pytest.mark.slow
@@ -188,13 +243,21 @@ class Raised(contact.Interaction):
 
     def kernel(self, period, unit):
         k = 2 * np.pi / period
-        smooth = sie.Smooth(lambda x, xi: 0.5 * k * np.sin(k * (x - xi)), lambda x, xi: 3.0 - 0.5 * np.cos(k * (x - xi)))
+        smooth = sie.Smooth(
+            lambda x, xi: 0.5 * k * np.sin(k * (x - xi)),
+            lambda x, xi: 3.0 - 0.5 * np.cos(k * (x - xi)),
+        )
         return sie.hilbert(period) + smooth
 
 
 def made(kernel, **attributes):
     """A model of one's own with this kernel(period, unit)."""
-    body = {"name": "made", "needs_period": True, "kernel": lambda self, period, unit: kernel(period, unit), **attributes}
+    body = {
+        "name": "made",
+        "needs_period": True,
+        "kernel": lambda self, period, unit: kernel(period, unit),
+        **attributes,
+    }
     return type("Made", (contact.Interaction,), body)()
 
 
@@ -203,7 +266,9 @@ def waves(sine, cosine):
 
     def kernel(period, unit):
         k = 2 * np.pi / period
-        return sie.hilbert(period) + sie.Smooth(lambda x, xi: sine(k, x, xi), cosine and (lambda x, xi: cosine(k, x, xi)))
+        return sie.hilbert(period) + sie.Smooth(
+            lambda x, xi: sine(k, x, xi), cosine and (lambda x, xi: cosine(k, x, xi))
+        )
 
     return kernel
 
@@ -219,21 +284,37 @@ def cosine(k, x, xi):
 WRONG = {
     "no potential": made(waves(sine, None)),
     "not the derivative in x": made(waves(sine, lambda k, x, xi: 2 * cosine(k, x, xi))),
-    "not one of x - xi alone": made(waves(lambda k, x, xi: k * np.sin(k * x) * np.cos(k * xi), cosine)),
+    "not one of x - xi alone": made(
+        waves(lambda k, x, xi: k * np.sin(k * x) * np.cos(k * xi), cosine)
+    ),
     "not odd": made(waves(lambda k, x, xi: sine(k, x, xi) + np.cos(k * (x - xi)), cosine)),
-    "does not repeat": made(lambda period, unit: replace(
-        sie.hilbert(period) + sie.Smooth(lambda x, xi: 0.1 * (x - xi), lambda x, xi: 0.05 * (x - xi) ** 2)
-    )),
+    "does not repeat": made(
+        lambda period, unit: replace(
+            sie.hilbert(period)
+            + sie.Smooth(lambda x, xi: 0.1 * (x - xi), lambda x, xi: 0.05 * (x - xi) ** 2)
+        )
+    ),
     "kernel.period": made(lambda period, unit: sie.cauchy()),
-    "symbol above 0": made(waves(lambda k, x, xi: -3 * sine(k, x, xi), lambda k, x, xi: -3 * cosine(k, x, xi))),
-    "does not scale with the unit": made(lambda period, unit: sie.hilbert(period) + sie.Smooth(
-        lambda x, xi: 0.01 * np.sin(2 * np.pi / period * (x - xi)),
-        lambda x, xi: -0.01 * period / 2 / np.pi * np.cos(2 * np.pi / period * (x - xi)),
-    )),
+    "symbol above 0": made(
+        waves(lambda k, x, xi: -3 * sine(k, x, xi), lambda k, x, xi: -3 * cosine(k, x, xi))
+    ),
+    "does not scale with the unit": made(
+        lambda period, unit: (
+            sie.hilbert(period)
+            + sie.Smooth(
+                lambda x, xi: 0.01 * np.sin(2 * np.pi / period * (x - xi)),
+                lambda x, xi: -0.01 * period / 2 / np.pi * np.cos(2 * np.pi / period * (x - xi)),
+            )
+        )
+    ),
     "a sie.Kernel": made(lambda period, unit: None),
     "raises ValueError": made(lambda period, unit: sie.hilbert(None) + None),
-    "that of the kernel at wave 1": made(waves(sine, cosine), symbol=lambda self, q: np.ones_like(q)),
-    "1 for short waves": made(waves(sine, cosine), symbol=lambda self, q: 1 + 0.1 * np.ones_like(q)),
+    "that of the kernel at wave 1": made(
+        waves(sine, cosine), symbol=lambda self, q: np.ones_like(q)
+    ),
+    "1 for short waves": made(
+        waves(sine, cosine), symbol=lambda self, q: 1 + 0.1 * np.ones_like(q)
+    ),
     "above 0: at q": made(waves(sine, cosine), symbol=lambda self, q: 1 - 2 * np.exp(-q / 50)),
     "real, finite, and of the shape": made(waves(sine, cosine), symbol=lambda self, q: 1.0),
 }

@@ -1,5 +1,7 @@
-"""The paper, equation by equation and statement by statement: closed forms against the solver with the same closure and against
-quadrature, what is printed against what holds, and the results section against the exact solutions."""
+"""The paper, equation by equation and statement by statement: closed forms against the solver with
+the same closure and against quadrature, what is printed against what holds, and the results section
+against the exact solutions.
+"""
 
 from __future__ import annotations
 
@@ -22,9 +24,24 @@ SHARES = (0.05, 0.2, 0.35, 0.45)  # a/L
 CLOSURES = (paper.FIRST_ORDER, paper.SELF_CONSISTENT)
 
 FAMILIES = {
-    "wave": (paper.localized_wave, {"amplitude": 1e-6}, contact.Sinusoid(1e-6, L), exact.Westergaard),
-    "wedge": (paper.localized_wedge, {"wedge_slope": 0.02}, contact.Wedge(0.02, L), exact.PeriodicWedge),
-    "parabola": (paper.localized_parabola, {"radius": 2e-3}, contact.Parabola(2e-3, L), exact.PeriodicParabola),
+    "wave": (
+        paper.localized_wave,
+        {"amplitude": 1e-6},
+        contact.Sinusoid(1e-6, L),
+        exact.Westergaard,
+    ),
+    "wedge": (
+        paper.localized_wedge,
+        {"wedge_slope": 0.02},
+        contact.Wedge(0.02, L),
+        exact.PeriodicWedge,
+    ),
+    "parabola": (
+        paper.localized_parabola,
+        {"radius": 2e-3},
+        contact.Parabola(2e-3, L),
+        exact.PeriodicParabola,
+    ),
 }
 ALONE = {"wave": exact.IsolatedSinusoid, "wedge": exact.IsolatedWedge, "parabola": exact.HertzLine}
 families = pytest.mark.parametrize("family", FAMILIES)
@@ -41,15 +58,22 @@ def example(family, share, closure=paper.FIRST_ORDER):
 
 
 def solved(family, closure, **control):
-    return contact.solve(contact.Scene(FAMILIES[family][2], E_STAR, contact.Localized(closure), **control), tol=1e-11)
+    return contact.solve(
+        contact.Scene(FAMILIES[family][2], E_STAR, contact.Localized(closure), **control), tol=1e-11
+    )
 
 
 class TestOneZone:
     @families
     @closures
     @pytest.mark.parametrize("share", SHARES)
-    def test_the_closed_form_is_the_solver_s_answer_with_the_same_closure(self, family, closure, share):
-        ours, theirs = example(family, share, closure), solved(family, closure, half_width=share * L)
+    def test_the_closed_form_is_the_solver_s_answer_with_the_same_closure(
+        self, family, closure, share
+    ):
+        ours, theirs = (
+            example(family, share, closure),
+            solved(family, closure, half_width=share * L),
+        )
         assert theirs.load == pytest.approx(ours.load, rel=1e-10)
         t = np.linspace(-0.99, 0.99, 34)  # not the tip, where a wedge's pressure is infinite
         scale = ours.load / (2 * ours.half_width)
@@ -62,7 +86,9 @@ class TestOneZone:
     def test_the_closed_form_is_the_quadrature_of_14_15_and_17(self, family, closure, share):
         ours = example(family, share, closure)
         slope = FAMILIES[family][2].slope
-        shape = paper_forms.LocalizedShape(lambda x: np.asarray(slope(x)), E_STAR, L, share * L, closure)
+        shape = paper_forms.LocalizedShape(
+            lambda x: np.asarray(slope(x)), E_STAR, L, share * L, closure
+        )
         x = share * L * np.linspace(0.01, 0.999, 40)
         assert shape.load == pytest.approx(ours.load, rel=1e-13)
         assert shape.mean_pressure == pytest.approx(ours.mean_pressure, rel=1e-13)
@@ -73,9 +99,13 @@ class TestOneZone:
     @closures
     def test_the_load_controls_the_half_width(self, family, closure):
         ours = example(family, 0.3, closure)
-        again = exact.localized_at_load(ALONE[family], ours.load, L, closure, E_star=E_STAR, **FAMILIES[family][1])
+        again = exact.localized_at_load(
+            ALONE[family], ours.load, L, closure, E_star=E_STAR, **FAMILIES[family][1]
+        )
         assert again.half_width == pytest.approx(0.3 * L, rel=1e-13)
-        assert solved(family, closure, mean_pressure=ours.mean_pressure).zones[0, 1] == pytest.approx(0.3 * L, rel=1e-9)
+        assert solved(family, closure, mean_pressure=ours.mean_pressure).zones[
+            0, 1
+        ] == pytest.approx(0.3 * L, rel=1e-9)
 
     @pytest.mark.parametrize("share", SHARES)
     def test_the_wave_has_the_mean_and_the_peak_of_23_and_24(self, share):
@@ -83,7 +113,9 @@ class TestOneZone:
         s = np.sqrt(1 - 4 * share**2)
         mean = np.pi**2 * 1e-6 * E_STAR / L**2 * a * j1(2 * np.pi * share) * (2 - s)
         own = np.pi * 1e-6 * E_STAR / L * quad(j0, 0, 2 * np.pi * share)[0]
-        beside = 2 * np.pi * 1e-6 * E_STAR / L**2 * a * j1(2 * np.pi * share) * np.arctan(2 * share / s)
+        beside = (
+            2 * np.pi * 1e-6 * E_STAR / L**2 * a * j1(2 * np.pi * share) * np.arctan(2 * share / s)
+        )
         assert ours.mean_pressure == pytest.approx(mean, rel=1e-14)
         assert ours.max_pressure == pytest.approx(own + beside, rel=1e-13)
         assert ours.contact_fraction == 2 * share and ours.zones.tolist() == [[-a, a]]
@@ -96,11 +128,15 @@ class TestOneZone:
         wedge, parabola = example("wedge", share), example("parabola", share)
         unit = E_STAR * 0.02
         np.testing.assert_allclose(
-            wedge.pressure(x), unit / np.pi * np.arccosh(a / x) + 2 * unit * a / (np.pi * L) * angle, rtol=1e-12
+            wedge.pressure(x),
+            unit / np.pi * np.arccosh(a / x) + 2 * unit * a / (np.pi * L) * angle,
+            rtol=1e-12,
         )
         assert wedge.mean_pressure == pytest.approx(unit * share * (2 - s), rel=1e-14)
         own = E_STAR / 4e-3 * np.sqrt(a * a - x * x)
-        np.testing.assert_allclose(parabola.pressure(x), own + E_STAR * a * a / (4e-3 * L) * angle, rtol=1e-12)
+        np.testing.assert_allclose(
+            parabola.pressure(x), own + E_STAR * a * a / (4e-3 * L) * angle, rtol=1e-12
+        )
         assert parabola.load == pytest.approx(np.pi * E_STAR * a * a / 8e-3 * (2 - s), rel=1e-14)
 
     def test_a_zone_as_wide_as_the_period_is_refused(self):
@@ -108,7 +144,12 @@ class TestOneZone:
             example("parabola", 0.5)
 
     def test_the_package_never_imports_the_solver(self):
-        allowed = ("contact.reference.exact", "contact.paper", "contact.model.checks", "contact.errors")
+        allowed = (
+            "contact.reference.exact",
+            "contact.paper",
+            "contact.model.checks",
+            "contact.errors",
+        )
         for file in Path(paper.__file__).parent.glob("*.py"):
             for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
                 if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("contact"):
@@ -134,15 +175,21 @@ class TestErrata:
         x = np.array([0.05, 0.12, 0.3, 0.42]) * L
         right = paper_forms.strip_slope(x, 0.4 * L, L, 2e7, E_STAR)
         wrong = paper_forms.printed_strip_slope(x, 0.4 * L, L, 2e7, terms=200_000)
-        np.testing.assert_allclose(wrong, -E_STAR * right, rtol=1e-3)  # the tail of the sum is of order 1/terms
-        # Against the definition: u' = -(2/pi E*) int p (pi/L) cot(pi (x - xi)/L), over strips that do not hold x.
+        np.testing.assert_allclose(
+            wrong, -E_STAR * right, rtol=1e-3
+        )  # the tail of the sum is of order 1/terms
+        # Against the definition: u' = -(2/pi E*) int p (pi/L) cot(pi (x - xi)/L), over strips that
+        # do not hold x.
         outside = 0.3 * L
         made = quad(lambda xi: np.pi / L / np.tan(np.pi * (outside - xi) / L), -0.2 * L, 0.2 * L)[0]
         assert right[2] == pytest.approx(-2 * 2e7 / (np.pi * E_STAR) * made, rel=1e-12)
 
     def test_a_uniform_pressure_on_everything_bends_nothing(self):
         x = np.linspace(-0.45, 0.45, 7) * L
-        assert np.max(np.abs(paper_forms.strip_slope(x, L, L, 2e7, E_STAR))) < 1e-15 * 2e7 / E_STAR * 100
+        assert (
+            np.max(np.abs(paper_forms.strip_slope(x, L, L, 2e7, E_STAR)))
+            < 1e-15 * 2e7 / E_STAR * 100
+        )
 
     def test_equation_17_as_its_brackets_stand_gives_the_same_semi_ellipse_for_every_shape(self):
         x = 0.3 * L * np.linspace(0.05, 0.9, 8)
@@ -151,9 +198,12 @@ class TestErrata:
             printed = paper_forms.PrintedLocalizedShape(slope, E_STAR, L, a)
             right = paper_forms.LocalizedShape(slope, E_STAR, L, a)
             np.testing.assert_allclose(
-                printed.isolated_pressure(x), np.sqrt(a * a - x * x) * right.isolated_load / np.pi, rtol=1e-13
+                printed.isolated_pressure(x),
+                np.sqrt(a * a - x * x) * right.isolated_load / np.pi,
+                rtol=1e-13,
             )
-            # Of the dimension of a load: (pi/2) a (a + ...) times too small in these units, and never the same.
+            # Of the dimension of a load: (pi/2) a (a + ...) times too small in these units, and
+            # never the same.
             assert np.all(printed.isolated_pressure(x) < 1e-6 * right.isolated_pressure(x))
 
     def test_equation_18_as_printed_does_not_add_up_to_19(self):
@@ -164,25 +214,35 @@ class TestErrata:
             printed.pressure(x), right.pressure(x) / np.sqrt(np.pi * E_STAR * 1e-6), rtol=1e-10
         )
         assert quad(right.pressure, -0.3 * L, 0.3 * L)[0] == pytest.approx(right.load, rel=1e-7)
-        assert quad(printed.pressure, -0.3 * L, 0.3 * L)[0] / right.load == pytest.approx(1 / np.sqrt(np.pi * E_STAR * 1e-6))
+        assert quad(printed.pressure, -0.3 * L, 0.3 * L)[0] / right.load == pytest.approx(
+            1 / np.sqrt(np.pi * E_STAR * 1e-6)
+        )
 
     def test_equation_26_as_printed_is_no_number_on_the_left_half(self):
         printed = paper_forms.PrintedLocalizedWedge(exact.IsolatedWedge(0.02, E_STAR, 0.3 * L), L)
         x = 0.3 * L * np.linspace(0.05, 0.95, 7)
-        np.testing.assert_allclose(printed.pressure(x), example("wedge", 0.3).pressure(x), rtol=1e-12)
+        np.testing.assert_allclose(
+            printed.pressure(x), example("wedge", 0.3).pressure(x), rtol=1e-12
+        )
         assert np.all(np.isnan(printed.pressure(-x)))
 
     @families
-    def test_the_examples_take_the_isolated_load_for_p_s_and_16_solved_is_another_closure(self, family):
+    def test_the_examples_take_the_isolated_load_for_p_s_and_16_solved_is_another_closure(
+        self, family
+    ):
         first, consistent = example(family, 0.35), example(family, 0.35, paper.SELF_CONSISTENT)
         s = np.sqrt(1 - 0.49)
         assert first.load == pytest.approx(first.isolated.load * (2 - s), rel=1e-14)
         assert consistent.load == pytest.approx(first.isolated.load / s, rel=1e-14)
-        assert first.nominal_load == first.isolated.load and consistent.nominal_load == consistent.load
+        assert (
+            first.nominal_load == first.isolated.load and consistent.nominal_load == consistent.load
+        )
 
     @families
     @pytest.mark.parametrize("fraction", np.linspace(0.2, 0.98, 14))
-    def test_first_order_is_the_more_accurate_closure_at_every_width_from_a_fifth_on(self, family, fraction):
+    def test_first_order_is_the_more_accurate_closure_at_every_width_from_a_fifth_on(
+        self, family, fraction
+    ):
         assert abs(example(family, fraction / 2).load_error) < abs(
             example(family, fraction / 2, paper.SELF_CONSISTENT).load_error
         )
@@ -200,7 +260,9 @@ class TestTwoZones:
 
     def test_a_pair_with_the_wrong_end_does_not_solve_it(self):
         pair = exact.PeriodicBiquadratic(**PAIR)
-        wrong = exact.EvenPair.on(1.0001 * pair.pair.middle, pair.pair.half, _ratio_of(pair), 1.0, np.inf, PAIR["period"])
+        wrong = exact.EvenPair.on(
+            1.0001 * pair.pair.middle, pair.pair.half, _ratio_of(pair), 1.0, np.inf, PAIR["period"]
+        )
         assert abs(wrong.ratio[0]) > 1e-6 * abs(wrong.ratio[1])
 
     def test_it_is_the_solver_s_periodic_solution(self):
@@ -216,13 +278,19 @@ class TestTwoZones:
         np.testing.assert_allclose(pair.zones, alone.zones, rtol=1e-6)
 
     def test_36_with_the_full_artanh_is_the_solver_s_localization_of_the_same_strip(self):
-        wide = {**PAIR, "period": 6 * C, "mean_pressure": 0.00109 / 2.5}  # the widest gap lies between the pairs
+        wide = {
+            **PAIR,
+            "period": 6 * C,
+            "mean_pressure": 0.00109 / 2.5,
+        }  # the widest gap lies between the pairs
         for closure in CLOSURES:
             ours = paper.LocalizedPair(**wide, closure=closure)
             theirs = contact.solve(_scene(contact.Localized(closure), wide), tol=1e-10)
             np.testing.assert_allclose(theirs.zones, ours.zones, rtol=0, atol=1e-8 * C)
         near = contact.solve(_scene(contact.Localized(paper.SELF_CONSISTENT)), tol=1e-10)
-        np.testing.assert_allclose(near.zones, paper.LocalizedPair(**PAIR, centre="valley").zones, rtol=0, atol=1e-8 * C)
+        np.testing.assert_allclose(
+            near.zones, paper.LocalizedPair(**PAIR, centre="valley").zones, rtol=0, atol=1e-8 * C
+        )
 
     @closures
     def test_36_solves_the_equation_of_35_by_quadrature(self, closure):
@@ -247,7 +315,9 @@ class TestTwoZones:
         made = exact.pair.pair_at_load(ratio, cubic.load, 1.0, np.inf)
         np.testing.assert_allclose(made.ends, cubic.ends, rtol=1e-12)
         x = np.linspace(*cubic.ends, 17)
-        np.testing.assert_allclose(made.pressure(x), cubic.pressure(x), atol=1e-12 * cubic.max_pressure)
+        np.testing.assert_allclose(
+            made.pressure(x), cubic.pressure(x), atol=1e-12 * cubic.max_pressure
+        )
         assert made.max_pressure == pytest.approx(cubic.max_pressure, rel=1e-12)
         far = {**PAIR, "period": 1e5 * C, "mean_pressure": 0.00109 * 2.4e-5}
         alone = exact.IsolatedBiquadratic(1.0, 2 * C, 1.0, paper.CubicPair(**far).load)
@@ -260,7 +330,9 @@ class TestTwoZones:
         # What makes the pressure bounded: int h' dxi/sqrt(Z) = 0; with the printed ends it is not.
         for pair, vanishes in ((cubic, True), (printed, False)):
             a, b = pair.ends
-            y = 0.5 * (a * a + b * b) + 0.5 * (b * b - a * a) * np.cos((np.arange(32) + 0.5) * np.pi / 32)
+            y = 0.5 * (a * a + b * b) + 0.5 * (b * b - a * a) * np.cos(
+                (np.arange(32) + 0.5) * np.pi / 32
+            )
             mean = np.mean(cubic.alpha * y - cubic.beta) / cubic.beta
             assert (abs(mean) < 1e-13) == vanishes
             assert vanishes or mean == pytest.approx(0.0597, abs=1e-4)
@@ -269,7 +341,9 @@ class TestTwoZones:
         ratio = {
             name: 0.5 * np.sum(np.square(made(**PAIR).zones[1])) / C**2
             for name, made in (
-                ("exact", exact.PeriodicBiquadratic), ("cubic", paper.CubicPair), ("printed", paper.PrintedCubicPair),
+                ("exact", exact.PeriodicBiquadratic),
+                ("cubic", paper.CubicPair),
+                ("printed", paper.PrintedCubicPair),
                 ("artanh", paper.LocalizedPair),
             )
         }
@@ -287,7 +361,8 @@ class TestTwoZones:
         def literal(at):
             a, b = right.ends
 
-            # Gauss-Chebyshev, x halfway between two nodes, where the rule holds for principal values.
+            # Gauss-Chebyshev, x halfway between two nodes, where the rule holds for principal
+            # values.
             n = 2000
             m, w = 0.5 * (a + b), 0.5 * (b - a)
             xi = m + w * np.cos((np.arange(n) + 0.5) * np.pi / n)
@@ -328,9 +403,12 @@ class TestResults:
     """The results section, statement by statement; see docs/paper."""
 
     @pytest.mark.parametrize(
-        ("family", "error", "peak"), [("wave", -0.00964, -0.01187), ("wedge", -0.00905, None), ("parabola", -0.01565, -0.0202)]
+        ("family", "error", "peak"),
+        [("wave", -0.00964, -0.01187), ("wedge", -0.00905, None), ("parabola", -0.01565, -0.0202)],
     )
-    def test_up_to_seven_tenths_of_the_period_the_load_is_within_two_percent(self, family, error, peak):
+    def test_up_to_seven_tenths_of_the_period_the_load_is_within_two_percent(
+        self, family, error, peak
+    ):
         at = example(family, 0.35)
         assert at.load_error == pytest.approx(error, abs=5e-5)
         assert at.isolated_load_error == pytest.approx(-0.23, abs=0.005)
@@ -340,7 +418,9 @@ class TestResults:
             assert at.peak_error == pytest.approx(peak, abs=5e-5)
 
     @families
-    def test_the_pressure_is_close_everywhere_up_to_there_also_beside_an_infinite_peak(self, family):
+    def test_the_pressure_is_close_everywhere_up_to_there_also_beside_an_infinite_peak(
+        self, family
+    ):
         t = np.linspace(0.001, 1.0, 400)
         for share, most in ((0.2, 0.012), (0.35, 0.021)):
             ours = example(family, share)
@@ -356,12 +436,20 @@ class TestResults:
 
     @pytest.mark.parametrize("family", ["wedge", "parabola"])
     def test_the_self_consistent_closure_underestimates_the_width_instead(self, family):
-        assert all(self._width_error(family, f, paper.SELF_CONSISTENT) < -0.01 for f in (0.5, 0.7, 0.9))
+        assert all(
+            self._width_error(family, f, paper.SELF_CONSISTENT) < -0.01 for f in (0.5, 0.7, 0.9)
+        )
 
     @pytest.mark.parametrize("fraction", [0.75, 0.8, 0.9])
-    def test_the_parabola_overestimates_the_width_less_than_the_wedge_but_the_load_more(self, fraction):
+    def test_the_parabola_overestimates_the_width_less_than_the_wedge_but_the_load_more(
+        self, fraction
+    ):
         assert self._width_error("parabola", fraction) < self._width_error("wedge", fraction)
-        assert example("parabola", fraction / 2).load_error < example("wedge", fraction / 2).load_error < 0
+        assert (
+            example("parabola", fraction / 2).load_error
+            < example("wedge", fraction / 2).load_error
+            < 0
+        )
 
     def test_the_wave_cannot_carry_loads_that_the_exact_wave_carries_at_eight_tenths(self):
         with pytest.raises(contact.OutOfRange):
@@ -397,14 +485,26 @@ class TestResults:
         off = [self._crack_error(f) for f in (0.7, 0.8, 0.9)]
         assert off == pytest.approx([-0.0201, -0.00354, -0.000207], rel=0.01)
         # (pi b/L)^2 for sin^2: the error falls as b^4.
-        rate = np.polyfit(np.log([0.1, 0.05, 0.025]), np.log([-self._crack_error(1 - b) for b in (0.1, 0.05, 0.025)]), 1)[0]
+        rate = np.polyfit(
+            np.log([0.1, 0.05, 0.025]),
+            np.log([-self._crack_error(1 - b) for b in (0.1, 0.05, 0.025)]),
+            1,
+        )[0]
         assert rate == pytest.approx(4.0, abs=0.05)
 
     def test_figure_13_the_exact_pair_has_the_wider_zone_and_the_lower_peak_against_the_paper(self):
-        """The paper: density raises the peak and narrows the zone. So does its relation; the exact solution does neither."""
-        true, printed, alone = exact.PeriodicBiquadratic(**PAIR), paper.PrintedCubicPair(**PAIR), paper.CubicPair(**PAIR).isolated
+        """The paper: density raises the peak and narrows the zone. So does its relation; the exact
+        solution does neither.
+        """
+        true, printed, alone = (
+            exact.PeriodicBiquadratic(**PAIR),
+            paper.PrintedCubicPair(**PAIR),
+            paper.CubicPair(**PAIR).isolated,
+        )
         assert printed.max_pressure / alone.max_pressure - 1 == pytest.approx(0.0052, abs=2e-4)
-        assert np.diff(printed.zones[1])[0] / alone.zone_widths[0] - 1 == pytest.approx(-0.0055, abs=2e-4)
+        assert np.diff(printed.zones[1])[0] / alone.zone_widths[0] - 1 == pytest.approx(
+            -0.0055, abs=2e-4
+        )
         assert true.max_pressure / alone.max_pressure - 1 == pytest.approx(-0.0107, abs=2e-4)
         assert true.zone_widths[0] / alone.zone_widths[0] - 1 == pytest.approx(0.0170, abs=2e-4)
         for period in (3 * C, 4 * C, 6 * C, 10 * C):
@@ -412,11 +512,19 @@ class TestResults:
             one = exact.IsolatedBiquadratic(1.0, 2 * C, 1.0, row.load)
             assert row.max_pressure < one.max_pressure and row.zone_widths[0] > one.zone_widths[0]
 
-    def test_the_long_range_effect_is_below_the_short_range_one_in_peak_and_width_but_not_in_place(self):
+    def test_the_long_range_effect_is_below_the_short_range_one_in_peak_and_width_but_not_in_place(
+        self,
+    ):
         true = exact.PeriodicBiquadratic(**PAIR)
         pair = exact.IsolatedBiquadratic(1.0, 2 * C, 1.0, true.load)
         one = exact.HertzLine.from_load(0.5 * true.load, radius=1.0, E_star=1.0)
-        long, short = (abs(p / q - 1) for p, q in ((true.max_pressure, pair.max_pressure), (pair.max_pressure, one.max_pressure)))
+        long, short = (
+            abs(p / q - 1)
+            for p, q in (
+                (true.max_pressure, pair.max_pressure),
+                (pair.max_pressure, one.max_pressure),
+            )
+        )
         assert long < short
         assert true.zone_widths[0] - pair.zone_widths[0] < pair.zone_widths[0] - 2 * one.half_width
         middle, of_pair = np.mean(true.zones[1]) / C, np.mean(pair.zones[1]) / C
@@ -424,7 +532,9 @@ class TestResults:
         assert middle - of_pair == pytest.approx(-0.0453, abs=1e-4)
 
     def test_the_adjacent_sides_of_a_pair_differ(self):
-        pair = exact.IsolatedBiquadratic(1.0, 2 * C, 1.0, 0.5 * exact.IsolatedBiquadratic(1.0, 2 * C, 1.0, 1.0).merging_load)
+        pair = exact.IsolatedBiquadratic(
+            1.0, 2 * C, 1.0, 0.5 * exact.IsolatedBiquadratic(1.0, 2 * C, 1.0, 1.0).merging_load
+        )
         t = np.linspace(0.05, 0.95, 19)
         assert np.all(pair.pressure_at(t, 1) > 1.01 * pair.pressure_at(-t, 1))
 
@@ -432,31 +542,44 @@ class TestResults:
         top = exact.IsolatedBiquadratic(1.0, 2 * C, 1.0, 1.0).merging_load / (6 * C)
         shifts = []
         for share in (0.1, 0.3, 0.5, 0.7, 0.9):
-            row = exact.PeriodicBiquadratic(**{**PAIR, "period": 6 * C, "mean_pressure": share * top})
-            shifts.append(exact.IsolatedBiquadratic(1.0, 2 * C, 1.0, row.load).inner_end - row.inner_end)
+            row = exact.PeriodicBiquadratic(
+                **{**PAIR, "period": 6 * C, "mean_pressure": share * top}
+            )
+            shifts.append(
+                exact.IsolatedBiquadratic(1.0, 2 * C, 1.0, row.load).inner_end - row.inner_end
+            )
         assert np.all(np.diff(shifts) > 0)
 
     @staticmethod
     def _width_error(family, fraction, closure=paper.FIRST_ORDER):
         load = example(family, fraction / 2).exact.load
-        ours = exact.localized_at_load(ALONE[family], load, L, closure, E_star=E_STAR, **FAMILIES[family][1])
+        ours = exact.localized_at_load(
+            ALONE[family], load, L, closure, E_star=E_STAR, **FAMILIES[family][1]
+        )
         return ours.half_width / (0.5 * fraction * L) - 1
 
     @staticmethod
     def _crack_error(fraction):
         crack = paper_forms.AlmostFullWave(1e-6, L, E_STAR, 0.5 * fraction * L)
-        return crack.mean_pressure / exact.Westergaard(1e-6, L, E_STAR, 0.5 * fraction * L).mean_pressure - 1
+        return (
+            crack.mean_pressure
+            / exact.Westergaard(1e-6, L, E_STAR, 0.5 * fraction * L).mean_pressure
+            - 1
+        )
 
 
 class TestNeighbours:
     @pytest.mark.parametrize("fraction", [0.5, 0.8, 0.9])
-    def test_the_load_error_of_the_wave_falls_with_the_third_power_of_the_strip_and_its_predicted_factor(self, fraction):
+    def test_the_load_error_of_the_wave_falls_with_the_third_power_of_the_strip_and_its_predicted_factor(
+        self, fraction
+    ):
         true = exact.Westergaard(1e-6, L, E_STAR, 0.5 * fraction * L)
         m = np.array([1, 2, 4, 8, 16])
         error = np.array([self._load(fraction, k) / true.load - 1 for k in m])
         rate = np.polyfit(np.log(2 * m + 1), np.log(error), 1)[0]
         assert -3.1 < rate < -2.9
-        # docs/paper/neighbours.md: (16/pi^2)(1/12 - mu/P L^2) ln(1/cos(pi a/L)), mu the second moment of the pressure.
+        # docs/paper/neighbours.md: (16/pi^2)(1/12 - mu/P L^2) ln(1/cos(pi a/L)), mu the second
+        # moment of the pressure.
         phi, _, half, weight = reference.zone_rule(true, 0, 400)
         mu = np.sum(weight * (half * np.cos(phi)) ** 2) / (np.sum(weight) * L * L)
         factor = 16 / np.pi**2 * (1 / 12 - mu) * -np.log(np.cos(0.5 * np.pi * fraction))
@@ -469,4 +592,7 @@ class TestNeighbours:
     @staticmethod
     def _load(fraction, m):
         model = contact.Localized(paper.SELF_CONSISTENT, int(m))
-        return contact.solve(contact.Scene(FAMILIES["wave"][2], E_STAR, model, half_width=0.5 * fraction * L), tol=1e-12).load
+        return contact.solve(
+            contact.Scene(FAMILIES["wave"][2], E_STAR, model, half_width=0.5 * fraction * L),
+            tol=1e-12,
+        ).load

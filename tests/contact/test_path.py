@@ -1,4 +1,6 @@
-"""Load paths: the events are where their own conditions say, and loading and unloading give the same states."""
+"""Load paths: the events are where their own conditions say, and loading and unloading give the
+same states.
+"""
 
 from functools import lru_cache
 
@@ -44,7 +46,9 @@ def test_unloading_meets_the_same_events_under_their_other_names():
     up, down = rough_path(5), rough_path(5, falling=True)
     other = {"birth": "death", "merge": "split", "full": "full"}
     assert [other[e.kind] for e in up.events] == [e.kind for e in reversed(down.events)]
-    assert [e.load for e in up.events] == pytest.approx([e.load for e in reversed(down.events)], rel=1e-10)
+    assert [e.load for e in up.events] == pytest.approx(
+        [e.load for e in reversed(down.events)], rel=1e-10
+    )
     for one, two in zip(up.solutions, reversed(down.solutions), strict=True):
         assert one.zones == pytest.approx(two.zones, abs=1e-9)
 
@@ -55,7 +59,9 @@ def test_the_number_of_zones_is_that_of_the_events_passed():
     assert [e.load for e in found.events] == sorted(e.load for e in found.events)
     for solution in found.solutions:
         passed = [e.kind for e in found.events if e.load < solution.load]
-        assert len(solution.zones) == 1 + passed.count("birth") - passed.count("merge") - passed.count("full")
+        assert len(solution.zones) == 1 + passed.count("birth") - passed.count(
+            "merge"
+        ) - passed.count("full")
 
 
 def test_events_take_three_states_each_and_few_loads_between(monkeypatch):
@@ -82,8 +88,12 @@ def test_events_take_three_states_each_and_few_loads_between(monkeypatch):
 
 def test_just_beside_a_birth_the_solver_finds_the_zones_it_predicts():
     birth = next(e for e in rough_path(5).events if e.kind == "birth")
-    below = contact.solve(contact.Scene(ROUGH, 1.0, contact.Periodic(), load=birth.load * (1 - 1e-4)))
-    above = contact.solve(contact.Scene(ROUGH, 1.0, contact.Periodic(), load=birth.load * (1 + 1e-4)))
+    below = contact.solve(
+        contact.Scene(ROUGH, 1.0, contact.Periodic(), load=birth.load * (1 - 1e-4))
+    )
+    above = contact.solve(
+        contact.Scene(ROUGH, 1.0, contact.Periodic(), load=birth.load * (1 + 1e-4))
+    )
     assert len(above.zones) == len(below.zones) + 1
     assert np.abs(above.zones.mean(axis=1) - birth.position).min() < 1e-2
 
@@ -112,7 +122,10 @@ def test_zones_that_are_born_and_merge_between_two_loads_of_one_zone_each_are_se
     assert [len(solution.zones) for solution in found.solutions] == [1, 1, 0]
     assert [event.kind for event in found.events] == ["birth", "merge", "birth", "merge", "full"]
     for event in found.events[:-1]:
-        before, after = (len(s.zones) for s in contact.solve_many(bumpy, event.load * np.array([1 - 1e-5, 1 + 1e-5])))
+        before, after = (
+            len(s.zones)
+            for s in contact.solve_many(bumpy, event.load * np.array([1 - 1e-5, 1 + 1e-5]))
+        )
         assert after - before == (1 if event.kind == "birth" else -1)
 
 

@@ -1,4 +1,6 @@
-"""A load path as a figure, a table and a command: what it says is what its solutions and events say."""
+"""A load path as a figure, a table and a command: what it says is what its solutions and events
+say.
+"""
 
 from __future__ import annotations
 
@@ -17,27 +19,47 @@ from contact.sweeps.points import NUMBERS, numbers
 
 PAIR = contact.Scene(contact.Biquadratic(1.0, 0.1), 1.0, contact.Isolated(), load=1.0)
 WAVE = contact.Scene(contact.Sinusoid(1e-2, 1.0), 1.0, contact.Periodic(), load=1.0)
-TEXT = '''
+TEXT = """
 profile = {%s}
 material = {E_star = 1.0}
 interaction = {model = "%s"}
 control = {load = 1.0}
-'''
+"""
 PAIR_TEXT = TEXT % ('shape = "biquadratic", radius = 1.0, spacing = 0.1', "isolated")
 WAVE_TEXT = TEXT % ('shape = "sinusoid", amplitude = 0.01, period = 1.0', "periodic")
 STICKY_TEXT = WAVE_TEXT + 'law = {model = "jkr", work = 1e-5}\n'
 # Nothing is between them, or too little, or what is no number.
-NO_LOADS = ["1:2", "1:2:x", "1:2:1", "a:2:3", "1:2:3:lin", "0:2:3:log", "1:1:3", "1:2:3:log:4", "", ",", "nan", "1:inf:3", "0", "1:2:1e9"]
+NO_LOADS = [
+    "1:2",
+    "1:2:x",
+    "1:2:1",
+    "a:2:3",
+    "1:2:3:lin",
+    "0:2:3:log",
+    "1:1:3",
+    "1:2:3:log:4",
+    "",
+    ",",
+    "nan",
+    "1:inf:3",
+    "0",
+    "1:2:1e9",
+]
 
 
 @lru_cache
 def loop(name):
-    scene, loads = {"pair": (PAIR, [9e-4, 1e-3, 1.1e-3, 1e-3, 9e-4]), "wave": (WAVE, [0.025, 0.03, 0.035, 0.03, 0.025])}[name]
+    scene, loads = {
+        "pair": (PAIR, [9e-4, 1e-3, 1.1e-3, 1e-3, 9e-4]),
+        "wave": (WAVE, [0.025, 0.03, 0.035, 0.03, 0.025]),
+    }[name]
     return contact.path(scene, loads)
 
 
 def run(text, *arguments):
-    return CliRunner().invoke(cli.main, ["path", "-", *(str(argument) for argument in arguments)], input=text)
+    return CliRunner().invoke(
+        cli.main, ["path", "-", *(str(argument) for argument in arguments)], input=text
+    )
 
 
 def test_each_event_stands_with_the_load_behind_it_on_a_loop_too():
@@ -54,7 +76,11 @@ def test_a_row_of_the_table_is_what_the_solution_says(tmp_path):
     for row, solution in zip(rows, found.solutions, strict=True):
         assert [float(row[name]) for name in NUMBERS] == list(numbers(solution).values())
     kind, load, _ = rows[2]["events"].split()
-    assert kind == "full" and float(load) == pytest.approx(np.pi * 1e-2, rel=1e-12) and rows[1]["events"] == ""
+    assert (
+        kind == "full"
+        and float(load) == pytest.approx(np.pi * 1e-2, rel=1e-12)
+        and rows[1]["events"] == ""
+    )
 
 
 def test_what_a_scene_does_not_define_is_nan_in_the_table_and_null_in_json(tmp_path):
@@ -75,7 +101,11 @@ def test_the_figure_has_contact_and_approach_and_a_line_for_each_event():
     area, approach = figure.axes
     full = np.pi * 1e-2 * 1e3  # in mN/m
     for axes in (area, approach):
-        lines = [line for line in axes.lines if len(line.get_xdata()) == 2 and np.ptp(np.asarray(line.get_xdata(), float)) == 0]
+        lines = [
+            line
+            for line in axes.lines
+            if len(line.get_xdata()) == 2 and np.ptp(np.asarray(line.get_xdata(), float)) == 0
+        ]
         assert [line.get_xdata()[0] for line in lines] == pytest.approx([full, full], rel=1e-9)
     (rising,) = (line for line in area.lines if line.get_label() == "load rising")
     # Full contact is a point of the line of its own.
@@ -102,32 +132,46 @@ def test_the_command_goes_there_and_back_and_says_what_the_path_says(tmp_path):
     assert done.exit_code == 0, done.output
     read = json.loads(done.stdout)
     assert read["points"]["load"] == pytest.approx([0.012, 0.024, 0.036, 0.024, 0.012])
-    assert [(e["kind"], e["point"], e["zones_before"], e["zones_after"]) for e in read["events"]] == [("full", 2, 1, 0), ("full", 3, 0, 1)]
+    assert [
+        (e["kind"], e["point"], e["zones_before"], e["zones_after"]) for e in read["events"]
+    ] == [("full", 2, 1, 0), ("full", 3, 0, 1)]
     assert set(read["units"]) == {*NUMBERS, "position"} and "control" not in read["scene"]
 
 
 def test_its_tables_have_one_unit_a_column_and_fit_on_80_columns():
     told = run(WAVE_TEXT, "--loads", "1e-6:3e-2:7:log", "--no-events").stdout
     assert max(len(line.rstrip()) for line in told.splitlines()) <= 80
-    rows = [line.split() for line in told.splitlines() if line.split()[-1:] and line.split()[-1].count("e-") == 1]
+    rows = [
+        line.split()
+        for line in told.splitlines()
+        if line.split()[-1:] and line.split()[-1].count("e-") == 1
+    ]
     assert len(rows) == 7 and all(len(row) == 9 for row in rows)
     assert told.count("[mN/m]") == 1
     assert "full contact" in run(WAVE_TEXT, "--loads", "3e-2,3.2e-2").stdout
 
 
 def test_without_events_the_solutions_are_those_of_solve_many(monkeypatch):
-    monkeypatch.setattr("contact.commands.path.path", lambda *a, **k: pytest.fail("events looked for"))
+    monkeypatch.setattr(
+        "contact.commands.path.path", lambda *a, **k: pytest.fail("events looked for")
+    )
     read = json.loads(run(PAIR_TEXT, "--loads", "5e-4,2e-3", "--no-events", "--json").stdout)
     assert read["events"] == [] and read["points"]["zone_count"] == [2, 1]
     assert read["points"]["load"] == [s.load for s in contact.solve_many(PAIR, [5e-4, 2e-3])]
-    by_two = json.loads(run(PAIR_TEXT, "--loads", "5e-4:2e-3:4", "--no-events", "--json", "--workers", "2").stdout)
+    by_two = json.loads(
+        run(PAIR_TEXT, "--loads", "5e-4:2e-3:4", "--no-events", "--json", "--workers", "2").stdout
+    )
     assert by_two["points"]["load"] == pytest.approx([5e-4, 1e-3, 1.5e-3, 2e-3])
 
 
 @pytest.mark.parametrize("loads", NO_LOADS)
 def test_loads_that_are_none_are_refused_by_name(loads):
     refused = run(WAVE_TEXT, "--loads", loads)
-    assert refused.exit_code == 2 and refused.stdout == "" and refused.stderr.startswith("contact: --loads = ")
+    assert (
+        refused.exit_code == 2
+        and refused.stdout == ""
+        and refused.stderr.startswith("contact: --loads = ")
+    )
     assert refused.stderr.count("\n") == 1
 
 
@@ -140,19 +184,39 @@ def test_a_load_below_none_and_a_file_that_is_there_are_refused_before_anything_
 
 def test_quietly_it_writes_its_files_and_prints_nothing(tmp_path):
     pytest.importorskip("matplotlib")
-    done = run(WAVE_TEXT, "--loads", "1e-2,2e-2", "-q", "--csv", tmp_path / "out.csv", "--plot", tmp_path / "out.png")
+    done = run(
+        WAVE_TEXT,
+        "--loads",
+        "1e-2,2e-2",
+        "-q",
+        "--csv",
+        tmp_path / "out.csv",
+        "--plot",
+        tmp_path / "out.png",
+    )
     assert (done.exit_code, done.output) == (0, "")
-    assert (tmp_path / "out.csv").read_text().count("\n") == 3 and (tmp_path / "out.png").read_bytes().startswith(b"\x89PNG")
+    assert (tmp_path / "out.csv").read_text().count("\n") == 3 and (
+        tmp_path / "out.png"
+    ).read_bytes().startswith(b"\x89PNG")
 
 
 def test_a_loop_of_surfaces_that_adhere_says_what_it_loses_and_is_drawn(tmp_path):
     pytest.importorskip("matplotlib")
     arguments = ["--loads=-1.5e-3,1e-3", "--back"]
-    read = json.loads(run(STICKY_TEXT, *arguments, "--json", "--plot", tmp_path / "loop.png").stdout)
+    read = json.loads(
+        run(STICKY_TEXT, *arguments, "--json", "--plot", tmp_path / "loop.png").stdout
+    )
     assert [e["kind"] for e in read["events"]] == ["jump-in", "pull-off"]
-    assert read["dissipated"] == pytest.approx(sum(e["lost"] for e in read["events"])) and read["work"] == pytest.approx(read["dissipated"])
+    assert read["dissipated"] == pytest.approx(sum(e["lost"] for e in read["events"])) and read[
+        "work"
+    ] == pytest.approx(read["dissipated"])
     assert (tmp_path / "loop.png").stat().st_size > 10_000
-    assert read["points"]["zone_count"][0] == read["points"]["zone_count"][-1] == read["points"]["total_width"][0] == 0
+    assert (
+        read["points"]["zone_count"][0]
+        == read["points"]["zone_count"][-1]
+        == read["points"]["total_width"][0]
+        == 0
+    )
     told = run(STICKY_TEXT, *arguments).stdout
     assert "apart to 1" in told and "1 to apart" in told and "lost in all" in told
 
@@ -161,7 +225,10 @@ def test_mean_pressures_and_approaches_stand_in_place_of_loads_and_exactly_one_o
     by_pressure = json.loads(run(WAVE_TEXT, "--pressures", "1e-2,1.1e-2", "--json").stdout)
     assert by_pressure["points"]["mean_pressure"] == pytest.approx([1e-2, 1.1e-2])
     by_approach = json.loads(run(STICKY_TEXT, "--approaches", "1e-3,2e-3", "--json").stdout)
-    assert by_approach["points"]["approach"] == pytest.approx([1e-3, 2e-3]) and by_approach["control"] == "approach"
+    assert (
+        by_approach["points"]["approach"] == pytest.approx([1e-3, 2e-3])
+        and by_approach["control"] == "approach"
+    )
     for text, arguments, told in (
         (WAVE_TEXT, [], "--loads"), (WAVE_TEXT, ["--loads", "1,2", "--pressures", "1,2"], "--loads and --pressures"),
         (WAVE_TEXT, ["--approaches", "1e-3,2e-3"], "approach"), (STICKY_TEXT, ["--loads", "1e-3,2e-3", "--no-events"], "--no-events"),

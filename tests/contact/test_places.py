@@ -1,4 +1,6 @@
-"""Columns and conditions of an interaction of one's own that speak of places: told where these stand, whatever the solver counts from."""
+"""Columns and conditions of an interaction of one's own that speak of places: told where these
+stand, whatever the solver counts from.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +22,13 @@ class Hinged(contact.Interaction):
     hinge: float
 
     def placed_columns(self, period, centre, scaled):
-        return (sie.Forcing(lambda x: np.full(np.shape(x), -1.0), lambda x: scaled(np.array(self.hinge)) - x, modes=1),)
+        return (
+            sie.Forcing(
+                lambda x: np.full(np.shape(x), -1.0),
+                lambda x: scaled(np.array(self.hinge)) - x,
+                modes=1,
+            ),
+        )
 
     def placed_conditions(self, period, scaled):
         return (sie.moment(0.0, about=float(scaled(np.array(self.hinge)))),)
@@ -28,7 +36,9 @@ class Hinged(contact.Interaction):
 
 @pytest.mark.parametrize(("hinge", "tip"), [(0.0, 0.0), (5e-4, 0.0), (0.05, 0.0502), (5.0, 5.0003)])
 def test_a_hinge_stands_where_it_is_said_to(hinge, tip):
-    """A parabola turned by t has its tip at x = tip + R t: without moment about the hinge that is where the zone is centred."""
+    """A parabola turned by t has its tip at x = tip + R t: without moment about the hinge that is
+    where the zone is centred.
+    """
     shape = contact.Polynomial([0.5 * tip**2, -tip, 0.5])
     solution = contact.solve(contact.Scene(shape, 1e9, Hinged(hinge), load=1e3), tol=1e-10)
     middle = solution.zones.mean()
@@ -43,4 +53,8 @@ def test_what_the_engine_refuses_of_a_scene_is_an_error_of_the_scene(monkeypatch
 
     monkeypatch.setattr(sie, "find_ends", refused)
     with pytest.raises(contact.SceneError, match="antiderivative"):
-        contact.solve(contact.Scene(contact.Polynomial((0.0, 0.0, 0.5, 0.1, 1.0)), 1e9, contact.Isolated(), load=1e3))
+        contact.solve(
+            contact.Scene(
+                contact.Polynomial((0.0, 0.0, 0.5, 0.1, 1.0)), 1e9, contact.Isolated(), load=1e3
+            )
+        )

@@ -1,4 +1,6 @@
-"""A scene does not pay for what it lacks: the plan says what is left out, and counts, modules and memory bear it out."""
+"""A scene does not pay for what it lacks: the plan says what is left out, and counts, modules and
+memory bear it out.
+"""
 
 from __future__ import annotations
 
@@ -31,10 +33,16 @@ def parts(solution):
 
 
 def waves(count, shift=0.0):
-    """count equal waves a period; shifted, the profile is not symmetric although every zone still is."""
+    """count equal waves a period; shifted, the profile is not symmetric although every zone still
+    is.
+    """
     amplitude, angle = DELTA / count, 2 * np.pi * count * shift
     zeros = [0.0] * (count - 1)
-    return contact.Fourier(L, [*zeros, -amplitude * np.cos(angle)], [*zeros, -amplitude * np.sin(angle)] if shift else [])
+    return contact.Fourier(
+        L,
+        [*zeros, -amplitude * np.cos(angle)],
+        [*zeros, -amplitude * np.sin(angle)] if shift else [],
+    )
 
 
 class Counted(contact.Profile):
@@ -62,7 +70,13 @@ class Counted(contact.Profile):
 def loaded_after(code, names):
     """Those of the modules that a fresh interpreter has loaded after the code."""
     report = f"\nimport sys; print(*[m for m in {names!r} if m in sys.modules])"
-    run = subprocess.run([sys.executable, "-c", code + report], capture_output=True, text=True, check=True, timeout=60)
+    run = subprocess.run(
+        [sys.executable, "-c", code + report],
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=60,
+    )
     return set(run.stdout.split())
 
 
@@ -91,7 +105,10 @@ class TestSymmetricAgainstAsymmetric:
     def test_a_quarter_of_the_kernel_is_evaluated_in_a_symmetric_solve(self):
         half = solve(waves(self.COUNT), mean_pressure=self.PRESSURE).plan.counts
         whole = solve(waves(self.COUNT, shift=0.013), mean_pressure=self.PRESSURE).plan.counts
-        assert half["kernel_evaluations"] / half["solves"] < 0.3 * whole["kernel_evaluations"] / whole["solves"]
+        assert (
+            half["kernel_evaluations"] / half["solves"]
+            < 0.3 * whole["kernel_evaluations"] / whole["solves"]
+        )
 
     def test_both_have_the_same_answer(self):
         half = solve(waves(self.COUNT), mean_pressure=self.PRESSURE)
@@ -108,7 +125,9 @@ class TestOneZoneAgainstMany:
 
     def test_one_symmetric_asperity_is_not_searched_for_on_a_grid(self):
         assert not solve(WAVE, mean_pressure=0.2 * full_pressure()).plan["coarse search"].used
-        assert parts(solve(WAVE, mean_pressure=0.2 * full_pressure()))["coarse search"].seconds is None
+        assert (
+            parts(solve(WAVE, mean_pressure=0.2 * full_pressure()))["coarse search"].seconds is None
+        )
 
     def test_many_zones_are(self):
         plan = solve(waves(5), mean_pressure=0.1 * full_pressure()).plan
@@ -123,7 +142,9 @@ class TestOneZoneAgainstMany:
 
     def test_the_smooth_wave_needs_few_modes_whatever_else_the_solver_can_do(self):
         counts = solve(WAVE, tol=1e-12, mean_pressure=0.2 * full_pressure()).plan.counts
-        assert counts["own_modes"] <= 32 and counts["coupled_unknowns"] <= 32 and counts["zones"] == 1
+        assert (
+            counts["own_modes"] <= 32 and counts["coupled_unknowns"] <= 32 and counts["zones"] == 1
+        )
 
 
 class TestGivenAgainstSearched:
@@ -159,7 +180,10 @@ class TestSmoothAgainstKinked:
         assert not smooth.plan["kinks"].used and kinked.plan["kinks"].used
 
     def test_a_declared_kink_costs_no_more_modes_than_a_smooth_profile(self):
-        smooth, kinked = solve(WAVE, half_width=0.2).plan.counts, solve(contact.Wedge(0.01, L), half_width=0.2).plan.counts
+        smooth, kinked = (
+            solve(WAVE, half_width=0.2).plan.counts,
+            solve(contact.Wedge(0.01, L), half_width=0.2).plan.counts,
+        )
         assert kinked["own_modes"] <= 2 * smooth["own_modes"]
 
     def test_the_same_corner_undeclared_costs_many_times_as_much(self):
@@ -191,16 +215,24 @@ class TestSmoothAgainstKinked:
 class TestLocalizationAgainstNone:
     def test_only_a_localized_model_carries_the_nominal_pressure(self):
         assert not solve(WAVE, half_width=0.2).plan["localization term"].used
-        assert solve(WAVE, contact.Localized("self-consistent"), half_width=0.2).plan["localization term"].used
+        assert (
+            solve(WAVE, contact.Localized("self-consistent"), half_width=0.2)
+            .plan["localization term"]
+            .used
+        )
 
     def test_only_the_first_order_closure_solves_the_isolated_reference(self):
         for closure in ("first-order", "self-consistent"):
-            part = parts(solve(WAVE, contact.Localized(closure), half_width=0.2))["isolated reference"]
+            part = parts(solve(WAVE, contact.Localized(closure), half_width=0.2))[
+                "isolated reference"
+            ]
             assert part.used == (closure == "first-order")
 
 
 class TestFieldsNotAskedFor:
-    def test_no_height_but_the_lowest_and_the_certificate_s_is_evaluated_until_a_gap_is_asked_for(self):
+    def test_no_height_but_the_lowest_and_the_certificate_s_is_evaluated_until_a_gap_is_asked_for(
+        self,
+    ):
         profile = Counted()
         solution = solve(profile, half_width=0.2)
         before = profile.heights
@@ -215,7 +247,16 @@ class TestFieldsNotAskedFor:
 
 
 class TestModulesAndMemory:
-    OPTIONAL = ("numba", "matplotlib", "xarray", "rich", "click", "scipy.interpolate", "scipy.optimize", "scipy.integrate")
+    OPTIONAL = (
+        "numba",
+        "matplotlib",
+        "xarray",
+        "rich",
+        "click",
+        "scipy.interpolate",
+        "scipy.optimize",
+        "scipy.integrate",
+    )
     SCENE = "import contact as c\ns = c.solve(c.Scene({}, 1.0, {}, {}))"
 
     def test_scenes_that_need_none_of_them_load_no_optional_module(self):
@@ -224,19 +265,39 @@ class TestModulesAndMemory:
             ("c.Parabola(1.0)", "c.Isolated()", "load=1e-3"),
             ("c.Wedge(0.1, 1.0)", "c.Periodic()", "half_width=0.2"),
             ("c.Fourier(1.0, [-1e-3, 2e-4], [1e-4])", "c.Periodic()", "mean_pressure=1e-3"),
-            ("c.Sinusoid(1e-3, 1.0)", "c.Localized('self-consistent', neighbours=2)", "half_width=0.2"),
+            (
+                "c.Sinusoid(1e-3, 1.0)",
+                "c.Localized('self-consistent', neighbours=2)",
+                "half_width=0.2",
+            ),
         ]
-        assert loaded_after("\n".join(self.SCENE.format(*scene) for scene in scenes), self.OPTIONAL) == set()
+        assert (
+            loaded_after("\n".join(self.SCENE.format(*scene) for scene in scenes), self.OPTIONAL)
+            == set()
+        )
 
     def test_a_measured_profile_loads_splines_and_nothing_else(self):
         sampled = "c.Sampled([0.0, 0.2, 0.4, 0.6, 0.8], [0.0, 2e-3, 1e-3, 0.0, -1e-3], period=1.0)"
         code = self.SCENE.format(sampled, "c.Periodic()", "mean_pressure=1e-3")
         # SciPy's own splines bring its optimizer along.
-        assert loaded_after(code, self.OPTIONAL) <= {"scipy.interpolate", "scipy.optimize", "scipy.integrate"}
+        assert loaded_after(code, self.OPTIONAL) <= {
+            "scipy.interpolate",
+            "scipy.optimize",
+            "scipy.integrate",
+        }
 
     def test_the_suite_of_measurements_is_loaded_by_no_solve_and_no_other_command(self):
-        code = self.SCENE.format("c.Sinusoid(1e-3, 1.0)", "c.Periodic()", "mean_pressure=1e-3") + "\nimport contact.commands.cli"
-        assert loaded_after(code, ("contact.studies.bench", "contact.reference.exact", "contact.reference.inverse")) == set()
+        code = (
+            self.SCENE.format("c.Sinusoid(1e-3, 1.0)", "c.Periodic()", "mean_pressure=1e-3")
+            + "\nimport contact.commands.cli"
+        )
+        assert (
+            loaded_after(
+                code,
+                ("contact.studies.bench", "contact.reference.exact", "contact.reference.inverse"),
+            )
+            == set()
+        )
 
     def test_a_given_zone_takes_less_memory_than_a_searched_one_and_both_take_little(self):
         given = peak(lambda: solve(WAVE, half_width=0.2))
@@ -245,12 +306,17 @@ class TestModulesAndMemory:
         assert given < searched
 
     def test_memory_of_many_zones_grows_with_their_number_and_not_with_its_square(self):
-        few, many = (peak(lambda n=n: solve(waves(n), mean_pressure=0.1 * full_pressure(), tol=1e-8)) for n in (101, 303))
+        few, many = (
+            peak(lambda n=n: solve(waves(n), mean_pressure=0.1 * full_pressure(), tol=1e-8))
+            for n in (101, 303)
+        )
         assert many < 1.5 * 3 * few
 
     def test_a_symmetric_scene_takes_hardly_more_than_half_the_memory_of_a_shifted_one(self):
         half = peak(lambda: solve(waves(27), mean_pressure=0.1 * full_pressure(), tol=1e-8))
-        whole = peak(lambda: solve(waves(27, shift=0.0013), mean_pressure=0.1 * full_pressure(), tol=1e-8))
+        whole = peak(
+            lambda: solve(waves(27, shift=0.0013), mean_pressure=0.1 * full_pressure(), tol=1e-8)
+        )
         assert half < 0.6 * whole
 
 
@@ -261,14 +327,20 @@ class TestNearlyFullAgainstPartContact:
         assert almost.plan.counts["own_modes"] <= 32
 
     def test_half_a_contact_is_not_solved_by_its_gaps(self):
-        assert solve(WAVE, mean_pressure=0.5 * full_pressure()).certificate.note != "solved by its gaps"
+        assert (
+            solve(WAVE, mean_pressure=0.5 * full_pressure()).certificate.note
+            != "solved by its gaps"
+        )
 
 
 class TestLooseAgainstTight:
     def test_digits_that_are_not_asked_for_are_not_paid_for(self):
         profile = design([[-0.4, -0.2], [0.0, 0.3]], E, 1e-3, 1.0).profile
         loose, tight = (solve(profile, tol=tol, load=1e-3).plan.counts for tol in (1e-2, 1e-11))
-        assert loose["own_modes"] < tight["own_modes"] and loose["kernel_evaluations"] < 0.7 * tight["kernel_evaluations"]
+        assert (
+            loose["own_modes"] < tight["own_modes"]
+            and loose["kernel_evaluations"] < 0.7 * tight["kernel_evaluations"]
+        )
 
 
 class TestSizesAndTimes:
@@ -284,7 +356,14 @@ class TestSizesAndTimes:
     @pytest.mark.parametrize(("profile", "model", "control"), SCENES)
     def test_every_route_counts_its_sizes_and_shares_out_its_time(self, profile, model, control):
         plan = solve(profile, model, tol=1e-7, **control).plan
-        sizes = {"zones", "own_modes", "coupled_unknowns", "kernel_evaluations", "profile_evaluations", "solves"}
+        sizes = {
+            "zones",
+            "own_modes",
+            "coupled_unknowns",
+            "kernel_evaluations",
+            "profile_evaluations",
+            "solves",
+        }
         assert sizes <= set(plan.counts) and min(plan.counts[name] for name in sizes) >= 0
         assert plan.counts["zones"] >= 1 and plan.counts["own_modes"] >= plan.counts["zones"]
         shares = [plan.share(part) for part in plan.parts if part.seconds is not None]
@@ -307,7 +386,9 @@ class TestSizesAndTimes:
 def test_the_plan_made_beforehand_names_the_same_parts_as_the_one_of_the_solution():
     scene = contact.Scene(WAVE, E, PERIODIC, mean_pressure=0.2 * full_pressure())
     beforehand = contact.plan(scene)
-    assert [(p.name, p.used) for p in beforehand.parts] == [(p.name, p.used) for p in contact.solve(scene).plan.parts]
+    assert [(p.name, p.used) for p in beforehand.parts] == [
+        (p.name, p.used) for p in contact.solve(scene).plan.parts
+    ]
 
 
 def test_the_counted_profile_evaluations_are_those_the_profile_sees_but_for_guess_and_certificate():
@@ -324,5 +405,12 @@ def test_what_no_part_of_a_scene_needs_is_not_loaded_for_it():
         "contact.solve(contact.Scene(series, 1.0, contact.Periodic(), mean_pressure=1e-4))\n"
         "assert gc.isenabled() and gc.get_freeze_count() == frozen"
     )
-    others = ["contact.model.traces.prepare", "contact.search.ways.strips", "contact.search.ways.branches", "contact.search.ways.cohesive"]
-    assert loaded_after(code, [*others, "contact.search.equilibria.parting", "tomllib", "fractions", "sie"]) == {"sie"}
+    others = [
+        "contact.model.traces.prepare",
+        "contact.search.ways.strips",
+        "contact.search.ways.branches",
+        "contact.search.ways.cohesive",
+    ]
+    assert loaded_after(
+        code, [*others, "contact.search.equilibria.parting", "tomllib", "fractions", "sie"]
+    ) == {"sie"}

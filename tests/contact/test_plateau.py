@@ -1,4 +1,6 @@
-"""Profiles with flat tops: contact is wider than these at every load, and narrower contact is refused by their width."""
+"""Profiles with flat tops: contact is wider than these at every load, and narrower contact is
+refused by their width.
+"""
 
 from __future__ import annotations
 
@@ -43,7 +45,8 @@ TRAPEZOID = Plateaus((-0.5, -0.1, 0.1, 0.5), (0.004, 0.0, 0.0, 0.004), symmetric
 LOPSIDED = Plateaus((-0.5, -0.1, 0.15, 0.5), (0.004, 0.0, 0.0, 0.004))
 # The second one lies across the border of the cell; a third is higher than they.
 SEVERAL = Plateaus(
-    (-0.5, -0.4, -0.3, -0.2, 0.0, 0.1, 0.15, 0.2, 0.22, 0.25, 0.5), (0, 0, 0.01, 0, 0, 0.01, 0.01, 1e-4, 1e-4, 0, 0)
+    (-0.5, -0.4, -0.3, -0.2, 0.0, 0.1, 0.15, 0.2, 0.22, 0.25, 0.5),
+    (0, 0, 0.01, 0, 0, 0.01, 0.01, 1e-4, 1e-4, 0, 0),
 )
 WIDTHS = [(TRAPEZOID, 0.2), (LOPSIDED, 0.25), (SEVERAL, 0.55)]
 
@@ -52,13 +55,17 @@ WIDTHS = [(TRAPEZOID, 0.2), (LOPSIDED, 0.25), (SEVERAL, 0.55)]
 @pytest.mark.parametrize("part", [0.01, 0.5, 1 - 1e-12, 1.0])
 def test_a_contact_fraction_that_flat_tops_exceed_is_refused_by_their_width(profile, width, part):
     scene = contact.Scene(profile, E, contact.Periodic(), contact_fraction=part * width)
-    with pytest.raises(contact.OutOfRange, match=rf"contact_fraction .* is not above {width:.6g}: .* give a load"):
+    with pytest.raises(
+        contact.OutOfRange, match=rf"contact_fraction .* is not above {width:.6g}: .* give a load"
+    ):
         contact.solve(scene)
 
 
 @pytest.mark.parametrize(("profile", "width"), WIDTHS)
 def test_a_fraction_above_flat_tops_has_zones_that_hold_them(profile, width):
-    solution = contact.solve(contact.Scene(profile, E, contact.Periodic(), contact_fraction=width + 0.01))
+    solution = contact.solve(
+        contact.Scene(profile, E, contact.Periodic(), contact_fraction=width + 0.01)
+    )
     assert abs(solution.contact_fraction - width - 0.01) < 1e-12
     assert np.all(solution.gap(np.linspace(-0.5, 0.5, 4001)) >= 0)
     for lo, hi in lowest_stretches(profile):
@@ -69,7 +76,9 @@ def test_a_fraction_above_flat_tops_has_zones_that_hold_them(profile, width):
 def test_a_fraction_a_hair_above_flat_tops_has_a_load_that_grows_as_its_root():
     # The fraction itself is rounded to 1e-16: to 1e-7 of what it exceeds the flat top by.
     loads = [
-        contact.solve(contact.Scene(TRAPEZOID, E, contact.Periodic(), contact_fraction=0.2 * (1 + over))).load
+        contact.solve(
+            contact.Scene(TRAPEZOID, E, contact.Periodic(), contact_fraction=0.2 * (1 + over))
+        ).load
         for over in (1e-9, 1e-7)
     ]
     assert abs(loads[1] / loads[0] / 10 - 1) < 2e-7
@@ -78,11 +87,17 @@ def test_a_fraction_a_hair_above_flat_tops_has_a_load_that_grows_as_its_root():
 @pytest.mark.parametrize("part", [1e-3, 0.5, 1.0])
 @pytest.mark.parametrize(
     ("profile", "model"),
-    [(TRAPEZOID, contact.Periodic()), (TRAPEZOID, contact.Localized()), (TruncatedWedge(0.01, 0.1), contact.Isolated())],
+    [
+        (TRAPEZOID, contact.Periodic()),
+        (TRAPEZOID, contact.Localized()),
+        (TruncatedWedge(0.01, 0.1), contact.Isolated()),
+    ],
 )
 def test_a_half_width_of_the_flat_part_or_less_is_refused_by_its_width(profile, model, part):
     scene = contact.Scene(profile, E, model, half_width=0.1 * part)
-    with pytest.raises(contact.OutOfRange, match=r"half_width .* is not above 0\.1 m: .* give a load"):
+    with pytest.raises(
+        contact.OutOfRange, match=r"half_width .* is not above 0\.1 m: .* give a load"
+    ):
         contact.solve(scene)
 
 
@@ -95,14 +110,21 @@ def test_a_half_width_a_hair_above_the_flat_part_has_the_load_of_the_closed_form
 
 
 def test_no_width_of_a_tip_is_taken_for_flat():
-    for profile in (contact.Sinusoid(1e-6, 1e-4), contact.Polynomial([0, 0, 0, 0, 0, 0, 0, 0, 1e20], period=1e-3)):
+    for profile in (
+        contact.Sinusoid(1e-6, 1e-4),
+        contact.Polynomial([0, 0, 0, 0, 0, 0, 0, 0, 1e20], period=1e-3),
+    ):
         assert len(lowest_stretches(profile)) == 0
-        solution = contact.solve(contact.Scene(profile, E, contact.Periodic(), half_width=1e-6 * profile.period))
+        solution = contact.solve(
+            contact.Scene(profile, E, contact.Periodic(), half_width=1e-6 * profile.period)
+        )
         assert solution.load > 0
 
 
 class TestLightLoads:
-    """The ends of the contact pass the corners by (load / E* slope)^2 / 2d: far less than the digits of their positions tell."""
+    """The ends of the contact pass the corners by (load / E* slope)^2 / 2d: far less than the
+    digits of their positions tell.
+    """
 
     @pytest.mark.parametrize("load", 10.0 ** np.arange(4, -10, -2))
     def test_the_pressure_is_that_of_the_closed_form(self, load):
@@ -112,16 +134,23 @@ class TestLightLoads:
         inside = passed < away
         ratio = np.where(inside, passed / away, away / passed)
         exact = E * slope / np.pi * np.arctanh(ratio)
-        solution = contact.solve(contact.Scene(TruncatedWedge(slope, half_top), E, contact.Isolated(), load=load), tol=1e-9)
+        solution = contact.solve(
+            contact.Scene(TruncatedWedge(slope, half_top), E, contact.Isolated(), load=load),
+            tol=1e-9,
+        )
         assert np.abs(solution.pressure_at(t) / exact - 1).max() <= solution.error <= 1e-9
         assert solution.certificate.holds and not solution.certificate.undecided
 
     def test_unlike_corners_share_it_by_their_distances(self):
-        """K of the flat punch on |t| < 1 is P/(pi sqrt(2)), and a corner that turns by J at r from an end makes (E* J/pi) sqrt(r) of it."""
+        """K of the flat punch on |t| < 1 is P/(pi sqrt(2)), and a corner that turns by J at r from
+        an end makes (E* J/pi) sqrt(r) of it.
+        """
         profile = Plateaus((-0.5, -0.1, 0.1, 0.3, 0.5), (0.5, 0.0, 0.0, 0.6, 0.5))
         passed = []
         for load in (1e-9, 1e-10):
-            solution = contact.solve(contact.Scene(profile, 1.0, contact.Isolated(), load=load), tol=1e-9)
+            solution = contact.solve(
+                contact.Scene(profile, 1.0, contact.Isolated(), load=load), tol=1e-9
+            )
             steps = solution.fields.density.jumps
             passed.append([steps.left.min(), steps.right.min()])
         left, right = np.transpose(passed)
@@ -131,7 +160,9 @@ class TestLightLoads:
 
 @pytest.mark.parametrize(("load", "tol"), [(1e-7, 1e-8), (1e-9, 1e-6)])
 def test_the_deepest_of_sharp_tips_is_found_by_a_load_that_touches_nothing_else(load, tol):
-    """A wedge alone, of slopes s and s': P = (E*/4) (b - a) (s + s') sin(pi s / (s + s')) for its ends a and b."""
+    """A wedge alone, of slopes s and s': P = (E*/4) (b - a) (s + s') sin(pi s / (s + s')) for its
+    ends a and b.
+    """
     profile = Plateaus((-0.5, -0.21, 0.0, 0.1837, 0.5), (1.0, 0.0, 0.3, -1e-5, 1.0))
     solution = contact.solve(contact.Scene(profile, 1.0, contact.Isolated(), load=load), tol=tol)
     assert len(solution.zones) == 1
@@ -147,7 +178,9 @@ def test_the_deepest_of_sharp_tips_is_found_by_a_load_that_touches_nothing_else(
 @pytest.mark.slow
 def test_a_row_of_flat_tops_is_solved_at_any_load_from_nothing_and_from_the_last_load():
     """What the ends pass the corners by goes with the square of the load."""
-    profile = Plateaus((-0.5, -0.35, -0.25, 0.25, 0.35, 0.5), (0.2, 0.2, 0.0, 0.0, 0.2, 0.2), symmetric=True)
+    profile = Plateaus(
+        (-0.5, -0.35, -0.25, 0.25, 0.35, 0.5), (0.2, 0.2, 0.0, 0.0, 0.2, 0.2), symmetric=True
+    )
     passed, near = [], None
     for load in (1e-9, 3e-8, 1e-6, 1e-4):
         scene = contact.Scene(profile, 1.0, contact.Periodic(), load=load)

@@ -1,4 +1,6 @@
-"""The figure shows what the solution says, in the units of its labels, and changes nothing outside itself."""
+"""The figure shows what the solution says, in the units of its labels, and changes nothing outside
+itself.
+"""
 
 from __future__ import annotations
 
@@ -41,14 +43,17 @@ class TestPanels:
         x, drawn = bottom.get_lines()[0].get_xydata().T
         assert np.allclose(drawn, solution.pressure(x * 1e-6) * 1e-9, rtol=1e-6, atol=1e-4)
         assert drawn.max() == pytest.approx(solution.max_pressure * 1e-9, rel=1e-6)
-        assert not np.allclose(drawn, 1.01 * solution.pressure(x * 1e-6) * 1e-9, rtol=1e-6, atol=1e-4)
+        assert not np.allclose(
+            drawn, 1.01 * solution.pressure(x * 1e-6) * 1e-9, rtol=1e-6, atol=1e-4
+        )
 
     def test_profile_and_deformed_surface_are_a_gap_apart_and_meet_where_contact_is_drawn(self):
         solution = westergaard()
         drawn = lines(plotting.plot(solution).axes[0])
         x = drawn["profile"][:, 0] * 1e-6
         apart = (drawn["profile"] - drawn["deformed surface"])[:, 1] * 1e-6
-        # At an end the stand-in's gap is a difference of terms of sqrt(roundoff) times the amplitude.
+        # At an end the stand-in's gap is a difference of terms of sqrt(roundoff) times the
+        # amplitude.
         assert np.allclose(apart, solution.gap(x), rtol=0, atol=2e-14)
         touching = np.isfinite(drawn["contact"][:, 1])
         # An even sample a rounding away from an end may fall on either side of it.
@@ -72,14 +77,26 @@ class TestPanels:
     def test_the_pointer_to_the_second_column_leaves_the_spike_to_be_seen(self):
         solution = westergaard(half_width=0.001 * L)
         for whole in plotting.plot(solution).axes[::2]:
-            pointers = [line for line in whole.get_lines() if len(line.get_xdata()) < 3 and line.get_label() == "_close-up"]
-            assert len(pointers) == 1 and list(pointers[0].get_ydata()) == [1.0]  # on the frame, above what is drawn
+            pointers = [
+                line
+                for line in whole.get_lines()
+                if len(line.get_xdata()) < 3 and line.get_label() == "_close-up"
+            ]
+            assert len(pointers) == 1 and list(pointers[0].get_ydata()) == [
+                1.0
+            ]  # on the frame, above what is drawn
             drawn = min(line.get_zorder() for line in whole.get_lines())
-            shades = [patch for patch in whole.patches if patch.get_width() < 0.5 * np.diff(whole.get_xlim())[0]]
+            shades = [
+                patch
+                for patch in whole.patches
+                if patch.get_width() < 0.5 * np.diff(whole.get_xlim())[0]
+            ]
             assert shades and all(shade.get_zorder() < drawn for shade in shades)
 
     def test_body_and_counter_face_are_named_on_their_own_side(self):
-        solution = contact.solve(contact.Scene(contact.Flat(2e-5, 6e-5), 1.1e11, contact.Periodic(), mean_pressure=1e7))
+        solution = contact.solve(
+            contact.Scene(contact.Flat(2e-5, 6e-5), 1.1e11, contact.Periodic(), mean_pressure=1e7)
+        )
         top = plotting.plot(solution).axes[0]
         x, y = next(t.get_position() for t in top.texts if t.get_text() == "body")
         lo, hi = top.get_xlim()
@@ -96,31 +113,52 @@ class TestScenes:
             (contact.Flat(2e-5, 6e-5), contact.Periodic(), {"mean_pressure": 1e7}),
             (contact.Wedge(0.02, L), contact.Periodic(), {"mean_pressure": 2e8}),
             (contact.Parabola(1e-2), contact.Isolated(), {"load": 1e5}),
-            (contact.Biquadratic(1e-4, 2e-5, 6e-5), contact.Localized("self-consistent"), {"mean_pressure": 2e8}),
+            (
+                contact.Biquadratic(1e-4, 2e-5, 6e-5),
+                contact.Localized("self-consistent"),
+                {"mean_pressure": 2e8},
+            ),
             (contact.Sinusoid(1e-6, L), contact.Periodic(), {"mean_pressure": 4e9}),
         ],
     )
-    def test_every_scene_is_drawn_and_saved_without_a_warning(self, tmp_path, recwarn, profile, interaction, control):
+    def test_every_scene_is_drawn_and_saved_without_a_warning(
+        self, tmp_path, recwarn, profile, interaction, control
+    ):
         solution = contact.solve(contact.Scene(profile, 1.1e11, interaction, **control))
         figure = plotting.plot(solution)
         figure.savefig(tmp_path / "out.png", dpi=50)
         assert (tmp_path / "out.png").read_bytes().startswith(b"\x89PNG")
         # What matplotlib uses may be deprecated by others.
-        assert all(issubclass(warning.category, (contact.ModelWarning, DeprecationWarning)) for warning in recwarn)
+        assert all(
+            issubclass(warning.category, (contact.ModelWarning, DeprecationWarning))
+            for warning in recwarn
+        )
         for axes in figure.axes:
             assert np.isfinite([*axes.get_xlim(), *axes.get_ylim()]).all()
 
     def test_an_infinite_peak_is_said_and_the_axis_stays_finite(self):
-        solution = contact.solve(contact.Scene(contact.Flat(2e-5), 1.1e11, contact.Isolated(), load=1e3))
+        solution = contact.solve(
+            contact.Scene(contact.Flat(2e-5), 1.1e11, contact.Isolated(), load=1e3)
+        )
         bottom = plotting.plot(solution).axes[1]
         assert any("infty" in text.get_text() for text in bottom.texts)
         assert bottom.get_ylim()[1] == pytest.approx(1.08 * 4 * 1e3 / 2e-5 * 1e-6, rel=1e-9)
 
 
 def test_tension_beside_the_ends_of_zones_that_adhere_is_drawn_below_zero_and_cut_off():
-    scene = contact.Scene(contact.Sinusoid(1e-6, 1e-4), 1e9, contact.Periodic(), law=contact.JKR(0.01), mean_pressure=1e5)
+    scene = contact.Scene(
+        contact.Sinusoid(1e-6, 1e-4),
+        1e9,
+        contact.Periodic(),
+        law=contact.JKR(0.01),
+        mean_pressure=1e5,
+    )
     solution = contact.solve(scene)
-    (bottom,) = (axes for axes in plotting.plot(solution).axes[:3] if axes.get_ylabel().startswith("pressure"))
+    (bottom,) = (
+        axes
+        for axes in plotting.plot(solution).axes[:3]
+        if axes.get_ylabel().startswith("pressure")
+    )
     drawn = bottom.lines[0].get_ydata()
     low, high = bottom.get_ylim()
     assert low < 0 < high and np.min(drawn) < low and np.max(drawn) < high

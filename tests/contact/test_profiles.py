@@ -48,14 +48,18 @@ PROFILES: list[Profile] = [
     Polynomial([1, 0, 3.0, 0, 8.0], 2.0),
     Polynomial([0, -1.0, 1.0, 1.0], 2.0),
     Fourier(L, [1e-6, 2e-7], [1e-7]),
-    Fourier(L, 1e-6 * _decay * _random.standard_normal(30), 1e-6 * _decay * _random.standard_normal(30)),
+    Fourier(
+        L, 1e-6 * _decay * _random.standard_normal(30), 1e-6 * _decay * _random.standard_normal(30)
+    ),
     Sampled(_uneven, _heights),
     Sampled(_uneven, _heights, 1.02e-4),
     Sampled(1e-3 + 2.5e-6 * np.arange(40), _heights, 1e-4),
     Combined(Sinusoid(1e-6, L), Fourier(L / 3, [1e-7], [2e-7]), 3e-5),
     Combined(Wedge(0.1, L), Biquadratic(1e-2, 1e-4, 1.5 * L), 3e-5, mirrored=True),
     Combined(Sampled(_uneven, _heights, 1.02e-4), Wedge(0.01, 0.51e-4), 1e-5),
-    Combined(Sampled(_uneven, _heights), Sampled(_uneven, _heights[::-1], 1.02e-4), 1e-5, mirrored=True),
+    Combined(
+        Sampled(_uneven, _heights), Sampled(_uneven, _heights[::-1], 1.02e-4), 1e-5, mirrored=True
+    ),
     Combined(Wedge(0.1), Parabola(1e-2)),
     Combined(Power(0.1, 1.5, L), Power(0.02, 2.5, L / 2), 3e-5, mirrored=True),
     Combined(Flat(1e-4), Wedge(0.02, L / 7), 1e-5),
@@ -80,7 +84,14 @@ def test_wrap_moves_into_the_cell_and_leaves_the_cell_alone(profile: Profile) ->
     lo, hi = profile.x0, profile.x0 + profile.period
     inside = np.random.default_rng(0).uniform(lo, hi, 200)
     edges = np.array(
-        [lo, np.nextafter(lo, -np.inf), np.nextafter(hi, lo), hi, lo + 1e3 * profile.period, -1e-300]
+        [
+            lo,
+            np.nextafter(lo, -np.inf),
+            np.nextafter(hi, lo),
+            hi,
+            lo + 1e3 * profile.period,
+            -1e-300,
+        ]
     )
     wrapped = profile.wrap(edges)
     assert np.array_equal(profile.wrap(inside), inside)
@@ -93,7 +104,9 @@ def test_the_slope_integrates_to_zero_over_a_period(profile: Profile) -> None:
     # Towards algebraic points panels halve in length.
     beside = profile.period * np.outer([1.0, -1.0], 0.5 ** np.arange(1, 50)).ravel()
     beside = profile.wrap((profile.algebraic_points[:, :1] + beside).ravel())
-    cuts = np.unique(np.concatenate((profile.breakpoints, [profile.x0, profile.x0 + profile.period], beside)))
+    cuts = np.unique(
+        np.concatenate((profile.breakpoints, [profile.x0, profile.x0 + profile.period], beside))
+    )
     t, w = np.polynomial.legendre.leggauss(96)
     half = np.diff(cuts)[:, None] / 2
     values = profile.slope(cuts[:-1, None] + half * (1 + t)) * w * half
@@ -102,7 +115,8 @@ def test_the_slope_integrates_to_zero_over_a_period(profile: Profile) -> None:
 
 @pytest.mark.parametrize("profile", CONJUGATE, ids=name_of)
 def test_the_conjugate_of_the_conjugate_is_the_slope_reversed(profile: Profile) -> None:
-    # H H = -1, with H of the given conjugate by its Fourier coefficients; kinks leave log poles, so only weakly.
+    # H H = -1, with H of the given conjugate by its Fourier coefficients; kinks leave log poles, so
+    # only weakly.
     assert profile.period is not None
     n = 1 << 15
     x = profile.x0 + profile.period * (np.arange(n) + 0.37) / n
@@ -120,7 +134,9 @@ def test_profiles_are_values_equal_hashable_and_picklable(profile: Profile) -> N
     assert pickle.loads(pickle.dumps(profile)) == profile
     for worked_out in (profile.height, profile.slope, profile.slope_conjugate):
         worked_out(np.zeros(1))
-    assert len(pickle.dumps(profile)) == len(pickle.dumps(again))  # nothing of what they have worked out
+    assert len(pickle.dumps(profile)) == len(
+        pickle.dumps(again)
+    )  # nothing of what they have worked out
     assert profile != Sinusoid(2.0, 3.0)
     with pytest.raises(AttributeError):
         profile.period = 1.0  # type: ignore[misc]
@@ -163,7 +179,9 @@ def test_wedge_and_parabola_declare_the_kink_of_tip_and_valley() -> None:
 def test_wedge_conjugate_is_the_log_tangent() -> None:
     w = Wedge(0.1, 4.0)
     assert w.slope_conjugate(1.0) == pytest.approx(0, abs=1e-16)
-    assert w.slope_conjugate(0.5) == pytest.approx(0.2 / np.pi * np.log(np.tan(np.pi / 8)), rel=1e-14)
+    assert w.slope_conjugate(0.5) == pytest.approx(
+        0.2 / np.pi * np.log(np.tan(np.pi / 8)), rel=1e-14
+    )
     assert w.slope_conjugate(0.0) == -np.inf
 
 
@@ -188,7 +206,8 @@ def test_fourier_of_many_harmonics_equals_the_sum_written_out() -> None:
     phase = 2 * np.pi * np.outer(x / 1.5, np.arange(1, 2001))
     b = np.append(b, np.zeros(300))
     k = 2 * np.pi / 1.5 * np.arange(1, 2001)
-    # A phase of k turns carries a rounding of k eps: about 2000 eps sum|a| in the worst case, its root in practice.
+    # A phase of k turns carries a rounding of k eps: about 2000 eps sum|a| in the worst case, its
+    # root in practice.
     tolerance = 2000 * np.finfo(float).eps * np.sqrt(2000) * 10
     assert np.max(np.abs(f.height(x) - np.cos(phase) @ a - np.sin(phase) @ b)) < tolerance
     expected = np.cos(phase) @ (a * k) + np.sin(phase) @ (b * k)
@@ -199,7 +218,9 @@ def test_fourier_of_one_cosine_is_the_sinusoid_and_another_amplitude_is_not() ->
     x = np.linspace(0, L, 50)
     s, f = Sinusoid(1e-6, L), Fourier(L, [-1e-6])
     assert np.allclose(f.height(x) + 1e-6, s.height(x), rtol=0, atol=1e-20)
-    assert not np.allclose(Fourier(L, [-1.0000001e-6]).height(x) + 1e-6, s.height(x), rtol=0, atol=1e-20)
+    assert not np.allclose(
+        Fourier(L, [-1.0000001e-6]).height(x) + 1e-6, s.height(x), rtol=0, atol=1e-20
+    )
 
 
 def test_fourier_works_in_blocks_of_bounded_memory_without_changing_values() -> None:
@@ -311,8 +332,11 @@ class Hyperbola(Profile):
 
 
 @pytest.mark.parametrize("window", [1.0, 1e-2, 1e-4, 1e-6])
-def test_a_slope_left_out_of_heights_that_hide_their_rounding_is_right_in_a_small_window(window: float) -> None:
-    # Steps were chosen by the size of sqrt(1 + x^2) - 1, which tells nothing of its rounding: near its lowest place they were too short.
+def test_a_slope_left_out_of_heights_that_hide_their_rounding_is_right_in_a_small_window(
+    window: float,
+) -> None:
+    # Steps were chosen by the size of sqrt(1 + x^2) - 1, which tells nothing of its rounding: near
+    # its lowest place they were too short.
     x = window * (1e-3 + np.cos(np.pi * (np.arange(1024) + 0.5) / 1024))
     derived = Hyperbola().slope(x)
     assert np.abs(derived - x / np.sqrt(1 + x**2)).max() < 1e-12

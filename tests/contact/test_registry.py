@@ -1,4 +1,6 @@
-"""Names of profiles and interactions: look-up, nearest name, parameters by name, packages installed beside this one."""
+"""Names of profiles and interactions: look-up, nearest name, parameters by name, packages installed
+beside this one.
+"""
 
 from __future__ import annotations
 
@@ -47,7 +49,16 @@ class Point:
 
 
 def test_every_built_in_profile_is_listed() -> None:
-    built_in = {"biquadratic", "flat", "fourier", "parabola", "polynomial", "sampled", "sinusoid", "wedge"}
+    built_in = {
+        "biquadratic",
+        "flat",
+        "fourier",
+        "parabola",
+        "polynomial",
+        "sampled",
+        "sinusoid",
+        "wedge",
+    }
     assert built_in <= set(contact.profiles())
     assert all(cls.name == name for name, cls in contact.profiles().items())
 
@@ -123,6 +134,8 @@ def test_a_broken_installed_profile_is_reported_and_skipped(
     fresh: Registry, monkeypatch: pytest.MonkeyPatch, broken: object
 ) -> None:
     good = type("Good", (contact.Profile,), {})
-    monkeypatch.setattr(registry, "entry_points", lambda group: [Point("bad", broken), Point("good", good)])
+    monkeypatch.setattr(
+        registry, "entry_points", lambda group: [Point("bad", broken), Point("good", good)]
+    )
     with pytest.warns(RuntimeWarning, match="'bad'.*is skipped"):
         assert list(fresh.all()) == ["good"]

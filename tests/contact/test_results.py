@@ -1,4 +1,6 @@
-"""What a solution offers a notebook and a script: a figure, a table, a dataset, and the package its version."""
+"""What a solution offers a notebook and a script: a figure, a table, a dataset, and the package its
+version.
+"""
 
 from __future__ import annotations
 
@@ -16,9 +18,17 @@ from contact.solution import export
 WAVE = contact.Scene(contact.Sinusoid(1e-6, 1e-4), 1e11, contact.Periodic(), mean_pressure=1e8)
 SCENES = {
     "wave": WAVE,
-    "full": contact.Scene(contact.Sinusoid(1e-6, 1e-4), 1e11, contact.Periodic(), mean_pressure=1e10),
+    "full": contact.Scene(
+        contact.Sinusoid(1e-6, 1e-4), 1e11, contact.Periodic(), mean_pressure=1e10
+    ),
     "lone": contact.Scene(contact.Parabola(1e-2), 1e11, contact.Isolated(), load=1e4),
-    "layer": contact.Scene(contact.Sinusoid(1e-6, 1e-4), 1e11, contact.Periodic(), substrate=contact.Layer(1e-4, 0.3), mean_pressure=1e7),
+    "layer": contact.Scene(
+        contact.Sinusoid(1e-6, 1e-4),
+        1e11,
+        contact.Periodic(),
+        substrate=contact.Layer(1e-4, 0.3),
+        mean_pressure=1e7,
+    ),
 }
 
 
@@ -27,7 +37,11 @@ def test_a_notebook_shows_the_numbers_and_the_figure(name):
     pytest.importorskip("matplotlib")
     solution = contact.solve(SCENES[name])
     page = solution._repr_html_()
-    assert f"<td>{len(solution.zones)}</td>" in page and f"{solution.error:.1e}" in page and "data:image/png;base64," in page
+    assert (
+        f"<td>{len(solution.zones)}</td>" in page
+        and f"{solution.error:.1e}" in page
+        and "data:image/png;base64," in page
+    )
 
 
 def test_without_matplotlib_a_notebook_shows_the_numbers_and_what_to_install(monkeypatch):
@@ -67,7 +81,10 @@ def test_the_command_says_its_version_and_helps():
 
     told = CliRunner().invoke(main, ["--version"])
     assert told.exit_code == 0 and told.output.strip() == f"contact {contact.__version__}"
-    assert CliRunner().invoke(main, ["-h"]).exit_code == 0 and "solve" in CliRunner().invoke(main, ["solve", "-h"]).output
+    assert (
+        CliRunner().invoke(main, ["-h"]).exit_code == 0
+        and "solve" in CliRunner().invoke(main, ["solve", "-h"]).output
+    )
 
 
 PAIR = contact.Scene(contact.Biquadratic(1.0, 0.1), 1.0, contact.Isolated(), load=3e-4)
@@ -77,7 +94,9 @@ TRACE = contact.Scene(ROUGH, 1e9, contact.Periodic(), mean_pressure=1e6)
 
 
 @pytest.mark.parametrize("scene", [WAVE, PAIR, TRACE], ids=["wave", "pair", "trace"])
-def test_the_highest_pressure_of_all_zones_is_that_of_the_solution_and_no_place_of_a_zone_has_more(scene):
+def test_the_highest_pressure_of_all_zones_is_that_of_the_solution_and_no_place_of_a_zone_has_more(
+    scene,
+):
     solution = contact.solve(scene)
     assert solution.zone_peaks.max() == pytest.approx(solution.max_pressure, rel=1e-9)
     t = np.sin(np.linspace(-0.5, 0.5, 801) * np.pi)
@@ -107,7 +126,9 @@ def test_a_table_of_the_zones_has_a_row_a_zone_with_or_without_pandas(monkeypatc
     tables.append(solution.zone_table())
     for table in tables:
         assert tuple(table) == export.ZONE_COLUMNS
-        assert np.array_equal(table["load"], solution.zone_loads) and np.array_equal(table["max_pressure"], solution.zone_peaks)
+        assert np.array_equal(table["load"], solution.zone_loads) and np.array_equal(
+            table["max_pressure"], solution.zone_peaks
+        )
 
 
 def test_a_saved_solution_names_its_scene_its_units_and_the_version(tmp_path):
@@ -115,21 +136,33 @@ def test_a_saved_solution_names_its_scene_its_units_and_the_version(tmp_path):
     solution.save(tmp_path / "wave.json")
     read = json.loads((tmp_path / "wave.json").read_text())
     assert read["version"] == contact.__version__ and read["scene"] == export.describe(WAVE)
-    assert set(read["units"]) <= set(read) and read["units"]["zone_peaks"] == "Pa" and read["trace"] is None
+    assert (
+        set(read["units"]) <= set(read)
+        and read["units"]["zone_peaks"] == "Pa"
+        and read["trace"] is None
+    )
     pytest.importorskip("h5py")
     xarray = pytest.importorskip("xarray")
     solution.save(tmp_path / "wave.nc")
     with xarray.open_dataset(tmp_path / "wave.nc", engine="h5netcdf") as data:
-        assert data.attrs["version"] == contact.__version__ and json.loads(data.attrs["scene"]) == export.describe(WAVE)
+        assert data.attrs["version"] == contact.__version__ and json.loads(
+            data.attrs["scene"]
+        ) == export.describe(WAVE)
         assert np.array_equal(data.zone_peak, solution.zone_peaks)
         assert json.loads(data.attrs["units"])["stiffness"] == "N/m^2"
 
 
 def test_what_was_read_of_a_trace_is_in_its_files():
     x = np.linspace(0.0, 1e-3, 65)
-    trace = contact.Scene(contact.Sampled(x, 1e-6 * np.cos(2e3 * np.pi * x), 1e-3), 1e9, contact.Periodic(), load=1.0)
+    trace = contact.Scene(
+        contact.Sampled(x, 1e-6 * np.cos(2e3 * np.pi * x), 1e-3), 1e9, contact.Periodic(), load=1.0
+    )
     told = contact.solve(trace).to_dict()["trace"]
-    assert told["points"] == 64 and told["history"] == [] and told["Rq"] == pytest.approx(1e-6 / np.sqrt(2), rel=1e-4)
+    assert (
+        told["points"] == 64
+        and told["history"] == []
+        and told["Rq"] == pytest.approx(1e-6 / np.sqrt(2), rel=1e-4)
+    )
 
 
 @pytest.mark.parametrize("write", ["save", "save_zones", "save_fields"])

@@ -19,10 +19,15 @@ def cosine(n: int, period: float = 2.0, start: float = 0.3) -> Sampled:
 
 
 def exact_series(s: Sampled, terms: int, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Slope and conjugate by the spline's Fourier series: DFT times sinc^4(k/n) 3/(2 + cos(2 pi k/n)), Schoenberg."""
+    """Slope and conjugate by the spline's Fourier series: DFT times sinc^4(k/n) 3/(2 + cos(2 pi
+    k/n)), Schoenberg.
+    """
     n, k = s.x.size, np.arange(1, terms + 1)
     amplitude = (
-        (np.fft.fft(-s.heights) / n)[k % n] * np.sinc(k / n) ** 4 * 3 / (2 + np.cos(2 * np.pi * k / n))
+        (np.fft.fft(-s.heights) / n)[k % n]
+        * np.sinc(k / n) ** 4
+        * 3
+        / (2 + np.cos(2 * np.pi * k / n))
     )
     wave = 2 * np.pi * k / s.period
     phase = np.exp(1j * np.outer(x - s.x0, wave))
@@ -44,7 +49,9 @@ def test_a_cubic_is_reproduced_exactly_without_a_period() -> None:
 def test_the_spline_of_a_cosine_converges_at_fourth_order() -> None:
     t = np.linspace(0, 2, 501)
     errors = [
-        np.max(np.abs(1 - cosine(n).height(t) - np.cos(np.pi * t) - (1 - np.max(cosine(n).heights))))
+        np.max(
+            np.abs(1 - cosine(n).height(t) - np.cos(np.pi * t) - (1 - np.max(cosine(n).heights)))
+        )
         for n in (20, 40, 80)
     ]
     assert np.log2(errors[0] / errors[1]) == pytest.approx(4, abs=0.15)
@@ -89,7 +96,8 @@ def test_the_conjugate_is_that_of_the_splines_own_fourier_series(n: int) -> None
     x = rng.uniform(-4, 4, 20)
     terms = 20_000
     slope, conjugate = exact_series(s, terms, x)
-    # Terms of f' fall as k^-3, so what is cut off is of size (n/terms)^2 of the largest; that is all that may differ.
+    # Terms of f' fall as k^-3, so what is cut off is of size (n/terms)^2 of the largest; that is
+    # all that may differ.
     tail = 0.2 * (n / terms) ** 2 * np.max(np.abs(slope)) + 1e-12
     assert np.max(np.abs(s.slope(x) - slope)) < tail
     assert np.max(np.abs(s.slope_conjugate(x) - conjugate)) < tail
@@ -97,7 +105,8 @@ def test_the_conjugate_is_that_of_the_splines_own_fourier_series(n: int) -> None
 
 
 def test_the_conjugate_equals_the_sum_of_trilogarithms_of_its_knots() -> None:
-    # f'''' is a sum of J_j delta(x - x_j), so H f' = sum_j J_j (2/(L w^3)) sum_k cos(k w (x - x_j))/k^3, w = 2 pi/L.
+    # f'''' is a sum of J_j delta(x - x_j), so H f' = sum_j J_j (2/(L w^3)) sum_k cos(k w (x -
+    # x_j))/k^3, w = 2 pi/L.
     n, period = 9, 0.7
     w = 2 * np.pi / period
     s = Sampled(period * np.arange(n) / n, np.random.default_rng(4).standard_normal(n), period)
@@ -106,7 +115,9 @@ def test_the_conjugate_equals_the_sum_of_trilogarithms_of_its_knots() -> None:
         terms = [mpmath.polylog(3, mpmath.expj(w * (x - xj))).real for xj in at]
         exact = 2 / (period * w**3) * float(mpmath.fdot(jumps, terms))
         # Rounding of the jumps times their cancellation in the reference's own sum.
-        assert s.slope_conjugate(x) == pytest.approx(exact, rel=0, abs=1e-14 * np.sum(np.abs(jumps)) / w**2)
+        assert s.slope_conjugate(x) == pytest.approx(
+            exact, rel=0, abs=1e-14 * np.sum(np.abs(jumps)) / w**2
+        )
 
 
 def test_the_conjugate_of_ten_thousand_points_is_good_to_eleven_digits() -> None:
@@ -114,27 +125,38 @@ def test_the_conjugate_of_ten_thousand_points_is_good_to_eleven_digits() -> None
     x = np.arange(n) / n
     s = Sampled(x, np.cos(2 * np.pi * x), 1.0)
     t = np.random.default_rng(1).uniform(0, 1, 500)
-    # The slope of the spline itself is off by about (2 pi/n)^3 / 100 = 2e-12 of the largest, between its knots.
+    # The slope of the spline itself is off by about (2 pi/n)^3 / 100 = 2e-12 of the largest,
+    # between its knots.
     assert np.max(np.abs(s.slope_conjugate(t) / (2 * np.pi) + np.cos(2 * np.pi * t))) < 1e-11
 
 
 @pytest.mark.parametrize("positions", ["off", "rounded", "in heaps"])
-def test_the_conjugate_of_uneven_points_equals_the_sum_of_clausen_functions_of_its_knots(positions: str) -> None:
+def test_the_conjugate_of_uneven_points_equals_the_sum_of_clausen_functions_of_its_knots(
+    positions: str,
+) -> None:
     rng, n, period = np.random.default_rng(8), 12, 12.5
     x = {
         "off": np.arange(n) + rng.uniform(-0.4, 0.4, n),
         "rounded": np.round(1.0004 * np.arange(n), 2),
-        "in heaps": np.sort(np.concatenate((rng.uniform(0, 12, n // 2), 7 + 10 ** rng.uniform(-3, 0, n // 2)))),
+        "in heaps": np.sort(
+            np.concatenate((rng.uniform(0, 12, n // 2), 7 + 10 ** rng.uniform(-3, 0, n // 2)))
+        ),
     }[positions]
     s = Sampled(x, rng.standard_normal(n), period)
     at = np.concatenate((rng.uniform(x[0], x[0] + period, 4), s.x[3:5]))
-    assert np.max(np.abs(s.slope_conjugate(at) - of_knots(s, at))) < 1e-12 * np.max(np.abs(s.slope(x)))
+    assert np.max(np.abs(s.slope_conjugate(at) - of_knots(s, at))) < 1e-12 * np.max(
+        np.abs(s.slope(x))
+    )
 
 
 def of_knots(s: Sampled, x: np.ndarray) -> np.ndarray:
-    """H f' by what the rounded spline's derivatives jump by at its knots, the first two by rounding; in 25 digits."""
+    """H f' by what the rounded spline's derivatives jump by at its knots, the first two by
+    rounding; in 25 digits.
+    """
     with mpmath.workdps(25):
-        knots, third, second, first = ([mpmath.mpf(value) for value in row] for row in (s._knots, *s._spline.c[:3]))
+        knots, third, second, first = (
+            [mpmath.mpf(value) for value in row] for row in (s._knots, *s._spline.c[:3])
+        )
         length, total = mpmath.mpf(s.period), [mpmath.mpf(0)] * len(x)
         for j in range(len(s.x)):
             step = knots[j] - knots[j - 1] if j else knots[-1] - knots[-2]
@@ -142,9 +164,17 @@ def of_knots(s: Sampled, x: np.ndarray) -> np.ndarray:
             bend = 2 * (second[j - 1] - second[j]) + 6 * third[j - 1] * step
             for i, place in enumerate(x):
                 angle = 2 * mpmath.pi * (mpmath.mpf(place) - knots[j]) / length
-                total[i] += 6 * (third[j - 1] - third[j]) * length**2 / (4 * mpmath.pi**3) * mpmath.clcos(3, angle)
+                total[i] += (
+                    6
+                    * (third[j - 1] - third[j])
+                    * length**2
+                    / (4 * mpmath.pi**3)
+                    * mpmath.clcos(3, angle)
+                )
                 total[i] -= bend * length / (2 * mpmath.pi**2) * mpmath.clsin(2, angle)
-                total[i] += turn / mpmath.pi * mpmath.log(abs(2 * mpmath.sin(angle / 2))) if angle else 0
+                total[i] += (
+                    turn / mpmath.pi * mpmath.log(abs(2 * mpmath.sin(angle / 2))) if angle else 0
+                )
         return np.array([float(value) for value in total])
 
 
@@ -157,7 +187,10 @@ def test_declared_jumps_of_the_third_derivative_are_those_of_the_height() -> Non
     rng = np.random.default_rng(2)
     for period in (None, 1.05):
         assert (
-            "jumps" in check_profile(Sampled(np.linspace(0, 1, 15), rng.standard_normal(15), period)).checked
+            "jumps"
+            in check_profile(
+                Sampled(np.linspace(0, 1, 15), rng.standard_normal(15), period)
+            ).checked
         )
 
 

@@ -64,7 +64,9 @@ class TestEStar:
 
 
 class TestControls:
-    @pytest.mark.parametrize("name", ["load", "mean_pressure", "approach", "half_width", "contact_fraction"])
+    @pytest.mark.parametrize(
+        "name", ["load", "mean_pressure", "approach", "half_width", "contact_fraction"]
+    )
     def test_the_control_is_the_quantity_that_was_given(self, name):
         assert scene(**{name: 1e-5}).control == (name, 1e-5)
 
@@ -78,7 +80,9 @@ class TestControls:
         message = refused("control", load=1.0, approach=1e-7)
         assert "load" in message and "approach" in message
 
-    @pytest.mark.parametrize("name", ["load", "mean_pressure", "approach", "half_width", "contact_fraction"])
+    @pytest.mark.parametrize(
+        "name", ["load", "mean_pressure", "approach", "half_width", "contact_fraction"]
+    )
     @pytest.mark.parametrize("value", [bad for bad in NOT_A_POSITIVE_NUMBER if bad is not None])
     def test_a_control_that_is_no_positive_number_is_refused_by_name(self, name, value):
         refused(name, **{name: value})
@@ -112,7 +116,9 @@ class TestControls:
 class TestPeriod:
     @pytest.mark.parametrize("interaction", [contact.Periodic(), contact.Localized()])
     def test_a_model_that_repeats_refuses_a_profile_that_does_not(self, interaction):
-        assert "parabola" in refused("interaction", profile=HERTZ, interaction=interaction, load=1.0)
+        assert "parabola" in refused(
+            "interaction", profile=HERTZ, interaction=interaction, load=1.0
+        )
 
     def test_the_period_is_that_of_the_solution_so_that_one_cell_taken_alone_has_none(self):
         assert scene(load=1.0).period == L
@@ -133,7 +139,9 @@ class TestHalfWidth:
     def test_it_is_refused_beyond_the_corners_of_a_flat_punch_and_within_them(self):
         punch = contact.Flat(width=2e-5)
         for half_width in (1.01e-5, 1e-5, 0.5e-5):
-            refused("half_width", profile=punch, interaction=contact.Isolated(), half_width=half_width)
+            refused(
+                "half_width", profile=punch, interaction=contact.Isolated(), half_width=half_width
+            )
 
 
 class TestParts:
@@ -156,15 +164,25 @@ class TestParts:
 
     def test_another_control_replaces_the_one_there_was(self):
         one = scene(load=1.0)
-        assert dataclasses.replace(one, load=None, mean_pressure=2e7).control == ("mean_pressure", 2e7)
+        assert dataclasses.replace(one, load=None, mean_pressure=2e7).control == (
+            "mean_pressure",
+            2e7,
+        )
         with pytest.raises(contact.SceneError, match="exactly one"):
             dataclasses.replace(one, mean_pressure=2e7)
 
 
 def test_a_scene_under_another_control_is_the_one_made_so_and_checked_like_it():
     wave = contact.Scene(contact.Sinusoid(1e-6, 1e-4), 1e9, contact.Periodic(), mean_pressure=1e6)
-    assert wave.under("load", 3.0) == contact.Scene(contact.Sinusoid(1e-6, 1e-4), 1e9, contact.Periodic(), load=3.0)
+    assert wave.under("load", 3.0) == contact.Scene(
+        contact.Sinusoid(1e-6, 1e-4), 1e9, contact.Periodic(), load=3.0
+    )
     assert wave.mean_pressure == 1e6 and type(wave.under("contact_fraction", 0.25)) is contact.Scene
-    for name, value in [("load", -1.0), ("contact_fraction", 1.5), ("approach", float("nan")), ("half_width", 1.0)]:
+    for name, value in [
+        ("load", -1.0),
+        ("contact_fraction", 1.5),
+        ("approach", float("nan")),
+        ("half_width", 1.0),
+    ]:
         with pytest.raises(contact.SceneError, match=name):
             wave.under(name, value)

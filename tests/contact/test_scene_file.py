@@ -1,4 +1,6 @@
-"""A scene file says what the Python call says, and every fault in it is refused by file, table and key."""
+"""A scene file says what the Python call says, and every fault in it is refused by file, table and
+key.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +21,9 @@ GOOD = {
 
 def write(folder, **tables):
     """A scene file of the good tables with some changed; None leaves a table out."""
-    text = "\n".join(f"[{name}]\n{body}" for name, body in {**GOOD, **tables}.items() if body is not None)
+    text = "\n".join(
+        f"[{name}]\n{body}" for name, body in {**GOOD, **tables}.items() if body is not None
+    )
     path = folder / "scene.toml"
     path.write_text(text, encoding="utf-8")
     return path
@@ -35,7 +39,9 @@ def refused(path) -> str:
 class TestWhatIsRead:
     def test_a_file_gives_the_scene_that_python_gives(self, tmp_path):
         profile = contact.Sinusoid(amplitude=1e-6, period=1e-4)
-        expected = contact.Scene(profile, E_star=1.1e11, interaction=contact.Periodic(), mean_pressure=2e7)
+        expected = contact.Scene(
+            profile, E_star=1.1e11, interaction=contact.Periodic(), mean_pressure=2e7
+        )
         assert contact.load_scene(write(tmp_path)) == expected
         assert contact.load_scene(str(write(tmp_path))) == expected
 
@@ -51,22 +57,32 @@ class TestWhatIsRead:
             ("E_star = 110000000000", 1.1e11),
         ],
     )
-    def test_the_material_is_a_reduced_modulus_or_the_moduli_it_is_made_of(self, tmp_path, table, expected):
+    def test_the_material_is_a_reduced_modulus_or_the_moduli_it_is_made_of(
+        self, tmp_path, table, expected
+    ):
         assert contact.load_scene(write(tmp_path, material=table)).E_star == expected
 
     def test_interactions_take_their_parameters(self, tmp_path):
         isolated = contact.load_scene(
-            write(tmp_path, interaction='model = "isolated"\ndatum = 1e-3', control="approach = 1e-7")
+            write(
+                tmp_path, interaction='model = "isolated"\ndatum = 1e-3', control="approach = 1e-7"
+            )
         )
         assert isolated.interaction == contact.Isolated(datum=1e-3)
         localized = contact.load_scene(
-            write(tmp_path, interaction='model = "localized"\nclosure = "self-consistent"\nneighbours = 2')
+            write(
+                tmp_path,
+                interaction='model = "localized"\nclosure = "self-consistent"\nneighbours = 2',
+            )
         )
         assert localized.interaction == contact.Localized(closure="self-consistent", neighbours=2)
 
     def test_lists_of_numbers_are_parameters_too(self, tmp_path):
         scene = contact.load_scene(
-            write(tmp_path, profile='shape = "fourier"\nperiod = 1e-4\ncosine = [-1e-6, 0]\nsine = [0, 1e-7]')
+            write(
+                tmp_path,
+                profile='shape = "fourier"\nperiod = 1e-4\ncosine = [-1e-6, 0]\nsine = [0, 1e-7]',
+            )
         )
         x = np.linspace(0, 1e-4, 7)
         expected = contact.Fourier(1e-4, cosine=[-1e-6, 0], sine=[0, 1e-7]).height(x)
@@ -75,7 +91,10 @@ class TestWhatIsRead:
     def test_a_measured_profile_is_found_beside_the_scene_file(self, tmp_path, monkeypatch):
         (tmp_path / "data").mkdir()
         x = np.linspace(0.0, 100.0, 33)
-        rows = "\n".join(f"{a:.17g},{b:.17g}" for a, b in zip(x, np.cos(2 * np.pi * x / 100.0) + 0.3 * x, strict=True))
+        rows = "\n".join(
+            f"{a:.17g},{b:.17g}"
+            for a, b in zip(x, np.cos(2 * np.pi * x / 100.0) + 0.3 * x, strict=True)
+        )
         (tmp_path / "data" / "trace.csv").write_text(rows)
         path = write(
             tmp_path,
@@ -85,7 +104,12 @@ class TestWhatIsRead:
         monkeypatch.chdir("/")
         profile = contact.load_scene(path).profile
         expected = contact.Sampled.from_file(
-            tmp_path / "data" / "trace.csv", columns=[0, 1], units=["um", "nm"], detrend="line", regrid=33, taper=0.1,
+            tmp_path / "data" / "trace.csv",
+            columns=[0, 1],
+            units=["um", "nm"],
+            detrend="line",
+            regrid=33,
+            taper=0.1,
             period=True,
         )
         assert profile == expected
@@ -123,7 +147,9 @@ class TestWhatIsRefused:
     def test_a_folder(self, tmp_path):
         refused(tmp_path)
 
-    @pytest.mark.parametrize("content", [b"[profile\n", b"a = ", b"\xff\xfe\x00", b"[control]\n[control]\n"])
+    @pytest.mark.parametrize(
+        "content", [b"[profile\n", b"a = ", b"\xff\xfe\x00", b"[control]\n[control]\n"]
+    )
     def test_what_is_not_toml(self, tmp_path, content):
         path = tmp_path / "broken.toml"
         path.write_bytes(content)
@@ -152,17 +178,34 @@ class TestWhatIsRefused:
     @pytest.mark.parametrize(
         ("table", "body", "wrong", "nearest"),
         [
-            ("profile", 'shape = "sinusoid"\namplitud = 1e-6\nperiod = 1e-4', "amplitud", "amplitude"),
-            ("profile", 'shape = "sinusiod"\namplitude = 1e-6\nperiod = 1e-4', "sinusiod", "sinusoid"),
+            (
+                "profile",
+                'shape = "sinusoid"\namplitud = 1e-6\nperiod = 1e-4',
+                "amplitud",
+                "amplitude",
+            ),
+            (
+                "profile",
+                'shape = "sinusiod"\namplitude = 1e-6\nperiod = 1e-4',
+                "sinusiod",
+                "sinusoid",
+            ),
             ("profile", 'shape = "sampled"\nfile = "a.csv"\ncolumn = [0, 1]', "column", "columns"),
             ("material", "E_Star = 1.1e11", "E_Star", "E_star"),
             ("interaction", 'model = "localised"', "localised", "localized"),
             ("interaction", 'model = "localized"\nneighbors = 1', "neighbors", "neighbours"),
-            ("interaction", 'model = "localized"\nclosure = "firstorder"', "firstorder", "first-order"),
+            (
+                "interaction",
+                'model = "localized"\nclosure = "firstorder"',
+                "firstorder",
+                "first-order",
+            ),
             ("control", "mean_presure = 2e7", "mean_presure", "mean_pressure"),
         ],
     )
-    def test_an_unknown_name_with_the_nearest_one_and_its_table(self, tmp_path, table, body, wrong, nearest):
+    def test_an_unknown_name_with_the_nearest_one_and_its_table(
+        self, tmp_path, table, body, wrong, nearest
+    ):
         message = refused(write(tmp_path, **{table: body}))
         assert f"[{table}]" in message and wrong in message and f"'{nearest}'" in message
 
@@ -211,8 +254,16 @@ class TestWhatIsRefused:
         ("table", "body", "said"),
         [
             ("profile", 'shape = "sinusiod"', "[profile] shape = 'sinusiod' is not known"),
-            ("interaction", 'model = "periodical"', "[interaction] model = 'periodical' is not known"),
-            ("profile", 'shape = "parabola"\nradius = 1.0', "[interaction] model = 'periodic' is refused"),
+            (
+                "interaction",
+                'model = "periodical"',
+                "[interaction] model = 'periodical' is not known",
+            ),
+            (
+                "profile",
+                'shape = "parabola"\nradius = 1.0',
+                "[interaction] model = 'periodic' is refused",
+            ),
             ("control", "half_width = 1.0", "[control] half_width = 1.0 is refused"),
             ("control", "contact_fraction = 2.0", "[control] contact_fraction = 2.0 is refused"),
             ("control", "load = 1.0\ntilt = 1e-3", "[control] tilt = 0.001 is refused"),
@@ -237,7 +288,9 @@ class TestWhatIsRefused:
             contact.model.scene_file.scene_from_tables(tables)
 
     def test_the_error_keeps_the_field_and_the_value(self, tmp_path):
-        path = write(tmp_path, profile=textwrap.dedent('shape = "sinusoid"\namplitude = -1.0\nperiod = 1e-4'))
+        path = write(
+            tmp_path, profile=textwrap.dedent('shape = "sinusoid"\namplitude = -1.0\nperiod = 1e-4')
+        )
         with pytest.raises(contact.SceneError) as caught:
             contact.load_scene(path)
         assert (caught.value.field, caught.value.value) == ("amplitude", -1.0)

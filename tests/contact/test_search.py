@@ -1,5 +1,6 @@
-"""The grid contact and the zones read off it: closed forms, complementarity, inverse controls, iteration
-counts."""
+"""The grid contact and the zones read off it: closed forms, complementarity, inverse controls,
+iteration counts.
+"""
 
 from __future__ import annotations
 
@@ -86,14 +87,20 @@ def rough(waves: int, seed: int, hurst: float = 0.8) -> Shape:
 
 
 def end_errors(n: int, a: float, periodic: bool) -> float:
-    """Worst end error over positions of the tip within a cell (the tip at a grid point is a lucky case)."""
+    """Worst end error over positions of the tip within a cell (the tip at a grid point is a lucky
+    case).
+    """
     h, x, worst = 1.0 / n, midpoints(n), 0.0
     for offset in np.linspace(0.0, 1.0, 7):
         at = offset * h
         if periodic:
-            state = solve_grid(sinusoid(at)(x), Influence.periodic(n, h, E), load=westergaard_load(a))
+            state = solve_grid(
+                sinusoid(at)(x), Influence.periodic(n, h, E), load=westergaard_load(a)
+            )
         else:
-            state = solve_grid((x - at) ** 2 / 2.0, Influence.isolated(n, h, E), load=hertz_load(a, 1.0))
+            state = solve_grid(
+                (x - at) ** 2 / 2.0, Influence.isolated(n, h, E), load=hertz_load(a, 1.0)
+            )
         zones = zones_of(state, x)
         assert zones.shape == (1, 2)
         worst = max(worst, float(np.max(np.abs(zones - [[at - a, at + a]]))))
@@ -165,8 +172,9 @@ def test_images_are_shifted_copies() -> None:
 
 
 def test_neighbours_and_a_nominal_pressure_beyond_approach_the_periodic_contact() -> None:
-    """Nominal pressure q outside |x| < W adds (4 q / pi E) artanh(x / W) to f'; the error falls as (2m +
-    1)^-3."""
+    """Nominal pressure q outside |x| < W adds (4 q / pi E) artanh(x / W) to f'; the error falls as
+    (2m + 1)^-3.
+    """
     a, n = 0.35, 2**14
     load = westergaard_load(a)
     errors = []
@@ -210,7 +218,9 @@ def test_a_biquadratic_touches_at_two_tips_and_a_heavier_one_in_one_zone() -> No
 @pytest.mark.parametrize("seed", [0, 1, 2])
 @pytest.mark.parametrize("load", [1e-3, 0.3, 3.0, 12.0])
 def test_a_rough_contact_is_complementary_and_carries_its_load(seed: int, load: float) -> None:
-    found = propose(rough(60, seed), CELL, Response(E), load=load, resolution=1 / 60, max_points=2**13)
+    found = propose(
+        rough(60, seed), CELL, Response(E), load=load, resolution=1 / 60, max_points=2**13
+    )
     assert_complementary(found.state)
     zones = found.zones
     assert np.all(zones[:, 1] > zones[:, 0])
@@ -237,7 +247,10 @@ def test_the_contact_does_not_depend_on_the_start() -> None:
 def test_of_a_mirrored_shape_half_of_the_points_tell_the_whole_contact(load: float) -> None:
     angle, rng = 2 * np.pi * (np.arange(512) + 0.5) / 512, np.random.default_rng(1)
     f = sum(rng.normal() / k**1.2 * np.cos(k * angle) for k in range(1, 40))
-    whole, half = (solve_grid(f, Response(1.0, mirrored=m).on(512, 2 * np.pi / 512), load=load, tol=1e-10) for m in (False, True))
+    whole, half = (
+        solve_grid(f, Response(1.0, mirrored=m).on(512, 2 * np.pi / 512), load=load, tol=1e-10)
+        for m in (False, True)
+    )
     assert half.converged and np.array_equal(half.contact, whole.contact)
     assert np.abs(half.pressure - whole.pressure).max() < 1e-7 * whole.pressure.max()
     assert abs(half.level - whole.level) < 1e-8 and np.abs(half.gap - whole.gap).max() < 1e-8
@@ -249,7 +262,9 @@ def test_level_control_inverts_load_control(periodic: bool, load: float) -> None
     n = 1024
     x = midpoints(n)
     f = rough(50, 4)(x) if periodic else 10.0 * x**2 + 0.02 * np.cos(60 * x)
-    influence = Influence.periodic(n, 1 / n, E) if periodic else Influence.isolated(n, 1 / n, E, datum=2.0)
+    influence = (
+        Influence.periodic(n, 1 / n, E) if periodic else Influence.isolated(n, 1 / n, E, datum=2.0)
+    )
     loaded = solve_grid(f, influence, load=load, tol=1e-9)
     levelled = solve_grid(f, influence, level=loaded.level, tol=1e-9)
     assert levelled.converged
@@ -300,9 +315,13 @@ def test_full_contact_is_said_and_has_no_gap_and_no_ends() -> None:
 
 @pytest.mark.parametrize("gap", [1e-2, 1e-3, 2e-4])
 def test_a_small_gap_is_not_taken_for_full_contact(gap: float) -> None:
-    found = propose(sinusoid(), CELL, Response(E), load=westergaard_load(0.5 - gap / 2), resolution=1.0)
+    found = propose(
+        sinusoid(), CELL, Response(E), load=westergaard_load(0.5 - gap / 2), resolution=1.0
+    )
     assert not found.full
-    assert 1.0 - (found.zones[0, 1] - found.zones[0, 0]) == pytest.approx(gap, abs=2.0 / found.points)
+    assert 1.0 - (found.zones[0, 1] - found.zones[0, 0]) == pytest.approx(
+        gap, abs=2.0 / found.points
+    )
 
 
 @pytest.mark.parametrize("a", [1e-2, 1e-3, 1e-4, 1e-6])
@@ -315,7 +334,9 @@ def test_small_zones_are_found_by_refinement_and_below_it_by_hertz(a: float) -> 
 @pytest.mark.parametrize("offset", [0.0, 0.25, 0.5])
 @pytest.mark.parametrize("part", [0.1, 0.25, 0.4])
 def test_a_gap_between_two_points_of_the_grid_is_seen(part: float, offset: float) -> None:
-    """A biquadratic just before its zones merge (isolated (38), a^2 + b^2 = 2): its gap of half width a touches no point."""
+    """A biquadratic just before its zones merge (isolated (38), a^2 + b^2 = 2): its gap of half
+    width a touches no point.
+    """
     n, window = 256, (-4.0, 4.0)
     x, h = midpoints(n, window), 8.0 / n
     a, at = part * h, offset * h
@@ -334,7 +355,11 @@ def test_such_a_gap_is_seen_wherever_a_period_begins() -> None:
     x = midpoints(n)
     f = 0.1 * np.cos(2 * np.pi * x) - 0.05 * np.cos(6 * np.pi * x)
     for shift in range(0, n, 64):
-        zones = zones_of(solve_grid(np.roll(f, shift), Influence.periodic(n, 1 / n, 1.0), load=0.2), x, between_points=True)
+        zones = zones_of(
+            solve_grid(np.roll(f, shift), Influence.periodic(n, 1 / n, 1.0), load=0.2),
+            x,
+            between_points=True,
+        )
         assert len(zones) == 3
         # As a grid of 4,096 points has it.
         from_gap = (zones - shift / n) % 1.0 - 0.5
@@ -350,12 +375,18 @@ def test_points_outside_the_support_never_touch_and_sharp_ends_keep_their_place(
     assert np.all(np.isinf(state.gap[~state.contact]))
     assert np.allclose(zones_of(state, x), [[-0.25, 0.25]], atol=1e-12)
     inner = np.abs(x) < 0.2
-    assert np.allclose(state.pressure[inner], 1.0 / (np.pi * np.sqrt(0.25**2 - x[inner] ** 2)), rtol=5e-3)
+    assert np.allclose(
+        state.pressure[inner], 1.0 / (np.pi * np.sqrt(0.25**2 - x[inner] ** 2)), rtol=5e-3
+    )
 
 
 @pytest.mark.parametrize("load", [0.3, 3.0])
-def test_iterations_on_a_rough_profile_do_not_grow_with_the_grid(load: float, nested: list[GridState]) -> None:
-    """One shape per size, as rough as the grid allows; the whole sequence of nested grids is counted."""
+def test_iterations_on_a_rough_profile_do_not_grow_with_the_grid(
+    load: float, nested: list[GridState]
+) -> None:
+    """One shape per size, as rough as the grid allows; the whole sequence of nested grids is
+    counted.
+    """
     counts = []
     for n in (2**10, 2**12, 2**14):
         found = propose(rough(n // 16, 7), CELL, Response(E), load=load, points=n)
@@ -376,7 +407,9 @@ def flat_with_needles(n: int) -> Array:
     """A flat top on 0.7 of the period, with twelve needles of one cell on it."""
     rng, beside = np.random.default_rng(1), np.abs(midpoints(n)) - 0.35
     f = 1e-2 * np.maximum(beside, 0.0)
-    f[rng.choice(np.flatnonzero(beside < 0.0), 12, replace=False)] -= 1e-5 * rng.uniform(0.5, 1.0, 12)
+    f[rng.choice(np.flatnonzero(beside < 0.0), 12, replace=False)] -= 1e-5 * rng.uniform(
+        0.5, 1.0, 12
+    )
     return np.asarray(f)
 
 
@@ -387,7 +420,10 @@ def test_on_a_flat_below_needles_ends_move_by_more_than_a_cell_in_a_linear_solve
     load: float, tol: float, periodic: bool
 ) -> None:
     n = 2**15
-    f, influence = flat_with_needles(n), (Influence.periodic if periodic else Influence.isolated)(n, 1 / n, 1.0)
+    f, influence = (
+        flat_with_needles(n),
+        (Influence.periodic if periodic else Influence.isolated)(n, 1 / n, 1.0),
+    )
     exact = solve_grid(f, influence, load=load, tol=1e-9).pressure
     heavier = solve_grid(f, influence, load=10 * load, tol=tol).pressure
     for start in (None, heavier):
@@ -412,7 +448,9 @@ def test_where_the_width_jumps_with_the_load_the_nearest_of_the_fine_grids_is_pr
     proposed = proposals.proposed
     monkeypatch.setattr(proposals, "proposed", kept)
     profile = drawn(np.random.default_rng(seed), "wear_flats", 500)
-    scene = contact.Scene(profile, E_star=2e11, interaction=contact.Periodic(), contact_fraction=fraction)
+    scene = contact.Scene(
+        profile, E_star=2e11, interaction=contact.Periodic(), contact_fraction=fraction
+    )
     scaled = scaled_scene(scene, single=False)
     found = proposals.of_width(scaled, scaled.problem, scaled.control.value)
     assert profile.period is not None
@@ -505,7 +543,9 @@ def test_a_grid_beside_a_known_contact_proposes_the_same_zones_in_fewer_iteratio
 
 
 def test_zones_that_the_first_window_of_a_lone_body_missed_are_found_in_a_wider_one():
-    shape = inverse.random_adhesive_problem(np.random.default_rng(2209), 6, pull=1e-3, E_star=1.0).profile
+    shape = inverse.random_adhesive_problem(
+        np.random.default_rng(2209), 6, pull=1e-3, E_star=1.0
+    ).profile
     solution = contact.solve(contact.Scene(shape, 1.0, contact.Isolated(), load=0.05))
     # The first window begins at -0.66.
     assert solution.certificate.holds and len(solution.zones) == 5 and solution.zones[0, 1] < -0.75
@@ -513,6 +553,8 @@ def test_zones_that_the_first_window_of_a_lone_body_missed_are_found_in_a_wider_
 
 def test_zones_that_meet_across_the_border_and_within_the_cell_at_once_become_one() -> None:
     zones = np.array([[0.0, 1.0], [2.0, 3.0], [4.0, 5.0], [6.0, 7.0]])
-    joined = merged(zones, np.array([2, 3]), 8.0)  # the gap from 5 to 6, and that from 7 to 8, where the first zone begins again
+    joined = merged(
+        zones, np.array([2, 3]), 8.0
+    )  # the gap from 5 to 6, and that from 7 to 8, where the first zone begins again
     assert joined.tolist() == [[2.0, 3.0], [4.0, 9.0]]
     assert merged(zones, np.array([0, 3]), None).tolist() == [[0.0, 3.0], [4.0, 5.0], [6.0, 7.0]]

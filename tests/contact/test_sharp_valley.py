@@ -1,4 +1,6 @@
-"""A sharp valley between two tips of a body alone: gaps that narrow to 1e-9 of a zone, as wide zones with a kink in their hole."""
+"""A sharp valley between two tips of a body alone: gaps that narrow to 1e-9 of a zone, as wide
+zones with a kink in their hole.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +16,9 @@ from tests.contact.judge import solve
 
 @dataclass(frozen=True)
 class RoundTips(contact.Profile):
-    """f = slope (|x| - 1)^2 / 2 with a sharp valley between two round tips; unequal: the left one's slopes over the right one's."""
+    """f = slope (|x| - 1)^2 / 2 with a sharp valley between two round tips; unequal: the left one's
+    slopes over the right one's.
+    """
 
     steepness: float = 0.1
     unequal: float = 1.0
@@ -41,16 +45,22 @@ class RoundTips(contact.Profile):
         return np.array([[0.0, 2, self.steepness * (1 - self.unequal)]])[self.unequal == 1.0 :]
 
     def closed(self, a):
-        """Right end b, and the load over E*, of the zones a < |x| < b of equal tips: in y = x^2 the two are one zone, and with
-        k^2 = 1 - a^2/b^2 its conditions are b = (2/pi) K(k), P = (E* slope/2) (pi (a^2 + b^2)/2 - 2 b E(k)) (derived here)."""
+        """Right end b, and the load over E*, of the zones a < |x| < b of equal tips: in y = x^2 the
+        two are one zone, and with k^2 = 1 - a^2/b^2 its conditions are b = (2/pi) K(k), P = (E*
+        slope/2) (pi (a^2 + b^2)/2 - 2 b E(k)) (derived here).
+        """
         b = 1.0
         for _ in range(200):
             b = 2 / np.pi * ellipkm1((a / b) ** 2)
-        return b, 0.5 * self.steepness * (0.5 * np.pi * (a * a + b * b) - 2 * b * ellipe(1 - (a / b) ** 2))
+        return b, 0.5 * self.steepness * (
+            0.5 * np.pi * (a * a + b * b) - 2 * b * ellipe(1 - (a / b) ** 2)
+        )
 
 
 class TestSharpValley:
-    """Two tips alone with a kink between them: their gap never closes, and narrows as exp(-pressure)."""
+    """Two tips alone with a kink between them: their gap never closes, and narrows as
+    exp(-pressure).
+    """
 
     @pytest.mark.parametrize("a", [0.1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8])
     def test_ends_and_load_are_those_of_the_closed_form(self, a):
@@ -66,11 +76,15 @@ class TestSharpValley:
     def test_unequal_tips_keep_their_certificate_and_share_an_approach(self):
         gaps = []
         for load in (1.0, 3.0, 5.0, 8.0, 15.0):
-            solution = solve(RoundTips(unequal=1.5), contact.Isolated(datum=50.0), 1.0, tol=1e-8, load=load)
+            solution = solve(
+                RoundTips(unequal=1.5), contact.Isolated(datum=50.0), 1.0, tol=1e-8, load=load
+            )
             left, right = solution.zones
             assert solution.certificate.holds and left[1] < 0.0 < right[0]
             gaps.append(right[0] - left[1])
-            x = np.concatenate([zone[0] + (zone[1] - zone[0]) * np.array([0.1, 0.6]) for zone in solution.zones])
+            x = np.concatenate(
+                [zone[0] + (zone[1] - zone[0]) * np.array([0.1, 0.6]) for zone in solution.zones]
+            )
             flat = solution.displacement(x) + RoundTips(unequal=1.5).height(x)
             assert np.ptp(flat) < 1e-12 * load and gaps == sorted(gaps, reverse=True)
         assert gaps[-1] < 1e-6

@@ -1,4 +1,6 @@
-"""The solver against closed forms: pressure at equal normalised position, ends over widths, and every number."""
+"""The solver against closed forms: pressure at equal normalised position, ends over widths, and
+every number.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +14,8 @@ from tests.contact.judge import end_error, pressure_error, relative, solve, true
 L, DELTA, E = 1e-4, 1e-6, 1.1e11
 WAVE = contact.Sinusoid(DELTA, L)
 ISOLATED, PERIODIC = contact.Isolated(), contact.Periodic()
-# The mean contact pressure is the unit under sharp corners: their own 1/sqrt(1 - t^2) is kept below ten.
+# The mean contact pressure is the unit under sharp corners: their own 1/sqrt(1 - t^2) is kept below
+# ten.
 WITHIN = np.linspace(-0.99, 0.99, 40)
 
 
@@ -33,24 +36,32 @@ def numbers_agree(solution, reference, tolerance, stiffness=None):
 
 class TestWestergaard:
     @pytest.mark.parametrize("a_over_L", [0.001, 0.02, 0.1, 0.2, 0.3, 0.4, 0.45])
-    @pytest.mark.parametrize("control", ["load", "mean_pressure", "approach", "half_width", "contact_fraction"])
+    @pytest.mark.parametrize(
+        "control", ["load", "mean_pressure", "approach", "half_width", "contact_fraction"]
+    )
     def test_every_control_gives_pressure_and_ends_to_1e_10(self, a_over_L, control):
         answer = westergaard(a_over_L)
         solution = solve(WAVE, PERIODIC, E, **{control: getattr(answer, control)})
         assert true_error(solution, answer) < 1e-10
         assert true_error(solution, answer) <= solution.error <= 1e-10
-        # d approach/d load = -(2/pi E*) ln sin A: near A = pi/2 an end error is magnified by 1/cos A.
+        # d approach/d load = -(2/pi E*) ln sin A: near A = pi/2 an end error is magnified by 1/cos
+        # A.
         numbers_agree(solution, answer, 1e-10, stiffness=1e-10 / np.cos(np.pi * a_over_L) ** 2)
 
     @pytest.mark.parametrize("a_over_L", [0.49, 0.499])
     @pytest.mark.parametrize("control", ["load", "mean_pressure", "half_width", "contact_fraction"])
-    def test_gaps_down_to_a_five_hundredth_of_the_period_are_found_to_1e_10(self, a_over_L, control):
+    def test_gaps_down_to_a_five_hundredth_of_the_period_are_found_to_1e_10(
+        self, a_over_L, control
+    ):
         answer = westergaard(a_over_L)
         solution = solve(WAVE, PERIODIC, E, **{control: getattr(answer, control)})
         assert true_error(solution, answer) < 1e-10
 
-    def test_by_approach_such_a_gap_is_known_only_as_well_as_rounding_tells_the_approach_from_its_limit(self):
-        # 1 - approach/Delta ~ cos^2 A = 1e-5, so eps becomes 2e-11 there and 2e-11/cos^2 A in the width of the gap.
+    def test_by_approach_such_a_gap_is_known_only_as_well_as_rounding_tells_the_approach_from_its_limit(
+        self,
+    ):
+        # 1 - approach/Delta ~ cos^2 A = 1e-5, so eps becomes 2e-11 there and 2e-11/cos^2 A in the
+        # width of the gap.
         answer = westergaard(0.499)
         solution = solve(WAVE, PERIODIC, E, tol=1e-5, approach=answer.approach)
         assert true_error(solution, answer) <= solution.error <= 1e-5
@@ -91,30 +102,46 @@ class TestIsolatedZones:
     @pytest.mark.parametrize("a", [1e-7, 1e-3, 0.3])
     def test_hertz(self, control, a):
         answer = exact.HertzLine(1.0, E, a, datum=1.0)
-        solution = solve(contact.Parabola(1.0), contact.Isolated(datum=1.0), E, **{control: getattr(answer, control)})
+        solution = solve(
+            contact.Parabola(1.0),
+            contact.Isolated(datum=1.0),
+            E,
+            **{control: getattr(answer, control)},
+        )
         assert true_error(solution, answer) < 1e-10
         numbers_agree(solution, answer, 1e-10)
 
     @pytest.mark.parametrize("control", ["load", "approach", "half_width"])
     def test_a_wedge_with_its_tip_and_ends(self, control):
         answer = exact.IsolatedWedge(0.1, E, 1e-3, datum=0.1)
-        solution = solve(contact.Wedge(0.1), contact.Isolated(datum=0.1), E, **{control: getattr(answer, control)})
+        solution = solve(
+            contact.Wedge(0.1),
+            contact.Isolated(datum=0.1),
+            E,
+            **{control: getattr(answer, control)},
+        )
         assert true_error(solution, answer) < 1e-9
         numbers_agree(solution, answer, 1e-9)
 
     @pytest.mark.parametrize("control", ["load", "approach"])
     def test_a_flat_punch(self, control):
         answer = exact.IsolatedPunch(0.3, E, 2e5, datum=1.0)
-        solution = solve(contact.Flat(0.6), contact.Isolated(datum=1.0), E, **{control: getattr(answer, control)})
+        solution = solve(
+            contact.Flat(0.6), contact.Isolated(datum=1.0), E, **{control: getattr(answer, control)}
+        )
         assert true_error(solution, answer, WITHIN) < 1e-10
         numbers_agree(solution, answer, 1e-10)
         outside = np.array([0.31, 0.5, 3.0])
-        assert np.allclose(solution.displacement(outside), answer.displacement(outside), rtol=1e-11, atol=0)
+        assert np.allclose(
+            solution.displacement(outside), answer.displacement(outside), rtol=1e-11, atol=0
+        )
         assert np.all(np.isinf(solution.gap(outside)))
 
     @pytest.mark.parametrize("inner_over_c", [0.98, 0.8, 0.4, 0.02, 2e-3])
     def test_two_zones_of_a_biquadratic_down_to_their_merging(self, inner_over_c):
-        answer = exact.IsolatedBiquadratic.from_inner_end(0.05 * inner_over_c, radius=1.0, spacing=0.1, E_star=E)
+        answer = exact.IsolatedBiquadratic.from_inner_end(
+            0.05 * inner_over_c, radius=1.0, spacing=0.1, E_star=E
+        )
         solution = solve(contact.Biquadratic(1.0, 0.1), ISOLATED, E, load=answer.load)
         assert true_error(solution, answer) < 1e-10
         assert relative(solution.zone_loads, answer.zone_loads) < 1e-10
@@ -153,7 +180,8 @@ class TestRows:
         solution = solve(profile, PERIODIC, E, load=answer.load)
         assert true_error(solution, answer, WITHIN) < 1e-10
         assert solution.mean_gap == np.inf
-        # The approach is -(2P/pi E*) ln sin A, 5e-6 of its terms at the widest: what rounding leaves of it is stated.
+        # The approach is -(2P/pi E*) ln sin A, 5e-6 of its terms at the widest: what rounding
+        # leaves of it is stated.
         solution = solve(profile, PERIODIC, E, tol=1e-8, approach=answer.approach)
         assert true_error(solution, answer, WITHIN) <= solution.error <= 1e-8
 
@@ -177,6 +205,8 @@ class TestTheStatedError:
     @pytest.mark.parametrize("tol", [1e-4, 1e-8])
     def test_holds_where_two_zones_nearly_touch(self, tol):
         for inner in (0.03, 0.004, 0.0005):
-            answer = exact.IsolatedBiquadratic.from_inner_end(inner, radius=1.0, spacing=0.1, E_star=1.0)
+            answer = exact.IsolatedBiquadratic.from_inner_end(
+                inner, radius=1.0, spacing=0.1, E_star=1.0
+            )
             solution = solve(contact.Biquadratic(1.0, 0.1), ISOLATED, tol=tol, load=answer.load)
             assert true_error(solution, answer) <= solution.error <= tol

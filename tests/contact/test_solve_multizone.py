@@ -25,18 +25,23 @@ class TestInverseDesign:
     @settings(max_examples=14)
     @given(designed_contacts(min_zones=2, max_zones=12, periodic=True, nearest=0.1))
     def test_zones_of_a_period_are_found_from_profile_and_load_alone(self, answer):
-        # A zone of a millionth of the widest one's load is known as well as rounding of the profile tells: not to 1e-9.
+        # A zone of a millionth of the widest one's load is known as well as rounding of the profile
+        # tells: not to 1e-9.
         assume(answer.zone_loads.min() > 1e-2 * answer.zone_loads.max())
         solution = solved(answer, tol=1e-9)
         assert true_error(solution, answer) <= solution.error <= 1e-9
         assert solution.certificate.holds
-        assert relative(solution.zone_loads[counterparts(solution, answer)[0]], answer.zone_loads) < 1e-8
+        assert (
+            relative(solution.zone_loads[counterparts(solution, answer)[0]], answer.zone_loads)
+            < 1e-8
+        )
         assert abs(solution.mean_gap / answer.mean_gap - 1) < 1e-8
 
     @settings(max_examples=12)
     @given(designed_contacts(min_zones=2, max_zones=5, periodic=False, nearest=0.2))
     def test_zones_of_an_isolated_punch_too(self, answer):
-        # f is a polynomial of twice as many degrees as zones: it is ill-conditioned in itself, hence five zones.
+        # f is a polynomial of twice as many degrees as zones: it is ill-conditioned in itself,
+        # hence five zones.
         assume(answer.zone_loads.min() > 1e-2 * answer.zone_loads.max())
         solution = solved(answer, tol=1e-9)
         assert true_error(solution, answer) <= solution.error <= 1e-9
@@ -51,18 +56,24 @@ class TestInverseDesign:
     @pytest.mark.parametrize("profile", ["designed", "rough"])
     def test_fast_sums_lead_to_the_same_zones_as_a_matrix(self, profile, monkeypatch):
         if profile == "designed":
-            answer = random_problem(np.random.default_rng(8), zones=24, period=1.0, spread=3.0, fraction=0.4)
+            answer = random_problem(
+                np.random.default_rng(8), zones=24, period=1.0, spread=3.0, fraction=0.4
+            )
             scene = contact.Scene(answer.profile, 1.0, PERIODIC, load=answer.load)
         else:
             rng, k = np.random.default_rng(3), np.arange(1, 65)
             waves = 1e-3 * np.maximum(k, 4) ** -1.3 * np.exp(2j * np.pi * rng.uniform(size=64))
-            scene = contact.Scene(contact.Fourier(1.0, waves.real, waves.imag), 1.0, PERIODIC, mean_pressure=2e-3)
+            scene = contact.Scene(
+                contact.Fourier(1.0, waves.real, waves.imag), 1.0, PERIODIC, mean_pressure=2e-3
+            )
         by_matrix = contact.solve(scene, tol=1e-9)
         monkeypatch.setattr("sie.collocation.fixed.MANY_UNKNOWNS", 50)
         by_sums = contact.solve(scene, tol=1e-9)
         assert by_sums.plan["fast sums"].used and not by_matrix.plan["fast sums"].used
         allowed = (by_sums.error + by_matrix.error) * by_matrix.zone_widths[:, None]
-        assert len(by_sums.zones) >= 8 and np.all(np.abs(by_sums.zones - by_matrix.zones) <= allowed)
+        assert len(by_sums.zones) >= 8 and np.all(
+            np.abs(by_sums.zones - by_matrix.zones) <= allowed
+        )
 
     @pytest.mark.parametrize("tol", [1e-3, 1e-5, 1e-7, 1e-9])
     def test_the_stated_error_is_no_less_than_the_true_one_at_any_tolerance(self, tol):
@@ -114,13 +125,19 @@ class TestManyAsperities:
         assert relative(five.zone_loads, one.load) < 1e-9
         assert relative(five.zone_widths, one.zone_widths[0]) < 1e-9
         x = np.linspace(-0.5, 0.5, 77)
-        assert np.max(np.abs(five.pressure(x) - one.pressure(x))) < 1e-4 * one.max_pressure  # ends: sqrt of theirs
+        assert (
+            np.max(np.abs(five.pressure(x) - one.pressure(x))) < 1e-4 * one.max_pressure
+        )  # ends: sqrt of theirs
         assert np.max(np.abs(five.gap(x) - one.gap(x))) < 1e-11
 
-    def test_a_rough_profile_keeps_its_certificate_from_the_first_touch_to_nearly_full_contact(self):
+    def test_a_rough_profile_keeps_its_certificate_from_the_first_touch_to_nearly_full_contact(
+        self,
+    ):
         rng = np.random.default_rng(11)
         k = np.arange(1, 25)
-        wave = contact.Fourier(1.0, 0.01 * rng.normal(size=24) / k**1.3, 0.01 * rng.normal(size=24) / k**1.3)
+        wave = contact.Fourier(
+            1.0, 0.01 * rng.normal(size=24) / k**1.3, 0.01 * rng.normal(size=24) / k**1.3
+        )
         full = solve(wave, PERIODIC, contact_fraction=1.0).mean_pressure
         x = np.linspace(-0.5, 0.5, 20001)
         fractions = []
@@ -135,7 +152,8 @@ class TestManyAsperities:
         assert np.all(np.diff(fractions) > 0)
 
     def test_a_dip_of_the_pressure_between_its_samples_is_found_and_opened(self):
-        # One zone of 192 modes would do, but for a pull of 3e-4 of the peak over 5e-4 of the period.
+        # One zone of 192 modes would do, but for a pull of 3e-4 of the peak over 5e-4 of the
+        # period.
         rng = np.random.default_rng(13)
         n, decay = int(rng.integers(2, 41)), rng.uniform(0, 2)
         k = np.arange(1, n + 1)
@@ -151,7 +169,9 @@ class TestManyAsperities:
 
 class TestLightApproach:
     @pytest.mark.parametrize("approach", [1e-4, 1e-7, 1e-9])
-    def test_tips_between_the_points_of_any_grid_are_found_at_an_approach_below_its_lowest_point(self, approach):
+    def test_tips_between_the_points_of_any_grid_are_found_at_an_approach_below_its_lowest_point(
+        self, approach
+    ):
         profile, datum = contact.Biquadratic(radius=20.0, spacing=1.3), contact.Isolated(datum=7.0)
         solution = solve(profile, datum, tol=1e-8, approach=approach)
         assert len(solution.zones) == 2 and solution.certificate.holds
@@ -160,7 +180,9 @@ class TestLightApproach:
 
     @pytest.mark.parametrize("load", [1e-8, 1e-11])
     def test_a_deeper_place_far_away_takes_a_light_load(self, load):
-        """f = x^2 (x - 50)^2 / 5000 - x / 1e5, of curvature 1 at both minima: Hertz's a = 2 sqrt(P / pi E*) at the farther one."""
+        """f = x^2 (x - 50)^2 / 5000 - x / 1e5, of curvature 1 at both minima: Hertz's a = 2 sqrt(P
+        / pi E*) at the farther one.
+        """
         profile = contact.Polynomial((0.0, -1e-5, 0.5, -0.02, 2e-4))
         solution = solve(profile, ISOLATED, tol=1e-6, load=load)
         assert len(solution.zones) == 1 and abs(solution.zones.mean() - 50.0) < 1e-4
@@ -168,6 +190,16 @@ class TestLightApproach:
 
     def test_one_that_no_load_has_is_refused(self):
         with pytest.raises(contact.OutOfRange, match="no load"):
-            solve(contact.Biquadratic(radius=20.0, spacing=1.3), contact.Isolated(datum=1.0), tol=1e-8, approach=1e3)
+            solve(
+                contact.Biquadratic(radius=20.0, spacing=1.3),
+                contact.Isolated(datum=1.0),
+                tol=1e-8,
+                approach=1e3,
+            )
         with pytest.raises(contact.OutOfRange, match="no load"):
-            solve(contact.Biquadratic(radius=20.0, spacing=1.3), contact.Isolated(datum=1e-2), tol=1e-8, approach=1e-6)
+            solve(
+                contact.Biquadratic(radius=20.0, spacing=1.3),
+                contact.Isolated(datum=1e-2),
+                tol=1e-8,
+                approach=1e-6,
+            )

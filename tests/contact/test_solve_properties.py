@@ -1,4 +1,6 @@
-"""Laws that hold of every solution, whatever the profile: balance, one approach, signs, scaling, shifts and mirrors."""
+"""Laws that hold of every solution, whatever the profile: balance, one approach, signs, scaling,
+shifts and mirrors.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +22,9 @@ NODES, WEIGHTS = np.polynomial.legendre.leggauss(64)
 def rough(seed, harmonics=8, period=1.0, size=0.01):
     rng = np.random.default_rng(seed)
     k = np.arange(1, harmonics + 1)
-    return contact.Fourier(period, size * rng.normal(size=harmonics) / k, size * rng.normal(size=harmonics) / k)
+    return contact.Fourier(
+        period, size * rng.normal(size=harmonics) / k, size * rng.normal(size=harmonics) / k
+    )
 
 
 def rough_points(seed, count=48):
@@ -33,7 +37,11 @@ SCENES = [
     (contact.Wedge(0.05, period=1.0), PERIODIC, {"mean_pressure": 0.02}),
     (contact.Parabola(2.0, period=1.0), PERIODIC, {"contact_fraction": 0.4}),
     (contact.Biquadratic(1.0, 0.3, period=1.0), PERIODIC, {"mean_pressure": 0.004}),
-    (contact.Polynomial([0.0, 0.01, 0.2, -0.04, 0.3], period=1.0), PERIODIC, {"mean_pressure": 0.005}),
+    (
+        contact.Polynomial([0.0, 0.01, 0.2, -0.04, 0.3], period=1.0),
+        PERIODIC,
+        {"mean_pressure": 0.005},
+    ),
     (rough(1), PERIODIC, {"mean_pressure": 0.02}),
     (rough(4), SELF, {"mean_pressure": 0.004}),
     (rough(1), contact.Localized("self-consistent", neighbours=2), {"mean_pressure": 0.01}),
@@ -66,8 +74,12 @@ def around(solution, count=20001):
 
 
 def zone_integral(solution, weight=lambda x: 1.0):
-    """int weight p dx by Gauss-Legendre in the angle, panels refined towards the middle, where a tip may be."""
-    panels = np.pi * np.concatenate([0.5 - 0.5 * 0.2 ** np.arange(20), [0.5], 0.5 + 0.5 * 0.2 ** np.arange(20)[::-1]])
+    """int weight p dx by Gauss-Legendre in the angle, panels refined towards the middle, where a
+    tip may be.
+    """
+    panels = np.pi * np.concatenate(
+        [0.5 - 0.5 * 0.2 ** np.arange(20), [0.5], 0.5 + 0.5 * 0.2 ** np.arange(20)[::-1]]
+    )
     total = 0.0
     for k, (a, b) in enumerate(solution.zones):
         lo, hi = panels[:-1, None], panels[1:, None]
@@ -75,7 +87,11 @@ def zone_integral(solution, weight=lambda x: 1.0):
         step = (0.5 * (hi - lo) * WEIGHTS).ravel()
         p = solution.pressure_at(np.cos(angle), k)
         x = 0.5 * (a + b) + 0.5 * (b - a) * np.cos(angle)
-        total += float(np.sum(np.where(np.isfinite(p), p, 0.0) * np.sin(angle) * step * weight(x))) * 0.5 * (b - a)
+        total += (
+            float(np.sum(np.where(np.isfinite(p), p, 0.0) * np.sin(angle) * step * weight(x)))
+            * 0.5
+            * (b - a)
+        )
     return total
 
 
@@ -85,13 +101,18 @@ class TestBalance:
         tolerance = 1e-6 if solution.scene.profile.name == "sampled" else 1e-9
         assert abs(zone_integral(solution) / solution.load - 1) < tolerance
 
-    def test_the_load_of_the_zones_is_the_load_and_their_widths_the_contact_fraction(self, solution):
+    def test_the_load_of_the_zones_is_the_load_and_their_widths_the_contact_fraction(
+        self, solution
+    ):
         assert np.all(solution.zone_loads > 0)
         assert abs(solution.zone_loads.sum() / solution.load - 1) < 1e-13
         if solution.scene.period is None:
             assert solution.contact_fraction is None
         else:
-            assert abs(solution.zone_widths.sum() / solution.scene.period - solution.contact_fraction) < 1e-15
+            assert (
+                abs(solution.zone_widths.sum() / solution.scene.period - solution.contact_fraction)
+                < 1e-15
+            )
             assert abs(solution.load / solution.scene.period / solution.mean_pressure - 1) < 1e-14
 
     def test_what_was_asked_for_is_what_came_out(self, solution):
@@ -105,10 +126,13 @@ class TestGeometry:
         for a, b in solution.zones:
             x = np.linspace(a, b, 101)
             level = solution.displacement(x) + height(x) - lowest(solution)
-            # The lowest sample is off by half a curvature times the square of its distance: it only shifts the constant.
+            # The lowest sample is off by half a curvature times the square of its distance: it only
+            # shifts the constant.
             assert np.ptp(level) < 1e-9 * np.ptp(height(around(solution)))
 
-    def test_the_displacement_on_a_zone_is_that_of_the_pressure_and_not_only_declared(self, solution):
+    def test_the_displacement_on_a_zone_is_that_of_the_pressure_and_not_only_declared(
+        self, solution
+    ):
         fields = solution.fields
         density, problem = fields.density, fields.problem
         for k in range(len(density.zones)):
@@ -168,13 +192,20 @@ class TestGeometry:
 
 
 class TestStiffness:
-    @pytest.mark.parametrize("place", [k for k in range(len(SCENES)) if k != 2], ids=lambda k: SCENES[k][0].name)
+    @pytest.mark.parametrize(
+        "place", [k for k in range(len(SCENES)) if k != 2], ids=lambda k: SCENES[k][0].name
+    )
     def test_is_the_slope_of_load_over_approach(self, place):
         profile, model, control = SCENES[place]
-        (name, value), = control.items()
+        ((name, value),) = control.items()
         step = 1e-4
         ahead, here, behind = (
-            solve(profile, model, tol=1e-11 if profile.name != "sampled" else 1e-9, **{name: value * factor})
+            solve(
+                profile,
+                model,
+                tol=1e-11 if profile.name != "sampled" else 1e-9,
+                **{name: value * factor},
+            )
             for factor in (1 + step, 1, 1 - step)
         )
         difference = (ahead.load - behind.load) / (ahead.approach - behind.approach)
@@ -186,7 +217,9 @@ class TestStiffness:
         assert solution.approach is None and solution.stiffness is None
 
     def test_two_datums_differ_by_what_the_load_lifts_between_them(self):
-        near, far = (solve(contact.Parabola(1.0), contact.Isolated(datum=d), load=0.01) for d in (1.0, 10.0))
+        near, far = (
+            solve(contact.Parabola(1.0), contact.Isolated(datum=d), load=0.01) for d in (1.0, 10.0)
+        )
         assert abs((far.approach - near.approach) / (2 * 0.01 / np.pi * np.log(10)) - 1) < 1e-12
         assert np.array_equal(near.zones, far.zones)
 
@@ -209,7 +242,13 @@ class TestScaling:
         # Powers of two change no digit, so that rounding alone must not.
         one = solve(rough(3), PERIODIC, mean_pressure=0.01)
         other = contact.Fourier(length, rough(3).cosine * length, rough(3).sine * length)
-        same(one, solve(other, PERIODIC, modulus, mean_pressure=0.01 * modulus), length, modulus, 1e-13)
+        same(
+            one,
+            solve(other, PERIODIC, modulus, mean_pressure=0.01 * modulus),
+            length,
+            modulus,
+            1e-13,
+        )
 
     @pytest.mark.parametrize("length", [2.0**-30, 2.0**10])
     def test_a_polynomial_that_names_no_length_is_found_at_any_size(self, length):
@@ -244,7 +283,9 @@ class TestShiftsAndMirrors:
         wave = rough(5)
         turn = 2 * np.pi * np.arange(1, 9) * shift
         moved = contact.Fourier(
-            1.0, wave.cosine * np.cos(turn) - wave.sine * np.sin(turn), wave.cosine * np.sin(turn) + wave.sine * np.cos(turn)
+            1.0,
+            wave.cosine * np.cos(turn) - wave.sine * np.sin(turn),
+            wave.cosine * np.sin(turn) + wave.sine * np.cos(turn),
         )
         one, other = (solve(w, PERIODIC, mean_pressure=0.01) for w in (wave, moved))
         x = np.linspace(-0.5, 0.5, 301)
@@ -257,7 +298,9 @@ class TestShiftsAndMirrors:
         x = np.linspace(0, 1, 41)[: 40 if periodic else 41]
         heights = -rough(7, 5).height(x) - (0.0 if periodic else 0.4) * (x - 0.45) ** 2
         kind = {"period": 1.0} if periodic else {}
-        model, control = (PERIODIC, {"mean_pressure": 0.01}) if periodic else (ISOLATED, {"load": 0.002})
+        model, control = (
+            (PERIODIC, {"mean_pressure": 0.01}) if periodic else (ISOLATED, {"load": 0.002})
+        )
         one = solve(contact.Sampled(x, heights, **kind), model, tol=1e-8, **control)
         other = solve(contact.Sampled(x + 16.0, heights, **kind), model, tol=1e-8, **control)
         assert np.max(np.abs(other.zones - 16 - one.zones) / one.zone_widths[:, None]) < 1e-8
@@ -273,12 +316,16 @@ class TestShiftsAndMirrors:
         assert relative(np.sort(other.zone_loads), np.sort(one.zone_loads)) < 1e-10
 
     @pytest.mark.parametrize("offset", [1.0, 1e6, -1e6])
-    def test_a_constant_added_to_the_heights_changes_what_their_digits_lose_and_no_more(self, offset):
+    def test_a_constant_added_to_the_heights_changes_what_their_digits_lose_and_no_more(
+        self, offset
+    ):
         x = np.arange(64) / 64
         # Heights that keep all their digits under the offset.
         heights = np.round(np.sin(2 * np.pi * x) * 2**12 + 2**10 * np.cos(6 * np.pi * x)) / 2**12
         one = solve(contact.Sampled(x, heights, period=1.0), PERIODIC, mean_pressure=0.5, tol=1e-8)
-        other = solve(contact.Sampled(x, heights + offset, period=1.0), PERIODIC, mean_pressure=0.5, tol=1e-8)
+        other = solve(
+            contact.Sampled(x, heights + offset, period=1.0), PERIODIC, mean_pressure=0.5, tol=1e-8
+        )
         same(one, other, tolerance=1e-12)
         assert abs(one.approach / other.approach - 1) < 1e-12
         bare = solve(contact.Polynomial([0, 0, 1, 0.5, 1]), FAR, load=0.01)
@@ -288,12 +335,16 @@ class TestShiftsAndMirrors:
     @pytest.mark.parametrize("pressure", [0.002, 0.01, 0.02])
     def test_half_a_symmetric_problem_is_the_whole_of_it(self, pressure):
         even = contact.Fourier(1.0, [-0.01, 0.004, -0.006])
-        tiny = contact.Fourier(1.0, [-0.01, 0.004, -0.006], [1e-300])  # not symmetric by declaration, but in its digits
+        tiny = contact.Fourier(
+            1.0, [-0.01, 0.004, -0.006], [1e-300]
+        )  # not symmetric by declaration, but in its digits
         half, whole = (solve(w, PERIODIC, mean_pressure=pressure) for w in (even, tiny))
         assert half.plan["symmetry"].used and not whole.plan["symmetry"].used
         same(half, whole, tolerance=1e-10)
 
-    def test_a_symmetric_profile_whose_summit_is_at_the_border_is_the_one_with_its_summit_in_the_middle(self):
+    def test_a_symmetric_profile_whose_summit_is_at_the_border_is_the_one_with_its_summit_in_the_middle(
+        self,
+    ):
         middle = solve(contact.Fourier(1.0, [-0.01]), PERIODIC, mean_pressure=0.01)
         border = solve(contact.Fourier(1.0, [0.01]), PERIODIC, mean_pressure=0.01)
         assert np.max(np.abs(border.zones - 0.5 - middle.zones) % 1.0) < 1e-12 or np.allclose(
@@ -316,7 +367,9 @@ class TestControlsAgree:
             again = solve(wave, PERIODIC, tol=1e-7, **{name: getattr(first, name)})
             same(first, again, tolerance=1e-6)
 
-    @pytest.mark.parametrize("model", [PERIODIC, SELF, contact.Localized("first-order"), FAR], ids=lambda m: m.name)
+    @pytest.mark.parametrize(
+        "model", [PERIODIC, SELF, contact.Localized("first-order"), FAR], ids=lambda m: m.name
+    )
     def test_half_width_too_where_one_zone_is_symmetric(self, model):
         first = solve(contact.Sinusoid(0.01, 1.0), model, load=0.008)
         for name in ("approach", "half_width", "mean_pressure"):
@@ -326,7 +379,10 @@ class TestControlsAgree:
     def test_contact_grows_with_the_load_in_every_measure(self):
         wave = rough(8)
         full = solve(wave, PERIODIC, contact_fraction=1.0).mean_pressure
-        found = [solve(wave, PERIODIC, tol=1e-8, mean_pressure=s * full) for s in (0.01, 0.1, 0.3, 0.6, 0.9)]
+        found = [
+            solve(wave, PERIODIC, tol=1e-8, mean_pressure=s * full)
+            for s in (0.01, 0.1, 0.3, 0.6, 0.9)
+        ]
         for name in ("approach", "contact_fraction", "max_pressure"):
             assert np.all(np.diff([getattr(s, name) for s in found]) > 0)
         assert np.all(np.diff([s.mean_gap for s in found]) < 0)
@@ -338,5 +394,11 @@ class TestControlsAgree:
     def test_a_near_solution_saves_the_search_and_changes_nothing(self):
         answer = random_problem(np.random.default_rng(2), zones=3, period=1.0)
         scene = contact.Scene(answer.profile, 1.0, PERIODIC, load=answer.load)
-        near = contact.solve(contact.Scene(answer.profile, 1.0, PERIODIC, load=0.9 * answer.load), tol=1e-6)
-        same(contact.solve(scene, tol=1e-10), contact.solve(scene, tol=1e-10, near=near), tolerance=1e-9)
+        near = contact.solve(
+            contact.Scene(answer.profile, 1.0, PERIODIC, load=0.9 * answer.load), tol=1e-6
+        )
+        same(
+            contact.solve(scene, tol=1e-10),
+            contact.solve(scene, tol=1e-10, near=near),
+            tolerance=1e-9,
+        )

@@ -1,4 +1,6 @@
-"""A substrate is a symbol in one class: solved from light load to full contact by every control, found by its name, refused where wrong."""
+"""A substrate is a symbol in one class: solved from light load to full contact by every control,
+found by its name, refused where wrong.
+"""
 
 from __future__ import annotations
 
@@ -52,7 +54,14 @@ FULL = {body: np.pi * 0.01 / body.symbol(np.array([2 * np.pi]))[0] for body in B
 
 def held(profile, body, share_of_full, **control):
     """Under a mean pressure, which is a part of that of full contact of the wave."""
-    return contact.Scene(profile, 1.0, contact.Periodic(), substrate=body, mean_pressure=share_of_full * FULL[body], **control)
+    return contact.Scene(
+        profile,
+        1.0,
+        contact.Periodic(),
+        substrate=body,
+        mean_pressure=share_of_full * FULL[body],
+        **control,
+    )
 
 
 class TestKernelOfALine:
@@ -71,7 +80,9 @@ class TestKernelOfALine:
         assert np.abs(found - np.log(np.tanh(np.pi * r / 4e-6))).max() < 1e-13
 
     def test_of_unlike_scales_is_the_sum_of_both(self):
-        part = SmoothPart.of(lambda q: 1 + 0.5 * np.exp(-q) - 0.3 * np.exp(-1e-5 * q), grounded=False)
+        part = SmoothPart.of(
+            lambda q: 1 + 0.5 * np.exp(-q) - 0.3 * np.exp(-1e-5 * q), grounded=False
+        )
         r = self.R
         expected = 0.5 * r / (r * r + 1) - 0.3 * r / (r * r + 1e-10)
         assert np.abs((part.value(r) - expected) * np.maximum(r, 1e-5)).max() < 1e-13
@@ -79,15 +90,26 @@ class TestKernelOfALine:
 
 class TestASubstrate:
     @pytest.mark.parametrize("body", BODIES)
-    def test_in_full_contact_has_the_pressure_of_its_symbol_and_gives_way_by_its_compression(self, body):
+    def test_in_full_contact_has_the_pressure_of_its_symbol_and_gives_way_by_its_compression(
+        self, body
+    ):
         begins = FULL[body]
         full = contact.solve(held(WAVE, body, 1.5))
         x = np.linspace(-1, 1, 41)
-        assert np.allclose(full.pressure(x), 1.5 * begins + begins * np.cos(2 * np.pi * x), rtol=0, atol=1e-13)
-        assert full.approach == pytest.approx(0.01 + 2 * (body.compression or 0.0) * 1.5 * begins, rel=1e-12)
+        assert np.allclose(
+            full.pressure(x), 1.5 * begins + begins * np.cos(2 * np.pi * x), rtol=0, atol=1e-13
+        )
+        assert full.approach == pytest.approx(
+            0.01 + 2 * (body.compression or 0.0) * 1.5 * begins, rel=1e-12
+        )
         if body.compression:
-            again = contact.solve(replace(held(WAVE, body, 1.5), mean_pressure=None, approach=full.approach))
-            assert again.mean_pressure == pytest.approx(1.5 * begins, rel=1e-12) and len(again.zones) == 0
+            again = contact.solve(
+                replace(held(WAVE, body, 1.5), mean_pressure=None, approach=full.approach)
+            )
+            assert (
+                again.mean_pressure == pytest.approx(1.5 * begins, rel=1e-12)
+                and len(again.zones) == 0
+            )
             assert again.stiffness == pytest.approx(0.5 / body.compression, rel=1e-12)
 
     @pytest.mark.parametrize("body", BODIES)
@@ -111,8 +133,14 @@ class TestASubstrate:
     @pytest.mark.parametrize("body", BODIES)
     def test_is_the_same_under_every_control(self, body, control):
         given = contact.solve(held(WAVE, body, 0.4), tol=1e-10)
-        value = 0.5 * float(np.diff(given.zones)[0, 0]) if control == "half_width" else getattr(given, control)
-        again = contact.solve(replace(held(WAVE, body, 0.4), mean_pressure=None, **{control: value}), tol=1e-9)
+        value = (
+            0.5 * float(np.diff(given.zones)[0, 0])
+            if control == "half_width"
+            else getattr(given, control)
+        )
+        again = contact.solve(
+            replace(held(WAVE, body, 0.4), mean_pressure=None, **{control: value}), tol=1e-9
+        )
         assert again.load == pytest.approx(given.load, rel=1e-8)
         assert again.approach == pytest.approx(given.approach, rel=1e-8)
 
@@ -120,7 +148,9 @@ class TestASubstrate:
     def test_agrees_with_an_independent_grid(self, body):
         solution = contact.solve(held(TIPS, body, 0.3))
         grid = judge_period(TIPS.height, (-0.5, 0.5), 1.0, body.symbol, solution.load, 2048)
-        assert np.count_nonzero((solution.pressure(grid.x) > 0) != grid.contact) <= 4 * len(solution.zones)
+        assert np.count_nonzero((solution.pressure(grid.x) > 0) != grid.contact) <= 4 * len(
+            solution.zones
+        )
         height = np.asarray(TIPS.height(grid.x))
         mean = 2 * (body.compression or 0.0) * solution.mean_pressure
         assert solution.approach == pytest.approx(grid.level + mean - height.min(), rel=2e-3)
@@ -128,16 +158,22 @@ class TestASubstrate:
 
     def test_alone_agrees_with_an_independent_grid(self):
         body = Soft(0.8, 0.1)
-        scene = contact.Scene(contact.Biquadratic(1.0, 0.4), 1.0, contact.Isolated(), substrate=body, load=0.02)
+        scene = contact.Scene(
+            contact.Biquadratic(1.0, 0.4), 1.0, contact.Isolated(), substrate=body, load=0.02
+        )
         solution = contact.solve(scene)
         lo, hi = solution.zones[0, 0], solution.zones[-1, 1]
         window = 1.6 * lo - 0.6 * hi, 1.6 * hi - 0.6 * lo
-        grid = judge_line(scene.profile.height, window, 1.0, lambda lag: 0.4 * np.log(lag**2 + 0.01), 0.02)
+        grid = judge_line(
+            scene.profile.height, window, 1.0, lambda lag: 0.4 * np.log(lag**2 + 0.01), 0.02
+        )
         assert np.count_nonzero((solution.pressure(grid.x) > 0) != grid.contact) <= 8
         assert solution.approach is None
 
     def test_with_a_base_has_an_approach_alone_that_counts_from_the_base(self):
-        scene = contact.Scene(contact.Parabola(1.0), 1.0, contact.Isolated(), substrate=Grounded(0.1), load=0.01)
+        scene = contact.Scene(
+            contact.Parabola(1.0), 1.0, contact.Isolated(), substrate=Grounded(0.1), load=0.01
+        )
         solution = contact.solve(scene, tol=1e-10)
         # Between two of the contact's own places, and by quadrature of the closed form far from it.
         assert solution.displacement(np.array([3.0]))[0] == pytest.approx(0.0, abs=1e-14)
@@ -149,7 +185,11 @@ class TestASubstrate:
         x = end * np.sin(angle)
         p = solution.pressure(x) * np.cos(angle) * end * 0.25 * np.pi * weights
         at = np.array([2 * end])
-        u = -2 / np.pi * sum(p @ np.log(np.tanh(np.pi * np.abs(at - side * x) / 0.4)) for side in (-1, 1))
+        u = (
+            -2
+            / np.pi
+            * sum(p @ np.log(np.tanh(np.pi * np.abs(at - side * x) / 0.4)) for side in (-1, 1))
+        )
         assert solution.displacement(at)[0] == pytest.approx(u, rel=1e-9)
 
     @pytest.mark.parametrize("body", BODIES)
@@ -157,14 +197,24 @@ class TestASubstrate:
         exact = contact.solve(held(WAVE, body, 0.2), tol=1e-10)
         off = []
         for m in (4, 8):
-            near = contact.solve(replace(held(WAVE, body, 0.2), interaction=contact.Localized("self-consistent", neighbours=m)), tol=1e-10)
+            near = contact.solve(
+                replace(
+                    held(WAVE, body, 0.2),
+                    interaction=contact.Localized("self-consistent", neighbours=m),
+                ),
+                tol=1e-10,
+            )
             off.append(np.abs(near.zones - exact.zones).max())
-        # The images beyond act with the square of their number, or not at all where the body has a base.
+        # The images beyond act with the square of their number, or not at all where the body has a
+        # base.
         assert off[1] < 0.3 * off[0] + 1e-9 and off[0] < 1e-4
 
     def test_of_a_half_plane_is_the_half_plane_bit_for_bit(self):
         plain = contact.Scene(TIPS, 1.0, contact.Periodic(), mean_pressure=0.01)
-        assert np.array_equal(contact.solve(plain).zones, contact.solve(replace(plain, substrate=contact.HalfPlane())).zones)
+        assert np.array_equal(
+            contact.solve(plain).zones,
+            contact.solve(replace(plain, substrate=contact.HalfPlane())).zones,
+        )
 
 
 @pytest.fixture
@@ -189,7 +239,10 @@ class TestByItsName:
         scene = contact.load_scene(path)
         assert scene.substrate == Soft(0.5) and scene.law == contact.Frictionless()
         path.write_text(path.read_text().replace("test-soft", "tset-soft"))
-        with pytest.raises(contact.SceneError, match=r"\[substrate\] model = 'tset-soft' is not known \(did you mean 'test-soft'"):
+        with pytest.raises(
+            contact.SceneError,
+            match=r"\[substrate\] model = 'tset-soft' is not known \(did you mean 'test-soft'",
+        ):
             contact.load_scene(path)
 
 
@@ -238,7 +291,9 @@ def test_what_is_no_substrate_is_refused(wrong):
 
 def test_a_datum_beside_a_base_and_a_kernel_beside_a_substrate_are_refused():
     with pytest.raises(contact.SceneError, match="a base that displacements count from"):
-        contact.Scene(contact.Parabola(1.0), 1.0, contact.Isolated(datum=1.0), substrate=Grounded(), load=0.01)
+        contact.Scene(
+            contact.Parabola(1.0), 1.0, contact.Isolated(datum=1.0), substrate=Grounded(), load=0.01
+        )
     from contact.studies.own_models import Bed
 
     with pytest.raises(contact.SceneError, match="a kernel of its own"):

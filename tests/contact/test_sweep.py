@@ -1,4 +1,6 @@
-"""A scene over a grid: its numbers are those of single solves, whoever solved them, whatever failed, however often it was broken off."""
+"""A scene over a grid: its numbers are those of single solves, whoever solved them, whatever
+failed, however often it was broken off.
+"""
 
 from __future__ import annotations
 
@@ -51,24 +53,46 @@ def counted(monkeypatch):
 def test_every_point_has_the_numbers_of_a_solve_of_its_own():
     table = contact.sweep(WAVE, GRID, workers=1)
     assert dict(table.sizes) == {"profile.amplitude": 2, "control.contact_fraction": 3}
-    assert {table[name].attrs["units"] for name in ("load", "approach", "profile.amplitude")} == {"N/m", "m"}
+    assert {table[name].attrs["units"] for name in ("load", "approach", "profile.amplitude")} == {
+        "N/m",
+        "m",
+    }
     for i, amplitude in enumerate(GRID["profile.amplitude"]):
         for j, fraction in enumerate(GRID["control.contact_fraction"]):
-            scene = contact.Scene(contact.Sinusoid(amplitude, 1.0), 1.0, contact.Periodic(), contact_fraction=fraction)
+            scene = contact.Scene(
+                contact.Sinusoid(amplitude, 1.0), 1.0, contact.Periodic(), contact_fraction=fraction
+            )
             alone = numbers(contact.solve(scene))
             for name in set(NUMBERS) - {"error"}:
                 # Stated errors are 1e-8 at most, and a mean gap is a difference of approaches.
-                assert float(table[name][i, j]) == pytest.approx(alone[name], rel=1e-6, abs=1e-9), name
+                assert float(table[name][i, j]) == pytest.approx(alone[name], rel=1e-6, abs=1e-9), (
+                    name
+                )
     assert not table["failed"].any() and float(table["error"].max()) <= 1e-8
 
 
 @pytest.mark.parametrize(
     ("scene", "over", "name", "exact"),
     [
-        (WAVE, {"profile.amplitude": [1e-2, 3e-2], "control.contact_fraction": [1.0]}, "load", np.pi * np.array([[1e-2], [3e-2]])),
-        (WAVE, {"material.E_star": [1.0, 7.0], "control.contact_fraction": [1.0]}, "load", np.pi * 1e-2 * np.array([[1.0], [7.0]])),
+        (
+            WAVE,
+            {"profile.amplitude": [1e-2, 3e-2], "control.contact_fraction": [1.0]},
+            "load",
+            np.pi * np.array([[1e-2], [3e-2]]),
+        ),
+        (
+            WAVE,
+            {"material.E_star": [1.0, 7.0], "control.contact_fraction": [1.0]},
+            "load",
+            np.pi * 1e-2 * np.array([[1.0], [7.0]]),
+        ),
         (PUNCH, {"profile.width": [0.25, 0.75]}, "contact_fraction", np.array([0.25, 0.75])),
-        (WAVE, {"profile.period": [1.0, 2.0], "control.mean_pressure": [1e-2]}, "load", np.array([[1e-2], [2e-2]])),
+        (
+            WAVE,
+            {"profile.period": [1.0, 2.0], "control.mean_pressure": [1e-2]},
+            "load",
+            np.array([[1e-2], [2e-2]]),
+        ),
     ],
     ids=["amplitude", "modulus", "width", "period"],
 )
@@ -78,14 +102,27 @@ def test_a_key_of_any_table_is_what_is_varied(scene, over, name, exact):
 
 
 def test_words_and_whole_numbers_are_values_too():
-    local = contact.Scene(contact.Sinusoid(1e-2, 1.0), 1.0, contact.Localized("self-consistent"), load=1e-2)
+    local = contact.Scene(
+        contact.Sinusoid(1e-2, 1.0), 1.0, contact.Localized("self-consistent"), load=1e-2
+    )
     table = contact.sweep(local, {"interaction.neighbours": [0.0, 1, np.int64(2)]}, workers=1)
-    exact = contact.solve(contact.Scene(contact.Sinusoid(1e-2, 1.0), 1.0, contact.Periodic(), load=1e-2)).max_pressure
+    exact = contact.solve(
+        contact.Scene(contact.Sinusoid(1e-2, 1.0), 1.0, contact.Periodic(), load=1e-2)
+    ).max_pressure
     off = np.abs(table["max_pressure"].values / exact - 1)
     assert np.all(np.diff(off) < 0)
-    layer = contact.Scene(contact.Sinusoid(1e-2, 1.0), 1.0, contact.Periodic(), substrate=contact.Layer(0.2, 0.3), load=1e-3)
+    layer = contact.Scene(
+        contact.Sinusoid(1e-2, 1.0),
+        1.0,
+        contact.Periodic(),
+        substrate=contact.Layer(0.2, 0.3),
+        load=1e-3,
+    )
     bases = contact.sweep(layer, {"substrate.base": ["bonded", "smooth"]}, workers=1)
-    assert bases["substrate.base"].values.tolist() == ["bonded", "smooth"] and float(np.ptp(bases["approach"].values)) > 0
+    assert (
+        bases["substrate.base"].values.tolist() == ["bonded", "smooth"]
+        and float(np.ptp(bases["approach"].values)) > 0
+    )
 
 
 def test_a_unit_is_told_where_a_profile_of_one_s_own_declares_it():
@@ -97,23 +134,40 @@ def test_a_unit_is_told_where_a_profile_of_one_s_own_declares_it():
 
     for shape, unit in ((Declared, {"units": "m"}), (Undeclared, {})):
         scene = contact.Scene(shape(1e-2, 1.0), 1.0, contact.Periodic(), load=1e-3)
-        assert contact.sweep(scene, {"profile.amplitude": [1e-2]}, workers=1)["profile.amplitude"].attrs == unit
+        assert (
+            contact.sweep(scene, {"profile.amplitude": [1e-2]}, workers=1)[
+                "profile.amplitude"
+            ].attrs
+            == unit
+        )
 
 
 def test_along_a_control_points_share_one_search(monkeypatch):
     searches = []
     real = contact.sweeps.curve.Shared
-    monkeypatch.setattr("contact.sweeps.curve.Shared", lambda scene: searches.append(1) or real(scene))
-    contact.sweep(WAVE, {"profile.amplitude": [1e-2, 2e-2], "control.load": [1e-3, 3e-3, 2e-3, 4e-3]}, workers=1)
+    monkeypatch.setattr(
+        "contact.sweeps.curve.Shared", lambda scene: searches.append(1) or real(scene)
+    )
+    contact.sweep(
+        WAVE,
+        {"profile.amplitude": [1e-2, 2e-2], "control.load": [1e-3, 3e-3, 2e-3, 4e-3]},
+        workers=1,
+    )
     assert len(searches) == 2
 
 
 def test_a_point_that_fails_says_why_and_the_others_are_solved():
     lone = contact.Scene(contact.Sinusoid(1e-2, 1.0), 1.0, contact.Isolated(), load=1e-3)
-    with pytest.warns(contact.ModelWarning, match=r"1 of 3 points failed: at control.load = 1.0: OutOfRange"):
+    with pytest.warns(
+        contact.ModelWarning, match=r"1 of 3 points failed: at control.load = 1.0: OutOfRange"
+    ):
         table = contact.sweep(lone, {"control.load": [1e-3, 1.0, 2e-3]}, workers=1)
-    assert table["failed"].values.tolist() == [False, True, False] and np.isnan(table["load"].values[1])
-    assert "border" in str(table["reason"].values[1]) and table["zone_count"].values[[0, 2]].tolist() == [1, 1]
+    assert table["failed"].values.tolist() == [False, True, False] and np.isnan(
+        table["load"].values[1]
+    )
+    assert "border" in str(table["reason"].values[1]) and table["zone_count"].values[
+        [0, 2]
+    ].tolist() == [1, 1]
 
 
 def test_an_error_of_a_user_s_own_profile_is_one_of_its_point():
@@ -127,7 +181,9 @@ def test_an_error_of_a_user_s_own_profile_is_one_of_its_point():
     scene = contact.Scene(Broken(1e-2, 1.0), 1.0, contact.Periodic(), load=1e-3)
     with pytest.warns(contact.ModelWarning, match="failed"):
         table = contact.sweep(scene, {"profile.amplitude": [1e-2, 2e-2]}, workers=1)
-    assert table["failed"].values.tolist() == [False, True] and "by nothing" in str(table["reason"].values[1])
+    assert table["failed"].values.tolist() == [False, True] and "by nothing" in str(
+        table["reason"].values[1]
+    )
 
 
 BAD = [
@@ -145,7 +201,17 @@ def test_keys_and_values_that_are_none_are_refused_by_name(over, told):
         contact.sweep(WAVE, over)
 
 
-@pytest.mark.parametrize("options", [{"workers": 0}, {"workers": 1.5}, {"tol": 2}, {"out": "x.csv"}, {"out": 3}, {"out": "none/x.nc"}])
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"workers": 0},
+        {"workers": 1.5},
+        {"tol": 2},
+        {"out": "x.csv"},
+        {"out": 3},
+        {"out": "none/x.nc"},
+    ],
+)
 def test_options_that_are_none_are_refused_by_name(options):
     with pytest.raises(contact.SceneError, match=next(iter(options))):
         contact.sweep(WAVE, {"control.load": [1e-3]}, **options)
@@ -160,7 +226,9 @@ def test_what_is_in_the_file_is_not_solved_again(tmp_path, counted):
     assert len(counted) == 8
     with xarray.open_dataset(out, engine="h5netcdf") as kept:
         assert kept.load().identical(second)
-    same = second.sel({"control.contact_fraction": GRID["control.contact_fraction"]}).transpose(*first["load"].dims)
+    same = second.sel({"control.contact_fraction": GRID["control.contact_fraction"]}).transpose(
+        *first["load"].dims
+    )
     assert all(same[name].equals(first[name]) for name in first.data_vars)
     contact.sweep(WAVE, wider, workers=1, out=out, overwrite=True)
     assert len(counted) == 16
@@ -184,22 +252,48 @@ def test_a_sweep_that_is_broken_off_is_gone_on_with(tmp_path, counted):
     with xarray.open_dataset(out, engine="h5netcdf") as kept:
         assert int(kept["error"].notnull().sum()) == 4
     assert not contact.sweep(WAVE, GRID, workers=1, out=out)["load"].isnull().any()
-    assert sorted(counted) == [0, 1, 2, 3, 4, 5] and [p.name for p in tmp_path.iterdir()] == ["sweep.nc"]
+    assert sorted(counted) == [0, 1, 2, 3, 4, 5] and [p.name for p in tmp_path.iterdir()] == [
+        "sweep.nc"
+    ]
 
 
 def test_what_failed_is_tried_again_only_when_told(tmp_path, counted):
     lone = contact.Scene(contact.Sinusoid(1e-2, 1.0), 1.0, contact.Isolated(), load=1e-3)
     for retry in (False, False, True):
         with pytest.warns(contact.ModelWarning, match="failed"):
-            contact.sweep(lone, {"control.load": [1e-3, 1.0]}, workers=1, out=tmp_path / "sweep.nc", retry=retry)
+            contact.sweep(
+                lone,
+                {"control.load": [1e-3, 1.0]},
+                workers=1,
+                out=tmp_path / "sweep.nc",
+                retry=retry,
+            )
     assert counted == [0, 1, 1]
 
 
 CHANGED = [
-    (contact.Scene(contact.Sinusoid(1e-2, 1.0), 2.0, contact.Periodic(), load=1.0), GRID, "material.E_star = 1.0"),
-    (contact.Scene(contact.Sinusoid(1e-2, 2.0), 1.0, contact.Periodic(), load=1.0), GRID, "profile.period = 1.0"),
-    (contact.Scene(contact.Fourier(1.0, [1e-2]), 1.0, contact.Periodic(), load=1.0), {"control.load": [1e-3]}, "contact_fraction"),
-    (contact.Scene(WAVE.profile, 1.0, contact.Periodic(), substrate=contact.Layer(0.5, 0.3), load=1.0), GRID, "substrate.model"),
+    (
+        contact.Scene(contact.Sinusoid(1e-2, 1.0), 2.0, contact.Periodic(), load=1.0),
+        GRID,
+        "material.E_star = 1.0",
+    ),
+    (
+        contact.Scene(contact.Sinusoid(1e-2, 2.0), 1.0, contact.Periodic(), load=1.0),
+        GRID,
+        "profile.period = 1.0",
+    ),
+    (
+        contact.Scene(contact.Fourier(1.0, [1e-2]), 1.0, contact.Periodic(), load=1.0),
+        {"control.load": [1e-3]},
+        "contact_fraction",
+    ),
+    (
+        contact.Scene(
+            WAVE.profile, 1.0, contact.Periodic(), substrate=contact.Layer(0.5, 0.3), load=1.0
+        ),
+        GRID,
+        "substrate.model",
+    ),
     (WAVE, {**GRID, "profile.amplitude": [1e-2]}, "profile.amplitude = 0.02"),
     (WAVE, {"profile.amplitude": [1e-2, 2e-2], "control.load": [1e-3]}, "contact_fraction"),
 ]
@@ -261,7 +355,7 @@ def test_a_scene_that_cannot_be_sent_is_solved_here(counted):
 
 
 # A profile that tells, in a file, by which process its points are solved.
-TOLD = '''
+TOLD = """
 import os, time
 from dataclasses import dataclass
 import numpy as np
@@ -280,7 +374,7 @@ class Told(contact.Sinusoid):
             if self.amplitude == 0.99:
                 os._exit(1)
         return super().slope(x)
-'''
+"""
 AMPLITUDES = np.linspace(1e-2, 2e-2, 9).round(5).tolist()
 
 
@@ -288,10 +382,14 @@ AMPLITUDES = np.linspace(1e-2, 2e-2, 9).round(5).tolist()
 def told(tmp_path, monkeypatch):
     (tmp_path / "told.py").write_text(TOLD)
     monkeypatch.syspath_prepend(str(tmp_path))
-    monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(tmp_path), str(Path(contact.__file__).parents[1])]))
+    monkeypatch.setenv(
+        "PYTHONPATH", os.pathsep.join([str(tmp_path), str(Path(contact.__file__).parents[1])])
+    )
     import told
 
-    yield contact.Scene(told.Told(1e-2, 1.0, str(tmp_path / "log")), 1.0, contact.Periodic(), load=1e-3)
+    yield contact.Scene(
+        told.Told(1e-2, 1.0, str(tmp_path / "log")), 1.0, contact.Periodic(), load=1e-3
+    )
     del sys.modules["told"]
 
 
@@ -318,7 +416,9 @@ class Killer:
             self.begun, self.done = set(solved_by(self.log)), done
 
     def check(self, table) -> None:
-        """All points are there, and of those that were begun no more were begun again than had not come in."""
+        """All points are there, and of those that were begun no more were begun again than had not
+        come in.
+        """
         by = solved_by(self.log)
         assert self.killed and not table["failed"].any() and not table["load"].isnull().any()
         assert set(by) == {repr(a) for a in AMPLITUDES}
@@ -326,7 +426,9 @@ class Killer:
 
 
 @pytest.mark.slow
-def test_a_process_that_is_killed_loses_no_point_and_what_was_done_is_not_done_twice(told, tmp_path):
+def test_a_process_that_is_killed_loses_no_point_and_what_was_done_is_not_done_twice(
+    told, tmp_path
+):
     killer = Killer(tmp_path / "log")
     killer.check(contact.sweep(told, {"profile.amplitude": AMPLITUDES}, workers=2, progress=killer))
 
@@ -336,7 +438,9 @@ def test_a_point_that_ends_its_process_is_a_failed_one_and_the_others_are_solved
     monkeypatch.setattr(run, "_check_values", lambda scene, axes: None)
     with pytest.warns(contact.ModelWarning, match="1 of 4 points failed"):
         table = contact.sweep(told, {"profile.amplitude": [1e-2, 0.99, 2e-2, 3e-2]}, workers=2)
-    assert table["failed"].values.tolist() == [False, True, False, False] and "ended" in str(table["reason"].values[1])
+    assert table["failed"].values.tolist() == [False, True, False, False] and "ended" in str(
+        table["reason"].values[1]
+    )
 
 
 SCRIPT = """
@@ -351,15 +455,31 @@ print("failed:", int(table["failed"].sum()))
 def test_a_script_that_does_not_say_that_it_is_the_main_one_is_solved_all_the_same(tmp_path):
     (tmp_path / "script.py").write_text(SCRIPT)
     environment = {**os.environ, "PYTHONPATH": str(Path(contact.__file__).parents[1])}
-    done = subprocess.run([sys.executable, tmp_path / "script.py"], capture_output=True, text=True, check=True, env=environment)
-    assert done.stdout == "failed: 0\n" and "__main__" in done.stderr and "Traceback" not in done.stderr
+    done = subprocess.run(
+        [sys.executable, tmp_path / "script.py"],
+        capture_output=True,
+        text=True,
+        check=True,
+        env=environment,
+    )
+    assert (
+        done.stdout == "failed: 0\n"
+        and "__main__" in done.stderr
+        and "Traceback" not in done.stderr
+    )
 
 
 @pytest.mark.slow
-def test_a_worker_of_a_cluster_that_is_killed_loses_no_point_and_what_was_done_is_not_done_twice(told, tmp_path, monkeypatch):
+def test_a_worker_of_a_cluster_that_is_killed_loses_no_point_and_what_was_done_is_not_done_twice(
+    told, tmp_path, monkeypatch
+):
     pytest.importorskip("distributed")
     dask, where = str(Path(sys.executable).with_name("dask")), tmp_path / "scheduler.json"
-    silent = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "stdin": subprocess.DEVNULL}
+    silent = {
+        "stdout": subprocess.DEVNULL,
+        "stderr": subprocess.DEVNULL,
+        "stdin": subprocess.DEVNULL,
+    }
     local = ["--host", "127.0.0.1", "--port", "0", "--no-dashboard"]
     started = [subprocess.Popen([dask, "scheduler", *local, "--scheduler-file", where], **silent)]
     try:
@@ -367,9 +487,16 @@ def test_a_worker_of_a_cluster_that_is_killed_loses_no_point_and_what_was_done_i
         while not where.exists() and time.monotonic() < deadline:
             time.sleep(0.1)
         address = json.loads(where.read_text())["address"]
-        started += [subprocess.Popen([dask, "worker", address, "--nthreads", "1", "--no-dashboard"], **silent) for _ in range(2)]
+        started += [
+            subprocess.Popen(
+                [dask, "worker", address, "--nthreads", "1", "--no-dashboard"], **silent
+            )
+            for _ in range(2)
+        ]
         killer, out = Killer(tmp_path / "log"), tmp_path / "sweep.nc"
-        table = contact.sweep(told, {"profile.amplitude": AMPLITUDES}, address, out=out, progress=killer)
+        table = contact.sweep(
+            told, {"profile.amplitude": AMPLITUDES}, address, out=out, progress=killer
+        )
         killer.check(table)
         with xarray.open_dataset(out, engine="h5netcdf") as kept:
             assert kept.load().identical(table)
@@ -403,23 +530,41 @@ control = {load = 1.0}
 
 
 def command(*arguments, text=TEXT):
-    return CliRunner().invoke(cli.main, ["sweep", "-", "--workers", "1", *(str(argument) for argument in arguments)], input=text)
+    return CliRunner().invoke(
+        cli.main,
+        ["sweep", "-", "--workers", "1", *(str(argument) for argument in arguments)],
+        input=text,
+    )
 
 
 def test_the_command_writes_the_table_of_the_call_and_goes_on_with_it(tmp_path, counted):
     out = tmp_path / "sweep.nc"
-    given = ["--vary", "control.load=1e-3:1e-2:3:log", "--vary", "profile.amplitude=0.01,0.02", "--out", out]
+    given = [
+        "--vary",
+        "control.load=1e-3:1e-2:3:log",
+        "--vary",
+        "profile.amplitude=0.01,0.02",
+        "--out",
+        out,
+    ]
     done = command(*given)
     assert done.exit_code == 0, done.output
     assert "points" in done.stdout and "[" not in done.stdout and str(out) in done.stdout
-    table = contact.sweep(WAVE, {"control.load": [1e-3, 10**-2.5, 1e-2], "profile.amplitude": [0.01, 0.02]}, workers=1)
+    table = contact.sweep(
+        WAVE, {"control.load": [1e-3, 10**-2.5, 1e-2], "profile.amplitude": [0.01, 0.02]}, workers=1
+    )
     with xarray.open_dataset(out, engine="h5netcdf") as kept:
-        assert kept["load"].values == pytest.approx(table["load"].values) and dict(kept.sizes) == dict(table.sizes)
+        assert kept["load"].values == pytest.approx(table["load"].values) and dict(
+            kept.sizes
+        ) == dict(table.sizes)
     solved = len(counted)
     assert command(*given, "-q").output == "" and len(counted) == solved
     changed = command(*given, text=TEXT.replace("E_star = 1.0", "E_star = 2.0"))
     assert changed.exit_code == 2 and "material.E_star" in changed.stderr and changed.stdout == ""
-    assert command(*given, "--overwrite", text=TEXT.replace("E_star = 1.0", "E_star = 2.0")).exit_code == 0
+    assert (
+        command(*given, "--overwrite", text=TEXT.replace("E_star = 1.0", "E_star = 2.0")).exit_code
+        == 0
+    )
 
 
 @pytest.mark.parametrize(
@@ -433,14 +578,24 @@ def test_the_command_writes_the_table_of_the_call_and_goes_on_with_it(tmp_path, 
 )  # fmt: skip
 def test_what_the_command_cannot_do_is_refused_by_name(tmp_path, arguments, told):
     refused = command(*arguments, "--out", tmp_path / "sweep.nc")
-    assert refused.exit_code == 2 and told in refused.stderr and refused.stderr.count("\n") == 1 and refused.stdout == ""
-    assert "--out" in command("--vary", "control.load=1e-3,2e-3", "--out", tmp_path / "sweep.csv").stderr
+    assert (
+        refused.exit_code == 2
+        and told in refused.stderr
+        and refused.stderr.count("\n") == 1
+        and refused.stdout == ""
+    )
+    assert (
+        "--out"
+        in command("--vary", "control.load=1e-3,2e-3", "--out", tmp_path / "sweep.csv").stderr
+    )
 
 
 def test_where_no_point_is_solved_the_command_ends_as_solve_would(tmp_path):
     text = TEXT.replace('"periodic"', '"isolated"')
     failed = command("--vary", "control.load=1,2", "--out", tmp_path / "sweep.nc", "-q", text=text)
-    assert failed.exit_code == 2 and failed.stderr.splitlines()[-1].startswith("contact: no point is solved: OutOfRange")
+    assert failed.exit_code == 2 and failed.stderr.splitlines()[-1].startswith(
+        "contact: no point is solved: OutOfRange"
+    )
 
 
 def test_a_sweep_without_xarray_says_what_to_install(monkeypatch):
@@ -463,7 +618,9 @@ def test_what_takes_long_is_handed_in_on_the_way_and_the_rest_goes_on(monkeypatc
         if not chunk.without(rows):
             break
         (chunk,) = chunk.without(rows)
-    assert [place for place, _ in found] == [0, 2, 1] and [load for _, load in found] == pytest.approx([1e-3, 2e-3, 3e-3])
+    assert [place for place, _ in found] == [0, 2, 1] and [
+        load for _, load in found
+    ] == pytest.approx([1e-3, 2e-3, 3e-3])
 
 
 @pytest.mark.slow
@@ -471,17 +628,26 @@ def test_processes_hand_in_what_they_have_on_the_way(monkeypatch):
     monkeypatch.setattr(chunks_module, "_SECONDS", 0.0)
     steps = []
     loads = np.linspace(1e-3, 2e-3, 13).tolist()
-    table = contact.sweep(WAVE, {"control.load": loads}, workers=2, progress=lambda stage, done, total: steps.append(done))
+    table = contact.sweep(
+        WAVE,
+        {"control.load": loads},
+        workers=2,
+        progress=lambda stage, done, total: steps.append(done),
+    )
     assert steps == list(range(1, 14)) and table["load"].values == pytest.approx(loads)
 
 
 def test_points_are_cut_evenly_and_none_is_in_two_chunks():
-    axes = axes_of(WAVE, {"control.load": np.linspace(1, 2, 50)[::-1], "profile.amplitude": [1.0, 2.0, 3.0]})
+    axes = axes_of(
+        WAVE, {"control.load": np.linspace(1, 2, 50)[::-1], "profile.amplitude": [1.0, 2.0, 3.0]}
+    )
     wanted = np.ones(150, dtype=bool)
     wanted[::7] = False
     for solvers in (None, 1, 2, 16):
         chunks = chunks_of(axes, wanted, solvers)
-        assert Counter(place for chunk in chunks for place in chunk.places) == Counter(np.flatnonzero(wanted).tolist())
+        assert Counter(place for chunk in chunks for place in chunk.places) == Counter(
+            np.flatnonzero(wanted).tolist()
+        )
         for chunk in chunks:
             assert len({setting["profile.amplitude"] for setting in chunk.settings}) == 1
             assert np.all(np.diff([setting["control.load"] for setting in chunk.settings]) > 0)
@@ -508,7 +674,12 @@ def test_what_a_process_holds_is_let_go_when_it_is_killed(tmp_path):
     out = tmp_path / "sweep.nc"
     script = "import pathlib, sys\nfrom contact.sweeps.sweep.table import alone\nwith alone(pathlib.Path(sys.argv[1])):\n"
     script += "    print('held', flush=True)\n    sys.stdin.read()\n"
-    other = subprocess.Popen([sys.executable, "-c", script, str(out)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+    other = subprocess.Popen(
+        [sys.executable, "-c", script, str(out)],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+    )
     try:
         assert other.stdout.readline() == "held\n"
         with pytest.raises(contact.SceneError, match="no other sweep is writing"):
@@ -522,23 +693,37 @@ def test_what_a_process_holds_is_let_go_when_it_is_killed(tmp_path):
 @pytest.fixture
 def trace(tmp_path):
     x = np.linspace(0.0, 1e-3, 200)
-    heights = 1e-6 * np.sin(2e4 * x) + 3e-7 * np.random.default_rng(5).standard_normal(200) + 2e-3 * x
+    heights = (
+        1e-6 * np.sin(2e4 * x) + 3e-7 * np.random.default_rng(5).standard_normal(200) + 2e-3 * x
+    )
     file = tmp_path / "trace.txt"
     np.savetxt(file, np.column_stack((x, heights)))
     keys = {"taper": 0.1, "period": True}
-    return file, keys, contact.Scene(contact.read_trace(file, **keys), 1e11, contact.Periodic(), mean_pressure=1e7)
+    return (
+        file,
+        keys,
+        contact.Scene(
+            contact.read_trace(file, **keys), 1e11, contact.Periodic(), mean_pressure=1e7
+        ),
+    )
 
 
 def test_how_a_trace_is_prepared_is_varied_as_if_it_were_read_in_each_way(trace, tmp_path):
     file, keys, scene = trace
-    over = {"profile.lambda_c": [1e-4, 5e-4], "profile.detrend": ["none", "line"], "profile.lambda_s": [2e-5]}
+    over = {
+        "profile.lambda_c": [1e-4, 5e-4],
+        "profile.detrend": ["none", "line"],
+        "profile.lambda_s": [2e-5],
+    }
     table = contact.sweep(scene, over, workers=1, out=tmp_path / "out.nc")
     assert table["profile.lambda_c"].attrs["units"] == "m"
     for i, long in enumerate(over["profile.lambda_c"]):
         for j, detrend in enumerate(over["profile.detrend"]):
             alone = contact.read_trace(file, detrend=detrend, lambda_c=long, lambda_s=2e-5, **keys)
             one = contact.solve(contact.Scene(alone, 1e11, contact.Periodic(), mean_pressure=1e7))
-            assert float(table["contact_fraction"][i, j, 0]) == pytest.approx(one.contact_fraction, rel=1e-6)
+            assert float(table["contact_fraction"][i, j, 0]) == pytest.approx(
+                one.contact_fraction, rel=1e-6
+            )
     # Whole numbers are degrees, and the file of points is not asked for again: it may be gone.
     file.unlink()
     assert not contact.sweep(scene, {"profile.detrend": [1, 3]}, workers=1)["failed"].any()
@@ -548,32 +733,57 @@ def test_how_a_trace_is_prepared_is_varied_as_if_it_were_read_in_each_way(trace,
         contact.sweep(WAVE, {"profile.lambda_c": [1.0]}, workers=1)
 
 
-def test_a_sweep_over_a_filter_goes_on_with_its_points_whatever_the_scene_itself_filters(trace, tmp_path, counted):
+def test_a_sweep_over_a_filter_goes_on_with_its_points_whatever_the_scene_itself_filters(
+    trace, tmp_path, counted
+):
     file, keys, scene = trace
     out = tmp_path / "out.nc"
     contact.sweep(scene, {"profile.lambda_c": [1e-4]}, workers=1, out=out)
-    filtered = contact.Scene(contact.read_trace(file, lambda_c=3e-4, **keys), 1e11, contact.Periodic(), mean_pressure=1e7)
+    filtered = contact.Scene(
+        contact.read_trace(file, lambda_c=3e-4, **keys), 1e11, contact.Periodic(), mean_pressure=1e7
+    )
     contact.sweep(filtered, {"profile.lambda_c": [1e-4, 5e-4]}, workers=1, out=out)
     assert len(counted) == 2
     higher = np.loadtxt(file)
     higher[50, 1] += 1e-7
     np.savetxt(file, higher)
-    other = contact.Scene(contact.read_trace(file, **keys), 1e11, contact.Periodic(), mean_pressure=1e7)
+    other = contact.Scene(
+        contact.read_trace(file, **keys), 1e11, contact.Periodic(), mean_pressure=1e7
+    )
     with pytest.raises(contact.SceneError, match=r"profile\.height"):
         contact.sweep(other, {"profile.lambda_c": [1e-4, 5e-4]}, workers=1, out=out)
 
 
 def test_under_adhesion_either_branch_or_both_are_swept(tmp_path):
-    wave = contact.Scene(contact.Sinusoid(1e-7, 1e-4), 1e9, contact.Periodic(), law=contact.JKR(0.02), mean_pressure=1e4)
+    wave = contact.Scene(
+        contact.Sinusoid(1e-7, 1e-4),
+        1e9,
+        contact.Periodic(),
+        law=contact.JKR(0.02),
+        mean_pressure=1e4,
+    )
     pressures = [1e4, 1e6]
-    both = contact.sweep(wave, {"control.mean_pressure": pressures, "branch": ["advancing", "receding"]}, workers=1)
+    both = contact.sweep(
+        wave, {"control.mean_pressure": pressures, "branch": ["advancing", "receding"]}, workers=1
+    )
     for branch in ("advancing", "receding"):
         one = contact.sweep(wave, {"control.mean_pressure": pressures}, workers=1, branch=branch)
-        assert one["contact_fraction"].values == pytest.approx(both["contact_fraction"].sel(branch=branch).values, rel=1e-6)
-    assert (both["contact_fraction"].sel(branch="receding") > both["contact_fraction"].sel(branch="advancing")).all()
+        assert one["contact_fraction"].values == pytest.approx(
+            both["contact_fraction"].sel(branch=branch).values, rel=1e-6
+        )
+    assert (
+        both["contact_fraction"].sel(branch="receding")
+        > both["contact_fraction"].sel(branch="advancing")
+    ).all()
     contact.sweep(wave, {"control.mean_pressure": pressures}, workers=1, out=tmp_path / "out.nc")
     with pytest.raises(contact.SceneError, match="receding"):
-        contact.sweep(wave, {"control.mean_pressure": pressures}, workers=1, out=tmp_path / "out.nc", branch="receding")
+        contact.sweep(
+            wave,
+            {"control.mean_pressure": pressures},
+            workers=1,
+            out=tmp_path / "out.nc",
+            branch="receding",
+        )
     with pytest.raises(contact.SceneError, match="advancing and receding"):
         contact.sweep(wave, {"branch": ["up"]}, workers=1)
     with pytest.raises(contact.SceneError, match="'branch' is not known"):

@@ -1,7 +1,9 @@
-"""Bodies given by a symbol L(q) of one's own, from light load to full contact, by every control; and slits under their kernels.
+"""Bodies given by a symbol L(q) of one's own, from light load to full contact, by every control;
+and slits under their kernels.
 
-The judge is a grid with the same symbol that shares nothing with the package (contact.studies.grid_judge), and, digit for digit, the two
-formulations against each other: by the pressure in its zones, and by the slope of the gap.
+The judge is a grid with the same symbol that shares nothing with the package
+(contact.studies.grid_judge), and, digit for digit, the two formulations against each other: by the
+pressure in its zones, and by the slope of the gap.
 """
 
 from __future__ import annotations
@@ -52,7 +54,9 @@ class KernelAlone(contact.Interaction):
         def value(x, xi):
             return k * eps * r * np.sin(k * (x - xi)) / (1 - 2 * r * np.cos(k * (x - xi)) + r * r)
 
-        return sie.hilbert(period) + sie.Smooth(value, lambda x, xi: 0.5 * eps * np.log(1 - 2 * r * np.cos(k * (x - xi)) + r * r))
+        return sie.hilbert(period) + sie.Smooth(
+            value, lambda x, xi: 0.5 * eps * np.log(1 - 2 * r * np.cos(k * (x - xi)) + r * r)
+        )
 
 
 @dataclass(frozen=True)
@@ -80,7 +84,10 @@ class Lone(contact.Interaction):
 
     def kernel(self, period, unit):
         eps, depth = self.eps, self.depth / unit
-        smooth = sie.Smooth(lambda x, xi: eps * (x - xi) / ((x - xi) ** 2 + depth**2), lambda x, xi: self.rest((x - xi) * unit))
+        smooth = sie.Smooth(
+            lambda x, xi: eps * (x - xi) / ((x - xi) ** 2 + depth**2),
+            lambda x, xi: self.rest((x - xi) * unit),
+        )
         return sie.cauchy(self.datum / unit) + smooth
 
     def rest(self, lag):
@@ -94,7 +101,9 @@ def full_pressure(profile, body):
 def agrees_with_a_grid(solution, n=1024):
     """Whether contact, pressure and approach are those of the grid, as far as its cells tell."""
     profile, body = solution.scene.profile, solution.scene.interaction
-    found = judge_period(profile.height, (profile.x0, profile.x0 + 1.0), 1.0, body.symbol, solution.load, n)
+    found = judge_period(
+        profile.height, (profile.x0, profile.x0 + 1.0), 1.0, body.symbol, solution.load, n
+    )
     assert found.settled
     cells = np.count_nonzero((solution.pressure(found.x) > 0) != found.contact)
     assert cells <= 4 * (len(solution.zones) + 1)
@@ -107,7 +116,9 @@ def agrees_with_a_grid(solution, n=1024):
 
 class TestFromLightLoadToFullContact:
     @pytest.mark.parametrize("share", [1e-3, 0.2, 0.6, 0.95, 0.9999])
-    @pytest.mark.parametrize("body", [Body(-0.5, 0.05), Body(2.0, 0.3), Bonded(0.05, 0.3), Bonded(0.05, 0.5)], ids=str)
+    @pytest.mark.parametrize(
+        "body", [Body(-0.5, 0.05), Body(2.0, 0.3), Bonded(0.05, 0.3), Bonded(0.05, 0.5)], ids=str
+    )
     def test_it_is_the_contact_of_an_independent_grid(self, body, share):
         solution = solve(TIPS, body, tol=1e-8, mean_pressure=share * full_pressure(TIPS, body))
         assert solution.certificate.holds and solution.error <= 1e-8
@@ -129,7 +140,10 @@ class TestFromLightLoadToFullContact:
         given = solve(TIPS, body, tol=1e-10, mean_pressure=share * full_pressure(TIPS, body))
         for control in CONTROLS:
             again = solve(TIPS, body, tol=1e-8, **{control: getattr(given, control)})
-            assert again.certificate.holds and true_error(again, given) <= again.error + given.error + 1e-9, control
+            assert (
+                again.certificate.holds
+                and true_error(again, given) <= again.error + given.error + 1e-9
+            ), control
 
     @pytest.mark.parametrize("half_width", [0.01, 0.3, 0.49])
     def test_a_half_width_leads_to_a_load_that_leads_back_to_it(self, half_width):
@@ -178,7 +192,9 @@ class TestCompression:
     """A layer as a substrate: u has a mean, that of the uniform compression."""
 
     def scene(self, share=None, **control):
-        scene = contact.Scene(TIPS, 1.0, contact.Periodic(), substrate=contact.Layer(0.1, 0.3), contact_fraction=1.0)
+        scene = contact.Scene(
+            TIPS, 1.0, contact.Periodic(), substrate=contact.Layer(0.1, 0.3), contact_fraction=1.0
+        )
         control = control or {"load": share * contact.solve(scene).load}
         return replace(scene, contact_fraction=None, **control)
 
@@ -188,7 +204,9 @@ class TestCompression:
         assert isinstance(given.fields, GapFields) == (share > 0.5) and given.certificate.holds
         x = (np.arange(4096) + 0.5) / 4096 - 0.5
         sunk = 2 * given.scene.substrate.compression * given.mean_pressure
-        assert np.mean(given.displacement(x)) == pytest.approx(sunk, rel=1e-6, abs=1e-7 * given.approach)
+        assert np.mean(given.displacement(x)) == pytest.approx(
+            sunk, rel=1e-6, abs=1e-7 * given.approach
+        )
         again = contact.solve(self.scene(approach=given.approach), tol=1e-8)
         assert again.load == pytest.approx(given.load, rel=1e-7)
 
@@ -202,13 +220,17 @@ class TestCompression:
 class TestNarrowGaps:
     # Of full contact, just below the merger of the two zones.
     @pytest.mark.parametrize(
-        "body, share", [(Body(0.8, 0.1), 0.4576), (KernelAlone(0.8, 0.1), 0.4576), (Body(-0.5, 0.02), 0.33657)], ids=str
+        "body, share",
+        [(Body(0.8, 0.1), 0.4576), (KernelAlone(0.8, 0.1), 0.4576), (Body(-0.5, 0.02), 0.33657)],
+        ids=str,
     )
     def test_between_zones_they_are_slits(self, body, share):
         full = full_pressure(TIPS, Body(body.eps, body.depth))
         solution = solve(TIPS, body, tol=1e-8, mean_pressure=share * full)
         assert isinstance(solution.fields.density, sie.SlitDensity) and solution.certificate.holds
-        found = judge_period(TIPS.height, (-0.5, 0.5), 1.0, Body(body.eps, body.depth).symbol, solution.load, 2048)
+        found = judge_period(
+            TIPS.height, (-0.5, 0.5), 1.0, Body(body.eps, body.depth).symbol, solution.load, 2048
+        )
         assert abs(found.fraction - solution.contact_fraction) < 4 / 2048
 
     def test_with_slits_and_without_it_is_the_same_contact(self, monkeypatch):
@@ -216,7 +238,9 @@ class TestNarrowGaps:
         slit = solve(TIPS, Body(0.8, 0.1), tol=1e-9, mean_pressure=0.4576 * full)
         monkeypatch.setattr("sie.slits.system.merge", lambda *_: None)
         apart = solve(TIPS, Body(0.8, 0.1), tol=1e-7, mean_pressure=0.4576 * full)
-        assert isinstance(slit.fields.density, sie.SlitDensity) and not isinstance(apart.fields.density, sie.SlitDensity)
+        assert isinstance(slit.fields.density, sie.SlitDensity) and not isinstance(
+            apart.fields.density, sie.SlitDensity
+        )
         assert true_error(slit, apart) <= slit.error + apart.error
 
     def test_of_a_lone_body_too(self):
@@ -233,10 +257,22 @@ class TestNarrowGaps:
         profile = contact.Sampled(np.arange(40) / 40, heights, period=1.0)
         body = Body(1.0, 0.03)
         for share in (0.02, 0.3, 0.9):
-            solution = solve(profile, body, tol=1e-7, mean_pressure=share * full_pressure(profile, body))
+            solution = solve(
+                profile, body, tol=1e-7, mean_pressure=share * full_pressure(profile, body)
+            )
             assert solution.certificate.holds and solution.error <= 1e-7
-            found = judge_period(profile.height, (profile.x0, profile.x0 + 1.0), 1.0, body.symbol, solution.load, 1024)
-            assert abs(found.fraction - solution.contact_fraction) < 2 * (len(solution.zones) + 1) / 1024
+            found = judge_period(
+                profile.height,
+                (profile.x0, profile.x0 + 1.0),
+                1.0,
+                body.symbol,
+                solution.load,
+                1024,
+            )
+            assert (
+                abs(found.fraction - solution.contact_fraction)
+                < 2 * (len(solution.zones) + 1) / 1024
+            )
 
 
 def test_a_lone_body_by_load_and_by_approach():

@@ -8,7 +8,9 @@ from contact.threads import one_of_blas
 
 
 def threads():
-    return {library["num_threads"] for library in ThreadpoolController().select(user_api="blas").info()}
+    return {
+        library["num_threads"] for library in ThreadpoolController().select(user_api="blas").info()
+    }
 
 
 @pytest.fixture
@@ -36,7 +38,9 @@ def test_adhesive_equilibria_are_followed_with_one(three):
             seen.append(threads())
             return super().height(x)
 
-    scene = contact.Scene(Wave(1e-6, 1e-4), 1e9, contact.Periodic(), law=contact.JKR(0.05), mean_pressure=1e6)
+    scene = contact.Scene(
+        Wave(1e-6, 1e-4), 1e9, contact.Periodic(), law=contact.JKR(0.05), mean_pressure=1e6
+    )
     solution = contact.solve(scene)
     assert {1} in seen
     del seen[:]

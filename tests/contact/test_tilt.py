@@ -1,4 +1,6 @@
-"""Bodies that turn: a given tilt, or a given moment whose tilt is found, against closed forms and designed contacts."""
+"""Bodies that turn: a given tilt, or a given moment whose tilt is found, against closed forms and
+designed contacts.
+"""
 
 from __future__ import annotations
 
@@ -41,8 +43,13 @@ def punch(e=0.3):
 
 
 BODIES = {
-    "parabola": parabola(), "parabola far off": parabola(1e-3, -4.0), "wedge": wedge(), "wedge on its flank": wedge(-0.095),
-    "punch": punch(), "punch lifted": punch(-0.7), "punch on its corner": punch(0.98),
+    "parabola": parabola(),
+    "parabola far off": parabola(1e-3, -4.0),
+    "wedge": wedge(),
+    "wedge on its flank": wedge(-0.095),
+    "punch": punch(),
+    "punch lifted": punch(-0.7),
+    "punch on its corner": punch(0.98),
 }
 CONTROLS = [("load", "moment"), ("load", "tilt"), ("approach", "tilt"), ("approach", "moment")]
 
@@ -61,7 +68,10 @@ class TestClosedForms:
         for name in ("load", "moment", "tilt", "approach"):
             assert relative(getattr(solution, name), getattr(answer, name)) < 1e-8, name
         assert solution.certificate.holds
-        assert solution.certificate.moment_balance is None or solution.certificate.moment_balance < 1e-14
+        assert (
+            solution.certificate.moment_balance is None
+            or solution.certificate.moment_balance < 1e-14
+        )
 
     @pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)
     def test_ten_digits_are_given_when_ten_are_asked_for(self, body):
@@ -69,7 +79,9 @@ class TestClosedForms:
         solution = solve(profile, ISOLATED, E, tol=1e-10, **given_by(answer, "load", "moment"))
         assert true_error(solution, answer, t) <= solution.error <= 1e-10
 
-    @pytest.mark.parametrize("body", [parabola(), wedge(), punch(0.6)], ids=["parabola", "wedge", "punch"])
+    @pytest.mark.parametrize(
+        "body", [parabola(), wedge(), punch(0.6)], ids=["parabola", "wedge", "punch"]
+    )
     def test_gap_and_displacement_are_those_of_the_turned_body(self, body):
         profile, answer, _ = body
         solution = solve(profile, ISOLATED, E, tol=1e-12, **given_by(answer, "load", "moment"))
@@ -82,7 +94,9 @@ class TestClosedForms:
         moved = approach + answer.tilt * x - answer.height(x) + gap
         assert solution.displacement(x) == pytest.approx(moved, abs=1e-11)
         inside = a + (b - a) * np.array([0.2, 0.9])
-        assert solution.displacement(inside) == pytest.approx(approach + answer.tilt * inside - answer.height(inside), abs=1e-12)
+        assert solution.displacement(inside) == pytest.approx(
+            approach + answer.tilt * inside - answer.height(inside), abs=1e-12
+        )
 
     def test_an_answer_off_by_a_millionth_is_told_from_the_right_one(self):
         profile, answer, t = parabola()
@@ -92,19 +106,25 @@ class TestClosedForms:
     @given(st.floats(-0.999, 0.999), st.floats(-3, 3), st.sampled_from(["tilt", "moment"]))
     def test_a_punch_of_any_centre_of_load(self, e, decade, name):
         answer = exact.TiltedPunch(1.0, E, 10.0**decade, 10.0**decade * e)
-        solution = solve(contact.Flat(2.0), contact.Isolated(), E, tol=1e-7, **given_by(answer, "load", name))
+        solution = solve(
+            contact.Flat(2.0), contact.Isolated(), E, tol=1e-7, **given_by(answer, "load", name)
+        )
         assert true_error(solution, answer, WITHIN) <= solution.error <= 1e-7
 
     @given(st.floats(-0.98, 0.98), st.floats(-6, 3), st.sampled_from(["tilt", "moment"]))
     def test_a_wedge_of_any_tilt_below_its_slope(self, share, decade, name):
         answer = exact.TiltedWedge(0.1, E, 10.0**decade, 0.1 * share)
         t = WITHIN[np.abs(WITHIN + answer.middle / answer.half_width) > 0.1]
-        solution = solve(contact.Wedge(0.1), contact.Isolated(), E, tol=1e-8, **given_by(answer, "load", name))
+        solution = solve(
+            contact.Wedge(0.1), contact.Isolated(), E, tol=1e-8, **given_by(answer, "load", name)
+        )
         assert true_error(solution, answer, t) <= solution.error <= 1e-8
 
 
 class TestOnTheFlank:
-    """Wedges turned nearly to their slope: the zone ends a hair beyond the tip, and rises slowly on the other side."""
+    """Wedges turned nearly to their slope: the zone ends a hair beyond the tip, and rises slowly on
+    the other side.
+    """
 
     @pytest.mark.parametrize("share", quick([0.99, -0.999, 0.9999], [-0.999]))
     @pytest.mark.parametrize("names", CONTROLS, ids=" and ".join)
@@ -120,7 +140,12 @@ class TestOnTheFlank:
     @pytest.mark.parametrize("start", [0.0, 1e-9, 1e-4, 1e-2])
     def test_newton_finds_the_end_beyond_a_tip_from_either_side_of_it(self, start):
         answer = exact.TiltedWedge(0.1, E, 0.3, 0.09999)
-        frame = scaled_scene(contact.Scene(contact.Wedge(0.1), E, contact.Isolated(), load=answer.load, tilt=answer.tilt), False)
+        frame = scaled_scene(
+            contact.Scene(
+                contact.Wedge(0.1), E, contact.Isolated(), load=answer.load, tilt=answer.tilt
+            ),
+            False,
+        )
         units, right = frame.problem.units, answer.zones[0, 1]
         for left in (-start * right, start * right):
             table = units.scaled(np.array([[left, right]]))
@@ -136,14 +161,21 @@ class TestNoHold:
     @pytest.mark.parametrize("name", ["load", "approach"])
     def test_a_wedge_turned_to_its_slope_or_beyond(self, tilt, name):
         side = "right" if tilt > 0 else "left"
-        with pytest.raises(contact.OutOfRange, match=f"turned by {tilt:.6g}, .* on the {side}.* below its slopes"):
+        with pytest.raises(
+            contact.OutOfRange, match=f"turned by {tilt:.6g}, .* on the {side}.* below its slopes"
+        ):
             solve(contact.Wedge(0.1), ISOLATED, E, tilt=tilt, **{name: 0.01})
 
-    @pytest.mark.parametrize("coefficients", [[0, 0, 0, 1.0], [0, 0, -1.0], [0, 1.0], [0, 0, 1, 0.1], [0, 0, 1, 0, -0.01]])
+    @pytest.mark.parametrize(
+        "coefficients",
+        [[0, 0, 0, 1.0], [0, 0, -1.0], [0, 1.0], [0, 0, 1, 0.1], [0, 0, 1, 0, -0.01]],
+    )
     @pytest.mark.parametrize("turning", [{}, {"tilt": 0.1}, {"moment": 0.001}], ids=str)
     @pytest.mark.parametrize("name", ["load", "approach"])
     def test_a_polynomial_that_falls_on_one_side(self, coefficients, turning, name):
-        with pytest.raises(contact.OutOfRange, match="falls without bound|does not rise on both sides"):
+        with pytest.raises(
+            contact.OutOfRange, match="falls without bound|does not rise on both sides"
+        ):
             solve(contact.Polynomial(coefficients), ISOLATED, E, **{name: 0.01}, **turning)
 
     def test_a_moment_that_asks_for_the_slope_itself(self):
@@ -152,22 +184,33 @@ class TestNoHold:
 
     def test_one_cell_of_such_a_polynomial_has_an_end(self):
         cell = contact.Polynomial([0, -0.025, 1, 0.1], period=1.0)
-        assert contact.solve(contact.Scene(cell, 1.0, contact.Isolated(), load=1e-3)).certificate.holds
+        assert contact.solve(
+            contact.Scene(cell, 1.0, contact.Isolated(), load=1e-3)
+        ).certificate.holds
 
 
 class TestStiffness:
     @pytest.mark.parametrize("fixed", ["tilt", "moment"])
-    @pytest.mark.parametrize("body", [parabola(), wedge(), punch(0.3), punch(0.7)], ids=["parabola", "wedge", "punch", "lifted"])
-    def test_it_is_the_slope_of_the_load_over_the_approach_at_the_tilt_or_the_moment_that_is_given(self, body, fixed):
+    @pytest.mark.parametrize(
+        "body",
+        [parabola(), wedge(), punch(0.3), punch(0.7)],
+        ids=["parabola", "wedge", "punch", "lifted"],
+    )
+    def test_it_is_the_slope_of_the_load_over_the_approach_at_the_tilt_or_the_moment_that_is_given(
+        self, body, fixed
+    ):
         profile, answer, _ = body
         h = 1e-4 * answer.load
         low, middle, high = (
-            solve(profile, ISOLATED, E, tol=1e-12, load=answer.load + d, **given_by(answer, fixed)) for d in (-h, 0.0, h)
+            solve(profile, ISOLATED, E, tol=1e-12, load=answer.load + d, **given_by(answer, fixed))
+            for d in (-h, 0.0, h)
         )
         assert relative(2 * h / (high.approach - low.approach), middle.stiffness) < 1e-6
 
     @pytest.mark.parametrize("name", ["tilt", "moment"])
-    @pytest.mark.parametrize("body", [wedge(), punch(0.3), punch(0.7)], ids=["wedge", "punch", "lifted"])
+    @pytest.mark.parametrize(
+        "body", [wedge(), punch(0.3), punch(0.7)], ids=["wedge", "punch", "lifted"]
+    )
     def test_rotational_stiffness_is_that_of_the_closed_form(self, body, name):
         profile, answer, _ = body
         solution = solve(profile, contact.Isolated(), E, **given_by(answer, "load", name))
@@ -179,7 +222,10 @@ class TestStiffness:
 
     def test_turning_loosens_a_contact(self):
         profile, answer, _ = wedge()
-        held, free = (solve(profile, ISOLATED, E, load=answer.load, **given_by(answer, n)).stiffness for n in ("tilt", "moment"))
+        held, free = (
+            solve(profile, ISOLATED, E, load=answer.load, **given_by(answer, n)).stiffness
+            for n in ("tilt", "moment")
+        )
         assert 0 < free < held
 
 
@@ -188,11 +234,16 @@ def moment_of(problem):
     product = problem._product
     scale = 0.5 * problem.E_star * problem._scale
     nodes = [(left, *product.nodes(2 * k), k) for k, (left, _) in enumerate(problem.zones)]
-    return sum(float(np.sum(w * (left + dl) * scale * product.magnitude(2 * k, dl, dr))) for left, dl, dr, w, k in nodes)
+    return sum(
+        float(np.sum(w * (left + dl) * scale * product.magnitude(2 * k, dl, dr)))
+        for left, dl, dr, w, k in nodes
+    )
 
 
 class TestDesignedContacts:
-    """A designed profile has known zones; turned beforehand, it must turn back under the moment of its pressure."""
+    """A designed profile has known zones; turned beforehand, it must turn back under the moment of
+    its pressure.
+    """
 
     @pytest.mark.slow
     @settings(max_examples=20)
@@ -200,7 +251,11 @@ class TestDesignedContacts:
     def test_the_zones_come_back_with_the_tilt(self, problem, turn):
         tilt = turn * problem.load / (problem.E_star * np.ptp(problem.zones))
         scene = contact.Scene(
-            Tilted(problem.profile, -tilt), problem.E_star, contact.Isolated(), load=problem.load, moment=moment_of(problem)
+            Tilted(problem.profile, -tilt),
+            problem.E_star,
+            contact.Isolated(),
+            load=problem.load,
+            moment=moment_of(problem),
         )
         try:
             solution = contact.solve(scene)
@@ -210,14 +265,20 @@ class TestDesignedContacts:
             assert np.min(problem.zone_loads) < 1e-5 * problem.load
         assert len(solution.zones) == len(problem.zones)
         assert true_error(solution, problem) <= solution.error
-        assert abs(solution.tilt - tilt) < 1e-7 * max(abs(tilt), problem.load / (problem.E_star * np.ptp(problem.zones)))
+        assert abs(solution.tilt - tilt) < 1e-7 * max(
+            abs(tilt), problem.load / (problem.E_star * np.ptp(problem.zones))
+        )
 
     @settings(max_examples=10)
     @given(designed_contacts(max_zones=4, periodic=False, nearest=0.1), st.floats(-3, 3))
     def test_at_the_tilt_they_have_the_moment(self, problem, turn):
         tilt = turn * problem.load / (problem.E_star * np.ptp(problem.zones))
         scene = contact.Scene(
-            Tilted(problem.profile, -tilt), problem.E_star, contact.Isolated(), load=problem.load, tilt=tilt
+            Tilted(problem.profile, -tilt),
+            problem.E_star,
+            contact.Isolated(),
+            load=problem.load,
+            tilt=tilt,
         )
         solution = contact.solve(scene, tol=1e-6)
         reach = np.max(np.abs(problem.zones))
@@ -232,16 +293,25 @@ class TestPlaces:
 
     def test_wells_far_apart_share_a_load_between_them(self):
         load = 2.6e-5
-        solution = solve(self.WELLS, contact.Isolated(), 1.0, tol=1e-8, load=load, moment=0.058 * load)
+        solution = solve(
+            self.WELLS, contact.Isolated(), 1.0, tol=1e-8, load=load, moment=0.058 * load
+        )
         left, right = solution.zones.mean(axis=1)
-        # Statics: the load of each well by the lever rule, to what the width of the zones is to their distance.
-        assert solution.zone_loads[1] / load == pytest.approx((0.058 - left) / (right - left), abs=1e-5)
+        # Statics: the load of each well by the lever rule, to what the width of the zones is to
+        # their distance.
+        assert solution.zone_loads[1] / load == pytest.approx(
+            (0.058 - left) / (right - left), abs=1e-5
+        )
         assert len(solution.zones) == 2 and right - left > 1000 * solution.zone_widths.max()
 
     def test_a_contact_far_off_its_window_is_found_by_the_certificate(self):
         load = 2.6e-5
-        tilt = solve(self.WELLS, contact.Isolated(), 1.0, tol=1e-8, load=load, moment=0.058 * load).tilt
-        turned = contact.Polynomial(np.asarray(self.WELLS.coefficients) - [0.0, tilt, 0.0, 0.0, 0.0])
+        tilt = solve(
+            self.WELLS, contact.Isolated(), 1.0, tol=1e-8, load=load, moment=0.058 * load
+        ).tilt
+        turned = contact.Polynomial(
+            np.asarray(self.WELLS.coefficients) - [0.0, tilt, 0.0, 0.0, 0.0]
+        )
         for scene in (
             contact.Scene(self.WELLS, 1.0, contact.Isolated(), load=load, tilt=tilt),
             contact.Scene(turned, 1.0, contact.Isolated(), load=load),
@@ -316,8 +386,15 @@ class TestWhatNeedsNoTurning:
         for given_ in ({"moment": 0.0}, {"tilt": 0.0}):
             solution = solve(contact.Parabola(1.0), contact.Isolated(), E, load=0.01, **given_)
             assert np.array_equal(solution.zones, upright.zones)
-            assert solution.tilt == 0.0 and not solution.plan["tilt"].used and solution.plan["symmetry"].used
-        assert solve(contact.Parabola(1.0), contact.Isolated(), E, half_width=0.1, moment=0.0).tilt == 0.0
+            assert (
+                solution.tilt == 0.0
+                and not solution.plan["tilt"].used
+                and solution.plan["symmetry"].used
+            )
+        assert (
+            solve(contact.Parabola(1.0), contact.Isolated(), E, half_width=0.1, moment=0.0).tilt
+            == 0.0
+        )
 
     def test_an_asymmetric_body_turns_under_no_moment(self):
         lopsided = contact.Polynomial([0.0, 0.0, 1.0, 0.3, 1.0])
@@ -328,8 +405,14 @@ class TestWhatNeedsNoTurning:
 
     def test_the_plan_says_what_the_tilt_is(self):
         plans = {
-            name: contact.plan(contact.Scene(contact.Wedge(0.1), E, contact.Isolated(), load=1.0, **given_))
-            for name, given_ in {"none": {}, "given": {"tilt": 0.01}, "unknown": {"moment": 0.1}}.items()
+            name: contact.plan(
+                contact.Scene(contact.Wedge(0.1), E, contact.Isolated(), load=1.0, **given_)
+            )
+            for name, given_ in {
+                "none": {},
+                "given": {"tilt": 0.01},
+                "unknown": {"moment": 0.1},
+            }.items()
         }
         for name, plan in plans.items():
             assert plan["tilt"].used == (name != "none") and name in plan["tilt"].reason
@@ -341,16 +424,22 @@ class TestWhatNeedsNoTurning:
 
     def test_one_more_unknown_leaves_newton_quadratic(self):
         profile, answer, _ = parabola()
-        solution = solve(profile, contact.Isolated(), E, tol=1e-13, load=answer.load, moment=answer.moment)
+        solution = solve(
+            profile, contact.Isolated(), E, tol=1e-13, load=answer.load, moment=answer.moment
+        )
         moves = np.array([step.move for step in solution.trace])
         fast = moves[(moves < 0.2) & (moves > 1e-14)]
         assert np.all(fast[1:] <= 10 * fast[:-1] ** 2 + 1e-14)
 
 
 class TestPaths:
-    """Three tips at 1, 2 and 3: with the moment held, a growing load moves towards x = 0 and the body rocks over."""
+    """Three tips at 1, 2 and 3: with the moment held, a growing load moves towards x = 0 and the
+    body rocks over.
+    """
 
-    TIPS = contact.Polynomial((Polynomial([0, 0, 2.5e-3, 0, -3.75e-3, 0, 1e-2 / 6])(Polynomial([-2, 1]))).coef)
+    TIPS = contact.Polynomial(
+        (Polynomial([0, 0, 2.5e-3, 0, -3.75e-3, 0, 1e-2 / 6])(Polynomial([-2, 1]))).coef
+    )
     MOMENT = 2e-5
 
     def scene(self, **given_):
@@ -364,10 +453,15 @@ class TestPaths:
         assert (death.position, birth.position) == pytest.approx((3.0, 1.0), abs=0.05)
         for event, count in ((death, (2, 1)), (birth, (1, 2))):
             for part, zones in zip((1 - 1e-3, 1 + 1e-3), count, strict=True):
-                assert len(contact.solve(self.scene(load=event.load * part, moment=self.MOMENT)).zones) == zones
+                assert (
+                    len(contact.solve(self.scene(load=event.load * part, moment=self.MOMENT)).zones)
+                    == zones
+                )
         back = path(self.scene(load=1.0, moment=self.MOMENT), self.MOMENT / np.array([1.4, 2.6]))
         assert [event.kind for event in back.events] == ["death", "birth"]
-        assert [e.load for e in back.events] == pytest.approx([e.load for e in found.events[::-1]], rel=1e-9)
+        assert [e.load for e in back.events] == pytest.approx(
+            [e.load for e in found.events[::-1]], rel=1e-9
+        )
 
     def test_at_a_given_tilt_zones_only_grow(self):
         found = path(self.scene(load=1.0, tilt=1e-4), [1e-5, 1e-3])

@@ -1,4 +1,6 @@
-"""Closed forms of turned bodies, held to laws they do not contain: the singular integral, the moment, the displacement."""
+"""Closed forms of turned bodies, held to laws they do not contain: the singular integral, the
+moment, the displacement.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -11,9 +13,18 @@ from contact.reference import exact
 from tests.contact import reference
 
 E = 2.0
-PUNCHES = [exact.TiltedPunch(1.0, E, 0.3, 0.3 * e, datum=5.0) for e in (-0.9, -0.6, -0.3, 0.0, 0.1, 0.499, 0.501, 0.99)]
-SMOOTH = [*PUNCHES, exact.TiltedParabola(1.0, E, 0.1, 0.3, datum=2.0), exact.TiltedParabola(3.0, E, 0.2, -0.01, datum=2.0)]
-WEDGES = [exact.TiltedWedge(0.1, E, 0.3, tilt, datum=5.0) for tilt in (-0.09, -0.03, 0.0, 0.05, 0.099)]
+PUNCHES = [
+    exact.TiltedPunch(1.0, E, 0.3, 0.3 * e, datum=5.0)
+    for e in (-0.9, -0.6, -0.3, 0.0, 0.1, 0.499, 0.501, 0.99)
+]
+SMOOTH = [
+    *PUNCHES,
+    exact.TiltedParabola(1.0, E, 0.1, 0.3, datum=2.0),
+    exact.TiltedParabola(3.0, E, 0.2, -0.01, datum=2.0),
+]
+WEDGES = [
+    exact.TiltedWedge(0.1, E, 0.3, tilt, datum=5.0) for tilt in (-0.09, -0.03, 0.0, 0.05, 0.099)
+]
 
 
 def name(solution):
@@ -57,18 +68,24 @@ def test_load_and_moment_are_integrals_of_the_pressure(solution):
 
 
 @pytest.mark.parametrize("solution", WEDGES, ids=name)
-def test_the_wedge_bears_its_load_and_moment_to_what_the_rule_sees_of_the_logarithm_at_its_tip(solution):
+def test_the_wedge_bears_its_load_and_moment_to_what_the_rule_sees_of_the_logarithm_at_its_tip(
+    solution,
+):
     assert reference.load_of(solution, 40000) == pytest.approx(solution.load, rel=3e-4)
     assert moment_of(solution) == pytest.approx(solution.moment, rel=3e-3, abs=1e-10)
 
 
-@pytest.mark.parametrize("solution", [s for s in SMOOTH if not isinstance(s, exact.TiltedPunch)], ids=name)
+@pytest.mark.parametrize(
+    "solution", [s for s in SMOOTH if not isinstance(s, exact.TiltedPunch)], ids=name
+)
 def test_the_gap_is_that_of_the_displacement_the_pressure_makes(solution):
     x = beside(solution, 0.05, 1.0, 6.0)
     assert gap_by_displacement(solution, x) == pytest.approx(solution.gap(x), rel=1e-11)
 
 
-@pytest.mark.parametrize("solution", [s for s in PUNCHES if s.lifted and abs(s.moment) < 0.29], ids=name)
+@pytest.mark.parametrize(
+    "solution", [s for s in PUNCHES if s.lifted and abs(s.moment) < 0.29], ids=name
+)
 def test_a_punch_lifts_off_by_the_displacement_the_pressure_makes(solution):
     side = -np.sign(solution.moment)
     x = solution.middle + side * solution.half_width * np.array([1.01, 1.2])
@@ -154,4 +171,9 @@ class Misplaced:
 def test_a_tilt_off_by_a_millionth_is_noticed():
     solution = exact.TiltedParabola(1.0, E, 0.1, 0.3)
     assert reference.equation_error(Misplaced(solution, solution.slope)) < 1e-12
-    assert reference.equation_error(Misplaced(solution, replace(solution, tilt=0.3 * (1 + 1e-6)).slope)) > 1e-7
+    assert (
+        reference.equation_error(
+            Misplaced(solution, replace(solution, tilt=0.3 * (1 + 1e-6)).slope)
+        )
+        > 1e-7
+    )

@@ -1,4 +1,6 @@
-"""Traces as people have them: put in order, filled, filtered, measured and shown as asked, and never otherwise."""
+"""Traces as people have them: put in order, filled, filtered, measured and shown as asked, and
+never otherwise.
+"""
 
 from __future__ import annotations
 
@@ -45,7 +47,8 @@ def refused(path: Path, *words: str, **keys: object) -> None:
     assert all(word in str(caught.value) for word in words), caught.value
 
 
-# Order and dropouts -----------------------------------------------------------------------------------------------------------
+# Order and dropouts
+# -----------------------------------------------------------------------------------------------------------
 def test_descending_positions_are_turned_round_and_it_is_said(tmp_path: Path) -> None:
     read = contact.read_trace(write(tmp_path, rows()[::-1]))
     assert np.array_equal(read.x, X) and np.array_equal(read.heights, Z)
@@ -56,17 +59,25 @@ def test_points_out_of_order_are_sorted_only_if_asked(tmp_path: Path) -> None:
     path = write(tmp_path, rows(order=np.random.default_rng(1).permutation(N)))
     refused(path, "sort = true", "line")
     read = contact.read_trace(path, sort=True)
-    assert np.array_equal(read.x, X) and np.array_equal(read.heights, Z) and "sorted" in read.history[1]
+    assert (
+        np.array_equal(read.x, X)
+        and np.array_equal(read.heights, Z)
+        and "sorted" in read.history[1]
+    )
     refused(path, "sort = 'yes'", sort="yes")
 
 
 @pytest.mark.parametrize("mark", ["nan", "***", "", "BAD", "inf", "n/a"])
-def test_heights_that_are_missing_are_refused_unless_it_is_said_what_to_do(tmp_path: Path, mark: str) -> None:
+def test_heights_that_are_missing_are_refused_unless_it_is_said_what_to_do(
+    tmp_path: Path, mark: str
+) -> None:
     path = write(tmp_path, rows(with_holes(3, 4, 10, mark=mark)))
     refused(path, "line 5", "2 more of 60", 'fill = "linear"', 'fill = "drop"')
     line, drop = contact.read_trace(path, fill="linear"), contact.read_trace(path, fill="drop")
     assert np.array_equal(line.x, X) and line.heights[3] == pytest.approx(Z[2] + (Z[5] - Z[2]) / 3)
-    assert np.array_equal(drop.x, np.delete(X, [3, 4, 10])) and np.array_equal(drop.heights, np.delete(Z, [3, 4, 10]))
+    assert np.array_equal(drop.x, np.delete(X, [3, 4, 10])) and np.array_equal(
+        drop.heights, np.delete(Z, [3, 4, 10])
+    )
     assert "3 of 60" in line.history[1] and "in 2 gaps" in line.history[1]
 
 
@@ -85,7 +96,9 @@ def test_ends_without_heights_are_cut_off_and_not_made_up(tmp_path: Path) -> Non
 @pytest.mark.parametrize("mark", ["***", "", "nan", "-"])
 def test_heights_missing_from_the_first_row_on_are_no_header(tmp_path: Path, mark: str) -> None:
     """Taken for one, they would hide the units."""
-    read = contact.read_trace(write(tmp_path, rows(with_holes(0, 1, 2, 3, mark=mark)), "x [um];z [nm]"), fill="drop")
+    read = contact.read_trace(
+        write(tmp_path, rows(with_holes(0, 1, 2, 3, mark=mark)), "x [um];z [nm]"), fill="drop"
+    )
     assert read.x == pytest.approx(1e-6 * X[4:]) and "4 of 60" in read.history[1]
     alone = write(tmp_path, with_holes(0, 1, 2, 3, mark="***"), "z [nm]")
     assert "4 of 60" in contact.read_trace(alone, pitch=1e-6, fill="drop").history[1]
@@ -106,12 +119,15 @@ def test_many_missing_heights_are_warned_of(tmp_path: Path) -> None:
 
 def test_an_empty_line_among_heights_alone_shifts_nothing_silently(tmp_path: Path) -> None:
     told = [f"{z!r}" for z in Z.tolist()]
-    refused(write(tmp_path, [*told[:7], "", *told[7:]], "z [m]"), "empty line", "line 9", pitch=1e-6)
+    refused(
+        write(tmp_path, [*told[:7], "", *told[7:]], "z [m]"), "empty line", "line 9", pitch=1e-6
+    )
     apart = "\n\n".join(told).split("\n")
     assert contact.read_trace(write(tmp_path, apart, "z [m]"), pitch=1e-6).x.size == N
 
 
-# Filters and forms ------------------------------------------------------------------------------------------------------------
+# Filters and forms
+# ------------------------------------------------------------------------------------------------------------
 @pytest.mark.parametrize("wave", [40, 80, 160])
 def test_a_gaussian_filter_lets_a_wave_through_by_its_transmission(wave: int) -> None:
     x = np.arange(1001.0)
@@ -133,11 +149,19 @@ def test_a_gaussian_filter_is_the_weighted_line_at_the_ends_too() -> None:
     assert np.allclose(low_pass(x, 3 + 0.2 * x, 30.0, "lambda_c"), 3 + 0.2 * x, atol=1e-12)
 
 
-@pytest.mark.parametrize(("key", "kept", "gone"), [("lambda_s", 20.0, 2.0), ("lambda_c", 2.0, 20.0)])
-def test_each_filter_takes_the_waves_on_its_side_of_the_cut_off(tmp_path: Path, key: str, kept: float, gone: float) -> None:
+@pytest.mark.parametrize(
+    ("key", "kept", "gone"), [("lambda_s", 20.0, 2.0), ("lambda_c", 2.0, 20.0)]
+)
+def test_each_filter_takes_the_waves_on_its_side_of_the_cut_off(
+    tmp_path: Path, key: str, kept: float, gone: float
+) -> None:
     x = np.arange(401) * 0.1
     wave, other = np.cos(2 * np.pi * x / kept), np.cos(2 * np.pi * x / gone)
-    path = write(tmp_path, [f"{a!r};{b!r}" for a, b in zip(x.tolist(), (wave + other).tolist(), strict=True)], "x [um];z [nm]")
+    path = write(
+        tmp_path,
+        [f"{a!r};{b!r}" for a, b in zip(x.tolist(), (wave + other).tolist(), strict=True)],
+        "x [um];z [nm]",
+    )
     read = contact.read_trace(path, **{key: 6e-6})  # type: ignore[arg-type]
     assert 1e9 * read.heights[100:-100] == pytest.approx(wave[100:-100], abs=0.1)
 
@@ -151,7 +175,12 @@ def test_filters_are_one_line_each_in_a_scene(tmp_path: Path) -> None:
     (tmp_path / "scene.toml").write_text(f"{scene}[control]\nmean_pressure = 1e6\n")
     of_scene = contact.load_scene(tmp_path / "scene.toml").profile
     assert np.array_equal(read.heights, of_scene.heights)
-    assert [word in said for word, said in zip(("lambda_s", "degree 3", "lambda_c", "taper"), read.history[1:], strict=False)] == [True] * 4
+    assert [
+        word in said
+        for word, said in zip(
+            ("lambda_s", "degree 3", "lambda_c", "taper"), read.history[1:], strict=False
+        )
+    ] == [True] * 4
     assert read.heights.std() < Z.std()
 
 
@@ -178,16 +207,27 @@ def test_a_filter_of_uneven_positions_asks_for_regrid(tmp_path: Path) -> None:
     assert contact.read_trace(path, fill="drop", regrid=60, lambda_c=5e-6).x.size == 60
 
 
-# Numbers ----------------------------------------------------------------------------------------------------------------------
+# Numbers
+# ----------------------------------------------------------------------------------------------------------------------
 def test_the_roughness_of_a_wave_and_of_a_ramp_are_those_of_the_books() -> None:
     x = np.arange(512) / 512
     wave = roughness(contact.Sampled(x, 3.0 + 2.0 * np.cos(2 * np.pi * x), period=1.0))
     found = (wave.Ra, wave.Rq, wave.Rsk, wave.Rku, wave.rms_slope)
-    assert found == pytest.approx((4 / np.pi, np.sqrt(2), 0.0, 1.5, 2 * np.pi * np.sqrt(2)), abs=1e-6)
+    assert found == pytest.approx(
+        (4 / np.pi, np.sqrt(2), 0.0, 1.5, 2 * np.pi * np.sqrt(2)), abs=1e-6
+    )
     t = np.linspace(0.0, 2.0, 40)
     ramp = roughness(contact.Sampled(t, 0.3 * t))
-    assert (ramp.Ra, ramp.Rq, ramp.Rsk, ramp.Rku) == pytest.approx((0.15, 0.3 / np.sqrt(3), 0.0, 1.8), abs=1e-4)
-    assert (ramp.rms_slope, ramp.length, ramp.pitch, ramp.points, ramp.even) == (pytest.approx(0.3), 2.0, pytest.approx(2 / 39), 40, True)
+    assert (ramp.Ra, ramp.Rq, ramp.Rsk, ramp.Rku) == pytest.approx(
+        (0.15, 0.3 / np.sqrt(3), 0.0, 1.8), abs=1e-4
+    )
+    assert (ramp.rms_slope, ramp.length, ramp.pitch, ramp.points, ramp.even) == (
+        pytest.approx(0.3),
+        2.0,
+        pytest.approx(2 / 39),
+        40,
+        True,
+    )
     bowl = roughness(contact.Sampled(t, (t - 1.0) ** 2))
     assert bowl.Rsk == pytest.approx(16 / 945 / (4 / 45) ** 1.5, rel=1e-12)
 
@@ -212,7 +252,9 @@ def test_a_self_affine_profile_has_its_slope_spectrum_and_seed() -> None:
     assert power.size == 200 and power[:10] / power[0] == pytest.approx(np.ones(10))
     assert power[199] / power[9] == pytest.approx(20 ** -(1 + 2 * 0.7), rel=1e-9)
     again, other = contact.self_affine(**keys, seed=7), contact.self_affine(**keys, seed=8)
-    assert np.array_equal(again.cosine, contact.self_affine(**keys, seed=7).cosine) and not np.array_equal(again.cosine, other.cosine)
+    assert np.array_equal(
+        again.cosine, contact.self_affine(**keys, seed=7).cosine
+    ) and not np.array_equal(again.cosine, other.cosine)
     finer = contact.self_affine(**{**keys, "shortest": 5e-6}, seed=7)
     assert np.allclose(finer.sine[:200] / finer.cosine[:200], again.sine / again.cosine, rtol=1e-9)
 
@@ -229,7 +271,8 @@ def test_a_self_affine_profile_that_cannot_be_is_refused_by_name(bad: dict) -> N
         contact.self_affine(**{**keys, **bad})
 
 
-# Instruments' files -----------------------------------------------------------------------------------------------------------
+# Instruments' files
+# -----------------------------------------------------------------------------------------------------------
 MAP = np.random.default_rng(8).normal(size=(12, 9))
 
 
@@ -246,7 +289,10 @@ class Surface:
 
 
 def stand_in(*names: str) -> SimpleNamespace:
-    channels = [SimpleNamespace(name=name, is_height_channel=name != "Phase", topography=Surface) for name in names]
+    channels = [
+        SimpleNamespace(name=name, is_height_channel=name != "Phase", topography=Surface)
+        for name in names
+    ]
     return SimpleNamespace(open_topography=lambda path: SimpleNamespace(channels=channels))
 
 
@@ -260,7 +306,9 @@ def scan(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def test_a_line_is_picked_from_a_map_by_its_number(scan: Path) -> None:
     across, up = contact.read_trace(scan, line=2), contact.read_trace(scan, line=11, along="y")
-    assert across.x == pytest.approx(1e-6 * np.arange(12)) and np.array_equal(across.heights, 1e-9 * MAP[:, 2])
+    assert across.x == pytest.approx(1e-6 * np.arange(12)) and np.array_equal(
+        across.heights, 1e-9 * MAP[:, 2]
+    )
     assert up.x == pytest.approx(2e-6 * np.arange(9)) and np.array_equal(up.heights, 1e-9 * MAP[11])
     assert "line 2 of 9 along x of a map of 12 x 9" in across.history[0]
     refused(scan, "no finite height", line=4)
@@ -272,7 +320,12 @@ def test_a_profile_is_picked_from_a_map_between_two_points(scan: Path) -> None:
     assert read.x[-1] == pytest.approx(5e-6) and read.x.size == 6
     assert read.heights[[0, -1]] == pytest.approx(1e-9 * MAP[[0, 3], [0, 2]])
     # The second point is 0.6 and 0.4 pitches from the first.
-    corners = MAP[0, 0] * 0.4 * 0.6 + MAP[1, 0] * 0.6 * 0.6 + MAP[0, 1] * 0.4 * 0.4 + MAP[1, 1] * 0.6 * 0.4
+    corners = (
+        MAP[0, 0] * 0.4 * 0.6
+        + MAP[1, 0] * 0.6 * 0.6
+        + MAP[0, 1] * 0.4 * 0.4
+        + MAP[1, 1] * 0.6 * 0.4
+    )
     assert read.heights[1] == pytest.approx(1e-9 * corners)
 
 
@@ -291,14 +344,24 @@ def test_what_a_map_does_not_have_is_refused_by_name(scan: Path, keys: dict, wor
     refused(scan, word, **keys)
 
 
-def test_of_several_channels_of_heights_one_is_named(scan: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(instruments, "require", lambda name: stand_in("Trace", "Phase", "Back", "Back"))
+def test_of_several_channels_of_heights_one_is_named(
+    scan: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(
+        instruments, "require", lambda name: stand_in("Trace", "Phase", "Back", "Back")
+    )
     refused(scan, "0 'Trace', 1 'Back', 2 'Back'", line=1)
     refused(scan, "channel = 'Back'", "a number", line=1, channel="Back")
-    assert contact.read_trace(scan, line=1, channel="Trace").x.size == contact.read_trace(scan, line=1, channel=2).x.size == 12
+    assert (
+        contact.read_trace(scan, line=1, channel="Trace").x.size
+        == contact.read_trace(scan, line=1, channel=2).x.size
+        == 12
+    )
 
 
-def test_an_instruments_file_without_its_reader_names_the_extra(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_instruments_file_without_its_reader_names_the_extra(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setitem(__import__("sys").modules, "SurfaceTopography", None)
     with zipfile.ZipFile(tmp_path / "scan.x3p", "w") as archive:
         archive.writestr("main.xml", "<x/>")
@@ -318,12 +381,15 @@ def test_files_of_instruments_are_read_by_their_own_reader(tmp_path: Path) -> No
         path = tmp_path / f"scan.{ending}"
         getattr(surface, f"to_{ending}")(str(path))
         read = contact.read_trace(path, line=2)
-        assert np.allclose(1e6 * read.x, np.arange(12)) and np.allclose(read.heights, 1e-9 * MAP[:, 2], atol=1e-15)
+        assert np.allclose(1e6 * read.x, np.arange(12)) and np.allclose(
+            read.heights, 1e-9 * MAP[:, 2], atol=1e-15
+        )
     (tmp_path / "none.opd").write_bytes(bytes(range(256)))
     refused(tmp_path / "none.opd", "no reader")
 
 
-# The command ------------------------------------------------------------------------------------------------------------------
+# The command
+# ------------------------------------------------------------------------------------------------------------------
 def run(*arguments: object, status: int = 0) -> str:
     result = CliRunner().invoke(cli.main, [str(argument) for argument in arguments])
     assert result.exit_code == status, result.output
@@ -332,17 +398,46 @@ def run(*arguments: object, status: int = 0) -> str:
 
 def test_a_trace_is_shown_and_its_scene_is_solved(tmp_path: Path) -> None:
     pytest.importorskip("matplotlib")
-    path, scene, figure = write(tmp_path, rows(with_holes(5))), tmp_path / "start.toml", tmp_path / "trace.png"
-    keys = ("--fill", "linear", "--lambda-s", "3e-6", "--detrend", "line", "--taper", "0.2", "--period", "true")
+    path, scene, figure = (
+        write(tmp_path, rows(with_holes(5))),
+        tmp_path / "start.toml",
+        tmp_path / "trace.png",
+    )
+    keys = (
+        "--fill",
+        "linear",
+        "--lambda-s",
+        "3e-6",
+        "--detrend",
+        "line",
+        "--taper",
+        "0.2",
+        "--period",
+        "true",
+    )
     told = run("trace", path, *keys, "--scene", scene, "--plot", figure)
-    for word in ("60", "29.5 µm", "500 nm", "Ra", "Rsk", "rms slope", "1 of 60 heights are missing", "lambda_s", "tapered"):
+    for word in (
+        "60",
+        "29.5 µm",
+        "500 nm",
+        "Ra",
+        "Rsk",
+        "rms slope",
+        "1 of 60 heights are missing",
+        "lambda_s",
+        "tapered",
+    ):
         assert word in told
     assert figure.stat().st_size > 10_000
     assert tomllib.loads(scene.read_text())["profile"]["lambda_s"] == 3e-6
     assert "--overwrite" in run("trace", path, *keys, "--scene", scene, status=2)
     run("trace", path, *keys, "--scene", scene, "--overwrite")
     solved = run("solve", scene)
-    assert "1 of 60 heights are missing" in solved and "rms slope" in solved and "contact fraction" in solved
+    assert (
+        "1 of 60 heights are missing" in solved
+        and "rms slope" in solved
+        and "contact fraction" in solved
+    )
 
 
 def test_a_trace_without_a_period_starts_an_isolated_scene(tmp_path: Path) -> None:
@@ -359,21 +454,31 @@ def test_a_trace_as_json_has_plain_numbers(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("option", "value"),
     [
-        ("--columns", "0,0"), ("--lambda-c", "x"), ("--period", "-1"), ("--plot", "a.doc"), ("--scene", "a.txt"), ("--fill", "0"),
+        ("--columns", "0,0"),
+        ("--lambda-c", "x"),
+        ("--period", "-1"),
+        ("--plot", "a.doc"),
+        ("--scene", "a.txt"),
+        ("--fill", "0"),
         ("--line", "3"),
     ],
 )
-def test_the_command_refuses_in_one_line_and_by_name(tmp_path: Path, option: str, value: str) -> None:
+def test_the_command_refuses_in_one_line_and_by_name(
+    tmp_path: Path, option: str, value: str
+) -> None:
     result = CliRunner().invoke(cli.main, ["trace", str(write(tmp_path, rows())), option, value])
     assert result.exit_code == 2 and result.stdout == "" and result.stderr.count("\n") == 1
     assert option.strip("-").replace("-", "_") in result.stderr
 
 
-# Traces with faults: what is said leads on ------------------------------------------------------------------------------------
+# Traces with faults: what is said leads on
+# ------------------------------------------------------------------------------------
 def test_of_a_position_twice_it_is_said_whether_even_ones_are_behind_it(tmp_path: Path) -> None:
     doubled = X.copy()
     doubled[30] = doubled[29]
-    path = write(tmp_path, [f"{x!r};{z!r}" for x, z in zip(doubled.tolist(), Z.tolist(), strict=True)])
+    path = write(
+        tmp_path, [f"{x!r};{z!r}" for x, z in zip(doubled.tolist(), Z.tolist(), strict=True)]
+    )
     for keys in ({}, {"regrid": True}):
         refused(path, "line 32", "1.45e-05 m is repeated", "all but one have to go", **keys)
     coarse = write(tmp_path, [f"{round(0.7 * k)}e-6;{z!r}" for k, z in enumerate(Z[:36].tolist())])
@@ -388,7 +493,9 @@ def test_columns_the_wrong_way_round_are_told_by_what_to_write(tmp_path: Path, d
     refused(path, "columns = [1, 0]")
     assert contact.read_trace(path, columns=[1, 0]).heights == pytest.approx(Z)
     # Heights that only rise are positions as good as any: only their size tells.
-    rising = write(tmp_path, [f"{z!r};{x!r}" for x, z in zip(X.tolist(), np.sort(Z).tolist(), strict=True)])
+    rising = write(
+        tmp_path, [f"{z!r};{x!r}" for x, z in zip(X.tolist(), np.sort(Z).tolist(), strict=True)]
+    )
     with pytest.warns(contact.ModelWarning, match="columns may be the other way round"):
         contact.read_trace(rising)
 
@@ -402,7 +509,9 @@ def test_a_scene_for_a_trace_and_a_trace_for_a_scene_are_told_apart(tmp_path: Pa
 
 def test_a_path_says_at_which_load_there_is_no_contact_and_what_is_missing(tmp_path: Path) -> None:
     run("trace", write(tmp_path, rows()), "--scene", tmp_path / "start.toml")
-    assert "at the load 1e+09 N/m: " in run("path", tmp_path / "start.toml", "--loads", "1,1e9", status=2)
+    assert "at the load 1e+09 N/m: " in run(
+        "path", tmp_path / "start.toml", "--loads", "1,1e9", status=2
+    )
     assert "--loads is missing" in run("path", tmp_path / "start.toml", status=2)
     compared = run("compare", tmp_path / "start.toml")
     assert "period = true" in compared

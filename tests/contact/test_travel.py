@@ -1,4 +1,6 @@
-"""Solutions, plans and errors pickle and copy: the same numbers bit for bit, here and in another process, and no more than is needed."""
+"""Solutions, plans and errors pickle and copy: the same numbers bit for bit, here and in another
+process, and no more than is needed.
+"""
 
 from __future__ import annotations
 
@@ -18,22 +20,34 @@ from contact.reference import exact
 WAVE = contact.Sinusoid(1e-3, 1.0)
 PERIODIC = contact.Periodic()
 _random = np.random.default_rng(3)
-ROUGH = contact.Sampled((np.arange(40) + _random.uniform(-0.3, 0.3, 40)) / 40, 1e-3 * _random.normal(size=40), 1.0)
+ROUGH = contact.Sampled(
+    (np.arange(40) + _random.uniform(-0.3, 0.3, 40)) / 40, 1e-3 * _random.normal(size=40), 1.0
+)
 WAVES = contact.Fourier(1.0, [0.0] * 59 + [-2e-5], [1e-7])
 SCENES = {
     "hertz": contact.Scene(contact.Parabola(1.0), 1.0, contact.Isolated(datum=3.0), load=1e-3),
     "tilted": contact.Scene(contact.Flat(1.0), 1.0, contact.Isolated(), load=1e-2, moment=3e-3),
     "moment of a polynomial": contact.Scene(
-        contact.Polynomial([0, 0.1, 1.0, 0.5, 1.0]), 1.0, contact.Isolated(datum=2.0), load=1e-3, moment=1e-5
+        contact.Polynomial([0, 0.1, 1.0, 0.5, 1.0]),
+        1.0,
+        contact.Isolated(datum=2.0),
+        load=1e-3,
+        moment=1e-5,
     ),
     "wave": contact.Scene(WAVE, 1.0, PERIODIC, load=5e-4),
     "gap": contact.Scene(WAVE, 1.0, PERIODIC, load=3e-3),
     "full": contact.Scene(WAVE, 1.0, PERIODIC, load=5e-3),
-    "corner in a gap": contact.Scene(contact.Polynomial([0, -1.0, 1.0, 1.0], 2.0), 1.0, PERIODIC, mean_pressure=0.5),
+    "corner in a gap": contact.Scene(
+        contact.Polynomial([0, -1.0, 1.0, 1.0], 2.0), 1.0, PERIODIC, mean_pressure=0.5
+    ),
     "wedge": contact.Scene(contact.Wedge(0.1, 1.0), 1.0, PERIODIC, load=1e-2),
-    "two tips close": contact.Scene(contact.Biquadratic(1.0, 0.4, 1.0), 1.0, PERIODIC, mean_pressure=9.9e-3),
+    "two tips close": contact.Scene(
+        contact.Biquadratic(1.0, 0.4, 1.0), 1.0, PERIODIC, mean_pressure=9.9e-3
+    ),
     "first order": contact.Scene(WAVE, 1.0, contact.Localized(), load=5e-4),
-    "self-consistent": contact.Scene(WAVE, 1.0, contact.Localized("self-consistent", neighbours=2), load=5e-4),
+    "self-consistent": contact.Scene(
+        WAVE, 1.0, contact.Localized("self-consistent", neighbours=2), load=5e-4
+    ),
     "trace": contact.Scene(ROUGH, 1.0, PERIODIC, mean_pressure=2e-3),
     "many zones": contact.Scene(WAVES, 1.0, PERIODIC, mean_pressure=1e-4),
 }
@@ -49,21 +63,46 @@ def numbers_of(solution):
     rng = np.random.default_rng(0)
     zones = solution.zones if len(solution.zones) else np.array([[-0.5, 0.5]])
     x = rng.uniform(zones[0, 0] - 0.3, zones[-1, 1] + 0.3, 40)
-    told = [np.asarray(field(x)) for field in (solution.pressure, solution.gap, solution.displacement)]
+    told = [
+        np.asarray(field(x)) for field in (solution.pressure, solution.gap, solution.displacement)
+    ]
     told += [solution.pressure_at(np.linspace(-1, 1, 9), k) for k in range(len(solution.zones))]
     names = (
-        "zones", "load", "mean_pressure", "zone_loads", "zone_widths", "max_pressure", "approach", "contact_fraction", "stiffness",
-        "tilt", "moment", "rotational_stiffness", "mean_gap", "error",
+        "zones",
+        "load",
+        "mean_pressure",
+        "zone_loads",
+        "zone_widths",
+        "max_pressure",
+        "approach",
+        "contact_fraction",
+        "stiffness",
+        "tilt",
+        "moment",
+        "rotational_stiffness",
+        "mean_gap",
+        "error",
     )
-    told += [np.asarray(np.nan if (value := getattr(solution, name)) is None else value) for name in names]
+    told += [
+        np.asarray(np.nan if (value := getattr(solution, name)) is None else value)
+        for name in names
+    ]
     return b"".join(values.tobytes() for values in told)
 
 
 def test_a_solution_comes_back_bit_for_bit(solution):
     before = pickle.dumps(solution)
-    for again in (pickle.loads(before), copy.deepcopy(solution), copy.copy(solution), pickle.loads(pickle.dumps(pickle.loads(before)))):
+    for again in (
+        pickle.loads(before),
+        copy.deepcopy(solution),
+        copy.copy(solution),
+        pickle.loads(pickle.dumps(pickle.loads(before))),
+    ):
         assert numbers_of(again) == numbers_of(solution)
-        assert str(again.plan) == str(solution.plan) and again.certificate.holds == solution.certificate.holds
+        assert (
+            str(again.plan) == str(solution.plan)
+            and again.certificate.holds == solution.certificate.holds
+        )
         assert again.scene == solution.scene
 
 
@@ -74,8 +113,11 @@ def test_what_has_been_worked_out_does_not_travel(solution):
 
 
 def test_a_solution_weighs_what_it_holds(solution):
-    # Its modes, ends and jumps: of each zone both ends at every step of the search, too. The rest is names.
-    held = solution.plan.counts.get("own_modes", 0) + 2 * len(solution.zones) * (4 + len(solution.trace))
+    # Its modes, ends and jumps: of each zone both ends at every step of the search, too. The rest
+    # is names.
+    held = solution.plan.counts.get("own_modes", 0) + 2 * len(solution.zones) * (
+        4 + len(solution.trace)
+    )
     jumps = len(solution.scene.profile.kinks) + len(solution.scene.profile.jumps)
     profile = len(pickle.dumps(solution.scene.profile))
     assert len(pickle.dumps(solution)) <= 6000 + profile + 8 * 4 * (held + 8 * jumps)
@@ -92,7 +134,10 @@ def refused(scene):
 
 # The approach of a gap of a millionth of the period: its last digit is a different load.
 SHALLOW = contact.Scene(
-    contact.Wedge(0.1, 1.0), 1e9, PERIODIC, approach=exact.PeriodicWedge(0.1, 1.0, 1e9, 0.5 * (1 - 1e-6)).approach
+    contact.Wedge(0.1, 1.0),
+    1e9,
+    PERIODIC,
+    approach=exact.PeriodicWedge(0.1, 1.0, 1e9, 0.5 * (1 - 1e-6)).approach,
 )
 
 
@@ -118,10 +163,16 @@ def test_errors_keep_what_they_carry():
         assert str(again) == str(error) and len(again.trace) == len(error.trace)
         assert numbers_of(again.best) == numbers_of(error.best)
     for raised in (
-        contact.SceneError.of("load", -1.0, "positive"), contact.OutOfRange("past full contact"), contact.MissingExtra("plot"),
+        contact.SceneError.of("load", -1.0, "positive"),
+        contact.OutOfRange("past full contact"),
+        contact.MissingExtra("plot"),
     ):
         again = pickle.loads(pickle.dumps(raised))
-        assert type(again) is type(raised) and str(again) == str(raised) and again.__dict__ == raised.__dict__
+        assert (
+            type(again) is type(raised)
+            and str(again) == str(raised)
+            and again.__dict__ == raised.__dict__
+        )
 
 
 def test_plans_and_paths_travel():
@@ -135,26 +186,47 @@ def test_plans_and_paths_travel():
 def test_a_solution_from_elsewhere_is_a_first_guess():
     first = contact.solve(SCENES["trace"])
     scene = contact.Scene(ROUGH, 1.0, PERIODIC, mean_pressure=2.02e-3)
-    near, far = (contact.solve(scene, near=guess) for guess in (first, pickle.loads(pickle.dumps(first))))
+    near, far = (
+        contact.solve(scene, near=guess) for guess in (first, pickle.loads(pickle.dumps(first)))
+    )
     assert np.array_equal(near.zones, far.zones)
 
 
-@pytest.mark.parametrize("kernel", [sie.hilbert(3.0), sie.hilbert(3.0) + sie.Smooth(np.subtract), sie.cauchy(), sie.images(3.0, 2)])
+@pytest.mark.parametrize(
+    "kernel",
+    [
+        sie.hilbert(3.0),
+        sie.hilbert(3.0) + sie.Smooth(np.subtract),
+        sie.cauchy(),
+        sie.images(3.0, 2),
+    ],
+)
 def test_kernels_and_densities_of_the_engine_travel(kernel):
     zones = sie.Zones.of([[-0.6, 0.2], [0.5, 0.9]])
-    equation = sie.Equation(sie.hilbert(3.0), sie.Forcing(np.sin), (sie.Total(1.0), sie.moment(0.1)))
+    equation = sie.Equation(
+        sie.hilbert(3.0), sie.Forcing(np.sin), (sie.Total(1.0), sie.moment(0.1))
+    )
     state = sie.solve_fixed(equation, zones)
     x = np.linspace(-1.4, 1.4, 30)
-    plainly = sie.Density(zones, kernel, state.density.coefficients, state.density.jumps, np.zeros(0))
+    plainly = sie.Density(
+        zones, kernel, state.density.coefficients, state.density.jumps, np.zeros(0)
+    )
     for density in (state.density, plainly.with_bounded_ends()):
         for again in (pickle.loads(pickle.dumps(density)), copy.deepcopy(density)):
-            assert np.array_equal(again(x), density(x)) and np.array_equal(again.transform(x), density.transform(x))
+            assert np.array_equal(again(x), density(x)) and np.array_equal(
+                again.transform(x), density.transform(x)
+            )
             assert np.array_equal(again.intensities, density.intensities)
     assert pickle.loads(pickle.dumps(kernel)) == kernel
 
 
 def test_round_spots_travel():
     for lattice, rings in ((None, 0), (axisymmetric.Square(1.0), 2)):
-        spot = axisymmetric.solve_spot(axisymmetric.PowerLaw(1.0, 3.0), 1.0, lattice, load=1e-3, rings=rings)
+        spot = axisymmetric.solve_spot(
+            axisymmetric.PowerLaw(1.0, 3.0), 1.0, lattice, load=1e-3, rings=rings
+        )
         r, again = np.linspace(0, 0.3, 9), pickle.loads(pickle.dumps(spot))
-        assert again.pressure(r).tobytes() == spot.pressure(r).tobytes() and again.gap(r).tobytes() == spot.gap(r).tobytes()
+        assert (
+            again.pressure(r).tobytes() == spot.pressure(r).tobytes()
+            and again.gap(r).tobytes() == spot.gap(r).tobytes()
+        )

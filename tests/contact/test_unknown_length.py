@@ -1,4 +1,6 @@
-"""Shapes of one's own that do not say over which length they vary: they are looked at as closely as their heights ask for."""
+"""Shapes of one's own that do not say over which length they vary: they are looked at as closely as
+their heights ask for.
+"""
 
 import numpy as np
 import pytest
@@ -37,29 +39,42 @@ class Bowl(contact.Profile):
         return 2e-3 * (x + 0.1) ** 2 + 5e-4 * np.cos(60 * x)
 
 
-@pytest.mark.parametrize("control", [{"mean_pressure": 1e-3}, {"mean_pressure": 5e-3}, {"contact_fraction": 1.0}])
+@pytest.mark.parametrize(
+    "control", [{"mean_pressure": 1e-3}, {"mean_pressure": 5e-3}, {"contact_fraction": 1.0}]
+)
 @pytest.mark.parametrize(("count", "height"), [(128, 8e-6), (300, 6e-6)])
 def test_ripples_are_found_as_of_a_shape_that_names_them(count, height, control):
     own, told = Rippled(count, height), Rippled(count, height).told
-    found, known = (contact.solve(contact.Scene(profile, 1.0, PERIODIC, **control), tol=1e-8) for profile in (own, told))
+    found, known = (
+        contact.solve(contact.Scene(profile, 1.0, PERIODIC, **control), tol=1e-8)
+        for profile in (own, told)
+    )
     assert len(found.zones) == len(known.zones)
-    assert found.load == pytest.approx(known.load, rel=1e-9) and found.approach == pytest.approx(known.approach, rel=1e-9)
+    assert found.load == pytest.approx(known.load, rel=1e-9) and found.approach == pytest.approx(
+        known.approach, rel=1e-9
+    )
 
 
 @pytest.mark.parametrize("load", [0.01, 0.9])
 def test_an_approach_counts_from_the_lowest_ripple(load):
-    loaded = contact.solve(contact.Scene(Bowl(), 1.0, contact.Isolated(datum=11.0), load=load), tol=1e-8)
+    loaded = contact.solve(
+        contact.Scene(Bowl(), 1.0, contact.Isolated(datum=11.0), load=load), tol=1e-8
+    )
     x = np.linspace(-0.2, 0.05, 1_000_001)
     middle = float(loaded.zones.mean(axis=1)[0])
     level = float(loaded.displacement(middle) + Bowl().height(middle))
     assert loaded.approach == pytest.approx(level - Bowl().height(x).min(), abs=1e-12)
-    again = contact.solve(contact.Scene(Bowl(), 1.0, contact.Isolated(datum=11.0), approach=loaded.approach), tol=1e-8)
+    again = contact.solve(
+        contact.Scene(Bowl(), 1.0, contact.Isolated(datum=11.0), approach=loaded.approach), tol=1e-8
+    )
     assert again.load == pytest.approx(load, rel=1e-8)
 
 
 def test_the_length_is_that_of_the_shortest_wave_that_counts():
     for count in (20, 100, 1000):
-        assert detail_of(Rippled(count, 1e-3 / count).height, -0.5, 0.5) * count == pytest.approx(1.0, rel=0.3)
+        assert detail_of(Rippled(count, 1e-3 / count).height, -0.5, 0.5) * count == pytest.approx(
+            1.0, rel=0.3
+        )
     # Of corners that nobody has declared a few times their distance.
     rng = np.random.default_rng(1)
     at, heights = np.linspace(-0.5, 0.5, 51), rng.normal(size=51)
@@ -92,7 +107,13 @@ def test_noise_of_differences_is_not_taken_for_waves(fraction):
     waves[1] -= turned / 4
     waves[3] -= turned / 4
     told = contact.Fourier(1.0, waves.real, waves.imag)
-    found, known = (contact.solve(contact.Scene(p, 1.0, PERIODIC, contact_fraction=fraction), tol=1e-8) for p in (own, told))
-    assert found.load == pytest.approx(known.load, rel=1e-9) and found.zones == pytest.approx(known.zones, abs=1e-8)
-    # Some hundred heights a place of a thousand: as many again for each load on the way, or for waves of no body, are many millions.
+    found, known = (
+        contact.solve(contact.Scene(p, 1.0, PERIODIC, contact_fraction=fraction), tol=1e-8)
+        for p in (own, told)
+    )
+    assert found.load == pytest.approx(known.load, rel=1e-9) and found.zones == pytest.approx(
+        known.zones, abs=1e-8
+    )
+    # Some hundred heights a place of a thousand: as many again for each load on the way, or for
+    # waves of no body, are many millions.
     assert own.asked < 1_000_000

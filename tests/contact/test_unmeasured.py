@@ -114,7 +114,8 @@ def test_the_share_that_is_told_is_the_integral_of_the_pressure_on_every_route(
     solution = contact.solve(ROUTES[route](with_crest_in(kind, tmp_path)), tol=1e-5)
     (borne,) = [borne for borne in shares(solution) if borne.kind is kind]
     assert borne.share > 0.02
-    # Cells of the even places at the ends of zones, where adhesion has an infinite pressure, and of the zones that are split.
+    # Cells of the even places at the ends of zones, where adhesion has an infinite pressure, and of
+    # the zones that are split.
     assert borne.share == pytest.approx(
         integrated(solution, kind), abs=2e-2 if solution.scene.law.pulls else 5e-3
     )

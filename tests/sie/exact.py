@@ -2,9 +2,9 @@
 
     (1/pi) PV int phi(xi) K(x - xi) dxi = g(x) on the zones,   K = 1/(x - xi) or (pi/L) cot(pi (x - xi)/L).
 
-Each object knows its zones, its right side g (`value`) with an antiderivative (`primitive`), the density at a
-normalised position of a zone (`at`, to rounding up to the ends) and its total. On one zone, x = middle + w t, all come
-from
+Each object knows its zones, its right side g (`value`) with an antiderivative (`primitive`), the
+density at a normalised position of a zone (`at`, to rounding up to the ends) and its total. On one
+zone, x = middle + w t, all come from
 
     T_j / sqrt(1 - t^2) -> -U_{j-1},     sqrt(1 - t^2) U_j -> T_{j+1}
 
@@ -117,8 +117,10 @@ class Hertz(Exact):
 
 @dataclass(frozen=True)
 class PrescribedIntensity(Exact):
-    """g = k x, ends where phi = K / sqrt(d): phi = k sqrt(a^2 - x^2) + K sqrt(2 a) / sqrt(a^2 - x^2),
-    P = pi k a^2 / 2 + pi K sqrt(2 a); K < 0 is the adhering line contact (M. Barquins, J. Adhesion 26, 1988, 1-12)."""
+    """g = k x, ends where phi = K / sqrt(d): phi = k sqrt(a^2 - x^2) + K sqrt(2 a) / sqrt(a^2 -
+    x^2), P = pi k a^2 / 2 + pi K sqrt(2 a); K < 0 is the adhering line contact (M. Barquins, J.
+    Adhesion 26, 1988, 1-12).
+    """
 
     half_width: float
     intensity: float
@@ -144,8 +146,9 @@ class PrescribedIntensity(Exact):
 
 @dataclass(frozen=True)
 class Tilted(Exact):
-    """g = -s, one bounded end a and one sharp end b: phi = s sqrt((x - a)/(b - x)), P = pi s (b - a)/2
-    (N. I. Muskhelishvili, Singular Integral Equations, 1953, ch. 11)."""
+    """g = -s, one bounded end a and one sharp end b: phi = s sqrt((x - a)/(b - x)), P = pi s (b -
+    a)/2 (N. I. Muskhelishvili, Singular Integral Equations, 1953, ch. 11).
+    """
 
     left: float
     right: float
@@ -203,8 +206,10 @@ class Wedge(Exact):
 
 @dataclass(frozen=True)
 class Crack(Exact):
-    """g = s, singular ends, no net total: phi = -s x / sqrt(a^2 - x^2); its integral from the left end,
-    s sqrt(a^2 - x^2), is the opening of a crack (B. A. Bilby, J. D. Eshelby, Fracture I, 1968, 99-182)."""
+    """g = s, singular ends, no net total: phi = -s x / sqrt(a^2 - x^2); its integral from the left
+    end, s sqrt(a^2 - x^2), is the opening of a crack (B. A. Bilby, J. D. Eshelby, Fracture I, 1968,
+    99-182).
+    """
 
     half_width: float
     stress: float = 1.0
@@ -230,8 +235,10 @@ class Crack(Exact):
 
 @dataclass(frozen=True)
 class TwoZones(Exact):
-    """Zones a < |x| < b, g = k x (x^2 - (a^2 + b^2)/2), free ends: phi = k |x| sqrt((x^2 - a^2)(b^2 - x^2)),
-    P = pi k (b^2 - a^2)^2 / 8 (I. G. Goryacheva, I. Y. Tsukanov, Front. Mech. Eng. 6, 2020, 45, eqs. 32-33)."""
+    """Zones a < |x| < b, g = k x (x^2 - (a^2 + b^2)/2), free ends: phi = k |x| sqrt((x^2 - a^2)(b^2
+    - x^2)), P = pi k (b^2 - a^2)^2 / 8 (I. G. Goryacheva, I. Y. Tsukanov, Front. Mech. Eng. 6,
+    2020, 45, eqs. 32-33).
+    """
 
     inner: float
     outer: float
@@ -298,8 +305,10 @@ class PeriodicFlat(_Periodic):
 
 @dataclass(frozen=True)
 class PeriodicCracks(_Periodic):
-    """g = s, singular ends, no net total, period L: phi = -s sin(pi x/L) / sqrt(sin^2(pi a/L) - sin^2(pi x/L)), opening
-    s (L/pi) arcosh(cos(pi x/L)/cos(pi a/L)) (W. T. Koiter, Ingenieur-Archiv 28, 1959, 168-172)."""
+    """g = s, singular ends, no net total, period L: phi = -s sin(pi x/L) / sqrt(sin^2(pi a/L) -
+    sin^2(pi x/L)), opening s (L/pi) arcosh(cos(pi x/L)/cos(pi a/L)) (W. T. Koiter, Ingenieur-Archiv
+    28, 1959, 168-172).
+    """
 
     stress: float = 1.0
 
@@ -327,8 +336,9 @@ class PeriodicCracks(_Periodic):
 
 @dataclass(frozen=True)
 class Westergaard(_Periodic):
-    """g = A sin(2 pi x/L), free ends, period L: phi = 2 A cos(pi x/L) sqrt(sin^2(pi a/L) - sin^2(pi x/L)),
-    P = A L sin^2(pi a/L) (H. M. Westergaard, J. Appl. Mech. 6, 1939, A49-A53)."""
+    """g = A sin(2 pi x/L), free ends, period L: phi = 2 A cos(pi x/L) sqrt(sin^2(pi a/L) - sin^2(pi
+    x/L)), P = A L sin^2(pi a/L) (H. M. Westergaard, J. Appl. Mech. 6, 1939, A49-A53).
+    """
 
     amplitude: float = 1.0
 
@@ -350,8 +360,9 @@ class Westergaard(_Periodic):
 
 @dataclass(frozen=True)
 class Polynomial(Exact):
-    """g = sum c_k t^k = sum_j g_j U_{j-1}(t), t = (x - middle)/w, singular ends, given total:
-    phi = (P/(pi w) - sum_j g_j T_j(t)) / sqrt(1 - t^2), since T_j / sqrt -> -U_{j-1} and T_0 / sqrt -> 0."""
+    """g = sum c_k t^k = sum_j g_j U_{j-1}(t), t = (x - middle)/w, singular ends, given total: phi =
+    (P/(pi w) - sum_j g_j T_j(t)) / sqrt(1 - t^2), since T_j / sqrt -> -U_{j-1} and T_0 / sqrt -> 0.
+    """
 
     left: float
     right: float
@@ -378,7 +389,9 @@ class Polynomial(Exact):
         return np.asarray(polynomial.polyval(self._t(x), self.coefficients))
 
     def primitive(self, x: ArrayLike) -> Array:
-        return np.asarray(self._half * polynomial.polyval(self._t(x), polynomial.polyint(self.coefficients)))
+        return np.asarray(
+            self._half * polynomial.polyval(self._t(x), polynomial.polyint(self.coefficients))
+        )
 
     def at(self, t: ArrayLike, zone: int = 0) -> Array:
         # The antiderivative of U_{j-1} is T_j / j.

@@ -1,4 +1,5 @@
-"""Transforms and potentials by adaptive quadrature in theta, x = middle + w cos(theta): no solver, no closed form.
+"""Transforms and potentials by adaptive quadrature in theta, x = middle + w cos(theta): no solver,
+no closed form.
 
 The principal value at theta = alpha is QUADPACK's (`weight="cauchy"`), on a short piece around it.
 """
@@ -33,7 +34,9 @@ def _pieces(breaks):
 
 
 def _integral(f, breaks):
-    return sum(quad(f, lo, hi, limit=200, epsabs=1e-13, epsrel=1e-12)[0] for lo, hi in _pieces(breaks))
+    return sum(
+        quad(f, lo, hi, limit=200, epsabs=1e-13, epsrel=1e-12)[0] for lo, hi in _pieces(breaks)
+    )
 
 
 def _angle(x, a, b):
@@ -45,7 +48,9 @@ def _singular(kinks, a, b):
 
 
 def transform(at, zones, x, kernel, kinks=()):
-    """(1/pi) PV int phi(xi) K(x - xi) dxi; at(t, zone) the density, kinks: places where it is singular."""
+    """(1/pi) PV int phi(xi) K(x - xi) dxi; at(t, zone) the density, kinks: places where it is
+    singular.
+    """
     total = 0.0
     for i, (a, b) in enumerate(zones):
         w, middle, special = 0.5 * (b - a), 0.5 * (a + b), _singular(kinks, a, b)
@@ -61,8 +66,14 @@ def transform(at, zones, x, kernel, kinks=()):
         room = 0.5 * min(abs(alpha - s) for s in (0.0, math.pi, *special))
         low, high = alpha - 0.9 * room, alpha + room
         value = quad(
-            lambda theta, f=integrand, alpha=alpha: f(theta) * (theta - alpha), low, high, weight="cauchy", wvar=alpha,
-            limit=200, epsabs=1e-13, epsrel=1e-12,
+            lambda theta, f=integrand, alpha=alpha: f(theta) * (theta - alpha),
+            low,
+            high,
+            weight="cauchy",
+            wvar=alpha,
+            limit=200,
+            epsabs=1e-13,
+            epsrel=1e-12,
         )[0]
         for lo, hi in _pieces([low, high, *special]):
             if not (lo >= low and hi <= high):
@@ -94,7 +105,12 @@ def integral(at, zones, kinks=(), weight=lambda x: 1.0):
         w, middle = 0.5 * (b - a), 0.5 * (a + b)
 
         def integrand(theta, i=i, w=w, middle=middle):
-            return float(at(np.cos(theta), i)) * w * math.sin(theta) * weight(middle + w * math.cos(theta))
+            return (
+                float(at(np.cos(theta), i))
+                * w
+                * math.sin(theta)
+                * weight(middle + w * math.cos(theta))
+            )
 
         total += _integral(integrand, _singular(kinks, a, b))
     return total

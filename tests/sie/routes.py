@@ -1,4 +1,6 @@
-"""Problems that take every way through the engine, as functions of the size of their data: kernel, right side, conditions, zones."""
+"""Problems that take every way through the engine, as functions of the size of their data: kernel,
+right side, conditions, zones.
+"""
 
 from __future__ import annotations
 

@@ -38,7 +38,9 @@ def test_each_u_polynomial_has_one_coefficient(n):
 @pytest.mark.parametrize("n", SIZES)
 def test_projecting_rows_is_taking_coefficients_down_the_columns(n):
     values = np.random.default_rng(n).normal(size=(n, 3))
-    assert chebyshev.project_rows(values) == pytest.approx(chebyshev.u_coefficients(values.T).T, abs=1e-13)
+    assert chebyshev.project_rows(values) == pytest.approx(
+        chebyshev.u_coefficients(values.T).T, abs=1e-13
+    )
 
 
 def test_coefficients_of_a_pole_decay_at_its_rate():
@@ -76,7 +78,9 @@ def test_the_bounded_part_and_the_rest_are_the_whole(n):
     for i in range(2):
         whole = np_chebyshev.chebval(t, c[i]) / root
         bounded = sum((uk[i, k] * u(k + 1, t) for k in range(uk.shape[1])), np.zeros_like(t))
-        assert (alpha[i] + beta[i] * t) / root + root * bounded == pytest.approx(whole, rel=1e-12, abs=1e-12)
+        assert (alpha[i] + beta[i] * t) / root + root * bounded == pytest.approx(
+            whole, rel=1e-12, abs=1e-12
+        )
 
 
 @pytest.mark.parametrize("n", [1, 2, 3, 10, 41])
@@ -85,7 +89,9 @@ def test_what_is_seen_at_the_ends_is_that_of_the_two_parts(n):
     alpha, beta, uk = chebyshev.bounded_part(c)
     k = np.arange(uk.shape[1])
     expected = uk @ ((k + 1) * (-1.0) ** k), uk @ (k + 1)
-    assert np.array(chebyshev.slopes_at_ends(c)) == pytest.approx(np.array(expected), rel=1e-13, abs=1e-13 * n**2)
+    assert np.array(chebyshev.slopes_at_ends(c)) == pytest.approx(
+        np.array(expected), rel=1e-13, abs=1e-13 * n**2
+    )
     assert np.array(chebyshev.edge_part(c)) == pytest.approx(np.array([alpha, beta]), abs=1e-14 * n)
 
 

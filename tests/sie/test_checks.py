@@ -1,4 +1,6 @@
-"""Functions that do not return what an equation is about are refused by name, before anything is solved with them."""
+"""Functions that do not return what an equation is about are refused by name, before anything is
+solved with them.
+"""
 
 import numpy as np
 import pytest
@@ -13,11 +15,18 @@ LEVEL = (sie.Total(1.0), sie.EqualPotential())
 
 def solve(forcing, conditions=LEVEL, ends=TWO, kernel=None, columns=(), symmetric=False):
     zones = sie.Zones.of(ends, sie.SINGULAR, sie.SINGULAR, symmetric=symmetric)
-    return sie.solve_fixed(sie.Equation(kernel or sie.cauchy(), forcing, conditions, columns), zones)
+    return sie.solve_fixed(
+        sie.Equation(kernel or sie.cauchy(), forcing, conditions, columns), zones
+    )
 
 
 SHAPES = {
-    "must return an array of shape": (lambda x: 1.0, lambda x: x[:-1], lambda x: x[:, None], lambda x: np.zeros(7)),
+    "must return an array of shape": (
+        lambda x: 1.0,
+        lambda x: x[:-1],
+        lambda x: x[:, None],
+        lambda x: np.zeros(7),
+    ),
     "must return numbers": (lambda x: None, lambda x: np.array(["a"] * len(x))),
     "is complex": (lambda x: np.exp(1j * x), lambda x: np.zeros(len(x), dtype=complex)),
 }
@@ -31,13 +40,21 @@ def test_a_right_side_a_primitive_or_a_column_of_another_shape_or_kind_is_refuse
         with pytest.raises(ValueError, match=f"the right side: primitive {message}"):
             solve(sie.Forcing(lambda x: x, wrong))
         with pytest.raises(ValueError, match=f"column 0: value {message}"):
-            solve(sie.Forcing(np.sin, lambda x: -np.cos(x)), (*LEVEL, sie.moment(0.0)), columns=(sie.Forcing(wrong, lambda x: x),))
+            solve(
+                sie.Forcing(np.sin, lambda x: -np.cos(x)),
+                (*LEVEL, sie.moment(0.0)),
+                columns=(sie.Forcing(wrong, lambda x: x),),
+            )
 
 
 @pytest.mark.parametrize(
     ("wrong", "message"),
-    [(lambda x, xi: 1.0, "of shape"), (lambda x, xi: np.outer(x, xi), "of shape"), (lambda x, xi: x, "of shape"),
-     (lambda x, xi: 1j * x * xi, "is complex")],
+    [
+        (lambda x, xi: 1.0, "of shape"),
+        (lambda x, xi: np.outer(x, xi), "of shape"),
+        (lambda x, xi: x, "of shape"),
+        (lambda x, xi: 1j * x * xi, "is complex"),
+    ],
 )
 def test_a_regular_kernel_of_another_shape_or_kind_is_refused_by_name(wrong, message):
     right = sie.Forcing(np.sin, lambda x: -np.cos(x))
@@ -47,12 +64,21 @@ def test_a_regular_kernel_of_another_shape_or_kind_is_refused_by_name(wrong, mes
         solve(right, kernel=sie.cauchy() + sie.Smooth(lambda x, xi: x - xi, wrong))
 
 
-@pytest.mark.parametrize("primitive", [np.cos, lambda x: -1.01 * np.cos(x), np.sin, np.zeros_like, lambda x: 1 - np.cos(x) + x])
+@pytest.mark.parametrize(
+    "primitive",
+    [np.cos, lambda x: -1.01 * np.cos(x), np.sin, np.zeros_like, lambda x: 1 - np.cos(x) + x],
+)
 def test_a_primitive_of_another_function_is_refused_by_name(primitive):
-    with pytest.raises(ValueError, match="the right side: primitive is not an antiderivative of its value"):
+    with pytest.raises(
+        ValueError, match="the right side: primitive is not an antiderivative of its value"
+    ):
         solve(sie.Forcing(np.sin, primitive))
     with pytest.raises(ValueError, match="column 0: primitive is not"):
-        solve(sie.Forcing(np.sin, lambda x: -np.cos(x)), (*LEVEL, sie.moment(0.0)), columns=(sie.Forcing(np.sin, primitive),))
+        solve(
+            sie.Forcing(np.sin, lambda x: -np.cos(x)),
+            (*LEVEL, sie.moment(0.0)),
+            columns=(sie.Forcing(np.sin, primitive),),
+        )
     # It is not looked at where no condition is on potentials.
     solve(sie.Forcing(np.sin, primitive), (sie.ZoneTotals(1.0),))
 
@@ -60,13 +86,22 @@ def test_a_primitive_of_another_function_is_refused_by_name(primitive):
 @pytest.mark.parametrize("potential", [lambda x, xi: np.cos(x - xi), lambda x, xi: -np.sin(x - xi)])
 def test_a_regular_potential_of_another_kernel_is_refused_by_name(potential):
     kernel = sie.cauchy() + sie.Smooth(lambda x, xi: np.cos(x - xi), potential)
-    with pytest.raises(ValueError, match="regular potential is not an antiderivative of its regular part"):
+    with pytest.raises(
+        ValueError, match="regular potential is not an antiderivative of its regular part"
+    ):
         solve(sie.Forcing(np.sin, lambda x: -np.cos(x)), kernel=kernel)
 
 
 def test_a_sum_of_kernels_has_a_potential_only_if_all_of_them_have():
-    bare, whole = sie.Smooth(lambda x, xi: x + xi), sie.Smooth(lambda x, xi: np.cos(x - xi), lambda x, xi: np.sin(x - xi))
-    for kernel in (sie.cauchy() + bare + whole, sie.cauchy() + whole + bare, sie.hilbert(5.0) + bare):
+    bare, whole = (
+        sie.Smooth(lambda x, xi: x + xi),
+        sie.Smooth(lambda x, xi: np.cos(x - xi), lambda x, xi: np.sin(x - xi)),
+    )
+    for kernel in (
+        sie.cauchy() + bare + whole,
+        sie.cauchy() + whole + bare,
+        sie.hilbert(5.0) + bare,
+    ):
         assert kernel.regular_potential is None
         with pytest.raises(ValueError, match="potential"):
             solve(sie.Forcing(np.sin, lambda x: -np.cos(x)), kernel=kernel)
@@ -74,19 +109,25 @@ def test_a_sum_of_kernels_has_a_potential_only_if_all_of_them_have():
 
 
 def test_rough_right_sides_with_their_own_primitives_are_taken():
-    """Kinks, jumps that are not declared, a fast wave, a large constant, and narrow zones far from the origin."""
+    """Kinks, jumps that are not declared, a fast wave, a large constant, and narrow zones far from
+    the origin.
+    """
     for value, primitive in (
         (np.sign, np.abs),
         (lambda x: 1.0 * (x > 0.65), lambda x: np.maximum(x - 0.65, 0.0)),
         (lambda x: np.sin(3e3 * x), lambda x: -np.cos(3e3 * x) / 3e3),
         (lambda x: x, lambda x: 1e6 + 0.5 * x * x),
-        (lambda x: np.sin(x) + 1e-3 * np.sign(np.sin(500 * x)), lambda x: -np.cos(x) + 1e-3 * np.arccos(np.cos(500 * x)) / 500),
+        (
+            lambda x: np.sin(x) + 1e-3 * np.sign(np.sin(500 * x)),
+            lambda x: -np.cos(x) + 1e-3 * np.arccos(np.cos(500 * x)) / 500,
+        ),
     ):
         solve(sie.Forcing(value, primitive))
         solve(sie.Forcing(value, primitive), ends=1e3 + 1e-5 * np.array(TWO))
 
 
-# Symmetric sets -----------------------------------------------------------------------------------------------------------------
+# Symmetric sets
+# -----------------------------------------------------------------------------------------------------------------
 def test_data_that_are_no_mirror_images_are_refused_where_zones_are_said_to_be():
     odd, even = sie.Forcing(np.sin, lambda x: -np.cos(x)), sie.Forcing(np.cos, np.sin)
     solve(odd, ends=MIRRORED, symmetric=True)
@@ -95,7 +136,13 @@ def test_data_that_are_no_mirror_images_are_refused_where_zones_are_said_to_be()
     with pytest.raises(ValueError, match="symmetric=True.*column 0: value is not odd"):
         solve(odd, (*LEVEL, sie.moment(0.0)), MIRRORED, columns=(even,), symmetric=True)
     with pytest.raises(ValueError, match="symmetric=True.*regular part is not odd"):
-        solve(odd, (sie.ZoneTotals(1.0),), MIRRORED, sie.cauchy() + sie.Smooth(lambda x, xi: np.cos(x + 2 * xi)), symmetric=True)
+        solve(
+            odd,
+            (sie.ZoneTotals(1.0),),
+            MIRRORED,
+            sie.cauchy() + sie.Smooth(lambda x, xi: np.cos(x + 2 * xi)),
+            symmetric=True,
+        )
 
 
 def test_an_asymmetry_between_the_places_looked_at_is_stated():
@@ -105,13 +152,16 @@ def test_an_asymmetry_between_the_places_looked_at_is_stated():
     assert solve(bump, (sie.ZoneTotals(1.0),), MIRRORED).density_error < 1e-12
 
 
-# Kernels that declare a reach, and many zones ----------------------------------------------------------------------------------
+# Kernels that declare a reach, and many zones
+# ----------------------------------------------------------------------------------
 @pytest.mark.parametrize("reach", [0.0, 0.3, 2.0, 100.0, np.inf])
 @pytest.mark.parametrize("ends", [[[-1.0, 1.0]], TWO], ids=len)
 def test_a_regular_part_couples_whatever_reach_it_declares(reach, ends):
     kernel = sie.Kernel(regular=lambda x, xi: np.cos(2 * (x - xi)), reach=reach)
     state = solve(sie.Forcing(np.sin), (sie.ZoneTotals(1.0),), ends, kernel)
-    other = solve(sie.Forcing(np.sin), (sie.ZoneTotals(1.0),), ends, sie.cauchy() + sie.Smooth(kernel.regular))
+    other = solve(
+        sie.Forcing(np.sin), (sie.ZoneTotals(1.0),), ends, sie.cauchy() + sie.Smooth(kernel.regular)
+    )
     assert state.system.layout.m.min() >= 10
     t = np.linspace(-0.9, 0.9, 9)
     for i in range(len(ends)):
@@ -120,16 +170,26 @@ def test_a_regular_part_couples_whatever_reach_it_declares(reach, ends):
     angle = (np.arange(60) + 0.5) * np.pi / 60
     middle, half = state.density.zones.middle[:, None], state.density.zones.half[:, None]
     xi = middle + half * np.cos(angle)
-    weights = state.density.at_t(np.arange(len(ends))[:, None], np.cos(angle)) * np.sin(angle) * half / 60
+    weights = (
+        state.density.at_t(np.arange(len(ends))[:, None], np.cos(angle)) * np.sin(angle) * half / 60
+    )
     x = middle[0, 0] + half[0, 0] * t
     rest = np.array([np.sum(weights * np.cos(2 * (one - xi))) for one in x])
-    poles = sie.Density(state.density.zones, sie.cauchy(), state.density.coefficients, state.density.jumps, np.zeros(0))
+    poles = sie.Density(
+        state.density.zones,
+        sie.cauchy(),
+        state.density.coefficients,
+        state.density.jumps,
+        np.zeros(0),
+    )
     assert poles.transform(x) + rest == pytest.approx(np.sin(x), abs=1e-12)
     assert state.density_error < 1e-12
 
 
 def test_modes_of_many_zones_grow_one_by_one_with_a_kernel_of_ones_own():
-    """Of lightly loaded zones rounding of their neighbours' fields is no tail; what one zone needs the others need not have."""
+    """Of lightly loaded zones rounding of their neighbours' fields is no tail; what one zone needs
+    the others need not have.
+    """
     place = np.arange(40)
     light, narrow = place % 7 == 3, place % 9 == 5
     table = np.column_stack((place, place + np.where(narrow, 0.01, 0.6)))
@@ -146,8 +206,14 @@ def test_modes_of_many_zones_grow_one_by_one_with_a_kernel_of_ones_own():
 
 @pytest.mark.parametrize(
     ("options", "message"),
-    [({"poles": (1.0, 0.0)}, "first of them 0"), ({"poles": (0.0, 1.0, 1.0)}, "different"), ({"poles": ()}, "poles"),
-     ({"period": -1.0}, "period"), ({"datum": 0.0}, "datum"), ({"regular_potential": lambda x, xi: x}, "no regular part")],
+    [
+        ({"poles": (1.0, 0.0)}, "first of them 0"),
+        ({"poles": (0.0, 1.0, 1.0)}, "different"),
+        ({"poles": ()}, "poles"),
+        ({"period": -1.0}, "period"),
+        ({"datum": 0.0}, "datum"),
+        ({"regular_potential": lambda x, xi: x}, "no regular part"),
+    ],
 )
 def test_kernels_that_mean_nothing_are_refused_by_name(options, message):
     with pytest.raises(ValueError, match=message):
@@ -155,7 +221,8 @@ def test_kernels_that_mean_nothing_are_refused_by_name(options, message):
 
 
 def test_a_primitive_that_is_rounded_to_more_than_it_rises_by_is_not_called_wrong():
-    # On a zone of 1e-10 a primitive of the size of one keeps nothing of the rise of a function that is as small as the places.
+    # On a zone of 1e-10 a primitive of the size of one keeps nothing of the rise of a function that
+    # is as small as the places.
     forcing = sie.Forcing(lambda x: 2 * x, lambda x: 1 + x**2)
     zones = sie.Zones.of(np.array([[-1e-10, 1e-10], [2e-10, 3e-10]]))
     look_at(sie.Equation(sie.cauchy(), forcing, (sie.EqualPotential(),)), zones)

@@ -64,7 +64,9 @@ def test_the_right_side_is_the_derivative_of_its_primitive(form):
 def test_density_by_place_is_density_by_normalised_position_and_zero_off_the_zones(form):
     for i, (a, b) in enumerate(form.zones):
         t = np.array([-0.9, 0.2, 0.7])
-        assert form.density(0.5 * (a + b) + 0.5 * (b - a) * t) == pytest.approx(form.at(t, i), rel=1e-13)
+        assert form.density(0.5 * (a + b) + 0.5 * (b - a) * t) == pytest.approx(
+            form.at(t, i), rel=1e-13
+        )
     assert np.all(form.density(np.array([form.zones[0, 0] - 0.01, form.zones[-1, 1] + 0.01])) == 0)
 
 
@@ -86,34 +88,48 @@ def test_the_opening_of_a_crack_is_the_integral_of_its_density(form):
     a = form.half_width
     for x in (-0.8 * a, 0.0, 0.5 * a):
         angle = math.acos(x / a)
-        found = reference.quad(lambda theta: float(form.at(np.cos(theta))) * a * np.sin(theta), angle, np.pi)[0]
+        found = reference.quad(
+            lambda theta: float(form.at(np.cos(theta))) * a * np.sin(theta), angle, np.pi
+        )[0]
         assert found == pytest.approx(float(form.opening(x)), rel=1e-10)
 
 
 def test_a_prescribed_intensity_is_what_remains_at_the_end():
     form = exact.PrescribedIntensity(0.7, -0.2, 3.0)
     d = 1e-12
-    assert float(form.at(1 - d / 0.7)) * math.sqrt(d) == pytest.approx(-0.2, rel=1e-4)  # t loses 1e-16 / (d/a)
+    assert float(form.at(1 - d / 0.7)) * math.sqrt(d) == pytest.approx(
+        -0.2, rel=1e-4
+    )  # t loses 1e-16 / (d/a)
 
 
 def test_two_zones_share_one_level():
     form = exact.TwoZones(0.3, 0.8, 2.0)
     gap = reference.quad(
-        lambda x: reference.transform(form.at, form.zones, x, reference.cauchy) - float(form.value(x)), -0.3, 0.3
+        lambda x: (
+            reference.transform(form.at, form.zones, x, reference.cauchy) - float(form.value(x))
+        ),
+        -0.3,
+        0.3,
     )[0]
     assert gap == pytest.approx(0.0, abs=1e-10)
 
 
-@pytest.mark.parametrize("wrong", [exact.Hertz(0.7, 3.0 * (1 + 1e-6)), exact.Wedge(0.7 * (1 + 1e-6), 3.0)])
+@pytest.mark.parametrize(
+    "wrong", [exact.Hertz(0.7, 3.0 * (1 + 1e-6)), exact.Wedge(0.7 * (1 + 1e-6), 3.0)]
+)
 def test_a_density_off_by_a_millionth_does_not_pass(wrong):
     right = exact.Hertz(0.7, 3.0)
     x = 0.31
-    found = reference.transform(wrong.at, wrong.zones, x, reference.cauchy, getattr(wrong, "jumps_at", ()))
+    found = reference.transform(
+        wrong.at, wrong.zones, x, reference.cauchy, getattr(wrong, "jumps_at", ())
+    )
     assert abs(found - float(right.value(x))) > 1e3 * TOL
 
 
 def test_the_closed_forms_do_not_import_the_solver():
     tree = ast.parse(Path(exact.__file__).read_text())
     modules = {node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}
-    modules |= {name.name for node in ast.walk(tree) if isinstance(node, ast.Import) for name in node.names}
+    modules |= {
+        name.name for node in ast.walk(tree) if isinstance(node, ast.Import) for name in node.names
+    }
     assert not any(module.startswith("sie") for module in modules)

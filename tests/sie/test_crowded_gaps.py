@@ -1,4 +1,6 @@
-"""Narrow zones beside a wide one with many knots of the density: they feel its sum, not the powers that it is made of."""
+"""Narrow zones beside a wide one with many knots of the density: they feel its sum, not the powers
+that it is made of.
+"""
 
 from __future__ import annotations
 
@@ -21,10 +23,18 @@ def crowded() -> sie.Equation:
     knots = np.arange(KNOTS) + rng.uniform(-0.3, 0.3, KNOTS)
     spline = BSpline(knots, np.pad(rng.normal(size=KNOTS - 9), 3), 2)
     at = knots[2:-2]
-    pieces = np.column_stack((spline(at), spline(at, 1), 0.5 * spline(0.5 * (at + np.append(at[1:], at[-1])), 2)))[:-1]
+    pieces = np.column_stack(
+        (spline(at), spline(at, 1), 0.5 * spline(0.5 * (at + np.append(at[1:], at[-1])), 2))
+    )[:-1]
     jumps = np.diff(2 * pieces[:, 2], prepend=0.0, append=0.0)
     right = sie.PiecewiseTransform(sie.cauchy(), at, pieces, at, jumps)
-    forcing = sie.Forcing(right, density_jumps_at=at, density_jumps=jumps, density_orders=np.full(len(at), 2), spline=spline)
+    forcing = sie.Forcing(
+        right,
+        density_jumps_at=at,
+        density_jumps=jumps,
+        density_orders=np.full(len(at), 2),
+        spline=spline,
+    )
     return sie.Equation(sie.cauchy(), forcing, (sie.ZoneTotals(),))
 
 
@@ -34,7 +44,9 @@ def state(monkeypatch) -> sie.State:
     return sie.solve_fixed(crowded(), ZONES, 1e-11)
 
 
-def test_the_unknowns_are_of_the_size_of_the_density_and_it_is_the_one_that_its_parts_give(state, monkeypatch):
+def test_the_unknowns_are_of_the_size_of_the_density_and_it_is_the_one_that_its_parts_give(
+    state, monkeypatch
+):
     t = np.linspace(-0.98, 0.98, 41)
     values = [state.density.at_t(zone, t) for zone in range(3)]
     assert state.iterated and np.abs(state.density.coefficients).max() > 1e3 * np.abs(values).max()
@@ -43,7 +55,9 @@ def test_the_unknowns_are_of_the_size_of_the_density_and_it_is_the_one_that_its_
     monkeypatch.setattr("sie.collocation.fixed.MANY_UNKNOWNS", 10**6)
     parts = sie.solve_fixed(crowded(), ZONES, 1e-11)
     assert np.abs(parts.unknowns).max() > 1e3 * np.abs(values).max()
-    assert values == pytest.approx(np.array([parts.density.at_t(zone, t) for zone in range(3)]), abs=1e-9)
+    assert values == pytest.approx(
+        np.array([parts.density.at_t(zone, t) for zone in range(3)]), abs=1e-9
+    )
 
 
 def test_what_a_shift_by_a_last_digit_does_to_the_ends_is_stated_as_rounding(state):
@@ -59,6 +73,8 @@ def test_what_a_shift_by_a_last_digit_does_to_the_ends_is_stated_as_rounding(sta
 def test_coefficients_of_jumps_beside_the_left_end_have_the_digits_of_those_beside_the_right():
     zones, places, count = sie.Zones.of([[-1.0, 1.0]]), np.array([1 - 2.0**-20, 0.75]), 3000
     height, order = np.array([0.8, 1.3]), np.array([2, 0])
-    right, left = (DensityJumps.inside(zones, side * places, height, order, sie.cauchy()) for side in (1, -1))
+    right, left = (
+        DensityJumps.inside(zones, side * places, height, order, sie.cauchy()) for side in (1, -1)
+    )
     turned = -((-1.0) ** np.arange(count)) * left.t_coefficients(zones, count)
     assert np.abs(turned - right.t_coefficients(zones, count)).max() < 1e-18

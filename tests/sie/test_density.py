@@ -58,7 +58,9 @@ def test_the_potential_is_the_logarithmic_integral(case):
 
 def test_the_potential_of_a_wrong_density_does_not_pass(case):
     density, _, logarithm = case
-    wrong = reference.potential(lambda t, zone: density.at_t(zone, t) * (1 + 1e-8), ENDS, 0.25, logarithm, [KINK])
+    wrong = reference.potential(
+        lambda t, zone: density.at_t(zone, t) * (1 + 1e-8), ENDS, 0.25, logarithm, [KINK]
+    )
     assert abs(density.potential(0.25) - wrong) > 1e-10
 
 
@@ -78,8 +80,15 @@ def test_the_derivative_of_the_potential_is_the_transform(case):
     density, _, _ = case
     h = 1e-4
     for x in (-0.3, -0.1, 0.0, 0.065, 0.3, 0.41, 0.48):
-        slope = np.dot(density.potential(x + h * np.array([-2, -1, 1, 2])), [1 / 12, -2 / 3, 2 / 3, -1 / 12]) / h
-        # Fourth order: h^4 over the fifth power of the distance from an end, at least 0.02; rounding 1e-16 / h.
+        slope = (
+            np.dot(
+                density.potential(x + h * np.array([-2, -1, 1, 2])),
+                [1 / 12, -2 / 3, 2 / 3, -1 / 12],
+            )
+            / h
+        )
+        # Fourth order: h^4 over the fifth power of the distance from an end, at least 0.02;
+        # rounding 1e-16 / h.
         assert slope == pytest.approx(float(density.transform(x)), abs=1e-7)
 
 
@@ -106,8 +115,12 @@ def test_far_away_the_transform_decays_like_total_over_distance():
         x = sign * distances
         leading = density.transform(x) * np.pi * x / density.total
         # The next term is the moment over total and x.
-        assert leading - 1 == pytest.approx(density.moment() / density.total / x, rel=0.02, abs=1e-14)
-        assert density.potential(x) == pytest.approx(density.total / np.pi * np.log(distances), rel=1e-2)
+        assert leading - 1 == pytest.approx(
+            density.moment() / density.total / x, rel=0.02, abs=1e-14
+        )
+        assert density.potential(x) == pytest.approx(
+            density.total / np.pi * np.log(distances), rel=1e-2
+        )
 
 
 def test_the_intensities_and_slopes_are_the_expansion_at_the_ends():
@@ -126,8 +139,10 @@ def test_the_intensities_and_slopes_are_the_expansion_at_the_ends():
 def test_the_density_vanishes_exactly_at_bounded_ends_and_keeps_its_digits_beside_them():
     equation = sie.Equation(sie.cauchy(), sie.Forcing(lambda x: x), (sie.Total(np.pi / 2),))
     free = sie.find_ends(equation, sie.Zones.of([[-0.6, 0.9]]), 1e-13).density
-    held = sie.solve_fixed(sie.Equation(sie.cauchy(), sie.Forcing(lambda x: x), ()),
-                           sie.Zones.of([[-1, 1]], sie.BOUNDED, sie.BOUNDED, symmetric=True)).density
+    held = sie.solve_fixed(
+        sie.Equation(sie.cauchy(), sie.Forcing(lambda x: x), ()),
+        sie.Zones.of([[-1, 1]], sie.BOUNDED, sie.BOUNDED, symmetric=True),
+    ).density
     d = 10.0 ** np.arange(-30, -3)
     for density in (free, held):
         assert np.all(density(density.zones.table.ravel()) == 0)
@@ -136,7 +151,9 @@ def test_the_density_vanishes_exactly_at_bounded_ends_and_keeps_its_digits_besid
 
 
 def test_a_singular_end_is_infinite_and_the_middle_is_not():
-    equation = sie.Equation(sie.cauchy(), sie.Forcing(np.zeros_like, np.zeros_like), (sie.Total(1.0),))
+    equation = sie.Equation(
+        sie.cauchy(), sie.Forcing(np.zeros_like, np.zeros_like), (sie.Total(1.0),)
+    )
     density = sie.solve_fixed(equation, sie.Zones.of([[-1, 1]], sie.SINGULAR, sie.SINGULAR)).density
     assert np.all(np.isposinf(density([-1, 1])))
     assert density(0.0) == pytest.approx(1 / np.pi)
@@ -169,7 +186,8 @@ def test_with_a_period_everything_repeats(periods):
     density = solved(sie.hilbert(1.0))
     x = np.array(PLACES)
     for f in (density, density.transform, density.potential):
-        # Distances from an end are known to 1e-16 * 1000 there; next to a singular end that counts by 1 / d.
+        # Distances from an end are known to 1e-16 * 1000 there; next to a singular end that counts
+        # by 1 / d.
         assert f(x + periods) == pytest.approx(f(x), rel=1e-8)
 
 
@@ -180,9 +198,13 @@ def test_zones_several_periods_away_are_the_same_zones(periods):
     def there(x):
         return value(x - periods)
 
-    forcing = sie.Forcing(there, lambda x: primitive(x - periods), np.array([KINK]), np.array([0.4]))
+    forcing = sie.Forcing(
+        there, lambda x: primitive(x - periods), np.array([KINK]), np.array([0.4])
+    )
     equation = sie.Equation(sie.hilbert(1.0), forcing, (sie.Total(0.3), sie.EqualPotential()))
-    moved = sie.solve_fixed(equation, sie.Zones.of(ENDS + periods, sie.SINGULAR, sie.SINGULAR)).density
+    moved = sie.solve_fixed(
+        equation, sie.Zones.of(ENDS + periods, sie.SINGULAR, sie.SINGULAR)
+    ).density
     t = np.linspace(-0.9, 0.9, 9)
     for i in range(3):
         # The ends are rounded to 100 eps, over the narrowest zone's width 0.08.

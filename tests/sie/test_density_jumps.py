@@ -1,4 +1,6 @@
-"""Jumps of the density and of its derivatives: closed forms against their series and against quadrature."""
+"""Jumps of the density and of its derivatives: closed forms against their series and against
+quadrature.
+"""
 
 import numpy as np
 import pytest
@@ -14,13 +16,17 @@ NO_COEFFICIENTS = np.zeros((2, 1))
 PERIOD = 3.5
 # One jump of each order, one in each zone near an end, and one near a middle.
 PLACES = [(-1.25, 0), (-0.45, 0), (1.1, 0), (-0.9, 1), (1.55, 1), (0.1, 2), (1.25, 2)]
-each_place = pytest.mark.parametrize(("at", "order"), quick(PLACES, [(-0.45, 0), (-0.9, 1), (1.25, 2)]))
+each_place = pytest.mark.parametrize(
+    ("at", "order"), quick(PLACES, [(-0.45, 0), (-0.9, 1), (1.25, 2)])
+)
 
 
 def single(at, order, height=0.8, kernel=None):
     """The density that a single jump is subtracted with, by the engine."""
     kernel = kernel or sie.cauchy()
-    jumps = DensityJumps.inside(ZONES, np.array([at]), np.array([height]), np.array([order]), kernel)
+    jumps = DensityJumps.inside(
+        ZONES, np.array([at]), np.array([height]), np.array([order]), kernel
+    )
     return jumps, sie.Density(ZONES, kernel, NO_COEFFICIENTS, jumps, np.zeros(0))
 
 
@@ -34,7 +40,11 @@ def test_the_closed_density_is_the_sum_of_its_series(at, order):
     zone, count = int(jumps.zone[0]), 40000
     t = np.array([-0.95, -0.4, 0.13, 0.8])
     theta = np.arccos(t)
-    summed = np.cos(theta[:, None] * np.arange(count)) @ jumps.t_coefficients(ZONES, count)[zone] / np.sin(theta)
+    summed = (
+        np.cos(theta[:, None] * np.arange(count))
+        @ jumps.t_coefficients(ZONES, count)[zone]
+        / np.sin(theta)
+    )
     assert density.at_t(zone, t) == pytest.approx(summed, abs=2e-3 / count**order)
 
 
@@ -43,7 +53,11 @@ def test_the_density_jumps_in_the_derivative_of_its_order_and_vanishes_at_the_en
     _, density = single(at, order)
     h = 1e-3
     x = at + h * np.arange(1, 5)
-    weights = {0: [4.0, -6.0, 4.0, -1.0], 1: [-26 / 6, 9.5, -7.0, 11 / 6], 2: [3.0, -8.0, 7.0, -2.0]}[order]
+    weights = {
+        0: [4.0, -6.0, 4.0, -1.0],
+        1: [-26 / 6, 9.5, -7.0, 11 / 6],
+        2: [3.0, -8.0, 7.0, -2.0],
+    }[order]
     above = np.dot(weights, density(x)) / h**order
     below = np.dot(weights, density(2 * at - x)) * (-1.0) ** order / h**order
     assert above - below == pytest.approx(0.8, rel=1e-3)
@@ -56,7 +70,9 @@ def test_the_transform_is_that_of_the_density_on_and_off_the_zone(at, order, ker
     _, density = single(at, order, kernel=kernel)
     plain = reference.cauchy if kernel.period is None else reference.hilbert(PERIOD)
     for x in (-2.0, -1.35, 0.42, 0.8, 1.7, 30.0, -1.0, -0.2, 0.35, 1.0, 1.4):
-        expected = reference.transform(density_of(density), ZONES.table, x if kernel.period is None else inside(x), plain, [at])
+        expected = reference.transform(
+            density_of(density), ZONES.table, x if kernel.period is None else inside(x), plain, [at]
+        )
         assert density.transform(x) == pytest.approx(expected, abs=1e-10)
 
 
@@ -68,7 +84,9 @@ def inside(x):
 def test_the_potential_is_that_of_the_density_on_and_off_the_zone(at, order):
     _, density = single(at, order)
     for x in (-2.0, -1.0, 0.3, 0.42, 1.0, 1.58, 30.0):
-        expected = reference.potential(density_of(density), ZONES.table, x, reference.log_cauchy, [at])
+        expected = reference.potential(
+            density_of(density), ZONES.table, x, reference.log_cauchy, [at]
+        )
         assert density.potential(x) == pytest.approx(expected, abs=1e-10)
 
 
@@ -79,7 +97,10 @@ def test_the_integral_along_the_zone_is_that_of_the_density(at, order):
     a, b = ZONES.table[zone]
     for x in np.linspace(a, b, 7)[1:]:
         pieces = [a, at, x] if at < x else [a, x]
-        expected = sum(quad(density, lo, hi, epsabs=1e-12)[0] for lo, hi in zip(pieces[:-1], pieces[1:], strict=True))
+        expected = sum(
+            quad(density, lo, hi, epsabs=1e-12)[0]
+            for lo, hi in zip(pieces[:-1], pieces[1:], strict=True)
+        )
         theta = 2 * np.arctan2(np.sqrt(b - x), np.sqrt(x - a))
         assert density.integral_at(zone, theta) == pytest.approx(expected, abs=1e-10)
 
@@ -96,17 +117,27 @@ def equation(kernel, at, order, height):
         # At a node on a break itself there is no logarithm left to take.
         return x + np.where((q > 0) & (away != 0), logs, 0.0) @ height / np.pi
 
-    forcing = sie.Forcing(value, density_jumps_at=np.array(at), density_jumps=np.array(height), density_orders=q)
+    forcing = sie.Forcing(
+        value, density_jumps_at=np.array(at), density_jumps=np.array(height), density_orders=q
+    )
     return sie.Equation(kernel, forcing, (sie.ZoneTotals(0.0),)), forcing
 
 
 def test_right_sides_with_logarithms_are_solved_with_few_modes_and_met_everywhere():
-    at, order, height = [-1.25, -0.45, 1.1, 0.2, 1.55], [0, 0, 0, 1, 2], np.array([0.8, -0.3, 1.1, 0.7, -2.0])
+    at, order, height = (
+        [-1.25, -0.45, 1.1, 0.2, 1.55],
+        [0, 0, 0, 1, 2],
+        np.array([0.8, -0.3, 1.1, 0.7, -2.0]),
+    )
     problem, forcing = equation(sie.cauchy(), at, order, height)
     state = sie.solve_fixed(problem, sie.Zones.of(ZONES.table, sie.SINGULAR, sie.SINGULAR))
     assert state.sizes.own.max() <= 48
     x = np.concatenate((np.linspace(-1.29, 0.39, 50), np.linspace(0.91, 1.59, 50)))
-    logs = sum(h / np.pi * np.log(np.abs(x - s)) for s, q, h in zip(at, order, height, strict=True) if q == 0)
+    logs = sum(
+        h / np.pi * np.log(np.abs(x - s))
+        for s, q, h in zip(at, order, height, strict=True)
+        if q == 0
+    )
     assert state.density.transform(x) == pytest.approx(forcing.value(x) + logs, abs=1e-11)
     assert state.density.totals == pytest.approx(0.0, abs=1e-14)
     left_of, right_of = (state.density(np.array(at) + side) for side in (-1e-9, 1e-9))
@@ -119,14 +150,18 @@ def test_a_zone_far_from_the_origin_loses_no_digit_to_its_width(half_width):
     # About 0.375 the zone is exact in binary, and so are its mirror images.
     half_width = 2.0 ** np.round(np.log2(half_width))
     zone = sie.Zones.of([[0.375 - half_width, 0.375 + half_width]], sie.SINGULAR, sie.SINGULAR)
-    forcing = sie.Forcing(np.zeros_like, density_jumps_at=np.array([0.375]), density_jumps=np.array([-1.0]))
+    forcing = sie.Forcing(
+        np.zeros_like, density_jumps_at=np.array([0.375]), density_jumps=np.array([-1.0])
+    )
     problem = sie.Equation(sie.cauchy(), forcing, (sie.ZoneTotals(0.0),))
     state = sie.solve_fixed(problem, zone)
     t = np.array([-0.9, -0.2, 0.3, 0.8])
     # By symmetry no c_1: -eta + c_1 T_1 / sqrt with the constant -(1/pi) ln(w/2).
     eta = np.arccos(t) / np.pi - (t < 0)
     constant = -np.log(half_width / 2) / np.pi
-    assert state.density.at_t(0, t) == pytest.approx(-eta - constant * t / np.sqrt(1 - t * t), abs=1e-13)
+    assert state.density.at_t(0, t) == pytest.approx(
+        -eta - constant * t / np.sqrt(1 - t * t), abs=1e-13
+    )
 
 
 @pytest.mark.parametrize("kernel", [sie.cauchy(), sie.hilbert(PERIOD)], ids=["cauchy", "hilbert"])
@@ -144,7 +179,13 @@ def test_the_potential_rises_by_the_integral_of_the_transform_from_end_to_end(at
 
 def test_forcing_and_density_jumps_together_and_conditions_on_potentials_are_refused():
     with pytest.raises(ValueError, match="jumps or density_jumps"):
-        sie.Forcing(np.zeros_like, jumps_at=np.zeros(1), jumps=np.ones(1), density_jumps_at=np.zeros(1), density_jumps=np.ones(1))
+        sie.Forcing(
+            np.zeros_like,
+            jumps_at=np.zeros(1),
+            jumps=np.ones(1),
+            density_jumps_at=np.zeros(1),
+            density_jumps=np.ones(1),
+        )
     forcing = sie.Forcing(np.zeros_like, density_jumps_at=np.zeros(1), density_jumps=np.ones(1))
     with pytest.raises(ValueError, match="potentials"):
         sie.Equation(sie.cauchy(), forcing, (sie.Total(1.0), sie.EqualPotential()))
@@ -155,7 +196,9 @@ OUTSIDE = [-1.31, 0.4, 0.4 + 1e-4, 0.89]
 
 def beside(at, kernel=None, height=0.8):
     kernel = kernel or sie.cauchy()
-    jumps = DensityJumps.inside(ZONES, np.array([at]), np.array([height]), np.zeros(1, dtype=int), kernel)
+    jumps = DensityJumps.inside(
+        ZONES, np.array([at]), np.array([height]), np.zeros(1, dtype=int), kernel
+    )
     return jumps, sie.Density(ZONES, kernel, NO_COEFFICIENTS, jumps, np.zeros(0))
 
 
@@ -173,7 +216,11 @@ def test_a_logarithm_just_outside_has_its_own_bounded_density(at):
         expected = -0.8 * 2 / np.pi * np.sin(theta[:, None] * j) @ (rho**j / j)
         slow = 2e-4 if abs(rho) > 0.99 else 1e-12
         assert density.at_t(zone, t) == pytest.approx(expected, abs=slow)
-        summed = np.cos(theta[:, None] * np.arange(count)) @ jumps.t_coefficients(ZONES, count)[zone] / np.sin(theta)
+        summed = (
+            np.cos(theta[:, None] * np.arange(count))
+            @ jumps.t_coefficients(ZONES, count)[zone]
+            / np.sin(theta)
+        )
         assert density.at_t(zone, t) == pytest.approx(summed, abs=slow)
         assert density.at_t(zone, np.array([-1.0, 1.0])) == pytest.approx(0.0, abs=1e-15)
 
@@ -186,8 +233,12 @@ def test_its_transform_potential_and_integral_are_those_of_the_density(at, kerne
     log = reference.log_cauchy if kernel.period is None else reference.log_hilbert(PERIOD)
     for x in (-2.0, 0.42, 1.7, -1.0, 0.35, 1.4):
         moved = x if kernel.period is None else inside(x)
-        assert density.transform(x) == pytest.approx(reference.transform(density_of(density), ZONES.table, moved, plain), abs=1e-9)
-        assert density.potential(x) == pytest.approx(reference.potential(density_of(density), ZONES.table, moved, log), abs=1e-9)
+        assert density.transform(x) == pytest.approx(
+            reference.transform(density_of(density), ZONES.table, moved, plain), abs=1e-9
+        )
+        assert density.potential(x) == pytest.approx(
+            reference.potential(density_of(density), ZONES.table, moved, log), abs=1e-9
+        )
     for a, b in ZONES.table:
         x = np.linspace(a, b, 6)[1:-1]
         expected = [quad(density, a, end, epsabs=1e-12, limit=200)[0] for end in x]
@@ -201,5 +252,7 @@ def test_a_logarithm_near_an_end_costs_no_modes(distance):
     state = sie.solve_fixed(problem, sie.Zones.of(ZONES.table, sie.SINGULAR, sie.SINGULAR))
     assert state.sizes.own.max() <= 24
     x = np.linspace(0.91, 1.59, 50)
-    logs = height[0] / np.pi * np.log(np.abs(x - 1.6 - distance)) + height[1] / np.pi * np.log(np.abs(x + 1.3 + distance))
+    logs = height[0] / np.pi * np.log(np.abs(x - 1.6 - distance)) + height[1] / np.pi * np.log(
+        np.abs(x + 1.3 + distance)
+    )
     assert state.density.transform(x) == pytest.approx(forcing.value(x) + logs, abs=1e-11)

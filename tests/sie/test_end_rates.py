@@ -1,4 +1,6 @@
-"""How intensities and levels follow moved ends: closed forms against a punch's own, and against solutions with moved ends."""
+"""How intensities and levels follow moved ends: closed forms against a punch's own, and against
+solutions with moved ends.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +12,10 @@ import sie
 END = sie.free_with_intensity(-0.1)
 APART = np.array([[-1.0, -0.3], [0.0, 0.5], [0.8, 1.0]])
 MIRRORED = np.array([[-1.0, -0.5], [-0.2, 0.2], [0.5, 1.0]])
-FORCING = sie.Forcing(lambda x: np.sin(3 * x) + 2 * x + 0.3 * np.cos(5 * x), lambda x: -np.cos(3 * x) / 3 + x**2 + 0.06 * np.sin(5 * x))
+FORCING = sie.Forcing(
+    lambda x: np.sin(3 * x) + 2 * x + 0.3 * np.cos(5 * x),
+    lambda x: -np.cos(3 * x) / 3 + x**2 + 0.06 * np.sin(5 * x),
+)
 ODD = sie.Forcing(lambda x: np.sin(3 * x) + 2 * x, lambda x: -np.cos(3 * x) / 3 + x**2)
 KERNELS = [sie.cauchy(), sie.cauchy(3.0), sie.hilbert(3.0), sie.images(2.5, 2)]
 
@@ -29,23 +34,41 @@ def _moved(table, side, i, by, symmetric):
 
 
 def test_a_flat_punch_under_a_held_load_loses_a_quarter_of_its_intensity_per_half_width():
-    # K = P / (pi sqrt(2 w)), and w grows by half of what one end moves; by the other end K changes as w does.
-    state = _state(sie.cauchy(), sie.Forcing(np.zeros_like, np.zeros_like), (sie.Total(1.0),), [[-2.0, 2.0]])
+    # K = P / (pi sqrt(2 w)), and w grows by half of what one end moves; by the other end K changes
+    # as w does.
+    state = _state(
+        sie.cauchy(), sie.Forcing(np.zeros_like, np.zeros_like), (sie.Total(1.0),), [[-2.0, 2.0]]
+    )
     k = 1 / (np.pi * np.sqrt(4.0))
-    assert sie.end_rates(state).intensities == pytest.approx(-k / 8.0 * np.array([[1.0, 1.0], [1.0, 1.0]]), rel=1e-13)
+    assert sie.end_rates(state).intensities == pytest.approx(
+        -k / 8.0 * np.array([[1.0, 1.0], [1.0, 1.0]]), rel=1e-13
+    )
 
 
 @pytest.mark.parametrize("kernel", KERNELS)
-@pytest.mark.parametrize("conditions", [(sie.Total(1.0), sie.EqualPotential()), (sie.Level(-2.0),), (sie.ZoneTotals(0.3),)])
-@pytest.mark.parametrize(("forcing", "table", "symmetric"), [(FORCING, APART, False), (ODD, MIRRORED, True), (ODD, MIRRORED[[0, 2]], True)])
-def test_rates_are_those_of_solutions_with_moved_ends(kernel, conditions, forcing, table, symmetric):
+@pytest.mark.parametrize(
+    "conditions",
+    [(sie.Total(1.0), sie.EqualPotential()), (sie.Level(-2.0),), (sie.ZoneTotals(0.3),)],
+)
+@pytest.mark.parametrize(
+    ("forcing", "table", "symmetric"),
+    [(FORCING, APART, False), (ODD, MIRRORED, True), (ODD, MIRRORED[[0, 2]], True)],
+)
+def test_rates_are_those_of_solutions_with_moved_ends(
+    kernel, conditions, forcing, table, symmetric
+):
     rates = sie.end_rates(_state(kernel, forcing, conditions, table, symmetric))
     levels = not isinstance(conditions[0], sie.ZoneTotals)
     size = np.abs(rates.intensities).max()
     for j, (side, i) in enumerate(rates.ends):
         h = 1e-4 * (table[i, 1] - table[i, 0])
-        states = [_state(kernel, forcing, conditions, _moved(table, side, i, q * h, symmetric), symmetric) for q in (1, -1, 2, -2)]
-        of_ends = [np.array([np.array(s.density.intensities)[end] for end in rates.ends]) for s in states]
+        states = [
+            _state(kernel, forcing, conditions, _moved(table, side, i, q * h, symmetric), symmetric)
+            for q in (1, -1, 2, -2)
+        ]
+        of_ends = [
+            np.array([np.array(s.density.intensities)[end] for end in rates.ends]) for s in states
+        ]
         slope = (8 * (of_ends[0] - of_ends[1]) - (of_ends[2] - of_ends[3])) / (12 * h)
         assert np.abs(slope - rates.intensities[:, j]).max() < 1e-9 * size
         if levels:

@@ -9,7 +9,10 @@ from sie.collocation.factored import Factored
 @pytest.mark.parametrize("size, columns", [(7, 3), (64, 8), (64, 40), (5, 0)])
 def test_several_right_sides_are_solved_as_each_alone(size, columns):
     rng = np.random.default_rng(size + columns)
-    matrix, right = rng.normal(size=(size, size)) + size * np.eye(size), rng.normal(size=(size, columns))
+    matrix, right = (
+        rng.normal(size=(size, size)) + size * np.eye(size),
+        rng.normal(size=(size, columns)),
+    )
     factors = Factored.of(matrix)
     assert factors(right).shape == factors.transposed(right).shape == right.shape
     np.testing.assert_allclose(matrix @ factors(right), right, rtol=0, atol=1e-12)

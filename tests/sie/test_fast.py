@@ -1,4 +1,6 @@
-"""Fast sums: what the assembled matrix gives, for any widths and distances, at a cost that grows with the zones and no faster."""
+"""Fast sums: what the assembled matrix gives, for any widths and distances, at a cost that grows
+with the zones and no faster.
+"""
 
 import gc
 import weakref
@@ -31,7 +33,9 @@ def scattered(count, rng, decades=2.5):
 
 def mirrored(zones):
     right = 0.5 * (zones.table + 0.46)
-    return sie.Zones.of(np.concatenate((-right[::-1, ::-1], [[-0.004, 0.004]], right)), symmetric=True)
+    return sie.Zones.of(
+        np.concatenate((-right[::-1, ::-1], [[-0.004, 0.004]], right)), symmetric=True
+    )
 
 
 def equation(kernel):
@@ -49,7 +53,9 @@ def systems(kernel, zones):
 
 def unknowns(layout, rng):
     """Coefficients that fall, for zones of any load."""
-    table = rng.uniform(-1, 1, (len(layout.m), int(layout.m.max()) + 1)) * 0.7 ** np.arange(int(layout.m.max()) + 1)
+    table = rng.uniform(-1, 1, (len(layout.m), int(layout.m.max()) + 1)) * 0.7 ** np.arange(
+        int(layout.m.max()) + 1
+    )
     return layout.flat(table * 10 ** rng.uniform(-3, 0, len(layout.m))[:, None])
 
 
@@ -77,14 +83,20 @@ def test_a_far_zone_left_out_is_seen(monkeypatch):
     direct, fast = systems(KERNELS["period"], scattered(40, rng))
     y = unknowns(direct.layout, rng)
     original = Nested.upward
-    monkeypatch.setattr(Nested, "upward", lambda self, leaves: original(self, leaves * (np.arange(len(leaves)) != 20)[:, None]))
+    monkeypatch.setattr(
+        Nested,
+        "upward",
+        lambda self, leaves: original(self, leaves * (np.arange(len(leaves)) != 20)[:, None]),
+    )
     matrix, _ = direct.equation_rows()
     assert np.abs(fast.applied(y)[0] - matrix @ y).max() > 1e-6
 
 
 @pytest.mark.parametrize("kernel", KERNELS.values(), ids=KERNELS)
 def test_every_pair_of_zones_is_met_once(kernel):
-    """Far pairs of nodes and near pairs of zones together: each target with each source, once for every image."""
+    """Far pairs of nodes and near pairs of zones together: each target with each source, once for
+    every image.
+    """
     zones = scattered(60, np.random.default_rng(5))
     tree = Tree.over(zones.a, zones.b)
     first, last = np.searchsorted(zones.a, tree.lo), np.searchsorted(zones.b, tree.hi)
@@ -105,11 +117,16 @@ def test_fields_anywhere_are_those_summed_zone_by_zone(kernel, count):
     rng = np.random.default_rng(7)
     zones = scattered(count, rng, decades=3.0)
     table = rng.uniform(-1, 1, (count, 12)) * 0.6 ** np.arange(12)
-    table[:, 0], table[:, 1] = -table[:, 2::2].sum(axis=1), -table[:, 3::2].sum(axis=1)  # bounded ends
+    table[:, 0], table[:, 1] = (
+        -table[:, 2::2].sum(axis=1),
+        -table[:, 3::2].sum(axis=1),
+    )  # bounded ends
     density = sie.Density(zones, kernel, table, ForcingJumps.none(), np.zeros(0))
     treecode = Treecode(density)
     t = rng.uniform(-1, 1, (count, 4))
-    x = np.concatenate(((zones.middle[:, None] + zones.half[:, None] * t).ravel(), rng.uniform(-0.5, 0.5, 400)))
+    x = np.concatenate(
+        ((zones.middle[:, None] + zones.half[:, None] * t).ravel(), rng.uniform(-0.5, 0.5, 400))
+    )
     if kernel.period is None:
         x = np.concatenate((x, [-40.0, -1.7, -0.6, 0.7, 1.19, 90.0]))
     assert treecode.transform(x) == pytest.approx(density.transform(x), abs=2e-13)
@@ -117,10 +134,18 @@ def test_fields_anywhere_are_those_summed_zone_by_zone(kernel, count):
 
 
 def test_half_a_period_off_the_middle_nothing_is_left_out():
-    """Where points are moved by periods to one side or the other, by rounding: the regular part of the kernel counts there, too."""
+    """Where points are moved by periods to one side or the other, by rounding: the regular part of
+    the kernel counts there, too.
+    """
     for seed in range(20):
         zones = scattered(9, np.random.default_rng(seed))
-        density = sie.Density(zones, KERNELS["period"], np.tile([0.5, 0.0, -0.5], (9, 1)), ForcingJumps.none(), np.zeros(0))
+        density = sie.Density(
+            zones,
+            KERNELS["period"],
+            np.tile([0.5, 0.0, -0.5], (9, 1)),
+            ForcingJumps.none(),
+            np.zeros(0),
+        )
         opposite = 0.5 * (zones.a[0] + zones.b[-1]) + 0.5 * np.array([-1.0, 1.0])
         x = (opposite[:, None] + 1e-16 * np.arange(-8, 9)).ravel()
         beside = opposite[0] + 1e-13
@@ -132,17 +157,25 @@ def test_half_a_period_off_the_middle_nothing_is_left_out():
 
 def test_all_that_is_asked_once_series_are_at_hand_is_summed_with_them():
     zones = scattered(20, np.random.default_rng(3))
-    density = sie.Density(zones, sie.cauchy(), np.tile([0.5, 0.0, -0.5], (20, 1)), ForcingJumps.none(), np.zeros(0))
+    density = sie.Density(
+        zones, sie.cauchy(), np.tile([0.5, 0.0, -0.5], (20, 1)), ForcingJumps.none(), np.zeros(0)
+    )
     before = density.transform(0.3)
     assert not density.has_series
     density.transform(np.linspace(-1.0, 1.0, 30_000))
     assert density.has_series
-    assert density.transform(0.3) == density.treecode.transform(np.array([0.3]))[0] == pytest.approx(before, rel=1e-12)
+    assert (
+        density.transform(0.3)
+        == density.treecode.transform(np.array([0.3]))[0]
+        == pytest.approx(before, rel=1e-12)
+    )
 
 
 def test_a_density_with_series_is_gone_as_soon_as_nobody_holds_it():
     zones = scattered(20, np.random.default_rng(3))
-    density = sie.Density(zones, sie.cauchy(), np.tile([0.5, 0.0, -0.5], (20, 1)), ForcingJumps.none(), np.zeros(0))
+    density = sie.Density(
+        zones, sie.cauchy(), np.tile([0.5, 0.0, -0.5], (20, 1)), ForcingJumps.none(), np.zeros(0)
+    )
     density.transform(np.linspace(-1.0, 1.0, 30_000))
     assert density.has_series
     held = weakref.ref(density)
@@ -156,26 +189,38 @@ def test_a_density_with_series_is_gone_as_soon_as_nobody_holds_it():
 
 @pytest.mark.parametrize("kernel", KERNELS.values(), ids=KERNELS)
 def test_few_zones_are_near_to_any_point_beside_a_cluster(kernel):
-    """A hundred equal zones beside a gap 250 times as wide as all of them: cells as long as their distance see them from afar."""
+    """A hundred equal zones beside a gap 250 times as wide as all of them: cells as long as their
+    distance see them from afar.
+    """
     first = 1e-5 * np.arange(100)
     density = sie.Density(
-        sie.Zones.of(np.column_stack((first, first + 5e-6))), kernel, np.tile([0.5, 0.0, -0.5], (100, 1)), ForcingJumps.none(), np.zeros(0)
+        sie.Zones.of(np.column_stack((first, first + 5e-6))),
+        kernel,
+        np.tile([0.5, 0.0, -0.5], (100, 1)),
+        ForcingJumps.none(),
+        np.zeros(0),
     )
     treecode = Treecode(density)
     ends = treecode.ends
     assert np.diff(treecode.start).max() <= 5
     assert np.all(np.diff(ends) > 0) and np.all(np.isin(density.zones.table, ends))
-    x = np.concatenate((np.geomspace(1e-9, 0.2, 40) + density.zones.b[-1], -np.geomspace(1e-9, 0.2, 40)))
+    x = np.concatenate(
+        (np.geomspace(1e-9, 0.2, 40) + density.zones.b[-1], -np.geomspace(1e-9, 0.2, 40))
+    )
     assert treecode.transform(x) == pytest.approx(density.transform(x), rel=1e-13, abs=2e-13)
 
 
 def test_closed_forms_evaluated_grow_with_the_zones_and_no_faster():
-    """Zones of one distribution, four times as many: four times the work, to the scatter of the distances."""
+    """Zones of one distribution, four times as many: four times the work, to the scatter of the
+    distances.
+    """
     sizes = []
     for count in (250, 1000, 4000):
         zones = scattered(count, np.random.default_rng(11), decades=1.0)
         m = np.full(len(zones), 8)
-        system = System(equation(KERNELS["period"]), zones, m, np.zeros((count, 9)), ForcingJumps.none())
+        system = System(
+            equation(KERNELS["period"]), zones, m, np.zeros((count, 9)), ForcingJumps.none()
+        )
         sizes.append(ZoneSums(zones, KERNELS["period"], system.layout).size)
     assert sizes[1] < 4.4 * sizes[0] and sizes[2] < 4.4 * sizes[1]
     assert sizes[2] < 0.1 * 9 * 8 * 3 * 4000**2  # the matrix' own
@@ -236,13 +281,22 @@ class TestGmres:
 
 
 def test_what_rounding_cuts_off_ends_is_felt_from_afar_too():
-    """Told apart, it is as if the ends stood there: of a narrow zone its width is the difference of the two."""
+    """Told apart, it is as if the ends stood there: of a narrow zone its width is the difference of
+    the two.
+    """
     rng = np.random.default_rng(3)
     zones = scattered(80, rng)
     rest = 1e-4 * rng.uniform(-1, 1, (2, 80)) * (zones.b - zones.a)
     moments = rng.normal(size=(80, TERMS))
-    told, there = Nested(Tree.over(zones.a, zones.b, rest)), Nested(Tree.over(zones.a + rest[0], zones.b + rest[1]))
-    for one, other in zip(FarSum(told, told, sie.cauchy())(moments)[:2], FarSum(there, there, sie.cauchy())(moments)[:2], strict=True):
+    told, there = (
+        Nested(Tree.over(zones.a, zones.b, rest)),
+        Nested(Tree.over(zones.a + rest[0], zones.b + rest[1])),
+    )
+    for one, other in zip(
+        FarSum(told, told, sie.cauchy())(moments)[:2],
+        FarSum(there, there, sie.cauchy())(moments)[:2],
+        strict=True,
+    ):
         assert np.abs(one - other).max() <= 1e-11 * np.abs(other).max()
 
 
@@ -253,12 +307,16 @@ def test_rough_sums_move_series_as_the_others_do():
     moments = rng.normal(size=(70, ROUGH))
     assert np.allclose(kept.upward(moments), made.upward(moments), rtol=0, atol=1e-12)
     series, middle = rng.normal(size=(ROUGH, len(kept.tree))), rng.normal(size=len(kept.tree))
-    for one, other in zip(*(nested.downward(series.copy(), middle.copy())[:2] for nested in (kept, made)), strict=True):
+    for one, other in zip(
+        *(nested.downward(series.copy(), middle.copy())[:2] for nested in (kept, made)), strict=True
+    ):
         assert np.allclose(one, other, rtol=0, atol=1e-11)
 
 
 def test_an_end_does_not_wait_for_zones_far_from_it():
-    """One that would close its gap waits for those about it to come to rest, but not for the others of very many."""
+    """One that would close its gap waits for those about it to come to rest, but not for the others
+    of very many.
+    """
     ends = np.arange(80.0).reshape(40, 2)
     ends[20, 1] += 0.9
     zones, delta = sie.Zones.of(ends), np.zeros((2, 40))

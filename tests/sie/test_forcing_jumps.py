@@ -1,4 +1,6 @@
-"""Jumps of the right side and of its derivatives: closed forms against their series and against quadrature."""
+"""Jumps of the right side and of its derivatives: closed forms against their series and against
+quadrature.
+"""
 
 import numpy as np
 import pytest
@@ -15,13 +17,19 @@ ZONES = sie.Zones.of([[-1.3, 0.4], [0.9, 1.6]])
 NO_COEFFICIENTS = np.zeros((2, 1))
 # One jump of each order, one in each zone near an end, and one near a middle.
 PLACES = [(-1.25, 0), (-0.45, 0), (1.1, 0), (-0.9, 1), (1.55, 1), (0.1, 2), (1.25, 2)]
-each_place = pytest.mark.parametrize(("at", "order"), quick(PLACES, [(-0.45, 0), (-0.9, 1), (1.25, 2)]))
+each_place = pytest.mark.parametrize(
+    ("at", "order"), quick(PLACES, [(-0.45, 0), (-0.9, 1), (1.25, 2)])
+)
 
 
 def single(at, order, height=0.8, kernel=None):
-    """The density that a single jump is subtracted with, and what the kernel makes of it, by the engine."""
+    """The density that a single jump is subtracted with, and what the kernel makes of it, by the
+    engine.
+    """
     kernel = kernel or sie.cauchy()
-    jumps = ForcingJumps.within(ZONES, np.array([at]), np.array([height]), np.array([order]), kernel.period)
+    jumps = ForcingJumps.within(
+        ZONES, np.array([at]), np.array([height]), np.array([order]), kernel.period
+    )
     return jumps, sie.Density(ZONES, kernel, NO_COEFFICIENTS, jumps, np.zeros(0))
 
 
@@ -33,7 +41,9 @@ def forcing(at, order, height=0.8, smooth=0.0):
         return smooth * x + height * np.where(x > at, (x - at) ** order, 0.0) / factorial[order]
 
     def primitive(x):
-        return 0.5 * smooth * x * x + height * np.maximum(x - at, 0.0) ** (order + 1) / factorial[order] / (order + 1)
+        return 0.5 * smooth * x * x + height * np.maximum(x - at, 0.0) ** (order + 1) / factorial[
+            order
+        ] / (order + 1)
 
     return sie.Forcing(value, primitive, np.array([at]), np.array([height]), np.array([order]))
 
@@ -47,7 +57,8 @@ def test_the_closed_density_is_the_sum_of_its_series(at, order):
     series = jumps.t_coefficients(ZONES, count)[zone]
     theta = np.arccos(t)
     summed = np.cos(theta[:, None] * np.arange(count)) @ series / np.sin(theta)
-    # Terms fall like l^-(1 + order) and alternate: what is left out is of the size of the last term over sin(theta).
+    # Terms fall like l^-(1 + order) and alternate: what is left out is of the size of the last term
+    # over sin(theta).
     assert density.at_t(zone, t) == pytest.approx(summed, abs=2e-3 / count**order)
 
 
@@ -71,7 +82,9 @@ def test_the_transform_on_the_zone_is_that_of_the_density(at, order):
 def test_the_potential_is_that_of_the_density_on_and_off_the_zone(at, order):
     _, density = single(at, order)
     for x in (-2.0, -1.0, 0.3, 0.42, 1.0, 1.58, 30.0):
-        expected = reference.potential(density_of(density), ZONES.table, x, reference.log_cauchy, [at])
+        expected = reference.potential(
+            density_of(density), ZONES.table, x, reference.log_cauchy, [at]
+        )
         assert density.potential(x) == pytest.approx(expected, abs=1e-10)
 
 
@@ -100,7 +113,8 @@ def test_a_kink_very_near_an_end_is_solved_like_any_other(distance, side):
     phi = 2 * np.arctan2(np.sqrt(1 - at), np.sqrt(1 + at))
     theta = np.arccos(t)
     kappa = np.log(np.abs(np.sin((theta + phi) / 2) / np.sin((theta - phi) / 2)))
-    # g = (step - phi/pi) + phi/pi: kappa/pi, less (phi/pi) T_1 / sqrt, and T_0 / sqrt for the total.
+    # g = (step - phi/pi) + phi/pi: kappa/pi, less (phi/pi) T_1 / sqrt, and T_0 / sqrt for the
+    # total.
     expected = kappa / np.pi + (-phi / np.pi * t + (1 - np.sin(phi)) / np.pi) / np.sin(theta)
     assert state.density.at_t(0, t) == pytest.approx(expected, abs=1e-13)
 
@@ -114,15 +128,23 @@ def test_a_kink_exactly_at_a_node_or_a_rounding_beside_it_is_no_trouble(n, zone)
     theta = np.arccos(t)
     from_node = sie.basis.chebyshev.lobatto(n)
     for k in (1, n // 3, n // 2, n):
-        node = a + w * from_node[2][k] if from_node[2][k] <= from_node[1][k] else b - w * from_node[1][k]
+        node = (
+            a + w * from_node[2][k]
+            if from_node[2][k] <= from_node[1][k]
+            else b - w * from_node[1][k]
+        )
         for at in (node, np.nextafter(node, np.inf), np.nextafter(node, -np.inf)):
             g = forcing(at, 0)
             equation = sie.Equation(sie.cauchy(), g, (sie.Total(1.0),))
-            density = sie.solve_fixed(equation, sie.Zones.of([zone], sie.SINGULAR, sie.SINGULAR)).density
+            density = sie.solve_fixed(
+                equation, sie.Zones.of([zone], sie.SINGULAR, sie.SINGULAR)
+            ).density
             phi = 2 * np.arctan2(np.sqrt(b - at), np.sqrt(at - a))
             kappa = 0.8 * np.log(np.abs(np.sin((theta + phi) / 2) / np.sin((theta - phi) / 2)))
             rest = -0.8 * phi * t + 1 / w - 0.8 * np.sin(phi)
-            assert density.at_t(0, t) == pytest.approx((kappa + rest / np.sin(theta)) / np.pi, abs=2e-12)
+            assert density.at_t(0, t) == pytest.approx(
+                (kappa + rest / np.sin(theta)) / np.pi, abs=2e-12
+            )
 
 
 def test_a_thousand_kinks_are_carried_exactly():
@@ -135,7 +157,9 @@ def test_a_thousand_kinks_are_carried_exactly():
     def primitive(x):
         return 2 * x * x + np.maximum(x[..., None] - at, 0) @ heights
 
-    equation = sie.Equation(sie.cauchy(), sie.Forcing(value, primitive, at, heights), (sie.Total(1.0),))
+    equation = sie.Equation(
+        sie.cauchy(), sie.Forcing(value, primitive, at, heights), (sie.Total(1.0),)
+    )
     state = sie.solve_fixed(equation, sie.Zones.of([[-1, 1]], sie.SINGULAR, sie.SINGULAR))
     x = np.linspace(-0.99, 0.99, 101)
     assert state.sizes.own[0] == 16
@@ -152,7 +176,9 @@ def test_with_a_period_jumps_repeat():
 
 
 def test_jumps_outside_the_zones_are_left_alone():
-    jumps = ForcingJumps.within(ZONES, np.array([-1.3, 0.4, 0.6, 5.0]), np.ones(4), np.zeros(4, dtype=int), None)
+    jumps = ForcingJumps.within(
+        ZONES, np.array([-1.3, 0.4, 0.6, 5.0]), np.ones(4), np.zeros(4, dtype=int), None
+    )
     assert len(jumps) == 0
 
 
@@ -174,9 +200,14 @@ def test_the_integral_of_kinks_along_a_zone_is_that_of_the_density(at):
     a, b = ZONES.table[zone]
     for x in np.linspace(a, b, 6)[1:]:
         pieces = [a, *(s for s in breaks if s < x), x]
-        expected = sum(quad(density, lo, hi, epsabs=1e-12)[0] for lo, hi in zip(pieces, pieces[1:], strict=False))
+        expected = sum(
+            quad(density, lo, hi, epsabs=1e-12)[0]
+            for lo, hi in zip(pieces, pieces[1:], strict=False)
+        )
         half = 0.5 * (b - a)
-        found = half * density.jumps.integral(np.array([zone]), np.array([(x - a) / half]), np.array([(b - x) / half]))
+        found = half * density.jumps.integral(
+            np.array([zone]), np.array([(x - a) / half]), np.array([(b - x) / half])
+        )
         assert found == pytest.approx(expected, abs=1e-10)
 
 
@@ -191,20 +222,33 @@ def test_the_slope_over_the_angle_is_that_of_the_density(at, order):
     theta = np.array([0.3, 1.0, 1.9, 2.9])
     slope = by_angle(lambda left, right: density.jumps.density(zone, left, right), theta)[1]
     # Central differences, to the third derivative beside the jump.
-    assert slope == pytest.approx((value(theta + step) - value(theta - step)) / (2 * step), rel=1e-5, abs=1e-8)
+    assert slope == pytest.approx(
+        (value(theta + step) - value(theta - step)) / (2 * step), rel=1e-5, abs=1e-8
+    )
 
 
 @pytest.fixture(scope="module")
 def many_knots():
-    """(spline, jumps of its third derivative, a density under it): of a cubic spline through noise the knots' parts are rounded, one by
-    one, and cancel to far less than each of them."""
+    """(spline, jumps of its third derivative, a density under it): of a cubic spline through noise
+    the knots' parts are rounded, one by one, and cancel to far less than each of them.
+    """
     rng = np.random.default_rng(3)
     knots = np.linspace(-1, 1, 301)
     spline = CubicSpline(knots, 1e-3 * rng.normal(size=knots.size))
     third = np.diff(6 * spline.c[0])
-    g = sie.Forcing(lambda x: spline(x, 1), spline, jumps_at=knots[1:-1], jumps=third, orders=np.full(len(third), 2))
+    g = sie.Forcing(
+        lambda x: spline(x, 1),
+        spline,
+        jumps_at=knots[1:-1],
+        jumps=third,
+        orders=np.full(len(third), 2),
+    )
     zones = sie.Zones.of([[-0.9, 0.95]], sie.SINGULAR, sie.SINGULAR)
-    return spline, third, sie.solve_fixed(sie.Equation(sie.cauchy(), g, (sie.Total(1.0),)), zones, 1e-13).density
+    return (
+        spline,
+        third,
+        sie.solve_fixed(sie.Equation(sie.cauchy(), g, (sie.Total(1.0),)), zones, 1e-13).density,
+    )
 
 
 def test_the_potential_on_a_zone_of_many_knots_is_the_primitive_of_the_right_side(many_knots):
@@ -214,10 +258,13 @@ def test_the_potential_on_a_zone_of_many_knots_is_the_primitive_of_the_right_sid
 
 
 @pytest.mark.parametrize("away", [1e-8, 1e-6, 1e-4])
-def test_the_potential_beside_a_zone_of_many_knots_is_the_primitive_of_its_transform(many_knots, away):
+def test_the_potential_beside_a_zone_of_many_knots_is_the_primitive_of_its_transform(
+    many_knots, away
+):
     _, third, density = many_knots
     nodes, weights = np.polynomial.legendre.leggauss(24)
-    # In the root of the distance from the end, in which the transform's own is smooth, from a quarter of the distance on.
+    # In the root of the distance from the end, in which the transform's own is smooth, from a
+    # quarter of the distance on.
     root = np.sqrt(away) * (0.75 + 0.25 * nodes)
     rise = float((0.25 * np.sqrt(away) * weights * 2 * root) @ density.transform(0.95 + root**2))
     found = np.diff(density.potential(0.95 + away * np.array([0.25, 1.0])))[0]
@@ -229,4 +276,6 @@ def test_coefficients_of_jumps_go_as_far_as_each_zone_asks():
     at, orders = (np.array(part) for part in zip(*PLACES, strict=True))
     jumps = ForcingJumps.within(ZONES, at, np.linspace(0.5, 1.5, len(at)), orders, None)
     every, counts = jumps.t_coefficients(ZONES, 40), np.array([7, 40])
-    assert jumps.first_coefficients(ZONES, counts) == pytest.approx(np.where(np.arange(40) < counts[:, None], every, 0.0), abs=1e-15)
+    assert jumps.first_coefficients(ZONES, counts) == pytest.approx(
+        np.where(np.arange(40) < counts[:, None], every, 0.0), abs=1e-15
+    )

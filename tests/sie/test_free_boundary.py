@@ -1,4 +1,6 @@
-"""Free ends: found where the closed forms have them, quadratically, whatever the start, the scale and the control."""
+"""Free ends: found where the closed forms have them, quadratically, whatever the start, the scale
+and the control.
+"""
 
 import math
 from types import SimpleNamespace
@@ -42,10 +44,14 @@ def assert_found(found, form, tolerance=1e-13):
     assert np.all(error <= found.end_error + 4e-16)  # the closed forms' own ends are rounded
     for i in range(len(form.zones)):
         exact_values = form.at(T, i)
-        assert np.abs(found.density.at_t(i, T) - exact_values).max() < 10 * tolerance * np.abs(exact_values).max()
+        assert (
+            np.abs(found.density.at_t(i, T) - exact_values).max()
+            < 10 * tolerance * np.abs(exact_values).max()
+        )
 
 
-# Closed forms ------------------------------------------------------------------------------------------------------
+# Closed forms
+# ------------------------------------------------------------------------------------------------------
 @pytest.mark.parametrize("start", [(-0.6, 0.9), (-0.1, 0.1), (-3.0, 2.0), (0.2, 0.9), (-1.0, 1.0)])
 def test_hertz_is_found_from_anywhere_near_or_far(start):
     assert_found(search(exact.Hertz(1.0), [start]), exact.Hertz(1.0))
@@ -61,7 +67,8 @@ def test_the_wedge_is_found_with_its_kink_inside(start):
 def test_westergaard_is_found_from_first_touch_to_almost_full_contact(share, symmetric):
     form = exact.Westergaard(share, 1.0)
     start = min(0.7 * share, 0.43)
-    # Near full contact the load fixes the gap through its square: rounding over the gap, (1/2 - a/L).
+    # Near full contact the load fixes the gap through its square: rounding over the gap, (1/2 -
+    # a/L).
     tolerance = max(1e-13, 4e-15 / (0.5 - share), 4e-16 / share)
     found = search(form, [[-start, start]], symmetric=symmetric)
     assert_found(found, form, tolerance)
@@ -79,13 +86,18 @@ def test_what_is_stated_of_ends_next_to_full_contact_holds_from_wherever_the_sea
 @pytest.mark.parametrize("symmetric", [False, True])
 @pytest.mark.parametrize("start", [[(-0.9, -0.2), (0.2, 0.9)], [(-0.75, -0.35), (0.35, 0.75)]])
 def test_two_zones_are_found(symmetric, start):
-    assert_found(search(exact.TwoZones(0.3, 0.8, 2.0), start, symmetric=symmetric), exact.TwoZones(0.3, 0.8, 2.0))
+    assert_found(
+        search(exact.TwoZones(0.3, 0.8, 2.0), start, symmetric=symmetric),
+        exact.TwoZones(0.3, 0.8, 2.0),
+    )
 
 
 def test_a_sharp_end_stays_while_the_free_one_is_found():
     form = exact.Tilted(-0.3, 0.9, 2.0)
     zones = sie.Zones.of([[0.1, 0.9]], sie.FREE, sie.SINGULAR)
-    found = sie.find_ends(sie.Equation(sie.cauchy(), forcing_of(form), (sie.Total(form.total),)), zones, 1e-13)
+    found = sie.find_ends(
+        sie.Equation(sie.cauchy(), forcing_of(form), (sie.Total(form.total),)), zones, 1e-13
+    )
     assert_found(found, form)
     assert found.density.zones.b[0] == 0.9
 
@@ -96,8 +108,11 @@ def test_ends_of_a_density_off_by_a_millionth_do_not_pass():
         assert_found(found, exact.Hertz(1.0 + 1e-6))
 
 
-# Controls ------------------------------------------------------------------------------------------------------------
-@pytest.mark.parametrize("form", [exact.Westergaard(0.25, 1.0), exact.Hertz(0.7, 3.0), exact.TwoZones(0.3, 0.8, 2.0)])
+# Controls
+# ------------------------------------------------------------------------------------------------------------
+@pytest.mark.parametrize(
+    "form", [exact.Westergaard(0.25, 1.0), exact.Hertz(0.7, 3.0), exact.TwoZones(0.3, 0.8, 2.0)]
+)
 def test_a_total_width_instead_of_the_total_finds_the_total(form):
     width = float(np.sum(form.zones[:, 1] - form.zones[:, 0]))
     start = form.zones + 0.1 * np.array([-0.3, 0.5])
@@ -114,7 +129,8 @@ def test_a_level_instead_of_the_total_finds_the_same_ends():
     assert_found(search(form, [(-0.6, 0.9)], conditions=(sie.Level(level),)), form)
 
 
-# Prescribed intensities ----------------------------------------------------------------------------------------------
+# Prescribed intensities
+# ----------------------------------------------------------------------------------------------
 @pytest.mark.parametrize("start", [(-0.8, 0.8), (-1.5, 1.5), (-1.3, 0.7), (-1.02, 1.02)])
 @pytest.mark.parametrize("intensity", [-0.2, -0.01, 0.1])
 def test_ends_of_prescribed_intensity_are_found(start, intensity):
@@ -123,7 +139,9 @@ def test_ends_of_prescribed_intensity_are_found(start, intensity):
     # The Jacobian is differenced: the last step is right to 1e-10 of itself.
     assert found.converged
     assert end_errors(found, form).max() < 1e-12
-    assert np.array(found.density.intensities) == pytest.approx(np.full((2, 1), intensity), rel=1e-11)
+    assert np.array(found.density.intensities) == pytest.approx(
+        np.full((2, 1), intensity), rel=1e-11
+    )
     assert found.density.at_t(0, T) == pytest.approx(form.at(T), rel=1e-10, abs=1e-11)
 
 
@@ -137,7 +155,11 @@ def test_prescribed_intensity_in_half_a_symmetric_problem():
 def test_prescribed_intensity_and_total_width_together_find_the_total():
     form = exact.PrescribedIntensity(1.0, -0.2)
     found = search(
-        form, [(-0.9, 0.8)], 1e-12, sie.free_with_intensity(-0.2), conditions=(sie.Total(None),),
+        form,
+        [(-0.9, 0.8)],
+        1e-12,
+        sie.free_with_intensity(-0.2),
+        conditions=(sie.Total(None),),
         end_conditions=(sie.TotalWidth(2.0),),
     )
     assert found.converged
@@ -146,7 +168,8 @@ def test_prescribed_intensity_and_total_width_together_find_the_total():
     assert found.density.total == pytest.approx(form.total, rel=1e-11)
 
 
-# Newton --------------------------------------------------------------------------------------------------------------
+# Newton
+# --------------------------------------------------------------------------------------------------------------
 def order(found):
     """Exponent q of move_{n+1} ~ move_n^q over the steps between the first and rounding."""
     moves = np.array([step.move for step in found.trace])
@@ -170,16 +193,22 @@ def test_the_ends_converge_quadratically(form, start):
 
 
 def test_prescribed_intensities_converge_quadratically_too():
-    found = search(exact.PrescribedIntensity(1.0, -0.2), [(-1.5, 1.5)], 1e-12, sie.free_with_intensity(-0.2))
+    found = search(
+        exact.PrescribedIntensity(1.0, -0.2), [(-1.5, 1.5)], 1e-12, sie.free_with_intensity(-0.2)
+    )
     assert 1.8 < order(found) < 2.3
 
 
 def intensities(form, zones):
-    equation = sie.Equation(kernel_of(form), forcing_of(form), (sie.Total(form.total), sie.EqualPotential()))
+    equation = sie.Equation(
+        kernel_of(form), forcing_of(form), (sie.Total(form.total), sie.EqualPotential())
+    )
     return sie.solve_fixed(equation, sie.Zones.of(zones)).density
 
 
-@pytest.mark.parametrize("form", [exact.TwoZones(0.3, 0.8), exact.Westergaard(0.3, 1.0), exact.Wedge(0.7)])
+@pytest.mark.parametrize(
+    "form", [exact.TwoZones(0.3, 0.8), exact.Westergaard(0.3, 1.0), exact.Wedge(0.7)]
+)
 def test_at_the_solution_each_intensity_depends_on_its_own_end_only(form):
     slopes = np.array(intensities(form, form.zones).edge_slopes)
     count = len(form.zones)
@@ -204,7 +233,8 @@ def test_the_trace_tells_the_steps():
     assert found.value is None
 
 
-# Scales and places ---------------------------------------------------------------------------------------------------
+# Scales and places
+# ---------------------------------------------------------------------------------------------------
 @pytest.mark.parametrize("length", 10.0 ** np.arange(-9, 4))
 @pytest.mark.parametrize("period", [None, 1.0])
 def test_the_units_of_length_and_of_the_density_do_not_matter(length, period):
@@ -212,7 +242,9 @@ def test_the_units_of_length_and_of_the_density_do_not_matter(length, period):
     form = exact.Wedge(0.3, 1.0) if period is None else exact.Westergaard(0.3, 1.0)
     at = np.array(getattr(form, "jumps_at", ())) * length
     forcing = sie.Forcing(
-        lambda x: stress * form.value(x / length), lambda x: stress * length * form.primitive(x / length), at,
+        lambda x: stress * form.value(x / length),
+        lambda x: stress * length * form.primitive(x / length),
+        at,
         stress * np.array(getattr(form, "jumps", ())),
     )
     kernel = sie.cauchy() if period is None else sie.hilbert(length)
@@ -236,7 +268,8 @@ def test_zones_are_found_many_periods_away_to_the_rounding_of_their_place(period
     assert np.all(error <= found.end_error + 4e-16)
 
 
-# Kinks near the ends -------------------------------------------------------------------------------------------------
+# Kinks near the ends
+# -------------------------------------------------------------------------------------------------
 @pytest.mark.parametrize("distance", [0.3, 1e-1, 1e-2, 1e-3, 1e-4, 1e-6])
 @pytest.mark.parametrize("start", [(-0.3, 0.4), (-0.95, 0.97), (-1.4, 1.2)])
 def test_ends_just_past_a_kink_are_found(distance, start):
@@ -248,7 +281,9 @@ def test_ends_just_past_a_kink_are_found(distance, start):
     forcing = sie.Forcing(value, None, np.array([-kink, kink]), np.array([jump, jump]))
     # The total of a density with bounded ends is int g x / sqrt(1 - x^2) dx.
     total = 0.5 * math.pi + 2 * jump * math.sqrt(distance * (2 - distance))
-    found = sie.find_ends(sie.Equation(sie.cauchy(), forcing, (sie.Total(total),)), sie.Zones.of([start]), 1e-12)
+    found = sie.find_ends(
+        sie.Equation(sie.cauchy(), forcing, (sie.Total(total),)), sie.Zones.of([start]), 1e-12
+    )
     assert found.converged
     assert len(found.trace) <= 12
     assert found.density.zones.table == pytest.approx(np.array([[-1.0, 1.0]]), abs=2e-12)
@@ -258,7 +293,9 @@ def test_ends_just_short_of_a_kink_are_found():
     for distance in (1e-1, 1e-3, 1e-6):
         kink = 1 + distance
         forcing = sie.Forcing(
-            lambda x, kink=kink: x + 0.5 * np.sign(x) * (np.abs(x) > kink), None, np.array([-kink, kink]),
+            lambda x, kink=kink: x + 0.5 * np.sign(x) * (np.abs(x) > kink),
+            None,
+            np.array([-kink, kink]),
             np.array([0.5, 0.5]),
         )
         equation = sie.Equation(sie.cauchy(), forcing, (sie.Total(0.5 * math.pi),))
@@ -268,7 +305,8 @@ def test_ends_just_short_of_a_kink_are_found():
             assert found.density.zones.table == pytest.approx(np.array([[-1.0, 1.0]]), abs=2e-12)
 
 
-# What cannot be found ------------------------------------------------------------------------------------------------
+# What cannot be found
+# ------------------------------------------------------------------------------------------------
 @pytest.mark.parametrize("total", [0.0, -1.0])
 def test_a_total_no_zone_can_have_loses_the_zone(total):
     equation = sie.Equation(sie.cauchy(), sie.Forcing(lambda x: x), (sie.Total(total),))
@@ -278,7 +316,9 @@ def test_a_total_no_zone_can_have_loses_the_zone(total):
 
 
 def test_a_total_beyond_the_full_period_closes_the_gap():
-    equation = sie.Equation(sie.hilbert(1.0), forcing_of(exact.Westergaard(0.3, 1.0)), (sie.Total(1.1),))
+    equation = sie.Equation(
+        sie.hilbert(1.0), forcing_of(exact.Westergaard(0.3, 1.0)), (sie.Total(1.1),)
+    )
     found = sie.find_ends(equation, sie.Zones.of([[-0.4, 0.3]]))
     assert not found.converged
     assert list(found.met) == [0]
@@ -299,15 +339,20 @@ def test_few_steps_are_not_convergence():
     assert found.end_error.max() > 1e-3
 
 
-# Which root, and why it stopped --------------------------------------------------------------------------------------
+# Which root, and why it stopped
+# --------------------------------------------------------------------------------------
 def adhesive(total, start, intensity=-0.2, **options):
-    """g = x: K = (P / pi - a^2 / 2) / sqrt(2 a), so that P(a) = pi (a^2 / 2 + K sqrt(2 a)) falls to its fold and rises from there."""
+    """g = x: K = (P / pi - a^2 / 2) / sqrt(2 a), so that P(a) = pi (a^2 / 2 + K sqrt(2 a)) falls to
+    its fold and rises from there.
+    """
     end = sie.free_with_intensity(intensity)
     equation = sie.Equation(sie.cauchy(), sie.Forcing(lambda x: x), (sie.Total(total),))
     return sie.find_ends(equation, sie.Zones.of([start], end, end), 1e-10, **options)
 
 
-@pytest.mark.parametrize(("start", "stable"), [(0.05, False), (0.1, False), (0.4, True), (1.5, True)])
+@pytest.mark.parametrize(
+    ("start", "stable"), [(0.05, False), (0.1, False), (0.4, True), (1.5, True)]
+)
 def test_of_two_roots_the_one_that_was_found_is_told(start, stable):
     found = adhesive(-0.3, (-start, 1.1 * start))
     half = 0.5 * float(np.diff(found.density.zones.table)[0, 0])
@@ -327,39 +372,59 @@ def test_past_the_fold_the_reason_is_told():
 
 def test_a_width_that_is_held_makes_an_unstable_root_stable():
     end = sie.free_with_intensity(-0.2)
-    equation = sie.Equation(sie.cauchy(), sie.Forcing(lambda x: x), (sie.Total(None),), (), (sie.TotalWidth(0.27),))
+    equation = sie.Equation(
+        sie.cauchy(), sie.Forcing(lambda x: x), (sie.Total(None),), (), (sie.TotalWidth(0.27),)
+    )
     found = sie.find_ends(equation, sie.Zones.of([[-0.12, 0.15]], end, end), 1e-10)
     assert found.converged and found.stable
     assert adhesive(found.value, (-0.13, 0.14)).stable is False
 
 
-@pytest.mark.parametrize(("load", "start", "stable"), [(lambda x: -np.exp(-x * x), 2.0, True), (lambda x: -1 - 0.1 * x * x, 0.4, False)])
+@pytest.mark.parametrize(
+    ("load", "start", "stable"),
+    [(lambda x: -np.exp(-x * x), 2.0, True), (lambda x: -1 - 0.1 * x * x, 0.4, False)],
+)
 def test_a_crack_is_stable_where_its_intensity_falls_as_it_grows(load, start, stable):
     left, right = sie.free_with_intensity(-0.3), sie.free_with_intensity(0.3)
     equation = sie.Equation(sie.cauchy(), sie.Forcing(load), (sie.ZoneTotals(),))
-    found = sie.find_ends(equation, sie.Zones.of([[-start, start]], left, right), 1e-10, signs=(-1.0, 1.0))
+    found = sie.find_ends(
+        equation, sie.Zones.of([[-start, start]], left, right), 1e-10, signs=(-1.0, 1.0)
+    )
     assert found.converged and found.stable == stable
 
 
 def test_a_crack_that_may_be_anywhere_is_told_so():
     left, right = sie.free_with_intensity(-0.3), sie.free_with_intensity(0.3)
-    equation = sie.Equation(sie.cauchy(), sie.Forcing(lambda x: -np.ones_like(x)), (sie.ZoneTotals(),))
-    found = sie.find_ends(equation, sie.Zones.of([[-0.4, 0.5]], left, right), 1e-10, signs=(-1.0, 1.0))
+    equation = sie.Equation(
+        sie.cauchy(), sie.Forcing(lambda x: -np.ones_like(x)), (sie.ZoneTotals(),)
+    )
+    found = sie.find_ends(
+        equation, sie.Zones.of([[-0.4, 0.5]], left, right), 1e-10, signs=(-1.0, 1.0)
+    )
     assert not found.converged
-    assert "leaves the intensities as they are" in found.reason or "fold" in found.reason or "did not come to rest" in found.reason
+    assert (
+        "leaves the intensities as they are" in found.reason
+        or "fold" in found.reason
+        or "did not come to rest" in found.reason
+    )
 
 
 def test_every_search_says_why_it_stopped():
     assert search(exact.Hertz(1.0), [(-0.6, 0.9)]).reason == "the ends are at rest"
     assert search(exact.Hertz(1.0), [(-0.6, 0.9)]).stable
-    few = sie.find_ends(sie.Equation(sie.cauchy(), sie.Forcing(lambda x: x), (sie.Total(1.0),)), sie.Zones.of([[-0.3, 0.2]]), max_steps=2)
+    few = sie.find_ends(
+        sie.Equation(sie.cauchy(), sie.Forcing(lambda x: x), (sie.Total(1.0),)),
+        sie.Zones.of([[-0.3, 0.2]]),
+        max_steps=2,
+    )
     assert "3 steps" in few.reason and few.stable is None
     equation = sie.Equation(sie.cauchy(), sie.Forcing(lambda x: x), (sie.Total(-1.0),))
     assert "shrunk away" in sie.find_ends(equation, sie.Zones.of([[-1, 1]])).reason
 
 
 def test_an_end_beside_which_the_density_has_hardly_a_slope_does_not_tell_the_unknown_value():
-    # The narrow zone asks to be a million times as wide; it will be made half as wide again at either end.
+    # The narrow zone asks to be a million times as wide; it will be made half as wide again at
+    # either end.
     zones = sie.Zones.of([[0.0, 1.0], [2.0, 2.01]])
     held = SimpleNamespace(end_conditions=(sie.TotalWidth(1.11),))
     slope = np.array([[1.0, 1e6], [1.0, 1e6]])
@@ -372,6 +437,9 @@ def test_a_zone_that_step_by_step_asks_for_nothing_to_be_left_of_it_is_lost():
     zones = sie.Zones.of([[0.0, 1.0], [2.0, 3.0], [4.0, 5.0]])
     progress = Progress(1e-12, np.ones(3), np.ones(3))
     asked = [[False, True, False], [False, True, True], [False, True, True]]
-    lost = [progress.vanished(zones, np.ones(3), np.array(one), np.zeros(3, dtype=bool))[0].tolist() for one in asked]
+    lost = [
+        progress.vanished(zones, np.ones(3), np.array(one), np.zeros(3, dtype=bool))[0].tolist()
+        for one in asked
+    ]
     # The search begins anew: with it goes the other one that has asked more than once.
     assert lost == [[], [], [1, 2]]

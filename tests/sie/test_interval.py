@@ -1,4 +1,6 @@
-"""The basis on one interval: its closed forms off it keep their digits beside an end and far away, however the points are given."""
+"""The basis on one interval: its closed forms off it keep their digits beside an end and far away,
+however the points are given.
+"""
 
 import mpmath
 import numpy as np
@@ -54,7 +56,9 @@ def test_powers_together_one_by_one_and_summed_are_the_same():
     seen, w = Outside(SIGN, EXCESS + 1e-3), np.linspace(1, 2, len(SIGN))
     c, row = np.random.default_rng(1).standard_normal((1, 7)), np.zeros(len(SIGN), dtype=int)
     for potential, table in ((False, seen.transforms(7)), (True, seen.potentials(7, w / 5))):
-        terms = np.array([term for _, term in zip(range(7), seen.one_by_one(potential, w / 5), strict=False)])
+        terms = np.array(
+            [term for _, term in zip(range(7), seen.one_by_one(potential, w / 5), strict=False)]
+        )
         assert terms.T == pytest.approx(table, rel=1e-13, abs=1e-300)
         summed = of_t(c, seen, w, 5.0, row, "potential" if potential else "transform")
         assert summed == pytest.approx((table @ c[0]) * (w if potential else 1.0), rel=1e-12)
@@ -65,9 +69,17 @@ def test_the_potential_is_continuous_at_the_ends_and_has_its_mean():
     t = np.cos((np.arange(64) + 0.5) * np.pi / 64)
     on = own_potential(divided, np.zeros(64, dtype=int), 1 + t, 1 - t, np.full(64, 2 / 3))
     assert 2 * on.mean() == pytest.approx(0.7 * mean_potential(2.0, 3.0), rel=1e-13)
-    ends = own_potential(divided, np.zeros(2, dtype=int), np.array([0.0, 2.0]), np.array([2.0, 0.0]), np.full(2, 2 / 3))
+    ends = own_potential(
+        divided,
+        np.zeros(2, dtype=int),
+        np.array([0.0, 2.0]),
+        np.array([2.0, 0.0]),
+        np.full(2, 2 / 3),
+    )
     beside = Outside(np.array([-1.0, 1.0]), np.full(2, 1e-30))
-    off = of_t(divided * [1, 1, 2], beside, np.full(2, 2.0), 3.0, np.zeros(2, dtype=int), "potential")
+    off = of_t(
+        divided * [1, 1, 2], beside, np.full(2, 2.0), 3.0, np.zeros(2, dtype=int), "potential"
+    )
     assert off == pytest.approx(2 * ends, rel=1e-14)
     assert theta(np.array([2.0]), np.array([0.0]))[0] == 0.0
 
@@ -76,10 +88,14 @@ def test_what_vanishes_at_an_end_has_no_singularity_beside_it():
     seen, row = Outside(1.0, np.array([1e-30])), np.zeros(1, dtype=int)
     u = np.array([[0.5, -0.25]])
     assert transform_of(np.zeros(1), np.zeros(1), u, seen, row) == pytest.approx([0.25])
-    assert transform_of(np.ones(1), -np.ones(1), u, seen, row) == pytest.approx([1.25], rel=1e-14)  # (1 - rho) / R is 1 there
+    assert transform_of(np.ones(1), -np.ones(1), u, seen, row) == pytest.approx(
+        [1.25], rel=1e-14
+    )  # (1 - rho) / R is 1 there
     assert transform_of(np.ones(1), np.zeros(1), u, seen, row)[0] > 1e14
     plane = InPlane.of(np.full(1, 2.0), np.full(1, 1e-30), np.zeros(1))
     assert transform_of(np.ones(1), -np.ones(1), u, plane, row) == pytest.approx([1.25], rel=1e-14)
     nowhere = np.zeros(1, dtype=bool), np.zeros(1, dtype=bool)
     beside = np.array([2.0]), np.array([1e-30])
-    assert values_on(np.ones(1), -np.ones(1), 0 * u, row, *beside, nowhere) == pytest.approx([np.sqrt(0.5e-30)], rel=1e-14)
+    assert values_on(np.ones(1), -np.ones(1), 0 * u, row, *beside, nowhere) == pytest.approx(
+        [np.sqrt(0.5e-30)], rel=1e-14
+    )

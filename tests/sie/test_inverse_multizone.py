@@ -1,4 +1,6 @@
-"""Any number of zones, made exact by inverse design: free ends found from starts a fifth of a width off."""
+"""Any number of zones, made exact by inverse design: free ends found from starts a fifth of a width
+off.
+"""
 
 import numpy as np
 import pytest
@@ -14,11 +16,13 @@ T = np.linspace(-0.99, 0.99, 41)
 
 @st.composite
 def designs(draw, spread=3.0, most=12):
-    """(problem, its equation, a start): 2 to `most` zones alone or within a period 1, widths and gaps within
-    `spread`."""
+    """(problem, its equation, a start): 2 to `most` zones alone or within a period 1, widths and
+    gaps within `spread`.
+    """
     rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
     period = draw(st.sampled_from([None, 1.0]))
-    # Alone, the loads of many zones differ by a million, and a fifth of a heavy one drowns a light one.
+    # Alone, the loads of many zones differ by a million, and a fifth of a heavy one drowns a light
+    # one.
     count = draw(st.integers(2, most if period else min(most, 6)))
     problem = inverse.random_problem(rng, count, period, E_star=2.0, spread=spread)
     return problem, equation_of(problem), perturbed(problem, rng, draw(st.floats(0.0, 0.2)))
@@ -32,7 +36,9 @@ def equation_of(problem):
 
 
 def perturbed(problem, rng, share):
-    """Every end moved by up to `share` of its zone's width, and by no more than 0.4 of the gap beside it."""
+    """Every end moved by up to `share` of its zone's width, and by no more than 0.4 of the gap
+    beside it.
+    """
     ends, widths = problem.zones, problem.zone_widths
     between = ends[1:, 0] - ends[:-1, 1]
     border = np.inf if problem.period is None else ends[0, 0] + problem.period - ends[-1, 1]
@@ -44,7 +50,13 @@ def perturbed(problem, rng, share):
 def pressure_error(problem, density):
     """Largest difference at equal t over the largest pressure of all zones."""
     peak = max(problem.pressure_at(T, i).max() for i in range(len(problem.zones)))
-    return max(np.abs(density.at_t(i, T) - problem.pressure_at(T, i)).max() for i in range(len(problem.zones))) / peak
+    return (
+        max(
+            np.abs(density.at_t(i, T) - problem.pressure_at(T, i)).max()
+            for i in range(len(problem.zones))
+        )
+        / peak
+    )
 
 
 @given(designs())
@@ -95,7 +107,9 @@ def test_between_the_zones_the_slope_of_the_gap_is_that_of_the_design(case):
     begin, end = problem.zones[:-1, 1], problem.zones[1:, 0]
     x = (begin + np.array([[0.1], [0.5], [0.8]]) * (end - begin)).ravel()
     largest = np.abs(problem.profile.slope(x)).max()
-    assert density.transform(x) == pytest.approx(problem.profile.slope(x) - problem.gap_slope(x), abs=1e-10 * largest)
+    assert density.transform(x) == pytest.approx(
+        problem.profile.slope(x) - problem.gap_slope(x), abs=1e-10 * largest
+    )
 
 
 @given(designs(most=6))
@@ -129,7 +143,8 @@ def test_a_gap_ten_times_too_narrow_and_out_of_place_opens_again():
         assert found.density.zones.table == pytest.approx(problem.zones, abs=1e-12)
 
 
-# Convergence with the number of modes --------------------------------------------------------------------------------
+# Convergence with the number of modes
+# --------------------------------------------------------------------------------
 @pytest.mark.parametrize("gap", [0.4, 0.1, 0.03])
 def test_the_error_falls_with_the_coupled_modes_as_the_distance_of_the_zones_predicts(gap):
     ends = np.array([[-1.0, -0.5 * gap], [0.5 * gap, 1.0]])
@@ -148,7 +163,8 @@ def test_the_error_falls_with_the_coupled_modes_as_the_distance_of_the_zones_pre
     rate = -np.polyfit(modes[clear], np.log(errors[clear]), 1)[0]
     z = 1 + gap / (0.5 * (1 - 0.5 * gap))
     predicted = np.log(z + np.sqrt(z * z - 1))
-    # What the other zone does is singular at its near end, z: its coefficients fall like rho^m, times powers of m.
+    # What the other zone does is singular at its near end, z: its coefficients fall like rho^m,
+    # times powers of m.
     assert rate == pytest.approx(predicted, rel=0.07)
 
 

@@ -1,4 +1,6 @@
-"""Prescribed intensities on very many zones: what iteration finds is what the matrix of all rates finds, in steps that do not grow."""
+"""Prescribed intensities on very many zones: what iteration finds is what the matrix of all rates
+finds, in steps that do not grow.
+"""
 
 import numpy as np
 import pytest
@@ -6,12 +8,17 @@ import pytest
 import sie
 from sie.free_ends.motions import DirectMotions, IteratedMotions
 
-BUMPS = sie.Forcing(lambda x: np.sin(2 * np.pi * x) / (2 * np.pi), lambda x: -np.cos(2 * np.pi * x) / (2 * np.pi) ** 2)
+BUMPS = sie.Forcing(
+    lambda x: np.sin(2 * np.pi * x) / (2 * np.pi),
+    lambda x: -np.cos(2 * np.pi * x) / (2 * np.pi) ** 2,
+)
 ADHERING = sie.free_with_intensity(-0.01)
 
 
 def problem(count, name):
-    """Adhering bumps: each under a load, all at one level, or under a load that makes their widths add up."""
+    """Adhering bumps: each under a load, all at one level, or under a load that makes their widths
+    add up.
+    """
     at = np.arange(count) - 0.5 * (count - 1) * (count % 2)
     half = 0.12 * (1 + 0.05 * np.random.default_rng(0).standard_normal(count))
     half = 0.5 * (half + half[::-1])
@@ -47,8 +54,12 @@ def test_motions_do_the_same_by_fast_sums_and_by_the_matrix(monkeypatch, name, s
         assert other.levels == pytest.approx(one.levels, abs=1e-14)
     change = np.random.default_rng(1).standard_normal((2, 7))
     change = change + change[::-1, ::-1] if symmetric else change
-    (motions, levels), (found, of_found) = (sie.end_motions(state, change) for state in (direct, iterated))
-    assert found == pytest.approx(motions, rel=1e-10) and of_found == pytest.approx(levels, rel=1e-10)
+    (motions, levels), (found, of_found) = (
+        sie.end_motions(state, change) for state in (direct, iterated)
+    )
+    assert found == pytest.approx(motions, rel=1e-10) and of_found == pytest.approx(
+        levels, rel=1e-10
+    )
     growth = IteratedMotions(iterated, iterated.iteration).growth(np.ones(2))
     assert growth == pytest.approx(DirectMotions(direct).growth(np.ones(2)), rel=1e-4)
 
@@ -57,9 +68,14 @@ def test_motions_do_the_same_by_fast_sums_and_by_the_matrix(monkeypatch, name, s
 def test_the_ends_found_are_those_found_with_all_rates(monkeypatch, name):
     equation, table = problem(10, name)
     zones = sie.Zones.of(table, ADHERING, ADHERING)
-    direct, iterated = both(monkeypatch, lambda: sie.find_ends(equation, zones, 1e-9, value=0.1 if name == "width" else 0.0))
+    direct, iterated = both(
+        monkeypatch,
+        lambda: sie.find_ends(equation, zones, 1e-9, value=0.1 if name == "width" else 0.0),
+    )
     assert direct.converged and iterated.converged and direct.stable and iterated.stable
-    away = np.abs(direct.density.zones.table - iterated.density.zones.table) / np.diff(table, axis=1)
+    away = np.abs(direct.density.zones.table - iterated.density.zones.table) / np.diff(
+        table, axis=1
+    )
     assert away.max() < direct.end_error.max() + iterated.end_error.max() < 1e-8
 
 
@@ -73,11 +89,17 @@ def test_an_unstable_root_is_told_by_iteration_too(monkeypatch):
 
 
 def test_ends_that_the_intensities_do_not_tell_are_not_called_known(monkeypatch):
-    """A row of cracks under an even load may be anywhere: by iteration the error stated holds the difference, or there is none."""
-    even = sie.Equation(sie.hilbert(12.0), sie.Forcing(lambda x: -np.ones_like(x)), (sie.ZoneTotals(),))
+    """A row of cracks under an even load may be anywhere: by iteration the error stated holds the
+    difference, or there is none.
+    """
+    even = sie.Equation(
+        sie.hilbert(12.0), sie.Forcing(lambda x: -np.ones_like(x)), (sie.ZoneTotals(),)
+    )
     at = 3.0 * np.arange(4)
     zones = sie.Zones.of(
-        np.column_stack((at - 1.3, at + 1.2)), sie.free_with_intensity(-1.2), sie.free_with_intensity(1.2)
+        np.column_stack((at - 1.3, at + 1.2)),
+        sie.free_with_intensity(-1.2),
+        sie.free_with_intensity(1.2),
     )
     monkeypatch.setattr("sie.collocation.fixed.MANY_UNKNOWNS", 1)
     found = sie.find_ends(even, zones, 1e-9, signs=(-1.0, 1.0))
@@ -99,7 +121,9 @@ def test_steps_do_not_grow_with_the_number_of_zones(monkeypatch, name):
 
 
 def test_what_is_carried_to_moved_ends_is_off_by_the_square_of_their_motion(monkeypatch):
-    """With ends that are free a density changes so, at fixed places: from there the next solution by iteration starts."""
+    """With ends that are free a density changes so, at fixed places: from there the next solution
+    by iteration starts.
+    """
     monkeypatch.setattr("sie.collocation.fixed.MANY_UNKNOWNS", 1)
     equation, table = problem(6, "level")
     found = sie.find_ends(equation, sie.Zones.of(table), 1e-13).density.zones

@@ -24,7 +24,9 @@ def test_the_regular_part_is_the_cotangent_less_its_poles(period):
     kernel = sie.hilbert(period)
     for share in DISTANCES:
         found = float(kernel.regular(np.array(share * period), np.array(0.0)))
-        assert found * period == pytest.approx(regular_in_30_digits(share, 1.0), rel=1e-14, abs=1e-15)
+        assert found * period == pytest.approx(
+            regular_in_30_digits(share, 1.0), rel=1e-14, abs=1e-15
+        )
 
 
 @pytest.mark.parametrize("period", [1.0, 1e-6, 250.0])
@@ -43,7 +45,9 @@ def test_the_regular_potential_has_the_regular_kernel_for_derivative(share):
     x = 2.0 * share + np.array([-2, -1, 1, 2]) * h
     slope = np.dot(kernel.regular_potential(x, np.zeros(4)), [1 / 12, -2 / 3, 2 / 3, -1 / 12]) / h
     # Differences of fourth order: h^4 f^(5) / 30, and rounding 1e-16 / h.
-    assert slope == pytest.approx(float(kernel.regular(np.array(2.0 * share), np.array(0.0))), abs=1e-11)
+    assert slope == pytest.approx(
+        float(kernel.regular(np.array(2.0 * share), np.array(0.0))), abs=1e-11
+    )
 
 
 def test_the_mean_of_the_periodic_potential_is_zero():
@@ -74,7 +78,8 @@ def test_a_load_on_images_comes_to_the_periodic_one():
     counts = np.array([8, 16, 32, 64])
     equations = [sie.Equation(sie.images(length, int(m)), forcing, ()) for m in counts]
     totals = [sie.solve_fixed(equation, ends).density.total for equation in equations]
-    # Here the missing images' field is 2 d / (m + 1/2): odd in d, so it changes the total to first order.
+    # Here the missing images' field is 2 d / (m + 1/2): odd in d, so it changes the total to first
+    # order.
     order = -np.polyfit(np.log(counts + 0.5), np.log(np.abs(np.array(totals) - periodic)), 1)[0]
     assert order == pytest.approx(1.0, abs=0.03)
 

@@ -17,11 +17,18 @@ def slit_kink(order: int, seed: int) -> tuple[SlitKink, float, float, float]:
     rng = np.random.default_rng(seed)
     m = float(rng.uniform(-0.95, 0.95))
     r, zeta = float(10 ** rng.uniform(-3, -1.4) * (1 - abs(m))), float(rng.uniform(-0.9, 0.9))
-    return SlitKink(r**-order, 1 + m - r, 1 - m - r, r, 1 + m + r * zeta, 1 - m - r * zeta, order), m, r, zeta
+    return (
+        SlitKink(r**-order, 1 + m - r, 1 - m - r, r, 1 + m + r * zeta, 1 - m - r * zeta, order),
+        m,
+        r,
+        zeta,
+    )
 
 
 def quadrature(one: SlitKink, m: float, r: float, zeta: float, z: float) -> float:
-    """(1/pi) PV int psi X / (t - tau) dtau at t = m + r z, in angles, the value at t taken out on the slit."""
+    """(1/pi) PV int psi X / (t - tau) dtau at t = m + r z, in angles, the value at t taken out on
+    the slit.
+    """
 
     def weighted(place: float) -> float:
         slope = one.slope(np.array([1 + place]), np.array([1 - place]))
@@ -30,7 +37,13 @@ def quadrature(one: SlitKink, m: float, r: float, zeta: float, z: float) -> floa
     at = weighted(z) if abs(z) < 1 else 0.0
     cuts = [0.0, *sorted(np.arccos([p for p in (z, zeta) if abs(p) < 1])), np.pi]
     parts = [
-        quad(lambda b: (weighted(np.cos(b)) - at) / (z - np.cos(b)) * np.sin(b), low, high, limit=100, epsabs=1e-11)[0]
+        quad(
+            lambda b: (weighted(np.cos(b)) - at) / (z - np.cos(b)) * np.sin(b),
+            low,
+            high,
+            limit=100,
+            epsabs=1e-11,
+        )[0]
         for low, high in zip(cuts[:-1], cuts[1:], strict=True)
     ]
     return (sum(parts) + (at * np.log((1 + z) / (1 - z)) if at else 0.0)) / np.pi
@@ -38,19 +51,31 @@ def quadrature(one: SlitKink, m: float, r: float, zeta: float, z: float) -> floa
 
 @pytest.mark.parametrize("order", ORDERS)
 @pytest.mark.parametrize("seed", [1, 2])
-def test_what_a_jump_and_its_release_make_of_the_density_is_the_quadrature(order: int, seed: int) -> None:
+def test_what_a_jump_and_its_release_make_of_the_density_is_the_quadrature(
+    order: int, seed: int
+) -> None:
     one, m, r, zeta = slit_kink(order, seed)
-    jump = ForcingJumps(np.array([0]), np.array([one.from_left]), np.array([one.from_right]), np.array([one.jump]), np.array([order]))
+    jump = ForcingJumps(
+        np.array([0]),
+        np.array([one.from_left]),
+        np.array([one.from_right]),
+        np.array([one.jump]),
+        np.array([order]),
+    )
     for z in (-0.73, 0.94):
         t = m + r * z
         left, right = np.array([1 + t]), np.array([1 - t])
         own = np.sqrt(1 - t * t) * float(jump.density(0, left, right)[0])
-        assert own + quadrature(one, m, r, zeta, z) == pytest.approx(one.in_slit(left, right, np.array([z]))[0], abs=1e-10)
+        assert own + quadrature(one, m, r, zeta, z) == pytest.approx(
+            one.in_slit(left, right, np.array([z]))[0], abs=1e-10
+        )
     a_0, a_1 = one.edge
     for z in (-7.0, -1.3, 2.5, 12.0):
         t = m + r * z
         wanted = (quadrature(one, m, r, zeta, z) - a_0 - a_1 * t) / np.sqrt(1 - t * t)
-        found = one.beside(np.array([1 + t]), np.array([1 - t]), np.array([abs(z) - 1]), np.array([z > 0]))
+        found = one.beside(
+            np.array([1 + t]), np.array([1 - t]), np.array([abs(z) - 1]), np.array([z > 0])
+        )
         assert found[0] == pytest.approx(wanted, abs=1e-10)
 
 
@@ -59,8 +84,15 @@ def test_the_opening_is_the_integral_of_the_slope(order: int) -> None:
     one, _, _, zeta = slit_kink(order, 3)
     z = np.array([-0.6, 0.2, 0.97, 1.0])
     for place, opened in zip(z, one.opening(1 + z, 1 - z), strict=True):
-        slope, cuts = (lambda x: float(one.slope(np.array([1 + x]), np.array([1 - x]))[0])), [-1.0, zeta, place]
-        parts = [quad(slope, low, min(high, place))[0] for low, high in zip(cuts[:-1], cuts[1:], strict=True) if low < place]
+        slope, cuts = (
+            (lambda x: float(one.slope(np.array([1 + x]), np.array([1 - x]))[0])),
+            [-1.0, zeta, place],
+        )
+        parts = [
+            quad(slope, low, min(high, place))[0]
+            for low, high in zip(cuts[:-1], cuts[1:], strict=True)
+            if low < place
+        ]
         assert opened == pytest.approx(sum(parts), abs=1e-8)
 
 
@@ -71,5 +103,7 @@ def test_beside_the_ends_of_its_zone_it_goes_with_the_angle(order: int) -> None:
     for side, slope in zip((-1.0, 1.0), one.edge_slopes, strict=True):
         outside = np.array([(1 - side * m - r - e) / r])
         near, far = np.array([e]), np.array([2 - e])
-        value = one.beside(*((near, far) if side < 0 else (far, near)), outside, np.array([side > 0]))
+        value = one.beside(
+            *((near, far) if side < 0 else (far, near)), outside, np.array([side > 0])
+        )
         assert value[0] / np.sqrt(2 * e) == pytest.approx(slope, rel=1e-4)

@@ -1,4 +1,6 @@
-"""Knots of a spline in a narrow gap between intervals of hundreds of knots: the slit's series falls to rounding all the same."""
+"""Knots of a spline in a narrow gap between intervals of hundreds of knots: the slit's series falls
+to rounding all the same.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +22,9 @@ def state() -> sie.AnyState:
     middle = 0.5 * (at[475] + at[476])
     forcing = sie.Forcing(g, g.antiderivative(), at, jumps, np.full(len(at), 2))
     zones = sie.Zones.of([[middle - 450.2, middle - 0.6], [middle + 0.65, middle + 450.3]])
-    return sie.solve_zones(sie.Equation(sie.cauchy(), forcing, (sie.Total(500.0), sie.EqualPotential())), zones, 1e-12)
+    return sie.solve_zones(
+        sie.Equation(sie.cauchy(), forcing, (sie.Total(500.0), sie.EqualPotential())), zones, 1e-12
+    )
 
 
 def test_the_error_stated_is_that_of_rounding(state: sie.AnyState) -> None:
@@ -32,7 +36,9 @@ def test_the_error_stated_is_that_of_rounding(state: sie.AnyState) -> None:
 def test_the_equation_holds_between_the_ends_and_the_gap_closes(state: sie.AnyState) -> None:
     density = state.density
     (a, b), (c, d) = density.zones.table
-    x = np.concatenate((np.linspace(a, b, 41)[1:-1], np.linspace(c, d, 41)[1:-1], [b - 1e-3, c + 1e-3]))
+    x = np.concatenate(
+        (np.linspace(a, b, 41)[1:-1], np.linspace(c, d, 41)[1:-1], [b - 1e-3, c + 1e-3])
+    )
     g = state.equation.forcing.value
     assert density.transform(x) == pytest.approx(g(x), abs=1e-9 * np.abs(g(x)).max())
     level = density.potential(x) - state.equation.forcing.primitive(x)

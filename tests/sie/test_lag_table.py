@@ -1,4 +1,6 @@
-"""Tables of a smooth kernel over its lag, and the modes and nodes that its declared length asks for."""
+"""Tables of a smooth kernel over its lag, and the modes and nodes that its declared length asks
+for.
+"""
 
 import numpy as np
 import pytest
@@ -13,7 +15,9 @@ def test_a_table_gives_the_kernel_to_rounding(length):
         return (x - xi) / ((x - xi) ** 2 + length**2)
 
     table = LagTable.of(kernel, 2.0, length)
-    lag = np.concatenate((np.linspace(-2.0, 2.0, 999), np.clip(length * np.linspace(-3.0, 3.0, 99), -2.0, 2.0)))
+    lag = np.concatenate(
+        (np.linspace(-2.0, 2.0, 999), np.clip(length * np.linspace(-3.0, 3.0, 99), -2.0, 2.0))
+    )
     assert np.abs(table(lag) - kernel(lag, 0.0)).max() < 4e-15 / length
 
 
@@ -23,8 +27,11 @@ def test_a_kernel_that_varies_over_less_than_it_declares_has_no_table():
 
 @pytest.mark.parametrize("length", [1e-1, 1e-2, 1e-3])
 def test_modes_of_a_smooth_kernel_grow_as_the_root_of_the_width_over_its_length(length):
-    kernel = sie.cauchy() + sie.Smooth(lambda x, xi: (x - xi) / ((x - xi) ** 2 + length**2), of_lag=True, length=length)
+    kernel = sie.cauchy() + sie.Smooth(
+        lambda x, xi: (x - xi) / ((x - xi) ** 2 + length**2), of_lag=True, length=length
+    )
     state = sie.solve_fixed(
-        sie.Equation(kernel, sie.Forcing(lambda x: x), (sie.Total(1.0),)), sie.Zones.of([[-1.0, 1.0]], sie.SINGULAR, sie.SINGULAR)
+        sie.Equation(kernel, sie.Forcing(lambda x: x), (sie.Total(1.0),)),
+        sie.Zones.of([[-1.0, 1.0]], sie.SINGULAR, sie.SINGULAR),
     )
     assert state.unknowns.size < 60 / np.sqrt(length) and state.density_error < 1e-8

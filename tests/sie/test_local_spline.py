@@ -1,4 +1,6 @@
-"""Very many jumps of a density: a spline in their place is the same density, of few large numbers and few jumps."""
+"""Very many jumps of a density: a spline in their place is the same density, of few large numbers
+and few jumps.
+"""
 
 from __future__ import annotations
 
@@ -16,33 +18,49 @@ Array = NDArray[np.float64]
 KERNEL = sie.cauchy()
 
 
-def both(seed: int = 5, more: float = 0.0, bent: int = 0) -> tuple[DensityJumps, DensityJumps, sie.Zones]:
-    """(all jumps of a quadratic spline one by one, the same with a spline in their place, the zone). more: of a wave beside the spline;
-    bent: jumps of other orders beside them."""
+def both(
+    seed: int = 5, more: float = 0.0, bent: int = 0
+) -> tuple[DensityJumps, DensityJumps, sie.Zones]:
+    """(all jumps of a quadratic spline one by one, the same with a spline in their place, the
+    zone). more: of a wave beside the spline; bent: jumps of other orders beside them.
+    """
     rng, n = np.random.default_rng(seed), MANY + 40
     at = np.arange(n) + rng.uniform(-0.4, 0.4, n)
     spline = BSpline(at, rng.normal(size=n - 3), 2)
     bends = spline.derivative(2)(0.5 * (at[1:] + at[:-1]))
     at, jumps, orders = at[3:-3], np.diff(bends)[2:-2], np.full(n - 6, 2)
     zones = sie.Zones.of([[at[10] - 0.3, at[-10] + 0.2]])
-    at, jumps = np.append(at, zones.middle + rng.uniform(-9, 9, bent)), np.append(jumps, np.ones(bent))
+    at, jumps = (
+        np.append(at, zones.middle + rng.uniform(-9, 9, bent)),
+        np.append(jumps, np.ones(bent)),
+    )
     orders = np.append(orders, np.arange(bent))
 
     def slope(x: Array) -> Array:
         return np.asarray(spline(x) + more * np.sin(0.05 * x))
 
-    return DensityJumps.inside(zones, at, jumps, orders, KERNEL), DensityJumps.inside(zones, at, jumps, orders, KERNEL, slope), zones
+    return (
+        DensityJumps.inside(zones, at, jumps, orders, KERNEL),
+        DensityJumps.inside(zones, at, jumps, orders, KERNEL, slope),
+        zones,
+    )
 
 
 @pytest.mark.parametrize(("more", "bent"), [(0.0, 0), (3.0, 0), (0.0, 2), (3.0, 1)])
-def test_a_spline_in_place_of_many_jumps_leaves_six_and_is_the_same_density(more: float, bent: int) -> None:
+def test_a_spline_in_place_of_many_jumps_leaves_six_and_is_the_same_density(
+    more: float, bent: int
+) -> None:
     one, other, zones = both(more=more, bent=bent)
     assert len(one.zone) > MANY and len(other.zone) <= 6 + bent
     assert sorted(other.places(0)[1].tolist()) == sorted(one.order.tolist())
     assert one.count.tolist() == other.count.tolist()
     left = np.sort(np.random.default_rng(1).uniform(0, 2, 60))
     right, outside = 2 - left, np.array([1.0001, 1.02, 1.5, 4.0, 40.0, -1.003, -2.0, -9.0])
-    zone, seen, off = np.zeros(60, dtype=int), OnLine.of(1 + outside, 1 - outside), np.zeros(8, dtype=int)
+    zone, seen, off = (
+        np.zeros(60, dtype=int),
+        OnLine.of(1 + outside, 1 - outside),
+        np.zeros(8, dtype=int),
+    )
     pairs = [
         (one.density(0, left, right), other.density(0, left, right)),
         (one.own_transform(zone, left), other.own_transform(zone, left)),

@@ -16,21 +16,29 @@ from sie.jumps.forcing import ForcingJumps
 
 def equation(problem):
     kernel = sie.hilbert(problem.period)
-    forcing = sie.Forcing(problem.profile.slope, problem.profile.height, resolution=problem.period / 64)
+    forcing = sie.Forcing(
+        problem.profile.slope, problem.profile.height, resolution=problem.period / 64
+    )
     return sie.Equation(kernel, forcing, (sie.Total(problem.load), sie.EqualPotential()))
 
 
 class TestBetweenNeighbours:
-    """Wide zones held at their levels, and what a small zone between them feels; solved, against the closed forms."""
+    """Wide zones held at their levels, and what a small zone between them feels; solved, against
+    the closed forms.
+    """
 
     LONG, SMALL = 4000.0, 1e-4
 
     def levels(self, zones, heights):
         """The density of zones at given potentials, alone in the plane."""
         edges = 0.5 * (zones[:-1, 1] + zones[1:, 0])
-        forcing = sie.Forcing(lambda x: 0 * x, lambda x: np.asarray(heights)[np.searchsorted(edges, x)])
+        forcing = sie.Forcing(
+            lambda x: 0 * x, lambda x: np.asarray(heights)[np.searchsorted(edges, x)]
+        )
         held = sie.Zones.of(zones, sie.SINGULAR, sie.SINGULAR)
-        return sie.solve_fixed(sie.Equation(sie.cauchy(), forcing, (sie.Level(0.0),)), held, 1e-12).density
+        return sie.solve_fixed(
+            sie.Equation(sie.cauchy(), forcing, (sie.Level(0.0),)), held, 1e-12
+        ).density
 
     @pytest.mark.parametrize("left, right", [(1.0, 1.0), (0.3, 2.0), (5.0, 0.7)])
     def test_conformal_radius_is_what_a_load_between_feels(self, left, right):
@@ -39,7 +47,9 @@ class TestBetweenNeighbours:
         density = self.levels(zones, [0.0, 1.0, 0.0])
         # c_0 w log(w / 2R) is the potential, 1.
         radius = 0.5 * w * np.exp(-1 / (w * density.coefficients[1, 0]))
-        assert radius == pytest.approx(float(conformal_radius(np.array(left), np.array(right))), rel=3e-3)
+        assert radius == pytest.approx(
+            float(conformal_radius(np.array(left), np.array(right))), rel=3e-3
+        )
 
     @pytest.mark.parametrize("left, right", [(1.0, 1.0), (0.3, 2.0), (5.0, 0.7)])
     def test_what_is_felt_is_the_harmonic_measure(self, left, right):
@@ -51,7 +61,9 @@ class TestBetweenNeighbours:
 
 
 class TestPlacesBeyondTheLastDigit:
-    """A zone a hundred millionth wide, far from the origin: its nodes are rounded to a hundred millionth of it."""
+    """A zone a hundred millionth wide, far from the origin: its nodes are rounded to a hundred
+    millionth of it.
+    """
 
     WAVE = 3e7
 
@@ -66,11 +78,22 @@ class TestPlacesBeyondTheLastDigit:
             middle = (mpmath.mpf(zones.a[0]) + mpmath.mpf(zones.b[0])) / 2
             half = (mpmath.mpf(zones.b[0]) - mpmath.mpf(zones.a[0])) / 2
             angles = [mpmath.pi * k / (n + 1) for k in range(1, n + 1)]
-            values = [mpmath.sin(self.WAVE * (middle + half * mpmath.cos(angle))) for angle in angles]
-            return np.array([
-                float(2 * sum(v * mpmath.sin(k * t) * mpmath.sin(t) for v, t in zip(values, angles, strict=True)) / (n + 1))
-                for k in range(1, n + 1)
-            ])
+            values = [
+                mpmath.sin(self.WAVE * (middle + half * mpmath.cos(angle))) for angle in angles
+            ]
+            return np.array(
+                [
+                    float(
+                        2
+                        * sum(
+                            v * mpmath.sin(k * t) * mpmath.sin(t)
+                            for v, t in zip(values, angles, strict=True)
+                        )
+                        / (n + 1)
+                    )
+                    for k in range(1, n + 1)
+                ]
+            )
 
     def found(self, forcing, n=16):
         sampled = modes.sample(forcing, self.zones(), ForcingJumps.none(), np.array([n]), 1e-13, n)
@@ -79,9 +102,15 @@ class TestPlacesBeyondTheLastDigit:
     def value(self, x):
         # To all digits at the place given: sin of a product of doubles in long precision.
         with mpmath.workdps(40):
-            return np.array([float(mpmath.sin(self.WAVE * mpmath.mpf(place))) for place in np.ravel(x)])
+            return np.array(
+                [float(mpmath.sin(self.WAVE * mpmath.mpf(place))) for place in np.ravel(x)]
+            )
 
-    @pytest.mark.parametrize(("n", "wave"), [(16, 3e7), (128, 3e9)], ids=["a few", "many waves, whose nodes no matrix holds"])
+    @pytest.mark.parametrize(
+        ("n", "wave"),
+        [(16, 3e7), (128, 3e9)],
+        ids=["a few", "many waves, whose nodes no matrix holds"],
+    )
     def test_coefficients_are_exact_to_the_digits_of_the_function(self, monkeypatch, n, wave):
         monkeypatch.setattr(self, "WAVE", wave)
         error = np.abs(self.found(sie.Forcing(self.value), n) - self.exact(n)).max()
@@ -115,27 +144,43 @@ def test_a_narrow_zone_where_none_belongs_shrinks_away_without_a_division_by_its
 
 
 def test_zones_in_doubt_are_dropped_or_joined_on_the_way_and_the_rest_is_as_without_them():
-    """A row of bumps; between two of them a zone where nothing touches, and one zone proposed as two that meet."""
-    wave = sie.Forcing(lambda x: np.sin(2 * np.pi * x), lambda x: -np.cos(2 * np.pi * x) / (2 * np.pi))
+    """A row of bumps; between two of them a zone where nothing touches, and one zone proposed as
+    two that meet.
+    """
+    wave = sie.Forcing(
+        lambda x: np.sin(2 * np.pi * x), lambda x: -np.cos(2 * np.pi * x) / (2 * np.pi)
+    )
     equation = sie.Equation(sie.hilbert(8.0), wave, (sie.Total(2.0), sie.EqualPotential()))
     table = np.arange(-3.0, 4.0)[:, None] + [-0.2, 0.2]
     right = sie.find_ends(equation, sie.Zones.of(table), 1e-11)
     doubtful = np.sort(np.concatenate((table.ravel(), [0.49, 0.51], [1.0, 1.001]))).reshape(-1, 2)
     assert not sie.find_ends(equation, sie.Zones.of(doubtful), 1e-11).converged
     found = sie.find_ends(equation, sie.Zones.of(doubtful), 1e-11, drops=True)
-    assert found.converged and found.density.zones.table == pytest.approx(right.density.zones.table, abs=1e-10)
+    assert found.converged and found.density.zones.table == pytest.approx(
+        right.density.zones.table, abs=1e-10
+    )
 
 
 def test_a_slight_zone_that_does_not_push_outward_is_not_waited_for(monkeypatch):
-    """Beside a wide zone one a thousandth as wide, whose density looks as if it pulled, step by step: the others are found without it."""
-    wave = sie.Forcing(lambda x: np.sin(2 * np.pi * x), lambda x: -np.cos(2 * np.pi * x) / (2 * np.pi))
+    """Beside a wide zone one a thousandth as wide, whose density looks as if it pulled, step by
+    step: the others are found without it.
+    """
+    wave = sie.Forcing(
+        lambda x: np.sin(2 * np.pi * x), lambda x: -np.cos(2 * np.pi * x) / (2 * np.pi)
+    )
     row = sie.Equation(sie.hilbert(8.0), wave, (sie.Total(2.0), sie.EqualPotential()))
-    right = sie.find_ends(row, sie.Zones.of(np.arange(-3.0, 4.0)[:, None] + [-0.2, 0.2]), 1e-11).density.zones.table
+    right = sie.find_ends(
+        row, sie.Zones.of(np.arange(-3.0, 4.0)[:, None] + [-0.2, 0.2]), 1e-11
+    ).density.zones.table
     original = free_boundary._newton
 
     def in_doubt(state, zones, *given):
         motion = original(state, zones, *given)
-        return replace(motion, delta=np.zeros_like(motion.delta), weak=np.arange(8) == 4) if len(zones) == 8 else motion
+        return (
+            replace(motion, delta=np.zeros_like(motion.delta), weak=np.arange(8) == 4)
+            if len(zones) == 8
+            else motion
+        )
 
     monkeypatch.setattr(free_boundary, "_newton", in_doubt)
     doubtful = sie.Zones.of(np.insert(right, 4, right[3, 1] + np.array([1e-3, 1.4e-3]), axis=0))
@@ -144,5 +189,7 @@ def test_a_slight_zone_that_does_not_push_outward_is_not_waited_for(monkeypatch)
 
 
 def test_zones_joined_across_the_border_of_the_period_go_on_beyond_it():
-    zones, kept = sie.Zones.of([[0.1, 0.2], [0.3, 0.4], [0.5, 0.6], [0.9, 1.0]]).changed(np.array([1]), np.array([2, 3]), 1.0)
+    zones, kept = sie.Zones.of([[0.1, 0.2], [0.3, 0.4], [0.5, 0.6], [0.9, 1.0]]).changed(
+        np.array([1]), np.array([2, 3]), 1.0
+    )
     assert zones.table.round(12).tolist() == [[0.5, 1.2]] and kept.tolist() == [2]

@@ -1,4 +1,6 @@
-"""What a user may write in more than one way is taken, what cannot be meant is refused in the engine's own words, on every route."""
+"""What a user may write in more than one way is taken, what cannot be meant is refused in the
+engine's own words, on every route.
+"""
 
 from __future__ import annotations
 
@@ -22,7 +24,8 @@ OF_BOTH = sie.Smooth(
 X = np.linspace(0.35, 0.95, 7)[:, None]
 
 
-# Data of any size ---------------------------------------------------------------------------------------------------------------
+# Data of any size
+# ---------------------------------------------------------------------------------------------------------------
 @pytest.mark.parametrize("size", [1e200, 1e-200])
 @pytest.mark.parametrize("route", ROUTES)
 def test_a_problem_times_a_number_has_the_density_times_it_and_the_same_ends_and_error(route, size):
@@ -44,7 +47,8 @@ def test_columns_of_any_size_are_solved_with(size):
     assert other.amplitudes * size == pytest.approx(one.amplitudes, rel=1e-9)
 
 
-# Kernels ------------------------------------------------------------------------------------------------------------------------
+# Kernels
+# ------------------------------------------------------------------------------------------------------------------------
 @pytest.mark.parametrize(
     ("kernel", "rest"),
     [
@@ -120,7 +124,8 @@ def test_an_equation_without_a_pole_is_refused(kernel, message):
         sie.Equation(kernel, np.sin, sie.Total(1.0))
 
 
-# Lists, numbers, functions ------------------------------------------------------------------------------------------------------
+# Lists, numbers, functions
+# ------------------------------------------------------------------------------------------------------
 @pytest.mark.parametrize(
     "jumps",
     [
@@ -228,7 +233,8 @@ def test_a_function_that_takes_numbers_only_is_named():
         sie.solve(sie.Equation(sie.cauchy(), math.sin, sie.Total(1.0)), ONE)
 
 
-# Claims -------------------------------------------------------------------------------------------------------------------------
+# Claims
+# -------------------------------------------------------------------------------------------------------------------------
 @pytest.mark.parametrize(
     "zones",
     [ONE, TWO, sie.Zones.of([[i, i + 0.5] for i in range(50)], sie.SINGULAR, sie.SINGULAR)],

@@ -1,4 +1,6 @@
-"""Side conditions in every form an equation is solved in: none at all, a user's own, and what their rounding does."""
+"""Side conditions in every form an equation is solved in: none at all, a user's own, and what their
+rounding does.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -72,7 +74,13 @@ class FirstTotal(Condition):
 
 def difference(one, other):
     size = np.abs(one.density.coefficients).max()
-    return max(np.abs(one.density.at_t(i, T) - other.density.at_t(i, T)).max() for i in range(len(one.density.zones))) / size
+    return (
+        max(
+            np.abs(one.density.at_t(i, T) - other.density.at_t(i, T)).max()
+            for i in range(len(one.density.zones))
+        )
+        / size
+    )
 
 
 def by_matrix_and_by_sums(monkeypatch, equation, zones):
@@ -85,11 +93,14 @@ def by_matrix_and_by_sums(monkeypatch, equation, zones):
     return direct, iterated
 
 
-# None at all: rows of aerofoils, each with a bounded trailing edge -----------------------------------------------------------
+# None at all: rows of aerofoils, each with a bounded trailing edge
+# -----------------------------------------------------------
 @pytest.mark.parametrize("gap", [0.5, 1e-3])
 def test_zones_without_side_conditions_tell_their_error(gap):
     table = np.array([[0.0, 1.0], [1.0 + gap, 2.1], [2.1 + gap, 3.0]])
-    state = sie.solve_zones(sie.Equation(sie.cauchy(), WAVE, ()), sie.Zones.of(table, sie.SINGULAR, sie.BOUNDED))
+    state = sie.solve_zones(
+        sie.Equation(sie.cauchy(), WAVE, ()), sie.Zones.of(table, sie.SINGULAR, sie.BOUNDED)
+    )
     x = np.concatenate([0.5 * (a + b) + 0.5 * (b - a) * T for a, b in table])
     assert state.density.transform(x) == pytest.approx(np.sin(x), abs=1e-11)
     assert np.abs(state.density.intensities[1]).max() < 1e-14
@@ -117,10 +128,14 @@ def test_what_is_too_large_for_a_matrix_and_has_no_fast_sums_is_refused_by_name(
     monkeypatch.setattr("sie.collocation.fixed.MOST_UNKNOWNS", 100)
     both = [sie.Total(1.0)] + [sie.Weighted(lambda x, k=k: x**k, 0.0) for k in range(1, 12)]
     with pytest.raises(sie.SingularSystem, match="every zone needs one condition of its own"):
-        sie.solve_zones(sie.Equation(sie.cauchy(), WAVE, tuple(both)), sie.Zones.of(ROW, sie.SINGULAR, sie.SINGULAR))
+        sie.solve_zones(
+            sie.Equation(sie.cauchy(), WAVE, tuple(both)),
+            sie.Zones.of(ROW, sie.SINGULAR, sie.SINGULAR),
+        )
 
 
-# A user's own -----------------------------------------------------------------------------------------------------------------
+# A user's own
+# -----------------------------------------------------------------------------------------------------------------
 OWN = {
     "some levels": ((sie.ZoneTotals(0.1), SameLevel(0, 3)), (CONSTANT,)),
     "levels unsaid": ((sie.ZoneTotals(0.1), Unsaid(1, 11)), (CONSTANT,)),
@@ -133,12 +148,18 @@ OWN = {
 def test_a_condition_of_ones_own_holds_by_matrix_and_by_fast_sums(monkeypatch, name):
     conditions, columns = OWN[name]
     zones = sie.Zones.of(ROW, sie.SINGULAR, sie.SINGULAR)
-    direct, iterated = by_matrix_and_by_sums(monkeypatch, sie.Equation(sie.cauchy(), WAVE, conditions, columns), zones)
+    direct, iterated = by_matrix_and_by_sums(
+        monkeypatch, sie.Equation(sie.cauchy(), WAVE, conditions, columns), zones
+    )
     assert difference(direct, iterated) < direct.density_error + iterated.density_error < 1e-11
     density = direct.density
     if "levels" in name:
         i, j = conditions[1].i, conditions[1].j
-        levels = density.potential(zones.middle) - WAVE.primitive(zones.middle) - density.amplitudes[0] * zones.middle
+        levels = (
+            density.potential(zones.middle)
+            - WAVE.primitive(zones.middle)
+            - density.amplitudes[0] * zones.middle
+        )
         assert levels[i] == pytest.approx(levels[j], abs=1e-13)
         assert np.ptp(levels) > 1e-3
     elif name == "intensities":
@@ -150,8 +171,12 @@ def test_a_condition_of_ones_own_holds_by_matrix_and_by_fast_sums(monkeypatch, n
 @pytest.mark.parametrize("condition", [SameIntensities(), FirstTotal(0.2)])
 @pytest.mark.parametrize("gap", [0.1, 0.02, 1e-3])
 def test_a_condition_of_ones_own_holds_whatever_the_width_of_a_gap(condition, gap):
-    """On the zone that spans a narrow gap there is no first zone of two; what the outer ends do hardly knows of the gap."""
-    zones = sie.Zones.of([[-1.0, 0.0], [gap, 1.3]], [sie.SINGULAR, sie.FREE], [sie.FREE, sie.SINGULAR])
+    """On the zone that spans a narrow gap there is no first zone of two; what the outer ends do
+    hardly knows of the gap.
+    """
+    zones = sie.Zones.of(
+        [[-1.0, 0.0], [gap, 1.3]], [sie.SINGULAR, sie.FREE], [sie.FREE, sie.SINGULAR]
+    )
     conditions, columns = (sie.Total(1.0), sie.EqualPotential(), condition), (CONSTANT,)
     state = sie.solve_zones(sie.Equation(sie.cauchy(), WAVE, conditions, columns), zones)
     assert not isinstance(state, SlitState)
@@ -159,12 +184,15 @@ def test_a_condition_of_ones_own_holds_whatever_the_width_of_a_gap(condition, ga
     if isinstance(condition, FirstTotal):
         assert state.density.totals[0] == pytest.approx(0.2, abs=slack)
     else:
-        assert state.density.intensities[0][0] == pytest.approx(state.density.intensities[1][1], abs=slack)
+        assert state.density.intensities[0][0] == pytest.approx(
+            state.density.intensities[1][1], abs=slack
+        )
     without = sie.solve_zones(sie.Equation(sie.cauchy(), WAVE, conditions[:2]), zones)
     assert isinstance(without, SlitState) == (gap < 0.1)
 
 
-# One of every zone ------------------------------------------------------------------------------------------------------------
+# One of every zone
+# ------------------------------------------------------------------------------------------------------------
 @dataclass(frozen=True)
 class EveryZone(Condition):
     """What `told` makes of the system, as many rows as there are zones, less `fewer`."""
@@ -190,23 +218,36 @@ def sprung(system):
 
 BY_ZONE = {
     "totals": (EveryZone(lambda system: system.totals()),),
-    "first moments about a place": (EveryZone(lambda system: system.integrals(lambda x: 1 + 0.1 * x)),),
+    "first moments about a place": (
+        EveryZone(lambda system: system.integrals(lambda x: 1 + 0.1 * x)),
+    ),
     "edges": (EveryZone(lambda system: system.intensities()[1]),),
     "springs": (EveryZone(sprung),),
-    "levels": (sie.Total(0.3), EveryZone(lambda system: tuple(-2.0 * part for part in system.level_steps()), 0.0, 1)),
+    "levels": (
+        sie.Total(0.3),
+        EveryZone(lambda system: tuple(-2.0 * part for part in system.level_steps()), 0.0, 1),
+    ),
 }
 
 
 @pytest.mark.parametrize("symmetric", [False, True])
 @pytest.mark.parametrize("name", BY_ZONE)
-def test_a_condition_of_ones_own_on_every_zone_holds_by_matrix_and_by_fast_sums(monkeypatch, name, symmetric):
+def test_a_condition_of_ones_own_on_every_zone_holds_by_matrix_and_by_fast_sums(
+    monkeypatch, name, symmetric
+):
     table = ROW - 0.5 * (ROW[0, 0] + ROW[-1, 1])
     table = 0.5 * (table - table[::-1, ::-1]) if symmetric else ROW
     wave = sie.Forcing(np.sin, lambda x: -np.cos(x))
     weighted = name.startswith("first") and symmetric
-    conditions = (EveryZone(lambda system: system.integrals(lambda x: 1 + 0.1 * x * x)),) if weighted else BY_ZONE[name]
+    conditions = (
+        (EveryZone(lambda system: system.integrals(lambda x: 1 + 0.1 * x * x)),)
+        if weighted
+        else BY_ZONE[name]
+    )
     zones = sie.Zones.of(table, sie.SINGULAR, sie.SINGULAR, symmetric=symmetric)
-    direct, iterated = by_matrix_and_by_sums(monkeypatch, sie.Equation(sie.cauchy(), wave, conditions), zones)
+    direct, iterated = by_matrix_and_by_sums(
+        monkeypatch, sie.Equation(sie.cauchy(), wave, conditions), zones
+    )
     assert difference(direct, iterated) < direct.density_error + iterated.density_error < 1e-11
     assert iterated.sizes.iterations < 40
 
@@ -214,9 +255,13 @@ def test_a_condition_of_ones_own_on_every_zone_holds_by_matrix_and_by_fast_sums(
 def test_what_a_condition_asks_of_every_zone_is_found_by_trial():
     zones = sie.Zones.of(ROW, sie.SINGULAR, sie.SINGULAR)
     half = zones.half
-    totals, springs, steps = (by_zone(BY_ZONE[name][-1], zones) for name in ("totals", "springs", "levels"))
+    totals, springs, steps = (
+        by_zone(BY_ZONE[name][-1], zones) for name in ("totals", "springs", "levels")
+    )
     assert totals.first == pytest.approx(np.pi * half) and not totals.of_levels
-    assert springs.levels == pytest.approx(np.ones(12)) and springs.first == pytest.approx(np.pi * half * (1 + 0.2 * np.arange(12)))
+    assert springs.levels == pytest.approx(np.ones(12)) and springs.first == pytest.approx(
+        np.pi * half * (1 + 0.2 * np.arange(12))
+    )
     assert steps.differences and steps.levels == pytest.approx(np.full(11, -2.0))
     assert by_zone(sie.ZoneTotals(), zones).first == pytest.approx(totals.first)
 
@@ -264,7 +309,10 @@ class Wrong(Condition):
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        (lambda m, c: (np.repeat(m, 2, axis=0), np.zeros(2), np.zeros(2)), r"its `count` is 1, so that its `rows`"),
+        (
+            lambda m, c: (np.repeat(m, 2, axis=0), np.zeros(2), np.zeros(2)),
+            r"its `count` is 1, so that its `rows`",
+        ),
         (lambda m, c: (m[:, :-1], c, c), r"must have shapes \(1, \d+\)"),
         (lambda m, c: (m[0], c, c), "must have shapes"),
         (lambda m, c: (m, c), "three things"),
@@ -273,45 +321,70 @@ class Wrong(Condition):
 )
 def test_rows_of_a_wrong_shape_are_refused_by_name(given, message):
     with pytest.raises(ValueError, match=message):
-        sie.solve_fixed(sie.Equation(sie.cauchy(), WAVE, (Wrong(given),)), sie.Zones.of([[-1, 1]], sie.SINGULAR, sie.SINGULAR))
+        sie.solve_fixed(
+            sie.Equation(sie.cauchy(), WAVE, (Wrong(given),)),
+            sie.Zones.of([[-1, 1]], sie.SINGULAR, sie.SINGULAR),
+        )
 
 
 def test_zone_totals_of_a_wrong_length_and_columns_that_are_not_there_are_refused_by_name():
     zones = sie.Zones.of([[-2, -1], [1, 2]], sie.SINGULAR, sie.SINGULAR)
-    with pytest.raises(ValueError, match="2 zones are solved, so one value or 2 of them are needed"):
+    with pytest.raises(
+        ValueError, match="2 zones are solved, so one value or 2 of them are needed"
+    ):
         sie.solve_fixed(sie.Equation(sie.cauchy(), WAVE, (sie.ZoneTotals((1.0, 2.0, 3.0)),)), zones)
     conditions = (sie.Total(1.0), sie.EqualPotential(), sie.Amplitude(1))
     with pytest.raises(ValueError, match="amplitude of column 1, but the equation has 1"):
         sie.solve_fixed(sie.Equation(sie.cauchy(), WAVE, conditions, (CONSTANT,)), zones)
-    with pytest.raises(ValueError, match="Amplitude: its column must be a whole number from 0 on, got -1"):
+    with pytest.raises(
+        ValueError, match="Amplitude: its column must be a whole number from 0 on, got -1"
+    ):
         sie.Amplitude(-1)
 
 
-# What rounding of the conditions does ------------------------------------------------------------------------------------------
+# What rounding of the conditions does
+# ------------------------------------------------------------------------------------------
 @pytest.mark.parametrize("gap", [1e-1, 1e-2, 3e-3])
 def test_rounding_of_the_side_conditions_is_in_the_stated_error(gap):
-    """Bounded at a gap and singular outside, with one level and a constant: the narrower the gap, the less the level tells. What only
-    rounding sees, a constant of the primitive and the unit of the logarithm, changes the density by less than is stated."""
-    zones = sie.Zones.of([[-1.0, 0.0], [gap, 1.3]], [sie.SINGULAR, sie.BOUNDED], [sie.BOUNDED, sie.SINGULAR])
+    """Bounded at a gap and singular outside, with one level and a constant: the narrower the gap,
+    the less the level tells. What only rounding sees, a constant of the primitive and the unit of
+    the logarithm, changes the density by less than is stated.
+    """
+    zones = sie.Zones.of(
+        [[-1.0, 0.0], [gap, 1.3]], [sie.SINGULAR, sie.BOUNDED], [sie.BOUNDED, sie.SINGULAR]
+    )
     states = []
     for offset, datum in ((0.0, 1.0), (0.7, 1.0), (-2.3, 3.0), (0.0, 0.3)):
         forcing = sie.Forcing(np.sin, lambda x, offset=offset: offset - np.cos(x))
-        states.append(sie.solve_fixed(sie.Equation(sie.cauchy(datum), forcing, (sie.EqualPotential(),), (CONSTANT,)), zones))
+        states.append(
+            sie.solve_fixed(
+                sie.Equation(sie.cauchy(datum), forcing, (sie.EqualPotential(),), (CONSTANT,)),
+                zones,
+            )
+        )
     found = max(difference(states[0], other) for other in states[1:])
     stated = max(state.density_error for state in states)
     assert found < 2 * stated
-    # Rounding times about one over the gap squared; a bound that says nothing would be no use either.
+    # Rounding times about one over the gap squared; a bound that says nothing would be no use
+    # either.
     assert stated < 1e-13 / gap**2
     if gap <= 1e-2:
         assert found > 1e-12
 
 
 def test_high_modes_keep_the_digits_of_their_angles():
-    """sin(k theta) and cos(l theta) of a whole number of turns and a part: 1e-14 if the angle were multiplied as rounded."""
+    """sin(k theta) and cos(l theta) of a whole number of turns and a part: 1e-14 if the angle were
+    multiplied as rounded.
+    """
     n = 90
     with mpmath.workdps(30):
         for k, j in ((89, 88), (90, 90), (57, 83)):
-            sine = 2 / mpmath.mpf(n + 1) * mpmath.sin(k * j * mpmath.pi / (n + 1)) * mpmath.sin(j * mpmath.pi / (n + 1))
+            sine = (
+                2
+                / mpmath.mpf(n + 1)
+                * mpmath.sin(k * j * mpmath.pi / (n + 1))
+                * mpmath.sin(j * mpmath.pi / (n + 1))
+            )
             assert chebyshev._sine_matrix(n)[k - 1, j - 1] == pytest.approx(float(sine), abs=3e-17)
             cosine = mpmath.cos((2 * j + 1) * k * mpmath.pi / (2 * 200))
             assert chebyshev.t_matrix(200, 100)[j, k] == pytest.approx(float(cosine), abs=5e-16)
@@ -319,7 +392,9 @@ def test_high_modes_keep_the_digits_of_their_angles():
 
 def test_an_iteration_that_does_not_come_to_rest_is_the_reason_told(monkeypatch):
     monkeypatch.setattr("sie.collocation.fixed.MANY_UNKNOWNS", 1)
-    monkeypatch.setattr("sie.collocation.iterative.gmres", lambda apply, b, tolerance: gmres(apply, b, tolerance, 2))
+    monkeypatch.setattr(
+        "sie.collocation.iterative.gmres", lambda apply, b, tolerance: gmres(apply, b, tolerance, 2)
+    )
     charge = sie.Equation(sie.cauchy(), WAVE, (sie.Total(1.0), sie.EqualPotential()))
     with pytest.raises(sie.NotConverged, match="the iteration .* does not come to rest"):
         sie.solve(charge, sie.Zones.of(ROW, sie.SINGULAR, sie.SINGULAR))
@@ -327,23 +402,31 @@ def test_an_iteration_that_does_not_come_to_rest_is_the_reason_told(monkeypatch)
 
 def test_an_intensity_at_ends_that_do_not_move_is_met_by_fast_sums_too(monkeypatch):
     zones = sie.Zones.of(ROW, sie.SINGULAR, sie.End(moves=False, intensity=0.2))
-    direct, iterated = by_matrix_and_by_sums(monkeypatch, sie.Equation(sie.cauchy(), WAVE, ()), zones)
+    direct, iterated = by_matrix_and_by_sums(
+        monkeypatch, sie.Equation(sie.cauchy(), WAVE, ()), zones
+    )
     assert iterated.density.intensities[1] == pytest.approx(np.full(12, 0.2), rel=1e-12)
     assert difference(direct, iterated) < direct.density_error + iterated.density_error < 1e-11
 
 
 @pytest.mark.parametrize("name", ["one total", "levels", "springs"])
-def test_the_same_condition_of_ones_own_serves_a_matrix_fast_sums_and_narrow_gaps(monkeypatch, name):
+def test_the_same_condition_of_ones_own_serves_a_matrix_fast_sums_and_narrow_gaps(
+    monkeypatch, name
+):
     """Beside a gap of a thousandth, where the engine's own conditions are solved with slits."""
     table = ROW.copy()
     table[5:] -= table[5, 0] - table[4, 1] - 1e-3
     zones = sie.Zones.of(table)
     conditions = OWN[name][0] if name in OWN else BY_ZONE[name]
-    direct, iterated = by_matrix_and_by_sums(monkeypatch, sie.Equation(sie.cauchy(), WAVE, conditions), zones)
+    direct, iterated = by_matrix_and_by_sums(
+        monkeypatch, sie.Equation(sie.cauchy(), WAVE, conditions), zones
+    )
     stated = direct.density_error + iterated.density_error
     assert difference(direct, iterated) < stated < 1e-8
     if name == "levels":
         monkeypatch.setattr("sie.collocation.fixed.MANY_UNKNOWNS", 10**9)
-        with_slits = sie.solve_zones(sie.Equation(sie.cauchy(), WAVE, (sie.Total(0.3), sie.EqualPotential())), zones)
+        with_slits = sie.solve_zones(
+            sie.Equation(sie.cauchy(), WAVE, (sie.Total(0.3), sie.EqualPotential())), zones
+        )
         assert isinstance(with_slits, SlitState)
         assert difference(with_slits, direct) < (stated + with_slits.density_error) * 10

@@ -1,4 +1,6 @@
-"""Jumps of many zones, pair by pair with the points of all of them: each zone has what it has by itself."""
+"""Jumps of many zones, pair by pair with the points of all of them: each zone has what it has by
+itself.
+"""
 
 import numpy as np
 import pytest
@@ -10,10 +12,17 @@ from sie.jumps.forcing import ForcingJumps
 
 
 def drawn(orders, of_density=False):
-    """Jumps of these orders in 200 zones, some of them with none, some with so many that their series is longer."""
+    """Jumps of these orders in 200 zones, some of them with none, some with so many that their
+    series is longer.
+    """
     rng = np.random.default_rng(3)
     edges = np.sort(rng.random(400)).reshape(-1, 2)
-    at = np.concatenate([rng.random(900), *(rng.uniform(*edges[zone], count) for zone, count in ((7, 27), (60, 50)))])
+    at = np.concatenate(
+        [
+            rng.random(900),
+            *(rng.uniform(*edges[zone], count) for zone, count in ((7, 27), (60, 50))),
+        ]
+    )
     zones = sie.Zones.of(edges)
     height, order = rng.normal(size=len(at)), rng.choice(orders, len(at))
     if of_density:
@@ -29,7 +38,11 @@ def alone(jumps, zone):
 def points(rng, on):
     """(zone, points seen from it) on zones or off them, some of zones without jumps."""
     zone = np.concatenate((rng.integers(0, 200, 500), np.repeat([7, 60], 100)))
-    left = rng.uniform(0, 2, 700) if on else np.where(rng.random(700) < 0.5, -1, 1) * 10.0 ** rng.uniform(-6, 3, 700)
+    left = (
+        rng.uniform(0, 2, 700)
+        if on
+        else np.where(rng.random(700) < 0.5, -1, 1) * 10.0 ** rng.uniform(-6, 3, 700)
+    )
     left = left if on else np.where(left > 0, 2 + left, left)
     return zone, OnLine.of(left, 2 - left)
 
@@ -47,18 +60,42 @@ class TestJumpsOfTheRightSide:
     def test_have_the_density_and_add_what_those_of_each_zone_do(self, orders):
         rng, _, jumps = drawn(orders)
         zone, seen = points(rng, on=True)
-        wanted = one_by_one(zone, lambda i, here: alone(jumps, i).density(zone[here], seen.left[here], seen.right[here]))
-        np.testing.assert_allclose(jumps.density(zone, seen.left, seen.right), wanted, rtol=1e-12, atol=1e-14 * np.abs(wanted).max())
-        wanted = one_by_one(zone, lambda i, here: alone(jumps, i).smooth_part(zone[here], seen.left[here]))
-        np.testing.assert_allclose(jumps.smooth_part(zone, seen.left), wanted, rtol=1e-12, atol=1e-14 * np.abs(wanted).max())
+        wanted = one_by_one(
+            zone,
+            lambda i, here: alone(jumps, i).density(zone[here], seen.left[here], seen.right[here]),
+        )
+        np.testing.assert_allclose(
+            jumps.density(zone, seen.left, seen.right),
+            wanted,
+            rtol=1e-12,
+            atol=1e-14 * np.abs(wanted).max(),
+        )
+        wanted = one_by_one(
+            zone, lambda i, here: alone(jumps, i).smooth_part(zone[here], seen.left[here])
+        )
+        np.testing.assert_allclose(
+            jumps.smooth_part(zone, seen.left),
+            wanted,
+            rtol=1e-12,
+            atol=1e-14 * np.abs(wanted).max(),
+        )
 
     @pytest.mark.parametrize("on", [True, False])
-    def test_are_seen_from_afar_and_have_the_potentials_that_those_of_each_zone_have(self, orders, on):
+    def test_are_seen_from_afar_and_have_the_potentials_that_those_of_each_zone_have(
+        self, orders, on
+    ):
         rng, _, jumps = drawn(orders)
         zone, seen = points(rng, on)
         for of in ("transform", "sharp_potential"):
-            wanted = one_by_one(zone, lambda i, here, of=of: getattr(alone(jumps, i), of)(zone[here], seen[here]))
-            np.testing.assert_allclose(getattr(jumps, of)(zone, seen), wanted, rtol=1e-10, atol=1e-14 * np.abs(wanted).max())
+            wanted = one_by_one(
+                zone, lambda i, here, of=of: getattr(alone(jumps, i), of)(zone[here], seen[here])
+            )
+            np.testing.assert_allclose(
+                getattr(jumps, of)(zone, seen),
+                wanted,
+                rtol=1e-10,
+                atol=1e-14 * np.abs(wanted).max(),
+            )
 
     def test_are_seen_by_their_series_as_by_closed_forms(self, orders):
         _, _, jumps = drawn(orders)
@@ -71,8 +108,12 @@ class TestJumpsOfTheRightSide:
                 if of == "transform":
                     closed = jumps.off_zone(k, z[:, None], rho[:, None]) @ (jumps.height[k] / np.pi)
                 else:
-                    closed = jumps.potential_off(k, 1 + z[:, None], 1 - z[:, None], rho[:, None]) @ (jumps.height[k] / np.pi)
-                np.testing.assert_allclose(by_series, closed, rtol=0, atol=1e-12 * np.abs(jumps.height[k]).sum())
+                    closed = jumps.potential_off(
+                        k, 1 + z[:, None], 1 - z[:, None], rho[:, None]
+                    ) @ (jumps.height[k] / np.pi)
+                np.testing.assert_allclose(
+                    by_series, closed, rtol=0, atol=1e-12 * np.abs(jumps.height[k]).sum()
+                )
 
 
 @pytest.mark.parametrize("orders", [(1, 2), (0, 2)])
@@ -83,9 +124,23 @@ def test_jumps_of_the_density_are_what_those_of_each_zone_are(orders, on):
     jumps = DensityJumps(jumps.zone, jumps.left, jumps.right, jumps.height, jumps.order)
     zone, seen = points(rng, on)
     wanted = one_by_one(zone, lambda i, here: alone(jumps, i).transform(zone[here], seen[here]))
-    np.testing.assert_allclose(jumps.transform(zone, seen), wanted, rtol=1e-10, atol=1e-13 * np.abs(wanted).max())
-    wanted = one_by_one(zone, lambda i, here: alone(jumps, i).sharp_potential(zone[here], seen[here]))
-    np.testing.assert_allclose(jumps.sharp_potential(zone, seen), wanted, rtol=1e-10, atol=1e-13 * np.abs(wanted).max())
+    np.testing.assert_allclose(
+        jumps.transform(zone, seen), wanted, rtol=1e-10, atol=1e-13 * np.abs(wanted).max()
+    )
+    wanted = one_by_one(
+        zone, lambda i, here: alone(jumps, i).sharp_potential(zone[here], seen[here])
+    )
+    np.testing.assert_allclose(
+        jumps.sharp_potential(zone, seen), wanted, rtol=1e-10, atol=1e-13 * np.abs(wanted).max()
+    )
     if on:
-        wanted = one_by_one(zone, lambda i, here: alone(jumps, i).density(zone[here], seen.left[here], seen.right[here]))
-        np.testing.assert_allclose(jumps.density(zone, seen.left, seen.right), wanted, rtol=1e-10, atol=1e-13 * np.abs(wanted).max())
+        wanted = one_by_one(
+            zone,
+            lambda i, here: alone(jumps, i).density(zone[here], seen.left[here], seen.right[here]),
+        )
+        np.testing.assert_allclose(
+            jumps.density(zone, seen.left, seen.right),
+            wanted,
+            rtol=1e-10,
+            atol=1e-13 * np.abs(wanted).max(),
+        )

@@ -1,4 +1,6 @@
-"""Smooth kernels of the lag on panels: the same sums as by the kernel itself, whatever the number of zones, and beside slits."""
+"""Smooth kernels of the lag on panels: the same sums as by the kernel itself, whatever the number
+of zones, and beside slits.
+"""
 
 from __future__ import annotations
 
@@ -21,20 +23,25 @@ def kernel(eps, depth, period=None, of_lag=True):
     if period is None:
         smooth = sie.Smooth(
             lambda x, xi: eps * (x - xi) / ((x - xi) ** 2 + depth**2),
-            lambda x, xi: 0.5 * eps * np.log((x - xi) ** 2 + depth**2), of_lag=of_lag,
+            lambda x, xi: 0.5 * eps * np.log((x - xi) ** 2 + depth**2),
+            of_lag=of_lag,
         )
         return sie.cauchy() + smooth
     k = 2 * np.pi / period
     r = np.exp(-k * depth)
     smooth = sie.Smooth(
-        lambda x, xi: k * eps * r * np.sin(k * (x - xi)) / (1 - 2 * r * np.cos(k * (x - xi)) + r * r),
-        lambda x, xi: 0.5 * eps * np.log(1 - 2 * r * np.cos(k * (x - xi)) + r * r), of_lag=of_lag,
+        lambda x, xi: (
+            k * eps * r * np.sin(k * (x - xi)) / (1 - 2 * r * np.cos(k * (x - xi)) + r * r)
+        ),
+        lambda x, xi: 0.5 * eps * np.log(1 - 2 * r * np.cos(k * (x - xi)) + r * r),
+        of_lag=of_lag,
     )
     return sie.hilbert(period) + smooth
 
 
 VARIED = sie.cauchy() + sie.Smooth(
-    lambda x, xi: 0.3 * np.cos(2 * x) * np.exp(xi) + 0.2 / (1.5 + x * xi), lambda x, xi: 0.15 * np.sin(2 * x) * np.exp(xi) + _log(x, xi)
+    lambda x, xi: 0.3 * np.cos(2 * x) * np.exp(xi) + 0.2 / (1.5 + x * xi),
+    lambda x, xi: 0.15 * np.sin(2 * x) * np.exp(xi) + _log(x, xi),
 )
 
 
@@ -61,11 +68,15 @@ def test_sums_over_points_are_those_of_the_kernel(depth, period, potential):
     xi, weights = rng.uniform(-1, 1, 50), rng.standard_normal(50)
     x = np.concatenate((rng.uniform(-1, 1, 40), [-1.2, 1.2], [] if period else [-3.0, 40.0, 1e6]))
     panels = panels_of(of, -1.0, 1.0)
-    found = panels.at(Spread.of(panels, x), panels.moments(Spread.of(panels, xi), weights), potential)
+    found = panels.at(
+        Spread.of(panels, x), panels.moments(Spread.of(panels, xi), weights), potential
+    )
     function = of.regular_potential if potential else of.regular
     exact = function(x[:, None], xi)
     size = np.abs(function(np.linspace(-2, 2, 4001)[:, None], np.zeros(1))).max()
-    assert found == pytest.approx(exact @ weights, rel=1e-13, abs=2e-14 * size * np.abs(weights).sum())
+    assert found == pytest.approx(
+        exact @ weights, rel=1e-13, abs=2e-14 * size * np.abs(weights).sum()
+    )
 
 
 def test_a_kernel_of_both_places_over_few_zones_and_one_that_varies_over_too_little_have_none():
@@ -80,9 +91,13 @@ def test_a_kernel_of_both_places_over_few_zones_and_one_that_varies_over_too_lit
 @pytest.mark.parametrize("depth", [0.1, 1.0])
 def test_a_density_is_the_same_with_panels_and_without(depth, period):
     zones, x = sie.Zones.of(FEW), np.array([-1.2, -0.7, 0.1, 0.32, 1.1])
-    one, other = (sie.solve_fixed(equation(kernel(0.8, depth, period, lag)), zones) for lag in (True, False))
+    one, other = (
+        sie.solve_fixed(equation(kernel(0.8, depth, period, lag)), zones) for lag in (True, False)
+    )
     size = np.abs(other.density.coefficients).max()
-    assert one.density.coefficients[:, :12] == pytest.approx(other.density.coefficients[:, :12], abs=1e-12 * size)
+    assert one.density.coefficients[:, :12] == pytest.approx(
+        other.density.coefficients[:, :12], abs=1e-12 * size
+    )
     assert one.density.transform(x) == pytest.approx(other.density.transform(x), abs=1e-11 * size)
     assert one.density.potential(x) == pytest.approx(other.density.potential(x), abs=1e-12 * size)
     assert one.levels == pytest.approx(other.levels, abs=1e-12 * size)
@@ -92,7 +107,10 @@ def test_a_density_is_the_same_with_panels_and_without(depth, period):
 def test_jumps_and_modes_that_are_no_unknowns_are_seen_by_the_smooth_part(period):
     # A kink in a zone, and a right side of many more modes than zones far apart have unknowns.
     right = sie.Forcing(
-        lambda x: np.sign(x - 0.1) + np.cos(120 * x), lambda x: np.abs(x - 0.1) + np.sin(120 * x) / 120, np.array([0.1]), np.array([2.0])
+        lambda x: np.sign(x - 0.1) + np.cos(120 * x),
+        lambda x: np.abs(x - 0.1) + np.sin(120 * x) / 120,
+        np.array([0.1]),
+        np.array([2.0]),
     )
     conditions = (sie.Total(1.0), sie.EqualPotential())
     zones, x = sie.Zones.of(FEW), np.linspace(-0.95, 0.95, 31)
@@ -104,7 +122,8 @@ def test_jumps_and_modes_that_are_no_unknowns_are_seen_by_the_smooth_part(period
 
 @pytest.mark.parametrize("period", [None, PERIOD])
 def test_a_mode_beyond_the_coupled_ones_acts_through_the_smooth_part(period):
-    # All of the density is T_40 / sqrt(1 - t^2), of no load: the few coupled modes have nothing that would ask for more of them.
+    # All of the density is T_40 / sqrt(1 - t^2), of no load: the few coupled modes have nothing
+    # that would ask for more of them.
     zones = sie.Zones.of([[-0.3, 0.3]])
     right = sie.Forcing(lambda x: np.sin(40 * np.arccos(x / 0.3)) / np.sqrt(1 - (x / 0.3) ** 2))
     wanted = sie.Equation(kernel(2.0, 0.1, period), right, (sie.Total(0.0),))
@@ -125,9 +144,13 @@ def test_many_zones_are_summed_and_iterated_like_few(period, monkeypatch):
     by_sums = sie.solve_fixed(equation(kernel(0.8, 0.1, period)), zones)
     assert by_sums.iterated
     size = np.abs(direct.density.coefficients).max()
-    assert by_sums.density.coefficients[:, :8] == pytest.approx(direct.density.coefficients[:, :8], abs=1e-11 * size)
+    assert by_sums.density.coefficients[:, :8] == pytest.approx(
+        direct.density.coefficients[:, :8], abs=1e-11 * size
+    )
     assert by_sums.levels == pytest.approx(direct.levels, abs=1e-12 * size)
-    assert by_sums.density.potential(x) == pytest.approx(direct.density.potential(x), abs=1e-12 * size)
+    assert by_sums.density.potential(x) == pytest.approx(
+        direct.density.potential(x), abs=1e-12 * size
+    )
 
 
 def test_a_kernel_is_asked_no_more_often_for_more_zones():
@@ -154,7 +177,9 @@ def test_a_kernel_is_asked_no_more_often_for_points_that_lie_farther_apart():
         calls[0] += 1
         return regular(x, xi)
 
-    density = sie.solve_fixed(equation(replace(of, regular_potential=potential)), sie.Zones.of(scattered(5))).density
+    density = sie.solve_fixed(
+        equation(replace(of, regular_potential=potential)), sie.Zones.of(scattered(5))
+    ).density
 
     def asked(x):
         calls[0] = 0
@@ -164,7 +189,9 @@ def test_a_kernel_is_asked_no_more_often_for_points_that_lie_farther_apart():
     assert asked(np.geomspace(10.0, 1e3, 400)) <= asked(np.linspace(10.0, 10.5, 400)) + 2
 
 
-@pytest.mark.parametrize("of", [VARIED, kernel(0.8, 0.3, of_lag=False), kernel(0.8, 0.3, PERIOD, of_lag=False)])
+@pytest.mark.parametrize(
+    "of", [VARIED, kernel(0.8, 0.3, of_lag=False), kernel(0.8, 0.3, PERIOD, of_lag=False)]
+)
 def test_a_kernel_of_both_places_is_of_low_rank_over_many_zones(of, monkeypatch):
     zones, x = sie.Zones.of(scattered(34)), np.linspace(-1.1, 1.1, 201)
     monkeypatch.setattr("sie.fast.panels._ZONES", 1000)
@@ -175,9 +202,13 @@ def test_a_kernel_of_both_places_is_of_low_rank_over_many_zones(of, monkeypatch)
     by_sums = sie.solve_fixed(equation(of), zones)
     assert by_sums.iterated
     size = np.abs(direct.density.coefficients).max()
-    assert by_sums.density.coefficients[:, :8] == pytest.approx(direct.density.coefficients[:, :8], abs=1e-11 * size)
+    assert by_sums.density.coefficients[:, :8] == pytest.approx(
+        direct.density.coefficients[:, :8], abs=1e-11 * size
+    )
     assert by_sums.levels == pytest.approx(direct.levels, abs=1e-12 * size)
-    assert by_sums.density.transform(x) == pytest.approx(direct.density.transform(x), abs=1e-9 * size)
+    assert by_sums.density.transform(x) == pytest.approx(
+        direct.density.transform(x), abs=1e-9 * size
+    )
     assert np.abs(by_sums.density.potential(x) - direct.density.potential(x)).max() < 1e-11 * size
 
 
@@ -185,21 +216,35 @@ def test_a_kernel_of_both_places_is_of_low_rank_over_many_zones(of, monkeypatch)
 @pytest.mark.parametrize("depth", [0.05, 0.5])
 @pytest.mark.parametrize("of_lag", [True, False])
 @pytest.mark.parametrize("period", [None, PERIOD])
-def test_beside_a_slit_the_density_is_that_of_the_zones_by_themselves(period, of_lag, depth, symmetric):
+def test_beside_a_slit_the_density_is_that_of_the_zones_by_themselves(
+    period, of_lag, depth, symmetric
+):
     right = sie.Forcing(lambda x: x, lambda x: 0.5 * x * x)
-    equation = sie.Equation(kernel(0.8, depth, period, of_lag), right, (sie.Total(1.0), sie.EqualPotential()))
-    zones = sie.Zones.of(np.array([[-0.8, -0.004], [0.004, 0.8]] if symmetric else [[-0.8, 0.01], [0.018, 0.7]]), symmetric=symmetric)
+    equation = sie.Equation(
+        kernel(0.8, depth, period, of_lag), right, (sie.Total(1.0), sie.EqualPotential())
+    )
+    zones = sie.Zones.of(
+        np.array([[-0.8, -0.004], [0.004, 0.8]] if symmetric else [[-0.8, 0.01], [0.018, 0.7]]),
+        symmetric=symmetric,
+    )
     one, other = sie.solve_zones(equation, zones), sie.solve_fixed(equation, zones)
-    assert isinstance(one.density, sie.SlitDensity) and not isinstance(other.density, sie.SlitDensity)
+    assert isinstance(one.density, sie.SlitDensity) and not isinstance(
+        other.density, sie.SlitDensity
+    )
     t = np.linspace(-0.9, 0.9, 7)
     for zone in (0, 1):
         assert one.density.at_t(zone, t) == pytest.approx(other.density.at_t(zone, t), rel=1e-9)
-    assert np.array(one.density.intensities) == pytest.approx(np.array(other.density.intensities), rel=1e-7)
+    assert np.array(one.density.intensities) == pytest.approx(
+        np.array(other.density.intensities), rel=1e-7
+    )
     assert one.density_error < 1e-9
 
 
 def test_where_nothing_asks_for_potentials_many_zones_need_none_of_the_kernel(monkeypatch):
-    zones, without = sie.Zones.of(scattered(34), sie.SINGULAR, sie.SINGULAR), replace(VARIED, regular_potential=None)
+    zones, without = (
+        sie.Zones.of(scattered(34), sie.SINGULAR, sie.SINGULAR),
+        replace(VARIED, regular_potential=None),
+    )
     right = sie.Forcing(np.sin, lambda x: -np.cos(x))
     monkeypatch.setattr(fixed, "MANY_UNKNOWNS", 10**9)
     direct = sie.solve_fixed(sie.Equation(VARIED, right, (sie.ZoneTotals(0.1),)), zones)
@@ -214,7 +259,9 @@ def test_where_nothing_asks_for_potentials_many_zones_need_none_of_the_kernel(mo
 @pytest.mark.parametrize("count", [3, 31, 32, 60])
 @pytest.mark.parametrize("of_lag", [False, True])
 def test_a_kernel_is_called_where_the_zones_are(count, of_lag):
-    """One of both places on zones alone, one of the lag from the first end to the last: they may mean nothing elsewhere."""
+    """One of both places on zones alone, one of the lag from the first end to the last: they may
+    mean nothing elsewhere.
+    """
     table = np.column_stack((np.arange(count) + 0.3, np.arange(count) + 0.9))
 
     def value(x, xi):
@@ -222,11 +269,17 @@ def test_a_kernel_is_called_where_the_zones_are(count, of_lag):
             if of_lag:
                 assert place.min() >= table[0, 0] - 1e-12 and place.max() <= table[-1, 1] + 1e-12
             else:
-                inside = (place[..., None] >= table[:, 0] - 1e-12) & (place[..., None] <= table[:, 1] + 1e-12)
+                inside = (place[..., None] >= table[:, 0] - 1e-12) & (
+                    place[..., None] <= table[:, 1] + 1e-12
+                )
                 assert inside.any(axis=-1).all()
-        return 0.1 * np.cos((x - xi) / count) / count if of_lag else 0.1 * np.sqrt(x * xi) / count**2
+        return (
+            0.1 * np.cos((x - xi) / count) / count if of_lag else 0.1 * np.sqrt(x * xi) / count**2
+        )
 
-    wanted = sie.Equation(sie.cauchy() + sie.Smooth(value, of_lag=of_lag), np.sin, sie.ZoneTotals(1.0))
+    wanted = sie.Equation(
+        sie.cauchy() + sie.Smooth(value, of_lag=of_lag), np.sin, sie.ZoneTotals(1.0)
+    )
     assert sie.solve(wanted, sie.Zones.of(table, sie.SINGULAR, sie.SINGULAR), 1e-8).error < 1e-8
 
 
@@ -237,12 +290,19 @@ def test_a_kernel_of_both_places_is_called_less_often_than_zones_have_pairs_of_n
         places[0] += np.broadcast(x, xi).size
         return VARIED.regular(x, xi)
 
-    state = sie.solve_fixed(sie.Equation(replace(VARIED, regular=value), np.sin, sie.ZoneTotals(1.0)), zones)
+    state = sie.solve_fixed(
+        sie.Equation(replace(VARIED, regular=value), np.sin, sie.ZoneTotals(1.0)), zones
+    )
     assert places[0] < 0.1 * state.system.layout.size**2
 
 
 def test_a_kernel_that_is_zero_has_a_skeleton_that_is():
     zones = sie.Zones.of(scattered(40))
     nothing = sie.Smooth(lambda x, xi: 0.0 * x * xi)
-    one, other = (sie.solve_fixed(sie.Equation(of, np.sin, sie.ZoneTotals(1.0)), zones) for of in (sie.cauchy() + nothing, sie.cauchy()))
-    assert one.density.coefficients[:, :6] == pytest.approx(other.density.coefficients[:, :6], abs=1e-11)
+    one, other = (
+        sie.solve_fixed(sie.Equation(of, np.sin, sie.ZoneTotals(1.0)), zones)
+        for of in (sie.cauchy() + nothing, sie.cauchy())
+    )
+    assert one.density.coefficients[:, :6] == pytest.approx(
+        other.density.coefficients[:, :6], abs=1e-11
+    )

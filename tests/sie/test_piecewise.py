@@ -1,4 +1,6 @@
-"""The transform of a piecewise quadratic function: against closed forms in forty digits, and by how many jumps a point sees."""
+"""The transform of a piecewise quadratic function: against closed forms in forty digits, and by how
+many jumps a point sees.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +15,9 @@ Array = NDArray[np.float64]
 
 
 def drawn(rng: np.random.Generator, ends: Array) -> tuple[Array, Array]:
-    """(pieces of a function that vanishes at both ends with its slope, the jumps of its second derivative at all ends)."""
+    """(pieces of a function that vanishes at both ends with its slope, the jumps of its second
+    derivative at all ends).
+    """
     step = np.diff(ends)
     bend = rng.standard_normal(len(step))
     # What a bend makes of the slope and of the value at the last end; two of them undo the rest.
@@ -28,7 +32,11 @@ def drawn(rng: np.random.Generator, ends: Array) -> tuple[Array, Array]:
 @pytest.mark.parametrize("kind", ["even", "random", "in heaps"])
 def test_the_transform_equals_that_of_its_pieces_in_forty_digits(kind: str) -> None:
     rng = np.random.default_rng(3)
-    inner = {"even": np.arange(1.0, 13), "random": np.sort(rng.uniform(0, 13, 12)), "in heaps": 5 + np.geomspace(1e-6, 1, 12)}[kind]
+    inner = {
+        "even": np.arange(1.0, 13),
+        "random": np.sort(rng.uniform(0, 13, 12)),
+        "in heaps": 5 + np.geomspace(1e-6, 1, 12),
+    }[kind]
     ends = np.concatenate(([0.0], inner, [13.0]))
     pieces, jumps = drawn(rng, ends)
     made = sie.PiecewiseTransform(sie.cauchy(), ends, pieces, ends, jumps)
@@ -50,11 +58,16 @@ def exact(ends: Array, pieces: Array, x: float) -> float:
 
 
 @pytest.mark.parametrize("kind", ["even", "random", "in heaps"])
-def test_a_point_sees_a_dozen_jumps_at_most_and_cells_are_hardly_more_than_pieces(kind: str) -> None:
+def test_a_point_sees_a_dozen_jumps_at_most_and_cells_are_hardly_more_than_pieces(
+    kind: str,
+) -> None:
     rng, n = np.random.default_rng(4), 3000
     x = {
-        "even": np.arange(n + 1.0), "random": np.sort(rng.uniform(0, n, n + 1)),
-        "in heaps": np.sort(np.concatenate((rng.uniform(0, n, n // 2), n / 3 + rng.normal(size=n // 2 + 1)))),
+        "even": np.arange(n + 1.0),
+        "random": np.sort(rng.uniform(0, n, n + 1)),
+        "in heaps": np.sort(
+            np.concatenate((rng.uniform(0, n, n // 2), n / 3 + rng.normal(size=n // 2 + 1)))
+        ),
     }[kind]
     pieces, jumps = drawn(rng, x)
     made = sie.PiecewiseTransform(sie.hilbert(x[-1] - x[0]), x, pieces, x[:-1], jumps[:-1])

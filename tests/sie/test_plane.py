@@ -1,4 +1,6 @@
-"""A density at complex points: against closed forms in 30 digits, against quadrature, and against the line itself."""
+"""A density at complex points: against closed forms in 30 digits, against quadrature, and against
+the line itself.
+"""
 
 import math
 
@@ -13,7 +15,20 @@ from sie.slits.system import SlitState, solve_zones
 from tests.sie import exact
 
 # 1e-8 from an end, 1e-6 above the zone, on its upper side, far away, in both half planes.
-PLACES = [1.3 + 1e-8j, 1.3 - 1e-8 + 1e-8j, 1.3 - 1e-8, 1.31, 0.5 + 1e-6j, 0.5 - 1e-6j, 0.5, 3 + 4j, 1e6 - 1e6j, 0.2j, -1.4, -1.4 - 1e-9j]
+PLACES = [
+    1.3 + 1e-8j,
+    1.3 - 1e-8 + 1e-8j,
+    1.3 - 1e-8,
+    1.31,
+    0.5 + 1e-6j,
+    0.5 - 1e-6j,
+    0.5,
+    3 + 4j,
+    1e6 - 1e6j,
+    0.2j,
+    -1.4,
+    -1.4 - 1e-9j,
+]
 METHODS = ("transform", "transform_slope", "potential")
 
 
@@ -23,7 +38,9 @@ def asked(density, z):
 
 def solved(form, kernel=None, kinds=sie.SINGULAR, conditions=None):
     conditions = (sie.Total(form.total), sie.EqualPotential()) if conditions is None else conditions
-    equation = sie.Equation(kernel or sie.cauchy(), sie.Forcing(form.value, form.primitive), conditions)
+    equation = sie.Equation(
+        kernel or sie.cauchy(), sie.Forcing(form.value, form.primitive), conditions
+    )
     return sie.solve(equation, sie.Zones.of(form.zones, kinds, kinds), 1e-10).density
 
 
@@ -34,8 +51,13 @@ def assert_near(got, expected, tolerance):
 def test_a_singular_end_has_all_its_digits_at_every_distance():
     density = solved(exact.Flat(1.3, 2.0))
     with mpmath.workdps(30):
-        points = [mpmath.mpc(z) if complex(z).imag < 0 else mpmath.mpc(complex(z).real, complex(z).imag) for z in PLACES]
-        roots = [mpmath.sqrt(z - mpmath.mpf(1.3)) * mpmath.sqrt(z + mpmath.mpf(1.3)) for z in points]
+        points = [
+            mpmath.mpc(z) if complex(z).imag < 0 else mpmath.mpc(complex(z).real, complex(z).imag)
+            for z in PLACES
+        ]
+        roots = [
+            mpmath.sqrt(z - mpmath.mpf(1.3)) * mpmath.sqrt(z + mpmath.mpf(1.3)) for z in points
+        ]
         closed = (
             [2 / mpmath.pi / r for r in roots],
             [-2 / mpmath.pi * z / r**3 for z, r in zip(points, roots, strict=True)],
@@ -55,7 +77,12 @@ def test_bounded_ends_of_two_zones_have_the_field_of_the_closed_form():
         a2, b2 = mpmath.mpf(0.3) ** 2, mpmath.mpf(1)
         for got, place in zip(density.transform(z), z, strict=True):
             s = mpmath.mpc(place)
-            root = mpmath.sqrt(s - 1) * mpmath.sqrt(s + 1) * mpmath.sqrt(s - mpmath.mpf(0.3)) * mpmath.sqrt(s + mpmath.mpf(0.3))
+            root = (
+                mpmath.sqrt(s - 1)
+                * mpmath.sqrt(s + 1)
+                * mpmath.sqrt(s - mpmath.mpf(0.3))
+                * mpmath.sqrt(s + mpmath.mpf(0.3))
+            )
             expected = complex(s * (s * s - (a2 + b2) / 2) - s * root)
             assert abs(got - expected) < 1e-10 * abs(expected) + 2e-11
 
@@ -69,7 +96,9 @@ def test_the_field_of_a_period_decays_and_its_potential_turns_with_every_period(
     root = root * np.sign((root * np.conj(sine)).real)
     assert np.abs(density.transform(z) / (np.cos(np.pi * z) / root) - 1).max() < 1e-13
     turned = density.potential(z + 1.0) - density.potential(z)
-    assert np.abs(turned + 1j * np.sign(z.imag))[1:].max() < 1e-13  # 1e-8 from an end, one period on is rounded to 1e-16
+    assert (
+        np.abs(turned + 1j * np.sign(z.imag))[1:].max() < 1e-13
+    )  # 1e-8 from an end, one period on is rounded to 1e-16
     assert abs(density.transform(40j) + 1j) < 1e-13  # -i load / L
 
 
@@ -86,7 +115,9 @@ def jumping(kind, kernel, order):
 
 
 def integrated(density, z, kernels):
-    """The integrals over the zone by Gauss's rule, in panels of theta that halve towards the jumps and towards z."""
+    """The integrals over the zone by Gauss's rule, in panels of theta that halve towards the jumps
+    and towards z.
+    """
     zones, jumps = density.zones, density.jumps
     w, middle = zones.half[0], zones.middle[0]
     marks = np.sort(np.concatenate((jumps.phi, [np.arccos(np.clip((z.real - middle) / w, -1, 1))])))
@@ -99,35 +130,61 @@ def integrated(density, z, kernels):
     half, centre = 0.5 * np.diff(cuts)[:, None], 0.5 * (cuts[1:] + cuts[:-1])[:, None]
     theta, weight = (centre + half * nodes).ravel(), (half * weights).ravel()
     phi = density.at(0, 2 * np.cos(theta / 2) ** 2, 2 * np.sin(theta / 2) ** 2)
-    return [np.sum(weight * phi * w * np.sin(theta) * k(z - middle - w * np.cos(theta))) / np.pi for k in kernels]
+    return [
+        np.sum(weight * phi * w * np.sin(theta) * k(z - middle - w * np.cos(theta))) / np.pi
+        for k in kernels
+    ]
 
 
 OF_CAUCHY = (lambda d: 1 / d, lambda d: -1 / d**2, np.log)
 
 
 @pytest.mark.parametrize(
-    ("kind", "order"), [*((kind, order) for kind in ("forcing jumps", "density jumps") for order in (0, 1, 2)), ("exterior logarithms", 0)]
+    ("kind", "order"),
+    [
+        *((kind, order) for kind in ("forcing jumps", "density jumps") for order in (0, 1, 2)),
+        ("exterior logarithms", 0),
+    ],
 )
 def test_jumps_do_what_the_integral_says(kind, order):
     density = jumping(kind, sie.cauchy(), order)
-    for z in (0.31 + 1e-2j, 0.3 + 1e-3j, 0.9 + 1e-3j, -0.5 + 3e-3j, 0.1 + 0.36j, -2 + 30j, 1.3 + 0.01j):
+    for z in (
+        0.31 + 1e-2j,
+        0.3 + 1e-3j,
+        0.9 + 1e-3j,
+        -0.5 + 3e-3j,
+        0.1 + 0.36j,
+        -2 + 30j,
+        1.3 + 0.01j,
+    ):
         expected = integrated(density, z, OF_CAUCHY)
         for got, true in zip(asked(density, z), expected, strict=True):
-            assert abs(got - true) < 3e-10 * max(abs(true), 0.01)  # the quadrature's nodes lie at rounded angles
+            assert abs(got - true) < 3e-10 * max(
+                abs(true), 0.01
+            )  # the quadrature's nodes lie at rounded angles
 
 
-@pytest.mark.parametrize("kernel", [sie.cauchy(), sie.hilbert(1.9), sie.images(1.9, 1)], ids=["line", "period", "images"])
-@pytest.mark.parametrize(("kind", "order"), [("forcing jumps", 0), ("density jumps", 0), ("exterior logarithms", 0)])
+@pytest.mark.parametrize(
+    "kernel", [sie.cauchy(), sie.hilbert(1.9), sie.images(1.9, 1)], ids=["line", "period", "images"]
+)
+@pytest.mark.parametrize(
+    ("kind", "order"), [("forcing jumps", 0), ("density jumps", 0), ("exterior logarithms", 0)]
+)
 def test_sides_of_the_line_have_the_values_on_it(kernel, kind, order):
-    """F is T - i phi on the upper side (Plemelj), the real part of the potential that on the line, and W' = F, F' its slope."""
+    """F is T - i phi on the upper side (Plemelj), the real part of the potential that on the line,
+    and W' = F, F' its slope.
+    """
     density = jumping(kind, kernel, order)
     x = np.array([-0.3, 0.1, 0.55, 0.899, 0.93, -0.7])
-    assert np.abs(density.transform(x + 0j) - (density.transform(x) - 1j * density(x))).max() < 1e-13
+    assert (
+        np.abs(density.transform(x + 0j) - (density.transform(x) - 1j * density(x))).max() < 1e-13
+    )
     if kind == "forcing jumps":
         assert np.abs(density.potential(x + 0j).real - density.potential(x)).max() < 1e-13
     z, h = x + np.array([0.2j, 0.01j, -0.1j, 0.1j, 3j, -0.3j]), 1e-4
     first, second = (
-        (8 * (f(z + h) - f(z - h)) - (f(z + 2 * h) - f(z - 2 * h))) / (12 * h) for f in (density.potential, density.transform)
+        (8 * (f(z + h) - f(z - h)) - (f(z + 2 * h) - f(z - 2 * h))) / (12 * h)
+        for f in (density.potential, density.transform)
     )
     assert np.abs(first - density.transform(z)).max() < 1e-6
     assert np.abs(second - density.transform_slope(z)).max() < 1e-5
@@ -148,7 +205,14 @@ def test_the_tree_adds_up_what_the_zones_do_one_by_one(what):
     rng = np.random.default_rng(6)
     z = rng.uniform(-0.2, 1.2, 60) + 1j * 10.0 ** rng.uniform(-8, 1, 60)
     zone = np.arange(len(density.zones))
-    expected = np.array([density.plane.of_zones(np.full(len(zone), s.real), np.full(len(zone), s.imag), zone, what).sum() for s in z])
+    expected = np.array(
+        [
+            density.plane.of_zones(
+                np.full(len(zone), s.real), np.full(len(zone), s.imag), zone, what
+            ).sum()
+            for s in z
+        ]
+    )
     got = density.plane(z, what)
     assert np.abs(got - expected).max() < 1e-14 * np.abs(expected).max()
     assert np.all(np.abs(got - expected) < 1e-11 * np.abs(expected))
@@ -165,25 +229,52 @@ def test_a_period_of_many_zones_is_the_sum_of_very_many_images():
 
 
 SLITS = [[-0.2, -0.03], [-0.029, 0.05], [0.0502, 0.15], [0.25, 0.31]]
-NEAR_SLITS = [-0.1 + 1e-6j, -0.0295 + 1e-6j, -0.0299 - 1e-5j, -0.03 + 1e-8j, -0.0294, -0.02, 0.05012 + 1e-4j, 0.05015, 0.1 - 0.3j, 0.6 + 2j]
+NEAR_SLITS = [
+    -0.1 + 1e-6j,
+    -0.0295 + 1e-6j,
+    -0.0299 - 1e-5j,
+    -0.03 + 1e-8j,
+    -0.0294,
+    -0.02,
+    0.05012 + 1e-4j,
+    0.05015,
+    0.1 - 0.3j,
+    0.6 + 2j,
+]
 
 
 @pytest.mark.parametrize("kernel", [sie.cauchy(), sie.hilbert(1.0)], ids=["line", "period"])
 @pytest.mark.parametrize("order", [None, 0, 1, 2], ids=["smooth", "kink", "bend", "curve"])
 def test_intervals_with_slits_are_what_their_zones_are_one_by_one(kernel, order):
     # One of the second derivative is carried in gaps that are much narrower.
-    at, jump = np.array([0.0501 if order == 2 else -0.0297]), np.array([{0: -2.0, 1: -40.0}.get(order, -3e3)])
+    at, jump = (
+        np.array([0.0501 if order == 2 else -0.0297]),
+        np.array([{0: -2.0, 1: -40.0}.get(order, -3e3)]),
+    )
     scale = jump[0] / math.factorial(order or 0)
-    bent = (lambda x: 0 * x) if order is None else lambda x: scale * np.maximum(x - at[0], 0.0) ** order * (x > at[0])
+    bent = (
+        (lambda x: 0 * x)
+        if order is None
+        else lambda x: scale * np.maximum(x - at[0], 0.0) ** order * (x > at[0])
+    )
     forcing = sie.Forcing(
         lambda x: np.sin(7 * x) + 2 * x + bent(x),
-        lambda x: -np.cos(7 * x) / 7 + x * x + (0 if order is None else bent(x) * (x - at[0]) / (order + 1)),
+        lambda x: (
+            -np.cos(7 * x) / 7
+            + x * x
+            + (0 if order is None else bent(x) * (x - at[0]) / (order + 1))
+        ),
         *((at, jump, np.array([order])) if order is not None else ()),
     )
     equation = sie.Equation(kernel, forcing, (sie.Total(0.3), sie.EqualPotential()))
-    plain, slit = sie.solve_fixed(equation, sie.Zones.of(SLITS)), solve_zones(equation, sie.Zones.of(SLITS))
+    plain, slit = (
+        sie.solve_fixed(equation, sie.Zones.of(SLITS)),
+        solve_zones(equation, sie.Zones.of(SLITS)),
+    )
     assert isinstance(slit, SlitState)
-    for one, other in zip(asked(plain.density, NEAR_SLITS), asked(slit.density, NEAR_SLITS), strict=True):
+    for one, other in zip(
+        asked(plain.density, NEAR_SLITS), asked(slit.density, NEAR_SLITS), strict=True
+    ):
         assert np.abs(one - other).max() < 3e-11 * np.abs(one).max()
 
 
@@ -197,7 +288,9 @@ def test_a_zone_of_very_many_knots_goes_on_from_the_line():
         rise = np.concatenate(([0.0], np.cumsum(0.5 * (line[1:] + line[:-1]) * np.diff(knots))))
         i = np.clip(np.searchsorted(knots, x, side="right") - 1, 0, len(knots) - 2)
         d = x - knots[i]
-        return np.interp(knots[i], knots, rise) + d * (line[i] + 0.5 * d * (line[i + 1] - line[i]) / (knots[i + 1] - knots[i]))
+        return np.interp(knots[i], knots, rise) + d * (
+            line[i] + 0.5 * d * (line[i + 1] - line[i]) / (knots[i + 1] - knots[i])
+        )
 
     heights = np.diff(np.diff(values) / np.diff(knots))
     orders = np.full(len(heights), 2)
@@ -210,9 +303,15 @@ def test_a_zone_of_very_many_knots_goes_on_from_the_line():
         assert jumps.splines
         x = np.array([-0.3, 0.1, 0.55, 0.95, -0.7])
         size = np.abs(density(x)).max()
-        assert np.abs(density.transform(x + 0j) - (density.transform(x) - 1j * density(x))).max() < 1e-10 * size
+        assert (
+            np.abs(density.transform(x + 0j) - (density.transform(x) - 1j * density(x))).max()
+            < 1e-10 * size
+        )
         z, h = np.array([0.1 + 1e-2j, 0.95 + 0.05j, 0.4 - 2j]), 1e-4
-        for f, g in ((density.potential, density.transform), (density.transform, density.transform_slope)):
+        for f, g in (
+            (density.potential, density.transform),
+            (density.transform, density.transform_slope),
+        ):
             slope_of = (8 * (f(z + h) - f(z - h)) - (f(z + 2 * h) - f(z - 2 * h))) / (12 * h)
             assert np.abs(slope_of - g(z)).max() < 1e-5 * np.abs(g(z)).max()
 
@@ -230,13 +329,18 @@ def test_points_come_back_in_their_shape_and_nan_stays_nan():
     density = solved(exact.Flat(1.3, 2.0))
     for got in asked(density, [[1j, complex(np.nan, 1)], [2.0, 3j]]):
         assert got.shape == (2, 2) and np.isnan(got[0, 1]) and np.isfinite(got[1]).all()
-    assert density.transform(1j).shape == () and density.transform(np.zeros(0, dtype=complex)).shape == (0,)
+    assert density.transform(1j).shape == () and density.transform(
+        np.zeros(0, dtype=complex)
+    ).shape == (0,)
 
 
 def of_kernel(value, potential=None):
     kernel = sie.cauchy() + sie.Smooth(value, potential)
     forcing = sie.Forcing(lambda x: x)
-    return sie.solve(sie.Equation(kernel, forcing, (sie.Total(1.0),)), sie.Zones.of([[-0.5, 0.6]], sie.SINGULAR, sie.SINGULAR)).density
+    return sie.solve(
+        sie.Equation(kernel, forcing, (sie.Total(1.0),)),
+        sie.Zones.of([[-0.5, 0.6]], sie.SINGULAR, sie.SINGULAR),
+    ).density
 
 
 def test_a_regular_kernel_of_ones_own_is_continued_with_the_rest():
@@ -270,7 +374,10 @@ def test_a_regular_kernel_that_is_not_analytic_is_refused():
 def test_intervals_with_slits_hold_any_weighted_integral_and_go_on_to_another_value(kernel):
     forcing = sie.Forcing(lambda x: np.sin(7 * x) + 2 * x, lambda x: x * x - np.cos(7 * x) / 7)
     equations = [
-        sie.Equation(kernel, forcing, (sie.Weighted(lambda x: np.cos(40 * x), value), sie.EqualPotential())) for value in (0.3, 0.4)
+        sie.Equation(
+            kernel, forcing, (sie.Weighted(lambda x: np.cos(40 * x), value), sie.EqualPotential())
+        )
+        for value in (0.3, 0.4)
     ]
     slit = solve_zones(equations[0], sie.Zones.of(SLITS))
     for state, equation in zip((slit, slit.with_value(0, 0.1)), equations, strict=True):

@@ -1,4 +1,6 @@
-"""What `NotConverged` says is what was measured: each reason is given where it holds, and nowhere else."""
+"""What `NotConverged` says is what was measured: each reason is given where it holds, and nowhere
+else.
+"""
 
 from __future__ import annotations
 
@@ -164,7 +166,8 @@ def test_a_smooth_right_side_is_not_accused_beside_a_noisy_kernel():
 
 def test_a_large_kernel_is_no_singular_system():
     found = sie.solve(equation(regular=lambda x, xi: 1e6 * np.cos(x) * np.cos(xi)), ONE, 1e-5)
-    # Terms of 1e6 add up to 1: rounding of some 1e-10 a mode, times a few dozen modes and the safety of the estimate.
+    # Terms of 1e6 add up to 1: rounding of some 1e-10 a mode, times a few dozen modes and the
+    # safety of the estimate.
     assert found.error < 1e-5
 
 
@@ -178,14 +181,17 @@ def test_a_density_that_nothing_sees_is_named():
         sie.solve(equation(conditions=dependent, regular=lambda x, xi: 0.1 * x * xi), TWO)
 
 
-# Modes --------------------------------------------------------------------------------------------------------------------------
+# Modes
+# --------------------------------------------------------------------------------------------------------------------------
 @pytest.mark.parametrize(
     ("count", "noisy"),
     [(1, 0.0), (3, 0.0), (1, 1e-10), pytest.param(3, 1e-10, marks=pytest.mark.slow)],
 )
 @pytest.mark.parametrize("tol", [1e-6, 1e-8, 1e-10])
 def test_modes_stop_growing_where_the_kernel_has_nothing_but_rounding_left(count, tol, noisy):
-    """Coefficients of the kernel fall as exp(-k/10): 350 modes show all of it, however tight the tolerance."""
+    """Coefficients of the kernel fall as exp(-k/10): 350 modes show all of it, however tight the
+    tolerance.
+    """
     draws = noise(noisy)
     kernel = sie.cauchy() + sie.Smooth(
         lambda x, xi: (1 + draws(x, xi)) / ((x - xi) ** 2 + 0.01), length=0.1
@@ -202,7 +208,8 @@ def test_modes_stop_growing_where_the_kernel_has_nothing_but_rounding_left(count
 
 def test_modes_grow_past_a_lull_of_the_coefficients():
     # All that the kernel does beyond the first modes is about T_40, which fewer modes do not show.
-    # The second part has the right side sampled at enough nodes to tell T_40 from the low polynomial with its values at few.
+    # The second part has the right side sampled at enough nodes to tell T_40 from the low
+    # polynomial with its values at few.
     right = sie.Forcing(lambda x: np.cos(40 * np.arccos(np.clip(x, -1, 1))) + 1 / (1.1 - x))
     kernel = sie.cauchy() + sie.Smooth(lambda x, xi: 0.1 / ((x - xi) ** 2 + 0.04))
     assert sie.solve(sie.Equation(kernel, right, sie.Total(0.0)), ONE, 1e-9).error < 1e-9

@@ -1,4 +1,6 @@
-"""Narrow gaps as slits of wide zones: the same answer as zone by zone, and one that does not depend on the gap."""
+"""Narrow gaps as slits of wide zones: the same answer as zone by zone, and one that does not depend
+on the gap.
+"""
 
 from dataclasses import replace
 
@@ -21,7 +23,8 @@ def equation(kernel, *jumps):
     forcing = sie.Forcing(
         lambda x: np.sin(7 * x) + 2 * x + sum(j * (x > s) for s, j in jumps),
         lambda x: -np.cos(7 * x) / 7 + x * x + sum(j * np.maximum(x - s, 0.0) for s, j in jumps),
-        np.array([s for s, _ in jumps]), np.array([j for _, j in jumps]),
+        np.array([s for s, _ in jumps]),
+        np.array([j for _, j in jumps]),
     )
     return sie.Equation(kernel, forcing, (sie.Total(0.3), sie.EqualPotential()))
 
@@ -39,7 +42,11 @@ KINKS = ((), ((-0.0297, -0.7),), ((-0.0291, 0.4), (-0.0253, -2.0), (0.0501, -1.0
 
 @pytest.mark.parametrize("kernel", quick(KERNELS, KERNELS[:2]), ids=["line", "period", "images"])
 @pytest.mark.parametrize("table", TABLES, ids=["two", "four", "island"])
-@pytest.mark.parametrize("kinks", [KINKS[0], pytest.param(KINKS[1], marks=pytest.mark.slow), KINKS[2]], ids=["smooth", "kink", "kinks"])
+@pytest.mark.parametrize(
+    "kinks",
+    [KINKS[0], pytest.param(KINKS[1], marks=pytest.mark.slow), KINKS[2]],
+    ids=["smooth", "kink", "kinks"],
+)
 class TestAgainstZoneByZone:
     """On zones that are not a solution: every end is singular."""
 
@@ -78,9 +85,14 @@ class TestAgainstZoneByZone:
         unit[0] = 1.0
         other = np.zeros(len(slit.condition_scale))
         other[0] = 1.0
-        one, two = np.array(plain.response(unit).intensities), np.array(slit.response(other).intensities)
+        one, two = (
+            np.array(plain.response(unit).intensities),
+            np.array(slit.response(other).intensities),
+        )
         assert np.abs(one - two).max() < 1e-12 * np.abs(one).max()
-        assert plain.level_rates(unit).mean() == pytest.approx(slit.level_rates(other).mean(), rel=1e-12)
+        assert plain.level_rates(unit).mean() == pytest.approx(
+            slit.level_rates(other).mean(), rel=1e-12
+        )
 
     def test_a_wrong_sign_of_the_slits_would_show(self, both, table):
         plain, slit = both
@@ -107,15 +119,24 @@ def test_jumps_of_the_right_side_and_of_its_slope_in_one_gap_are_carried(kernel)
         return np.sin(7 * x) + (first + second * (x - at)) * (x > at)
 
     def primitive(x):
-        return -np.cos(7 * x) / 7 + np.where(x > at, first * (x - at) + 0.5 * second * (x - at) ** 2, 0.0)
+        return -np.cos(7 * x) / 7 + np.where(
+            x > at, first * (x - at) + 0.5 * second * (x - at) ** 2, 0.0
+        )
 
-    forcing = sie.Forcing(value, primitive, np.array([at, at]), np.array([first, second]), np.array([0, 1]))
-    problem, zones = sie.Equation(kernel, forcing, (sie.Total(0.3), sie.EqualPotential())), sie.Zones.of(TABLES[0])
+    forcing = sie.Forcing(
+        value, primitive, np.array([at, at]), np.array([first, second]), np.array([0, 1])
+    )
+    problem, zones = (
+        sie.Equation(kernel, forcing, (sie.Total(0.3), sie.EqualPotential())),
+        sie.Zones.of(TABLES[0]),
+    )
     plain, slit = sie.solve_fixed(problem, zones), solve_zones(problem, zones)
     assert isinstance(slit, SlitState)
     size = np.abs(plain.density.coefficients).max()
     for piece in range(2):
-        assert plain.density.at_t(piece, T) == pytest.approx(slit.density.at_t(piece, T), abs=3e-12 * size)
+        assert plain.density.at_t(piece, T) == pytest.approx(
+            slit.density.at_t(piece, T), abs=3e-12 * size
+        )
     for name, error in (("intensities", 1e-12), ("edge_slopes", 1e-10)):
         one, other = (np.array(getattr(state.density, name)) for state in (plain, slit))
         assert np.abs(one - other).max() < error * np.abs(one).max()
@@ -124,9 +145,12 @@ def test_jumps_of_the_right_side_and_of_its_slope_in_one_gap_are_carried(kernel)
     # On the wide zone the potential of a jump of the slope is a series.
     off = x[[0, 1, 6, 7]]
     assert np.abs(plain.density.potential(off) - slit.density.potential(off)).max() < 1e-15
-    # One that is not declared would be within the wide zone, as it is not in the zones by themselves.
+    # One that is not declared would be within the wide zone, as it is not in the zones by
+    # themselves.
     for some in ([0], [1]):
-        less = sie.Forcing(value, primitive, forcing.jumps_at[some], forcing.jumps[some], forcing.orders[some])
+        less = sie.Forcing(
+            value, primitive, forcing.jumps_at[some], forcing.jumps[some], forcing.orders[some]
+        )
         other = solve_zones(sie.Equation(kernel, less, problem.conditions), zones)
         assert not isinstance(other, SlitState)
         assert np.abs(other.density.at_t(0, T) - slit.density.at_t(0, T)).max() < 1e-12 * size
@@ -134,7 +158,9 @@ def test_jumps_of_the_right_side_and_of_its_slope_in_one_gap_are_carried(kernel)
 
 @pytest.mark.parametrize("gap", [1e-3, 1e-5])
 def test_the_gap_over_a_kink_opens_by_no_more_than_its_own_slopes(gap):
-    """Between the two pieces the gap starts and ends at zero, its slope jumps by the kink and is s + g there."""
+    """Between the two pieces the gap starts and ends at zero, its slope jumps by the kink and is s
+    + g there.
+    """
     kink = -0.03 + 0.3 * gap
     problem = equation(sie.cauchy(), (kink, -0.7))
     slit = solve_zones(problem, sie.Zones.of([[-0.2, -0.03], [-0.03 + gap, 0.15]]))
@@ -149,7 +175,9 @@ def test_the_gap_over_a_kink_opens_by_no_more_than_its_own_slopes(gap):
     rule = np.array([_integral(slit.density.slack, a, x_i, kink) for x_i in x])
     assert opening == pytest.approx(rule, abs=1e-6 * gap)
     # Below the slit the equation is that of the body: the transform is g - s.
-    assert slit.density.transform(x) == pytest.approx(problem.forcing.value(x) - slit.density.slack(x), abs=1e-9)
+    assert slit.density.transform(x) == pytest.approx(
+        problem.forcing.value(x) - slit.density.slack(x), abs=1e-9
+    )
 
 
 def _integral(function, a, b, kink):
@@ -159,7 +187,10 @@ def _integral(function, a, b, kink):
     total = 0.0
     for lo, hi in zip(cuts[:-1], cuts[1:], strict=True):
         angle = 0.5 * np.pi * (1 + nodes)
-        x, weight = 0.5 * (lo + hi) - 0.5 * (hi - lo) * np.cos(angle), 0.5 * (hi - lo) * np.sin(angle) * 0.5 * np.pi
+        x, weight = (
+            0.5 * (lo + hi) - 0.5 * (hi - lo) * np.cos(angle),
+            0.5 * (hi - lo) * np.sin(angle) * 0.5 * np.pi,
+        )
         total += float((weights * weight) @ function(x))
     return total
 
@@ -174,7 +205,9 @@ def test_wide_gaps_and_cracks_are_no_slits():
 def test_a_period_is_cut_where_its_gap_is_widest():
     zones = sie.Zones.of([[-0.4999, -0.3], [-0.2, 0.1], [0.3, 0.4999]])
     wave = 2 * np.pi
-    forcing = sie.Forcing(lambda x: np.sin(wave * x + 0.3), lambda x: -np.cos(wave * x + 0.3) / wave)
+    forcing = sie.Forcing(
+        lambda x: np.sin(wave * x + 0.3), lambda x: -np.cos(wave * x + 0.3) / wave
+    )
     problem = sie.Equation(sie.hilbert(1.0), forcing, (sie.Total(0.3), sie.EqualPotential()))
     found = merge(problem, zones)
     assert found is not None and len(found.wide) == 2 and len(found.slits) == 1
@@ -189,7 +222,9 @@ def test_what_a_slit_does_off_it_is_a_cauchy_integral():
     theta = (np.arange(400) + 0.5) * np.pi / 400
     for z in (1.2, -3.0):
         integral = np.mean(np.polynomial.chebyshev.chebval(np.cos(theta), d) / (z - np.cos(theta)))
-        assert off_slit(np.array([abs(z) - 1]), np.sign(z), d)[0] == pytest.approx(integral, rel=1e-13)
+        assert off_slit(np.array([abs(z) - 1]), np.sign(z), d)[0] == pytest.approx(
+            integral, rel=1e-13
+        )
 
 
 @pytest.mark.parametrize("period", [None, 1.0])
@@ -198,7 +233,9 @@ def test_cost_does_not_grow_as_the_gap_narrows(period):
     kernel = sie.cauchy() if period is None else sie.hilbert(period)
     sizes = []
     for gap in 10.0 ** -np.arange(3, 8):
-        state = solve_zones(equation(kernel), sie.Zones.of([[-0.2, -0.03], [-0.03 + 0.17 * gap, 0.15]]))
+        state = solve_zones(
+            equation(kernel), sie.Zones.of([[-0.2, -0.03], [-0.03 + 0.17 * gap, 0.15]])
+        )
         assert isinstance(state, SlitState)
         sizes.append(state.solver.size + sum(here.offset[-1] for here in state.slit_system.slits))
     assert max(sizes) == min(sizes) < 40
@@ -207,15 +244,23 @@ def test_cost_does_not_grow_as_the_gap_narrows(period):
 @pytest.mark.parametrize("gap", [1e-2, 1e-3, 1e-4, 1e-5, 1e-6])
 @pytest.mark.parametrize("period", [None, 1.0])
 def test_newton_finds_designed_ends_across_a_narrow_gap(gap, period):
-    """What a gap lowers the pressure by is gap^2 of it: rounding of that moves its ends by eps / gap of a width."""
+    """What a gap lowers the pressure by is gap^2 of it: rounding of that moves its ends by eps /
+    gap of a width.
+    """
     designed = design([[-0.2, -0.03], [-0.03 + 0.17 * gap, 0.15]], 2.0, 1.0, period)
     kernel = sie.cauchy() if period is None else sie.hilbert(period)
     profile = designed.profile
-    problem = sie.Equation(kernel, sie.Forcing(profile.slope, profile.height), (sie.Total(designed.load), sie.EqualPotential()))
+    problem = sie.Equation(
+        kernel,
+        sie.Forcing(profile.slope, profile.height),
+        (sie.Total(designed.load), sie.EqualPotential()),
+    )
     start = designed.zones + 0.1 * gap * 0.17 * np.array([[1, -0.5], [0.7, 1]])
     free = sie.find_ends(problem, sie.Zones.of(start), 1e-12)
     width = np.diff(designed.zones, axis=1)
-    assert np.abs((free.density.zones.table - designed.zones) / width).max() < max(1e-12, 20 * 2.2e-16 / gap)
+    assert np.abs((free.density.zones.table - designed.zones) / width).max() < max(
+        1e-12, 20 * 2.2e-16 / gap
+    )
     for piece in range(2):
         error = np.abs(free.density.at_t(piece, T) - designed.pressure_at(T, piece))
         assert error.max() < max(1e-12, 20 * 2.2e-16 / gap) * designed.max_pressure
@@ -223,26 +268,46 @@ def test_newton_finds_designed_ends_across_a_narrow_gap(gap, period):
 
 @pytest.mark.parametrize("gap", [1e-3, 0.1])
 def test_how_the_density_follows_an_end_is_seen_of_all_its_ripples(gap):
-    """Two packets of some eight ripples, with a slit between the zones and without: from the definition, at many angles."""
-    designed, packets = design([[-0.2, -0.03], [-0.03 + 0.17 * gap, 0.15]], 2.0, 1.0), ((-0.12, 1300.0), (0.07, 900.0))
+    """Two packets of some eight ripples, with a slit between the zones and without: from the
+    definition, at many angles.
+    """
+    designed, packets = (
+        design([[-0.2, -0.03], [-0.03 + 0.17 * gap, 0.15]], 2.0, 1.0),
+        ((-0.12, 1300.0), (0.07, 900.0)),
+    )
 
     def height(x):
-        return designed.profile.height(x) + sum(3e-4 * np.exp(-(((x - c) / 0.018) ** 2)) * np.cos(k * x) for c, k in packets)
+        return designed.profile.height(x) + sum(
+            3e-4 * np.exp(-(((x - c) / 0.018) ** 2)) * np.cos(k * x) for c, k in packets
+        )
 
     def slope(x):
         parts = [(c, k, 3e-4 * np.exp(-(((x - c) / 0.018) ** 2))) for c, k in packets]
-        return designed.profile.slope(x) - sum(size * (k * np.sin(k * x) + 2 * (x - c) / 0.018**2 * np.cos(k * x)) for c, k, size in parts)
+        return designed.profile.slope(x) - sum(
+            size * (k * np.sin(k * x) + 2 * (x - c) / 0.018**2 * np.cos(k * x))
+            for c, k, size in parts
+        )
 
-    problem = sie.Equation(sie.cauchy(), sie.Forcing(slope, height), (sie.Total(designed.load), sie.EqualPotential()))
+    problem = sie.Equation(
+        sie.cauchy(), sie.Forcing(slope, height), (sie.Total(designed.load), sie.EqualPotential())
+    )
     free = sie.find_ends(problem, sie.Zones.of(designed.zones), 1e-12)
     density = free.density
     assert free.converged and isinstance(free.state, SlitState) == (gap < 0.02)
     theta, step = np.linspace(2e-3, np.pi - 2e-3, 20_000), 1e-6
     for piece in range(2):
-        before, here, after = (density.at_t(piece, np.cos(theta + move)) for move in (-step, 0.0, step))
+        before, here, after = (
+            density.at_t(piece, np.cos(theta + move)) for move in (-step, 0.0, step)
+        )
         slope, half = (after - before) / (2 * step), np.tan(theta / 2)
-        at_left, at_right = (each[piece] * np.sqrt(density.zones.half[piece] / 2) for each in density.edge_slopes)
-        exact = np.abs(here).max(), np.abs((slope + at_left) * half).max(), np.abs((slope - at_right) / half).max()
+        at_left, at_right = (
+            each[piece] * np.sqrt(density.zones.half[piece] / 2) for each in density.edge_slopes
+        )
+        exact = (
+            np.abs(here).max(),
+            np.abs((slope + at_left) * half).max(),
+            np.abs((slope - at_right) / half).max(),
+        )
         assert [each[piece] for each in density.sensitivity] == pytest.approx(exact, rel=0.1)
 
 
@@ -252,11 +317,17 @@ def many(first, second):
     table = np.cumsum(rng.uniform(0.5, 1.5, 48)).reshape(24, 2) / 60
     table[5, 0], table[17, 0] = table[4, 1] + first, table[16, 1] + second
     wave = 2 * np.pi
-    forcing = sie.Forcing(lambda x: np.sin(wave * x + 0.3), lambda x: -np.cos(wave * x + 0.3) / wave)
-    return sie.Equation(sie.hilbert(1.0), forcing, (sie.Total(0.3), sie.EqualPotential())), sie.Zones.of(table)
+    forcing = sie.Forcing(
+        lambda x: np.sin(wave * x + 0.3), lambda x: -np.cos(wave * x + 0.3) / wave
+    )
+    return sie.Equation(
+        sie.hilbert(1.0), forcing, (sie.Total(0.3), sie.EqualPotential())
+    ), sie.Zones.of(table)
 
 
-def test_a_solution_with_more_modes_starts_from_what_slits_bend_beyond_those_of_the_last_one(monkeypatch):
+def test_a_solution_with_more_modes_starts_from_what_slits_bend_beyond_those_of_the_last_one(
+    monkeypatch,
+):
     """They bend their zone far beyond what the distance of other zones asks for."""
     monkeypatch.setattr("sie.collocation.fixed.MANY_UNKNOWNS", 10)
     problem, zones = many(3e-4, 3e-4)
@@ -274,34 +345,56 @@ def test_many_zones_by_fast_sums_have_the_same_slits(monkeypatch):
     assert isinstance(iterated.solver, Iterative) and not isinstance(direct.solver, Iterative)
     size = np.abs(direct.density.coefficients).max()
     for piece in range(24):
-        assert direct.density.at_t(piece, T) == pytest.approx(iterated.density.at_t(piece, T), abs=1e-12 * size)
+        assert direct.density.at_t(piece, T) == pytest.approx(
+            iterated.density.at_t(piece, T), abs=1e-12 * size
+        )
 
 
 def test_totals_of_pieces_add_up_where_the_ends_are_no_solution_and_the_density_is_singular_there():
     still = sie.Forcing(np.zeros_like, np.zeros_like)
     zones = sie.Zones.of([[-1.0, -0.001], [0.001, 0.6], [0.601, 1.0]])
-    density = solve_zones(sie.Equation(sie.cauchy(), still, (sie.Total(1.0), sie.EqualPotential())), zones).density
+    density = solve_zones(
+        sie.Equation(sie.cauchy(), still, (sie.Total(1.0), sie.EqualPotential())), zones
+    ).density
     assert abs(density.totals.sum() - 1) < 1e-12
 
 
 @pytest.mark.parametrize("most", [10**9, 10], ids=["matrix", "sums"])
 @pytest.mark.parametrize("resolution", [None, 0.5], ids=["heights", "slopes"])
-def test_zones_far_from_the_origin_keep_the_digits_that_their_places_lose(monkeypatch, most, resolution):
-    """Moved by 4096 a zone of 1e-7 is told by its place to 1e-5 of it: what that has cut off is kept, in slits and in far sums too."""
+def test_zones_far_from_the_origin_keep_the_digits_that_their_places_lose(
+    monkeypatch, most, resolution
+):
+    """Moved by 4096 a zone of 1e-7 is told by its place to 1e-5 of it: what that has cut off is
+    kept, in slits and in far sums too.
+    """
     monkeypatch.setattr("sie.collocation.fixed.MANY_UNKNOWNS", most)
     table = np.cumsum(np.random.default_rng(3).uniform(0.5, 1.5, 48)).reshape(24, 2) / 60
-    table[5, 0], table[17, 0], table[9, 1] = table[4, 1] + 1e-5, table[16, 1] + 1e-6, table[9, 0] + 1e-7
+    table[5, 0], table[17, 0], table[9, 1] = (
+        table[4, 1] + 1e-5,
+        table[16, 1] + 1e-6,
+        table[9, 0] + 1e-7,
+    )
     away = 4096.0
 
     def solved(zones, by):
         forcing = sie.Forcing(
-            lambda x: np.sin(6 * (x - by)), lambda x: -np.cos(6 * (x - by)) / 6, resolution=resolution, exact=True, looked_at=True
+            lambda x: np.sin(6 * (x - by)),
+            lambda x: -np.cos(6 * (x - by)) / 6,
+            resolution=resolution,
+            exact=True,
+            looked_at=True,
         )
-        return solve_zones(sie.Equation(sie.cauchy(), forcing, (sie.Total(0.3), sie.EqualPotential())), zones).density
+        return solve_zones(
+            sie.Equation(sie.cauchy(), forcing, (sie.Total(0.3), sie.EqualPotential())), zones
+        ).density
 
     near = sie.Zones.of(table)
     far = near.moved(away * np.array([[-1.0], [1.0]]) * np.ones((2, 24)))
-    here, there, cut = solved(near, 0.0), solved(far, away), solved(replace(far, rest=np.zeros((2, 24))), away)
+    here, there, cut = (
+        solved(near, 0.0),
+        solved(far, away),
+        solved(replace(far, rest=np.zeros((2, 24))), away),
+    )
 
     def most_apart(one):
         size = np.abs(np.array(here.intensities))

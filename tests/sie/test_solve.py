@@ -27,7 +27,8 @@ def forcing_of(form):
     return sie.Forcing(form.value, form.primitive, at, np.array(getattr(form, "jumps", ())))
 
 
-# Closed forms ------------------------------------------------------------------------------------------------------
+# Closed forms
+# ------------------------------------------------------------------------------------------------------
 def all_zones(form):
     return [sie.Total(form.total), sie.EqualPotential()]
 
@@ -63,7 +64,9 @@ def test_the_closed_forms_are_found(form, left, conditions):
     for i in range(len(form.zones)):
         wanted = form.at(T, i)
         # Rounding times the 20 modes that carry the solution.
-        assert density.at_t(i, T) == pytest.approx(wanted, rel=1e-12, abs=2e-14 * np.abs(wanted).max())
+        assert density.at_t(i, T) == pytest.approx(
+            wanted, rel=1e-12, abs=2e-14 * np.abs(wanted).max()
+        )
     assert density.total == pytest.approx(form.total, abs=1e-14)
 
 
@@ -73,7 +76,8 @@ def test_a_right_side_off_by_a_millionth_does_not_pass():
     assert np.abs(wrong.at_t(0, T) - form.at(T)).max() > 1e-7
 
 
-# The four kinds of a zone and their count ----------------------------------------------------------------------------
+# The four kinds of a zone and their count
+# ----------------------------------------------------------------------------
 def field(t, left, right):
     """A density with the given ends, times (2 + t): K, or not, at each end."""
     power_left = 0.5 if left == sie.BOUNDED else -0.5
@@ -104,7 +108,8 @@ def test_each_pair_of_kinds_of_ends_has_its_index_and_its_density(left, right):
     forcing = sie.Forcing(lambda x: g((x - middle) / w))
     ends = [[middle - w, middle + w]]
     if index < 0:
-        # More is asked than can be met by any g: a constant of unknown amplitude takes up the slack.
+        # More is asked than can be met by any g: a constant of unknown amplitude takes up the
+        # slack.
         column = sie.Forcing(np.ones_like)
         density = solve(forcing, [], ends, left, right, columns=(column,)).density
         assert density.amplitudes == pytest.approx([0.0], abs=1e-14)
@@ -128,7 +133,9 @@ def test_one_condition_too_few_or_too_many_is_refused_by_name(left, right, extra
 
 
 def test_the_message_tells_index_amplitudes_and_what_was_given():
-    with pytest.raises(sie.CountError, match=r"3 side conditions are needed \(index 2, 1 unknown amplitudes") as caught:
+    with pytest.raises(
+        sie.CountError, match=r"3 side conditions are needed \(index 2, 1 unknown amplitudes"
+    ) as caught:
         solve(NOTHING, [sie.Total(1.0)], [[-2, -1], [1, 2]], columns=(sie.Forcing(np.ones_like),))
     assert "Total(value=1.0)" in str(caught.value)
 
@@ -146,7 +153,10 @@ def test_each_zone_adds_its_own_index():
 
 
 def test_a_condition_of_unknown_value_needs_one_on_the_ends():
-    for conditions, on_ends in [((sie.Total(None),), ()), ((sie.Total(1.0),), (sie.TotalWidth(1.0),))]:
+    for conditions, on_ends in [
+        ((sie.Total(None),), ()),
+        ((sie.Total(1.0),), (sie.TotalWidth(1.0),)),
+    ]:
         with pytest.raises(sie.CountError, match="unknown value need as many"):
             solve(NOTHING, conditions, [[-1, 1]], end_conditions=on_ends)
 
@@ -165,7 +175,12 @@ def test_the_width_of_unit_logarithmic_capacity_has_no_level():
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf])
 def test_a_right_side_that_is_not_finite_is_refused(bad):
-    with np.errstate(invalid="ignore"), pytest.raises(sie.SingularSystem, match="the right side is not finite on the zones, as at x = "):
+    with (
+        np.errstate(invalid="ignore"),
+        pytest.raises(
+            sie.SingularSystem, match="the right side is not finite on the zones, as at x = "
+        ),
+    ):
         solve(sie.Forcing(lambda x: np.where(x > 0.5, bad, x)), [sie.Total(1.0)], [[-1, 1]])
     with pytest.raises(ValueError, match="Total: its value must be a finite number"):
         sie.Total(bad)
@@ -178,11 +193,14 @@ def test_zones_that_do_not_fit_into_a_period_are_refused():
         solve(LINEAR, [sie.Total(1.0)], [[-0.7, 0.6]], kernel=sie.images(1.0, 3))
 
 
-# Side conditions -----------------------------------------------------------------------------------------------------
+# Side conditions
+# -----------------------------------------------------------------------------------------------------
 def test_a_moment_shifts_the_density():
     # T_1 / sqrt has moment pi w^2 / 2 and no total; it needs a constant right side, the column.
     conditions = [sie.Total(2.0), sie.moment(0.6)]
-    density = solve(NOTHING, conditions, [[-0.5, 0.5]], columns=(sie.Forcing(np.ones_like),)).density
+    density = solve(
+        NOTHING, conditions, [[-0.5, 0.5]], columns=(sie.Forcing(np.ones_like),)
+    ).density
     assert density.total == pytest.approx(2.0, abs=1e-15)
     assert density.moment() == pytest.approx(0.6, abs=1e-15)
     assert density.amplitudes[0] == pytest.approx(-0.6 * 2 / math.pi / 0.25, rel=1e-14)
@@ -190,7 +208,9 @@ def test_a_moment_shifts_the_density():
 
 def test_a_moment_about_another_point_subtracts_the_total():
     conditions = [sie.Total(2.0), sie.moment(0.6, about=0.3)]
-    density = solve(NOTHING, conditions, [[-0.5, 0.5]], columns=(sie.Forcing(np.ones_like),)).density
+    density = solve(
+        NOTHING, conditions, [[-0.5, 0.5]], columns=(sie.Forcing(np.ones_like),)
+    ).density
     assert density.moment(0.3) == pytest.approx(0.6, abs=1e-15)
     assert density.moment() == pytest.approx(0.6 + 0.3 * 2.0, abs=1e-14)
 
@@ -231,7 +251,9 @@ def test_equal_potentials_are_equal_and_a_level_is_the_level():
 def test_a_column_enters_with_its_amplitude():
     column = sie.Forcing(lambda x: np.sin(3 * x), lambda x: -np.cos(3 * x) / 3)
     ends = [[-1.0, 0.4], [0.9, 2.0]]
-    known = sie.Forcing(lambda x: x + 0.7 * np.sin(3 * x), lambda x: 0.5 * x * x - 0.7 * np.cos(3 * x) / 3)
+    known = sie.Forcing(
+        lambda x: x + 0.7 * np.sin(3 * x), lambda x: 0.5 * x * x - 0.7 * np.cos(3 * x) / 3
+    )
     expected = solve(known, [sie.Total(1.0), sie.EqualPotential()], ends).density
     conditions = [sie.Total(1.0), sie.EqualPotential(), sie.Amplitude(0, 0.7)]
     found = solve(LINEAR, conditions, ends, columns=(column,)).density
@@ -250,7 +272,9 @@ def test_an_amplitude_may_follow_the_total():
 
 @dataclass(frozen=True)
 class EqualIntensities(Condition):
-    """The density is as singular at the outer left as at the outer right end: written against the protocol only."""
+    """The density is as singular at the outer left as at the outer right end: written against the
+    protocol only.
+    """
 
     def count(self, zones):
         return 1
@@ -262,14 +286,17 @@ class EqualIntensities(Condition):
 
 def test_a_condition_of_ones_own_is_one_class():
     column = sie.Forcing(np.ones_like)
-    density = solve(LINEAR, [sie.Total(1.0), EqualIntensities()], [[-0.3, 0.9]], columns=(column,)).density
+    density = solve(
+        LINEAR, [sie.Total(1.0), EqualIntensities()], [[-0.3, 0.9]], columns=(column,)
+    ).density
     left, right = density.intensities
     assert left[0] == pytest.approx(right[0], rel=1e-13)
     # x + lambda is odd about the middle 0.3.
     assert density.amplitudes == pytest.approx([-0.3], abs=1e-14)
 
 
-# Half of a symmetric problem -----------------------------------------------------------------------------------------
+# Half of a symmetric problem
+# -----------------------------------------------------------------------------------------
 KINKED = sie.Forcing(
     lambda x: np.sin(2 * np.pi * x) + 0.2 * np.sign(x) * (np.abs(x) > 0.38),
     lambda x: -np.cos(2 * np.pi * x) / (2 * np.pi) + 0.2 * np.maximum(np.abs(x) - 0.38, 0),
@@ -294,15 +321,26 @@ def test_half_a_symmetric_problem_is_the_whole_one(ends, kernel):
     # Half of the unknowns, and one total for all.
     assert half.solver.size <= 0.5 * whole.solver.size + 1
     for i in range(len(ends)):
-        assert half.density.at_t(i, T) == pytest.approx(whole.density.at_t(i, T), rel=1e-11, abs=1e-12)
+        assert half.density.at_t(i, T) == pytest.approx(
+            whole.density.at_t(i, T), rel=1e-11, abs=1e-12
+        )
 
 
 @pytest.mark.parametrize("kernel", [sie.cauchy(), sie.hilbert(1.0)], ids=["cauchy", "hilbert"])
 def test_a_central_zone_with_bounded_ends_needs_no_constant(kernel):
     half = sie.solve_fixed(
-        sie.Equation(kernel, KINKED, ()), sie.Zones.of([[-0.4, 0.4]], sie.BOUNDED, sie.BOUNDED, symmetric=True)
+        sie.Equation(kernel, KINKED, ()),
+        sie.Zones.of([[-0.4, 0.4]], sie.BOUNDED, sie.BOUNDED, symmetric=True),
     )
-    whole = solve(KINKED, [], [[-0.4, 0.4]], sie.BOUNDED, sie.BOUNDED, kernel, columns=(sie.Forcing(np.ones_like),))
+    whole = solve(
+        KINKED,
+        [],
+        [[-0.4, 0.4]],
+        sie.BOUNDED,
+        sie.BOUNDED,
+        kernel,
+        columns=(sie.Forcing(np.ones_like),),
+    )
     assert whole.density.amplitudes == pytest.approx([0.0], abs=1e-14)
     assert half.density.at_t(0, T) == pytest.approx(whole.density.at_t(0, T), rel=1e-11, abs=1e-12)
 
@@ -315,7 +353,9 @@ def test_an_even_weight_counts_both_halves_and_an_odd_one_neither(ends):
     whole = solve(LINEAR, [sie.Weighted(lambda x: 1 + x * x, 0.3), sie.EqualPotential()], ends)
     assert half.density.total == pytest.approx(whole.density.total, rel=1e-13)
     with pytest.raises(sie.SingularSystem, match="does not depend on the density"):
-        sie.solve_fixed(sie.Equation(sie.cauchy(), LINEAR, (sie.moment(0.3), sie.EqualPotential())), zones)
+        sie.solve_fixed(
+            sie.Equation(sie.cauchy(), LINEAR, (sie.moment(0.3), sie.EqualPotential())), zones
+        )
 
 
 def test_zones_called_symmetric_must_be():
@@ -326,16 +366,20 @@ def test_zones_called_symmetric_must_be():
 
 
 @pytest.mark.parametrize(
-    "ends", [[], [[0, 1, 2]], [[1, 0]], [[0, 1], [1, 2]], [[0, np.nan]], [[0, np.inf]], [[0, 2], [1, 3]]]
+    "ends",
+    [[], [[0, 1, 2]], [[1, 0]], [[0, 1], [1, 2]], [[0, np.nan]], [[0, np.inf]], [[0, 2], [1, 3]]],
 )
 def test_zones_that_are_none_are_refused(ends):
     with pytest.raises(ValueError, match="zone"):
         sie.Zones.of(ends)
 
 
-# Regular kernels -----------------------------------------------------------------------------------------------------
+# Regular kernels
+# -----------------------------------------------------------------------------------------------------
 def manufactured(k, phi, g, n=600):
-    """Right side of phi = (1 + 0.3 t) sqrt(1 - t^2): its Cauchy part g, and the regular part by Gauss's rule."""
+    """Right side of phi = (1 + 0.3 t) sqrt(1 - t^2): its Cauchy part g, and the regular part by
+    Gauss's rule.
+    """
     theta = (np.arange(n) + 0.5) * math.pi / n
     xi, weight = np.cos(theta), np.sin(theta) / n
 
@@ -364,7 +408,9 @@ REGULAR = {
 def test_a_regular_kernel_of_ones_own_is_resolved_in_both_variables(name):
     k = REGULAR[name]
     value = manufactured(k, half_disc, lambda x: x + 0.3 * (x * x - 0.5))
-    state = solve(sie.Forcing(value), [sie.Total(math.pi / 2)], [[-1, 1]], kernel=sie.cauchy() + sie.Smooth(k))
+    state = solve(
+        sie.Forcing(value), [sie.Total(math.pi / 2)], [[-1, 1]], kernel=sie.cauchy() + sie.Smooth(k)
+    )
     # Rounding of sums over up to 400 modes.
     assert state.density.at_t(0, T) == pytest.approx(half_disc(T), abs=1e-12)
     assert state.density.transform(T) == pytest.approx(value(T), abs=1e-12)
@@ -373,7 +419,9 @@ def test_a_regular_kernel_of_ones_own_is_resolved_in_both_variables(name):
 def test_a_regular_kernel_with_its_potential_levels_the_zones():
     k = sie.Smooth(lambda x, xi: np.cos(x - xi), lambda x, xi: np.sin(x - xi))
     ends = [[-2, -1], [1, 3]]
-    density = solve(LINEAR, [sie.Total(1.0), sie.EqualPotential()], ends, kernel=sie.cauchy() + k).density
+    density = solve(
+        LINEAR, [sie.Total(1.0), sie.EqualPotential()], ends, kernel=sie.cauchy() + k
+    ).density
     x = np.concatenate([np.linspace(a, b, 11) for a, b in ends])
     assert np.ptp(density.potential(x) - LINEAR.primitive(x)) < 1e-12
     assert density.transform(x[1:-1]) == pytest.approx(x[1:-1], abs=1e-12)
@@ -387,13 +435,16 @@ def test_a_potential_that_is_missing_is_asked_for():
         solve(sie.Forcing(lambda x: x), [sie.Total(1.0), sie.EqualPotential()], [[-2, -1], [1, 3]])
 
 
-# Extreme zones -------------------------------------------------------------------------------------------------------
+# Extreme zones
+# -------------------------------------------------------------------------------------------------------
 @pytest.mark.parametrize("ratio", [1e-2, 1e-4, 1e-6])
 def test_a_zone_a_millionth_as_wide_is_solved_beside_a_wide_one(ratio):
     ends = np.array([[-1.0, 1.0], [2.0, 2.0 + ratio]])
     density = solve(LINEAR, [sie.Total(1.0), sie.EqualPotential()], ends).density
     # The density of the narrow zone is known to rounding of the field of the wide one.
-    x = np.concatenate((np.linspace(-0.99, 0.99, 21), ends[1, 0] + ratio * np.linspace(0.01, 0.99, 21)))
+    x = np.concatenate(
+        (np.linspace(-0.99, 0.99, 21), ends[1, 0] + ratio * np.linspace(0.01, 0.99, 21))
+    )
     assert density.transform(x) == pytest.approx(x, abs=1e-12)
     assert np.ptp(density.potential(x) - LINEAR.primitive(x)) < 1e-12
 
@@ -401,7 +452,9 @@ def test_a_zone_a_millionth_as_wide_is_solved_beside_a_wide_one(ratio):
 @pytest.mark.parametrize("gap", [1e-1, 1e-3, 1e-5, 1e-7])
 def test_bounded_densities_are_right_however_close_the_zones(gap):
     form = exact.TwoZones(0.5 * gap, 1.0)
-    density = solve(forcing_of(form), [sie.Total(form.total), sie.EqualPotential()], form.zones).density
+    density = solve(
+        forcing_of(form), [sie.Total(form.total), sie.EqualPotential()], form.zones
+    ).density
     for i in (0, 1):
         # Up to 768 modes, of rounding each.
         assert density.at_t(i, T) == pytest.approx(form.at(T, i), abs=1e-12)
@@ -410,7 +463,9 @@ def test_bounded_densities_are_right_however_close_the_zones(gap):
 @pytest.mark.parametrize("scale", 10.0 ** np.arange(-9, 4))
 def test_the_unit_of_length_does_not_matter(scale):
     one = exact.TwoZones(0.3, 0.8)
-    forcing = sie.Forcing(lambda x: one.value(x / scale), lambda x: scale * one.primitive(x / scale))
+    forcing = sie.Forcing(
+        lambda x: one.value(x / scale), lambda x: scale * one.primitive(x / scale)
+    )
     conditions = [sie.Total(one.total * scale), sie.EqualPotential()]
     density = solve(forcing, conditions, one.zones * scale).density
     for i in (0, 1):
@@ -419,15 +474,23 @@ def test_the_unit_of_length_does_not_matter(scale):
 
 def test_the_moment_under_a_wave_is_a_bessel_function():
     frequency = 25.0
-    density = solve(sie.Forcing(lambda x: np.cos(frequency * x)), [sie.Total(0.0)], [[-1, 1]]).density
+    density = solve(
+        sie.Forcing(lambda x: np.cos(frequency * x)), [sie.Total(0.0)], [[-1, 1]]
+    ).density
     # cos(f t) = sum g_k U_{k-1}, g_1 = (2/pi) int cos(f cos) sin^2 = 2 J_1(f)/f
-    assert density.moment() == pytest.approx(-math.pi / 2 * 2 * j1(frequency) / frequency, rel=1e-12)
+    assert density.moment() == pytest.approx(
+        -math.pi / 2 * 2 * j1(frequency) / frequency, rel=1e-12
+    )
 
 
 def test_a_held_end_has_the_intensity_that_is_asked_for():
     end = sie.End(moves=False, intensity=0.7)
     forcing = sie.Forcing(lambda x: np.asarray(x, dtype=float))
-    state = sie.solve_fixed(sie.Equation(sie.cauchy(), forcing, ()), sie.Zones.of([[-0.5, 0.5]], end, end, symmetric=True), 1e-12)
+    state = sie.solve_fixed(
+        sie.Equation(sie.cauchy(), forcing, ()),
+        sie.Zones.of([[-0.5, 0.5]], end, end, symmetric=True),
+        1e-12,
+    )
     assert np.allclose(state.density.intensities, 0.7, rtol=1e-13)
     # (1/pi) int phi / (x - xi) = x: phi = sqrt(w^2 - x^2) + C / sqrt(w^2 - x^2), C = K sqrt(2 w).
     x = np.linspace(-0.49, 0.49, 21)

@@ -24,7 +24,9 @@ def problem(form):
     at, jumps = np.array(getattr(form, "jumps_at", ())), np.array(getattr(form, "jumps", ()))
     forcing = sie.Forcing(form.value, form.primitive, at, jumps)
     kernel = sie.cauchy() if form.period is None else sie.hilbert(form.period)
-    conditions = () if isinstance(form, exact.Tilted) else (sie.Total(form.total), sie.EqualPotential())
+    conditions = (
+        () if isinstance(form, exact.Tilted) else (sie.Total(form.total), sie.EqualPotential())
+    )
     return sie.Equation(kernel, forcing, conditions)
 
 
@@ -33,7 +35,9 @@ def true_error(found, form):
     table = found.zones.table
     ends = np.abs(table - form.zones).max(axis=1) / (table[:, 1] - table[:, 0])
     root = np.sqrt(1 - T * T)
-    of_density = max(np.abs((found.density.at_t(i, T) - form.at(T, i)) * root).max() for i in range(len(table)))
+    of_density = max(
+        np.abs((found.density.at_t(i, T) - form.at(T, i)) * root).max() for i in range(len(table))
+    )
     return max(of_density / found.state.size, float(ends.max()))
 
 
@@ -55,7 +59,9 @@ def test_a_wrong_answer_does_not_pass_for_one_with_the_stated_error():
 def test_an_unknown_value_is_told_with_the_zones():
     form = exact.Westergaard(0.2, 1.0)
     forcing = sie.Forcing(form.value, form.primitive)
-    equation = sie.Equation(sie.hilbert(1.0), forcing, (sie.Total(None),), end_conditions=(sie.TotalWidth(0.4),))
+    equation = sie.Equation(
+        sie.hilbert(1.0), forcing, (sie.Total(None),), end_conditions=(sie.TotalWidth(0.4),)
+    )
     found = sie.solve(equation, sie.Zones.of([[-0.3, 0.25]]), value=0.1)
     assert found.value == pytest.approx(form.total, rel=1e-9)
 
@@ -72,12 +78,30 @@ ONE = sie.Zones.of([[-1.0, 1.0]])
         ((HERTZ, ONE, 0.0), "tol must be a number between 0 and 1, got 0.0"),
         ((HERTZ, ONE, math.nan), "tol must be a number between 0 and 1, got nan"),
         ((HERTZ, ONE, "fine"), "tol must be a number between 0 and 1, got 'fine'"),
-        ((sie.Equation(sie.cauchy(), sie.Forcing(np.sin), ()), ONE), "1 side conditions are needed"),
-        ((sie.Equation(sie.cauchy(), sie.Forcing(lambda x: 1.0), (sie.Total(1.0),)), ONE), "must return"),
-        ((sie.Equation(sie.cauchy(), sie.Forcing(1.0), (sie.Total(1.0),)), ONE), "value must be a function of x, got float"),
-        ((sie.Equation(sie.cauchy(), sie.Forcing(lambda x: x * np.nan), (sie.Total(1.0),)), ONE), "not finite on the zones"),
-        ((sie.Equation(sie.cauchy(), sie.Forcing(lambda x: x), (sie.Level(0.0),)), ONE), "primitive"),
-        ((sie.Equation(sie.hilbert(1.0), sie.Forcing(lambda x: x), (sie.Total(1.0),)), ONE), "the zones reach over 2, the period is 1"),
+        (
+            (sie.Equation(sie.cauchy(), sie.Forcing(np.sin), ()), ONE),
+            "1 side conditions are needed",
+        ),
+        (
+            (sie.Equation(sie.cauchy(), sie.Forcing(lambda x: 1.0), (sie.Total(1.0),)), ONE),
+            "must return",
+        ),
+        (
+            (sie.Equation(sie.cauchy(), sie.Forcing(1.0), (sie.Total(1.0),)), ONE),
+            "value must be a function of x, got float",
+        ),
+        (
+            (sie.Equation(sie.cauchy(), sie.Forcing(lambda x: x * np.nan), (sie.Total(1.0),)), ONE),
+            "not finite on the zones",
+        ),
+        (
+            (sie.Equation(sie.cauchy(), sie.Forcing(lambda x: x), (sie.Level(0.0),)), ONE),
+            "primitive",
+        ),
+        (
+            (sie.Equation(sie.hilbert(1.0), sie.Forcing(lambda x: x), (sie.Total(1.0),)), ONE),
+            "the zones reach over 2, the period is 1",
+        ),
     ],
 )
 def test_wrong_input_is_a_value_error_in_words(arguments, words):
@@ -85,7 +109,10 @@ def test_wrong_input_is_a_value_error_in_words(arguments, words):
         sie.solve(*arguments)
 
 
-@pytest.mark.parametrize("options", [{"signs": (1, 0)}, {"signs": 1}, {"max_steps": 0}, {"max_steps": 2.5}, {"value": math.inf}])
+@pytest.mark.parametrize(
+    "options",
+    [{"signs": (1, 0)}, {"signs": 1}, {"max_steps": 0}, {"max_steps": 2.5}, {"value": math.inf}],
+)
 def test_wrong_options_are_value_errors_that_name_them(options):
     (name,) = options
     with pytest.raises(ValueError, match={"value": "unknown value"}.get(name, name)):
@@ -103,31 +130,44 @@ def test_a_zone_that_shrinks_away_is_named():
     # The right one of two tips is too high for so small a load.
     forcing = sie.Forcing(lambda x: x**3 - x - 0.5, lambda x: x**4 / 4 - x**2 / 2 - 0.5 * x)
     equation = sie.Equation(sie.cauchy(), forcing, (sie.Total(0.02), sie.EqualPotential()))
-    with pytest.raises(sie.NotConverged, match=r"a zone has shrunk away \(zone 0, counted from 0\)"):
+    with pytest.raises(
+        sie.NotConverged, match=r"a zone has shrunk away \(zone 0, counted from 0\)"
+    ):
         sie.solve(equation, sie.Zones.of([[-1.0, -0.8], [1.0, 1.4]]))
 
 
 def test_a_tolerance_below_rounding_is_refused_with_the_best_that_was_reached():
     with pytest.raises(sie.NotConverged, match="the error has come to .*rounding") as stopped:
         sie.solve(problem(exact.Westergaard(0.499, 1.0)), sie.Zones.of([[-0.45, 0.46]]), 1e-14)
-    assert true_error(stopped.value.best, exact.Westergaard(0.499, 1.0)) < stopped.value.best.error < 1e-9
+    assert (
+        true_error(stopped.value.best, exact.Westergaard(0.499, 1.0))
+        < stopped.value.best.error
+        < 1e-9
+    )
 
 
 def test_a_jump_that_is_not_declared_is_suspected_in_words():
     rough = sie.Equation(sie.cauchy(), sie.Forcing(lambda x: np.sign(x - 0.2)), (sie.Total(1.0),))
-    with pytest.raises(sie.NotConverged, match="the last of 8192 coefficients of the right side .* is to be declared"):
+    with pytest.raises(
+        sie.NotConverged,
+        match="the last of 8192 coefficients of the right side .* is to be declared",
+    ):
         sie.solve(rough, sie.Zones.of([[-1.0, 1.0]], sie.SINGULAR, sie.SINGULAR))
 
 
 def test_zones_too_close_for_their_modes_are_named():
     still = sie.Forcing(np.zeros_like)
     close = sie.Zones.of([[-3.0, -2.0], [-1.0, 0.0], [1e-6, 1.0]], sie.SINGULAR, sie.SINGULAR)
-    with pytest.raises(sie.NotConverged, match=r"zone [12] \(counted from 0\) lies so close to another one"):
+    with pytest.raises(
+        sie.NotConverged, match=r"zone [12] \(counted from 0\) lies so close to another one"
+    ):
         sie.solve(sie.Equation(sie.cauchy(), still, (sie.ZoneTotals((1.0, 1.0, -1.0)),)), close)
 
 
 def test_conditions_that_depend_on_each_other_are_wrong_input():
-    twice = sie.Equation(sie.cauchy(), sie.Forcing(np.sin), (sie.Total(1.0), sie.Weighted(np.ones_like, 1.0)))
+    twice = sie.Equation(
+        sie.cauchy(), sie.Forcing(np.sin), (sie.Total(1.0), sie.Weighted(np.ones_like, 1.0))
+    )
     zones = sie.Zones.of([[-2.0, -1.0], [1.0, 2.0]], sie.SINGULAR, sie.SINGULAR)
     with pytest.raises(ValueError, match="depend on each other"):
         sie.solve(twice, zones)
@@ -145,7 +185,9 @@ def test_a_right_side_that_is_singular_beside_a_zone_is_sampled_once(kernel, bes
 
     zones = sie.Zones.of([[-1.5, 1.0]], sie.SINGULAR, sie.SINGULAR)
     solved = [
-        sie.solve_fixed(sie.Equation(kernel, sie.Forcing(value, **told), (sie.Total(1.0),)), zones, 1e-12)
+        sie.solve_fixed(
+            sie.Equation(kernel, sie.Forcing(value, **told), (sie.Total(1.0),)), zones, 1e-12
+        )
         for told in ({}, {"singular_at": at if kernel.period is None else at + 10.0})
     ]
     x = np.linspace(-1.4, 0.9, 7)
@@ -156,14 +198,25 @@ def test_a_right_side_that_is_singular_beside_a_zone_is_sampled_once(kernel, bes
 
 @pytest.mark.parametrize("gap", [1e-2, 1e-3, 1e-4, 1e-5])
 def test_tandem_aerofoils_with_hardly_a_gap_between_them(gap):
-    """Of plates in a uniform stream, each with a Kutta condition behind, the density is the product of sqrt(|x - b| / |x - a|)."""
+    """Of plates in a uniform stream, each with a Kutta condition behind, the density is the product
+    of sqrt(|x - b| / |x - a|).
+    """
     theta = np.linspace(0.01, np.pi - 0.01, 300)
     left, right = 2 * np.cos(theta / 2) ** 2, 2 * np.sin(theta / 2) ** 2
     zones = sie.Zones.of([[-1.0, 0.0], [gap, 1.2]], sie.SINGULAR, sie.BOUNDED)
     # At 1e-5 the 3,072 modes leave 4e-9 of the field, and the stated error counts it.
-    found = sie.solve(sie.Equation(sie.cauchy(), sie.Forcing(np.ones_like, lambda x: x), ()), zones, max(1e-9, 1e-13 / gap))
+    found = sie.solve(
+        sie.Equation(sie.cauchy(), sie.Forcing(np.ones_like, lambda x: x), ()),
+        zones,
+        max(1e-9, 1e-13 / gap),
+    )
     (first, second), (a, b) = zones.half, (left, right)
-    others = np.sqrt((first * b + 2 * second + gap) / (first * b + gap)), np.sqrt((second * a + gap) / (second * a + gap + 2 * first))
+    others = (
+        np.sqrt((first * b + 2 * second + gap) / (first * b + gap)),
+        np.sqrt((second * a + gap) / (second * a + gap + 2 * first)),
+    )
     for zone, other in enumerate(others):
-        missed = (np.abs(found.density.at(zone, left, right)) - np.sqrt(right / left) * other) * np.sin(theta)
+        missed = (
+            np.abs(found.density.at(zone, left, right)) - np.sqrt(right / left) * other
+        ) * np.sin(theta)
         assert np.abs(missed).max() < found.error * found.state.size

@@ -1,4 +1,6 @@
-"""Zones with many knots: what other zones see of them has the digits of the right side itself, not of its truncated powers."""
+"""Zones with many knots: what other zones see of them has the digits of the right side itself, not
+of its truncated powers.
+"""
 
 import mpmath
 import numpy as np
@@ -31,7 +33,9 @@ def rough(knots, seed=0):
 def system(forcing, kernel):
     jumps = forcing.jumps_within(ZONES, kernel)
     g = modes.sample(forcing, ZONES, jumps, np.full(2, 16), 1e-13, 512).coefficients
-    return System(sie.Equation(kernel, forcing, (sie.Total(0.3), sie.EqualPotential())), ZONES, M, g, jumps)
+    return System(
+        sie.Equation(kernel, forcing, (sie.Total(0.3), sie.EqualPotential())), ZONES, M, g, jumps
+    )
 
 
 def _cubic(c, x):
@@ -42,18 +46,27 @@ def _cubic(c, x):
 
 
 def exactly(spline, zone, weight, derivative):
-    """(1/pi) int of the spline or its slope times weight(theta) over a zone, piece by piece in 30 digits."""
+    """(1/pi) int of the spline or its slope times weight(theta) over a zone, piece by piece in 30
+    digits.
+    """
     middle, half = ZONES.middle[zone], ZONES.half[zone]
     inner = [x for x in spline.x if abs(x - middle) < half]
     with mpmath.workdps(30):
-        ends = [mpmath.mpf(middle) - mpmath.mpf(half), *map(mpmath.mpf, inner), mpmath.mpf(middle) + mpmath.mpf(half)]
+        ends = [
+            mpmath.mpf(middle) - mpmath.mpf(half),
+            *map(mpmath.mpf, inner),
+            mpmath.mpf(middle) + mpmath.mpf(half),
+        ]
         total = mpmath.mpf(0)
         for lo, hi in zip(ends[:-1], ends[1:], strict=True):
             k = int(np.searchsorted(spline.x, float(lo + hi) / 2)) - 1
             c, start = [mpmath.mpf(v) for v in spline.c[:, k]], mpmath.mpf(spline.x[k])
             c = [3 * c[0], 2 * c[1], c[2]] if derivative else c
             first, last = (mpmath.acos(max(-1, min(1, (x - middle) / half))) for x in (lo, hi))
-            total += mpmath.quad(lambda a, c=c, x=start: _cubic(c, middle + half * mpmath.cos(a) - x) * weight(a), [last, first])
+            total += mpmath.quad(
+                lambda a, c=c, x=start: _cubic(c, middle + half * mpmath.cos(a) - x) * weight(a),
+                [last, first],
+            )
         return float(total / mpmath.pi)
 
 
@@ -67,9 +80,13 @@ def test_coefficients_and_means_are_those_of_the_right_side_to_its_own_digits():
     size = np.abs(forcing.value(np.linspace(-0.8, 0.7, 400))).max()
     assert powers > 1e3 * size  # what is not formed
     for zone, k in ((0, 1), (1, 9)):
-        exact = exactly(spline, zone, lambda a, k=k: 2 * mpmath.sin(a) * mpmath.sin(k * a), derivative=True)
+        exact = exactly(
+            spline, zone, lambda a, k=k: 2 * mpmath.sin(a) * mpmath.sin(k * a), derivative=True
+        )
         assert found[zone, k] == pytest.approx(exact, abs=4e-16 * size)
-    assert means[1] == pytest.approx(exactly(spline, 1, lambda a: 1, derivative=False), abs=4e-16 * np.abs(spline.c[3]).max())
+    assert means[1] == pytest.approx(
+        exactly(spline, 1, lambda a: 1, derivative=False), abs=4e-16 * np.abs(spline.c[3]).max()
+    )
 
 
 @pytest.mark.parametrize("kernel", [sie.cauchy(), sie.hilbert(2.2)], ids=["line", "period"])
@@ -89,7 +106,9 @@ def test_the_density_is_the_one_that_truncated_powers_give(kernel, monkeypatch):
 
 
 def test_levels_lose_their_digits_to_truncated_powers(monkeypatch):
-    """The comparison above can fail: means from the powers are a hundred times as rough, and more with more knots."""
+    """The comparison above can fail: means from the powers are a hundred times as rough, and more
+    with more knots.
+    """
     spline, forcing = rough(120)
     exact = [exactly(spline, zone, lambda a: 1, derivative=False) for zone in (0, 1)]
     between = system(forcing, sie.cauchy())._forcing_means()
@@ -107,4 +126,9 @@ def test_stretches_end_at_the_jumps_and_turn_no_further_than_their_rule_allows()
         assert weights.sum() == pytest.approx(np.pi, rel=1e-14)
     flat = sie.Forcing(np.ones_like)
     sines, means = coefficients(flat, ZONES, jumps, np.array([0, 1]), np.array([0, 700]))
-    assert sines[1, 1] == pytest.approx(1.0, rel=1e-13) and np.abs(sines[1, 2:]).max() < 1e-14 and not sines[0].any() and not means.any()
+    assert (
+        sines[1, 1] == pytest.approx(1.0, rel=1e-13)
+        and np.abs(sines[1, 2:]).max() < 1e-14
+        and not sines[0].any()
+        and not means.any()
+    )

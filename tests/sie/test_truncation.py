@@ -1,4 +1,6 @@
-"""What series leave out, and what rounding has in them, stated up to the ends, where high coefficients count the most."""
+"""What series leave out, and what rounding has in them, stated up to the ends, where high
+coefficients count the most.
+"""
 
 import numpy as np
 import pytest
@@ -14,7 +16,12 @@ def off(state, exact):
     """Largest difference of two densities but for what is singular at an end, and moves it."""
     left, right = 2 * np.cos(THETA / 2) ** 2, 2 * np.sin(THETA / 2) ** 2
     pieces = range(len(state.density.zones))
-    rest = np.array([(state.density.at(k, left, right) - exact.density.at(k, left, right)) * np.sin(THETA) for k in pieces])
+    rest = np.array(
+        [
+            (state.density.at(k, left, right) - exact.density.at(k, left, right)) * np.sin(THETA)
+            for k in pieces
+        ]
+    )
     rest -= 0.5 * ((rest[:, :1] + rest[:, -1:]) + (rest[:, :1] - rest[:, -1:]) * np.cos(THETA))
     return np.abs(rest / np.sin(THETA)).max()
 
@@ -22,7 +29,9 @@ def off(state, exact):
 @pytest.mark.parametrize("gap", [1e-3, 0.1])
 @pytest.mark.parametrize("pole", [0.17, -0.1 + 0.01j, 0.06 + 0.004j, -0.05 + 0.03j])
 def test_what_short_series_leave_out_is_stated(gap, pole):
-    """Nodes fold it back onto the coefficients that are kept; with a slit between the zones, and without."""
+    """Nodes fold it back onto the coefficients that are kept; with a slit between the zones, and
+    without.
+    """
     forcing = sie.Forcing(lambda x: (1 / (x - pole)).real, lambda x: np.log(np.abs(x - pole)))
     problem = sie.Equation(sie.cauchy(), forcing, (sie.Total(1.0), sie.EqualPotential()))
     zones = sie.Zones.of([[-0.2, -0.03], [-0.03 + 0.17 * gap, 0.15]])
@@ -35,11 +44,16 @@ def test_what_short_series_leave_out_is_stated(gap, pole):
 @pytest.mark.parametrize("wave", [1.0, 30.0, 200.0])
 @pytest.mark.parametrize("noise", [1e-6, 1e-9, 1e-12])
 def test_noise_of_the_right_side_is_stated_and_is_no_more_than_the_waves_let_in(noise, wave):
-    """Of n coefficients that are noise 1/sqrt(1 - t^2) makes n^1.5 beside an end: those beyond the waves are none."""
+    """Of n coefficients that are noise 1/sqrt(1 - t^2) makes n^1.5 beside an end: those beyond the
+    waves are none.
+    """
     zones, total = sie.Zones.of([[-1.0, 1.0]]), (sie.Total(1.0),)
 
     def solved(noise):
-        forcing = sie.Forcing(lambda x: np.cos(wave * x) + noise * np.sin(1e9 * x * (1 + x)), lambda x: np.sin(wave * x) / wave)
+        forcing = sie.Forcing(
+            lambda x: np.cos(wave * x) + noise * np.sin(1e9 * x * (1 + x)),
+            lambda x: np.sin(wave * x) / wave,
+        )
         return solve_zones(sie.Equation(sie.cauchy(), forcing, total), zones)
 
     state = solved(noise)
@@ -49,9 +63,15 @@ def test_noise_of_the_right_side_is_stated_and_is_no_more_than_the_waves_let_in(
 
 
 @pytest.mark.parametrize("start", [0.0315, -0.029237])
-@pytest.mark.parametrize("pole", [-0.2 + 6e-5j, -0.03 + 6e-5j, -0.2 + 2e-4j, -0.03 + 2e-4j, -0.2 + 8.3e-5j])
-def test_what_is_left_out_beside_an_end_is_stated_though_points_far_from_it_hardly_show_it(pole, start):
-    """Coefficients that fall slowly add up where the pole is, and nowhere else; with a slit between the zones, and without."""
+@pytest.mark.parametrize(
+    "pole", [-0.2 + 6e-5j, -0.03 + 6e-5j, -0.2 + 2e-4j, -0.03 + 2e-4j, -0.2 + 8.3e-5j]
+)
+def test_what_is_left_out_beside_an_end_is_stated_though_points_far_from_it_hardly_show_it(
+    pole, start
+):
+    """Coefficients that fall slowly add up where the pole is, and nowhere else; with a slit between
+    the zones, and without.
+    """
     forcing = sie.Forcing(lambda x: (1 / (x - pole)).real, lambda x: np.log(np.abs(x - pole)))
     problem = sie.Equation(sie.cauchy(), forcing, (sie.Total(1.0), sie.EqualPotential()))
     zones = sie.Zones.of([[-0.2, -0.03], [start, 0.25]])

@@ -1,4 +1,6 @@
-"""Very many jumps of the right side's second derivative: a spline in their place is the same, of few large numbers and few jumps."""
+"""Very many jumps of the right side's second derivative: a spline in their place is the same, of
+few large numbers and few jumps.
+"""
 
 from __future__ import annotations
 
@@ -13,14 +15,20 @@ from sie.jumps.local_spline import MANY
 
 
 def both(after: int = 10, seed: int = 5) -> tuple[ForcingJumps, ForcingJumps, sie.Zones]:
-    """(all jumps of a quadratic spline one by one, the same with a spline in their place, the zone): `after` knots lie right of it."""
+    """(all jumps of a quadratic spline one by one, the same with a spline in their place, the
+    zone): `after` knots lie right of it.
+    """
     rng, n = np.random.default_rng(seed), MANY + 40 + after
     at = np.arange(n) + rng.uniform(-0.4, 0.4, n)
     spline = BSpline(at, rng.normal(size=n - 3), 2)
     bends = spline.derivative(2)(0.5 * (at[1:] + at[:-1]))
     at, jumps, orders = at[3:-3], np.diff(bends)[2:-2], np.full(n - 6, 2)
     zones = sie.Zones.of([[at[10] - 0.3, at[-after] + 0.2]])
-    return ForcingJumps.within(zones, at, jumps, orders, None), ForcingJumps.within(zones, at, jumps, orders, None, spline), zones
+    return (
+        ForcingJumps.within(zones, at, jumps, orders, None),
+        ForcingJumps.within(zones, at, jumps, orders, None, spline),
+        zones,
+    )
 
 
 def test_a_spline_beside_other_jumps_or_a_wave_is_known_by_its_own_jumps() -> None:
@@ -41,33 +49,53 @@ def test_a_spline_beside_other_jumps_or_a_wave_is_known_by_its_own_jumps() -> No
 
 @pytest.mark.parametrize("after", [2, 300])
 def test_a_spline_leaves_one_jump_and_a_parabola(after: int) -> None:
-    """Both make g smooth and differ by a quadratic, whose density is a sin(theta) + b sin(2 theta): so do all that follow from it."""
+    """Both make g smooth and differ by a quadratic, whose density is a sin(theta) + b sin(2 theta):
+    so do all that follow from it.
+    """
     one, other, zones = both(after)
     assert len(one.zone) > MANY and len(other.zone) == 1
     assert one.count[0] + 1 == other.count[0]  # one more where the two pieces of what is left meet
-    theta = np.concatenate((np.random.default_rng(1).uniform(0, np.pi, 60), [1e-9, 1e-4, np.pi - 1e-4]))
+    theta = np.concatenate(
+        (np.random.default_rng(1).uniform(0, np.pi, 60), [1e-9, 1e-4, np.pi - 1e-4])
+    )
     left, right = 2 * np.cos(theta / 2) ** 2, 2 * np.sin(theta / 2) ** 2
     differ = one.density(0, left, right) - other.density(0, left, right)
-    slope = by_angle(lambda near, far: one.density(0, near, far) - other.density(0, near, far), theta)[1]
-    a, b = np.linalg.lstsq(np.column_stack((np.sin(theta), np.sin(2 * theta))), differ, rcond=None)[0]
+    slope = by_angle(
+        lambda near, far: one.density(0, near, far) - other.density(0, near, far), theta
+    )[1]
+    a, b = np.linalg.lstsq(np.column_stack((np.sin(theta), np.sin(2 * theta))), differ, rcond=None)[
+        0
+    ]
     z = np.array([1.00001, 1.02, 1.5, 4.0, 40.0, -1.00001, -1.003, -2.0, -9.0])
     rho = z - np.sign(z) * np.sqrt(z**2 - 1)
-    zone, seen, off = np.zeros(len(left), dtype=int), OnLine.of(1 + z, 1 - z), np.zeros(len(z), dtype=int)
+    zone, seen, off = (
+        np.zeros(len(left), dtype=int),
+        OnLine.of(1 + z, 1 - z),
+        np.zeros(len(z), dtype=int),
+    )
     count = 600
     known = np.zeros(count)
     known[:4] = 0.5 * np.array([a, b, -a, -b])
     pairs = [
         (differ, a * np.sin(theta) + b * np.sin(2 * theta)),
-        (one.own_transform(zone, left) - other.own_transform(zone, left), a * np.cos(theta) + b * np.cos(2 * theta)),
+        (
+            one.own_transform(zone, left) - other.own_transform(zone, left),
+            a * np.cos(theta) + b * np.cos(2 * theta),
+        ),
         (one.transform(off, seen) - other.transform(off, seen), a * rho + b * rho**2),
         ((one.t_coefficients(zones, count) - other.t_coefficients(zones, count))[0], known),
-        (np.ravel(one.edge_slopes(zones)) - np.ravel(other.edge_slopes(zones)), np.array([a - 2 * b, a + 2 * b])),
+        (
+            np.ravel(one.edge_slopes(zones)) - np.ravel(other.edge_slopes(zones)),
+            np.array([a - 2 * b, a + 2 * b]),
+        ),
         (one.mean_offsets(zones) - other.mean_offsets(zones), np.array([-a / 4])),
         (slope, a * np.cos(theta) + 2 * b * np.cos(2 * theta)),
     ]
     for number, (first, second) in enumerate(pairs):
         # The slope is found by differences beside jumps of its own slope.
-        assert first == pytest.approx(second, abs=(1e-3 if number == 6 else 1e-10) * float(np.abs(one.height).max()) / 100)
+        assert first == pytest.approx(
+            second, abs=(1e-3 if number == 6 else 1e-10) * float(np.abs(one.height).max()) / 100
+        )
     assert other.rounding(1)[0] < 0.1 * one.rounding(1)[0]
 
 
@@ -79,10 +107,14 @@ def test_potential_of_the_spline_is_the_primitive_of_its_transform() -> None:
     rho = places - np.sign(places) * np.sqrt(places**2 - 1)
     ends = 1.1 * places
     z = 0.5 * (places + ends)[:, None] + 0.5 * (ends - places)[:, None] * t
-    slopes = spline.transform_off(z.ravel(), (z - np.sign(z) * np.sqrt(z**2 - 1)).ravel()).reshape(z.shape)
+    slopes = spline.transform_off(z.ravel(), (z - np.sign(z) * np.sqrt(z**2 - 1)).ravel()).reshape(
+        z.shape
+    )
     rise = 0.5 * (ends - places) * (slopes @ weights)
     rho_ends = ends - np.sign(ends) * np.sqrt(ends**2 - 1)
-    found = spline.potential(1 + ends, 1 - ends, rho_ends) - spline.potential(1 + places, 1 - places, rho)
+    found = spline.potential(1 + ends, 1 - ends, rho_ends) - spline.potential(
+        1 + places, 1 - places, rho
+    )
     assert found == pytest.approx(rise, rel=1e-8)
     # On the zone it goes on from both ends, as the primitive of g less its mean.
     beside = np.array([-1e-12, 1e-12, 2 - 1e-12, 2 + 1e-12])

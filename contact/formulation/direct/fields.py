@@ -1,4 +1,6 @@
-"""Fields of a contact that is one interval: the pressure and the numbers by its series, the rest by the engine when it is asked for."""
+"""Fields of a contact that is one interval: the pressure and the numbers by its series, the rest by
+the engine when it is asked for.
+"""
 
 from __future__ import annotations
 
@@ -44,7 +46,8 @@ class DirectFields(ZoneFields):
     def __getstate__(self) -> dict[str, Any]:
         return {"scene": self.scene, "ends": self.ends, "amplitude_rate": 0.0}
 
-    # by the engine ----------------------------------------------------------------------------------------------------
+    # by the engine
+    # ----------------------------------------------------------------------------------------------------
     @cached_property
     def problem(self) -> Problem:  # type: ignore[override]
         """The scene in scaled variables."""
@@ -56,7 +59,9 @@ class DirectFields(ZoneFields):
         if self.ends.sheet.corner is not None:
             slope = self.load / (scene.E_star * length)
         units = Units(0.0, length, slope, scene.E_star)
-        return Problem(profile, scene.interaction, scene.substrate, scene.law, units, lowest(profile))
+        return Problem(
+            profile, scene.interaction, scene.substrate, scene.law, units, lowest(profile)
+        )
 
     @cached_property
     def state(self) -> sie.AnyState:  # type: ignore[override]
@@ -67,7 +72,8 @@ class DirectFields(ZoneFields):
         equation = problem.equation(Load(self.load / problem.units.load))
         return sie.solve_zones(equation, sie.Zones.of(zones, end, end, symmetric=True), _DECAY)
 
-    # by the series ----------------------------------------------------------------------------------------------------
+    # by the series
+    # ----------------------------------------------------------------------------------------------------
     @cached_property
     def zone_table(self) -> Array:
         """Zones [m], (1, 2) or (2, 2)."""
@@ -76,7 +82,8 @@ class DirectFields(ZoneFields):
 
     @property
     def spreading(self) -> Array:
-        # Of the ends in y, by the rates of the load and, of a pair, of the mean of G, which stays zero.
+        # Of the ends in y, by the rates of the load and, of a pair, of the mean of G, which stays
+        # zero.
         outward, rate = self.ends.spreading, self.ends.rises
         inner, outer = (float(a / b) for a, b in zip(outward, rate, strict=True))
         return np.array([[outer, inner], [inner, outer]] if self._pair else [[inner, outer]])
@@ -112,7 +119,10 @@ class DirectFields(ZoneFields):
         middle, half = ends.middle, ends.half
         y = way.y(x)
         weight = way.weight(x)
-        root = np.sqrt(np.maximum(way.rise(ends.inner, from_inner) * way.rise(x, to_outer), 0.0)) / half
+        root = (
+            np.sqrt(np.maximum(way.rise(ends.inner, from_inner) * way.rise(x, to_outer), 0.0))
+            / half
+        )
         out = root * summed(ends.g, ends.odd, (y - middle) / half)
         with np.errstate(divide="ignore"):
             if punch:
@@ -144,16 +154,27 @@ class DirectFields(ZoneFields):
     def max_pressure(self) -> float:
         if self.ends.sheet.kink or self.ends.punch:
             return math.inf
-        return maximum(lambda angle: self.pressure_at(-1, np.cos(angle)), np.linspace(0.0, math.pi, _LOOKS + 1), levels=7)[1]
+        return maximum(
+            lambda angle: self.pressure_at(-1, np.cos(angle)),
+            np.linspace(0.0, math.pi, _LOOKS + 1),
+            levels=7,
+        )[1]
 
     @property
     def pressure_bound(self) -> float:  # type: ignore[override]
-        return math.inf if self.ends.sheet.kink or self.ends.punch else self._unit * float(self.ends.bound)
+        return (
+            math.inf
+            if self.ends.sheet.kink or self.ends.punch
+            else self._unit * float(self.ends.bound)
+        )
 
-    # Levels -----------------------------------------------------------------------------------------------------------
+    # Levels
+    # -----------------------------------------------------------------------------------------------------------
     @property
     def _logarithm(self) -> float:
-        """-d approach / d load at fixed ends, times pi E*/2: the potential of a unit of load that presses the zones evenly."""
+        """-d approach / d load at fixed ends, times pi E*/2: the potential of a unit of load that
+        presses the zones evenly.
+        """
         way, half = self.ends.sheet.map, self.ends.half
         if way.period is not None:
             return 0.5 * math.log(2.0 * half) if way.pair else math.log(half)
@@ -163,7 +184,9 @@ class DirectFields(ZoneFields):
 
     @cached_property
     def approach(self) -> float | None:  # type: ignore[override]
-        """The mean height of the profile under the pressure of an even level, less what the load sinks under its own."""
+        """The mean height of the profile under the pressure of an even level, less what the load
+        sinks under its own.
+        """
         if not self.scene.operator.has_approach:
             return None
         return self._mean_height - float(self.ends.totals) / math.pi * self._logarithm
@@ -184,7 +207,11 @@ class DirectFields(ZoneFields):
 
     @cached_property
     def stiffness(self) -> float | None:
-        return None if not self.scene.operator.has_approach else -math.pi * self._unit / self._logarithm
+        return (
+            None
+            if not self.scene.operator.has_approach
+            else -math.pi * self._unit / self._logarithm
+        )
 
     @cached_property
     def mean_gap(self) -> float:
@@ -196,6 +223,8 @@ class DirectFields(ZoneFields):
 
 @lru_cache(maxsize=1)
 def _quarter() -> tuple[Array, Array]:
-    """Gauss and Legendre's places t = cos(angle) and weights for means over angles of a quarter turn."""
+    """Gauss and Legendre's places t = cos(angle) and weights for means over angles of a quarter
+    turn.
+    """
     s, weights = np.polynomial.legendre.leggauss(_GAUSS)
     return np.cos(0.25 * math.pi * (1.0 + s)), 0.5 * weights

@@ -1,7 +1,9 @@
-r"""Maps under which one symmetric zone, or a symmetric pair of zones, is one interval of a line under Cauchy's kernel.
+r"""Maps under which one symmetric zone, or a symmetric pair of zones, is one interval of a line
+under Cauchy's kernel.
 
-The pressure is even, so that the kernel acts with that of the mirror image. With k = pi/L, u = k x, pressures in E*/2 and f' as the right
-side, the equation becomes (1/pi) PV int Phi(eta) / (y - eta) d eta = G(y), where G = f'/w, p = (E*/2) w Phi and
+The pressure is even, so that the kernel acts with that of the mirror image. With k = pi/L, u = k x,
+pressures in E*/2 and f' as the right side, the equation becomes (1/pi) PV int Phi(eta) / (y - eta)
+d eta = G(y), where G = f'/w, p = (E*/2) w Phi and
 
                     y          w          load over E*/2, per int Phi d eta
     one zone        x          1          1
@@ -9,11 +11,13 @@ side, the equation becomes (1/pi) PV int Phi(eta) / (y - eta) d eta = G(y), wher
     a pair          x^2        x          1
       of all        sin^2 u    sin 2u     2 L/pi
 
-as cot(u - v) + cot(u + v) = sin 2u / (sin^2 u - sin^2 v). The level of a pair is one by symmetry. Without a period the first line is
-Shtaerman's (1949); the pair's is found by (34) of Goryacheva & Tsukanov (2020) with two zones.
+as cot(u - v) + cot(u + v) = sin 2u / (sin^2 u - sin^2 v). The level of a pair is one by symmetry.
+Without a period the first line is Shtaerman's (1949); the pair's is found by (34) of Goryacheva &
+Tsukanov (2020) with two zones.
 
-Numbers of one load, and rows of several, go by the same words. Of so few numbers a call takes longer than what it does, and the place of
-the least is found by a quicker one than the least itself.
+Numbers of one load, and rows of several, go by the same words. Of so few numbers a call takes
+longer than what it does, and the place of the least is found by a quicker one than the least
+itself.
 """
 
 import math
@@ -68,7 +72,11 @@ class Map:
     @property
     def rise_factor(self) -> float:
         """int w dx per unit of y."""
-        return self.load_factor / (2.0 if self.pair else 1.0) if self.period is not None else (0.5 if self.pair else 1.0)
+        return (
+            self.load_factor / (2.0 if self.pair else 1.0)
+            if self.period is not None
+            else (0.5 if self.pair else 1.0)
+        )
 
     def y(self, x: Value) -> Value:
         if self.period is None:

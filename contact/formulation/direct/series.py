@@ -1,8 +1,10 @@
-"""Chebyshev series on one interval: from samples of G = sum g_k T_k(t) to Phi = sqrt(1 - t^2) sum g_k U_{k-1}(t), and off the interval.
+"""Chebyshev series on one interval: from samples of G = sum g_k T_k(t) to Phi = sqrt(1 - t^2) sum
+g_k U_{k-1}(t), and off the interval.
 
-Bounded at both ends, Phi has the coefficients of G itself; its integral is pi g_1/2 times the half length, and off the interval its
-transform is sum g_k rho^k, rho = z - sgn(z) sqrt(z^2 - 1). Moving both ends outwards raises Phi by q(+-1) / sqrt(1 - t^2), q = sum g_k
-U_{k-1}: so the load grows with the half length at the rate pi q(1), and all that is needed of a step is two sums over the samples.
+Bounded at both ends, Phi has the coefficients of G itself; its integral is pi g_1/2 times the half
+length, and off the interval its transform is sum g_k rho^k, rho = z - sgn(z) sqrt(z^2 - 1). Moving
+both ends outwards raises Phi by q(+-1) / sqrt(1 - t^2), q = sum g_k U_{k-1}: so the load grows with
+the half length at the rate pi q(1), and all that is needed of a step is two sums over the samples.
 """
 
 from functools import lru_cache
@@ -12,13 +14,14 @@ from scipy import fft
 
 from sie import Array, Index, record
 
-# Samples of q for each degree: between them it lies within the hull of the samples, widened by 1 / cos(pi / 2 _DENSER) - 1 (H. Ehlich &
-# K. Zeller, Math. Z. 86, 1964, 41, doi 10.1007/BF01111276).
+# Samples of q for each degree: between them it lies within the hull of the samples, widened by 1 /
+# cos(pi / 2 _DENSER) - 1 (H. Ehlich & K. Zeller, Math. Z. 86, 1964, 41, doi 10.1007/BF01111276).
 _DENSER = 8
 # Nodes up to which a product with a stored matrix is faster than the call of a fast transform.
 _MATRICES = 128
 # Orders up to which a sum of powers is Horner's; and numbers in a table of powers at the most.
-_FEW, _AT_ONCE = 8, 1 << 20
+_FEW = 8
+_AT_ONCE = 1 << 20
 WIDENED = 1.0 / np.cos(0.5 * np.pi / _DENSER) - 1.0
 
 
@@ -26,8 +29,8 @@ WIDENED = 1.0 / np.cos(0.5 * np.pi / _DENSER) - 1.0
 class Table:
     """Nodes t and what is made of values there. odd: of an odd G, on the right half alone.
 
-    sums: of g_1, q(1), the last two coefficients, q(-1) and the mean (nodes, 6). The angles at which q is looked at are given by their
-    sines and cosines.
+    sums: of g_1, q(1), the last two coefficients, q(-1) and the mean (nodes, 6). The angles at
+    which q is looked at are given by their sines and cosines.
     """
 
     odd: bool
@@ -77,7 +80,9 @@ def table(size: int, odd: bool) -> Table:
     looks = _DENSER * degree // (2 if odd else 1)
     at = (np.arange(looks) + 0.5) * (np.pi / (_DENSER * degree))
     far_edge = matrix @ (k * (2.0 * (k % 2) - 1.0))
-    sums = np.column_stack((matrix[:, 0], matrix @ k, matrix[:, -2:], far_edge, np.full(size, 1.0 / size)))
+    sums = np.column_stack(
+        (matrix[:, 0], matrix @ k, matrix[:, -2:], far_edge, np.full(size, 1.0 / size))
+    )
     return Table(odd, np.cos(angle), sums, np.sin(at), np.cos(at))
 
 
@@ -100,7 +105,9 @@ def _looks(size: int, odd: bool) -> Array:
 
 
 def summed(g: Array, odd: bool, t: Array) -> Array:
-    """q(t) = sum g_k U_{k-1}(t) at points of [-1, 1], (orders,) and any shape: by Clenshaw's recurrence."""
+    """q(t) = sum g_k U_{k-1}(t) at points of [-1, 1], (orders,) and any shape: by Clenshaw's
+    recurrence.
+    """
     dense = g
     if odd:
         dense = np.zeros(2 * len(g))
@@ -113,7 +120,9 @@ def summed(g: Array, odd: bool, t: Array) -> Array:
 
 
 def off(g: Array, odd: bool, t: Array) -> Array:
-    """sum g_k rho^k, rho = t - sgn(t) sqrt(t^2 - 1), at |t| >= 1 (..., points) for coefficients (..., orders)."""
+    """sum g_k rho^k, rho = t - sgn(t) sqrt(t^2 - 1), at |t| >= 1 (..., points) for coefficients
+    (..., orders).
+    """
     count = g.shape[-1]
     if not count:
         return np.zeros(t.shape)
@@ -137,8 +146,9 @@ def off(g: Array, odd: bool, t: Array) -> Array:
 
 
 def off_integral(g: Array, odd: bool, t: Array) -> Array:
-    """The integral of `off` from +-1 to t all of one sign, of one row: int rho^k dt = [(1 - rho^(k-1))/(k-1) - (1 - rho^(k+1))/(k+1)]/2
-    from 1 on, and (-1)^(k-1) times that from -1 on."""
+    """The integral of `off` from +-1 to t all of one sign, of one row: int rho^k dt = [(1 -
+    rho^(k-1))/(k-1) - (1 - rho^(k+1))/(k+1)]/2 from 1 on, and (-1)^(k-1) times that from -1 on.
+    """
     z = np.abs(t)
     log = np.log(z + np.sqrt((z - 1.0) * (z + 1.0)))
     total = np.zeros(np.shape(z))

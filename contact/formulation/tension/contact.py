@@ -1,7 +1,9 @@
-"""The contact under the tension on given intervals: frictionless, of the profile that the tension has deformed.
+"""The contact under the tension on given intervals: frictionless, of the profile that the tension
+has deformed.
 
-Newton's steps 2 K/A of the zones' ends stay within the intervals, at whose ends the deformed profile has logarithms: beside one K goes with
-the root of the distance from there. Where q is negative a zone is cut, where the surfaces overlap one begins.
+Newton's steps 2 K/A of the zones' ends stay within the intervals, at whose ends the deformed
+profile has logarithms: beside one K goes with the root of the distance from there. Where q is
+negative a zone is cut, where the surfaces overlap one begins.
 """
 
 from __future__ import annotations
@@ -23,13 +25,18 @@ from contact.formulation.tension.pulled import Pulled
 from sie import Array, Index, Mask, record
 
 # Newton's steps of the zones under a given tension, and how often their number may change.
-_STEPS, _ROUNDS = 80, 16
+_STEPS = 80
+_ROUNDS = 16
 # Of a density that is solved as tightly as any.
 TIGHT = 1e-14
 # After so many rounds
 _PLAIN = 1
-# A zone's end moves at most by these parts of its width, and of the gap beside it; it comes so much nearer to the end of its interval.
-_INWARD, _OUTWARD, _INTO_GAP, _NEARER = 0.3, 0.5, 0.45, 0.25
+# A zone's end moves at most by these parts of its width, and of the gap beside it; it comes so much
+# nearer to the end of its interval.
+_INWARD = 0.3
+_OUTWARD = 0.5
+_INTO_GAP = 0.45
+_NEARER = 0.25
 # Of what an end was off by, from which on Newton's steps only take it to and fro.
 _AS_FAR = 0.3
 # What rounding may leave of a step, over the strip of tension beside an end.
@@ -41,12 +48,16 @@ _GONE = 1e-3
 # Of an overlap, as wide a new zone begins.
 _NEW = 0.5
 # How far from the zones of a lone body it is looked, and in which parts, over what these span.
-_FAR, _CUTS = 1e3, np.array([0.25, 1.0, 4.0, 16.0, 64.0])
+_FAR = 1e3
+_CUTS = np.array([0.25, 1.0, 4.0, 16.0, 64.0])
 # How often a gap is looked at more closely about its extremes.
 _CLOSER = 3
-# Below minus this part of its largest value q pulls; and where it is looked at more closely between two places.
-_PULLS, _BETWEEN = 1e-9, np.linspace(0.0, 1.0, 17)[1:-1]
-# Angles of a zone at which the sign of q is looked at, at the most, where the profile does not vary faster.
+# Below minus this part of its largest value q pulls; and where it is looked at more closely between
+# two places.
+_PULLS = 1e-9
+_BETWEEN = np.linspace(0.0, 1.0, 17)[1:-1]
+# Angles of a zone at which the sign of q is looked at, at the most, where the profile does not vary
+# faster.
 _SIGNS = 128
 
 
@@ -64,7 +75,9 @@ class Covered(NoState):
 
 @record
 class Tolerances:
-    """How a contact is solved: the density; and what ends miss, and Newton's last step but one, over the strips beside them."""
+    """How a contact is solved: the density; and what ends miss, and Newton's last step but one,
+    over the strips beside them.
+    """
 
     density: float = TIGHT
     ends: float = 1e-11
@@ -77,10 +90,15 @@ class Tolerances:
 
 
 def contact_under(
-    pulled: Pulled, control: Callable[[Pulled], Control], zones: Array, formal: bool, tolerances: Tolerances
+    pulled: Pulled,
+    control: Callable[[Pulled], Control],
+    zones: Array,
+    formal: bool,
+    tolerances: Tolerances,
 ) -> tuple[ZoneFields, tuple[Array, Array] | None]:
-    """(fields of q on the zones of contact under a tension, the gap beside them). control: that of q; formal: as many zones as are given,
-    whatever the signs, which are not looked at."""
+    """(fields of q on the zones of contact under a tension, the gap beside them). control: that of
+    q; formal: as many zones as are given, whatever the signs, which are not looked at.
+    """
     load = control(pulled).load
     if load is not None and not load > 0.0:
         raise Lost
@@ -94,17 +112,24 @@ def contact_under(
         found = _corrected(fields, look)
         if found is None:
             return fields, look
-        zones = fitted(found, pulled.pulling.table, pulled.round, pulled.pulling.everywhere, pulled.corners)
+        zones = fitted(
+            found, pulled.pulling.table, pulled.round, pulled.pulling.everywhere, pulled.corners
+        )
         if len(zones) == 0:
             raise Lost
     raise NotConverged("the zones under a given tension did not settle")
 
 
 def _with_ends(
-    pulled: Pulled, control: Callable[[Pulled], Control], zones: Array, tolerances: Tolerances, plain: bool
+    pulled: Pulled,
+    control: Callable[[Pulled], Control],
+    zones: Array,
+    tolerances: Tolerances,
+    plain: bool,
 ) -> tuple[Pulled, sie.AnyState]:
-    """The ends of zones about these. Where narrow gaps close or open within an interval, their ends act on each other: the engine's own
-    steps know how, where plain ones are not asked for or fail."""
+    """The ends of zones about these. Where narrow gaps close or open within an interval, their ends
+    act on each other: the engine's own steps know how, where plain ones are not asked for or fail.
+    """
     cornered = pulled.corners != (-np.inf, np.inf)
     if plain or cornered:
         try:
@@ -125,8 +150,12 @@ def _lowest(pulled: Pulled) -> Array:
     return np.array([[x[i, j] - half, x[i, j] + half]])
 
 
-def _settled(pulled: Pulled, control: Callable[[Pulled], Control], zones: Array, tolerances: Tolerances) -> tuple[Pulled, sie.State]:
-    """Newton on the ends of zones whose number is given, or falls; (the tension as these zones have it, the state)."""
+def _settled(
+    pulled: Pulled, control: Callable[[Pulled], Control], zones: Array, tolerances: Tolerances
+) -> tuple[Pulled, sie.State]:
+    """Newton on the ends of zones whose number is given, or falls; (the tension as these zones have
+    it, the state).
+    """
     first = np.diff(zones, axis=1)[:, 0]
     before: tuple[Array, Array] | None = None
     best, stuck = np.inf, 0
@@ -134,9 +163,15 @@ def _settled(pulled: Pulled, control: Callable[[Pulled], Control], zones: Array,
     def solved(zones: Array) -> tuple[Pulled, sie.State]:
         here = pulled.over(zones)
         try:
-            return here, sie.solve_fixed(here.equation(control(here)), sie.Zones.of(zones, pulled.end, pulled.end), tolerances.density)
+            return here, sie.solve_fixed(
+                here.equation(control(here)),
+                sie.Zones.of(zones, pulled.end, pulled.end),
+                tolerances.density,
+            )
         except sie.SingularSystem as failure:
-            raise NotConverged("zones under a given tension came too near to one another, or to its ends") from failure
+            raise NotConverged(
+                "zones under a given tension came too near to one another, or to its ends"
+            ) from failure
 
     for _ in range(_STEPS):
         here, state = solved(zones)
@@ -146,7 +181,8 @@ def _settled(pulled: Pulled, control: Callable[[Pulled], Control], zones: Array,
         with np.errstate(divide="ignore", invalid="ignore"):
             step = np.where(slope > 0, 2 * k / slope, np.copysign(np.inf, k))
         if before is not None and len(before[0]) == len(zones):
-            # An end that has gone too far, and nearly as far as it was off, is between its last two places.
+            # An end that has gone too far, and nearly as far as it was off, is between its last two
+            # places.
             back = np.array([zones[:, 0] - before[0][:, 0], before[0][:, 1] - zones[:, 1]])
             turned = (k * before[1] < 0) & (np.abs(k) > _AS_FAR * np.abs(before[1])) & ~held
             step = np.where(turned, back * k / np.where(turned, k - before[1], 1.0), step)
@@ -166,7 +202,12 @@ def _settled(pulled: Pulled, control: Callable[[Pulled], Control], zones: Array,
             return here, state
         reaches = _reaches(here, zones, k, step, room, shared)
         # At a sharp corner nothing is covered, and the strip may be as narrow as it comes.
-        covers = ~shared & (room < _COVERED * width) & (step > 0.5 * room) & ~_beside_corners(here, zones)
+        covers = (
+            ~shared
+            & (room < _COVERED * width)
+            & (step > 0.5 * room)
+            & ~_beside_corners(here, zones)
+        )
         if covers.any():
             i = interval_of(zones, pulled.pulling.table)
             ends = np.zeros((2, len(pulled.pulling.table)), dtype=bool)
@@ -196,7 +237,9 @@ def _moved(pulled: Pulled, zones: Array, moved: Array, reaches: Mask) -> Array:
 
 
 def edge_slopes(pulled: Pulled, state: sie.AnyState) -> Array:
-    """A at the ends (2, Z) of p + s, of which K is told by a motion of the end: where the other end is held at a corner q has less."""
+    """A at the ends (2, Z) of p + s, of which K is told by a motion of the end: where the other end
+    is held at a corner q has less.
+    """
     slope, zones = np.array(state.density.edge_slopes), state.density.zones
     more = 2 * pulled.pulling.stress / np.pi / np.sqrt(2 * zones.half)
     for end, _ in pulled.pulling.spreads:
@@ -205,15 +248,23 @@ def edge_slopes(pulled: Pulled, state: sie.AnyState) -> Array:
 
 
 def _held(pulled: Pulled, zones: Array, k: Array) -> tuple[Mask, Mask]:
-    """Which ends (2, n) are at sharp corners, and which of these stay there: pressed on, or by rounding not."""
+    """Which ends (2, n) are at sharp corners, and which of these stay there: pressed on, or by
+    rounding not.
+    """
     held = (zones == np.array(pulled.corners)).T
     return held, held & (k >= -_PULLS * np.abs(k).max())
 
 
 def _released(pulled: Pulled, k: Array, step: Array) -> Array:
-    """Outward steps of ends that leave a corner: of a strip with the tension s that has -K, (pi K/2 s)^2, where it is narrow."""
+    """Outward steps of ends that leave a corner: of a strip with the tension s that has -K, (pi K/2
+    s)^2, where it is narrow.
+    """
     stress = pulled.pulling.stress if len(pulled.pulling.table) else 0.0
-    return -((np.pi * k / (2 * stress)) ** 2) if stress else np.where(np.isfinite(step), -np.abs(step), step)
+    return (
+        -((np.pi * k / (2 * stress)) ** 2)
+        if stress
+        else np.where(np.isfinite(step), -np.abs(step), step)
+    )
 
 
 def _beside_corners(pulled: Pulled, zones: Array) -> Mask:
@@ -221,21 +272,35 @@ def _beside_corners(pulled: Pulled, zones: Array) -> Mask:
     return np.asarray((_own(pulled, zones) == np.array(pulled.corners)).T)
 
 
-def _reaches(pulled: Pulled, zones: Array, k: Array, step: Array, room: Array, shared: Mask) -> Mask:
-    """Which ends go up to the sharp corner that is next to them: of K the strip up to there takes 2 s/pi times the root of its width."""
+def _reaches(
+    pulled: Pulled, zones: Array, k: Array, step: Array, room: Array, shared: Mask
+) -> Mask:
+    """Which ends go up to the sharp corner that is next to them: of K the strip up to there takes 2
+    s/pi times the root of its width.
+    """
     lo, hi = pulled.corners
     if not np.isfinite(lo) or len(zones) == 0:
         return np.zeros(k.shape, dtype=bool)
-    out, table, beside = np.zeros(k.shape, dtype=bool), pulled.pulling.table, _beside_corners(pulled, zones)
+    out, table, beside = (
+        np.zeros(k.shape, dtype=bool),
+        pulled.pulling.table,
+        _beside_corners(pulled, zones),
+    )
     for side, i, corner in ((0, 0, lo), (1, -1, hi)):
         if zones[i, side] != corner and not shared[side, i] and beside[side, i]:
             narrow = room[side, i] < _INWARD * (zones[i, 1] - zones[i, 0])
             part = 2 / np.pi * pulled.pulling.stress * np.sqrt(room[side, i]) if len(table) else 0.0
-            out[side, i] = narrow and step[side, i] > 0.0 and (k[side, i] > part if part else step[side, i] > room[side, i])
+            out[side, i] = (
+                narrow
+                and step[side, i] > 0.0
+                and (k[side, i] > part if part else step[side, i] > room[side, i])
+            )
     return out
 
 
-def _searched(pulled: Pulled, control: Callable[[Pulled], Control], zones: Array, tolerances: Tolerances) -> tuple[Pulled, sie.AnyState]:
+def _searched(
+    pulled: Pulled, control: Callable[[Pulled], Control], zones: Array, tolerances: Tolerances
+) -> tuple[Pulled, sie.AnyState]:
     """The same by the engine's search, of zones that stay within their intervals."""
     equation = pulled.equation(control(pulled))
     for _ in range(_ROUNDS):
@@ -250,12 +315,18 @@ def _searched(pulled: Pulled, control: Callable[[Pulled], Control], zones: Array
         else:
             own = _own(pulled, ended)
             within = bool(np.all((ended[:, 0] > own[:, 0]) & (ended[:, 1] < own[:, 1])))
-            return (pulled, free.state) if free.converged and within else _settled(pulled, control, zones, tolerances)
+            return (
+                (pulled, free.state)
+                if free.converged and within
+                else _settled(pulled, control, zones, tolerances)
+            )
     raise NotConverged("the number of zones under a given tension did not settle")
 
 
 def _room(pulled: Pulled, zones: Array) -> tuple[Array, Mask]:
-    """(how far each end (2, n) is from what is next to it, whether that is another zone: else the end of its interval)."""
+    """(how far each end (2, n) is from what is next to it, whether that is another zone: else the
+    end of its interval).
+    """
     right = np.diff(gaps_between(zones, pulled.round))[:, 0]
     beside, own = np.array([np.roll(right, 1), right]), _own(pulled, zones)
     away = np.array([zones[:, 0] - own[:, 0], own[:, 1] - zones[:, 1]])
@@ -265,14 +336,22 @@ def _room(pulled: Pulled, zones: Array) -> tuple[Array, Mask]:
 def _own(pulled: Pulled, zones: Array) -> Array:
     """The interval of tension that each zone lies in (n, 2), or what is between sharp corners."""
     table = pulled.pulling.table
-    return table[interval_of(zones, table)] if len(table) else np.broadcast_to(pulled.corners, zones.shape)
+    return (
+        table[interval_of(zones, table)]
+        if len(table)
+        else np.broadcast_to(pulled.corners, zones.shape)
+    )
 
 
 def _joined(zones: Array, first: Array, step: Array) -> tuple[Array, Array]:
     """Zones between which nothing is left as one."""
     gap = zones[1:, 0] - zones[:-1, 1]
     width = np.diff(zones, axis=1)[:, 0]
-    meets = (gap < _GONE * np.minimum(width[1:], width[:-1])) & (step[1, :-1] > 0.3 * gap) & (step[0, 1:] > 0.3 * gap)
+    meets = (
+        (gap < _GONE * np.minimum(width[1:], width[:-1]))
+        & (step[1, :-1] > 0.3 * gap)
+        & (step[0, 1:] > 0.3 * gap)
+    )
     return joined_where(zones, meets), first[np.append(True, ~meets)]
 
 
@@ -284,7 +363,9 @@ def look_at(fields: ZoneFields) -> tuple[Array, Array]:
 
 
 def looked(gap: Callable[[Array], Array], x: Array) -> tuple[Array, Array]:
-    """(places, the gap there), those of its extremes among them, as parabolas have them: what begins there begins without width."""
+    """(places, the gap there), those of its extremes among them, as parabolas have them: what
+    begins there begins without width.
+    """
     order = np.argsort(x)
     x, value = x[order], gap(x[order])
     for _ in range(_CLOSER):
@@ -306,7 +387,10 @@ def looked(gap: Callable[[Array], Array], x: Array) -> tuple[Array, Array]:
 def look_around(pulled: Pulled, zones: Array) -> Array:
     """Places without contact, closer beside the ends of the zones and of the tension."""
     table, period = pulled.pulling.table, pulled.round
-    lo, hi = np.maximum(pulled.borders[0], pulled.corners[0]), np.minimum(pulled.borders[1], pulled.corners[1])
+    lo, hi = (
+        np.maximum(pulled.borders[0], pulled.corners[0]),
+        np.minimum(pulled.borders[1], pulled.corners[1]),
+    )
     both = np.concatenate((table.ravel(), zones.ravel()))
     if period is not None:
         marks = np.concatenate((table.ravel(), table.ravel() + period, table.ravel() - period))
@@ -314,24 +398,32 @@ def look_around(pulled: Pulled, zones: Array) -> Array:
         edges = gaps_between(zones, period) if len(zones) else np.array([[first, first + period]])
     else:
         span = float(both.max() - both.min())
-        marks = np.concatenate((table.ravel(), both.min() - span * _CUTS, both.max() + span * _CUTS))
+        marks = np.concatenate(
+            (table.ravel(), both.min() - span * _CUTS, both.max() + span * _CUTS)
+        )
         left, right = max(lo, both.min() - _FAR * span), min(hi, both.max() + _FAR * span)
         edges = np.column_stack((np.append(left, zones[:, 1]), np.append(zones[:, 0], right)))
         edges = edges[edges[:, 0] < edges[:, 1]]
     found = []
     for begin, end in edges.tolist():
         cuts = [begin, *np.sort(marks[(marks > begin) & (marks < end)]).tolist(), end]
-        found += [places(a, b, 0.25 * pulled.detail) for a, b in zip(cuts[:-1], cuts[1:], strict=True)]
+        found += [
+            places(a, b, 0.25 * pulled.detail) for a, b in zip(cuts[:-1], cuts[1:], strict=True)
+        ]
     kinks = pulled.forcing.kinks[0]
     if period is not None and len(kinks):
         kinks = np.concatenate((kinks - period, kinks, kinks + period))
     held = [kinks[(kinks > a) & (kinks < b)] for a, b in edges]
     # A body is lowest at its corners, or not.
-    free = [corner for corner in pulled.corners if np.isfinite(corner) and not np.any(zones == corner)]
+    free = [
+        corner for corner in pulled.corners if np.isfinite(corner) and not np.any(zones == corner)
+    ]
     return np.unique(np.concatenate((np.zeros(0), *found, *held, free)))
 
 
-def _looked_closer(fields: ZoneFields, zone: int, place: Array, q: Array, least: float) -> tuple[Array, Array]:
+def _looked_closer(
+    fields: ZoneFields, zone: int, place: Array, q: Array, least: float
+) -> tuple[Array, Array]:
     """Samples of q on a zone, and more of them about minima that may lie below the least."""
     density, zones = fields.density, fields.density.zones
     for _ in range(_CLOSER):
@@ -342,7 +434,9 @@ def _looked_closer(fields: ZoneFields, zone: int, place: Array, q: Array, least:
         x = np.concatenate([place[i - 1] + (place[i + 1] - place[i - 1]) * _BETWEEN for i in inner])
         x = np.unique(x[~np.isin(x, place)])
         left, right = (x - zones.a[zone]) / zones.half[zone], (zones.b[zone] - x) / zones.half[zone]
-        more = fields.problem.bearing(density, np.full(len(x), zone), left, right) / np.sqrt(left * right)
+        more = fields.problem.bearing(density, np.full(len(x), zone), left, right) / np.sqrt(
+            left * right
+        )
         order = np.argsort(np.concatenate((place, x)), kind="stable")
         place, q = np.concatenate((place, x))[order], np.concatenate((q, more))[order]
     return place, q
@@ -358,13 +452,17 @@ def signs_hold(fields: ZoneFields, look: tuple[Array, Array]) -> bool:
 
 
 def _corrected(fields: ZoneFields, look: tuple[Array, Array]) -> Array | None:
-    """Zones with pulling parts cut out and new ones where the surfaces overlap; None where there are no such places."""
+    """Zones with pulling parts cut out and new ones where the surfaces overlap; None where there
+    are no such places.
+    """
     assert isinstance(fields.problem, Pulled)
     density, (x, gap) = fields.density, look
     zones, out, changed = density.zones, [], False
     varies = fields.spacing if fields.problem.profile.resolution is not None else np.inf
     # Beside the ends, where the tension bends it sharply, q does not change its sign.
-    counts = np.minimum(density.sampling, np.maximum(_SIGNS, 8 * zones.half / varies).astype(np.intp))
+    counts = np.minimum(
+        density.sampling, np.maximum(_SIGNS, 8 * zones.half / varies).astype(np.intp)
+    )
     at = [(np.arange(n) + 0.5) * np.pi / n for n in counts]
     theta, zone = np.concatenate(at), np.repeat(np.arange(len(zones)), counts)
     left, right = sides(theta)
@@ -391,8 +489,19 @@ def _corrected(fields: ZoneFields, look: tuple[Array, Array]) -> Array | None:
             continue
         middle, half = 0.5 * (x[s] + x[e]), 0.5 * _NEW * max(x[e] - x[s], 0.2 * (hi - lo))
         # At a sharp corner it begins there.
-        middle += half if x[s] == fields.problem.corners[0] else -half if x[e] == fields.problem.corners[1] else 0.0
-        out.append((float(max(middle - half, fields.problem.corners[0])), float(min(middle + half, fields.problem.corners[1]))))
+        middle += (
+            half
+            if x[s] == fields.problem.corners[0]
+            else -half
+            if x[e] == fields.problem.corners[1]
+            else 0.0
+        )
+        out.append(
+            (
+                float(max(middle - half, fields.problem.corners[0])),
+                float(min(middle + half, fields.problem.corners[1])),
+            )
+        )
         changed = True
     if not changed:
         return None

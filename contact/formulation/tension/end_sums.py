@@ -1,7 +1,8 @@
 """Sums over the ends of many intervals of a function of the distance from there, at many places.
 
-The line is cut into cells: between neighbouring ends, and halved where more than a few ends are near. What ends do that are farther from a
-cell than its width is a short Chebyshev series on it, made when a place in it is first met; the near ones are taken one by one.
+The line is cut into cells: between neighbouring ends, and halved where more than a few ends are
+near. What ends do that are farther from a cell than its width is a short Chebyshev series on it,
+made when a place in it is first met; the near ones are taken one by one.
 """
 
 from collections.abc import Callable
@@ -13,9 +14,13 @@ from numpy.polynomial import chebyshev
 import sie
 from sie import Array, Index, Mask, nearest_image, record, wrapped
 
-# Terms of a series, of which the last are rounding where what is summed up is singular no nearer than a cell's width; ends that may be near
-# a cell, halvings, and ends that are few enough to be taken one by one everywhere.
-_TERMS, _NEAR, _HALVINGS, _FEW = 20, 6, 40, 16
+# Terms of a series, of which the last are rounding where what is summed up is singular no nearer
+# than a cell's width; ends that may be near a cell, halvings, and ends that are few enough to be
+# taken one by one everywhere.
+_TERMS = 20
+_NEAR = 6
+_HALVINGS = 40
+_FEW = 16
 # Pairs of places and ends handled at once.
 _BLOCK = 2**15
 
@@ -31,7 +36,9 @@ class Cells(sie.Kept):
     @cached_property
     def edges(self) -> Array:
         """Where they begin, and where the last one ends."""
-        ends = self.ends if self.period is None else np.append(self.ends, self.ends[0] + self.period)
+        ends = (
+            self.ends if self.period is None else np.append(self.ends, self.ends[0] + self.period)
+        )
         edges = np.unique(ends)
         for _ in range(_HALVINGS):
             long = np.diff(edges) > self.longest
@@ -66,7 +73,9 @@ class Cells(sie.Kept):
 
 
 class EndSum:
-    """sum_k weights_k function(x - ends_k), the weights of the two ends of an interval of opposite signs."""
+    """sum_k weights_k function(x - ends_k), the weights of the two ends of an interval of opposite
+    signs.
+    """
 
     def __init__(self, cells: Cells, weights: Array, function: Callable[[Array], Array]) -> None:
         self._cells, self._weights, self._function = cells, weights, function
@@ -94,7 +103,10 @@ class EndSum:
         cell = np.searchsorted(edges, x, side="right") - 1
         series = self._of_cells(np.unique(cell))
         a, b = edges[cell], edges[cell + 1]
-        out: Array = np.asarray(chebyshev.chebval(((x - a) - (b - x)) / (b - a), series[:, cell], tensor=False), dtype=np.float64)
+        out: Array = np.asarray(
+            chebyshev.chebval(((x - a) - (b - x)) / (b - a), series[:, cell], tensor=False),
+            dtype=np.float64,
+        )
         for k in range(int(count[cell].max(initial=0))):
             has = count[cell] > k
             of = near[cell[has], k]
@@ -105,7 +117,10 @@ class EndSum:
         """The series of all cells (_TERMS, cells), those of these ones made."""
         edges = self._cells.edges
         if self._series is None:
-            self._series, self._made = np.zeros((_TERMS, len(edges) - 1)), np.zeros(len(edges) - 1, dtype=bool)
+            self._series, self._made = (
+                np.zeros((_TERMS, len(edges) - 1)),
+                np.zeros(len(edges) - 1, dtype=bool),
+            )
         new = cells[~self._made[cells]]
         t, to_series = _nodes()
         block = max(1, _BLOCK // (_TERMS * len(self._cells.ends)))
@@ -113,7 +128,9 @@ class EndSum:
             some = new[start : start + block]
             a, b = edges[some], edges[some + 1]
             # Distances from the beginning of a cell are not rounded as places are.
-            lags = (a[:, None] - self._cells.ends)[:, None, :] + (0.5 * (b - a)[:, None] * (1 + t))[:, :, None]
+            lags = (a[:, None] - self._cells.ends)[:, None, :] + (0.5 * (b - a)[:, None] * (1 + t))[
+                :, :, None
+            ]
             weights = np.where(self._cells.far(some), self._weights, 0.0)
             # Of what is near nothing is taken, so that nothing there may be infinite.
             values = np.nan_to_num(self._function(lags))
@@ -124,7 +141,9 @@ class EndSum:
     def _one_by_one(self, x: Array) -> Array:
         out, block = np.zeros(len(x)), max(1, _BLOCK // max(1, len(self._cells.ends)))
         for start in range(0, len(x), block):
-            out[start : start + block] = _paired(self._function(x[start : start + block, None] - self._cells.ends) * self._weights)
+            out[start : start + block] = _paired(
+                self._function(x[start : start + block, None] - self._cells.ends) * self._weights
+            )
         return out
 
 
@@ -132,7 +151,9 @@ class EndSum:
 def _nodes() -> tuple[Array, Array]:
     """(places on (-1, 1), the matrix that makes a series of values there)."""
     t = chebyshev.chebpts1(_TERMS)
-    return np.asarray(t), np.asarray(np.linalg.inv(chebyshev.chebvander(t, _TERMS - 1)), dtype=np.float64)
+    return np.asarray(t), np.asarray(
+        np.linalg.inv(chebyshev.chebvander(t, _TERMS - 1)), dtype=np.float64
+    )
 
 
 def _paired(values: Array) -> Array:

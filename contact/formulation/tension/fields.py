@@ -1,4 +1,6 @@
-"""Fields of a contact with a constant tension beside it: of q = p + s on the intervals where s pulls, and what they are in SI units."""
+"""Fields of a contact with a constant tension beside it: of q = p + s on the intervals where s
+pulls, and what they are in SI units.
+"""
 
 from functools import cached_property
 
@@ -18,7 +20,9 @@ from sie import Array, record
 
 @record
 class PulledFields(ZoneFields):
-    """problem: `Pulled`; law_problem: the same with the scene's law; rate: d load/d approach, scaled, None under tension everywhere."""
+    """problem: `Pulled`; law_problem: the same with the scene's law; rate: d load/d approach,
+    scaled, None under tension everywhere.
+    """
 
     law_problem: Problem | None = None
     rate: float | None = None
@@ -34,7 +38,9 @@ class PulledFields(ZoneFields):
 
     @property
     def cohesive(self) -> Array:  # type: ignore[override]
-        """The intervals in which the gap is below the reach of the tension, contact within them included (m, 2) [m]."""
+        """The intervals in which the gap is below the reach of the tension, contact within them
+        included (m, 2) [m].
+        """
         units, tension = self.problem.units, self.tension
         if tension.everywhere:
             first = float(self.density.zones.middle[0]) - 0.5 * tension.width
@@ -59,7 +65,11 @@ class PulledFields(ZoneFields):
 
     @property
     def mean_displacement(self) -> float:
-        return self.problem.compression * (self.density.total - self.tension.total) / self.problem.repeat_length
+        return (
+            self.problem.compression
+            * (self.density.total - self.tension.total)
+            / self.problem.repeat_length
+        )
 
     @cached_property
     def mean_gap(self) -> float:
@@ -84,7 +94,9 @@ class PulledFields(ZoneFields):
 
     def pressure_at(self, zone: int, t: ArrayLike) -> Array:
         t, last = np.asarray(t, dtype=float), len(self.density.zones) - 1
-        return super().pressure_at(zone, t) - self._pull * (1 - self.tension.lacks(zone % (last + 1), last, 1 + t, 1 - t))
+        return super().pressure_at(zone, t) - self._pull * (
+            1 - self.tension.lacks(zone % (last + 1), last, 1 + t, 1 - t)
+        )
 
     @cached_property
     def max_pressure(self) -> float:
@@ -104,8 +116,14 @@ class PulledFields(ZoneFields):
     @cached_property
     def borne_beside(self) -> float:  # type: ignore[override]
         stress, zones = self.tension.stress, self.density.zones.table
-        apart = beside(lambda x: self.standing_shape(x) - self.scaled_gap(x), self.pulled, zones, self.spacing)
-        return -stress * (apart + on_zones(self.standing_shape, self.pulled, zones, self.spacing) - self._not_pulled)
+        apart = beside(
+            lambda x: self.standing_shape(x) - self.scaled_gap(x), self.pulled, zones, self.spacing
+        )
+        return -stress * (
+            apart
+            + on_zones(self.standing_shape, self.pulled, zones, self.spacing)
+            - self._not_pulled
+        )
 
     @property
     def _not_pulled(self) -> float:
@@ -120,7 +138,11 @@ class PulledFields(ZoneFields):
     def opened(self) -> float:
         """int gap dx over the intervals of tension [m^2]."""
         units = self.problem.units
-        return beside(self.scaled_gap, self.pulled, self.density.zones.table, self.spacing) * units.length * units.height
+        return (
+            beside(self.scaled_gap, self.pulled, self.density.zones.table, self.spacing)
+            * units.length
+            * units.height
+        )
 
 
 def fields_of(curve: Cohesive, here: Point) -> PulledFields | LooseFields:
@@ -128,11 +150,17 @@ def fields_of(curve: Cohesive, here: Point) -> PulledFields | LooseFields:
     problem, everywhere = curve.problem, isinstance(here, CohesivePoint) and here.everywhere
     if isinstance(here, CohesivePoint) and here.q is not None:
         return PulledFields(here.q.problem, here.q.state, law_problem=problem)
-    return LooseFields(problem, curve.everywhere if everywhere else Pulled.of(problem, curve.stress, here.table), here.level)
+    return LooseFields(
+        problem,
+        curve.everywhere if everywhere else Pulled.of(problem, curve.stress, here.table),
+        here.level,
+    )
 
 
 def scaled_second_variation(here: CohesivePoint) -> Array:
-    """d^2 energy/ds_i ds_j by outward motions of the free ends of the tension, times the roots of their intervals' widths and over 2 w."""
+    """d^2 energy/ds_i ds_j by outward motions of the free ends of the tension, times the roots of
+    their intervals' widths and over 2 w.
+    """
     free = ~here.held
     root = np.sqrt(here.widths[free])
     return np.asarray(-0.5 * root[:, None] * here.rates[np.ix_(free, free)] * root)
@@ -140,7 +168,9 @@ def scaled_second_variation(here: CohesivePoint) -> Array:
 
 @record
 class PulledGapFields(GapFields):
-    """Nearly full contact under tension everywhere, by its gaps: the bare contact less the tension (scaled)."""
+    """Nearly full contact under tension everywhere, by its gaps: the bare contact less the tension
+    (scaled).
+    """
 
     stress: float = 0.0
 
@@ -170,7 +200,10 @@ class PulledGapFields(GapFields):
 
     @cached_property
     def loads(self) -> Array:
-        return super().loads - self._lower * np.diff(self.zones, axis=1)[:, 0] * self.problem.units.length
+        return (
+            super().loads
+            - self._lower * np.diff(self.zones, axis=1)[:, 0] * self.problem.units.length
+        )
 
     def pressure(self, x: ArrayLike) -> Array:
         return super().pressure(x) - self._lower

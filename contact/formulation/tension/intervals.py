@@ -8,7 +8,8 @@ from contact.formulation.tables import ascending, begun_from, joined_where, loca
 from sie import Array, Index, Mask, wrapped
 
 # Points between two zones, or in a part of an interval, at the least, and at the most.
-_FEWEST, _MOST = 24, 20000
+_FEWEST = 24
+_MOST = 20000
 
 
 def places(a: float, b: float, spacing: float) -> Array:
@@ -31,12 +32,22 @@ def interval_of(zones: Array, table: Array) -> Index:
 
 
 def fitted(
-    zones: Array, table: Array, period: float | None, everywhere: bool = False, corners: tuple[float, float] = (-np.inf, np.inf)
+    zones: Array,
+    table: Array,
+    period: float | None,
+    everywhere: bool = False,
+    corners: tuple[float, float] = (-np.inf, np.inf),
 ) -> Array:
-    """Zones moved by periods into intervals, and cut to lie within; up to sharp corners they may reach."""
+    """Zones moved by periods into intervals, and cut to lie within; up to sharp corners they may
+    reach.
+    """
     if everywhere or len(table) == 0:
         return ascending(zones)
-    zones = zones if period is None else zones - np.floor((zones.mean(axis=1) - table[0, 0]) / period)[:, None] * period
+    zones = (
+        zones
+        if period is None
+        else zones - np.floor((zones.mean(axis=1) - table[0, 0]) / period)[:, None] * period
+    )
     row, inside = located(table, zones.mean(axis=1))
     (lo, hi), (a, b) = table[row].T, zones.T
     slack = 1e-2 * (hi - lo)
@@ -46,11 +57,17 @@ def fitted(
 
 
 def below(
-    zones: Array, look: tuple[Array, Array], reach: float, period: float | None, wide: bool = False,
+    zones: Array,
+    look: tuple[Array, Array],
+    reach: float,
+    period: float | None,
+    wide: bool = False,
     corners: tuple[float, float] = (-np.inf, np.inf),
 ) -> Array:
-    """Intervals about zones in which the gap is below the reach, by its samples beside these, and up to half of the way to where it is told
-    to be equal, or up to sharp corners; wide: beyond that. Closed where it is so everywhere."""
+    """Intervals about zones in which the gap is below the reach, by its samples beside these, and
+    up to half of the way to where it is told to be equal, or up to sharp corners; wide: beyond
+    that. Closed where it is so everywhere.
+    """
     ends = zones.ravel() if period is None else np.append(zones.ravel(), zones[0] + period)
     x, gap = np.concatenate((look[0], ends)), np.concatenate((look[1], np.zeros(len(ends))))
     order = np.lexsort((gap, x))
@@ -58,7 +75,11 @@ def below(
     runs = runs_of(gap < reach)
     if period is not None and len(runs) == 1 and runs[0] == (0, len(x) - 1):
         raise Closed
-    if period is None and not np.isfinite(corners[0]) and (runs[0][0] == 0 or runs[-1][1] == len(x) - 1):
+    if (
+        period is None
+        and not np.isfinite(corners[0])
+        and (runs[0][0] == 0 or runs[-1][1] == len(x) - 1)
+    ):
         raise OutOfRange("the tension reaches the border of the part of the profile that is known")
 
     def crossing(inner: int, outer: int) -> float:
@@ -67,14 +88,19 @@ def below(
         return float(x[inner] + (x[outer] - x[inner]) * way)
 
     first, last = corners if np.isfinite(corners[0]) else (np.nan, np.nan)
-    out = [[crossing(s, s - 1) if s else first, crossing(e, e + 1) if e < len(x) - 1 else last] for s, e in runs]
+    out = [
+        [crossing(s, s - 1) if s else first, crossing(e, e + 1) if e < len(x) - 1 else last]
+        for s, e in runs
+    ]
     if np.isnan(out[0][0]):
         assert period is not None
         out[0][0] = out.pop()[0] - period
     return np.array(out)
 
 
-def joined(table: Array, joins: Mask, new: list[tuple[float, float]], period: float | None) -> Array:
+def joined(
+    table: Array, joins: Mask, new: list[tuple[float, float]], period: float | None
+) -> Array:
     """The intervals, those after which joins is set as one with the next, and the new ones."""
     joins = joins.copy()
     if period is None:
@@ -85,7 +111,9 @@ def joined(table: Array, joins: Mask, new: list[tuple[float, float]], period: fl
         joins = np.roll(joins, -start)
     table = joined_where(table, joins[:-1])
     if new:
-        table = ascending(np.concatenate((table, begun_from(np.array(new), float(table[0, 0]), period))))
+        table = ascending(
+            np.concatenate((table, begun_from(np.array(new), float(table[0, 0]), period)))
+        )
     return np.asarray(table)
 
 

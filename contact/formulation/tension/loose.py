@@ -1,4 +1,6 @@
-"""Surfaces that pull at each other without touching: a constant tension on intervals, and no contact anywhere."""
+"""Surfaces that pull at each other without touching: a constant tension on intervals, and no
+contact anywhere.
+"""
 
 from collections.abc import Callable
 from functools import cached_property
@@ -14,13 +16,18 @@ from contact.formulation.tension.tension import Tension
 from sie import Array, record, wrapped
 
 
-def beside(function: Callable[[Array], Array], pulled: Pulled, zones: Array, spacing: float) -> float:
-    """Scaled integral of a function over the intervals of tension less the zones, by panels between their ends and where the profile or
-    one of its derivatives jumps, none wider than the spacing."""
+def beside(
+    function: Callable[[Array], Array], pulled: Pulled, zones: Array, spacing: float
+) -> float:
+    """Scaled integral of a function over the intervals of tension less the zones, by panels between
+    their ends and where the profile or one of its derivatives jumps, none wider than the spacing.
+    """
     return sum(_integral(function, pulled, a, b, spacing) for a, b in _parts_beside(pulled, zones))
 
 
-def on_zones(function: Callable[[Array], Array], pulled: Pulled, zones: Array, spacing: float) -> float:
+def on_zones(
+    function: Callable[[Array], Array], pulled: Pulled, zones: Array, spacing: float
+) -> float:
     """The same over the zones."""
     return sum(_integral(function, pulled, float(a), float(b), spacing) for a, b in zones)
 
@@ -31,7 +38,10 @@ def _parts_beside(pulled: Pulled, zones: Array) -> list[tuple[float, float]]:
     for lo, hi in _intervals(tension, zones):
         shifts = (0.0,) if tension.period is None else (-tension.period, 0.0, tension.period)
         held = sorted(
-            (float(a + shift), float(b + shift)) for a, b in zones for shift in shifts if b + shift > lo and a + shift < hi
+            (float(a + shift), float(b + shift))
+            for a, b in zones
+            for shift in shifts
+            if b + shift > lo and a + shift < hi
         )
         ends = [lo, *(min(max(end, lo), hi) for zone in held for end in zone), hi]
         parts += [(a, b) for a, b in zip(ends[::2], ends[1::2], strict=True) if b > a]
@@ -45,7 +55,9 @@ def _intervals(tension: Tension, zones: Array) -> list[tuple[float, float]]:
     return [(first, first + tension.width)]
 
 
-def _integral(function: Callable[[Array], Array], pulled: Pulled, a: float, b: float, spacing: float) -> float:
+def _integral(
+    function: Callable[[Array], Array], pulled: Pulled, a: float, b: float, spacing: float
+) -> float:
     breaks = wrapped(pulled.forcing.broken_at, a, pulled.period)
     x, weight = panels(cuts_between(a, b, spacing, breaks))
     return float(function(x) @ weight)
@@ -53,8 +65,9 @@ def _integral(function: Callable[[Array], Array], pulled: Pulled, a: float, b: f
 
 @record
 class LooseFields(NoZones):
-    """pulled: with the tension that acts; problem: the same with the scene's law; level: minus the scaled approach. The stiffness is
-    not told: the tension's ends move with the approach."""
+    """pulled: with the tension that acts; problem: the same with the scene's law; level: minus the
+    scaled approach. The stiffness is not told: the tension's ends move with the approach.
+    """
 
     problem: Problem
     pulled: Pulled
@@ -84,7 +97,9 @@ class LooseFields(NoZones):
     @property
     def cohesive(self) -> Array:  # type: ignore[override]
         """The intervals in which the surfaces pull (m, 2) [m]."""
-        return np.asarray(self.problem.units.x(np.array(_intervals(self.tension, np.zeros((0, 2))))))
+        return np.asarray(
+            self.problem.units.x(np.array(_intervals(self.tension, np.zeros((0, 2)))))
+        )
 
     @property
     def load(self) -> float:
@@ -92,7 +107,9 @@ class LooseFields(NoZones):
 
     @property
     def approach(self) -> float | None:
-        return -self.level * self.problem.units.height if self.problem.operator.has_approach else None
+        return (
+            -self.level * self.problem.units.height if self.problem.operator.has_approach else None
+        )
 
     @property
     def mean_gap(self) -> float:
@@ -108,11 +125,18 @@ class LooseFields(NoZones):
     def borne_beside(self) -> float:
         """Scaled int p (F - gap) dx."""
         return -self.tension.stress * beside(
-            lambda x: self.pulled.own_shape(x) - self.scaled_gap(x), self.pulled, np.zeros((0, 2)), self._spacing
+            lambda x: self.pulled.own_shape(x) - self.scaled_gap(x),
+            self.pulled,
+            np.zeros((0, 2)),
+            self._spacing,
         )
 
     @cached_property
     def opened(self) -> float:
         """int gap dx over the intervals of tension [m^2]."""
         units = self.problem.units
-        return beside(self.scaled_gap, self.pulled, np.zeros((0, 2)), self._spacing) * units.length * units.height
+        return (
+            beside(self.scaled_gap, self.pulled, np.zeros((0, 2)), self._spacing)
+            * units.length
+            * units.height
+        )

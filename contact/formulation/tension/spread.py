@@ -1,12 +1,13 @@
-"""An end of a tension that is spread over a zone (a, b) as its equilibrium measure mu = d xi/(pi sqrt((xi - a)(b - xi))).
+"""An end of a tension that is spread over a zone (a, b) as its equilibrium measure mu = d xi/(pi
+sqrt((xi - a)(b - xi))).
 
 With z = (x - middle)/half, outside the zone, and arcosh and root zero on it,
 
-    int ln|x - xi| d mu = ln(half/2) + arcosh|z|,
-    int (x - xi)(ln|x - xi| - 1) d mu = half [z ln(half/2) + sgn(z) (|z| arcosh|z| - sqrt(z^2 - 1))].
+    int ln|x - xi| d mu = ln(half/2) + arcosh|z|, int (x - xi)(ln|x - xi| - 1) d mu = half [z
+    ln(half/2) + sgn(z) (|z| arcosh|z| - sqrt(z^2 - 1))].
 
-What is smooth is summed by Gauss's rule for mu: equal weights at the cosines of even angles. With a period so is what is left of
-ln|2 sin(pi y/L)| after the poles at 0, L and -L.
+What is smooth is summed by Gauss's rule for mu: equal weights at the cosines of even angles. With a
+period so is what is left of ln|2 sin(pi y/L)| after the poles at 0, L and -L.
 """
 
 from collections.abc import Callable
@@ -18,7 +19,8 @@ from contact.formulation.quadrature import gauss
 from sie import Array, nearest_image
 
 # Nodes of smooth sums, and of Gauss's rule on a panel of angles.
-_NODES, _PANEL = 64, 16
+_NODES = 64
+_PANEL = 16
 
 
 @dataclass(frozen=True)
@@ -62,11 +64,21 @@ class Spread:
         def left(lag: Array) -> Array:
             u = np.abs(lag) / period
             far = np.sinc(1 - u) / np.where(u > 0.5, u * (1 + u), 1.0)
-            return np.asarray(np.log(np.where(u > 0.5, far, np.sinc(u) / np.where(u > 0.5, 1.0, 1 - u * u))))
+            return np.asarray(
+                np.log(np.where(u > 0.5, far, np.sinc(u) / np.where(u > 0.5, 1.0, 1 - u * u)))
+            )
 
-        return self.log(x) + self.log(x - period) + self.log(x + period) + np.log(2 * np.pi / period**3) + self.mean(left, x)
+        return (
+            self.log(x)
+            + self.log(x - period)
+            + self.log(x + period)
+            + np.log(2 * np.pi / period**3)
+            + self.mean(left, x)
+        )
 
-    def periodic_primitive(self, x: Array, period: float, primitive: Callable[[Array], Array]) -> Array:
+    def periodic_primitive(
+        self, x: Array, period: float, primitive: Callable[[Array], Array]
+    ) -> Array:
         """Its antiderivative; primitive: of ln|2 sin(pi y/L)|."""
         # Less what a period adds: that of the mean of the logarithm, which is zero.
         x = nearest_image(x, self.middle, period)
@@ -81,9 +93,16 @@ class Spread:
         return of_poles(x, self.primitive) + rate * (x - self.middle) + self.mean(left, x)
 
     def lacking(self, end: int, panels: int, breaks: Array) -> tuple[Array, Array]:
-        """(places, weights) of a rule for int (1 - eta) on the zone, the left (0) or the right one (-1), by parts between breaks."""
+        """(places, weights) of a rule for int (1 - eta) on the zone, the left (0) or the right one
+        (-1), by parts between breaks.
+        """
         inner = breaks[(breaks > self.a) & (breaks < self.b)]
-        cuts = np.unique(np.append(np.linspace(0.0, np.pi, max(panels, 2) + 1), np.arccos((inner - self.middle) / self.half)))
+        cuts = np.unique(
+            np.append(
+                np.linspace(0.0, np.pi, max(panels, 2) + 1),
+                np.arccos((inner - self.middle) / self.half),
+            )
+        )
         angle, weight = gauss(cuts, _PANEL)
         part = 1 - angle / np.pi if end else angle / np.pi
         return self.middle + self.half * np.cos(angle), self.half * weight * np.sin(angle) * part

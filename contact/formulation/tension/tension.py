@@ -4,8 +4,8 @@ Its slope is s T and its height s V, V' = T,
 
     T = (1/pi) sum [Lambda(x - l) - Lambda(x - r)] over the intervals (l, r).
 
-V comes from the double antiderivative of K, y (ln|y| - 1) for a pole, Clausen's integral for all periods: -(L/2 pi) Cl_2(2 pi y/L)
-(DLMF 25.12.9).
+V comes from the double antiderivative of K, y (ln|y| - 1) for a pole, Clausen's integral for all
+periods: -(L/2 pi) Cl_2(2 pi y/L) (DLMF 25.12.9).
 """
 
 from collections.abc import Callable
@@ -21,14 +21,18 @@ from contact.formulation.tension.end_sums import Cells, EndSum
 from contact.formulation.tension.spread import Spread
 from sie import Array, Index, Mask, nearest_image, record, wrapped
 
-# Nodes on a panel of the quadrature of a kernel's regular potential, and panels to the length over which it varies.
-_NODES, _PER_LENGTH = 16, 4.0
+# Nodes on a panel of the quadrature of a kernel's regular potential, and panels to the length over
+# which it varies.
+_NODES = 16
+_PER_LENGTH = 4.0
 
 
 @record
 class Tension(sie.Kept):
-    """stress: scaled; table: the intervals (m, 2), scaled, ascending; everywhere: it acts on a whole period. spread: the zones held at the
-    left and at the right corner, over which the first and the last end are spread."""
+    """stress: scaled; table: the intervals (m, 2), scaled, ascending; everywhere: it acts on a
+    whole period. spread: the zones held at the left and at the right corner, over which the first
+    and the last end are spread.
+    """
 
     stress: float
     table: Array
@@ -45,7 +49,9 @@ class Tension(sie.Kept):
     @property
     def spreads(self) -> list[tuple[int, Spread]]:
         """(0 for the first end or -1 for the last one, the zone), of those that are spread."""
-        return [(end, zone) for end, zone in zip((0, -1), self.spread, strict=True) if zone is not None]
+        return [
+            (end, zone) for end, zone in zip((0, -1), self.spread, strict=True) if zone is not None
+        ]
 
     @property
     def width(self) -> float:
@@ -61,11 +67,17 @@ class Tension(sie.Kept):
         return self.stress * (self.width - sum(zone.half for _, zone in self.spreads))
 
     def lacks(self, zone: Index | int, last: int, left: Array, right: Array) -> Array:
-        """1 - eta on zones, at distances from their ends over the half width; last: index of the last zone."""
+        """1 - eta on zones, at distances from their ends over the half width; last: index of the
+        last zone.
+        """
         out = np.zeros(np.broadcast_shapes(np.shape(zone), np.shape(left)))
         for end, _ in self.spreads:
             at, far, near = (last, right, left) if end else (0, left, right)
-            angle = 2 / np.pi * np.arctan2(np.sqrt(np.maximum(near, 0.0)), np.sqrt(np.maximum(far, 0.0)))
+            angle = (
+                2
+                / np.pi
+                * np.arctan2(np.sqrt(np.maximum(near, 0.0)), np.sqrt(np.maximum(far, 0.0)))
+            )
             out = out + np.where(np.asarray(zone) == at, angle, 0.0)
         return out
 
@@ -120,7 +132,11 @@ class Tension(sie.Kept):
 
     @cached_property
     def _cells(self) -> Cells:
-        return Cells(self.table.ravel(), self.period, np.inf if self.plain else self.kernel.length / _PER_LENGTH)
+        return Cells(
+            self.table.ravel(),
+            self.period,
+            np.inf if self.plain else self.kernel.length / _PER_LENGTH,
+        )
 
     @cached_property
     def _signs(self) -> Array:
@@ -129,7 +145,9 @@ class Tension(sie.Kept):
         signs[[end for end, _ in self.spreads]] = 0.0
         return signs
 
-    def _between(self, of_ends: EndSum, spread: Callable[[Array, Spread], Array], x: Array) -> Array:
+    def _between(
+        self, of_ends: EndSum, spread: Callable[[Array, Spread], Array], x: Array
+    ) -> Array:
         """Sum of the differences of a function of the distance from both ends of the intervals."""
         x = np.asarray(x, dtype=float)
         out = of_ends(x) if len(self.table) else np.zeros(x.shape)
@@ -142,14 +160,27 @@ class Tension(sie.Kept):
         if self.period is not None:
             out = zone.periodic_log(x, self.period)
         else:
-            out = sum((zone.log(x - pole) - np.log(self.kernel.datum) for pole in self.kernel.poles), np.zeros(x.shape))
-        return out if self.plain else out + zone.mean(self._rest, nearest_image(x, zone.middle, self.period))
+            out = sum(
+                (zone.log(x - pole) - np.log(self.kernel.datum) for pole in self.kernel.poles),
+                np.zeros(x.shape),
+            )
+        return (
+            out
+            if self.plain
+            else out + zone.mean(self._rest, nearest_image(x, zone.middle, self.period))
+        )
 
     def _spread_primitive(self, x: Array, zone: Spread) -> Array:
         if self.period is not None:
             return zone.periodic_primitive(x, self.period, self._primitive)
         scale = np.log(self.kernel.datum)
-        return sum((zone.primitive(x - pole) - scale * (x - pole - zone.middle) for pole in self.kernel.poles), np.zeros(x.shape))
+        return sum(
+            (
+                zone.primitive(x - pole) - scale * (x - pole - zone.middle)
+                for pole in self.kernel.poles
+            ),
+            np.zeros(x.shape),
+        )
 
     def log(self, lag: Array) -> Array:
         """Lambda, of the distance from a line load."""
@@ -159,7 +190,10 @@ class Tension(sie.Kept):
             if period is not None:
                 out = np.log(np.abs(2 * np.sin(np.pi * lag / period)))
             else:
-                out = sum((np.log(np.abs(lag - pole) / kernel.datum) for pole in kernel.poles), np.zeros(np.shape(lag)))
+                out = sum(
+                    (np.log(np.abs(lag - pole) / kernel.datum) for pole in kernel.poles),
+                    np.zeros(np.shape(lag)),
+                )
         return np.asarray(out if self.plain else out + self._rest(lag))
 
     def _rest(self, lag: Array) -> Array:
@@ -167,7 +201,10 @@ class Tension(sie.Kept):
         whole = self.kernel.regular_potential
         assert whole is not None
         rest = whole(lag, np.zeros(1))
-        if self.period is not None and (hilbert := sie.hilbert(self.period).regular_potential) is not None:
+        if (
+            self.period is not None
+            and (hilbert := sie.hilbert(self.period).regular_potential) is not None
+        ):
             rest = rest - hilbert(lag, np.zeros(1))
         return np.asarray(rest)
 
@@ -195,9 +232,14 @@ class Tension(sie.Kept):
     @cached_property
     def _panels(self) -> tuple[Array, Array]:
         length = min(self.kernel.length, 1.0 if self.period is None else 0.25 * self.period)
-        rules = [gauss(np.linspace(a, b, int(np.ceil(_PER_LENGTH * (b - a) / length)) + 1), _NODES) for a, b in self.table]
+        rules = [
+            gauss(np.linspace(a, b, int(np.ceil(_PER_LENGTH * (b - a) / length)) + 1), _NODES)
+            for a, b in self.table
+        ]
         for end, zone in self.spreads:
-            places, lacking = zone.lacking(end, int(np.ceil(_PER_LENGTH * 2 * zone.half / length)), np.zeros(0))
+            places, lacking = zone.lacking(
+                end, int(np.ceil(_PER_LENGTH * 2 * zone.half / length)), np.zeros(0)
+            )
             rules.append((places, -lacking))
         at, weights = zip(*rules, strict=True)
         return np.concatenate(at), np.concatenate(weights)

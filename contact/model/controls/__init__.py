@@ -1,4 +1,12 @@
 """The controls, the quantities of a scene that can be given; importing this package registers them."""
 
-from contact.model.controls.base import CONTROLS, TURNING, Control, Held, Quantity, fields_under, known_controls
+from contact.model.controls.base import (
+    CONTROLS,
+    TURNING,
+    Control,
+    Held,
+    Quantity,
+    fields_under,
+    known_controls,
+)
 from contact.model.controls.fields import Approach, ContactFraction, HalfWidth, Load, MeanPressure

@@ -1,7 +1,8 @@
-"""What a control is: the one quantity of a scene that is given. A control is a frozen dataclass in a file of its own.
+"""What a control is: the one quantity of a scene that is given. A control is a frozen dataclass in
+a file of its own.
 
-Most come to one of the four quantities that the solver can hold (`Quantity`). What comes to none of them grows or falls with the load, and
-the load that has its value is looked for.
+Most come to one of the four quantities that the solver can hold (`Quantity`). What comes to none of
+them grows or falls with the load, and the load that has its value is looked for.
 """
 
 from dataclasses import dataclass
@@ -18,8 +19,9 @@ TURNING = {"tilt": "rad", "moment": "N"}
 
 
 class Quantity(Enum):
-    """What the solver can hold: a load [N/m], per period where there is one, an approach, the half width of one zone about the origin, the
-    width of all zones together [m]."""
+    """What the solver can hold: a load [N/m], per period where there is one, an approach, the half
+    width of one zone about the origin, the width of all zones together [m].
+    """
 
     LOAD, APPROACH, HALF_WIDTH, WIDTH = range(4)
 
@@ -101,5 +103,9 @@ def fields_under(name: str, value: float, given: Control | None = None) -> dict[
     elif given is not None and name == given.name:
         own = {"given": remade(given, {"value": value})}
     else:
-        own = {"given": construct(REGISTERED.find(name, "control"), f"control {name!r}", {"value": value})}
+        own = {
+            "given": construct(
+                REGISTERED.find(name, "control"), f"control {name!r}", {"value": value}
+            )
+        }
     return {**dict.fromkeys(CONTROLS), "given": None, **own}

@@ -1,4 +1,6 @@
-"""The controls that are fields of a scene: load, mean pressure, approach, part of the period in contact, half width."""
+"""The controls that are fields of a scene: load, mean pressure, approach, part of the period in
+contact, half width.
+"""
 
 from dataclasses import dataclass
 from typing import Any
@@ -32,7 +34,9 @@ class MeanPressure(Control):
 
     def check(self, scene: Any) -> None:
         if scene.profile.period is None:
-            raise SceneError.of(self.name, self.value, "left out: without a period there is no mean pressure")
+            raise SceneError.of(
+                self.name, self.value, "left out: without a period there is no mean pressure"
+            )
 
     def held(self, scene: Any) -> Held:
         return Held(Quantity.LOAD, self.value * scene.profile.period)
@@ -47,7 +51,8 @@ class Approach(Control):
     quantity = Quantity.APPROACH
 
     def signed(self, scene: Any) -> bool:
-        # A turned body touches at some other place than its lowest: there the approach counts from there. Adhesion bears tension.
+        # A turned body touches at some other place than its lowest: there the approach counts from
+        # there. Adhesion bears tension.
         return bool(scene.turned or scene.law.pulls)
 
     def check(self, scene: Any) -> None:
@@ -63,11 +68,15 @@ class ContactFraction(Control):
 
     def check(self, scene: Any) -> None:
         if scene.period is None:
-            raise SceneError.of(self.name, self.value, f"left out: under {scene.interaction.name} nothing repeats")
+            raise SceneError.of(
+                self.name, self.value, f"left out: under {scene.interaction.name} nothing repeats"
+            )
         if self.value > 1.0:
             raise SceneError.of(self.name, self.value, "above 0 and at most 1")
         if scene.is_flat:
-            allowed = f"left out: {scene.profile.name} has no slope, any load has its width; give a load"
+            allowed = (
+                f"left out: {scene.profile.name} has no slope, any load has its width; give a load"
+            )
             raise SceneError.of(self.name, self.value, allowed)
 
     def held(self, scene: Any) -> Held:
@@ -86,18 +95,26 @@ class HalfWidth(Control):
         profile = scene.profile
         if scene.turned:
             ((turning, value),) = scene.turning.items()
-            raise SceneError.of(turning, value, "0 or left out with half_width, which means one zone about x = 0")
+            raise SceneError.of(
+                turning, value, "0 or left out with half_width, which means one zone about x = 0"
+            )
         if not profile.symmetric:
-            self._refuse(f"left out: it means one zone about x = 0, and {profile.name} is not known to be symmetric")
+            self._refuse(
+                f"left out: it means one zone about x = 0, and {profile.name} is not known to be symmetric"
+            )
         if profile.period is not None and not self.value < 0.5 * profile.period:
             self._refuse(f"less than half the period, {0.5 * profile.period:.17g}")
         if profile.support is None:
             return
         reach = profile.support[1]
         if self.value >= reach:
-            self._refuse(f"less than the profile's own, {reach:.17g}, with which any load from some on is borne")
+            self._refuse(
+                f"less than the profile's own, {reach:.17g}, with which any load from some on is borne"
+            )
         if scene.is_flat_between(-self.value, self.value):
-            self._refuse(f"left out: {profile.name} has no slope, any load has its half width {reach:.17g}; give a load")
+            self._refuse(
+                f"left out: {profile.name} has no slope, any load has its half width {reach:.17g}; give a load"
+            )
 
     def _refuse(self, allowed: str) -> None:
         raise SceneError.of(self.name, self.value, allowed)

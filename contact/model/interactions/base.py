@@ -1,8 +1,9 @@
 """What an interaction model is: how the rest of the surface acts on the zones that are solved.
 
-What a line load does is the substrate's; a model says whether it acts alone, with all periods, or with the images of a strip, and names
-right-hand-side terms of unknown amplitude and the conditions that close them. It works in scaled lengths: `period` and `unit` (metres per
-scaled length) are given to it.
+What a line load does is the substrate's; a model says whether it acts alone, with all periods, or
+with the images of a strip, and names right-hand-side terms of unknown amplitude and the conditions
+that close them. It works in scaled lengths: `period` and `unit` (metres per scaled length) are
+given to it.
 """
 
 from __future__ import annotations
@@ -21,8 +22,9 @@ Scaled = Callable[[Array], Array]
 class Interaction(Named):
     """Base of the interaction models. A model is a frozen dataclass in a file of its own.
 
-    All is in scaled lengths that count from an origin of the solver's own. `columns` and `side_conditions` may speak of loads, widths and
-    slopes; what speaks of a place of the profile goes into `placed_columns` and `placed_conditions`, which are told where it stands.
+    All is in scaled lengths that count from an origin of the solver's own. `columns` and
+    `side_conditions` may speak of loads, widths and slopes; what speaks of a place of the profile
+    goes into `placed_columns` and `placed_conditions`, which are told where it stands.
 
     Attributes
     ----------
@@ -33,8 +35,8 @@ class Interaction(Named):
     exact : bool
         Nothing is approximated.
     datum : float or None
-        Where nothing repeats: the distance [m] from a line load at which it displaces nothing; without it a substrate without a base has no
-        approach.
+        Where nothing repeats: the distance [m] from a line load at which it displaces nothing;
+        without it a substrate without a base has no approach.
     strip : bool
         The zones are those of one strip, cut from the period at its widest gap and centred on them.
     neighbours : int
@@ -77,24 +79,37 @@ class Interaction(Named):
         return False
 
     def kernel(self, period: float | None, unit: float) -> sie.Kernel:
-        """A kernel of one's own in scaled lengths, of x - xi alone, in place of the substrate's; left out as a rule."""
-        raise NotImplementedError(f"{type(self).__name__} has no kernel of its own: that of the substrate acts")
+        """A kernel of one's own in scaled lengths, of x - xi alone, in place of the substrate's;
+        left out as a rule.
+        """
+        raise NotImplementedError(
+            f"{type(self).__name__} has no kernel of its own: that of the substrate acts"
+        )
 
     def symbol(self, q: Array) -> Array:
-        """The symbol L(q) of one's own kernel, q [1/m], by which it has an inverse; of all periods it may stand in place of the kernel."""
-        raise NotImplementedError(f"{type(self).__name__} has no symbol of its own: that of the substrate acts")
+        """The symbol L(q) of one's own kernel, q [1/m], by which it has an inverse; of all periods
+        it may stand in place of the kernel.
+        """
+        raise NotImplementedError(
+            f"{type(self).__name__} has no symbol of its own: that of the substrate acts"
+        )
 
     def columns(self, period: float | None, centre: float) -> tuple[sie.Forcing, ...]:
-        """Terms of the right side with an unknown amplitude, about the centre of the strip. Left out, a model with a `strip` has one,
-        that of the nominal pressure beyond the strip."""
+        """Terms of the right side with an unknown amplitude, about the centre of the strip. Left
+        out, a model with a `strip` has one, that of the nominal pressure beyond the strip.
+        """
         return ()
 
     def side_conditions(self, period: float | None) -> tuple[sie.Condition, ...]:
         """One condition for each column."""
         return ()
 
-    def placed_columns(self, period: float | None, centre: float, scaled: Scaled) -> tuple[sie.Forcing, ...]:
-        """Columns that speak of places: `scaled` says where places [m] of the profile come to stand. Else `columns`."""
+    def placed_columns(
+        self, period: float | None, centre: float, scaled: Scaled
+    ) -> tuple[sie.Forcing, ...]:
+        """Columns that speak of places: `scaled` says where places [m] of the profile come to
+        stand. Else `columns`.
+        """
         return self.columns(period, centre)
 
     def placed_conditions(self, period: float | None, scaled: Scaled) -> tuple[sie.Condition, ...]:

@@ -10,13 +10,14 @@ from contact.model.registry import register_interaction
 @register_interaction("isolated")
 @dataclass(frozen=True)
 class Isolated(Interaction):
-    """The line load of the substrate, on a half-plane 1/(x - xi) (Muskhelishvili 1953). A periodic profile is its one cell.
+    """The line load of the substrate, on a half-plane 1/(x - xi) (Muskhelishvili 1953). A periodic
+    profile is its one cell.
 
     Parameters
     ----------
     datum : float or None
-        The distance d [m] from a line load at which it displaces nothing, on a half-plane u(x) = -(2/(pi E*)) int p ln|(x - xi)/d| dxi;
-        without it a body without a base has no approach.
+        The distance d [m] from a line load at which it displaces nothing, on a half-plane u(x) =
+        -(2/(pi E*)) int p ln|(x - xi)/d| dxi; without it a body without a base has no approach.
 
     Raises
     ------

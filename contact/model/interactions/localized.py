@@ -1,12 +1,13 @@
-"""The localization principle of Goryacheva & Tsukanov (2020, doi 10.3389/fmech.2020.00045), equation (13).
+"""The localization principle of Goryacheva & Tsukanov (2020, doi 10.3389/fmech.2020.00045),
+equation (13).
 
-The zones of one strip are solved exactly, with m copies of the strip on each side kept explicitly; beyond the width
-W = (2m + 1) L only the nominal pressure acts, which adds
+The zones of one strip are solved exactly, with m copies of the strip on each side kept explicitly;
+beyond the width W = (2m + 1) L only the nominal pressure acts, which adds
 
     (2 pbar / pi) artanh(2 (x - centre) / W)
 
-to the right side on a half-plane (contact.model.operator, for other substrates as well), and to the displacement what a uniform pressure on
-everything but the strip does.
+to the right side on a half-plane (contact.model.operator, for other substrates as well), and to the
+displacement what a uniform pressure on everything but the strip does.
 """
 
 from __future__ import annotations
@@ -25,15 +26,18 @@ CLOSURES = ("first-order", "self-consistent")
 @register_interaction("localized")
 @dataclass(frozen=True)
 class Localized(Interaction):
-    """One strip solved exactly, the rest of the surface as its nominal pressure, self-consistent or to first order.
+    """One strip solved exactly, the rest of the surface as its nominal pressure, self-consistent or
+    to first order.
 
-    (I. G. Goryacheva & I. Y. Tsukanov, Front. Mech. Eng. 6:45, 2020, doi 10.3389/fmech.2020.00045, eq. (13).)
+    (I. G. Goryacheva & I. Y. Tsukanov, Front. Mech. Eng. 6:45, 2020, doi 10.3389/fmech.2020.00045,
+    eq. (13).)
 
     Parameters
     ----------
     closure : str
-        What the nominal pressure is. "first-order": the isolated load of the same total width over the period, as in the paper's worked
-        examples; "self-consistent": the load itself over the period.
+        What the nominal pressure is. "first-order": the isolated load of the same total width over
+        the period, as in the paper's worked examples; "self-consistent": the load itself over the
+        period.
     neighbours : int
         Copies of the strip kept on each side; above 0 self-consistent only.
 
@@ -64,7 +68,11 @@ class Localized(Interaction):
         one_of("closure", self.closure, CLOSURES)
         integer("neighbours", self.neighbours)
         if self.neighbours and self.follows_isolated:
-            raise SceneError.of("neighbours", self.neighbours, "0 with closure 'first-order'; more are self-consistent")
+            raise SceneError.of(
+                "neighbours",
+                self.neighbours,
+                "0 with closure 'first-order'; more are self-consistent",
+            )
 
     @property
     def follows_isolated(self) -> bool:

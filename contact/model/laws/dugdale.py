@@ -1,8 +1,10 @@
-"""Maugis-Dugdale adhesion: a constant tension where the gap is below a reach, work of adhesion = stress times reach.
+"""Maugis-Dugdale adhesion: a constant tension where the gap is below a reach, work of adhesion =
+stress times reach.
 
-D. Maugis, J. Colloid Interface Sci. 150 (1992) 243-269, doi 10.1016/0021-9797(92)90285-T; in the plane J. M. Baney & C.-Y. Hui,
-J. Adhes. Sci. Technol. 11 (1997) 393-406, doi 10.1163/156856197X00778. The tension of D. S. Dugdale, J. Mech. Phys. Solids 8 (1960)
-100-104, doi 10.1016/0022-5096(60)90013-2.
+D. Maugis, J. Colloid Interface Sci. 150 (1992) 243-269, doi 10.1016/0021-9797(92)90285-T; in the
+plane J. M. Baney & C.-Y. Hui, J. Adhes. Sci. Technol. 11 (1997) 393-406, doi
+10.1163/156856197X00778. The tension of D. S. Dugdale, J. Mech. Phys. Solids 8 (1960) 100-104, doi
+10.1016/0022-5096(60)90013-2.
 """
 
 from dataclasses import dataclass
@@ -18,10 +20,11 @@ from contact.model.registry import register_law
 @register_law("dugdale")
 @dataclass(frozen=True)
 class Dugdale(Law):
-    """Adhesion of a finite range: the surfaces pull with a constant stress up to a gap of work/stress; see docs/adhesion.md.
+    """Adhesion of a finite range: the surfaces pull with a constant stress up to a gap of
+    work/stress; see docs/adhesion.md.
 
-    Large stresses are JKR's law, small ones a rigid body's. The contact may have several equilibria;
-    `contact.solve(scene, branch="advancing" | "receding")` says which is meant.
+    Large stresses are JKR's law, small ones a rigid body's. The contact may have several
+    equilibria; `contact.solve(scene, branch="advancing" | "receding")` says which is meant.
 
     Parameters
     ----------
@@ -30,9 +33,8 @@ class Dugdale(Law):
     stress : float
         Tension beside the contact, > 0 [Pa].
 
-    Examples
-    --------
-    A cylinder under no load: pi E* a^2/4 R = 2 s sqrt(c^2 - a^2), with (a, c) the zone and the end of the tension.
+    Examples -------- A cylinder under no load: pi E* a^2/4 R = 2 s sqrt(c^2 - a^2), with (a, c) the
+    zone and the end of the tension.
 
     >>> import contact
     >>> import numpy as np
@@ -69,11 +71,15 @@ class Dugdale(Law):
         return JKR(share * self.work)
 
     def surface_energy(self, fields: Any, width: float) -> float:
-        """-w for each width in which the gap is below the reach, and what it takes there to open it."""
+        """-w for each width in which the gap is below the reach, and what it takes there to open
+        it.
+        """
         cohesive = fields.cohesive
         if len(cohesive) == 0:  # full contact, or surfaces apart
             return -self.work * width
-        return -self.work * float((cohesive[:, 1] - cohesive[:, 0]).sum()) + self.stress * float(fields.opened)
+        return -self.work * float((cohesive[:, 1] - cohesive[:, 0]).sum()) + self.stress * float(
+            fields.opened
+        )
 
     def refuses(self, scene: Any) -> str | None:
         if scene.interaction.strip:

@@ -1,8 +1,10 @@
-"""JKR adhesion: contact is held together by a work of adhesion w, and zones end where p ~ -sqrt(E* w/pi) / sqrt(d).
+"""JKR adhesion: contact is held together by a work of adhesion w, and zones end where p ~ -sqrt(E*
+w/pi) / sqrt(d).
 
-K. L. Johnson, K. Kendall & A. D. Roberts, Proc. R. Soc. Lond. A 324 (1971) 301-313; in the plane M. Barquins, J. Adhesion 26 (1988)
-1-12, doi 10.1080/00218468808075464; of a wavy surface K. L. Johnson, Int. J. Solids Struct. 32 (1995) 423-430,
-doi 10.1016/0020-7683(94)00111-9. Attraction has no range: where the surfaces do not touch, nothing acts between them.
+K. L. Johnson, K. Kendall & A. D. Roberts, Proc. R. Soc. Lond. A 324 (1971) 301-313; in the plane M.
+Barquins, J. Adhesion 26 (1988) 1-12, doi 10.1080/00218468808075464; of a wavy surface K. L.
+Johnson, Int. J. Solids Struct. 32 (1995) 423-430, doi 10.1016/0020-7683(94)00111-9. Attraction has
+no range: where the surfaces do not touch, nothing acts between them.
 """
 
 from dataclasses import dataclass
@@ -20,7 +22,8 @@ from contact.model.registry import register_law
 class JKR(Law):
     """Adhesion without range by a work of adhesion; see docs/adhesion.md.
 
-    The contact has several equilibria; `contact.solve(scene, branch="advancing" | "receding")` says which is meant.
+    The contact has several equilibria; `contact.solve(scene, branch="advancing" | "receding")` says
+    which is meant.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
 """What a profile is: the gap f(x) at zero load, its slope f'(x), and what else is known of it.
 
-Only `height` must be given. f grows away from contact (a punch pointing down); any constant offset is
-irrelevant to zones and pressures. A periodic profile repeats the cell [x0, x0 + L).
+Only `height` must be given. f grows away from contact (a punch pointing down); any constant offset
+is irrelevant to zones and pressures. A periodic profile repeats the cell [x0, x0 + L).
 """
 
 import dataclasses
@@ -32,9 +32,13 @@ AT_ORIGIN.setflags(write=False)
 
 
 def onto(ends: tuple[float, float], at: Array, slack: Array | float) -> Array:
-    """Places with those that rounding has put just beyond an end moved back onto it: a corner reached by arithmetic is still the body's."""
+    """Places with those that rounding has put just beyond an end moved back onto it: a corner
+    reached by arithmetic is still the body's.
+    """
     lo, hi = ends
-    return np.where((at < lo) & (at >= lo - slack), lo, np.where((at > hi) & (at <= hi + slack), hi, at))
+    return np.where(
+        (at < lo) & (at >= lo - slack), lo, np.where((at > hi) & (at <= hi + slack), hi, at)
+    )
 
 
 def is_of_package(profile: "Profile") -> bool:
@@ -45,16 +49,19 @@ def is_of_package(profile: "Profile") -> bool:
 
 
 def told_by(name: str) -> Any:
-    """A property that is a parameter, or what a part says of itself: `told_by("width")`, `told_by("profile.support")`."""
+    """A property that is a parameter, or what a part says of itself: `told_by("width")`,
+    `told_by("profile.support")`.
+    """
     return property(attrgetter(name))
 
 
 class Profile(Named, sie.Kept):
     """Base of all profiles; subclasses are frozen dataclasses that check their fields when made.
 
-    A profile has a `height(x)`: the gap at zero load [m], at x [m] of any shape, growing away from contact; a constant does not matter. All
-    else may be left out: `slope`, `period`, `symmetric`, `kinks`, `jumps`, `algebraic_points`,
-    `support`, `extent`, `summits`, `resolution`, `slope_conjugate` make solving faster or sharper (docs/own-profile.md).
+    A profile has a `height(x)`: the gap at zero load [m], at x [m] of any shape, growing away from
+    contact; a constant does not matter. All else may be left out: `slope`, `period`, `symmetric`,
+    `kinks`, `jumps`, `algebraic_points`, `support`, `extent`, `summits`, `resolution`,
+    `slope_conjugate` make solving faster or sharper (docs/own-profile.md).
 
     Examples
     --------
@@ -77,12 +84,15 @@ class Profile(Named, sie.Kept):
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
         super().__init_subclass__(**kwargs)
-        # A field `period: float` is meant to be required; the None above must not become its default.
+        # A field `period: float` is meant to be required; the None above must not become its
+        # default.
         if "period" in inspect.get_annotations(cls) and "period" not in cls.__dict__:
             cls.period = dataclasses.field()
 
     def height(self, x: ArrayLike) -> Array:
-        """f(x), the gap at zero load up to a constant [m]; any array shape; periodic if the profile is."""
+        """f(x), the gap at zero load up to a constant [m]; any array shape; periodic if the profile
+        is.
+        """
         raise NotImplementedError(f"{type(self).__name__} must define height(x)")
 
     def slope(self, x: ArrayLike) -> Array:
@@ -128,8 +138,9 @@ class Profile(Named, sie.Kept):
 
     @property
     def algebraic_points(self) -> Array:
-        """Places in the cell beside which f is smooth but for a power n > 1, one a row: position s, exponent n, and the coefficients of
-        (s - x)^n for x < s and of (x - s)^n for x > s [m^(1-n)].
+        """Places in the cell beside which f is smooth but for a power n > 1, one a row: position s,
+        exponent n, and the coefficients of (s - x)^n for x < s and of (x - s)^n for x > s
+        [m^(1-n)].
 
         None need be declared; a power that is not a whole number has no other way to be told.
         """
@@ -137,12 +148,16 @@ class Profile(Named, sie.Kept):
 
     @property
     def support(self) -> tuple[float, float] | None:
-        """The interval beyond which f = +inf (a sharp-cornered punch); None if there is no such end."""
+        """The interval beyond which f = +inf (a sharp-cornered punch); None if there is no such
+        end.
+        """
         return None
 
     @property
     def extent(self) -> tuple[float, float] | None:
-        """The interval within which f is known (a measured trace just ends); None: known everywhere."""
+        """The interval within which f is known (a measured trace just ends); None: known
+        everywhere.
+        """
         return None
 
     @property
@@ -162,27 +177,39 @@ class Profile(Named, sie.Kept):
 
     @property
     def resolution(self) -> float | None:
-        """Smallest length over which the shape varies: of one that repeats, if not given, as its heights tell; None if unknown."""
+        """Smallest length over which the shape varies: of one that repeats, if not given, as its
+        heights tell; None if unknown.
+        """
         return self._detail
 
     @cached_property
     def _detail(self) -> float | None:
-        return None if self.period is None else detail_of(self.height, *(self.support or (self.x0, self.x0 + self.period)))
+        return (
+            None
+            if self.period is None
+            else detail_of(self.height, *(self.support or (self.x0, self.x0 + self.period)))
+        )
 
     @property
     def feature(self) -> float | None:
-        """Length over which most of the shape varies: as closely as this asks for a first guess looks at it."""
+        """Length over which most of the shape varies: as closely as this asks for a first guess
+        looks at it.
+        """
         return self.resolution
 
     @property
     def exact_places(self) -> bool:
-        """Whether `slope` is that at the very number x: of the product of a wave number and x, say, no digit is lost."""
+        """Whether `slope` is that at the very number x: of the product of a wave number and x, say,
+        no digit is lost.
+        """
         return False
 
     @property
     def breakpoints(self) -> Array:
         """Positions in the cell where f or one of its derivatives jumps."""
-        return np.unique(np.concatenate((self.kinks[:, 0], self.jumps[:, 0], self.algebraic_points[:, 0])))
+        return np.unique(
+            np.concatenate((self.kinks[:, 0], self.jumps[:, 0], self.algebraic_points[:, 0]))
+        )
 
     def slope_conjugate(self, x: ArrayLike) -> Array | None:
         """H f' = (1/L) PV int f'(xi) cot(pi (x - xi)/L) dxi over a period; None if not known."""
@@ -190,19 +217,27 @@ class Profile(Named, sie.Kept):
 
     @cached_property
     def slopes_seen(self) -> Array:
-        """Finite slopes at even places over the period, or where the shape is known; none of a body without either."""
+        """Finite slopes at even places over the period, or where the shape is known; none of a body
+        without either.
+        """
         if self.known is None:
             return np.zeros(0)
         lo, hi = self.known
         with np.errstate(all="ignore"):
-            slopes = np.asarray(self.slope(lo + (hi - lo) * (np.arange(_PLACES) + 0.5) / _PLACES), dtype=float)
+            slopes = np.asarray(
+                self.slope(lo + (hi - lo) * (np.arange(_PLACES) + 0.5) / _PLACES), dtype=float
+            )
         return np.asarray(slopes[np.isfinite(slopes)])
 
     @cached_property
     def slope_sizes(self) -> tuple[float, float]:
         """(largest, root mean square) of these slopes."""
         seen = self.slopes_seen
-        return (float(np.abs(seen).max()), float(np.sqrt(np.mean(seen**2)))) if seen.size else (0.0, 0.0)
+        return (
+            (float(np.abs(seen).max()), float(np.sqrt(np.mean(seen**2))))
+            if seen.size
+            else (0.0, 0.0)
+        )
 
     @cached_property
     def claims_seen(self) -> dict[tuple[float, float], Any]:
@@ -216,7 +251,12 @@ class Profile(Named, sie.Kept):
             return given
         lo = self.x0
         # By their places, which few numbers are searched for faster than for themselves.
-        if given.dtype == np.float64 and given.size and lo <= given.item(given.argmin()) and given.item(given.argmax()) < lo + self.period:
+        if (
+            given.dtype == np.float64
+            and given.size
+            and lo <= given.item(given.argmin())
+            and given.item(given.argmax()) < lo + self.period
+        ):
             return given
         # The real part alone decides: complex arguments come from the complex-step derivative.
         turns = np.floor((given.real - lo) / self.period)
@@ -227,7 +267,9 @@ class Profile(Named, sie.Kept):
 
     @classmethod
     def from_table(cls, table: Mapping[str, Any], directory: str | Path = ".") -> Any:
-        """The profile of a scene file's table without its `shape`; files are looked for from `directory`."""
+        """The profile of a scene file's table without its `shape`; files are looked for from
+        `directory`.
+        """
         return construct(cls, f"profile {cls.name!r}", table)
 
     def parameters(self) -> dict[str, Any]:
@@ -236,7 +278,9 @@ class Profile(Named, sie.Kept):
 
     @property
     def bodies(self) -> "dict[str, Profile]":
-        """The profiles of the bodies whose gap this is, by the table of a scene file that tells each: of one body this one."""
+        """The profiles of the bodies whose gap this is, by the table of a scene file that tells
+        each: of one body this one.
+        """
         return {"profile": self}
 
     def facing(self, x: Array) -> dict[str, Array]:
@@ -254,7 +298,9 @@ class Profile(Named, sie.Kept):
 
     @property
     def preparation(self) -> dict[str, Any]:
-        """Of measured points: the keys by which they were prepared, with their values; none of any other shape."""
+        """Of measured points: the keys by which they were prepared, with their values; none of any
+        other shape.
+        """
         return {}
 
     def unprepared(self) -> dict[str, Any]:
@@ -276,11 +322,15 @@ class Profile(Named, sie.Kept):
         return f"the {self.name} profile has none"
 
     def counter_height(self, x: ArrayLike) -> Array:
-        """Heights of the counter-face at zero load [m], up to a constant, upwards: 0, unless the counter body is rough too."""
+        """Heights of the counter-face at zero load [m], up to a constant, upwards: 0, unless the
+        counter body is rough too.
+        """
         return np.zeros(np.shape(x))
 
     def trace_summary(self) -> dict[str, Any] | None:
-        """Of a measured trace: what was read and done to it, and its roughness, lengths in m; None for other shapes."""
+        """Of a measured trace: what was read and done to it, and its roughness, lengths in m; None
+        for other shapes.
+        """
         return None
 
     def _length(self) -> float | None:
@@ -298,9 +348,13 @@ class Profile(Named, sie.Kept):
     def __eq__(self, other: object) -> bool:
         if type(other) is not type(self) or not dataclasses.is_dataclass(self):
             return self is other if type(other) is type(self) else NotImplemented
-        return all(np.array_equal(a, b) for a, b in zip(self._fields(), other._fields(), strict=True))
+        return all(
+            np.array_equal(a, b) for a, b in zip(self._fields(), other._fields(), strict=True)
+        )
 
     def __hash__(self) -> int:
         if not dataclasses.is_dataclass(self):
             return id(self)
-        return hash((type(self), *(v.tobytes() if isinstance(v, np.ndarray) else v for v in self._fields())))
+        return hash(
+            (type(self), *(v.tobytes() if isinstance(v, np.ndarray) else v for v in self._fields()))
+        )

@@ -20,7 +20,8 @@ from contact.model.registry import register_profile
 class Biquadratic(Profile):
     """f = (x^2 - c^2)^2/(8 radius c^2), spacing = 2c: two tips of that radius, `spacing` apart.
 
-    (I. G. Goryacheva & I. Y. Tsukanov, Front. Mech. Eng. 6:45, 2020, doi 10.3389/fmech.2020.00045, eq. (31).)
+    (I. G. Goryacheva & I. Y. Tsukanov, Front. Mech. Eng. 6:45, 2020, doi 10.3389/fmech.2020.00045,
+    eq. (31).)
 
     Parameters
     ----------
@@ -55,7 +56,11 @@ class Biquadratic(Profile):
         keep(self, positive, "radius", "spacing")
         keep(self, positive_or_none, "period")
         if self.period is not None and self.period <= self.spacing:
-            raise SceneError.of("period", self.period, f"larger than the spacing {self.spacing!r}: both tips lie in a cell")
+            raise SceneError.of(
+                "period",
+                self.period,
+                f"larger than the spacing {self.spacing!r}: both tips lie in a cell",
+            )
 
     def height(self, x: ArrayLike) -> Array:
         c = self.spacing / 2
@@ -73,12 +78,15 @@ class Biquadratic(Profile):
     def kinks(self) -> Array:
         if self.period is None:
             return np.empty((0, 2))
-        # By symmetry the slope changes sign at the border: the jump is twice its value on the right of it.
+        # By symmetry the slope changes sign at the border: the jump is twice its value on the right
+        # of it.
         return np.array([[self.x0, 2 * self._slope_in_cell(self.x0)]])
 
     @property
     def jumps(self) -> Array:
-        """The third derivative, 3x/(R c^2), is odd and jumps where the cells meet; the even ones do not."""
+        """The third derivative, 3x/(R c^2), is odd and jumps where the cells meet; the even ones do
+        not.
+        """
         if self.period is None:
             return np.empty((0, 3))
         c = self.spacing / 2

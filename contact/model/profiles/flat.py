@@ -16,8 +16,8 @@ from contact.model.registry import register_profile
 class Flat(Profile):
     """A punch of that width; with a period, one in each cell.
 
-    f = 0 for |x| <= width/2 and +inf beyond: the pressure is infinite as 1/sqrt(d) at the corners (M. Sadowsky, ZAMM 8, 1928, 107,
-    doi 10.1002/zamm.19280080203).
+    f = 0 for |x| <= width/2 and +inf beyond: the pressure is infinite as 1/sqrt(d) at the corners
+    (M. Sadowsky, ZAMM 8, 1928, 107, doi 10.1002/zamm.19280080203).
 
     Parameters
     ----------
@@ -53,7 +53,8 @@ class Flat(Profile):
 
     def height(self, x: ArrayLike) -> Array:
         x = np.asarray(x, dtype=np.float64)
-        # A corner reached by arithmetic (middle + half width, a whole period on) still belongs to the punch.
+        # A corner reached by arithmetic (middle + half width, a whole period on) still belongs to
+        # the punch.
         slack = 4 * np.finfo(np.float64).eps * (self.width + np.abs(x))
         return np.where(np.abs(self.wrap(x)) <= self.width / 2 + slack, 0.0, np.inf)
 

@@ -21,7 +21,8 @@ _BLOCK = 1 << 20  # entries of the largest table of powers held at a time (16 MB
 @register_profile("fourier")
 @dataclass(frozen=True, eq=False, repr=False)
 class Fourier(Profile):
-    """Harmonics 1, 2, ... of the period; the shorter list of `cosine` and `sine` is filled up with zeros.
+    """Harmonics 1, 2, ... of the period; the shorter list of `cosine` and `sine` is filled up with
+    zeros.
 
     f(x) = sum_k cosine[k-1] cos(2 pi k x/L) + sine[k-1] sin(2 pi k x/L).
 
@@ -35,7 +36,8 @@ class Fourier(Profile):
     Raises
     ------
     SceneError
-        If the period is not a finite positive number, or all amplitudes are zero or one is not finite.
+        If the period is not a finite positive number, or all amplitudes are zero or one is not
+        finite.
 
     Examples
     --------
@@ -58,7 +60,11 @@ class Fourier(Profile):
             row[: values.size] = values
         used = np.flatnonzero(both.any(axis=0))
         if used.size == 0:
-            raise SceneError.of("cosine, sine", (self.cosine, self.sine), "amplitudes of which at least one is not zero")
+            raise SceneError.of(
+                "cosine, sine",
+                (self.cosine, self.sine),
+                "amplitudes of which at least one is not zero",
+            )
         both.setflags(write=False)
         for field, row in zip(("cosine", "sine"), both, strict=True):
             object.__setattr__(self, field, row[: used[-1] + 1])

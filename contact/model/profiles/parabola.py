@@ -16,7 +16,8 @@ from contact.model.registry import register_profile
 class Parabola(Profile):
     """f = x^2/(2 radius) on the cell; with a period the cells meet in a corner at the border.
 
-    The line contact of H. Hertz (J. reine angew. Math. 92, 1882, 156, doi 10.1515/9783112342404-004): a = sqrt(4 P R / (pi E*)).
+    The line contact of H. Hertz (J. reine angew. Math. 92, 1882, 156, doi
+    10.1515/9783112342404-004): a = sqrt(4 P R / (pi E*)).
 
     Parameters
     ----------
@@ -66,4 +67,8 @@ class Parabola(Profile):
 
     @property
     def kinks(self) -> Array:
-        return np.empty((0, 2)) if self.period is None else np.array([[self.x0, -self.period / self.radius]])
+        return (
+            np.empty((0, 2))
+            if self.period is None
+            else np.array([[self.x0, -self.period / self.radius]])
+        )

@@ -1,4 +1,6 @@
-"""Polynomial profile: f(x) = sum_k coefficients[k] x^k, lowest power first, on the cell if it is periodic."""
+"""Polynomial profile: f(x) = sum_k coefficients[k] x^k, lowest power first, on the cell if it is
+periodic.
+"""
 
 from dataclasses import dataclass
 
@@ -17,7 +19,8 @@ _ROUNDING = 1e-12  # of the sum of the terms' sizes: a smaller mismatch at the b
 @register_profile("polynomial")
 @dataclass(frozen=True, eq=False)
 class Polynomial(Profile):
-    """f = c0 + c1 x + c2 x^2 + ...; with a period the heights at both borders agree, the slopes need not.
+    """f = c0 + c1 x + c2 x^2 + ...; with a period the heights at both borders agree, the slopes
+    need not.
 
     Parameters
     ----------
@@ -29,7 +32,8 @@ class Polynomial(Profile):
     Raises
     ------
     SceneError
-        If a coefficient is not finite, all beyond c0 are zero, or the heights at the borders of the period differ.
+        If a coefficient is not finite, all beyond c0 are zero, or the heights at the borders of the
+        period differ.
 
     Examples
     --------
@@ -45,7 +49,11 @@ class Polynomial(Profile):
     def __post_init__(self) -> None:
         c = finite_array("coefficients", self.coefficients)
         if not c[1:].any():
-            raise SceneError.of("coefficients", self.coefficients, "lowest power first, with one beyond the constant not zero")
+            raise SceneError.of(
+                "coefficients",
+                self.coefficients,
+                "lowest power first, with one beyond the constant not zero",
+            )
         object.__setattr__(self, "coefficients", c)
         keep(self, positive_or_none, "period")
         if self.period is None:

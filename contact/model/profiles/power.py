@@ -1,6 +1,7 @@
 """Power-law indenter, alone or in a row: f(x) = coefficient |x|^exponent.
 
-V. L. Popov, M. Hess & E. Willert, Handbook of Contact Mechanics (2019), doi 10.1007/978-3-662-58709-6.
+V. L. Popov, M. Hess & E. Willert, Handbook of Contact Mechanics (2019), doi
+10.1007/978-3-662-58709-6.
 """
 
 from dataclasses import dataclass

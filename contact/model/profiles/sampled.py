@@ -1,8 +1,8 @@
-"""A measured profile: the interpolating cubic spline through its points, f = max(height) - height(x).
+"""A measured profile: the interpolating cubic spline through its points, f = max(height) -
+height(x).
 
-C2 at the points and between; periodic, or with the not-a-knot condition at both ends (de Boor, A Practical
-Guide to Splines).
-No smoothing: what was measured is what is pressed.
+C2 at the points and between; periodic, or with the not-a-knot condition at both ends (de Boor, A
+Practical Guide to Splines). No smoothing: what was measured is what is pressed.
 """
 
 from __future__ import annotations
@@ -28,27 +28,45 @@ if TYPE_CHECKING:
     from contact.model.traces.prepare import Preparation, Reading, Trace
 
 # What reads files and prepares what they hold, and what tells the roughness.
-_READING, _ROUGHNESS = "contact.model.traces.prepare", "contact.model.traces.roughness"
+_READING = "contact.model.traces.prepare"
+_ROUGHNESS = "contact.model.traces.roughness"
 _UNMEASURED = "contact.model.traces.unmeasured"
 
 _FEWEST = 4  # a not-a-knot cubic has four coefficients
 # Of how a trace is prepared: what may be a whole number.
 _WHOLE = ("detrend", "regrid")
 _MOSTLY = 0.25  # this part of the points lie closer than what a first guess must see
-_SAME = 1e-9  # relative: positions and heights of a repeated end point that agree this far are one point
-_ROUNDING = 4 * float(np.finfo(np.float64).eps)  # relative: heights this near one another are one height
+# relative: positions and heights of a repeated end point that agree this far are one point
+_SAME = 1e-9
+_ROUNDING = 4 * float(
+    np.finfo(np.float64).eps
+)  # relative: heights this near one another are one height
 
 
 def read_trace(
-    path: str | Path, columns: Sequence[int | str] = (), units: str | Sequence[str] | None = None,
-    detrend: str | int = "none", regrid: bool | int | None = None, taper: float | None = None,
-    period: bool | float | None = None, *, pitch: float | None = None, decimal: str | None = None,
-    delimiter: str | None = None, fill: str | None = None, missing: str | float | None = None, sort: bool = False,
-    lambda_s: float | None = None, lambda_c: float | None = None, channel: str | int | None = None,
-    line: int | Sequence[Sequence[float]] | None = None, along: str | None = None,
+    path: str | Path,
+    columns: Sequence[int | str] = (),
+    units: str | Sequence[str] | None = None,
+    detrend: str | int = "none",
+    regrid: bool | int | None = None,
+    taper: float | None = None,
+    period: bool | float | None = None,
+    *,
+    pitch: float | None = None,
+    decimal: str | None = None,
+    delimiter: str | None = None,
+    fill: str | None = None,
+    missing: str | float | None = None,
+    sort: bool = False,
+    lambda_s: float | None = None,
+    lambda_c: float | None = None,
+    channel: str | int | None = None,
+    line: int | Sequence[Sequence[float]] | None = None,
+    along: str | None = None,
     invert: bool | None = None,
 ) -> Sampled:
-    """A measured trace from a file, a table of text or an instrument's own format, prepared as asked.
+    """A measured trace from a file, a table of text or an instrument's own format, prepared as
+    asked.
 
     The arguments are the keys of a scene's [profile] with a `file`. They act in this order: read,
     sort, invert, fill, regrid, lambda_s, detrend, lambda_c, taper, period; the profile's `history`
@@ -57,14 +75,17 @@ def read_trace(
     Parameters
     ----------
     path : str or path
-        Name of the file. Endings such as x3p, sur, opd, plu, OPDx or gwy are read by the extra `instruments`; all others are text, in
-        UTF-8, UTF-16 or Latin-1, also under gzip.
+        Name of the file. Endings such as x3p, sur, opd, plu, OPDx or gwy are read by the extra
+        `instruments`; all others are text, in UTF-8, UTF-16 or Latin-1, also under gzip.
     columns : sequence of int or str
-        Columns of positions and heights, from 0 or by name; may be left out where no others hold numbers.
+        Columns of positions and heights, from 0 or by name; may be left out where no others hold
+        numbers.
     units : str or two of them, or None
-        m, cm, mm, um, nm, A, pm, in, mil and others, of both or of positions and heights; None: the header's, else m.
+        m, cm, mm, um, nm, A, pm, in, mil and others, of both or of positions and heights; None: the
+        header's, else m.
     detrend : str or int
-        "none", "line", "quadratic", or the degree of the least-squares polynomial that is subtracted (the form).
+        "none", "line", "quadratic", or the degree of the least-squares polynomial that is
+        subtracted (the form).
     regrid : bool, int or None
         Number of even positions; True: as many as there are points.
     taper : float or None
@@ -76,21 +97,27 @@ def read_trace(
     decimal, delimiter : str or None
         "." or ","; ";", ",", "tab" or "blank". None: found.
     fill : str or None
-        What is done where a height is missing: "linear", straight lines; "drop", the points are left out; None: it is refused.
+        What is done where a height is missing: "linear", straight lines; "drop", the points are
+        left out; None: it is refused.
     missing : str, float or None
-        What stands in the file for a missing height, besides empty cells, nan, #N/A, No Data and the like; "-32768" is the number.
+        What stands in the file for a missing height, besides empty cells, nan, #N/A, No Data and
+        the like; "-32768" is the number.
     sort : bool
-        Whether points out of order are sorted by position; positions that descend throughout are turned round without it.
+        Whether points out of order are sorted by position; positions that descend throughout are
+        turned round without it.
     lambda_s, lambda_c : float or None
-        Cut-offs of Gaussian filters [m] (ISO 16610-21): shorter waves than lambda_s, and longer ones than lambda_c, are filtered out.
+        Cut-offs of Gaussian filters [m] (ISO 16610-21): shorter waves than lambda_s, and longer
+        ones than lambda_c, are filtered out.
     channel : str, int or None
-        Name of the channel, or its number from 0 among those of heights, where an instrument's file has several.
+        Name of the channel, or its number from 0 among those of heights, where an instrument's file
+        has several.
     line : int, or two points, or None
         The line of a map: its number from 0, or [[x, y], [x, y]] [m] from where to where.
     along : str or None
         "x" (as if left out) or "y": the direction of a numbered line.
     invert : bool or None
-        Whether heights are turned upside down. None: they are not; they are refused where the header calls them depths.
+        Whether heights are turned upside down. None: they are not; they are refused where the
+        header calls them depths.
 
     Returns
     -------
@@ -106,8 +133,8 @@ def read_trace(
     Warns
     -----
     ModelWarning
-        If length, pitch or heights are not those of a surface, positions may be a count, a height may stand for none or is a spike,
-        or more than a tenth of the heights is missing.
+        If length, pitch or heights are not those of a surface, positions may be a count, a height
+        may stand for none or is a spike, or more than a tenth of the heights is missing.
 
     Examples
     --------
@@ -130,28 +157,30 @@ def read_trace(
 @register_profile("sampled")
 @dataclass(frozen=True, init=False, repr=False, eq=False)
 class Sampled(Profile):
-    """Points (x, height), heights upwards positive, x increasing; with a period, one period of the surface.
+    """Points (x, height), heights upwards positive, x increasing; with a period, one period of the
+    surface.
 
-    A last point one period after the first is accepted if it repeats the first height, and dropped. Without a
-    period the profile is known between its first and last point only (`extent`): outside it is nan. The
-    parameter `height` is kept as `heights` because `height(x)` is f for every profile; `history` says what
-    was done to a file's points on the way, `warnings` what is doubtful about them.
-    `contact.read_trace` (and `Sampled.from_file`) reads a file.
+    A last point one period after the first is accepted if it repeats the first height, and dropped.
+    Without a period the profile is known between its first and last point only (`extent`): outside
+    it is nan. The parameter `height` is kept as `heights` because `height(x)` is f for every
+    profile; `history` says what was done to a file's points on the way, `warnings` what is doubtful
+    about them. `contact.read_trace` (and `Sampled.from_file`) reads a file.
 
     Parameters
     ----------
     x : array_like
         Positions [m], (n,), n >= 4, increasing.
     height : array_like
-        Heights [m], (n,), the asperities upwards; f = max(height) - the cubic spline through the points (C. de Boor, A Practical Guide to
-        Splines, 1978), periodic or not-a-knot.
+        Heights [m], (n,), the asperities upwards; f = max(height) - the cubic spline through the
+        points (C. de Boor, A Practical Guide to Splines, 1978), periodic or not-a-knot.
     period : float or None
         Length of the period [m]; None: the trace just ends.
 
     Raises
     ------
     SceneError
-        If positions do not increase, lengths differ, a number is not finite, or all heights are the same.
+        If positions do not increase, lengths differ, a number is not finite, or all heights are the
+        same.
 
     Examples
     --------
@@ -176,20 +205,30 @@ class Sampled(Profile):
         points = increasing("x", x, _FEWEST)
         heights = finite_array("height", height, 1, _FEWEST)
         if heights.size != points.size:
-            raise SceneError.of("height", height, f"as many as there are x ({points.size}, not {heights.size})")
+            raise SceneError.of(
+                "height", height, f"as many as there are x ({points.size}, not {heights.size})"
+            )
         length = positive_or_none("period", period)
         if length is not None:
             points, heights = _one_period(points, heights, length)
         if not np.ptp(heights) > _ROUNDING * np.max(np.abs(heights)):
             raise SceneError.of("height", height, "not the same everywhere")
-        for name, value in (("x", points), ("heights", heights), ("period", length), ("history", ()), ("warnings", ())):
+        for name, value in (
+            ("x", points),
+            ("heights", heights),
+            ("period", length),
+            ("history", ()),
+            ("warnings", ()),
+        ):
             object.__setattr__(self, name, value)
 
     from_file = staticmethod(read_trace)
 
     @classmethod
     def from_table(cls, table: Mapping[str, Any], directory: str | Path = ".") -> Any:
-        """A scene's table: points as `x` and `height`, or a `file` with the arguments of `from_file`."""
+        """A scene's table: points as `x` and `height`, or a `file` with the arguments of
+        `from_file`.
+        """
         if not isinstance(table, Mapping):
             raise SceneError.of("table", table, "a mapping of parameters")
         if "file" not in table:
@@ -215,14 +254,20 @@ class Sampled(Profile):
         return {} if self.source is None else vars(self.source[1])
 
     def unprepared(self) -> dict[str, Any]:
-        return {} if self.source is None else {"x": self.source[0].x, "height": self.source[0].height}
+        return (
+            {} if self.source is None else {"x": self.source[0].x, "height": self.source[0].height}
+        )
 
     def varied(self, changes: Mapping[str, Mapping[str, Any]]) -> Profile:
         """With other points of the file where what is done to them is another."""
         own = changes.get("profile", {})
         if self.source is None or not set(own) - set(self.parameters()):
             return super().varied(changes)
-        whole = {key: int(value) for key, value in own.items() if key in _WHOLE and isinstance(value, float) and value == int(value)}
+        whole = {
+            key: int(value)
+            for key, value in own.items()
+            if key in _WHOLE and isinstance(value, float) and value == int(value)
+        }
         return _prepared_again(self.source[0], replace(self.source[1], **{**own, **whole}))
 
     @cached_property
@@ -254,7 +299,9 @@ class Sampled(Profile):
 
     @property
     def breakpoints(self) -> Array:
-        """The knots: the third derivative jumps there (not-a-knot: not at the ends and their neighbours)."""
+        """The knots: the third derivative jumps there (not-a-knot: not at the ends and their
+        neighbours).
+        """
         return np.array(self.x if self.period is not None else self.x[2:-2])
 
     @property
@@ -280,10 +327,15 @@ class Sampled(Profile):
 
     @cached_property
     def _spline(self) -> Any:
-        # Counted from the highest point, so that an offset of the instrument's zero costs no digits.
+        # Counted from the highest point, so that an offset of the instrument's zero costs no
+        # digits.
         depth, repeats = self.heights - self.heights.max(), self.period is not None
-        values, kind = (np.append(depth, depth[0]), "periodic") if repeats else (depth, "not-a-knot")
-        return require("scipy.interpolate").CubicSpline(self._knots, values, bc_type=kind, extrapolate=repeats)
+        values, kind = (
+            (np.append(depth, depth[0]), "periodic") if repeats else (depth, "not-a-knot")
+        )
+        return require("scipy.interpolate").CubicSpline(
+            self._knots, values, bc_type=kind, extrapolate=repeats
+        )
 
     @cached_property
     def _conjugate(self) -> sie.PiecewiseTransform | None:
@@ -292,7 +344,9 @@ class Sampled(Profile):
         third, second, first, _ = self._spline.c
         jumps = self.jumps
         slope = -np.column_stack((first, 2 * second, 3 * third))
-        return sie.PiecewiseTransform(sie.hilbert(self.period), self._knots, slope, jumps[:, 0], jumps[:, 2])
+        return sie.PiecewiseTransform(
+            sie.hilbert(self.period), self._knots, slope, jumps[:, 0], jumps[:, 2]
+        )
 
     def _inside(self, x: ArrayLike) -> Array:
         w = np.asarray(self.wrap(np.asarray(x, dtype=np.float64)))
@@ -305,7 +359,9 @@ class Sampled(Profile):
 
 @lru_cache(maxsize=8)
 def _prepared_again(reading: Reading, by: Preparation) -> Sampled:
-    """Points of one file in several ways; of the last ones each is made once, as the points of a sweep ask for it again and again."""
+    """Points of one file in several ways; of the last ones each is made once, as the points of a
+    sweep ask for it again and again.
+    """
     return _of_trace(require(_READING).prepared(reading, by))
 
 

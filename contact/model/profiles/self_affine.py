@@ -15,13 +15,21 @@ _MOST = 1 << 22  # harmonics
 
 
 def self_affine(
-    *, hurst: float, period: float, shortest: float, rms_slope: float, seed: int, rolloff: float | None = None,
+    *,
+    hurst: float,
+    period: float,
+    shortest: float,
+    rms_slope: float,
+    seed: int,
+    rolloff: float | None = None,
     longest: float | None = None,
 ) -> Fourier:
-    """A random rough profile: amplitudes k^-(H + 1/2), level beyond the roll-off, phases drawn evenly, scaled to an rms slope.
+    """A random rough profile: amplitudes k^-(H + 1/2), level beyond the roll-off, phases drawn
+    evenly, scaled to an rms slope.
 
-    The power spectrum of the line falls as q^-(1 + 2H). Only phases are random: every seed has the same spectrum, rms height and rms
-    slope. A shorter `shortest` with the same seed adds waves and leaves the phases of the others as they are.
+    The power spectrum of the line falls as q^-(1 + 2H). Only phases are random: every seed has the
+    same spectrum, rms height and rms slope. A shorter `shortest` with the same seed adds waves and
+    leaves the phases of the others as they are.
 
     Parameters
     ----------
@@ -58,17 +66,30 @@ def self_affine(
     >>> float(np.sqrt(np.mean(slope**2)).round(12)), rough.period
     (0.1, 0.001)
     """
-    exponent = such("hurst", hurst, "a number above 0 and at most 1", lambda exponent: 0 < exponent <= 1)
+    exponent = such(
+        "hurst", hurst, "a number above 0 and at most 1", lambda exponent: 0 < exponent <= 1
+    )
     length, steepness = positive("period", period), positive("rms_slope", rms_slope)
     least = _wavelength("shortest", shortest, 0.0, length)
     most = length if longest is None else _wavelength("longest", longest, least, length)
     knee = length if rolloff is None else _wavelength("rolloff", rolloff, least, length)
     number = integer("seed", seed)
-    last, first = floor(length / least * (1 + _ROUNDING)), max(1, floor(length / most * (1 - _ROUNDING)) + (most < length))
+    last, first = (
+        floor(length / least * (1 + _ROUNDING)),
+        max(1, floor(length / most * (1 - _ROUNDING)) + (most < length)),
+    )
     if last > _MOST:
-        raise SceneError.of("shortest", shortest, f"at least {length / _MOST:.6g}: {_MOST} waves to a period are the most")
+        raise SceneError.of(
+            "shortest",
+            shortest,
+            f"at least {length / _MOST:.6g}: {_MOST} waves to a period are the most",
+        )
     if last < first:
-        raise SceneError.of("shortest", shortest, f"such that a whole part of the period is between it and longest = {most!r}")
+        raise SceneError.of(
+            "shortest",
+            shortest,
+            f"such that a whole part of the period is between it and longest = {most!r}",
+        )
     k = np.arange(first, last + 1)
     phase = np.random.default_rng(number).uniform(0, 2 * pi, k.size)
     amplitude = np.maximum(k, length / knee) ** -(exponent + 0.5)
@@ -82,5 +103,9 @@ def _wavelength(field: str, value: Any, least: float, period: float) -> float:
     """A wavelength between the shortest there is and the period."""
     wave = positive(field, value)
     if not least <= wave <= period * (1 + _ROUNDING):
-        raise SceneError.of(field, value, f"a length from {f'shortest = {least!r}' if least else 'above 0'} to the period, {period!r}")
+        raise SceneError.of(
+            field,
+            value,
+            f"a length from {f'shortest = {least!r}' if least else 'above 0'} to the period, {period!r}",
+        )
     return wave

@@ -16,8 +16,8 @@ from contact.model.registry import register_profile
 class Sinusoid(Profile):
     """f = amplitude (1 - cos(2 pi x/period)): half the peak-to-valley height is the amplitude.
 
-    In full contact above the mean pressure pi E* amplitude / period (H. M. Westergaard, J. Appl. Mech. 6, 1939, A49,
-    doi 10.1115/1.4008919).
+    In full contact above the mean pressure pi E* amplitude / period (H. M. Westergaard, J. Appl.
+    Mech. 6, 1939, A49, doi 10.1115/1.4008919).
 
     Parameters
     ----------
@@ -49,7 +49,9 @@ class Sinusoid(Profile):
         keep(self, positive, "amplitude", "period")
 
     def _turns(self, x: ArrayLike) -> Array:
-        """x in periods, less the nearest whole number: cheaper than `wrap`, and all that sine and cosine need."""
+        """x in periods, less the nearest whole number: cheaper than `wrap`, and all that sine and
+        cosine need.
+        """
         turns = np.asarray(x, dtype=np.float64) / self.period
         return np.asarray(turns - np.rint(turns))
 

@@ -1,4 +1,6 @@
-"""A body turned by a small angle about x = 0: the gap at zero load becomes f(x) - tilt x, so that x > 0 comes down for tilt > 0."""
+"""A body turned by a small angle about x = 0: the gap at zero load becomes f(x) - tilt x, so that x
+> 0 comes down for tilt > 0.
+"""
 
 from dataclasses import dataclass
 from typing import ClassVar
@@ -11,7 +13,9 @@ from contact.model.profiles.base import Array, Profile, told_by
 
 @dataclass(frozen=True)
 class Tilted(Profile):
-    """f(x) - tilt x of another profile; of a periodic one its cell alone, since what is turned does not repeat."""
+    """f(x) - tilt x of another profile; of a periodic one its cell alone, since what is turned does
+    not repeat.
+    """
 
     profile: Profile
     tilt: float
@@ -46,7 +50,9 @@ class Tilted(Profile):
         return self._within(np.asarray(self.profile.breakpoints)[:, None])[:, 0]
 
     def _within(self, rows: Array) -> Array:
-        """Those of the cell that do not stand on its border, beyond which there is another cell no more."""
+        """Those of the cell that do not stand on its border, beyond which there is another cell no
+        more.
+        """
         if self.profile.period is None:
             return rows
         lo, hi = self.profile.x0, self.profile.x0 + self.profile.period

@@ -1,8 +1,10 @@
-"""Long trigonometric sums at any points: a fast Fourier transform onto a finer grid, and short kernels between its points.
+"""Long trigonometric sums at any points: a fast Fourier transform onto a finer grid, and short
+kernels between its points.
 
-Re sum_k c_k exp(2 pi i k x) is a smooth function on the grid of n > 4 K points, convolved with psi(d) = exp(b (sqrt(1 - d^2) - 1)), d in
-half widths of W/2 cells, once c_k has been divided by the transform of psi: W = 16 leaves 1e-15. Barnett, Magland & af Klinteberg
-(2019), SIAM J. Sci. Comput. 41, C479-C504, doi 10.1137/18M120885X.
+Re sum_k c_k exp(2 pi i k x) is a smooth function on the grid of n > 4 K points, convolved with
+psi(d) = exp(b (sqrt(1 - d^2) - 1)), d in half widths of W/2 cells, once c_k has been divided by the
+transform of psi: W = 16 leaves 1e-15. Barnett, Magland & af Klinteberg (2019), SIAM J. Sci. Comput.
+41, C479-C504, doi 10.1137/18M120885X.
 """
 
 from functools import lru_cache
@@ -37,7 +39,9 @@ def _transform(harmonics: int, n: int) -> Array:
 
 @record
 class Sum:
-    """Re sum_{k >= 1} c_k exp(2 pi i k x) for x in turns, as values on a grid of n points, the first ones repeated."""
+    """Re sum_{k >= 1} c_k exp(2 pi i k x) for x in turns, as values on a grid of n points, the
+    first ones repeated.
+    """
 
     values: Array
     n: int
@@ -52,7 +56,9 @@ class Sum:
         return cls(values[np.arange(n + _WIDTH) % n], n)  # a short one goes round more than once
 
     def __call__(self, turns: Array, rest: Array | None = None) -> Array:
-        """Values at x = turns + rest (m,); rest: what rounding has left of x, where it is known: with many terms it is seen."""
+        """Values at x = turns + rest (m,); rest: what rounding has left of x, where it is known:
+        with many terms it is seen.
+        """
         out = np.empty(turns.size)
         for start in range(0, turns.size, _BLOCK):
             place = turns[start : start + _BLOCK] * self.n
@@ -66,13 +72,17 @@ class Sum:
             total = np.zeros(place.size)
             for j in range(_WIDTH):
                 d = away - j / _HALF
-                total += self.values[index + j] * np.exp(_STEEP * (np.sqrt(np.maximum(1 - d * d, 0.0)) - 1))
+                total += self.values[index + j] * np.exp(
+                    _STEEP * (np.sqrt(np.maximum(1 - d * d, 0.0)) - 1)
+                )
             out[start : start + _BLOCK] = total
         return out
 
 
 def coefficients(weights: Array, turns: Array, count: int) -> Complex:
-    """sum_j w_j exp(-2 pi i k x_j), k = 1 ... `count`, of weights (m,) at x (m,) in turns: the transpose of `Sum`, to 1e-15 sum |w_j|."""
+    """sum_j w_j exp(-2 pi i k x_j), k = 1 ... `count`, of weights (m,) at x (m,) in turns: the
+    transpose of `Sum`, to 1e-15 sum |w_j|.
+    """
     n = 1 << int(np.ceil(np.log2(4 * (count + 1))))
     place = turns * n
     first = np.ceil(place - _HALF)
@@ -86,11 +96,15 @@ def coefficients(weights: Array, turns: Array, count: int) -> Complex:
 
 
 def in_turns(x: Array, period: float) -> tuple[Array, Array]:
-    """x / period in two words: the quotient, and what rounding has left of it (Dekker's exact product, Numer. Math. 18, 1971)."""
+    """x / period in two words: the quotient, and what rounding has left of it (Dekker's exact
+    product, Numer. Math. 18, 1971).
+    """
     turns = x / period
     product = turns * period
     (high, low), (period_high, period_low) = _halves(turns), _halves(np.float64(period))
-    error = ((high * period_high - product) + high * period_low + low * period_high) + low * period_low
+    error = (
+        (high * period_high - product) + high * period_low + low * period_high
+    ) + low * period_low
     return turns, np.asarray(((x - product) - error) / period)
 
 

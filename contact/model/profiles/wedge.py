@@ -15,9 +15,11 @@ from contact.model.registry import register_profile
 @register_profile("wedge")
 @dataclass(frozen=True, init=False, repr=False)
 class Wedge(Profile):
-    """f = slope |x| on the cell: a tip at 0 and, with a period, a valley with a corner at its border.
+    """f = slope |x| on the cell: a tip at 0 and, with a period, a valley with a corner at its
+    border.
 
-    The parameter is called `slope`; it is kept as `tangent` because `slope(x)` is f' for every profile.
+    The parameter is called `slope`; it is kept as `tangent` because `slope(x)` is f' for every
+    profile.
 
     Parameters
     ----------
@@ -31,9 +33,8 @@ class Wedge(Profile):
     SceneError
         If one of them is not a finite positive number.
 
-    Examples
-    --------
-    The half width of a lone wedge is load / (E* slope) (K. L. Johnson, Contact Mechanics, 1985, doi 10.1017/CBO9781139171731, section 5.2).
+    Examples -------- The half width of a lone wedge is load / (E* slope) (K. L. Johnson, Contact
+    Mechanics, 1985, doi 10.1017/CBO9781139171731, section 5.2).
 
     >>> import contact
     >>> wedge = contact.solve(contact.Scene(contact.Wedge(slope=0.1), 1e9, contact.Isolated(), load=1e3))
@@ -63,7 +64,9 @@ class Wedge(Profile):
 
     def slope(self, x: ArrayLike) -> Array:
         # The sign of -0.0 is that of 0.0.
-        return np.asarray(np.copysign(self.tangent, np.asarray(self.wrap(x), dtype=np.float64) + 0.0))
+        return np.asarray(
+            np.copysign(self.tangent, np.asarray(self.wrap(x), dtype=np.float64) + 0.0)
+        )
 
     def slope_conjugate(self, x: ArrayLike) -> Array | None:
         """(2 slope/pi) ln|tan(pi x/L)|: -inf at the tip, +inf at the valley."""
@@ -71,7 +74,12 @@ class Wedge(Profile):
             return None
         turn = pi * np.asarray(self.wrap(x)) / self.period
         with np.errstate(divide="ignore"):
-            return np.asarray(2 * self.tangent / pi * (np.log(np.abs(np.sin(turn))) - np.log(np.abs(np.cos(turn)))))
+            return np.asarray(
+                2
+                * self.tangent
+                / pi
+                * (np.log(np.abs(np.sin(turn))) - np.log(np.abs(np.cos(turn))))
+            )
 
     @property
     def kinks(self) -> Array:

@@ -1,8 +1,9 @@
 """What a substrate is: the elastic body, given by its symbol alone.
 
-A pressure p_q exp(iqx) displaces the surface by u_q = 2 L(q) p_q / (E* q): the symbol L is the surface's compliance over that of the
-half-plane, and tends to 1 for short waves. Everything follows from it (contact.model.operator): the kernel, the multiplier of the grid,
-full contact, and whether the displacement of a uniform pressure is finite.
+A pressure p_q exp(iqx) displaces the surface by u_q = 2 L(q) p_q / (E* q): the symbol L is the
+surface's compliance over that of the half-plane, and tends to 1 for short waves. Everything follows
+from it (contact.model.operator): the kernel, the multiplier of the grid, full contact, and whether
+the displacement of a uniform pressure is finite.
 """
 
 from collections.abc import Mapping
@@ -16,14 +17,16 @@ from sie import Array
 
 
 class Substrate(Named, sie.Kept):
-    """Base of the substrates. A substrate is a frozen dataclass in a file of its own, with one method, `symbol`.
+    """Base of the substrates. A substrate is a frozen dataclass in a file of its own, with one
+    method, `symbol`.
 
     Attributes
     ----------
     compression : float or None
-        The limit of L(q)/q for long waves [m], by which a uniform pressure p displaces the surface, 2 p compression / E*: of a body on a
-        rigid base, from which displacements and the approach then count. None for a body without a base, whose symbol tends to a number
-        above 0: there displacements have no mean with a period, and need a datum without.
+        The limit of L(q)/q for long waves [m], by which a uniform pressure p displaces the surface,
+        2 p compression / E*: of a body on a rigid base, from which displacements and the approach
+        then count. None for a body without a base, whose symbol tends to a number above 0: there
+        displacements have no mean with a period, and need a datum without.
 
     Examples
     --------
@@ -48,10 +51,14 @@ class Substrate(Named, sie.Kept):
     compression: float | None = None
 
     def symbol(self, q: Array) -> Array:
-        """L(q), q [1/m] > 0, of any shape; L > 0, and 1 to the last digit for waves that are short enough."""
+        """L(q), q [1/m] > 0, of any shape; L > 0, and 1 to the last digit for waves that are short
+        enough.
+        """
         raise NotImplementedError(f"{type(self).__name__} must define symbol(q)")
 
     @cached_property
     def smooth_part(self) -> SmoothPart:
-        """What the body's line load has beyond the half-plane's 1/r, and its primitives, as functions of the distance [m]."""
+        """What the body's line load has beyond the half-plane's 1/r, and its primitives, as
+        functions of the distance [m].
+        """
         return SmoothPart.of(self.symbol, grounded=self.compression is not None)

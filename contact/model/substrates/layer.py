@@ -1,12 +1,14 @@
-r"""An elastic layer on a rigid base, bonded to it or resting on it without friction (K. L. Johnson, Contact Mechanics, 1985, 5.8).
+r"""An elastic layer on a rigid base, bonded to it or resting on it without friction (K. L. Johnson,
+Contact Mechanics, 1985, 5.8).
 
 With s = q h, h the thickness, and k = 3 - 4 nu,
 
     bonded    L = (2k sinh 2s - 4s) / (2k cosh 2s + 1 + k^2 + 4s^2),      L ~ s (1 - 2 nu) / (2 (1 - nu)^2)    for long waves,
     smooth    L = (cosh 2s - 1) / (sinh 2s + 2s),                         L ~ s / 2,
 
-both 1 for waves shorter than the thickness. They are taken times exp(-2s), so that nothing overflows, with 2k sinh 2s - 4s as
-2k (sinh 2s - 2s) + 4 (k - 1) s, in which nothing cancels: k - 1 = 2 (1 - 2 nu) vanishes where the layer keeps its volume.
+both 1 for waves shorter than the thickness. They are taken times exp(-2s), so that nothing
+overflows, with 2k sinh 2s - 4s as 2k (sinh 2s - 2s) + 4 (k - 1) s, in which nothing cancels: k - 1
+= 2 (1 - 2 nu) vanishes where the layer keeps its volume.
 """
 
 from dataclasses import dataclass
@@ -28,9 +30,11 @@ _TERMS = np.array([1 / factorial(n) for n in range(3, 29, 2)])
 @register_substrate("layer")
 @dataclass(frozen=True)
 class Layer(Substrate):
-    """An elastic layer of a thickness [m] and Poisson ratio nu on a rigid base, "bonded" or "smooth"; E_star is that of the layer.
+    """An elastic layer of a thickness [m] and Poisson ratio nu on a rigid base, "bonded" or
+    "smooth"; E_star is that of the layer.
 
-    Displacements and the approach count from the base (K. L. Johnson, Contact Mechanics, 1985, doi 10.1017/CBO9781139171731, section 5.8).
+    Displacements and the approach count from the base (K. L. Johnson, Contact Mechanics, 1985, doi
+    10.1017/CBO9781139171731, section 5.8).
 
     Parameters
     ----------
@@ -44,11 +48,11 @@ class Layer(Substrate):
     Raises
     ------
     SceneError
-        If the thickness is not a finite positive number, nu is out of range or the base is not one of these.
+        If the thickness is not a finite positive number, nu is out of range or the base is not one
+        of these.
 
-    Examples
-    --------
-    Waves much longer than the layer is thick only press it together; shorter ones do not feel its base.
+    Examples -------- Waves much longer than the layer is thick only press it together; shorter ones
+    do not feel its base.
 
     >>> import contact
     >>> import numpy as np
@@ -69,7 +73,9 @@ class Layer(Substrate):
 
     @property
     def compression(self) -> float:  # type: ignore[override]
-        """h (1 - 2 nu) / (2 (1 - nu)^2) where the base holds the layer sideways, h/2 where it does not."""
+        """h (1 - 2 nu) / (2 (1 - nu)^2) where the base holds the layer sideways, h/2 where it does
+        not.
+        """
         if self.base == "smooth":
             return 0.5 * self.thickness
         return 0.5 * self.thickness * (1 - 2 * self.nu) / (1 - self.nu) ** 2

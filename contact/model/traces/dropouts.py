@@ -65,7 +65,9 @@ def is_comment(text: str) -> bool:
 def filled(
     path: str | Path, x: Array, height: Array, lines: NDArray[np.int64], fill: str | None
 ) -> tuple[Array, Array, NDArray[np.int64], str]:
-    """Positions, heights and lines without those that have no height, and a sentence on what was done ("" where nothing was)."""
+    """Positions, heights and lines without those that have no height, and a sentence on what was
+    done ("" where nothing was).
+    """
     lost = ~np.isfinite(height)
     if not lost.any():
         return x, height, lines, ""
@@ -77,7 +79,11 @@ def filled(
         raise at(path, lines[first], f"no finite height{more}; for missing ones {choices}")
     kept = np.flatnonzero(~lost)
     if kept.size < FEWEST:
-        raise at(path, lines[0], f"from here on {kept.size} of {x.size} points have a height, at least {FEWEST} are needed")
+        raise at(
+            path,
+            lines[0],
+            f"from here on {kept.size} of {x.size} points have a height, at least {FEWEST} are needed",
+        )
     first, last = int(kept[0]), int(kept[-1])
     cut = x.size - (last + 1 - first)
     gaps = np.diff(kept) - 1
@@ -88,7 +94,9 @@ def filled(
     if inner:
         widest = float(np.max(np.diff(x[kept])[gaps > 0]))
         how = "filled by straight lines" if fill == "linear" else "left out"
-        said += f"; {inner} in {int((gaps > 0).sum())} gaps, the widest {quantity(widest, 'm')}, {how}"
+        said += (
+            f"; {inner} in {int((gaps > 0).sum())} gaps, the widest {quantity(widest, 'm')}, {how}"
+        )
     if fill == "drop":
         return x[kept], height[kept], lines[kept], said
     whole = slice(first, last + 1)
@@ -156,11 +164,19 @@ def spikes(x: Array, height: Array) -> str:
 def in_order(
     path: str | Path, x: Array, height: Array, lines: NDArray[np.int64], sort: bool = False
 ) -> tuple[Array, Array, NDArray[np.int64], str]:
-    """The points by increasing position, and a sentence on what was done. What descends is turned round; else sort must say so."""
+    """The points by increasing position, and a sentence on what was done. What descends is turned
+    round; else sort must say so.
+    """
     if not np.isfinite(x).all():
-        raise at(path, lines[int(np.flatnonzero(~np.isfinite(x))[0])], "the position is not finite: cut such rows")
+        raise at(
+            path,
+            lines[int(np.flatnonzero(~np.isfinite(x))[0])],
+            "the position is not finite: cut such rows",
+        )
     if not np.ptp(x) > 0:
-        raise at(path, lines[0], f"all positions are {x[0]:g} m: columns says which column holds them")
+        raise at(
+            path, lines[0], f"all positions are {x[0]:g} m: columns says which column holds them"
+        )
     steps = np.diff(x)
     back = np.flatnonzero(steps < 0)
     if not back.size:
@@ -169,10 +185,21 @@ def in_order(
         return x[::-1], height[::-1], lines[::-1], "positions descend: turned round"
     if sort:
         order = np.argsort(x, kind="stable")
-        return x[order], height[order], lines[order], f"sorted by position, {back.size} steps having gone back"
+        return (
+            x[order],
+            height[order],
+            lines[order],
+            f"sorted by position, {back.size} steps having gone back",
+        )
     i = back[0]
     rising = height[np.isfinite(height)]
     swapped = np.all(np.diff(rising) > 0) or np.all(np.diff(rising) < 0)
-    other = "; the heights do throughout: if the columns are the other way round, columns says so, as columns = [1, 0]" if swapped else ""
-    what = f"positions must increase or decrease throughout, {x[i + 1]:g} m follows {x[i]:g} m{other}"
+    other = (
+        "; the heights do throughout: if the columns are the other way round, columns says so, as columns = [1, 0]"
+        if swapped
+        else ""
+    )
+    what = (
+        f"positions must increase or decrease throughout, {x[i + 1]:g} m follows {x[i]:g} m{other}"
+    )
     raise at(path, lines[i + 1], what if other else f"{what}; sort = true sorts them")

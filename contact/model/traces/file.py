@@ -1,7 +1,8 @@
 """The two columns of a trace in a text file, as instruments, spreadsheets and programs write them.
 
-A file has many readings: what stands between columns, what marks decimals, which columns are meant, in which units. One that
-can be told is taken; where two are possible the file is refused, with both of them and what to write for each.
+A file has many readings: what stands between columns, what marks decimals, which columns are meant,
+in which units. One that can be told is taken; where two are possible the file is refused, with both
+of them and what to write for each.
 """
 
 import re
@@ -49,7 +50,14 @@ from sie import Array
 FEWEST = 4  # points
 _HEAD = 500  # rows in which nearly all files have begun
 _REMARKS = 3  # rows before the data that may be their header though it cannot be divided
-_DELIMITERS = {";": ";", "\t": "\t", "tab": "\t", ",": ",", " ": None, "blank": None}  # None: white space
+_DELIMITERS = {
+    ";": ";",
+    "\t": "\t",
+    "tab": "\t",
+    ",": ",",
+    " ": None,
+    "blank": None,
+}  # None: white space
 _DECIMALS = (".", ",")
 _QUOTED = re.compile(r'"[+-]?\d*,\d+([eE][+-]?\d+)?"')
 _GROUPED = re.compile(r"(?<![\d.,])\d{1,3}([.,' \xa0\u202f])\d{3}(\1\d{3})*[.,]\d")
@@ -85,7 +93,9 @@ class Table:
 
 @dataclass(frozen=True)
 class _Found:
-    """A layout under which rows of numbers begin with row `first`, and the places of the wanted ones among the cells."""
+    """A layout under which rows of numbers begin with row `first`, and the places of the wanted
+    ones among the cells.
+    """
 
     layout: Layout
     places: tuple[int, ...]
@@ -165,11 +175,20 @@ def in_metres(path: str | Path, table: Table, units: Any) -> tuple[Array, str]:
     return table.values * lengths, f"{written([unit.word for unit in known])}, {source}"
 
 
-# What is asked for ------------------------------------------------------------------------------------------------------------
+# What is asked for
+# ------------------------------------------------------------------------------------------------------------
 def _columns(columns: Any, wanted: int) -> tuple[int | str, ...]:
     """The columns asked for; empty if the file is to tell."""
-    allowed = "two different column indices (from 0) or names" if wanted == 2 else "with a pitch one column, of heights: [1], or a name"
-    if isinstance(columns, str) or not isinstance(columns, Sequence) or len(columns) not in (0, wanted):
+    allowed = (
+        "two different column indices (from 0) or names"
+        if wanted == 2
+        else "with a pitch one column, of heights: [1], or a name"
+    )
+    if (
+        isinstance(columns, str)
+        or not isinstance(columns, Sequence)
+        or len(columns) not in (0, wanted)
+    ):
         raise SceneError.of("columns", columns, allowed)
     if len(columns) == 2 and columns[0] == columns[1]:
         raise SceneError.of("columns", columns, allowed)
@@ -186,8 +205,11 @@ def _asked(decimal: Any, delimiter: Any) -> tuple[tuple[str | None, ...], tuple[
     return between, _DECIMALS if decimal is None else (decimal,)
 
 
-# The table --------------------------------------------------------------------------------------------------------------------
-def _find(path: str | Path, rows: list[Row], wanted: tuple[int | str, ...], layouts: list[Layout]) -> _Found:
+# The table
+# --------------------------------------------------------------------------------------------------------------------
+def _find(
+    path: str | Path, rows: list[Row], wanted: tuple[int | str, ...], layouts: list[Layout]
+) -> _Found:
     """The layout under which rows of numbers begin first."""
     names = [column for column in wanted if isinstance(column, str)]
     named = not names
@@ -198,7 +220,9 @@ def _find(path: str | Path, rows: list[Row], wanted: tuple[int | str, ...], layo
             if start is None:
                 continue
             named = True
-            places = tuple(header.index(column) if isinstance(column, str) else column for column in wanted)
+            places = tuple(
+                header.index(column) if isinstance(column, str) else column for column in wanted
+            )
             first = _first_of_two(among, start, layout, places)
             if first is not None:
                 found.append(_Found(layout, places, first))
@@ -212,7 +236,9 @@ def _find(path: str | Path, rows: list[Row], wanted: tuple[int | str, ...], layo
 
 
 def _named(rows: list[Row], layout: Layout, names: list[str]) -> tuple[int | None, list[str]]:
-    """The row after the one that holds every name once, with or without units, and its fields; row 0 if no names are asked for."""
+    """The row after the one that holds every name once, with or without units, and its fields; row
+    0 if no names are asked for.
+    """
     if not names:
         return 0, []
     for after, (_, line) in enumerate(rows, 1):
@@ -223,8 +249,13 @@ def _named(rows: list[Row], layout: Layout, names: list[str]) -> tuple[int | Non
     return None, []
 
 
-def _first_of_two(rows: list[Row], start: int, layout: Layout, places: tuple[int, ...]) -> int | None:
-    numeric = (layout.numbers(layout.cells(line), places) is not None for _, line in islice(rows, start, None))
+def _first_of_two(
+    rows: list[Row], start: int, layout: Layout, places: tuple[int, ...]
+) -> int | None:
+    numeric = (
+        layout.numbers(layout.cells(line), places) is not None
+        for _, line in islice(rows, start, None)
+    )
     return next((i for i, both in enumerate(pairwise(numeric), start) if all(both)), None)
 
 
@@ -301,11 +332,20 @@ def _no_names(rows: list[Row], layouts: list[Layout]) -> str:
 
 
 def _data(path: str | Path, rows: list[Row], found: _Found, layouts: list[Layout]) -> Data:
-    """The rows of a table. Signs of decimals may be seen in later rows only, as in 1;2 and then 1,5;2."""
+    """The rows of a table. Signs of decimals may be seen in later rows only, as in 1;2 and then
+    1,5;2.
+    """
     tail = [row for row in rows[found.first :] if not is_comment(row[1])]
 
     def under(layout: Layout) -> Data:
-        return Data(path, layout, found.places, tail, [layout.cells(line) for _, line in tail], rows[: found.first])
+        return Data(
+            path,
+            layout,
+            found.places,
+            tail,
+            [layout.cells(line) for _, line in tail],
+            rows[: found.first],
+        )
 
     data = under(found.layout)
     if any(found.layout.numbers(row, found.places) is None for row in data.cells):

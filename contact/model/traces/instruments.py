@@ -1,7 +1,8 @@
-"""Files of profilometers and microscopes, by the package SurfaceTopography (extra `instruments`): a line scan, or a line of a map.
+"""Files of profilometers and microscopes, by the package SurfaceTopography (extra `instruments`): a
+line scan, or a line of a map.
 
-A map z(x, y) has lines along x, numbered by their place in y, and along y, numbered by their place in x; between two points heights are
-interpolated bilinearly.
+A map z(x, y) has lines along x, numbered by their place in y, and along y, numbered by their place
+in x; between two points heights are interpolated bilinearly.
 """
 
 import re
@@ -40,10 +41,14 @@ def is_instrument_file(path: str | Path) -> bool:
             head = stream.read(1 << 16)
     except OSError:
         return False  # said where the file is read
-    return head.startswith(b"PK") or (b"\0" in head and not head.startswith((b"\xff\xfe", b"\xfe\xff")))
+    return head.startswith(b"PK") or (
+        b"\0" in head and not head.startswith((b"\xff\xfe", b"\xfe\xff"))
+    )
 
 
-def read_instrument(path: str | Path, channel: Any = None, line: Any = None, along: Any = None) -> tuple[Array, Array, str]:
+def read_instrument(
+    path: str | Path, channel: Any = None, line: Any = None, along: Any = None
+) -> tuple[Array, Array, str]:
     """Positions and heights [m], nan where nothing was measured, and what was read."""
     package = require("SurfaceTopography")
     try:
@@ -60,7 +65,9 @@ def read_instrument(path: str | Path, channel: Any = None, line: Any = None, alo
             raise at(path, 0, "the file says no unit of its lengths: export it as text")
         surface = surface.to_unit("m")
         # Of a line scan; nan where nothing was measured.
-        positions = np.empty(0) if surface.dim == 2 else np.asarray(surface.positions(), dtype=float)
+        positions = (
+            np.empty(0) if surface.dim == 2 else np.asarray(surface.positions(), dtype=float)
+        )
         heights: Array = np.ma.filled(np.ma.asarray(surface.heights(), dtype=float), np.nan)
     except SceneError:
         raise
@@ -69,7 +76,9 @@ def read_instrument(path: str | Path, channel: Any = None, line: Any = None, alo
     told = f"channel {chosen.name!r}, lengths in the file's units"
     if heights.ndim == 1:
         if line is not None or along is not None:
-            raise SceneError.of("line", line, "left out, with along: the file holds one line scan, no map")
+            raise SceneError.of(
+                "line", line, "left out, with along: the file holds one line scan, no map"
+            )
         return positions, heights, told
     x, height, where = _of_map(heights, surface.physical_sizes, line, along)
     return x, height, f"{told}, {where}"
@@ -81,17 +90,26 @@ def _place(path: str | Path, names: list[str], channel: Any) -> int:
     if channel is None and len(names) == 1:
         return 0
     if channel is None:
-        raise SceneError(f"file {str(path)!r}: its channels of heights are {told}: channel says which is meant", "channel")
+        raise SceneError(
+            f"file {str(path)!r}: its channels of heights are {told}: channel says which is meant",
+            "channel",
+        )
     if not isinstance(channel, str):
         if integer("channel", channel) >= len(names):
             raise SceneError.of("channel", channel, f"the number or name of one of heights: {told}")
         return int(channel)
     if names.count(one_of("channel", channel, names)) > 1:
-        raise SceneError.of("channel", channel, f"a number, as {names.count(channel)} channels are called that: {told}")
+        raise SceneError.of(
+            "channel",
+            channel,
+            f"a number, as {names.count(channel)} channels are called that: {told}",
+        )
     return names.index(channel)
 
 
-def _of_map(heights: Array, sizes: tuple[float, float], line: Any, along: Any) -> tuple[Array, Array, str]:
+def _of_map(
+    heights: Array, sizes: tuple[float, float], line: Any, along: Any
+) -> tuple[Array, Array, str]:
     nx, ny = heights.shape
     dx, dy = sizes[0] / nx, sizes[1] / ny
     if isinstance(line, (list, tuple, np.ndarray)):
@@ -104,7 +122,11 @@ def _of_map(heights: Array, sizes: tuple[float, float], line: Any, along: Any) -
     if line is None or isinstance(line, (str, bool, float)) or integer("line", line) >= most:
         raise SceneError.of("line", line, allowed)
     height = np.array(heights[:, line] if direction == "x" else heights[line, :])
-    return np.arange(count) * step, height, f"line {line} of {most} along {direction} of a map of {nx} x {ny}"
+    return (
+        np.arange(count) * step,
+        height,
+        f"line {line} of {most} along {direction} of a map of {nx} x {ny}",
+    )
 
 
 def _between(heights: Array, dx: float, dy: float, line: Any) -> tuple[Array, Array, str]:
@@ -112,8 +134,17 @@ def _between(heights: Array, dx: float, dy: float, line: Any) -> tuple[Array, Ar
     ends = finite_array("line", line, 2)
     nx, ny = heights.shape
     far = np.array([(nx - 1) * dx, (ny - 1) * dy])
-    if ends.shape != (2, 2) or np.any(ends < 0) or np.any(ends > far * (1 + 1e-12)) or np.array_equal(*ends):
-        raise SceneError.of("line", line, f"two different points [[x, y], [x, y]] within 0 to {far[0]:.6g} and 0 to {far[1]:.6g} m")
+    if (
+        ends.shape != (2, 2)
+        or np.any(ends < 0)
+        or np.any(ends > far * (1 + 1e-12))
+        or np.array_equal(*ends)
+    ):
+        raise SceneError.of(
+            "line",
+            line,
+            f"two different points [[x, y], [x, y]] within 0 to {far[0]:.6g} and 0 to {far[1]:.6g} m",
+        )
     length = float(np.hypot(*(ends[1] - ends[0])))
     count = max(4, int(round(length / min(dx, dy))) + 1)
     points = ends[0] + np.linspace(0, 1, count)[:, None] * (ends[1] - ends[0])
@@ -122,6 +153,12 @@ def _between(heights: Array, dx: float, dy: float, line: Any) -> tuple[Array, Ar
     s, t = u - i, v - j
     corners = ((0, 0, (1 - s) * (1 - t)), (1, 0, s * (1 - t)), (0, 1, (1 - s) * t), (1, 1, s * t))
     # A corner that was not measured counts only where it has a weight.
-    height = sum(np.where(weight > 0, weight * heights[i + a, j + b], 0.0) for a, b, weight in corners)
+    height = sum(
+        np.where(weight > 0, weight * heights[i + a, j + b], 0.0) for a, b, weight in corners
+    )
     where = ", ".join(f"({x:.6g}, {y:.6g})" for x, y in ends)
-    return np.linspace(0, length, count), np.asarray(height), f"from {where} m of a map of {nx} x {ny}, interpolated bilinearly"
+    return (
+        np.linspace(0, length, count),
+        np.asarray(height),
+        f"from {where} m of a map of {nx} x {ny}, interpolated bilinearly",
+    )

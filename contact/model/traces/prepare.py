@@ -1,9 +1,10 @@
 """Measured traces: from a file of an instrument to points a spline may go through.
 
-In this order: read positions and heights, to metres; put them in order; fill dropouts; regrid (uniform positions); lambda_s (Gaussian
-low-pass, against noise); detrend (subtract the least-squares polynomial, the form); lambda_c (Gaussian high-pass, against waviness);
-taper (bring both ends to one height, so that one length is a period). What was done is said in `Trace.history`, what is doubtful in
-`Trace.warnings`; `Trace.stages` has the points after each step.
+In this order: read positions and heights, to metres; put them in order; fill dropouts; regrid
+(uniform positions); lambda_s (Gaussian low-pass, against noise); detrend (subtract the
+least-squares polynomial, the form); lambda_c (Gaussian high-pass, against waviness); taper (bring
+both ends to one height, so that one length is a period). What was done is said in `Trace.history`,
+what is doubtful in `Trace.warnings`; `Trace.stages` has the points after each step.
 """
 
 from dataclasses import dataclass
@@ -29,9 +30,11 @@ from sie import Array
 _TRENDS = {"none": -1, "line": 1, "quadratic": 2}
 _HIGHEST_TREND = 12  # degree of a form; more is a filter
 _ROUNDING_SEEN_FROM = 32  # points: with fewer, coarse positions may well be meant as they stand
-# Heights that agree this far, relative to the highest before anything was subtracted, are one height.
+# Heights that agree this far, relative to the highest before anything was subtracted, are one
+# height.
 _ROUNDING = 1e-12
-# Points that regrid may make of fewer: straight lines between what was measured add corners and time, and no knowledge.
+# Points that regrid may make of fewer: straight lines between what was measured add corners and
+# time, and no knowledge.
 _MOST_REGRID = 20_000
 # [m]: from a few atoms to the longest guides and roads that a trace of one scan is taken of.
 _LENGTHS = (1e-9, 1.0)
@@ -47,7 +50,9 @@ _MOST_BEYOND = 1.5
 
 @dataclass(frozen=True, eq=False)
 class Reading:
-    """What a file says: positions and heights [m] as they stand there, the line of each, and the units."""
+    """What a file says: positions and heights [m] as they stand there, the line of each, and the
+    units.
+    """
 
     path: str
     x: Array
@@ -63,7 +68,9 @@ class Reading:
 
 @dataclass(frozen=True)
 class Preparation:
-    """What is done to points that were read, in this order; the keys of a scene's [profile] of these names."""
+    """What is done to points that were read, in this order; the keys of a scene's [profile] of
+    these names.
+    """
 
     sort: bool = False
     invert: bool | None = None
@@ -87,7 +94,12 @@ class Preparation:
             if not (given is None or isinstance(given, bool)):
                 check(name, given)
         if self.taper is not None:
-            such("taper", self.taper, "a fraction of the length > 0 and <= 0.5", lambda fraction: 0 < fraction <= 0.5)
+            such(
+                "taper",
+                self.taper,
+                "a fraction of the length > 0 and <= 0.5",
+                lambda fraction: 0 < fraction <= 0.5,
+            )
         refuse_cut_offs(self.lambda_s, self.lambda_c)
         if self.fill is not None:
             one_of("fill", self.fill, FILLS)
@@ -95,8 +107,9 @@ class Preparation:
 
 @dataclass(frozen=True)
 class Trace:
-    """Positions and heights [m], the period if there is one, what was done to get them, what is doubtful about them, and what they were
-    made of."""
+    """Positions and heights [m], the period if there is one, what was done to get them, what is
+    doubtful about them, and what they were made of.
+    """
 
     x: Array
     height: Array
@@ -107,30 +120,46 @@ class Trace:
     source: tuple[Reading, Preparation] | None = None
 
 
-# Keys that say how a table of text is laid out, and where in a map of an instrument's file a trace is, with what they are if left out.
+# Keys that say how a table of text is laid out, and where in a map of an instrument's file a trace
+# is, with what they are if left out.
 _LAYOUT = {"columns": (), **dict.fromkeys(("units", "pitch", "decimal", "delimiter", "missing"))}
 _PLACE = dict.fromkeys(("channel", "line", "along"))
 _OF_INSTRUMENTS = "a table of text has columns, and channels and lines are an instrument file's"
 
 
 def load_trace(path: str | Path, **keys: Any) -> Trace:
-    """Read a file and prepare it. keys: the arguments of `contact.read_trace`, which says what each does."""
-    layout, place = ({name: keys.pop(name, usual) for name, usual in known.items()} for known in (_LAYOUT, _PLACE))
+    """Read a file and prepare it. keys: the arguments of `contact.read_trace`, which says what each
+    does.
+    """
+    layout, place = (
+        {name: keys.pop(name, usual) for name, usual in known.items()}
+        for known in (_LAYOUT, _PLACE)
+    )
     preparation = Preparation(**keys)
     own_format = is_instrument_file(path)
-    others, allowed = (layout, "an instrument's own format says it") if own_format else (place, _OF_INSTRUMENTS)
+    others, allowed = (
+        (layout, "an instrument's own format says it") if own_format else (place, _OF_INSTRUMENTS)
+    )
     for name, value in others.items():
         if value is not None and not (name == "columns" and len(value) == 0):
             raise SceneError.of(name, value, f"left out: {allowed}")
     if not own_format:
         return prepared(_table(path, **layout), preparation)
     x, height, said = read_instrument(path, **place)
-    return prepared(Reading(str(path), x, height, np.zeros(x.size, dtype=np.int64), said), preparation)
+    return prepared(
+        Reading(str(path), x, height, np.zeros(x.size, dtype=np.int64), said), preparation
+    )
 
 
 def prepared(reading: Reading, by: Preparation) -> Trace:
     """Points that were read, put in order, filled, filtered and levelled as asked."""
-    path, x, height, lines, said = reading.path, reading.x, reading.height, reading.lines, reading.said
+    path, x, height, lines, said = (
+        reading.path,
+        reading.x,
+        reading.height,
+        reading.lines,
+        reading.said,
+    )
     length = by.period or None
     history = [f"{x.size} points of {Path(path).name}, read in {said}"]
     stages: list[tuple[str, Array, Array]] = []
@@ -158,7 +187,9 @@ def prepared(reading: Reading, by: Preparation) -> Trace:
     size = float(np.max(np.abs(height)))
     if by.detrend != "none":
         height = subtract_trend(x, height, by.detrend)
-        done(f"least-squares {by.detrend if isinstance(by.detrend, str) else f'polynomial of degree {by.detrend}'} subtracted")
+        done(
+            f"least-squares {by.detrend if isinstance(by.detrend, str) else f'polynomial of degree {by.detrend}'} subtracted"
+        )
     if float(np.ptp(height)) <= _ROUNDING * size:
         after = "" if by.detrend == "none" else f", once its {by.detrend} is subtracted"
         raise at(path, 0, f"the heights are the same everywhere{after}")
@@ -201,7 +232,13 @@ def _at_places(
 
 
 def _table(
-    path: str | Path, columns: Any, units: Any, pitch: Any, decimal: Any, delimiter: Any, missing: Any
+    path: str | Path,
+    columns: Any,
+    units: Any,
+    pitch: Any,
+    decimal: Any,
+    delimiter: Any,
+    missing: Any,
 ) -> Reading:
     """What a text file says."""
     step = None if pitch is None else positive("pitch", pitch)
@@ -217,7 +254,9 @@ def _table(
         choice = "of heights alone write columns = [1] and pitch, their distance [m]"
         doubts = (f"{Path(path).name}: {what}: {choice}",)
     if table.number_above:
-        what = f"the number in line {table.number_above} is taken for a remark, as a word follows it"
+        what = (
+            f"the number in line {table.number_above} is taken for a remark, as a word follows it"
+        )
         doubts = (f"{Path(path).name}: {what}; if that stands for no height, missing says so",)
     sure = units is not None or table.header.line > 0
     return Reading(str(path), x, height, table.lines, said, table.header.depth, sure, doubts)
@@ -279,9 +318,9 @@ def _doubts(reading: Reading, x: Array, height: Array, period: float | None) -> 
 def to_uniform(x: Array, height: Array, count: int) -> tuple[Array, Array, str]:
     """Heights at `count` uniform positions, and a sentence on how.
 
-    Positions printed with too few digits (0.0, 0.2, 0.3, 0.5 for a pitch of 0.156) make a spline invent
-    slopes. If rounding explains every deviation from an even pitch, the points are taken as even and their
-    heights stay as measured.
+    Positions printed with too few digits (0.0, 0.2, 0.3, 0.5 for a pitch of 0.156) make a spline
+    invent slopes. If rounding explains every deviation from an even pitch, the points are taken as
+    even and their heights stay as measured.
     """
     note = "positions as in the file"
     pitch = _pitch_behind_rounding(x)
@@ -293,7 +332,11 @@ def to_uniform(x: Array, height: Array, count: int) -> tuple[Array, Array, str]:
     even = np.linspace(x[0], x[-1], count)
     if count == x.size and float(np.max(np.abs(even - x))) <= 1e-9 * (x[-1] - x[0]) / (count - 1):
         return x if pitch is not None else even, height, note
-    return even, np.interp(even, x, height), f"{note}; interpolated linearly at {count} even positions"
+    return (
+        even,
+        np.interp(even, x, height),
+        f"{note}; interpolated linearly at {count} even positions",
+    )
 
 
 def subtract_trend(x: Array, height: Array, kind: str | int) -> Array:
@@ -302,7 +345,9 @@ def subtract_trend(x: Array, height: Array, kind: str | int) -> Array:
 
 
 def taper_ends(x: Array, height: Array, fraction: float) -> Array:
-    """Heights blended at both ends into their mean there by w = (1 - cos(pi s))/2; end slopes are 0."""
+    """Heights blended at both ends into their mean there by w = (1 - cos(pi s))/2; end slopes are
+    0.
+    """
     length = x[-1] - x[0]
     s = np.minimum(1.0, np.minimum(x - x[0], x[-1] - x) / (fraction * length))
     common = float(np.mean(height[s < 1]))
@@ -332,6 +377,10 @@ def _degree(detrend: Any) -> int:
     if isinstance(detrend, str):
         return _TRENDS[one_of("detrend", detrend, _TRENDS)]
     allowed = f"none, line, quadratic, or the degree of a polynomial, 0 to {_HIGHEST_TREND}"
-    if isinstance(detrend, bool) or not isinstance(detrend, Integral) or not 0 <= int(detrend) <= _HIGHEST_TREND:
+    if (
+        isinstance(detrend, bool)
+        or not isinstance(detrend, Integral)
+        or not 0 <= int(detrend) <= _HIGHEST_TREND
+    ):
         raise SceneError.of("detrend", detrend, allowed)
     return int(detrend)

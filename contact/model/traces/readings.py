@@ -1,4 +1,6 @@
-"""Rows of numbers that can be read in two ways: refused, with both readings and what to write for each."""
+"""Rows of numbers that can be read in two ways: refused, with both readings and what to write for
+each.
+"""
 
 import re
 from collections.abc import Iterator
@@ -79,11 +81,17 @@ class Data:
 
 
 def refuse_unclear_commas(data: Data) -> None:
-    """Commas between columns, or in numbers: 0,5,1,2 is 0 | 5 | 1 | 2 or 0.5 | 1.2; and 1,234 may be 1234."""
+    """Commas between columns, or in numbers: 0,5,1,2 is 0 | 5 | 1 | 2 or 0.5 | 1.2; and 1,234 may
+    be 1234.
+    """
     layout, wanted = data.layout, len(data.places)
     if layout.decimal == ",":
         _refuse_unclear_thousands(data)
-        if wanted == 1 and data.width == 1 and all(_are_columns(text.split(",")) for _, text in data.rows):
+        if (
+            wanted == 1
+            and data.width == 1
+            and all(_are_columns(text.split(",")) for _, text in data.rows)
+        ):
             _refuse_commas(data, [text.split(",") for _, text in data.rows])
         return
     if layout.delimiter != "," or any('"' in text for _, text in data.rows):
@@ -91,14 +99,27 @@ def refuse_unclear_commas(data: Data) -> None:
     for (line, text), cells in zip(data.rows, data.cells, strict=True):
         # 1,000.5 and 0,05: nobody writes 000.5 or 05, but where all numbers are padded.
         part = next((cell for cell in cells[1:] if re.match(r"0\d", cell)), None)
-        if part is not None and not re.match(r"0\d", cells[0]) and (data.width <= wanted or not _are_columns(cells)):
+        if (
+            part is not None
+            and not re.match(r"0\d", cells[0])
+            and (data.width <= wanted or not _are_columns(cells))
+        ):
             readings = f"{part!r} in {text.strip()!r} can be read as a column, or as the end of a number with a comma in it"
-            raise at(data.path, line, f'{readings}: write decimal = "." for the first, take the commas out of numbers for the second')
+            raise at(
+                data.path,
+                line,
+                f'{readings}: write decimal = "." for the first, take the commas out of numbers for the second',
+            )
     if data.width <= wanted:
         return
     for (_, text), cells in zip(data.rows, data.cells, strict=True):
-        # A space behind a comma, a point, or a sign in every place but the first: commas stand between columns.
-        if re.search(r",\s+\S", text) or not _are_columns(cells) or not any(cell[0].isdigit() for cell in cells[1:]):
+        # A space behind a comma, a point, or a sign in every place but the first: commas stand
+        # between columns.
+        if (
+            re.search(r",\s+\S", text)
+            or not _are_columns(cells)
+            or not any(cell[0].isdigit() for cell in cells[1:])
+        ):
             return
     names = next(header_fields(data.heading, ","), [])
     if len(names) != data.width or any(layout.number(name) is not None for name in names):
@@ -114,18 +135,35 @@ def _refuse_commas(data: Data, cells: list[list[str]]) -> None:
     most = max(map(len, cells))
     i = next(i for i, row in enumerate(cells) if len(row) == most)
     pairs = " | ".join(",".join(cells[i][k : k + 2]) for k in range(0, most, 2))
-    as_decimals = f"as {pairs}, with decimal commas" if most % 2 == 0 else "with decimal commas in some of them"
+    as_decimals = (
+        f"as {pairs}, with decimal commas"
+        if most % 2 == 0
+        else "with decimal commas in some of them"
+    )
     readings = f"{data.rows[i][1].strip()!r} can be read as {most} columns, {' | '.join(cells[i])}, or {as_decimals}"
-    raise at(data.path, data.rows[i][0], f'{readings}: write decimal = "." for the first, decimal = "," for the second')
+    raise at(
+        data.path,
+        data.rows[i][0],
+        f'{readings}: write decimal = "." for the first, decimal = "," for the second',
+    )
 
 
 def _refuse_unclear_thousands(data: Data) -> None:
-    cells = ((line, row[k]) for (line, _), row in zip(data.rows, data.cells, strict=True) for k in data.places if k < len(row))
+    cells = (
+        (line, row[k])
+        for (line, _), row in zip(data.rows, data.cells, strict=True)
+        for k in data.places
+        if k < len(row)
+    )
     marked = [(line, cell) for line, cell in cells if "," in cell]
     if marked and all(_THOUSANDS.fullmatch(cell) for _, cell in marked):
         line, cell = marked[0]
         readings = f"{cell!r} can be read as {cell.replace(',', '.')} or as {cell.replace(',', '')}"
-        raise at(data.path, line, f'{readings}: write decimal = "," for the first, take the commas out for the second')
+        raise at(
+            data.path,
+            line,
+            f'{readings}: write decimal = "," for the first, take the commas out for the second',
+        )
 
 
 def refuse_unclear_columns(data: Data) -> None:
@@ -141,18 +179,23 @@ def refuse_unclear_columns(data: Data) -> None:
         first = names[data.places[0]]
         if wanted == 2 and is_count(first):
             told = f"the first column is called {first!r}, a count, and no positions"
-            choice = "columns = [1] and pitch, their distance [m]; if it is positions, columns = [0, 1]"
+            choice = (
+                "columns = [1] and pitch, their distance [m]; if it is positions, columns = [0, 1]"
+            )
             raise at(data.path, line, f"{told}; of heights alone write {choice}")
         return
     i = next(i for i, row in enumerate(data.cells) if len(row) > numeric[-1])
     choices = [numeric[:wanted], numeric[1 : 1 + wanted]]
     readings = ", or ".join(
-        f"columns = {choice} for {' and '.join(shown(names[k]) for k in choice)}" for choice in choices
+        f"columns = {choice} for {' and '.join(shown(names[k]) for k in choice)}"
+        for choice in choices
     )
     what = "positions and heights" if wanted == 2 else "the heights"
     row = shown(" | ".join(data.cells[i])).strip("'")
     told = f"{len(numeric)} columns of numbers, {row}: which are {what} is not to be told"
-    raise at(data.path, data.rows[i][0], f"{told}; write {readings}, or as they are, counted from 0")
+    raise at(
+        data.path, data.rows[i][0], f"{told}; write {readings}, or as they are, counted from 0"
+    )
 
 
 def refuse_sideways(path: str | Path, rows: list[Row], layouts: list[Layout]) -> None:
@@ -165,7 +208,11 @@ def refuse_sideways(path: str | Path, rows: list[Row], layouts: list[Layout]) ->
         long = [(count, line) for count, line in counts if count > 1]
         least = min(long, default=(0, 0))[0]
         if least >= _SIDEWAYS and 2 * len(long) <= least:
-            many = f"{len(long)} rows of {least} numbers" if len(long) > 1 else f"a row of {least} numbers"
+            many = (
+                f"{len(long)} rows of {least} numbers"
+                if len(long) > 1
+                else f"a row of {least} numbers"
+            )
             raise at(path, long[0][1], f"{many}: the table lies on its side; write a point a line")
 
 

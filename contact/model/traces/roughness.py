@@ -1,12 +1,14 @@
-"""Numbers and curves of a trace: parameters of ISO 21920-2 over its whole length, how often a height occurs, and the power spectrum.
+"""Numbers and curves of a trace: parameters of ISO 21920-2 over its whole length, how often a
+height occurs, and the power spectrum.
 
 With the heights z above their mean, <.> the mean over the length of the trace:
 
     Ra = <|z|>,  Rq = <z^2>^(1/2),  Rsk = <z^3>/Rq^3,  Rku = <z^4>/Rq^4,  Rdq = <z'^2>^(1/2), the rms slope.
 
-All are integrals over the spline that is solved, by Gauss's rule on each of its pieces: exact to rounding but for Ra, whose integrand has
-kinks. They are P-, W- or R-parameters as the trace has been filtered; no division into sections is made, and Rdq is that of the spline,
-where the standard has a formula of seven points.
+All are integrals over the spline that is solved, by Gauss's rule on each of its pieces: exact to
+rounding but for Ra, whose integrand has kinks. They are P-, W- or R-parameters as the trace has
+been filtered; no division into sections is made, and Rdq is that of the spline, where the standard
+has a formula of seven points.
 """
 
 from dataclasses import dataclass
@@ -52,18 +54,25 @@ def roughness(trace: "Sampled") -> Roughness:
     z = z - float(part @ z)
     rms = float(np.sqrt(part @ z**2))
     return Roughness(
-        points=trace.x.size, length=length, pitch=float(np.mean(np.diff(trace.x))),
-        even=bool(np.ptp(np.diff(trace.x)) <= 1e-3 * np.mean(np.diff(trace.x))), depth=float(np.ptp(trace.heights)),
-        Ra=float(part @ np.abs(z)), Rq=rms, Rsk=float(part @ z**3) / rms**3, Rku=float(part @ z**4) / rms**4,
+        points=trace.x.size,
+        length=length,
+        pitch=float(np.mean(np.diff(trace.x))),
+        even=bool(np.ptp(np.diff(trace.x)) <= 1e-3 * np.mean(np.diff(trace.x))),
+        depth=float(np.ptp(trace.heights)),
+        Ra=float(part @ np.abs(z)),
+        Rq=rms,
+        Rsk=float(part @ z**3) / rms**3,
+        Rku=float(part @ z**4) / rms**4,
         rms_slope=float(np.sqrt(part @ trace.slope(at) ** 2)),
     )
 
 
 def power_spectrum(trace: "Sampled") -> tuple[Array, Array]:
-    """Wavenumbers q = 2 pi/wavelength [1/m] and the one-sided density C(q) [m^3]: the integral of C over q is Rq^2.
+    """Wavenumbers q = 2 pi/wavelength [1/m] and the one-sided density C(q) [m^3]: the integral of C
+    over q is Rq^2.
 
-    From as many even points of the spline as there are; a trace that just ends has its line subtracted and is weighted by Hann's window,
-    whose loss of power is made good.
+    From as many even points of the spline as there are; a trace that just ends has its line
+    subtracted and is weighted by Hann's window, whose loss of power is made good.
     """
     n = trace.x.size
     if trace.period is not None:
@@ -86,7 +95,9 @@ def power_spectrum(trace: "Sampled") -> tuple[Array, Array]:
 
 
 def height_distribution(trace: "Sampled") -> tuple[Array, Array]:
-    """Edges of equal bins [m], from the mean height, and the density of heights in them [1/m], by the length of the trace."""
+    """Edges of equal bins [m], from the mean height, and the density of heights in them [1/m], by
+    the length of the trace.
+    """
     n = trace.x.size
     count = int(np.clip(np.sqrt(n), 8, _MOST_BINS))
     if trace.period is not None:

@@ -1,4 +1,6 @@
-"""A text file as numbered rows, and a row as cells and numbers: encodings, line ends, delimiters, quotes, decimal marks."""
+"""A text file as numbered rows, and a row as cells and numbers: encodings, line ends, delimiters,
+quotes, decimal marks.
+"""
 
 import csv
 import re
@@ -20,7 +22,9 @@ _COMMA_DECIMALS = re.compile(r"[+-]?\d+,\d+(?:[eE][+-]?\d+)?")
 
 @dataclass(frozen=True)
 class Layout:
-    """What stands between the columns (None: white space), what marks decimals, and whether quotes keep the two apart."""
+    """What stands between the columns (None: white space), what marks decimals, and whether quotes
+    keep the two apart.
+    """
 
     delimiter: str | None
     decimal: str
@@ -67,7 +71,9 @@ def _written_elsewhere(number: str) -> float | None:
 
 
 def rows_of(path: str | Path) -> list[Row]:
-    """Numbered lines that are not empty; any line ending, also the doubled CR that some instruments write."""
+    """Numbered lines that are not empty; any line ending, also the doubled CR that some instruments
+    write.
+    """
     text = _text(path, _bytes(path))
     return [(i, line) for i, line in enumerate(re.split("\r*\n|\r", text), 1) if line.strip()]
 
@@ -78,7 +84,9 @@ def _bytes(path: str | Path) -> bytes:
         if raw.startswith(b"\x1f\x8b"):
             raw = require("gzip").decompress(raw)
     except zlib.error as error:
-        raise SceneError.of("file", str(path), f"a file that can be read (not a whole gzip file: {error})") from None
+        raise SceneError.of(
+            "file", str(path), f"a file that can be read (not a whole gzip file: {error})"
+        ) from None
     except (OSError, EOFError, TypeError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise SceneError.of("file", str(path), f"a file that can be read ({reason})") from None
@@ -90,7 +98,11 @@ def _text(path: str | Path, raw: bytes) -> str:
         if raw.startswith((b"\xff\xfe", b"\xfe\xff")):
             return raw.decode("utf-16")
         if raw.startswith(b"PK\x03\x04"):
-            raise SceneError.of("file", str(path), "a text file, not a spreadsheet or an archive: save its table as CSV")
+            raise SceneError.of(
+                "file",
+                str(path),
+                "a text file, not a spreadsheet or an archive: save its table as CSV",
+            )
         if b"\0" in raw:
             allowed = "a text file with a table of numbers, or an instrument's with its own ending (this one is binary)"
             raise SceneError.of("file", str(path), allowed)
@@ -110,7 +122,12 @@ def unquoted(line: str, delimiter: str | None) -> list[str]:
 
 def _is_decimals(line: str) -> bool:
     """Whether all commas of a row can be told apart: every number has its decimals."""
-    return re.fullmatch(rf"\s*{_COMMA_DECIMALS.pattern}(\s*,\s*{_COMMA_DECIMALS.pattern})*[\s,]*", line) is not None
+    return (
+        re.fullmatch(
+            rf"\s*{_COMMA_DECIMALS.pattern}(\s*,\s*{_COMMA_DECIMALS.pattern})*[\s,]*", line
+        )
+        is not None
+    )
 
 
 def at(path: str | Path, line: int, what: str) -> SceneError:

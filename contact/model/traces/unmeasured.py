@@ -1,7 +1,7 @@
 """Intervals of a prepared trace whose heights were not measured: tapered ends, dropouts, closures.
 
-They follow from the points that were read, the preparation, and the prepared points. Load in them is
-an artefact of the preparation: contact.solution.preparation says how much there is.
+They follow from the points that were read, the preparation, and the prepared points. Load in them
+is an artefact of the preparation: contact.solution.preparation says how much there is.
 """
 
 from __future__ import annotations

@@ -1,4 +1,6 @@
-"""Figures 7 to 12, one asperity a period: pressure on a wave, a wedge and a parabola, and how wide their contact is."""
+"""Figures 7 to 12, one asperity a period: pressure on a wave, a wedge and a parabola, and how wide
+their contact is.
+"""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -10,18 +12,34 @@ import numpy as np
 from contact.model.profiles import Parabola, Profile, Sinusoid, Wedge
 from contact.paper import localized_parabola, localized_wave, localized_wedge
 from contact.paper.figures import base
-from contact.paper.figures.base import ALONE, EXACT, FIRST, MODELS, ONE, SELF, Figure, curve, label_panel, solved, worst
+from contact.paper.figures.base import (
+    ALONE,
+    EXACT,
+    FIRST,
+    MODELS,
+    ONE,
+    SELF,
+    Figure,
+    curve,
+    label_panel,
+    solved,
+    worst,
+)
 from contact.reference.exact import HertzLine, PeriodicParabola, localized_at_load
 from contact.solution.solution import Solution
 from sie import Array
 
 # E* = 1, L = 1; the amplitude and the slope are a scale only, and R = L.
 _SCALE = 0.01
-_WAVE, _WEDGE, _PARABOLA = Sinusoid(_SCALE, 1.0), Wedge(_SCALE, 1.0), Parabola(1.0, 1.0)
+_WAVE = Sinusoid(_SCALE, 1.0)
+_WEDGE = Wedge(_SCALE, 1.0)
+_PARABOLA = Parabola(1.0, 1.0)
 _P_STAR = np.pi * _SCALE
-FRACTIONS, PRESSURES = (0.4, 0.7), (0.05, 0.15)
+FRACTIONS = (0.4, 0.7)
+PRESSURES = (0.05, 0.15)
 # 2a/L, a/L of those over which widths are drawn.
-_FRACTIONS, _SHARES = np.round(np.arange(0.02, 0.985, 0.02), 10), np.round(np.arange(0.01, 0.4925, 0.01), 10)
+_FRACTIONS = np.round(np.arange(0.02, 0.985, 0.02), 10)
+_SHARES = np.round(np.arange(0.01, 0.4925, 0.01), 10)
 _LINE = {"color": "black", "linewidth": 0.6}
 
 
@@ -40,7 +58,10 @@ class _Pressures:
 
     @cached_property
     def columns(self) -> dict[str, Array]:
-        of_models = {self.name(*key): base.pressures(solution, self.x) / self.unit for key, solution in self.every.items()}
+        of_models = {
+            self.name(*key): base.pressures(solution, self.x) / self.unit
+            for key, solution in self.every.items()
+        }
         return {"x/L": self.x, **of_models}
 
     def name(self, value: float, model: str) -> str:
@@ -50,7 +71,15 @@ class _Pressures:
         """From a closed form on x."""
         return worst(self.columns[self.name(value, model)][where] * self.unit, form[where])
 
-    def figure(self, number: str, title: str, notes: tuple[str, ...], heading: str, label: str, top: float | None = None) -> Figure:
+    def figure(
+        self,
+        number: str,
+        title: str,
+        notes: tuple[str, ...],
+        heading: str,
+        label: str,
+        top: float | None = None,
+    ) -> Figure:
         """A panel for each of the values."""
 
         def draw(figure: Any) -> None:
@@ -58,43 +87,74 @@ class _Pressures:
             for axes, value in zip(figure.subplots(1, len(values)), values, strict=True):
                 for of, model in self.every:
                     if of == value:
-                        curve(axes, self.x, self.columns[self.name(value, model)], model, "Hertz" if model == ALONE else model)
+                        curve(
+                            axes,
+                            self.x,
+                            self.columns[self.name(value, model)],
+                            model,
+                            "Hertz" if model == ALONE else model,
+                        )
                 axes.set_title(f"{heading} = {value}", fontsize=9)
                 label_panel(axes, "x/L", label, xlim=(-0.5, 0.5), ylim=(0.0, top))
 
         return Figure(number, title, notes, self.columns, draw)
 
 
-def _at_widths(profile: Profile, half_widths: Array, numbers: Mapping[str, Callable[[Solution], float]]) -> dict[str, Array]:
+def _at_widths(
+    profile: Profile, half_widths: Array, numbers: Mapping[str, Callable[[Solution], float]]
+) -> dict[str, Array]:
     """Numbers of every model's solutions, nan where it has no contact of a half width."""
     columns: dict[str, Array] = {}
     for model in MODELS:
         found = [solved(profile, model, half_width=a) for a in half_widths]
-        columns |= {f"{name} {model}": np.array([np.nan if s is None else of(s) for s in found]) for name, of in numbers.items()}
+        columns |= {
+            f"{name} {model}": np.array([np.nan if s is None else of(s) for s in found])
+            for name, of in numbers.items()
+        }
     return columns
 
 
 def _draw_errors(
-    axes: Any, x: Array, columns: dict[str, Array], names: Mapping[str, float | None], across: str, up: str, most: float
+    axes: Any,
+    x: Array,
+    columns: dict[str, Array],
+    names: Mapping[str, float | None],
+    across: str,
+    up: str,
+    most: float,
 ) -> None:
-    """How far models are from the exact one [%]. names: of what, with the width of its lines where that is not the model's."""
+    """How far models are from the exact one [%]. names: of what, with the width of its lines where
+    that is not the model's.
+    """
     for model in (FIRST, SELF, ONE, ALONE):
         for name, width in names.items():
             error = columns[f"{name} {model}"] / columns[f"{name} {EXACT}"] - 1.0
-            axes.plot(x, 100.0 * error, **{**base.STYLE[model], **({} if width is None else {"linewidth": width})})
+            axes.plot(
+                x,
+                100.0 * error,
+                **{**base.STYLE[model], **({} if width is None else {"linewidth": width})},
+            )
     axes.axhline(0.0, **_LINE)
     label_panel(axes, across, up, legend=False, xlim=(0.0, round(x[-1], 1)), ylim=(-most, most))
 
 
 def figure_7() -> Figure:
     """Pressure under the wave at two widths of contact."""
-    every = {(f, m): solved(_WAVE, m, half_width=0.5 * f) for f in FRACTIONS for m in (EXACT, FIRST, SELF, ONE)}
+    every = {
+        (f, m): solved(_WAVE, m, half_width=0.5 * f)
+        for f in FRACTIONS
+        for m in (EXACT, FIRST, SELF, ONE)
+    }
     seen = _Pressures("p/p*", "2a/L", _P_STAR, every)
     closed = {f: localized_wave(_SCALE, 1.0, 1.0, 0.5 * f) for f in FRACTIONS}
     apart = [
-        seen.apart(f, model, form.pressure(seen.x)) for f, both in closed.items() for model, form in ((FIRST, both), (EXACT, both.exact))
+        seen.apart(f, model, form.pressure(seen.x))
+        for f, both in closed.items()
+        for model, form in ((FIRST, both), (EXACT, both.exact))
     ]
-    errors = ", ".join(f"{100 * both.peak_error:+.3g} % at 2a/L = {f}" for f, both in closed.items())
+    errors = ", ".join(
+        f"{100 * both.peak_error:+.3g} % at 2a/L = {f}" for f, both in closed.items()
+    )
     notes = (
         "p* = pi E* Delta/L. The paper gives no widths: 2a/L = 0.4 and 0.7, the latter where it says the discrepancy begins.",
         "The paper's curve is the first-order one. Self-consistent closure and one explicit neighbour are added.",
@@ -109,7 +169,15 @@ def figure_8() -> Figure:
     numbers = {"mean/p*": lambda s: s.load / _P_STAR, "max/p*": lambda s: s.max_pressure / _P_STAR}
     columns = {"2a/L": _FRACTIONS, **_at_widths(_WAVE, 0.5 * _FRACTIONS, numbers)}
     first = columns[f"mean/p* {FIRST}"]
-    written = np.array([localized_wave(_SCALE, 1.0, 1.0, 0.5 * f).mean_pressure for f in _FRACTIONS[np.isfinite(first)]]) / _P_STAR
+    written = (
+        np.array(
+            [
+                localized_wave(_SCALE, 1.0, 1.0, 0.5 * f).mean_pressure
+                for f in _FRACTIONS[np.isfinite(first)]
+            ]
+        )
+        / _P_STAR
+    )
     apart = worst(first[: len(written)], written)
     at = localized_wave(_SCALE, 1.0, 1.0, 0.35)
 
@@ -122,7 +190,15 @@ def figure_8() -> Figure:
         left.annotate("mean", (0.62, 0.45), fontsize=8)
         label_panel(left, "2a/L", "p/p*", xlim=(0.0, 1.0), ylim=(0.0, 2.1))
         widths = {"mean/p*": 1.4, "max/p*": 0.7}
-        _draw_errors(right, _FRACTIONS, columns, widths, "2a/L", "error [%], thick: mean, thin: greatest", 15.0)
+        _draw_errors(
+            right,
+            _FRACTIONS,
+            columns,
+            widths,
+            "2a/L",
+            "error [%], thick: mean, thin: greatest",
+            15.0,
+        )
         right.axvline(0.7, **_LINE)
 
     notes = (
@@ -137,7 +213,11 @@ def figure_8() -> Figure:
 
 def figure_9() -> Figure:
     """Pressure under the wedge at two widths of contact."""
-    every = {(f, m): solved(_WEDGE, m, half_width=0.5 * f) for f in FRACTIONS for m in (EXACT, FIRST, SELF, ONE)}
+    every = {
+        (f, m): solved(_WEDGE, m, half_width=0.5 * f)
+        for f in FRACTIONS
+        for m in (EXACT, FIRST, SELF, ONE)
+    }
     seen = _Pressures("p/(E* tan b)", "2a/L", _SCALE, every)
     apart, beside = [], []
     for fraction in FRACTIONS:
@@ -145,7 +225,11 @@ def figure_9() -> Figure:
         for model, form in ((FIRST, closed), (EXACT, closed.exact)):
             apart.append(seen.apart(fraction, model, form.pressure(seen.x), np.abs(seen.x) > 1e-3))
         t = np.linspace(0.01, 0.99, 99)
-        difference = np.max(np.abs(closed.pressure_at(t) - closed.exact.pressure_at(t))) / closed.exact.load * fraction
+        difference = (
+            np.max(np.abs(closed.pressure_at(t) - closed.exact.pressure_at(t)))
+            / closed.exact.load
+            * fraction
+        )
         beside.append(f"{100 * difference:.3g} % at 2a/L = {fraction}")
     notes = (
         "b is the angle of the wedge. The paper gives no widths: 2a/L = 0.4 and 0.7 are chosen, as for the wave.",
@@ -159,8 +243,14 @@ def figure_9() -> Figure:
 def figure_10() -> Figure:
     """Width of contact against the mean pressure."""
     mean = "mean/(E* tan b)"
-    columns = {"2a/L": _FRACTIONS, **_at_widths(_WEDGE, 0.5 * _FRACTIONS, {mean: lambda s: s.load / _SCALE})}
-    written = np.array([localized_wedge(_SCALE, 1.0, 1.0, 0.5 * f).mean_pressure for f in _FRACTIONS]) / _SCALE
+    columns = {
+        "2a/L": _FRACTIONS,
+        **_at_widths(_WEDGE, 0.5 * _FRACTIONS, {mean: lambda s: s.load / _SCALE}),
+    }
+    written = (
+        np.array([localized_wedge(_SCALE, 1.0, 1.0, 0.5 * f).mean_pressure for f in _FRACTIONS])
+        / _SCALE
+    )
     apart = worst(columns[f"{mean} {FIRST}"], written)
     at = localized_wedge(_SCALE, 1.0, 1.0, 0.35)
 
@@ -170,7 +260,9 @@ def figure_10() -> Figure:
             curve(left, columns[f"{mean} {model}"], _FRACTIONS, model, model)
         left.axhline(0.7, **_LINE)
         label_panel(left, r"$\bar p$/(E* tan$\,\beta$)", "2a/L", xlim=(0.0, 1.1), ylim=(0.0, 1.0))
-        _draw_errors(right, _FRACTIONS, columns, {mean: None}, "2a/L", "error of the mean pressure [%]", 30.0)
+        _draw_errors(
+            right, _FRACTIONS, columns, {mean: None}, "2a/L", "error of the mean pressure [%]", 30.0
+        )
         right.axvline(0.7, **_LINE)
 
     notes = (
@@ -183,7 +275,11 @@ def figure_10() -> Figure:
 
 def figure_11() -> Figure:
     """Pressure under the parabola at two mean pressures, with the exact one that the paper lacks."""
-    every = {(p, m): solved(_PARABOLA, m, mean_pressure=p) for p in PRESSURES for m in (EXACT, FIRST, SELF, ALONE)}
+    every = {
+        (p, m): solved(_PARABOLA, m, mean_pressure=p)
+        for p in PRESSURES
+        for m in (EXACT, FIRST, SELF, ALONE)
+    }
     apart, t = [], np.linspace(-1.0, 1.0, 201)
     for mean in PRESSURES:
         exact = PeriodicParabola.from_mean_pressure(mean, period=1.0, radius=1.0, E_star=1.0)
@@ -198,10 +294,13 @@ def figure_11() -> Figure:
         f"Solved from scenes; exact and first-order differ from closed forms by at most {max(apart):.1e} of the peak.",
         *(
             f"mean {mean}, {model}: a/L = {0.5 * s.zone_widths[0]:.5f}, peak {s.max_pressure:.5f} E*"
-            for (mean, model), s in every.items() if s is not None
+            for (mean, model), s in every.items()
+            if s is not None
         ),
     )
-    return _Pressures("p/E*", "mean", 1.0, every).figure("11", "Pressure on parabolic asperities", notes, r"$\bar p$/E*", "p/E*")
+    return _Pressures("p/E*", "mean", 1.0, every).figure(
+        "11", "Pressure on parabolic asperities", notes, r"$\bar p$/E*", "p/E*"
+    )
 
 
 def figure_12() -> Figure:
@@ -217,7 +316,13 @@ def figure_12() -> Figure:
     def draw(figure: Any) -> None:
         left, right = figure.subplots(1, 2)
         for model in MODELS:
-            curve(left, columns[f"{load} {model}"], _SHARES, model, "Hertz" if model == ALONE else model)
+            curve(
+                left,
+                columns[f"{load} {model}"],
+                _SHARES,
+                model,
+                "Hertz" if model == ALONE else model,
+            )
         for axes in (left.axhline, right.axvline):
             for share in (0.125, 0.35):
                 axes(share, **_LINE)

@@ -1,4 +1,6 @@
-"""What a figure is here: numbers in columns, the words that say what they are, and a drawing of them."""
+"""What a figure is here: numbers in columns, the words that say what they are, and a drawing of
+them.
+"""
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -20,7 +22,11 @@ from sie import Array
 # Exact to the eye many times over; the closed forms are compared at the same tolerance.
 TOL = 1e-9
 
-EXACT, FIRST, SELF, ONE, ALONE = "exact", "first-order", "self-consistent", "m = 1", "isolated"
+EXACT = "exact"
+FIRST = "first-order"
+SELF = "self-consistent"
+ONE = "m = 1"
+ALONE = "isolated"
 MODELS: dict[str, Interaction] = {
     EXACT: Periodic(),
     FIRST: Localized(),
@@ -39,8 +45,10 @@ STYLE: dict[str, dict[str, Any]] = {
 
 @dataclass(frozen=True)
 class Figure:
-    """number and title as in the paper; notes: parameters, choices, what was measured; columns: name to numbers, of one
-    length, nan where a model has none; draw: puts it onto a matplotlib figure."""
+    """number and title as in the paper; notes: parameters, choices, what was measured; columns:
+    name to numbers, of one length, nan where a model has none; draw: puts it onto a matplotlib
+    figure.
+    """
 
     number: str
     title: str
@@ -52,12 +60,19 @@ class Figure:
     def write(self, folder: Path) -> list[Path]:
         """figure-N.png and figure-N.csv in the folder, which is made."""
         folder.mkdir(parents=True, exist_ok=True)
-        picture, numbers = folder / f"figure-{self.number}.png", folder / f"figure-{self.number}.csv"
+        picture, numbers = (
+            folder / f"figure-{self.number}.png",
+            folder / f"figure-{self.number}.csv",
+        )
         figure = new_figure(*self.size)
         self.draw(figure)
         figure.suptitle(f"Figure {self.number}. {self.title}", fontsize=10)
         figure.savefig(picture, dpi=160)
-        head = [f"# Figure {self.number}. {self.title}", *(f"# {note}" for note in self.notes), ",".join(self.columns)]
+        head = [
+            f"# Figure {self.number}. {self.title}",
+            *(f"# {note}" for note in self.notes),
+            ",".join(self.columns),
+        ]
         rows = np.column_stack(list(self.columns.values()))
         lines = [",".join("" if np.isnan(v) else f"{v:.12g}" for v in row) for row in rows]
         numbers.write_text("\n".join([*head, *lines]) + "\n", encoding="utf-8")
@@ -65,7 +80,9 @@ class Figure:
 
 
 def solved(profile: Profile, model: str, **control: Any) -> Solution | None:
-    """The scene under one of MODELS with E* = 1; None where the model has no contact at this control."""
+    """The scene under one of MODELS with E* = 1; None where the model has no contact at this
+    control.
+    """
     try:
         return solve(Scene(profile, 1.0, MODELS[model], **control), tol=TOL)
     except OutOfRange:
@@ -91,7 +108,9 @@ def curve(axes: Any, x: Array, y: Array, model: str, label: str | None = None) -
     axes.plot(x, y, label=label, **STYLE[model])
 
 
-def label_panel(axes: Any, x: str, y: str, legend: bool = True, **limits: tuple[float | None, float | None]) -> None:
+def label_panel(
+    axes: Any, x: str, y: str, legend: bool = True, **limits: tuple[float | None, float | None]
+) -> None:
     """Names of the axes, their limits (xlim, ylim), ticks inside, a legend without a frame."""
     axes.set(**limits)
     finish(axes, x, y, legend)

@@ -1,4 +1,6 @@
-"""Figures 2A and 2B: spherical asperities on a hexagonal lattice, by (1)-(4) and with the neighbours in their places."""
+"""Figures 2A and 2B: spherical asperities on a hexagonal lattice, by (1)-(4) and with the
+neighbours in their places.
+"""
 
 from math import inf, pi
 from typing import Any
@@ -16,7 +18,9 @@ SPACINGS_B = (1.0, 0.5, 0.2)
 _SPHERE = Sphere(1.0)
 _COLOURS = ("#2f7fb5", "#d98e04", "#b3261e")
 # Rings of neighbours kept in their places, and lines.
-_FIRST, _ALL, _HERTZ = "(1)-(4)", "all neighbours", "Hertz"
+_FIRST = "(1)-(4)"
+_ALL = "all neighbours"
+_HERTZ = "Hertz"
 _RINGS = {_FIRST: 0, _ALL: inf}
 _LINES: dict[str, Any] = {_FIRST: "-", _ALL: "--", _HERTZ: (0, (1, 1))}
 
@@ -31,13 +35,19 @@ def _solved(spacing: float, rings: float, **control: float) -> Spot | None:
 def figure_2a() -> Figure:
     """Pressure on one of many equal spots under a given load per spot."""
     alone = solve_spot(_SPHERE, 1.0, load=LOAD)
-    spots = {(name, s): _solved(s, rings, load=LOAD) for name, rings in _RINGS.items() for s in SPACINGS_A}
+    spots = {
+        (name, s): _solved(s, rings, load=LOAD)
+        for name, rings in _RINGS.items()
+        for s in SPACINGS_A
+    }
     radii = [alone.radius, *(spot.radius for spot in spots.values() if spot is not None)]
     r = np.unique(np.concatenate([a * np.sin(np.linspace(0.0, 0.5 * pi, 81)) for a in radii]))
     columns: dict[str, Array] = {"r/R": r, "p/E* Hertz": alone.pressure(r)}
     said = [f"Hertz: a/R = {alone.radius:.6f}, peak {float(alone.pressure(0.0)):.6f} E*"]
     for (name, spacing), spot in spots.items():
-        columns[f"p/E* {name} l/R={spacing}"] = np.full(r.shape, np.nan) if spot is None else spot.pressure(r)
+        columns[f"p/E* {name} l/R={spacing}"] = (
+            np.full(r.shape, np.nan) if spot is None else spot.pressure(r)
+        )
         told = "none, the spots would grow into one another"
         if spot is not None:
             told = f"a/R = {spot.radius:.6f}, a/A = {spot.radius / spot.circle:.4f}, peak {float(spot.pressure(0.0)):.6f} E*"
@@ -49,7 +59,11 @@ def figure_2a() -> Figure:
         for spacing, colour in zip(SPACINGS_A, _COLOURS, strict=True):
             for name in _RINGS:
                 if spots[name, spacing] is not None:
-                    style = {"color": colour, "linestyle": _LINES[name], "label": f"{name}, l/R = {spacing}"}
+                    style = {
+                        "color": colour,
+                        "linestyle": _LINES[name],
+                        "label": f"{name}, l/R = {spacing}",
+                    }
                     axes.plot(r, columns[f"p/E* {name} l/R={spacing}"], **style)
         label_panel(axes, "r/R", "p/E*", xlim=(0.0, None), ylim=(0.0, None))
 
@@ -58,7 +72,9 @@ def figure_2a() -> Figure:
         "(1)-(4) with E*/4pi and A = (pi N)^(-1/2), self-consistent P_s; all neighbours: every spot of the lattice in its place.",
         *said,
     )
-    return Figure("2A", "Pressure on a spherical asperity among others", notes, columns, draw, (6.4, 4.4))
+    return Figure(
+        "2A", "Pressure on a spherical asperity among others", notes, columns, draw, (6.4, 4.4)
+    )
 
 
 def figure_2b() -> Figure:
@@ -68,7 +84,10 @@ def figure_2b() -> Figure:
     said = []
     unit = {}
     for name, rings in _RINGS.items():
-        spots = [_solved(1.0, rings, spot_radius=float(a)) for a in shares * own_radius(Hexagonal(1.0).density)]
+        spots = [
+            _solved(1.0, rings, spot_radius=float(a))
+            for a in shares * own_radius(Hexagonal(1.0).density)
+        ]
         unit[name] = np.array([np.nan if s is None else s.nominal_pressure for s in spots])
     for spacing in SPACINGS_B:
         lattice = Hexagonal(spacing)
@@ -82,7 +101,9 @@ def figure_2b() -> Figure:
         i = int(np.argmin(np.abs(shares - share)))
         off = columns["p/E* (1)-(4) l/R=0.5"][i] / columns[f"p/E* {_ALL} l/R=0.5"][i] - 1.0
         hertz = columns["p/E* Hertz l/R=0.5"][i] / columns[f"p/E* {_ALL} l/R=0.5"][i] - 1.0
-        said.append(f"a/A = {shares[i]:.2f}: pressure by (1)-(4) {100 * off:+.3g} %, by Hertz {100 * hertz:+.3g} %")
+        said.append(
+            f"a/A = {shares[i]:.2f}: pressure by (1)-(4) {100 * off:+.3g} %, by Hertz {100 * hertz:+.3g} %"
+        )
 
     def draw(figure: Any) -> None:
         left, right = figure.subplots(1, 2)
@@ -92,7 +113,10 @@ def figure_2b() -> Figure:
             for spacing, colour in zip(SPACINGS_B, _COLOURS, strict=True):
                 for name, line in _LINES.items():
                     label = f"{name}, l/R = {spacing}" if name == _FIRST else None
-                    of_spacing = columns[f"p/E* {name} l/R={spacing}"], columns[f"a/R l/R={spacing}"]
+                    of_spacing = (
+                        columns[f"p/E* {name} l/R={spacing}"],
+                        columns[f"a/R l/R={spacing}"],
+                    )
                     axes.plot(*of_spacing, color=colour, linestyle=line, label=label)
             label_panel(axes, r"$\bar p$/E*", "a/R", legend=axes is right)
         left.set(xlim=(0.0, 0.2), ylim=(0.0, 0.5))

@@ -9,7 +9,9 @@ from contact.paper import CubicPair, LocalizedPair, PrintedCubicPair
 from contact.paper.figures.base import SELF, Figure, label_panel, on_cell, solved
 
 # E* = 1, R = 1; L = 2.4c is the paper's.
-RADIUS, HALF_SPACING, MEAN = 1.0, 0.05, 0.00109
+RADIUS = 1.0
+HALF_SPACING = 0.05
+MEAN = 0.00109
 PERIOD = 2.4 * HALF_SPACING
 _PROFILE = Biquadratic(radius=RADIUS, spacing=2.0 * HALF_SPACING, period=PERIOD)
 
@@ -24,22 +26,37 @@ _STYLES: dict[str, dict[str, Any]] = {
 
 
 def figure_13() -> Figure:
-    """Pressure on one asperity of a pair: the paper's relation, what follows from its own equations, and the exact one."""
+    """Pressure on one asperity of a pair: the paper's relation, what follows from its own
+    equations, and the exact one.
+    """
     shape: dict[str, Any] = {
-        "radius": RADIUS, "spacing": 2.0 * HALF_SPACING, "period": PERIOD, "E_star": 1.0, "mean_pressure": MEAN,
+        "radius": RADIUS,
+        "spacing": 2.0 * HALF_SPACING,
+        "period": PERIOD,
+        "E_star": 1.0,
+        "mean_pressure": MEAN,
     }
     printed, cubic, full = PrintedCubicPair(**shape), CubicPair(**shape), LocalizedPair(**shape)
-    exact, cut, alone = (solved(_PROFILE, m, mean_pressure=MEAN) for m in ("exact", SELF, "isolated"))
+    exact, cut, alone = (
+        solved(_PROFILE, m, mean_pressure=MEAN) for m in ("exact", SELF, "isolated")
+    )
     assert exact is not None and cut is not None and alone is not None
     x = on_cell([exact, cut, alone], 0.5 * PERIOD)
     made: dict[str, Any] = {
-        "exact": exact, "printed (38)": printed, "corrected cubic": cubic, "full artanh": full, "cut at the widest gap": cut,
+        "exact": exact,
+        "printed (38)": printed,
+        "corrected cubic": cubic,
+        "full artanh": full,
+        "cut at the widest gap": cut,
         "pair alone (32)": alone,
     }
     values = {name: one.pressure(x) for name, one in made.items()}
     ends = {name: one.zones[1] for name, one in made.items()}
-    closed = {"exact": full.exact.zones[1], "cut at the widest gap": LocalizedPair(**shape, centre="valley").zones[1],
-              "pair alone (32)": full.isolated.zones[1]}
+    closed = {
+        "exact": full.exact.zones[1],
+        "cut at the widest gap": LocalizedPair(**shape, centre="valley").zones[1],
+        "pair alone (32)": full.isolated.zones[1],
+    }
     apart = max(float(np.max(np.abs(ends[name] - e)) / (e[1] - e[0])) for name, e in closed.items())
     said = [
         f"{name}: a/c = {e[0] / HALF_SPACING:.5f}, b/c = {e[1] / HALF_SPACING:.5f}, (b - a)/c = "
@@ -64,4 +81,11 @@ def figure_13() -> Figure:
         f"exact, cut and alone are solved from scenes; their ends differ from the closed forms' by at most {apart:.1e} widths.",
         *said,
     )
-    return Figure("13", "Pressure on a pair of asperities, two zones a period", notes, columns, draw, (9.6, 4.4))
+    return Figure(
+        "13",
+        "Pressure on a pair of asperities, two zones a period",
+        notes,
+        columns,
+        draw,
+        (9.6, 4.4),
+    )

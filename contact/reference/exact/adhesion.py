@@ -1,10 +1,13 @@
-"""What adhesive solutions of one symmetric zone share: the frictionless zone underneath, and the curve of equilibria.
+"""What adhesive solutions of one symmetric zone share: the frictionless zone underneath, and the
+curve of equilibria.
 
-Adhesion does not change the profile: the pressure is that of the frictionless zone of the same half width less the tension
-of a load that leaves the zone flat. A curve of equilibria at a fixed work of adhesion has turning points, where it loses its
-stability: with M the compliance of the machine between the control and the body (0: the approach is held, inf: the load),
-an equilibrium is stable where approach + M load grows along the curve in the direction of growing contact
-(K. L. Johnson, Int. J. Solids Struct. 32 (1995) 423-430, doi 10.1016/0020-7683(94)00111-9; with a machine, derived here).
+Adhesion does not change the profile: the pressure is that of the frictionless zone of the same half
+width less the tension of a load that leaves the zone flat. A curve of equilibria at a fixed work of
+adhesion has turning points, where it loses its stability: with M the compliance of the machine
+between the control and the body (0: the approach is held, inf: the load), an equilibrium is stable
+where approach + M load grows along the curve in the direction of growing contact (K. L. Johnson,
+Int. J. Solids Struct. 32 (1995) 423-430, doi 10.1016/0020-7683(94)00111-9; with a machine, derived
+here).
 """
 
 from dataclasses import dataclass
@@ -13,17 +16,24 @@ from typing import Generic, TypeVar
 
 from contact.errors import OutOfRange, SceneError
 from contact.model.checks import finite, keep, one_of, positive, positive_or_none
-from contact.reference.exact.base import Array, IsolatedZone, PeriodicZone, SymmetricZone, integrated
+from contact.reference.exact.base import (
+    Array,
+    IsolatedZone,
+    PeriodicZone,
+    SymmetricZone,
+    integrated,
+)
 from contact.reference.exact.parabola import HertzLine
 from contact.reference.exact.roots import root, roots
 from contact.reference.exact.sinusoid import Westergaard
 
 
 class AdhesiveZone(SymmetricZone):
-    """One zone |x| <= a under adhesion, made of the frictionless `zone` of the same half width; the base of its solutions.
+    """One zone |x| <= a under adhesion, made of the frictionless `zone` of the same half width; the
+    base of its solutions.
 
-    Along a curve of equilibria d energy = load d approach (K. L. Johnson, Int. J. Solids Struct. 32 (1995) 423-430,
-    doi 10.1016/0020-7683(94)00111-9).
+    Along a curve of equilibria d energy = load d approach (K. L. Johnson, Int. J. Solids Struct. 32
+    (1995) 423-430, doi 10.1016/0020-7683(94)00111-9).
 
     Attributes
     ----------
@@ -34,7 +44,8 @@ class AdhesiveZone(SymmetricZone):
     load, approach : float
         P [N/m] and approach [m], of any sign.
     elastic_energy, surface_energy, energy : float
-        Of the body, of the interface, and both [J/m], per period if there is one; a zone that is alone needs a datum.
+        Of the body, of the interface, and both [J/m], per period if there is one; a zone that is
+        alone needs a datum.
     mean_gap : float or None
         Mean of the gap over the period [m]; None without one.
     pressure, gap, zones, approach : as in `SymmetricZone`
@@ -69,7 +80,9 @@ class AdhesiveZone(SymmetricZone):
 
     def _check_zone(self) -> None:
         if not isinstance(self.zone, IsolatedZone | PeriodicZone):
-            raise SceneError.of("zone", self.zone, "a frictionless solution of one zone with free ends")
+            raise SceneError.of(
+                "zone", self.zone, "a frictionless solution of one zone with free ends"
+            )
 
     def _height(self, r: Array) -> Array:
         return self.zone._height(r)
@@ -85,11 +98,15 @@ class AdhesiveZone(SymmetricZone):
         return self.zone._approach()
 
     def _approach_rate(self, load: float, at_load: float) -> float:
-        """Derivative of the approach, by those of the load and of the approach at a given load; nan without a datum."""
+        """Derivative of the approach, by those of the load and of the approach at a given load; nan
+        without a datum.
+        """
         return nan if self.punch_compliance is None else self.punch_compliance * load + at_load
 
     def rates(self) -> tuple[float, float]:
-        """Derivatives of load and approach along the curve of equilibria of this work (approach: nan without a datum)."""
+        """Derivatives of load and approach along the curve of equilibria of this work (approach:
+        nan without a datum).
+        """
         raise NotImplementedError
 
     @property
@@ -99,7 +116,9 @@ class AdhesiveZone(SymmetricZone):
 
     @property
     def surface_energy(self) -> float:
-        """Energy of the interface [J/m], per period if there is one; 0 where the surfaces are far apart."""
+        """Energy of the interface [J/m], per period if there is one; 0 where the surfaces are far
+        apart.
+        """
         raise NotImplementedError
 
     @property
@@ -109,7 +128,9 @@ class AdhesiveZone(SymmetricZone):
 
     @property
     def mean_gap(self) -> float | None:
-        """Mean of the gap over the period; None without one. As u has no mean, it is mean f - approach."""
+        """Mean of the gap over the period; None without one. As u has no mean, it is mean f -
+        approach.
+        """
         if self.period is None:
             return None
         half = 0.5 * self.period
@@ -118,17 +139,20 @@ class AdhesiveZone(SymmetricZone):
 
 def frictionless_energy(zone: SymmetricZone) -> float:
     """(1/2) int p (approach - f) of a frictionless zone, by the double-exponential rule."""
-    return 0.5 * zone.load * zone._approach() - float(integrated(lambda r, d: zone._pressure(r, d) * zone._height(r), zone.half_width))
+    return 0.5 * zone.load * zone._approach() - float(
+        integrated(lambda r, d: zone._pressure(r, d) * zone._height(r), zone.half_width)
+    )
 
 
 State = TypeVar("State", bound=AdhesiveZone)
 
 
 class Equilibria(Generic[State]):
-    """The curve of equilibria of one profile at a given work, by a parameter s that grows with the contact.
+    """The curve of equilibria of one profile at a given work, by a parameter s that grows with the
+    contact.
 
-    `narrow` is the part before the curve first becomes stable, `stable` the first stable part, `wide` what follows, `last` the
-    part at the end of the curve.
+    `narrow` is the part before the curve first becomes stable, `stable` the first stable part,
+    `wide` what follows, `last` the part at the end of the curve.
     """
 
     work: float
@@ -162,7 +186,9 @@ class Equilibria(Generic[State]):
         if machine_compliance == inf:
             return load
         if not (isfinite(machine_compliance) and machine_compliance >= 0.0):
-            raise SceneError.of("machine_compliance", machine_compliance, "a number >= 0, or inf for a held load")
+            raise SceneError.of(
+                "machine_compliance", machine_compliance, "a number >= 0, or inf for a held load"
+            )
         return approach + machine_compliance * load
 
     def is_stable(self, parameter: float, machine_compliance: float = inf) -> bool:
@@ -174,9 +200,11 @@ class Equilibria(Generic[State]):
         return roots(lambda s: self._rate(s, machine_compliance), self._samples())
 
     def pull_off(self, machine_compliance: float = inf) -> State:
-        """The state in which unloading tears the surfaces apart: the least load, or the least approach + M load.
+        """The state in which unloading tears the surfaces apart: the least load, or the least
+        approach + M load.
 
-        OutOfRange where no part of the curve is stable."""
+        OutOfRange where no part of the curve is stable.
+        """
         return self.at(self._part("stable", machine_compliance)[0])
 
     def _parts(self, machine_compliance: float) -> tuple[list[tuple[float, float]], list[bool]]:
@@ -196,11 +224,15 @@ class Equilibria(Generic[State]):
         return parts[number]
 
     def at_load(self, load: float, branch: str = "stable") -> State:
-        """The equilibrium at a load (per period) on one of the branches under load control; OutOfRange if none."""
+        """The equilibrium at a load (per period) on one of the branches under load control;
+        OutOfRange if none.
+        """
         return self._carrying(load, self._solve("load", finite("load", load), branch, inf))
 
     def at_approach(self, approach: float, branch: str = "stable") -> State:
-        """The equilibrium at an approach on one of the branches under approach control; OutOfRange if none."""
+        """The equilibrium at an approach on one of the branches under approach control; OutOfRange
+        if none.
+        """
         return self.at(self._solve("approach", finite("approach", approach), branch, 0.0))
 
     def _solve(self, control: str, value: float, branch: str, machine_compliance: float) -> float:
@@ -219,22 +251,34 @@ class Equilibria(Generic[State]):
 
     def _stable_parts(self) -> list[tuple[float, float, float, float]]:
         """Parameters and loads at both ends of every part that is stable under a held load."""
-        return [(lo, hi, self.at(lo).load, self.at(hi).load) for (lo, hi), grows in zip(*self._parts(inf), strict=True) if grows]
+        return [
+            (lo, hi, self.at(lo).load, self.at(hi).load)
+            for (lo, hi), grows in zip(*self._parts(inf), strict=True)
+            if grows
+        ]
 
     def advancing(self, load: float) -> State | None:
-        """The state reached from first touch without load by raising the load, or by lowering it from none; None: full contact.
+        """The state reached from first touch without load by raising the load, or by lowering it
+        from none; None: full contact.
 
-        OutOfRange past pull-off."""
+        OutOfRange past pull-off.
+        """
         load = finite("load", load)
         parts = self._stable_parts()
         reached = [i for i, part in enumerate(parts) if part[3] >= max(load, 0.0)]
         return self._lowered(parts[: reached[0] + 1], load) if reached else None
 
     def receding(self, load: float) -> State | None:
-        """The state reached by lowering the load from the greatest contact; None: full contact. OutOfRange past pull-off."""
+        """The state reached by lowering the load from the greatest contact; None: full contact.
+        OutOfRange past pull-off.
+        """
         load = finite("load", load)
         parts = self._stable_parts()
-        return None if self.stays_closed or not parts or load > parts[-1][3] else self._lowered(parts, load)
+        return (
+            None
+            if self.stays_closed or not parts or load > parts[-1][3]
+            else self._lowered(parts, load)
+        )
 
     # Whether full contact, once reached, opens at no load.
     stays_closed = False
@@ -244,12 +288,17 @@ class Equilibria(Generic[State]):
         for lo, hi, least, most in reversed(parts):
             if least <= load <= most:
                 return self._carrying(load, root(lambda s: self.at(s).load - load, lo, hi))
-        raise OutOfRange(f"load = {load:.6g} N/m is out of range: pull-off is at {min(part[2] for part in parts):.6g} N/m")
+        raise OutOfRange(
+            f"load = {load:.6g} N/m is out of range: pull-off is at {min(part[2] for part in parts):.6g} N/m"
+        )
 
     def all_at_load(self, load: float) -> list[State]:
         """Every equilibrium at a load, stable or not, in the order of the parameter."""
         load = finite("load", load)
-        return [self._carrying(load, s) for s in roots(lambda s: self.at(s).load - load, self._samples())]
+        return [
+            self._carrying(load, s)
+            for s in roots(lambda s: self.at(s).load - load, self._samples())
+        ]
 
 
 @dataclass(frozen=True)

@@ -1,15 +1,17 @@
-"""What every symmetric one-zone solution |x| <= a shares: zones and fields built on a few closed forms.
+"""What every symmetric one-zone solution |x| <= a shares: zones and fields built on a few closed
+forms.
 
-The superposition behind them (J. R. Barber, Contact Mechanics, 2018, doi 10.1007/978-3-319-70939-0): the load
-grows by P'(s) ds through flat punches of half-width s. With u = pi x/L, S = sin(pi s/L),
+The superposition behind them (J. R. Barber, Contact Mechanics, 2018, doi
+10.1007/978-3-319-70939-0): the load grows by P'(s) ds through flat punches of half-width s. With u
+= pi x/L, S = sin(pi s/L),
 
     isolated    p = (1/pi) int_x^a P'(s) ds / sqrt(s^2 - x^2)
                 gap = (2/pi E*) int_a^x P'(s) arcosh(x/s) ds
     periodic    p = (cos u/L) int_x^a P'(s) ds / sqrt(S^2 - sin^2 u)
                 gap = (2/pi E*) int_a^x P'(s) arcosh(sin u/S) ds
 
-since tan(pi x/L) turns the Hilbert kernel into the Cauchy one for symmetric zones. Fields are evaluated from
-distances to the zone's ends, so nothing cancels where a distance is small.
+since tan(pi x/L) turns the Hilbert kernel into the Cauchy one for symmetric zones. Fields are
+evaluated from distances to the zone's ends, so nothing cancels where a distance is small.
 """
 
 from collections.abc import Callable
@@ -28,8 +30,9 @@ Array = NDArray[np.float64]
 
 
 def _tanh_sinh() -> tuple[Array, Array, Array]:
-    """Double-exponential rule on (0, 1): distances from 0, from 1, weights. Exact to rounding for end
-    singularities milder than 1/sqrt (Takahasi & Mori 1974)."""
+    """Double-exponential rule on (0, 1): distances from 0, from 1, weights. Exact to rounding for
+    end singularities milder than 1/sqrt (Takahasi & Mori 1974).
+    """
     tau = np.arange(-45, 46) * 0.08
     grow = pi * np.sinh(tau)
     left = 1.0 / (1.0 + np.exp(-grow))
@@ -67,20 +70,32 @@ def zone_potential(z_minus_1: ArrayLike) -> Array:
 
 
 def integrated(function: Callable[[Array, Array], Array], length: ArrayLike) -> Array:
-    """int_0^length of a function of the distances from both ends, by the double-exponential rule; lengths of any shape."""
+    """int_0^length of a function of the distances from both ends, by the double-exponential rule;
+    lengths of any shape.
+    """
     length = np.asarray(length, dtype=np.float64)
     # Summed in pairs, which rounds less than a product of vectors.
-    return np.asarray(length * np.sum(WEIGHT * function(length[..., None] * FROM_LEFT, length[..., None] * FROM_RIGHT), axis=-1))
+    return np.asarray(
+        length
+        * np.sum(
+            WEIGHT * function(length[..., None] * FROM_LEFT, length[..., None] * FROM_RIGHT),
+            axis=-1,
+        )
+    )
 
 
 def check_number(zone: int, count: int = 1) -> None:
     """SceneError if there is no zone of this number."""
     if zone not in range(count):
-        raise SceneError.of("zone", zone, "0: there is one zone" if count == 1 else f"0 to {count - 1}")
+        raise SceneError.of(
+            "zone", zone, "0: there is one zone" if count == 1 else f"0 to {count - 1}"
+        )
 
 
 class Zoned:
-    """What follows from zones and load, whatever they are: of one zone, or of several that carry the same."""
+    """What follows from zones and load, whatever they are: of one zone, or of several that carry
+    the same.
+    """
 
     if TYPE_CHECKING:
 
@@ -113,12 +128,15 @@ class Zoned:
 
 
 class Pressed(Zoned):
-    """A body pressed in, and how far: as the load grows through flat punches, its approach is int (compliance of the punch) dP, that is,
+    """A body pressed in, and how far: as the load grows through flat punches, its approach is int
+    (compliance of the punch) dP, that is,
 
-    P times the compliance of the flat punch on the same zones, and int P d(-compliance), which is left when the punch is taken away.
+    P times the compliance of the flat punch on the same zones, and int P d(-compliance), which is
+    left when the punch is taken away.
     """
 
-    # Annotations only: a value here would become the default of a subclass's dataclass field of that name.
+    # Annotations only: a value here would become the default of a subclass's dataclass field of
+    # that name.
     half_width: float
     E_star: float
     datum: float | None
@@ -137,7 +155,9 @@ class Pressed(Zoned):
 
     @property
     def punch_compliance(self) -> float | None:
-        """d approach/d load at fixed a [m^2/N]: -(2/pi E*) ln sin(pi a/L), isolated (2/pi E*) ln(2d/a), and None without a datum."""
+        """d approach/d load at fixed a [m^2/N]: -(2/pi E*) ln sin(pi a/L), isolated (2/pi E*)
+        ln(2d/a), and None without a datum.
+        """
         if self.period is None and self.datum is None:
             return None
         return float(self._compliance_of(self.half_width))
@@ -146,7 +166,9 @@ class Pressed(Zoned):
         """That of flat punches of these half widths."""
         if self.datum is not None:
             return np.log(2.0 * self.datum / np.asarray(width)) * 2.0 / (pi * self.E_star)
-        return log_of(sine(width, self.period), cosine(width, self.period)) * -2.0 / (pi * self.E_star)
+        return (
+            log_of(sine(width, self.period), cosine(width, self.period)) * -2.0 / (pi * self.E_star)
+        )
 
     def _left(self) -> float:
         """The approach less load times punch compliance."""
@@ -163,7 +185,9 @@ class Pressed(Zoned):
 
     @property
     def stiffness(self) -> float | None:
-        """d load/d approach [Pa]: that of the flat punch on the same zones; None where the approach is None."""
+        """d load/d approach [Pa]: that of the flat punch on the same zones; None where the approach
+        is None.
+        """
         compliance = self.punch_compliance
         return None if compliance is None else (inf if compliance == 0.0 else 1.0 / compliance)
 
@@ -175,14 +199,18 @@ class Pressed(Zoned):
 def known(what: str, value: float | None) -> float:
     """What a body that is alone has with a datum only; SceneError without it."""
     if value is None:
-        raise SceneError.of("datum", None, f"a length > 0 where {what} of an isolated zone is asked for")
+        raise SceneError.of(
+            "datum", None, f"a length > 0 where {what} of an isolated zone is asked for"
+        )
     return value
 
 
 class SymmetricZone(Pressed):
-    """One zone [-a, a], isolated (period None) or once in every period; the base of the exact solutions of one symmetric zone.
+    """One zone [-a, a], isolated (period None) or once in every period; the base of the exact
+    solutions of one symmetric zone.
 
-    Equations: the head of this module (J. R. Barber, Contact Mechanics, 2018, doi 10.1007/978-3-319-70939-0).
+    Equations: the head of this module (J. R. Barber, Contact Mechanics, 2018, doi
+    10.1007/978-3-319-70939-0).
 
     Attributes
     ----------
@@ -193,7 +221,8 @@ class SymmetricZone(Pressed):
     period : float or None
         Period L [m]; None: the zone is alone.
     datum : float or None
-        Distance at which the far field of u is zero [m]; a zone that is alone has no approach without it (None).
+        Distance at which the far field of u is zero [m]; a zone that is alone has no approach
+        without it (None).
     load : float
         P per unit thickness [N/m], per period if there is one.
     mean_pressure, contact_fraction : float or None
@@ -228,7 +257,8 @@ class SymmetricZone(Pressed):
     (True, True)
     """
 
-    # What a family gives: formulas of r = |x| and of the distances d = a - r inside, e = r - a outside.
+    # What a family gives: formulas of r = |x| and of the distances d = a - r inside, e = r - a
+    # outside.
     def _height(self, r: Array) -> Array:
         raise NotImplementedError
 
@@ -250,7 +280,9 @@ class SymmetricZone(Pressed):
 
     @property
     def max_pressure(self) -> float:
-        """Peak pressure [Pa], in the middle; inf where the profile has a kink or a corner in the zone."""
+        """Peak pressure [Pa], in the middle; inf where the profile has a kink or a corner in the
+        zone.
+        """
         return float(self._pressure(np.array(0.0), np.array(self.half_width)))
 
     def _check(self, *positives: str) -> None:
@@ -280,7 +312,9 @@ class SymmetricZone(Pressed):
 
     # Fields
     def pressure_at(self, t: ArrayLike, zone: int = 0) -> Array:
-        """Pressure [Pa] at the normalised position t in [-1, 1] of the zone, to rounding up to its ends."""
+        """Pressure [Pa] at the normalised position t in [-1, 1] of the zone, to rounding up to its
+        ends.
+        """
         check_number(zone)
         r: Array = np.abs(np.asarray(t, dtype=np.float64))
         return self._pressure(self.half_width * r, self.half_width * (1.0 - r))
@@ -319,7 +353,8 @@ class SymmetricZone(Pressed):
 class _LoadControlled(SymmetricZone):
     """One zone whose half-width the load gives in closed form, or by one root.
 
-    A family is a profile, which has the fields of the shape, and one of the two classes below, which have the others.
+    A family is a profile, which has the fields of the shape, and one of the two classes below,
+    which have the others.
     """
 
     def __post_init__(self) -> None:
@@ -365,7 +400,11 @@ class PeriodicZone(_LoadControlled):
     @classmethod
     def from_contact_fraction(cls, contact_fraction: float, *, period: float, **shape: Any) -> Self:
         """The solution at a given 2a/L."""
-        a = 0.5 * between("contact_fraction", contact_fraction, 0.0, 1.0) * positive("period", period)
+        a = (
+            0.5
+            * between("contact_fraction", contact_fraction, 0.0, 1.0)
+            * positive("period", period)
+        )
         return cls(half_width=a, period=period, **shape)  # type: ignore[call-arg]
 
 
@@ -377,13 +416,19 @@ def sine(x: ArrayLike, period: float | None) -> Array:
 
 def cosine(x: ArrayLike, period: float | None, inward: Array | float = 0.0) -> Array:
     """cos(pi (x - inward)/L) by the distance of x from L/2, which keeps its digits; alone 1."""
-    return np.ones(np.shape(inward)) if period is None else sine(0.5 * period - np.asarray(x) + inward, period)
+    return (
+        np.ones(np.shape(inward))
+        if period is None
+        else sine(0.5 * period - np.asarray(x) + inward, period)
+    )
 
 
 def sine_excess(x: ArrayLike, e: ArrayLike, period: float | None) -> Array:
     """sin(pi (x + e)/L)/sin(pi x/L) - 1, 0 <= e and x + e up to L/2; alone e/x."""
     half = 0.5 * np.asarray(e)
-    return np.asarray(2.0 * np.maximum(cosine(x, period, -half), 0.0) * sine(half, period) / sine(x, period))
+    return np.asarray(
+        2.0 * np.maximum(cosine(x, period, -half), 0.0) * sine(half, period) / sine(x, period)
+    )
 
 
 def log_of(s: ArrayLike, c: ArrayLike) -> Array:
@@ -399,7 +444,11 @@ def half_width_from_sine(s: float, c: float, period: float) -> float:
 
 def abel_gap(load_rate: Callable[[Array], Array], a: float, e: Array, E_star: float) -> Array:
     """(2/pi E*) int_a^(a+e) P'(s) arcosh((a+e)/s) ds (see the head of this file)."""
-    return 2.0 / (pi * E_star) * integrated(lambda y, rest: load_rate(a + y) * arcosh1p(rest / (a + y)), e)
+    return (
+        2.0
+        / (pi * E_star)
+        * integrated(lambda y, rest: load_rate(a + y) * arcosh1p(rest / (a + y)), e)
+    )
 
 
 def refuse_load(load: float, most: float, why: str) -> None:
@@ -413,7 +462,9 @@ def least_value(function: Callable[[Array], Array], low: float, high: float, sam
     x = np.linspace(low, high, samples)
     y = function(x)
     best, half = float(x[np.argmin(y)]), float(x[1] - x[0])
-    for _ in range(8):  # the bracket shrinks to 1e-9 of a sample, far below the square root of rounding
+    for _ in range(
+        8
+    ):  # the bracket shrinks to 1e-9 of a sample, far below the square root of rounding
         x = np.clip(best + half * np.linspace(-1.0, 1.0, 33), low, high)
         y = function(x)
         best, half = float(x[np.argmin(y)]), half / 8.0

@@ -1,8 +1,9 @@
-"""Two asperities of one isolated punch, f = x^4/8Rc^2 - x^2/4R + c^2/8R = (x^2 - c^2)^2/8Rc^2: eq. (31)-(33).
+"""Two asperities of one isolated punch, f = x^4/8Rc^2 - x^2/4R + c^2/8R = (x^2 - c^2)^2/8Rc^2: eq.
+(31)-(33).
 
-G. M. L. Gladwell, Contact Problems in the Classical Theory of Elasticity (1980), as given by Goryacheva &
-Tsukanov (2020), doi 10.3389/fmech.2020.00045. The one-zone regime, gap and approach are derived: in y = x^2
-the two zones are one Hertz zone.
+G. M. L. Gladwell, Contact Problems in the Classical Theory of Elasticity (1980), as given by
+Goryacheva & Tsukanov (2020), doi 10.3389/fmech.2020.00045. The one-zone regime, gap and approach
+are derived: in y = x^2 the two zones are one Hertz zone.
 """
 
 from dataclasses import dataclass
@@ -12,24 +13,34 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from contact.errors import SceneError
-from contact.reference.exact.base import Array, Pressed, arcosh1p, check_number, sinh_minus, zone_potential
+from contact.reference.exact.base import (
+    Array,
+    Pressed,
+    arcosh1p,
+    check_number,
+    sinh_minus,
+    zone_potential,
+)
 
 
 @dataclass(frozen=True)
 class IsolatedBiquadratic(Pressed):
-    """Two parabolic tips a distance 2c apart on one punch, f = (x^2 - c^2)^2/8Rc^2: two zones, or one.
+    """Two parabolic tips a distance 2c apart on one punch, f = (x^2 - c^2)^2/8Rc^2: two zones, or
+    one.
 
-    Zones a <= |x| <= b, a^2 + b^2 = 2c^2, h = (b^2 - a^2)/2, while the load of both P < pi E* c^2/8R:
+    Zones a <= |x| <= b, a^2 + b^2 = 2c^2, h = (b^2 - a^2)/2, while the load of both P < pi E*
+    c^2/8R:
 
-    (32) p = (E*/4Rc^2) |x| sqrt((x^2 - a^2)(b^2 - x^2)),   (33) P = pi E* h^2/8Rc^2 (half of it a zone),
-    gap = (1/8Rc^2)(v sqrt(v^2 - h^2) - h^2 arcosh(v/h)), v = |x^2 - c^2|;
-    approach = (h^2/8Rc^2)(ln(2d^2/h) + 1/2).
+    (32) p = (E*/4Rc^2) |x| sqrt((x^2 - a^2)(b^2 - x^2)),   (33) P = pi E* h^2/8Rc^2 (half of it a
+    zone), gap = (1/8Rc^2)(v sqrt(v^2 - h^2) - h^2 arcosh(v/h)), v = |x^2 - c^2|; approach =
+    (h^2/8Rc^2)(ln(2d^2/h) + 1/2).
 
     Above that load one zone |x| <= b:   p = (E*/8Rc^2) sqrt(b^2 - x^2)(2x^2 + b^2 - 2c^2),
     P = pi E* b^2 (3b^2 - 4c^2)/32Rc^2.
 
-    G. M. L. Gladwell, Contact Problems in the Classical Theory of Elasticity (1980), as given by Goryacheva & Tsukanov (2020),
-    doi 10.3389/fmech.2020.00045; the one zone, gap and approach are derived here.
+    G. M. L. Gladwell, Contact Problems in the Classical Theory of Elasticity (1980), as given by
+    Goryacheva & Tsukanov (2020), doi 10.3389/fmech.2020.00045; the one zone, gap and approach are
+    derived here.
 
     Parameters
     ----------
@@ -40,7 +51,8 @@ class IsolatedBiquadratic(Pressed):
     E_star : float
         Reduced modulus [Pa].
     load : float
-        P of both tips per unit thickness [N/m]; the class method `from_inner_end` starts from a instead.
+        P of both tips per unit thickness [N/m]; the class method `from_inner_end` starts from a
+        instead.
     datum : float or None
         Distance at which the far field of u is zero [m]; without it (None) there is no approach.
 
@@ -57,7 +69,8 @@ class IsolatedBiquadratic(Pressed):
     max_pressure : float
         Peak pressure [Pa].
     approach, stiffness, punch_compliance : float or None
-        From the height of the tips [m], d load/d approach [Pa], and its inverse [m^2/N]; None without a datum.
+        From the height of the tips [m], d load/d approach [Pa], and its inverse [m^2/N]; None
+        without a datum.
     pressure, gap, displacement, height, slope : callable
         p [Pa], gap [m], u [m] into the body, f [m] and f' at positions x [m] of any shape.
     pressure_at : callable
@@ -167,7 +180,9 @@ class IsolatedBiquadratic(Pressed):
         return 2.0 * self.E_star * self._unit * r * np.sqrt(product)
 
     def pressure_at(self, t: ArrayLike, zone: int = 0) -> Array:
-        """Pressure [Pa] at the normalised position t in [-1, 1] of a zone, to rounding up to its ends."""
+        """Pressure [Pa] at the normalised position t in [-1, 1] of a zone, to rounding up to its
+        ends.
+        """
         check_number(zone, len(self.zones))
         t = np.asarray(t, dtype=float)
         b = self.outer_end
@@ -195,14 +210,20 @@ class IsolatedBiquadratic(Pressed):
         if self.merged:
             eta = arcosh1p(e / b)
             quartic = b**4 / 16.0 * sinh_minus(4.0 * eta)
-            return 2.0 * self._unit * (quartic + 0.25 * b * b * (b * b - 2.0 * self._c**2) * sinh_minus(2.0 * eta))
+            return (
+                2.0
+                * self._unit
+                * (quartic + 0.25 * b * b * (b * b - 2.0 * self._c**2) * sinh_minus(2.0 * eta))
+            )
         inner = np.maximum(a - r, 0.0)
         beyond = e * (r + b) + inner * (r + a)  # v - h
         return self._unit * h * h * zone_potential(beyond / h)
 
     @property
     def punch_compliance(self) -> float | None:
-        """d approach/d load at fixed zones [m^2/N]: of two zones (1/pi E*) ln(2d^2/h), of one (2/pi E*) ln(2d/b); None without a datum."""
+        """d approach/d load at fixed zones [m^2/N]: of two zones (1/pi E*) ln(2d^2/h), of one (2/pi
+        E*) ln(2d/b); None without a datum.
+        """
         if self.datum is None:
             return None
         return float(self._compliance_of(self.outer_end if self.merged else sqrt(2.0 * self._h)))

@@ -1,22 +1,26 @@
-"""Maugis-Dugdale adhesion of one symmetric zone, alone and in a row: traction -s (the stress) beside the zone, a < |x| < c.
+"""Maugis-Dugdale adhesion of one symmetric zone, alone and in a row: traction -s (the stress)
+beside the zone, a < |x| < c.
 
-Contact ends are bounded; the gap at c is w/s. In the superposition of base.py the cohesive tractions are punches of negative
-load between a and c, all together -2 s B, where, with u = pi x/L, A = pi a/L, C = pi c/L,
+Contact ends are bounded; the gap at c is w/s. In the superposition of base.py the cohesive
+tractions are punches of negative load between a and c, all together -2 s B, where, with u = pi x/L,
+A = pi a/L, C = pi c/L,
 
     alone       B = sqrt(c^2 - a^2)                 l = arcosh(c/a)            r = ln(c/a)
     periodic    B = (L/pi) arccos(cos C/cos A)      l = arcosh(sin C/sin A)    r = ln(tan C/tan A)
 
     pressure    p = p_0 - (2s/pi) arctan(sqrt((c^2 - a^2)/(a^2 - x^2)))
-                p = p_0 - (2s/pi) arctan((cos u/cos C) sqrt((sin^2 C - sin^2 A)/(sin^2 A - sin^2 u)))
+                p = p_0 - (2s/pi) arctan((cos u/cos C) sqrt((sin^2 C - sin^2 A)/(sin^2 A - sin^2
+                u)))
     gap         g = g_0 + (4s/pi E*) int_a^x artanh(X or 1/X) dx,   X = sqrt((x^2 - a^2)/(c^2 - a^2)),
                 X = cos C sqrt(cos^2 A - cos^2 u)/(cos u sqrt(cos^2 A - cos^2 C))
     at c        d g/dc = g_0' + (4s/pi E*)(l dB/dc - r),   d g/da = -(2/pi E*) l d P/da
     approach    d_0 - 2s int K dB,   d/dc = -2s (K dB/dc - (2/pi E*) l),   d/da = K d P/da
 
-with K the compliance of the punch at a, in the integral of each one between a and c. D. Maugis, J. Colloid Interface Sci. 150
-(1992) 243-269, doi 10.1016/0021-9797(92)90285-T; cylinder: J. M. Baney & C.-Y. Hui, J. Adhes. Sci. Technol. 11 (1997) 393-406,
-derived again; row of waves: derived here. As c reaches L/2 the tension acts everywhere: what is left is the frictionless zone
-under a uniform tension.
+with K the compliance of the punch at a, in the integral of each one between a and c. D. Maugis, J.
+Colloid Interface Sci. 150 (1992) 243-269, doi 10.1016/0021-9797(92)90285-T; cylinder: J. M. Baney &
+C.-Y. Hui, J. Adhes. Sci. Technol. 11 (1997) 393-406, derived again; row of waves: derived here. As
+c reaches L/2 the tension acts everywhere: what is left is the frictionless zone under a uniform
+tension.
 """
 
 from collections.abc import Callable
@@ -51,12 +55,14 @@ class _DugdaleState(AdhesiveZone):
 
 @dataclass(frozen=True)
 class DugdaleZone(_DugdaleState):
-    """Maugis-Dugdale adhesion of one zone: a frictionless zone of half width a under the tension s on a < |x| < c beside it.
+    """Maugis-Dugdale adhesion of one zone: a frictionless zone of half width a under the tension s
+    on a < |x| < c beside it.
 
-    The ends are bounded, and the work of adhesion is the stress times the gap at c. Alone
-    p = p_0 - (2s/pi) arctan(sqrt((c^2 - a^2)/(a^2 - x^2))), P = P_0 - 2 s sqrt(c^2 - a^2); with a period: the head of this module.
-    D. Maugis, J. Colloid Interface Sci. 150 (1992) 243-269, doi 10.1016/0021-9797(92)90285-T; in the plane J. M. Baney & C.-Y. Hui,
-    J. Adhes. Sci. Technol. 11 (1997) 393-406, derived again.
+    The ends are bounded, and the work of adhesion is the stress times the gap at c. Alone p = p_0 -
+    (2s/pi) arctan(sqrt((c^2 - a^2)/(a^2 - x^2))), P = P_0 - 2 s sqrt(c^2 - a^2); with a period: the
+    head of this module. D. Maugis, J. Colloid Interface Sci. 150 (1992) 243-269, doi
+    10.1016/0021-9797(92)90285-T; in the plane J. M. Baney & C.-Y. Hui, J. Adhes. Sci. Technol. 11
+    (1997) 393-406, derived again.
 
     Parameters
     ----------
@@ -85,7 +91,8 @@ class DugdaleZone(_DugdaleState):
     Raises
     ------
     SceneError
-        If the zone is no frictionless solution, the stress not positive and finite, or c not beyond a.
+        If the zone is no frictionless solution, the stress not positive and finite, or c not beyond
+        a.
 
     Examples
     --------
@@ -122,10 +129,14 @@ class DugdaleZone(_DugdaleState):
         return self._turn * atan2(self.root, float(cosine(self.cohesive_end, self.period)))
 
     def opening_rate(self, e: Array, f: Array) -> Array:
-        """artanh(X or 1/X) at x = a + e = c - f, from both distances: X^2 and |1 - X^2| without cancellation."""
+        """artanh(X or 1/X) at x = a + e = c - f, from both distances: X^2 and |1 - X^2| without
+        cancellation.
+        """
         a, c, length = self.half_width, self.cohesive_end, self.period
         x = a + e
-        scale = sine(c - a, length) * sine(c + a, length) * np.maximum(cosine(x, length), 1e-100) ** 2
+        scale = (
+            sine(c - a, length) * sine(c + a, length) * np.maximum(cosine(x, length), 1e-100) ** 2
+        )
         square = sine(e, length) * sine(x + a, length) * cosine(c, length) ** 2 / scale
         rest = np.abs(sine(f, length)) * sine(c + x, length) * cosine(a, length) ** 2 / scale
         # artanh X = asinh(X/sqrt(1 - X^2)), and artanh(1/X) = asinh(1/sqrt(X^2 - 1)).
@@ -152,7 +163,9 @@ class DugdaleZone(_DugdaleState):
         length = self.cohesive_end - self.half_width
         e = np.asarray(e, dtype=float)
         near, far = np.minimum(e, length), np.maximum(e - length, 0.0)
-        before = integrated(lambda y, rest: self.opening_rate(y, (length - near)[..., None] + rest), near)
+        before = integrated(
+            lambda y, rest: self.opening_rate(y, (length - near)[..., None] + rest), near
+        )
         beyond = integrated(lambda y, _: self.opening_rate(length + y, y), far)
         return super()._gap(e) + self._unit * (before + beyond)
 
@@ -172,14 +185,20 @@ class DugdaleZone(_DugdaleState):
         return float(self.zone.load_rate(np.array(a))) + 2.0 * self.stress * share
 
     def _compliance_behind(self, q: Array) -> Array:
-        """Compliance of the punch of the cohesive load behind which the share q is still to come: of the half width s with B(s, c) = q."""
+        """Compliance of the punch of the cohesive load behind which the share q is still to come:
+        of the half width s with B(s, c) = q.
+        """
         c = self.cohesive_end
         root = np.sqrt(sine(c - q, self.period) * sine(c + q, self.period))
         # cos S = cos C/cos(pi q/L)
-        return self._compliance_of(root if self.period is None else self._turn * np.arctan2(root, cosine(c, self.period)))
+        return self._compliance_of(
+            root if self.period is None else self._turn * np.arctan2(root, cosine(c, self.period))
+        )
 
     def _approach(self) -> float:
-        return super()._approach() - 2.0 * self.stress * float(integrated(lambda _, q: self._compliance_behind(q), self.share))
+        return super()._approach() - 2.0 * self.stress * float(
+            integrated(lambda _, q: self._compliance_behind(q), self.share)
+        )
 
     @property
     def elastic_energy(self) -> float:
@@ -200,14 +219,18 @@ class DugdaleZone(_DugdaleState):
         return 2.0 * (self.stress * area - self.cohesive_end * self.work)
 
     def rates(self) -> tuple[float, float]:
-        """d load/dc and d approach/dc along the curve of equilibria of this work (approach: nan without a datum)."""
+        """d load/dc and d approach/dc along the curve of equilibria of this work (approach: nan
+        without a datum).
+        """
         # l, r and dB/dc of the head of this file.
         a, c, length = self.half_width, self.cohesive_end, self.period
         widening = float(arcosh1p(sine_excess(a, c - a, length)))
         # tan C/tan A - 1 = sin(C - A)/(cos C sin A)
         logarithm = float(np.log1p(sine(c - a, length) / (cosine(c, length) * sine(a, length))))
         share = float(sine(c, length)) / self.root
-        opened = float(self.zone._gap_slope(np.array(c - a))) + self._unit * (widening * share - logarithm)
+        opened = float(self.zone._gap_slope(np.array(c - a))) + self._unit * (
+            widening * share - logarithm
+        )
         # What a takes back from the gap at c it adds to the load: d g/da = -(2/pi E*) l d P/da.
         load = 0.5 * pi * self.E_star * opened / widening - 2.0 * self.stress * share
         return load, self._approach_rate(load, self._unit * widening)
@@ -215,10 +238,11 @@ class DugdaleZone(_DugdaleState):
 
 @dataclass(frozen=True)
 class MetDugdaleZone(_DugdaleState):
-    """Cohesive intervals that meet at L/2: the frictionless zone under a uniform tension, which moves no surface; P = P_0 - s L.
+    """Cohesive intervals that meet at L/2: the frictionless zone under a uniform tension, which
+    moves no surface; P = P_0 - s L.
 
-    The work of adhesion has to be at least stress times the gap at L/2. Derived here, after D. Maugis, J. Colloid Interface Sci. 150
-    (1992) 243-269, doi 10.1016/0021-9797(92)90285-T.
+    The work of adhesion has to be at least stress times the gap at L/2. Derived here, after D.
+    Maugis, J. Colloid Interface Sci. 150 (1992) 243-269, doi 10.1016/0021-9797(92)90285-T.
 
     Parameters
     ----------
@@ -306,7 +330,9 @@ class MetDugdaleZone(_DugdaleState):
 
 
 class _DugdaleEquilibria(Equilibria[_DugdaleState]):
-    """Equilibria by the end c of the cohesive intervals; past L/2, where they have met, by L/2 plus what a has grown since."""
+    """Equilibria by the end c of the cohesive intervals; past L/2, where they have met, by L/2 plus
+    what a has grown since.
+    """
 
     stress: float
 
@@ -317,7 +343,9 @@ class _DugdaleEquilibria(Equilibria[_DugdaleState]):
 
     def _half_width(self, c: float) -> float:
         """a at which the gap at c is w/s: it falls from its value without contact to zero at a = c."""
-        return _within(c, lambda a: DugdaleZone(self._frictionless(a), self.stress, c).end_gap - self.end_gap)
+        return _within(
+            c, lambda a: DugdaleZone(self._frictionless(a), self.stress, c).end_gap - self.end_gap
+        )
 
     def at(self, parameter: float) -> _DugdaleState:
         """The equilibrium of a parameter."""
@@ -334,14 +362,17 @@ class _DugdaleEquilibria(Equilibria[_DugdaleState]):
 
 @dataclass(frozen=True)
 class DugdaleCylinder(Cylinder, _DugdaleEquilibria):
-    """The equilibria of f = x^2/2R alone under Maugis-Dugdale adhesion, by the end c of the cohesive intervals (Baney & Hui 1997).
+    """The equilibria of f = x^2/2R alone under Maugis-Dugdale adhesion, by the end c of the
+    cohesive intervals (Baney & Hui 1997).
 
-    With a in (8 R^2 w/pi E*)^(1/3), P in (pi E* w^2 R)^(1/3), m = c/a, mu = sqrt(m^2 - 1) and lambda = 4s/(pi^2 E*^2 w/R)^(1/3),
+    With a in (8 R^2 w/pi E*)^(1/3), P in (pi E* w^2 R)^(1/3), m = c/a, mu = sqrt(m^2 - 1) and
+    lambda = 4s/(pi^2 E*^2 w/R)^(1/3),
 
-    P = a^2 - lambda a mu,   (lambda a^2/2)(m mu - ln(m + mu)) + (lambda^2 a/2)(mu ln(m + mu) - m ln m) = 1.
+    P = a^2 - lambda a mu,   (lambda a^2/2)(m mu - ln(m + mu)) + (lambda^2 a/2)(mu ln(m + mu) - m ln
+    m) = 1.
 
-    Only states in contact: attraction without contact is not here. J. M. Baney & C.-Y. Hui, J. Adhes. Sci. Technol. 11 (1997)
-    393-406, derived again.
+    Only states in contact: attraction without contact is not here. J. M. Baney & C.-Y. Hui, J.
+    Adhes. Sci. Technol. 11 (1997) 393-406, derived again.
 
     Parameters
     ----------
@@ -365,12 +396,14 @@ class DugdaleCylinder(Cylinder, _DugdaleEquilibria):
     least_cohesive_end : float
         c where contact begins, a = 0 [m].
     at, at_load, at_approach, all_at_load : callable
-        The state of a parameter; at a load [N/m] or an approach [m] on a branch ("stable", "narrow", "wide", "last"); all states at a load.
+        The state of a parameter; at a load [N/m] or an approach [m] on a branch ("stable",
+        "narrow", "wide", "last"); all states at a load.
     advancing, receding : callable
-        The state at a load, reached from first touch or from the greatest contact; None: full contact.
+        The state at a load, reached from first touch or from the greatest contact; None: full
+        contact.
     pull_off, turning_points, is_stable : callable
-        Where unloading tears the surfaces apart, and where stability changes, for a machine's compliance [m^2/N]: inf under a held load
-        (the default), 0 under a held approach.
+        Where unloading tears the surfaces apart, and where stability changes, for a machine's
+        compliance [m^2/N]: inf under a held load (the default), 0 under a held approach.
 
     Raises
     ------
@@ -395,7 +428,11 @@ class DugdaleCylinder(Cylinder, _DugdaleEquilibria):
     @property
     def tabor(self) -> float:
         """lambda = 4s/(pi^2 E*^2 w/R)^(1/3): JKR where it is large."""
-        return 4.0 * self.stress / float((pi**2 * self.E_star**2 * self.work / self.radius) ** (1.0 / 3.0))
+        return (
+            4.0
+            * self.stress
+            / float((pi**2 * self.E_star**2 * self.work / self.radius) ** (1.0 / 3.0))
+        )
 
     @property
     def least_cohesive_end(self) -> float:
@@ -413,16 +450,17 @@ class DugdaleCylinder(Cylinder, _DugdaleEquilibria):
 
 @dataclass(frozen=True)
 class DugdaleWave(Wave, _DugdaleEquilibria):
-    """The equilibria of f = Delta (1 - cos(2 pi x/L)) in a row under Maugis-Dugdale adhesion (derived), by the end c of the intervals.
+    """The equilibria of f = Delta (1 - cos(2 pi x/L)) in a row under Maugis-Dugdale adhesion
+    (derived), by the end c of the intervals.
 
     While the cohesive intervals are apart
 
-    mean pressure = p* sin^2 A - (2s/pi) arccos(cos C/cos A),
-    gap at c = 2 Delta (sin C sqrt(sin^2 C - sin^2 A) - sin^2 A arcosh(sin C/sin A)) + (4s/pi E*) int_a^c artanh X dx = w/s,
+    mean pressure = p* sin^2 A - (2s/pi) arccos(cos C/cos A), gap at c = 2 Delta (sin C sqrt(sin^2 C
+    - sin^2 A) - sin^2 A arcosh(sin C/sin A)) + (4s/pi E*) int_a^c artanh X dx = w/s,
 
-    and p* sin^2 A - s once they have met; from there on the parameter is L/2 plus what a has grown since. Full contact opens at the
-    mean pressure p* - s, where the valley's traction is -s. After D. Maugis, J. Colloid Interface Sci. 150 (1992) 243-269,
-    doi 10.1016/0021-9797(92)90285-T.
+    and p* sin^2 A - s once they have met; from there on the parameter is L/2 plus what a has grown
+    since. Full contact opens at the mean pressure p* - s, where the valley's traction is -s. After
+    D. Maugis, J. Colloid Interface Sci. 150 (1992) 243-269, doi 10.1016/0021-9797(92)90285-T.
 
     Parameters
     ----------
@@ -444,14 +482,17 @@ class DugdaleWave(Wave, _DugdaleEquilibria):
     opening_mean_pressure : float
         p* - s, the least mean pressure of full contact [Pa].
     least_cohesive_end, meeting_half_width : float
-        c from which on there is contact, and a at which the intervals meet (0 if they have always met) [m].
+        c from which on there is contact, and a at which the intervals meet (0 if they have always
+        met) [m].
     at, at_load, at_approach, all_at_load : callable
-        The state of a parameter; at a load [N/m] or an approach [m] on a branch ("stable", "narrow", "wide", "last"); all states at a load.
+        The state of a parameter; at a load [N/m] or an approach [m] on a branch ("stable",
+        "narrow", "wide", "last"); all states at a load.
     advancing, receding : callable
-        The state at a load, reached from first touch or from the greatest contact; None: full contact.
+        The state at a load, reached from first touch or from the greatest contact; None: full
+        contact.
     pull_off, turning_points, is_stable : callable
-        Where unloading tears the surfaces apart, and where stability changes, for a machine's compliance [m^2/N]: inf under a held load
-        (the default), 0 under a held approach.
+        Where unloading tears the surfaces apart, and where stability changes, for a machine's
+        compliance [m^2/N]: inf under a held load (the default), 0 under a held approach.
 
     Raises
     ------
@@ -481,20 +522,29 @@ class DugdaleWave(Wave, _DugdaleEquilibria):
 
     @cached_property
     def meeting_half_width(self) -> float:
-        """a at which the cohesive intervals meet: the frictionless gap at L/2 is w/s; 0 if that is never reached."""
+        """a at which the cohesive intervals meet: the frictionless gap at L/2 is w/s; 0 if that is
+        never reached.
+        """
         if self.end_gap >= 2.0 * self.amplitude:
             return 0.0
         half = 0.5 * self.period
-        return _within(half, lambda a: float(self._frictionless(a)._gap(np.array(half - a))) - self.end_gap)
+        return _within(
+            half, lambda a: float(self._frictionless(a)._gap(np.array(half - a))) - self.end_gap
+        )
 
     def touching_gap(self, c: float) -> float:
         """The gap at c where contact begins, a = 0: f(c) + (4s/pi E*) int_0^c ln(2 cos(pi x/L)) dx."""
         integral = float(integrated(lambda _, rest: np.log(2.0 * cosine(c, self.period, rest)), c))
-        return float(self._frictionless(0.25 * self.period).height(c)) + 4.0 * self.stress / (pi * self.E_star) * integral
+        return (
+            float(self._frictionless(0.25 * self.period).height(c))
+            + 4.0 * self.stress / (pi * self.E_star) * integral
+        )
 
     @cached_property
     def least_cohesive_end(self) -> float:
-        """c from which on there is contact up to c = L/2; L/2 if cohesive intervals have always met."""
+        """c from which on there is contact up to c = L/2; L/2 if cohesive intervals have always
+        met.
+        """
         half = 0.5 * self.period
         if self.meeting_half_width == 0.0:
             return half
@@ -520,10 +570,14 @@ class DugdaleWave(Wave, _DugdaleEquilibria):
 
 
 def _within(most: float, function: Callable[[float], float]) -> float:
-    """The root a between 0 and `most` of a function that falls from one to the other, by the logarithm of a/(most - a)."""
+    """The root a between 0 and `most` of a function that falls from one to the other, by the
+    logarithm of a/(most - a).
+    """
 
     def place(log_ratio: float) -> float:
         return most / (1.0 + exp(-log_ratio))
 
     # From a = 1e-15 to most - a = 1e-14, of `most`.
-    return place(brentq(lambda log_ratio: function(place(log_ratio)), -34.0, 32.0, xtol=1e-14, rtol=1e-15))
+    return place(
+        brentq(lambda log_ratio: function(place(log_ratio)), -34.0, 32.0, xtol=1e-14, rtol=1e-15)
+    )

@@ -1,7 +1,7 @@
 """Flat punch with sharp corners, alone and in a row of period L.
 
-Alone: M. A. Sadowsky (1928); K. L. Johnson, Contact Mechanics (1985), sec. 2.8. In a row: derived, with
-the substitution tan(pi x/L).
+Alone: M. A. Sadowsky (1928); K. L. Johnson, Contact Mechanics (1985), sec. 2.8. In a row: derived,
+with the substitution tan(pi x/L).
 """
 
 from dataclasses import dataclass
@@ -10,11 +10,21 @@ from math import inf, pi
 import numpy as np
 from numpy.typing import ArrayLike
 
-from contact.reference.exact.base import Array, SymmetricZone, arcosh1p, cosine, known, sine, sine_excess
+from contact.reference.exact.base import (
+    Array,
+    SymmetricZone,
+    arcosh1p,
+    cosine,
+    known,
+    sine,
+    sine_excess,
+)
 
 
 class _Punch(SymmetricZone):
-    """What the two share: the profile, a load that the half-width does not set, and the forms, in which alone sin(pi x/L) is x."""
+    """What the two share: the profile, a load that the half-width does not set, and the forms, in
+    which alone sin(pi x/L) is x.
+    """
 
     def __post_init__(self) -> None:
         self._check("load", "E_star", "half_width")
@@ -37,11 +47,18 @@ class _Punch(SymmetricZone):
 
     def _fall(self, e: Array) -> Array:
         """approach - u at the distance e from the punch [m]."""
-        return 2.0 * self.load / (pi * self.E_star) * arcosh1p(sine_excess(self.half_width, e, self.period))
+        return (
+            2.0
+            * self.load
+            / (pi * self.E_star)
+            * arcosh1p(sine_excess(self.half_width, e, self.period))
+        )
 
     def displacement(self, x: ArrayLike) -> Array:
         """u(x) [m]: the approach in contact, falling outside."""
-        return known("u", self.approach) - self._fall(np.maximum(np.abs(self._reduced(x)) - self.half_width, 0.0))
+        return known("u", self.approach) - self._fall(
+            np.maximum(np.abs(self._reduced(x)) - self.half_width, 0.0)
+        )
 
     def _left(self) -> float:
         return 0.0
@@ -49,7 +66,8 @@ class _Punch(SymmetricZone):
 
 @dataclass(frozen=True)
 class IsolatedPunch(_Punch):
-    """A flat punch alone (Sadowsky 1928): p = P/(pi sqrt(a^2 - x^2)), approach = (2P/pi E*) ln(2d/a);
+    """A flat punch alone (Sadowsky 1928): p = P/(pi sqrt(a^2 - x^2)), approach = (2P/pi E*)
+    ln(2d/a);
 
     outside u = approach - (2P/pi E*) arcosh(|x|/a). The gap outside is infinite, as the profile is.
     K. L. Johnson, Contact Mechanics (1985), sec. 2.8, doi 10.1017/CBO9781139171731.
@@ -93,7 +111,8 @@ class IsolatedPunch(_Punch):
 
 @dataclass(frozen=True)
 class PeriodicPunch(_Punch):
-    """A row of flat punches (derived), v = pi x/L, A = pi a/L: p = (P/L) cos v/sqrt(sin^2 A - sin^2 v),
+    """A row of flat punches (derived), v = pi x/L, A = pi a/L: p = (P/L) cos v/sqrt(sin^2 A - sin^2
+    v),
 
     approach = -(2P/pi E*) ln sin A; outside u = approach - (2P/pi E*) arcosh(sin v/sin A).
 

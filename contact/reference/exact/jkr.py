@@ -1,11 +1,13 @@
 """JKR adhesion of one symmetric zone, alone and in a row: p ~ -sqrt(E* w/pi)/sqrt(d) at its ends.
 
-The load is that of the frictionless zone less that of a flat punch with the same intensity at its corners:
+The load is that of the frictionless zone less that of a flat punch with the same intensity at its
+corners:
 
     Q = sqrt(2 pi E* a w) alone,   Q = sqrt(2 E* w L tan(pi a/L)) with a period L.
 
-Cylinder: M. Barquins, J. Adhesion 26 (1988) 1-12, doi 10.1080/00218468808075464. Wave: K. L. Johnson, Int. J. Solids Struct.
-32 (1995) 423-430, doi 10.1016/0020-7683(94)00111-9. Other profiles, approaches and energies: derived from the same sum.
+Cylinder: M. Barquins, J. Adhesion 26 (1988) 1-12, doi 10.1080/00218468808075464. Wave: K. L.
+Johnson, Int. J. Solids Struct. 32 (1995) 423-430, doi 10.1016/0020-7683(94)00111-9. Other profiles,
+approaches and energies: derived from the same sum.
 """
 
 from dataclasses import dataclass
@@ -22,13 +24,16 @@ from contact.reference.exact.flat import IsolatedPunch, PeriodicPunch
 
 @dataclass(frozen=True)
 class JKRZone(AdhesiveZone):
-    """JKR adhesion of one zone: the frictionless zone's solution less a flat punch's, p ~ -sqrt(E* w/pi)/sqrt(d) at the ends,
+    """JKR adhesion of one zone: the frictionless zone's solution less a flat punch's, p ~ -sqrt(E*
+    w/pi)/sqrt(d) at the ends,
 
     p = p_0 - q,   gap = g_0 + (2Q/pi E*) arcosh(x/a) (with a period of sin(pi x/L)/sin(pi a/L)),
-    load = P_0 - Q,   approach = d_0 - C Q,   elastic energy = U_0 - C Q P_0 + C Q^2/2,   surface energy = -2 a w,
+    load = P_0 - Q,   approach = d_0 - C Q,   elastic energy = U_0 - C Q P_0 + C Q^2/2,   surface
+    energy = -2 a w,
 
-    C the punch's compliance. M. Barquins, J. Adhesion 26 (1988) 1-12, doi 10.1080/00218468808075464; K. L. Johnson,
-    Int. J. Solids Struct. 32 (1995) 423-430, doi 10.1016/0020-7683(94)00111-9.
+    C the punch's compliance. M. Barquins, J. Adhesion 26 (1988) 1-12, doi
+    10.1080/00218468808075464; K. L. Johnson, Int. J. Solids Struct. 32 (1995) 423-430, doi
+    10.1016/0020-7683(94)00111-9.
 
     Parameters
     ----------
@@ -80,7 +85,11 @@ class JKRZone(AdhesiveZone):
         """The flat punch whose pressure is taken off."""
         a, modulus = self.half_width, self.E_star
         load = sqrt(2.0 * pi * modulus * self.work * self.tangent)
-        return IsolatedPunch(a, modulus, load, self.datum) if self.period is None else PeriodicPunch(a, self.period, modulus, load)
+        return (
+            IsolatedPunch(a, modulus, load, self.datum)
+            if self.period is None
+            else PeriodicPunch(a, self.period, modulus, load)
+        )
 
     @property
     def tangent(self) -> float:
@@ -112,7 +121,9 @@ class JKRZone(AdhesiveZone):
     def rates(self) -> tuple[float, float]:
         """d load/da and d approach/da (nan without a datum)."""
         taken = self.punch.load
-        load = float(self.zone.load_rate(np.array(self.half_width))) - 0.5 * taken / (self.tangent * self._cosine() ** 2)
+        load = float(self.zone.load_rate(np.array(self.half_width))) - 0.5 * taken / (
+            self.tangent * self._cosine() ** 2
+        )
         # dC/da = -2/(pi E* a) alone, -(2/E* L) cot(pi a/L) with a period.
         return load, self._approach_rate(load, 2.0 * taken / (pi * self.E_star * self.tangent))
 
@@ -132,10 +143,12 @@ class _JKREquilibria(Equilibria[JKRZone]):
 
 @dataclass(frozen=True)
 class JKRCylinder(Cylinder, _JKREquilibria):
-    """The equilibria of f = x^2/2R alone under JKR adhesion, by their half width (Barquins 1988): P = pi E* a^2/4R - sqrt(2 pi E* a w),
+    """The equilibria of f = x^2/2R alone under JKR adhesion, by their half width (Barquins 1988): P
+    = pi E* a^2/4R - sqrt(2 pi E* a w),
 
-    approach = (a^2/2R)(ln(2d/a) + 1/2) - (2/pi E*) sqrt(2 pi E* a w) ln(2d/a) with a datum d; pull-off under load control at
-    a^3 = 2 R^2 w/(pi E*), P = -3 (pi E* w^2 R/16)^(1/3). M. Barquins, J. Adhesion 26 (1988) 1-12, doi 10.1080/00218468808075464.
+    approach = (a^2/2R)(ln(2d/a) + 1/2) - (2/pi E*) sqrt(2 pi E* a w) ln(2d/a) with a datum d;
+    pull-off under load control at a^3 = 2 R^2 w/(pi E*), P = -3 (pi E* w^2 R/16)^(1/3). M.
+    Barquins, J. Adhesion 26 (1988) 1-12, doi 10.1080/00218468808075464.
 
     Parameters
     ----------
@@ -155,12 +168,14 @@ class JKRCylinder(Cylinder, _JKREquilibria):
     jump_in : JKRZone
         Where first touch leads to under no load.
     at, at_load, at_approach, all_at_load : callable
-        The state of a parameter; at a load [N/m] or an approach [m] on a branch ("stable", "narrow", "wide", "last"); all states at a load.
+        The state of a parameter; at a load [N/m] or an approach [m] on a branch ("stable",
+        "narrow", "wide", "last"); all states at a load.
     advancing, receding : callable
-        The state at a load, reached from first touch or from the greatest contact; None: full contact.
+        The state at a load, reached from first touch or from the greatest contact; None: full
+        contact.
     pull_off, turning_points, is_stable : callable
-        Where unloading tears the surfaces apart, and where stability changes, for a machine's compliance [m^2/N]: inf under a held load
-        (the default), 0 under a held approach.
+        Where unloading tears the surfaces apart, and where stability changes, for a machine's
+        compliance [m^2/N]: inf under a held load (the default), 0 under a held approach.
 
     Raises
     ------
@@ -189,23 +204,26 @@ class JKRCylinder(Cylinder, _JKREquilibria):
 
     def _samples(self) -> Array:
         unit = (2.0 * self.radius**2 * self.work / (pi * self.E_star)) ** (1.0 / 3.0)
-        # With a datum the approach has a meaning while the zone is narrow beside it: it is greatest near 2d.
+        # With a datum the approach has a meaning while the zone is narrow beside it: it is greatest
+        # near 2d.
         widest = 1e6 * unit if self.datum is None else self.datum
         return np.geomspace(min(1e-12 * unit, 1e-6 * widest), widest, 200)
 
 
 @dataclass(frozen=True)
 class JKRWave(Wave, _JKREquilibria):
-    """The equilibria of f = Delta (1 - cos(2 pi x/L)) in a row under JKR adhesion, by their half width (Johnson 1995).
+    """The equilibria of f = Delta (1 - cos(2 pi x/L)) in a row under JKR adhesion, by their half
+    width (Johnson 1995).
 
     With A = pi a/L and p* = pi E* Delta/L
 
     mean pressure = p* (sin^2 A - alpha sqrt(tan A)),   alpha^2 = 2 w L/(pi^2 E* Delta^2).
 
-    It falls to pull-off, rises to the jump into full contact, and falls without end. The rise goes down to zero load while
-    alpha < 27^(1/4)/4 = 0.5699; there is none from alpha = 4 (3/8)^(3/4) (5/8)^(5/4) = 1.0652 on. Under a held approach the
-    wave closes without a jump, and approach = Delta sin^2 A (1 - ln sin^2 A) + alpha Delta sqrt(tan A) ln sin^2 A.
-    K. L. Johnson, Int. J. Solids Struct. 32 (1995) 423-430, doi 10.1016/0020-7683(94)00111-9.
+    It falls to pull-off, rises to the jump into full contact, and falls without end. The rise goes
+    down to zero load while alpha < 27^(1/4)/4 = 0.5699; there is none from alpha = 4 (3/8)^(3/4)
+    (5/8)^(5/4) = 1.0652 on. Under a held approach the wave closes without a jump, and approach =
+    Delta sin^2 A (1 - ln sin^2 A) + alpha Delta sqrt(tan A) ln sin^2 A. K. L. Johnson, Int. J.
+    Solids Struct. 32 (1995) 423-430, doi 10.1016/0020-7683(94)00111-9.
 
     Parameters
     ----------
@@ -223,18 +241,22 @@ class JKRWave(Wave, _JKREquilibria):
     alpha : float
         Johnson's parameter.
     self_closing_work, last_partial_work : float
-        w above which contact becomes full without load, and above which no partial contact is stable under a load [J/m^2].
+        w above which contact becomes full without load, and above which no partial contact is
+        stable under a load [J/m^2].
     jump_in, jump_into_full_contact : JKRZone
-        Where first touch leads to under no load, and the state of the greatest load of partial contact.
+        Where first touch leads to under no load, and the state of the greatest load of partial
+        contact.
     full_contact_energy : float
         Elastic and surface energy of full contact per period [J/m].
     at, at_load, at_approach, all_at_load : callable
-        The state of a parameter; at a load [N/m] or an approach [m] on a branch ("stable", "narrow", "wide", "last"); all states at a load.
+        The state of a parameter; at a load [N/m] or an approach [m] on a branch ("stable",
+        "narrow", "wide", "last"); all states at a load.
     advancing, receding : callable
-        The state at a load, reached from first touch or from the greatest contact; None: full contact.
+        The state at a load, reached from first touch or from the greatest contact; None: full
+        contact.
     pull_off, turning_points, is_stable : callable
-        Where unloading tears the surfaces apart, and where stability changes, for a machine's compliance [m^2/N]: inf under a held load
-        (the default), 0 under a held approach.
+        Where unloading tears the surfaces apart, and where stability changes, for a machine's
+        compliance [m^2/N]: inf under a held load (the default), 0 under a held approach.
 
     Raises
     ------
@@ -267,17 +289,23 @@ class JKRWave(Wave, _JKREquilibria):
 
     @property
     def self_closing_work(self) -> float:
-        """The work of adhesion above which the surfaces jump into full contact without load: at sin^2 A = 3/4."""
+        """The work of adhesion above which the surfaces jump into full contact without load: at
+        sin^2 A = 3/4.
+        """
         return self._work_of(27.0**0.25 / 4.0)
 
     @property
     def last_partial_work(self) -> float:
-        """The work of adhesion above which no partial contact is stable at any load: at tan^2 A = 3/5."""
+        """The work of adhesion above which no partial contact is stable at any load: at tan^2 A =
+        3/5.
+        """
         return self._work_of(4.0 * 0.375**0.75 * 0.625**1.25)
 
     @property
     def jump_into_full_contact(self) -> JKRZone:
-        """The state of the greatest load of partial contact: beyond it, under load control, contact is full."""
+        """The state of the greatest load of partial contact: beyond it, under load control, contact
+        is full.
+        """
         return self.at(self._part("stable", float("inf"))[1])
 
     @property

@@ -1,9 +1,9 @@
-"""Localization of one zone in a period: the isolated solution plus the pressure that balances the neighbours'
-nominal one.
+"""Localization of one zone in a period: the isolated solution plus the pressure that balances the
+neighbours' nominal one.
 
-I. G. Goryacheva & I. Tsukanov, Front. Mech. Eng. 6 (2020) 45, doi 10.3389/fmech.2020.00045, eq. (13)-(17),
-(23)-(30). The nominal pressure P_s/L acts outside the strip of width L, so that (1/pi) PV int p/(x-xi) =
-(E*/2) f' + (2 P_s/pi L) artanh(2x/L).
+I. G. Goryacheva & I. Tsukanov, Front. Mech. Eng. 6 (2020) 45, doi 10.3389/fmech.2020.00045, eq.
+(13)-(17), (23)-(30). The nominal pressure P_s/L acts outside the strip of width L, so that (1/pi)
+PV int p/(x-xi) = (E*/2) f' + (2 P_s/pi L) artanh(2x/L).
 """
 
 from dataclasses import dataclass
@@ -28,8 +28,11 @@ FIRST_ORDER = "first-order"
 SELF_CONSISTENT = "self-consistent"
 
 
-def correction_pressure(x: ArrayLike, half_width: float, period: float, nominal_load: float) -> Array:
-    """The neighbours' part of the pressure, second term of (17): (2 P_s/pi L) arctan(2 sqrt(a^2 - x^2)/sqrt(L^2 - 4a^2)), |x| <= a.
+def correction_pressure(
+    x: ArrayLike, half_width: float, period: float, nominal_load: float
+) -> Array:
+    """The neighbours' part of the pressure, second term of (17): (2 P_s/pi L) arctan(2 sqrt(a^2 -
+    x^2)/sqrt(L^2 - 4a^2)), |x| <= a.
 
     I. G. Goryacheva & I. Tsukanov, Front. Mech. Eng. 6 (2020) 45, doi 10.3389/fmech.2020.00045.
 
@@ -103,11 +106,12 @@ def _correction(r: Array, d: Array, a: float, period: float, nominal_load: float
 
 @dataclass(frozen=True)
 class LocalizedZone(SymmetricZone):
-    """An isolated solution in a period L, with the neighbours' nominal load P_s taken over by the correction of (17).
+    """An isolated solution in a period L, with the neighbours' nominal load P_s taken over by the
+    correction of (17).
 
-    `first-order` (the paper's examples (23), (27), (30)): P_s is the isolated load P0, P = P0 (2 - sqrt(L^2 -
-    4a^2)/L). `self-consistent` ((16) solved): P_s = P = P0 L/sqrt(L^2 - 4a^2).
-    I. G. Goryacheva & I. Tsukanov, Front. Mech. Eng. 6 (2020) 45, doi 10.3389/fmech.2020.00045.
+    `first-order` (the paper's examples (23), (27), (30)): P_s is the isolated load P0, P = P0 (2 -
+    sqrt(L^2 - 4a^2)/L). `self-consistent` ((16) solved): P_s = P = P0 L/sqrt(L^2 - 4a^2). I. G.
+    Goryacheva & I. Tsukanov, Front. Mech. Eng. 6 (2020) 45, doi 10.3389/fmech.2020.00045.
 
     Parameters
     ----------
@@ -132,7 +136,8 @@ class LocalizedZone(SymmetricZone):
     Raises
     ------
     SceneError
-        If the solution is of another family, the closure unknown, or the zone as wide as the period.
+        If the solution is of another family, the closure unknown, or the zone as wide as the
+        period.
     OutOfRange
         If the pressure would be negative at the ends.
 
@@ -155,12 +160,18 @@ class LocalizedZone(SymmetricZone):
         positive("period", self.period)
         one_of("closure", self.closure, (FIRST_ORDER, SELF_CONSISTENT))
         if not isinstance(self.isolated, Isolated):
-            raise SceneError.of("isolated", self.isolated, "a HertzLine, an IsolatedWedge or an IsolatedSinusoid")
+            raise SceneError.of(
+                "isolated", self.isolated, "a HertzLine, an IsolatedWedge or an IsolatedSinusoid"
+            )
         between("half_width", self.half_width, 0.0, 0.5 * self.period)
         if isinstance(self.isolated, IsolatedSinusoid) and self.isolated.wavelength != self.period:
-            raise SceneError.of("wavelength", self.isolated.wavelength, f"the period {self.period:.17g}")
+            raise SceneError.of(
+                "wavelength", self.isolated.wavelength, f"the period {self.period:.17g}"
+            )
         if float(self.load_rate(np.array(self.half_width))) < 0.0:
-            raise OutOfRange(f"half_width = {self.half_width:.6g} m is out of range: p < 0 at the ends")
+            raise OutOfRange(
+                f"half_width = {self.half_width:.6g} m is out of range: p < 0 at the ends"
+            )
 
     half_width = property(lambda self: self.isolated.half_width)  # type: ignore[assignment]
     E_star = property(lambda self: self.isolated.E_star)  # type: ignore[assignment]
@@ -193,7 +204,12 @@ class LocalizedZone(SymmetricZone):
         return self.isolated._pressure(r, d) + extra
 
     def _gap(self, e: Array) -> Array:
-        return abel_gap(self.load_rate, self.half_width, np.minimum(e, 0.5 * self.period - self.half_width), self.E_star)
+        return abel_gap(
+            self.load_rate,
+            self.half_width,
+            np.minimum(e, 0.5 * self.period - self.half_width),
+            self.E_star,
+        )
 
     # The closures do not fix a common level of u.
     approach = property(lambda self: None)
@@ -202,13 +218,18 @@ class LocalizedZone(SymmetricZone):
 
 def _load(isolated: Isolated, period: float, closure: str) -> float:
     a, alone = isolated.half_width, isolated.load
-    return alone + correction_load(a, period, alone) if closure == FIRST_ORDER else alone * period / _root(a, period)
+    return (
+        alone + correction_load(a, period, alone)
+        if closure == FIRST_ORDER
+        else alone * period / _root(a, period)
+    )
 
 
 def localized_at_load(
     family: type[Isolated], load: float, period: float, closure: str = FIRST_ORDER, **shape: Any
 ) -> LocalizedZone:
-    """The localized solution of a family at a load per period, on the branch that starts at zero load.
+    """The localized solution of a family at a load per period, on the branch that starts at zero
+    load.
 
     Past the load's maximum on that branch (the first-order sinusoid has one near a/L = 0.44) it is
     OutOfRange.
@@ -224,7 +245,8 @@ def localized_at_load(
     closure : str
         "first-order" or "self-consistent": see `LocalizedZone`.
     **shape : float
-        The other parameters of the family by name; a sinusoid's wavelength is the period if left out.
+        The other parameters of the family by name; a sinusoid's wavelength is the period if left
+        out.
 
     Returns
     -------
@@ -264,7 +286,9 @@ def localized_at_load(
         last = float(minimize_scalar(lambda a: -at(a), bounds=bracket, method="bounded").x)
     most = at(last)
     if load > most:
-        raise OutOfRange(f"load = {load:.6g} N/m is out of range: the {closure} load is at most {most:.6g} N/m")
+        raise OutOfRange(
+            f"load = {load:.6g} N/m is out of range: the {closure} load is at most {most:.6g} N/m"
+        )
     first = 0.25 * period
     while at(first) > load:
         first *= 0.5

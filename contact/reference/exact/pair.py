@@ -1,15 +1,16 @@
-"""Two zones a <= |x| <= b under an even pressure, alone or once in every period: one zone in another variable.
+"""Two zones a <= |x| <= b under an even pressure, alone or once in every period: one zone in
+another variable.
 
-With v = x and no period, v = tan(pi x/L) with one (the Hilbert kernel is then the Cauchy kernel in v, since the pressure
-is even), and y = v^2 = m + h cos(theta), the odd slope h'(x) of the gap to be closed is v G(y),
-G = sum g_n cos(n theta), and (34) with its boundary conditions becomes
+With v = x and no period, v = tan(pi x/L) with one (the Hilbert kernel is then the Cauchy kernel in
+v, since the pressure is even), and y = v^2 = m + h cos(theta), the odd slope h'(x) of the gap to be
+closed is v G(y), G = sum g_n cos(n theta), and (34) with its boundary conditions becomes
 
     bounded at all four ends   g_0 = 0,
     p = (E* |v|/2) sum g_n sin(n theta),
     P = pi E* h g_1/4 alone,   P = (E* L/2) |sum g_n rho^n| with a period,
 
-rho = -1/(z + sqrt(z^2 - 1)), z = (1 + m)/h. For G linear in y this is (32) and (33) of Goryacheva & Tsukanov (2020),
-doi 10.3389/fmech.2020.00045. The rest is derived here.
+rho = -1/(z + sqrt(z^2 - 1)), z = (1 + m)/h. For G linear in y this is (32) and (33) of Goryacheva &
+Tsukanov (2020), doi 10.3389/fmech.2020.00045. The rest is derived here.
 """
 
 from collections.abc import Callable
@@ -26,9 +27,11 @@ from contact.model.checks import keep, positive
 from contact.reference.exact.base import Array, check_number, least_value
 from contact.reference.exact.roots import root
 
-# The terms of a series that falls as rho^n: up to rounding, and what that takes where a zone all but ends at a singularity.
+# The terms of a series that falls as rho^n: up to rounding, and what that takes where a zone all
+# but ends at a singularity.
 _DIGITS = 38.0
-_FEWEST, _MOST = 32, 8192
+_FEWEST = 32
+_MOST = 8192
 
 Ratio = Callable[[Array, float, float], Array]
 
@@ -50,17 +53,20 @@ class Pair:
 
 @dataclass(frozen=True, eq=False)
 class EvenPair(Pair):
-    """Two zones a <= |x| <= b under an even pressure, alone or once in every period, as one zone in y = v^2 = m + h cos(theta).
+    """Two zones a <= |x| <= b under an even pressure, alone or once in every period, as one zone in
+    y = v^2 = m + h cos(theta).
 
-    p = (E*/2)|v| sum g_n sin(n theta), P = pi E* h g_1/4 alone, v = x, or v = tan(pi x/L) with a period: see the head of this module.
-    Derived here; for G linear in y it is (32) and (33) of Goryacheva & Tsukanov (2020), doi 10.3389/fmech.2020.00045.
+    p = (E*/2)|v| sum g_n sin(n theta), P = pi E* h g_1/4 alone, v = x, or v = tan(pi x/L) with a
+    period: see the head of this module. Derived here; for G linear in y it is (32) and (33) of
+    Goryacheva & Tsukanov (2020), doi 10.3389/fmech.2020.00045.
 
     Parameters
     ----------
     middle, half : float
         m and h, 0 < h < m, in m^2 alone and without unit with a period.
     ratio : array, (n,)
-        The coefficients g_n of f'/v as a cosine series in theta; g_0 is 0 where the pressure is bounded at all ends.
+        The coefficients g_n of f'/v as a cosine series in theta; g_0 is 0 where the pressure is
+        bounded at all ends.
     E_star : float
         Reduced modulus [Pa].
     period : float or None
@@ -104,9 +110,17 @@ class EvenPair(Pair):
 
     @classmethod
     def on(
-        cls, middle: float, half: float, ratio: Ratio, E_star: float, limit: float, period: float | None = None
+        cls,
+        middle: float,
+        half: float,
+        ratio: Ratio,
+        E_star: float,
+        limit: float,
+        period: float | None = None,
     ) -> "EvenPair":
-        """The pair whose G is ratio(y, m, h), by its values at the Chebyshev nodes; G is singular at y = limit."""
+        """The pair whose G is ratio(y, m, h), by its values at the Chebyshev nodes; G is singular
+        at y = limit.
+        """
         values = _values(ratio, middle, half, limit)
         g = dct(values, type=2) / len(values)
         g[0] *= 0.5
@@ -127,20 +141,34 @@ class EvenPair(Pair):
             return float(0.25 * pi * self.E_star * self.half * self.ratio[1])
         z = (1.0 + self.middle) / self.half
         rho = -1.0 / (z + sqrt((z - 1.0) * (z + 1.0)))
-        return float(0.5 * self.E_star * self.period * abs(np.polynomial.polynomial.polyval(rho, self.ratio)))
+        return float(
+            0.5 * self.E_star * self.period * abs(np.polynomial.polynomial.polyval(rho, self.ratio))
+        )
 
     def at_angle(self, theta: ArrayLike) -> Array:
         """p at y = m + h cos(theta) [Pa]."""
         theta = np.asarray(theta, dtype=float)
         v = np.sqrt((self.middle - self.half) + 2.0 * self.half * np.cos(0.5 * theta) ** 2)
-        return np.asarray(0.5 * self.E_star * v * (np.sin(theta[..., None] * np.arange(len(self.ratio))) @ self.ratio))
+        return np.asarray(
+            0.5
+            * self.E_star
+            * v
+            * (np.sin(theta[..., None] * np.arange(len(self.ratio))) @ self.ratio)
+        )
 
     def angle(self, x: ArrayLike) -> Array:
         """theta at positions in a zone; 0 and pi outside."""
         r = np.abs(np.asarray(x, dtype=float))
-        v = r if self.period is None else np.abs(np.tan(pi / self.period * (r - self.period * np.round(r / self.period))))
+        v = (
+            r
+            if self.period is None
+            else np.abs(np.tan(pi / self.period * (r - self.period * np.round(r / self.period))))
+        )
         inner, outer = np.sqrt(self.middle - self.half), np.sqrt(self.middle + self.half)
-        from_outer, from_inner = np.maximum((outer - v) * (outer + v), 0.0), np.maximum((v - inner) * (v + inner), 0.0)
+        from_outer, from_inner = (
+            np.maximum((outer - v) * (outer + v), 0.0),
+            np.maximum((v - inner) * (v + inner), 0.0),
+        )
         return np.asarray(2.0 * np.arctan2(np.sqrt(from_outer), np.sqrt(from_inner)))
 
     def pressure(self, x: ArrayLike) -> Array:
@@ -161,9 +189,13 @@ class EvenPair(Pair):
 
 
 def _values(ratio: Ratio, middle: float, half: float, limit: float) -> Array:
-    """G at Chebyshev nodes, as many as its distance from y = -1, where arctan v branches, and from the limit takes."""
+    """G at Chebyshev nodes, as many as its distance from y = -1, where arctan v branches, and from
+    the limit takes.
+    """
     nearest = min(1.0 + middle, limit - middle) / half
-    rate = log(nearest + sqrt(max((nearest - 1.0) * (nearest + 1.0), 0.0))) if nearest > 1.0 else 0.0
+    rate = (
+        log(nearest + sqrt(max((nearest - 1.0) * (nearest + 1.0), 0.0))) if nearest > 1.0 else 0.0
+    )
     n = _MOST if rate * _MOST < _DIGITS else max(_FEWEST, ceil(_DIGITS / rate))
     # y from the inner end: m - h is small where the zones are close to merging.
     y = (middle - half) + 2.0 * half * np.cos(0.5 * pi * (np.arange(n) + 0.5) / n) ** 2
@@ -174,7 +206,8 @@ def bounded_middle(ratio: Ratio, half: float, limit: float) -> float | None:
     """m at which g_0 = 0 for a given h, m + h < limit; None where the zones would have met (m <= h)
     or left the strip.
 
-    g_0 grows with m: G is negative where the tip lies further out, positive where it lies further in.
+    g_0 grows with m: G is negative where the tip lies further out, positive where it lies further
+    in.
     """
 
     def miss(middle: float) -> float:
@@ -193,7 +226,9 @@ def bounded_middle(ratio: Ratio, half: float, limit: float) -> float | None:
     return root(miss, half, high)
 
 
-def pair_at_load(ratio: Ratio, load: float, E_star: float, limit: float, period: float | None = None) -> EvenPair:
+def pair_at_load(
+    ratio: Ratio, load: float, E_star: float, limit: float, period: float | None = None
+) -> EvenPair:
     """The pair that carries the load, m by `bounded_middle`: the root of P(h), which grows with h.
 
     limit: what y stays below. OutOfRange past the load at which the zones meet.
@@ -232,8 +267,10 @@ def tips_slope(x: Array, radius: float, spacing: float) -> Array:
 
 @dataclass(frozen=True)
 class PairRow(Pair):
-    """Two tips a distance 2c = `spacing` apart, once in every period, each with its own zone; the mean pressure is the load of both
-    over the period. A solution has its `pair`, or says where the zones end and what the pressure is."""
+    """Two tips a distance 2c = `spacing` apart, once in every period, each with its own zone; the
+    mean pressure is the load of both over the period. A solution has its `pair`, or says where the
+    zones end and what the pressure is.
+    """
 
     radius: float
     spacing: float
@@ -273,10 +310,11 @@ class PairRow(Pair):
 
 @dataclass(frozen=True)
 class PeriodicBiquadratic(PairRow):
-    """f = (x^2 - c^2)^2/8Rc^2 repeated with the period L, while each tip has its own zone: exact, by (34) in v = tan(pi x/L).
+    """f = (x^2 - c^2)^2/8Rc^2 repeated with the period L, while each tip has its own zone: exact,
+    by (34) in v = tan(pi x/L).
 
-    The series of G = f'(x(v))/v is the only thing that is not elementary. Derived here, after (34) of Goryacheva & Tsukanov (2020),
-    doi 10.3389/fmech.2020.00045.
+    The series of G = f'(x(v))/v is the only thing that is not elementary. Derived here, after (34)
+    of Goryacheva & Tsukanov (2020), doi 10.3389/fmech.2020.00045.
 
     Parameters
     ----------
@@ -328,6 +366,7 @@ class PeriodicBiquadratic(PairRow):
     @cached_property
     def pair(self) -> EvenPair:
         """The solution in v = tan(pi x/L)."""
+
         def ratio(y: Array, middle: float, half: float) -> Array:
             v = np.sqrt(y)
             return tips_slope(self.period / pi * np.arctan(v), self.radius, self.spacing) / v

@@ -1,8 +1,8 @@
 """Parabola f = x^2/2R, alone (Hertz) and in a row of period L (Kuznetsov; a sharp valley at L/2).
 
-H. Hertz (1882); K. L. Johnson, Contact Mechanics (1985), sec. 4.2. Ye. A. Kuznetsov, "Periodic contact
-problem for half-plane allowing for forces of friction", Sov. Appl. Mech. 12 (1976), and Kuznetsov (1978) for
-the load (28).
+H. Hertz (1882); K. L. Johnson, Contact Mechanics (1985), sec. 4.2. Ye. A. Kuznetsov, "Periodic
+contact problem for half-plane allowing for forces of friction", Sov. Appl. Mech. 12 (1976), and
+Kuznetsov (1978) for the load (28).
 """
 
 from dataclasses import dataclass
@@ -32,8 +32,8 @@ class _Parabola(base.SymmetricZone):
 class HertzLine(base.IsolatedZone, _Parabola):
     """A parabola alone (Hertz 1882): p = (E*/2R) sqrt(a^2 - x^2), P = pi E* a^2/4R,
 
-    gap = (1/2R)(x sqrt(x^2 - a^2) - a^2 arcosh(x/a)), approach = (a^2/2R)(ln(2d/a) + 1/2) (greatest at a = 2d).
-    K. L. Johnson, Contact Mechanics (1985), sec. 4.2, doi 10.1017/CBO9781139171731.
+    gap = (1/2R)(x sqrt(x^2 - a^2) - a^2 arcosh(x/a)), approach = (a^2/2R)(ln(2d/a) + 1/2) (greatest
+    at a = 2d). K. L. Johnson, Contact Mechanics (1985), sec. 4.2, doi 10.1017/CBO9781139171731.
 
     Parameters
     ----------
@@ -96,14 +96,15 @@ class HertzLine(base.IsolatedZone, _Parabola):
 
 @dataclass(frozen=True)
 class PeriodicParabola(base.PeriodicZone, _Parabola):
-    """A parabola in a row: Kuznetsov's load (28), P = -(L^2 E*/2 pi R) ln cos A, and by the superposition of punches in closed
-    form (derived here):
+    """A parabola in a row: Kuznetsov's load (28), P = -(L^2 E*/2 pi R) ln cos A, and by the
+    superposition of punches in closed form (derived here):
 
-    p = (L E*/2 pi R) arcosh(cos u/cos A),   gap slope = (L/pi R) arccos(cos u/cos A),
-    u = pi x/L, A = pi a/L,
-    approach = (L^2/4 pi^2 R)(Li_2(sin^2 A) + ln sin^2 A ln cos^2 A), which tends to the mean height L^2/24R.
+    p = (L E*/2 pi R) arcosh(cos u/cos A),   gap slope = (L/pi R) arccos(cos u/cos A), u = pi x/L, A
+    = pi a/L, approach = (L^2/4 pi^2 R)(Li_2(sin^2 A) + ln sin^2 A ln cos^2 A), which tends to the
+    mean height L^2/24R.
 
-    Ye. A. Kuznetsov, Sov. Appl. Mech. 12 (1976); (28) as given by Goryacheva & Tsukanov (2020), doi 10.3389/fmech.2020.00045.
+    Ye. A. Kuznetsov, Sov. Appl. Mech. 12 (1976); (28) as given by Goryacheva & Tsukanov (2020), doi
+    10.3389/fmech.2020.00045.
 
     Parameters
     ----------
@@ -119,7 +120,8 @@ class PeriodicParabola(base.PeriodicZone, _Parabola):
     Attributes
     ----------
     load : float
-        P per period [N/m]; the class methods `from_load`, `from_mean_pressure` and `from_contact_fraction` start from one of these numbers.
+        P per period [N/m]; the class methods `from_load`, `from_mean_pressure` and
+        `from_contact_fraction` start from one of these numbers.
     pressure, gap, zones, approach : as in `SymmetricZone`
         What every such zone has, and what else is there.
 
@@ -145,19 +147,33 @@ class PeriodicParabola(base.PeriodicZone, _Parabola):
         return base.half_width_from_sine(sqrt(-expm1(-2.0 * y)), exp(-y), shape["period"])
 
     def _beside(self, middle: Array, d: Array) -> Array:
-        """|cos u/cos A - 1| at the distance d from the end and (u + A)/2: 2 sin((A + u)/2) sin(|A - u|/2)/cos A."""
+        """|cos u/cos A - 1| at the distance d from the end and (u + A)/2: 2 sin((A + u)/2) sin(|A -
+        u|/2)/cos A.
+        """
         return 2.0 * sine(middle, self.period) * sine(0.5 * d, self.period) / self._cosine()
 
     def _pressure(self, r: Array, d: Array) -> Array:
-        return self.period * self.E_star / (2.0 * pi * self.radius) * arcosh1p(self._beside(0.5 * (self.half_width + r), d))
+        return (
+            self.period
+            * self.E_star
+            / (2.0 * pi * self.radius)
+            * arcosh1p(self._beside(0.5 * (self.half_width + r), d))
+        )
 
     def _gap_slope(self, e: Array) -> Array:
         # Its integral is not elementary.
-        return self.period / (pi * self.radius) * arccos1m(self._beside(self.half_width + 0.5 * e, e))
+        return (
+            self.period / (pi * self.radius) * arccos1m(self._beside(self.half_width + 0.5 * e, e))
+        )
 
     @property
     def load(self) -> float:
-        return -(self.period**2) * self.E_star / (2.0 * pi * self.radius) * float(log_of(self._cosine(), self._sine()))
+        return (
+            -(self.period**2)
+            * self.E_star
+            / (2.0 * pi * self.radius)
+            * float(log_of(self._cosine(), self._sine()))
+        )
 
     def _left(self) -> float:
         square = self._sine() ** 2

@@ -22,7 +22,8 @@ from contact.reference.exact.roots import root
 
 # Exponents below which the integral of the pressure is taken by its expansion about the tip,
 # within this part of the half width.
-_LOW, _NEAR = 2.5, 0.5
+_LOW = 2.5
+_NEAR = 0.5
 # Exponent up to which the pressure is highest in the middle.
 _FLAT = 2.0
 

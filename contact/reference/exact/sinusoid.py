@@ -1,8 +1,9 @@
-"""Sinusoid f = Delta (1 - cos(2 pi x/L)): Westergaard's periodic contact, full contact, and one wave alone.
+"""Sinusoid f = Delta (1 - cos(2 pi x/L)): Westergaard's periodic contact, full contact, and one
+wave alone.
 
-H. M. Westergaard, "Bearing pressures and cracks", J. Appl. Mech. 6 (1939) A49-A53. One wave: I. Tsukanov
-(2018a), as given by Goryacheva & Tsukanov (2020), doi 10.3389/fmech.2020.00045, eq. (18)-(22); the factor of
-(18) is misprinted there.
+H. M. Westergaard, "Bearing pressures and cracks", J. Appl. Mech. 6 (1939) A49-A53. One wave: I.
+Tsukanov (2018a), as given by Goryacheva & Tsukanov (2020), doi 10.3389/fmech.2020.00045, eq.
+(18)-(22); the factor of (18) is misprinted there.
 """
 
 from dataclasses import dataclass
@@ -36,7 +37,8 @@ class _Wave:
 
 @dataclass(frozen=True)
 class Westergaard(base.PeriodicZone, _Wave):
-    """A wave f = Delta (1 - cos(2 pi x/L)) in partial contact (Westergaard 1939), p* = pi E* Delta/L, u = pi x/L, A = pi a/L:
+    """A wave f = Delta (1 - cos(2 pi x/L)) in partial contact (Westergaard 1939), p* = pi E*
+    Delta/L, u = pi x/L, A = pi a/L:
 
     (18) p = sqrt2 p* cos u sqrt(cos 2u - cos 2A),   (19) mean pressure = p* sin^2 A,
     approach = Delta sin^2 A (1 - ln sin^2 A),
@@ -58,7 +60,8 @@ class Westergaard(base.PeriodicZone, _Wave):
     Attributes
     ----------
     load : float
-        P per period [N/m]; the class methods `from_load`, `from_mean_pressure` and `from_contact_fraction` start from one of these numbers.
+        P per period [N/m]; the class methods `from_load`, `from_mean_pressure` and
+        `from_contact_fraction` start from one of these numbers.
     full_contact_pressure : float
         p*, the smallest mean pressure of full contact [Pa].
     pressure, gap, zones, approach : as in `SymmetricZone`
@@ -86,7 +89,9 @@ class Westergaard(base.PeriodicZone, _Wave):
     def _half_width_for(cls, load: float, **shape: float) -> float:
         most = pi * shape["E_star"] * shape["amplitude"]
         base.refuse_load(load, most, "contact is full (use FullContactSinusoid)")
-        return base.half_width_from_sine(sqrt(load / most), sqrt((most - load) / most), shape["period"])
+        return base.half_width_from_sine(
+            sqrt(load / most), sqrt((most - load) / most), shape["period"]
+        )
 
     def _height(self, r: Array) -> Array:
         return 2.0 * self.amplitude * sine(r, self.period) ** 2
@@ -105,10 +110,22 @@ class Westergaard(base.PeriodicZone, _Wave):
 
     def _gap_slope(self, e: Array) -> Array:
         root = np.sqrt(sine(e, self.period) * sine(2.0 * self.half_width + e, self.period))
-        return 4.0 * pi * self.amplitude / self.period * cosine(self.half_width, self.period, -e) * root
+        return (
+            4.0
+            * pi
+            * self.amplitude
+            / self.period
+            * cosine(self.half_width, self.period, -e)
+            * root
+        )
 
     def _gap(self, e: Array) -> Array:
-        return 2.0 * self.amplitude * self._sine() ** 2 * zone_potential(sine_excess(self.half_width, e, self.period))
+        return (
+            2.0
+            * self.amplitude
+            * self._sine() ** 2
+            * zone_potential(sine_excess(self.half_width, e, self.period))
+        )
 
     @property
     def load(self) -> float:
@@ -120,7 +137,8 @@ class Westergaard(base.PeriodicZone, _Wave):
 
 @dataclass(frozen=True)
 class FullContactSinusoid(_Wave):
-    """Full contact of the wave f = Delta (1 - cos(2 pi x/L)), mean pressure >= p* = pi E* Delta/L: p = mean + p* cos(2 pi x/L).
+    """Full contact of the wave f = Delta (1 - cos(2 pi x/L)), mean pressure >= p* = pi E* Delta/L:
+    p = mean + p* cos(2 pi x/L).
 
     H. M. Westergaard, J. Appl. Mech. 6 (1939) A49-A53, doi 10.1115/1.4008919.
 
@@ -184,7 +202,9 @@ class FullContactSinusoid(_Wave):
     def pressure(self, x: ArrayLike) -> Array:
         """p(x) = mean - p* + 2 p* cos^2(pi x/L)."""
         least = self.mean_pressure - self.full_contact_pressure
-        return least + 2.0 * self.full_contact_pressure * np.cos(pi / self.period * np.asarray(x)) ** 2
+        return (
+            least + 2.0 * self.full_contact_pressure * np.cos(pi / self.period * np.asarray(x)) ** 2
+        )
 
     def displacement(self, x: ArrayLike) -> Array:
         """u = Delta cos(2 pi x/L)."""
@@ -211,9 +231,10 @@ class IsolatedSinusoid(base.IsolatedZone, _OneWave):
     (21) P = (pi^2 Delta E*/L) a J_1(ka),
     (22) p(0) = (pi Delta E*/L) int_0^{ka} J_0.
 
-    The pressure is positive up to a/L = 0.3827, the first zero of J_0, where the load is greatest; beyond it
-    (`admissible` is False) the formula is only an ingredient of the localized solution. `wavelength` is L:
-    nothing repeats here. As given by Goryacheva & Tsukanov (2020), doi 10.3389/fmech.2020.00045.
+    The pressure is positive up to a/L = 0.3827, the first zero of J_0, where the load is greatest;
+    beyond it (`admissible` is False) the formula is only an ingredient of the localized solution.
+    `wavelength` is L: nothing repeats here. As given by Goryacheva & Tsukanov (2020), doi
+    10.3389/fmech.2020.00045.
 
     Parameters
     ----------
@@ -284,11 +305,17 @@ class IsolatedSinusoid(base.IsolatedZone, _OneWave):
 
     def _pressure(self, r: Array, d: Array) -> Array:
         a, ka = self.half_width, self._k * self.half_width
-        # sqrt(1 - t^2) U_2j(t) = sin((2j + 1) phi), t = cos phi; phi from half the distance to the end.
+        # sqrt(1 - t^2) U_2j(t) = sin((2j + 1) phi), t = cos phi; phi from half the distance to the
+        # end.
         phi = 2.0 * np.arcsin(np.sqrt(0.5 * d / a))
         j = np.arange(20)  # J_41(pi) is below 1e-40
         weight = (-1.0) ** j * jv(2 * j + 1, ka)
-        return self.E_star * self.amplitude * self._k * np.sum(weight * np.sin((2 * j + 1) * phi[..., None]), axis=-1)
+        return (
+            self.E_star
+            * self.amplitude
+            * self._k
+            * np.sum(weight * np.sin((2 * j + 1) * phi[..., None]), axis=-1)
+        )
 
     def load_rate(self, s: ArrayLike) -> Array:
         """dP/da at a = s."""
@@ -309,7 +336,8 @@ class IsolatedSinusoid(base.IsolatedZone, _OneWave):
 
 
 def sinusoid(mean_pressure: float, **shape: Any) -> Westergaard | FullContactSinusoid:
-    """The solution of the wave f = Delta (1 - cos(2 pi x/L)) at any mean pressure, in partial or full contact.
+    """The solution of the wave f = Delta (1 - cos(2 pi x/L)) at any mean pressure, in partial or
+    full contact.
 
     Parameters
     ----------

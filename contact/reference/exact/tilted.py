@@ -1,9 +1,11 @@
-"""Punches turned by a small angle on a half-plane: the gap at zero load is f(x) - tilt x, and M = int p x dx.
+"""Punches turned by a small angle on a half-plane: the gap at zero load is f(x) - tilt x, and M =
+int p x dx.
 
-Derived here, e = M/P being the centre of the load. The pressure of a turned flat punch in full contact is that of
-N. I. Muskhelishvili (1953), sec. 116, and K. L. Johnson, Contact Mechanics (1985), sec. 2.8; where it would pull, one end
-lifts off and the zone is bounded there. A parabola only moves its zone. A turned wedge has unequal slopes, and the angle
-phi of its tip, cos phi = -sin(pi tilt / 2 slope), makes both ends free.
+Derived here, e = M/P being the centre of the load. The pressure of a turned flat punch in full
+contact is that of N. I. Muskhelishvili (1953), sec. 116, and K. L. Johnson, Contact Mechanics
+(1985), sec. 2.8; where it would pull, one end lifts off and the zone is bounded there. A parabola
+only moves its zone. A turned wedge has unequal slopes, and the angle phi of its tip, cos phi =
+-sin(pi tilt / 2 slope), makes both ends free.
 """
 
 from dataclasses import dataclass
@@ -14,13 +16,22 @@ from numpy.typing import ArrayLike
 
 from contact.errors import OutOfRange
 from contact.model.checks import finite, positive
-from contact.reference.exact.base import Array, Pressed, arcosh1p, check_number, integrated, zone_potential
+from contact.reference.exact.base import (
+    Array,
+    Pressed,
+    arcosh1p,
+    check_number,
+    integrated,
+    zone_potential,
+)
 
 
 class TiltedZone(Pressed):
-    """One zone under a turned punch, the gap at no load being f(x) - tilt x; the base of its solutions.
+    """One zone under a turned punch, the gap at no load being f(x) - tilt x; the base of its
+    solutions.
 
-    M = int p x dx is the moment about the middle of the body, e = M/P the centre of the load. Derived here, see the head of this module.
+    M = int p x dx is the moment about the middle of the body, e = M/P the centre of the load.
+    Derived here, see the head of this module.
 
     Attributes
     ----------
@@ -37,13 +48,15 @@ class TiltedZone(Pressed):
     approach : float or None
         By how much the body has come down at x = 0, from f(0) = 0 on [m]; None without a datum.
     stiffness, punch_compliance : float or None
-        d load/d approach at a given tilt [Pa], that of a flat punch on the same zone, and its inverse [m^2/N].
+        d load/d approach at a given tilt [Pa], that of a flat punch on the same zone, and its
+        inverse [m^2/N].
     max_pressure : float
         Peak pressure [Pa]; inf where there is a corner or a tip in the zone.
     zones : array, (1, 2)
         The ends [m]; beside them `zone_widths` [m] and `zone_loads` [N/m], both (1,).
     pressure, gap, displacement, height, slope : callable
-        p [Pa], gap [m], u [m] into the body, f [m] of the body as it is given and f' - tilt as it stands, at positions x [m] of any shape.
+        p [Pa], gap [m], u [m] into the body, f [m] of the body as it is given and f' - tilt as it
+        stands, at positions x [m] of any shape.
     pressure_at : callable
         p [Pa] at normalised positions t in [-1, 1] of the zone.
 
@@ -118,7 +131,8 @@ class TiltedZone(Pressed):
 
 @dataclass(frozen=True)
 class TiltedParabola(TiltedZone):
-    """A turned parabola f = x^2/2R: the zone of Hertz about x = R tilt, M = P R tilt, approach = that of Hertz - R tilt^2/2.
+    """A turned parabola f = x^2/2R: the zone of Hertz about x = R tilt, M = P R tilt, approach =
+    that of Hertz - R tilt^2/2.
 
     Derived here: a parabola only moves its zone.
 
@@ -200,10 +214,11 @@ class TiltedParabola(TiltedZone):
 
 @dataclass(frozen=True)
 class TiltedWedge(TiltedZone):
-    """A turned wedge f = slope |x|, alpha = pi tilt / 2 slope, of half width w about w sin alpha, the tip at t = -sin alpha in the zone:
+    """A turned wedge f = slope |x|, alpha = pi tilt / 2 slope, of half width w about w sin alpha,
+    the tip at t = -sin alpha in the zone:
 
-    P = E* slope w cos alpha,   M = P w sin alpha / 2 = (P^2 / 2 E* slope) tan alpha,
-    p = (E* slope/pi) arcosh((1 + t sin alpha)/|t + sin alpha|),   approach = (2P/pi E*)(ln(2d/w) + 1).
+    P = E* slope w cos alpha,   M = P w sin alpha / 2 = (P^2 / 2 E* slope) tan alpha, p = (E*
+    slope/pi) arcosh((1 + t sin alpha)/|t + sin alpha|),   approach = (2P/pi E*)(ln(2d/w) + 1).
 
     Derived here.
 
@@ -255,10 +270,19 @@ class TiltedWedge(TiltedZone):
         self._check("wedge_slope", "E_star", "half_width")
         finite("tilt", self.tilt)
         if abs(self.tilt) >= self.wedge_slope:
-            raise OutOfRange(f"tilt = {self.tilt:.6g}: a wedge of slope {self.wedge_slope:.6g} turned so far lies on its flank")
+            raise OutOfRange(
+                f"tilt = {self.tilt:.6g}: a wedge of slope {self.wedge_slope:.6g} turned so far lies on its flank"
+            )
 
     @classmethod
-    def balanced(cls, load: float, moment: float, wedge_slope: float, E_star: float, datum: float | None = None) -> "TiltedWedge":
+    def balanced(
+        cls,
+        load: float,
+        moment: float,
+        wedge_slope: float,
+        E_star: float,
+        datum: float | None = None,
+    ) -> "TiltedWedge":
         """The solution of given load and moment."""
         alpha = atan(2.0 * E_star * wedge_slope * moment / positive("load", load) ** 2)
         w = load / (E_star * wedge_slope * cos(alpha))
@@ -270,8 +294,13 @@ class TiltedWedge(TiltedZone):
 
     @property
     def _tip(self) -> tuple[float, float]:
-        """Distances of the tip from the left and right end over the half width, 1 -+ sin alpha, near either end too."""
-        left, right = (2.0 * sin(pi * (self.wedge_slope - turn) / (4.0 * self.wedge_slope)) ** 2 for turn in (self.tilt, -self.tilt))
+        """Distances of the tip from the left and right end over the half width, 1 -+ sin alpha,
+        near either end too.
+        """
+        left, right = (
+            2.0 * sin(pi * (self.wedge_slope - turn) / (4.0 * self.wedge_slope)) ** 2
+            for turn in (self.tilt, -self.tilt)
+        )
         return left, right
 
     @property
@@ -308,12 +337,14 @@ class TiltedWedge(TiltedZone):
 
     def _pressure(self, left: Array, right: Array) -> Array:
         at_left, at_right = self._tip
-        ratio = np.where(left > at_left, right * at_left / (left - at_left), left * at_right / (right - at_right))
+        ratio = np.where(
+            left > at_left, right * at_left / (left - at_left), left * at_right / (right - at_right)
+        )
         return self.E_star * self.wedge_slope / pi * arcosh1p(np.abs(ratio))
 
     def _gap(self, beyond: Array, side: int) -> Array:
-        # The gap opens with the slope (4 slope/pi) arctan((1 - rho) / ((1 + rho) tan(phi/2))), by the angle phi of the tip from
-        # the end it opens at and rho = z - sqrt(z^2 - 1), z = 1 + s.
+        # The gap opens with the slope (4 slope/pi) arctan((1 - rho) / ((1 + rho) tan(phi/2))), by
+        # the angle phi of the tip from the end it opens at and rho = z - sqrt(z^2 - 1), z = 1 + s.
         turn = tan(0.25 * pi + 0.5 * side * self._alpha)
 
         def opening(s: Array, _: Array) -> Array:
@@ -328,13 +359,15 @@ class TiltedWedge(TiltedZone):
 
 @dataclass(frozen=True)
 class TiltedPunch(TiltedZone):
-    """A flat punch |x| <= a with sharp corners under P and M, e = M/P. Up to |e| = a/2 all of it is in contact,
+    """A flat punch |x| <= a with sharp corners under P and M, e = M/P. Up to |e| = a/2 all of it is
+    in contact,
 
-    p = (P + 2 M x/a^2) / (pi sqrt(a^2 - x^2)),   tilt = 4 M/(pi E* a^2),   approach = (2P/pi E*) ln(2d/a);
-    beyond, a zone of half width w = 2 (a - |e|) at one corner, t = 1 there,
-    p = (P/pi w) sqrt((1 + t)/(1 - t)),   |tilt| = 2P/(pi E* w),   approach = w |tilt| ln(2d/w) - (a - w)|tilt|.
+    p = (P + 2 M x/a^2) / (pi sqrt(a^2 - x^2)),   tilt = 4 M/(pi E* a^2),   approach = (2P/pi E*)
+    ln(2d/a); beyond, a zone of half width w = 2 (a - |e|) at one corner, t = 1 there, p = (P/pi w)
+    sqrt((1 + t)/(1 - t)),   |tilt| = 2P/(pi E* w),   approach = w |tilt| ln(2d/w) - (a - w)|tilt|.
 
-    Full contact: N. I. Muskhelishvili (1953), sec. 116, and K. L. Johnson, Contact Mechanics (1985), sec. 2.8; the rest derived here.
+    Full contact: N. I. Muskhelishvili (1953), sec. 116, and K. L. Johnson, Contact Mechanics
+    (1985), sec. 2.8; the rest derived here.
 
     Parameters
     ----------
@@ -388,7 +421,9 @@ class TiltedPunch(TiltedZone):
         self._check("corner", "E_star", "load")
         finite("moment", self.moment)
         if not abs(self.moment) < self.load * self.corner:
-            raise OutOfRange(f"moment = {self.moment:.6g} N: the load's centre is not between the corners")
+            raise OutOfRange(
+                f"moment = {self.moment:.6g} N: the load's centre is not between the corners"
+            )
 
     @property
     def lifted(self) -> bool:
@@ -406,7 +441,9 @@ class TiltedPunch(TiltedZone):
     @property
     def tilt(self) -> float:  # type: ignore[override]
         if self.lifted:
-            return float(np.sign(self.moment)) * 2.0 * self.load / (pi * self.E_star * self.half_width)
+            return (
+                float(np.sign(self.moment)) * 2.0 * self.load / (pi * self.E_star * self.half_width)
+            )
         return 4.0 * self.moment / (pi * self.E_star * self.corner**2)
 
     @property
@@ -423,7 +460,9 @@ class TiltedPunch(TiltedZone):
     def _pressure(self, left: Array, right: Array) -> Array:
         mean = self.load / (pi * self.half_width)
         if self.lifted:
-            return np.asarray(mean * (np.sqrt(left / right) if self.moment > 0 else np.sqrt(right / left)))
+            return np.asarray(
+                mean * (np.sqrt(left / right) if self.moment > 0 else np.sqrt(right / left))
+            )
         share = 2.0 * self.moment / (self.load * self.corner)
         return np.asarray(mean * (1.0 + share * 0.5 * (left - right)) / np.sqrt(left * right))
 
@@ -432,7 +471,12 @@ class TiltedPunch(TiltedZone):
             return np.full_like(beyond, inf)
         # |tilt| int sqrt(y/(y + 2w)) dy from the lifted end to the other corner.
         y = 0.5 * beyond
-        gap = 2.0 * self.half_width * abs(self.tilt) * (np.sqrt(y * (y + 1.0)) - np.arcsinh(np.sqrt(y)))
+        gap = (
+            2.0
+            * self.half_width
+            * abs(self.tilt)
+            * (np.sqrt(y * (y + 1.0)) - np.arcsinh(np.sqrt(y)))
+        )
         return np.where(beyond * self.half_width <= 2.0 * (self.corner - self.half_width), gap, inf)
 
     def _left(self) -> float:

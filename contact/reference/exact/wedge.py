@@ -1,7 +1,8 @@
 """Wedge f = slope |x|, alone and in a row of period L (a sharp valley at L/2).
 
-Alone: K. L. Johnson, Contact Mechanics (1985), sec. 5.2, doi 10.1017/CBO9781139171731. In a row: J. M. Block
-& L. M. Keer, "Periodic contact problems in plane elasticity", J. Mech. Mater. Struct. 3 (2008).
+Alone: K. L. Johnson, Contact Mechanics (1985), sec. 5.2, doi 10.1017/CBO9781139171731. In a row: J.
+M. Block & L. M. Keer, "Periodic contact problems in plane elasticity", J. Mech. Mater. Struct. 3
+(2008).
 """
 
 from dataclasses import dataclass
@@ -16,7 +17,9 @@ from contact.reference.exact.base import Array, arccos1m, arcosh1p, half_width_f
 
 @dataclass(frozen=True)
 class _Wedge(base.SymmetricZone):
-    """What the two share: the profile, and the forms, in which alone sin(pi x/L) is x and cos A is 1."""
+    """What the two share: the profile, and the forms, in which alone sin(pi x/L) is x and cos A is
+    1.
+    """
 
     wedge_slope: float
 
@@ -43,9 +46,9 @@ class _Wedge(base.SymmetricZone):
 class IsolatedWedge(base.IsolatedZone, _Wedge):
     """A wedge f = slope |x| alone: p = (E* slope/pi) arcosh(a/|x|), P = E* slope a,
 
-    gap = (2 slope/pi)(x arccos(a/x) - a arcosh(x/a)), approach = (2 slope a/pi)(ln(2d/a) + 1).
-    K. L. Johnson, Contact Mechanics (1985), sec. 5.2, doi 10.1017/CBO9781139171731. It is the first term of (26), whose |x| is
-    missing in print.
+    gap = (2 slope/pi)(x arccos(a/x) - a arcosh(x/a)), approach = (2 slope a/pi)(ln(2d/a) + 1). K.
+    L. Johnson, Contact Mechanics (1985), sec. 5.2, doi 10.1017/CBO9781139171731. It is the first
+    term of (26), whose |x| is missing in print.
 
     Parameters
     ----------
@@ -120,7 +123,8 @@ class PeriodicWedge(base.PeriodicZone, _Wedge):
     Attributes
     ----------
     load : float
-        P per period [N/m]; the class methods `from_load`, `from_mean_pressure` and `from_contact_fraction` start from one of these numbers.
+        P per period [N/m]; the class methods `from_load`, `from_mean_pressure` and
+        `from_contact_fraction` start from one of these numbers.
     pressure, gap, zones, approach : as in `SymmetricZone`
         What every such zone has, and what else is there.
 
@@ -146,7 +150,9 @@ class PeriodicWedge(base.PeriodicZone, _Wedge):
     @property
     def load(self) -> float:
         # artanh s = arsinh(s/c): no loss near full contact
-        return self.period * self.E_star * self.wedge_slope / pi * asinh(self._sine() / self._cosine())
+        return (
+            self.period * self.E_star * self.wedge_slope / pi * asinh(self._sine() / self._cosine())
+        )
 
     def _left(self) -> float:
         return 2.0 * self.period * self.wedge_slope / pi**2 * legendre_chi(self._sine())
@@ -155,7 +161,8 @@ class PeriodicWedge(base.PeriodicZone, _Wedge):
 def legendre_chi(s: float) -> float:
     """chi_2(s) = sum s^(2k+1)/(2k+1)^2 = (Li_2(s) - Li_2(-s))/2, 0 <= s <= 1."""
     if s < 0.5:
-        # The dilogarithms of scipy lose relative accuracy for small s; 27 terms reach 0.25^27 = 5e-17.
+        # The dilogarithms of scipy lose relative accuracy for small s; 27 terms reach 0.25^27 =
+        # 5e-17.
         k = 2 * np.arange(27) + 1
         return float(np.sum(s**k / k**2.0))
     return 0.5 * float(spence(1.0 - s) - spence(1.0 + s))

@@ -1,25 +1,30 @@
-"""Inverse design under JKR adhesion: exact contacts of any given zones with p ~ -sqrt(E* w/pi)/sqrt(d) at every end.
+"""Inverse design under JKR adhesion: exact contacts of any given zones with p ~ -sqrt(E*
+w/pi)/sqrt(d) at every end.
 
-With X^2 the product over all zone ends (see product.py, whose factors are meant by x - e here) the function
+With X^2 the product over all zone ends (see product.py, whose factors are meant by x - e here) the
+function
 
     X R,   R = M + sum_e q_e/(x - e),   q_e = +-(2/E*) sqrt(E* w/pi)/sqrt(prod of the other factors at e),
 
-is f' - (2/E*)(1/pi) int p/(x - xi) dxi, f' its polynomial part: in the gaps it is the slope of the gap, on the zones
-p = +-(E*/2)|X| R. The polynomial M (degree n - 1 alone; with a period the n + 1 cosines and sines of pi k x/L, k = n, n - 2, ..,
-and cosines for poles where n is even) makes int X R vanish over every gap, so that all zones have one approach, and carries the
-load: linear equations. Derived from the general solution of N. I. Muskhelishvili, Singular Integral Equations (1953), ch. 11,
-with its solutions that are unbounded at the ends, and the intensity of JKR (K. L. Johnson, Int. J. Solids Struct. 32 (1995) 423,
-doi 10.1016/0020-7683(94)00111-9).
+is f' - (2/E*)(1/pi) int p/(x - xi) dxi, f' its polynomial part: in the gaps it is the slope of the
+gap, on the zones p = +-(E*/2)|X| R. The polynomial M (degree n - 1 alone; with a period the n + 1
+cosines and sines of pi k x/L, k = n, n - 2, .., and cosines for poles where n is even) makes int X
+R vanish over every gap, so that all zones have one approach, and carries the load: linear
+equations. Derived from the general solution of N. I. Muskhelishvili, Singular Integral Equations
+(1953), ch. 11, with its solutions that are unbounded at the ends, and the intensity of JKR (K. L.
+Johnson, Int. J. Solids Struct. 32 (1995) 423, doi 10.1016/0020-7683(94)00111-9).
 
-Local stability under a held load, by the second variation of the energy by the ends: an end that moves outward by ds releases G ds and
-costs w ds, G = (pi/E*) K^2 of the end's own intensity, so that the potential's second derivatives are dG_i/ds_j = 2 w d ln K_i/ds_j.
-Moving the end e_j at a held load adds to X R (see adhesive.py) the field
+Local stability under a held load, by the second variation of the energy by the ends: an end that
+moves outward by ds releases G ds and costs w ds, G = (pi/E*) K^2 of the end's own intensity, so
+that the potential's second derivatives are dG_i/ds_j = 2 w d ln K_i/ds_j. Moving the end e_j at a
+held load adds to X R (see adhesive.py) the field
 
     (A/(x - e_j) + T)/X,   A = +-(product of the other factors) q_j/2,
 
-which has the power -3/2 at e_j; T, of degree n - 2 (with a period of the frequencies n - 2, n - 4, ..), keeps the approaches of
-all zones equal: the finite part of its integral over every gap vanishes. Derived here; the matrix is symmetric because it is a
-second derivative, which nothing in its making supposes.
+which has the power -3/2 at e_j; T, of degree n - 2 (with a period of the frequencies n - 2, n - 4,
+..), keeps the approaches of all zones equal: the finite part of its integral over every gap
+vanishes. Derived here; the matrix is symmetric because it is a second derivative, which nothing in
+its making supposes.
 """
 
 from dataclasses import dataclass
@@ -40,11 +45,13 @@ from sie import Array, Mask
 
 @dataclass(frozen=True, eq=False)
 class AdhesiveDesign(GivenZones):
-    """An exact JKR contact of given zones, load and work of adhesion, with p ~ -sqrt(E* w/pi)/sqrt(d) at every end.
+    """An exact JKR contact of given zones, load and work of adhesion, with p ~ -sqrt(E*
+    w/pi)/sqrt(d) at every end.
 
-    Whether the surfaces keep apart between the zones is `is_admissible`: weak loads with strong adhesion may not be. Derived from the
-    general solution of N. I. Muskhelishvili, Singular Integral Equations (1953), ch. 11, and the intensity of K. L. Johnson,
-    Int. J. Solids Struct. 32 (1995) 423, doi 10.1016/0020-7683(94)00111-9; see the head of this module.
+    Whether the surfaces keep apart between the zones is `is_admissible`: weak loads with strong
+    adhesion may not be. Derived from the general solution of N. I. Muskhelishvili, Singular
+    Integral Equations (1953), ch. 11, and the intensity of K. L. Johnson, Int. J. Solids Struct. 32
+    (1995) 423, doi 10.1016/0020-7683(94)00111-9; see the head of this module.
 
     Parameters
     ----------
@@ -78,15 +85,16 @@ class AdhesiveDesign(GivenZones):
     approach, mean_gap : float or None
         From min f = 0 and mean u = 0 [m]; None without a period.
     pressure, gap, gap_slope, displacement, height, slope : callable
-        p [Pa], gap [m], its slope, u [m] (with a period), f [m] up to a constant and f' at positions x [m] of any shape.
+        p [Pa], gap [m], its slope, u [m] (with a period), f [m] up to a constant and f' at
+        positions x [m] of any shape.
     pressure_at : callable
         p [Pa] at normalised positions t in [-1, 1] of a zone, to rounding up to its ends.
 
     Raises
     ------
     SceneError
-        If the modulus, the work or the period is not positive and finite, the load not finite, or the zones not strictly ascending
-        and within one period.
+        If the modulus, the work or the period is not positive and finite, the load not finite, or
+        the zones not strictly ascending and within one period.
 
     Examples
     --------
@@ -135,7 +143,8 @@ class AdhesiveDesign(GivenZones):
         """The functions of which M is made, (..., count)."""
         n, ends = len(self.zones), product.zones.ravel()
         if self.period is None:
-            # The local coordinate from the nearer end of the hull: x itself is rounded, but M is smooth.
+            # The local coordinate from the nearer end of the hull: x itself is rounded, but M is
+            # smooth.
             half = 2.0 * product._unit
             x = ends[0] - dr if i < 0 else ends[i] + dl
             return chebyshev.chebvander(((x - ends[0]) - (ends[-1] - x)) / (2.0 * half), n - 1)
@@ -147,13 +156,17 @@ class AdhesiveDesign(GivenZones):
         """int |X| modes dx and int |X| sum q_e/(x - e) dx over an interval."""
         dl, dr, weight = self._long.nodes(i)
         weight = weight * self._long.root(i, dl, dr)
-        return weight @ self._modes(self._long, i, dl, dr), weight @ (self._long.poles(i, dl, dr) @ self._poles)
+        return weight @ self._modes(self._long, i, dl, dr), weight @ (
+            self._long.poles(i, dl, dr) @ self._poles
+        )
 
     @cached_property
     def _zone_integrals(self) -> tuple[Any, Any]:
         """Zone loads by modes, and by the poles."""
         half = np.longdouble(self.E_star) / 2
-        each = [(self._side(i) * half, *self._integrals(i)) for i in range(0, 2 * len(self.zones), 2)]
+        each = [
+            (self._side(i) * half, *self._integrals(i)) for i in range(0, 2 * len(self.zones), 2)
+        ]
         return np.array([s * m for s, m, _ in each]), np.array([s * q for s, _, q in each])
 
     @cached_property
@@ -183,7 +196,8 @@ class AdhesiveDesign(GivenZones):
         n, ends = len(self.zones), self._long.zones.ravel()
         hull = (float(ends[0]), float(ends[-1]))
         if self.period is None:
-            # x = middle + half (v + 1/v)/2 maps (x - e)/unit to v (1 - e^{i phi}/v)(1 - e^{-i phi}/v).
+            # x = middle + half (v + 1/v)/2 maps (x - e)/unit to v (1 - e^{i phi}/v)(1 - e^{-i
+            # phi}/v).
             phi = 2.0 * np.arctan2(np.sqrt(ends[-1] - ends), np.sqrt(ends - ends[0]))
             root = exp_of_power_sums(np.array([np.sum(np.cos(k * phi)) for k in range(2 * n)])).real
             ratio = np.zeros(2 * n, dtype=np.longdouble)  # of v^(n-1), .., v^-n
@@ -197,7 +211,8 @@ class AdhesiveDesign(GivenZones):
             series = 2.0 * np.convolve(root, ratio)[: 2 * n][::-1]
             series[0] *= 0.5
             return DesignedProfile(series.astype(float), hull)
-        # Above the axis, w = e^{2 pi i z/L}: 2 sin(pi (z - e)/L) = i e^{-i pi (z - e)/L} (1 - w e^{-2 pi i e/L}).
+        # Above the axis, w = e^{2 pi i z/L}: 2 sin(pi (z - e)/L) = i e^{-i pi (z - e)/L} (1 - w
+        # e^{-2 pi i e/L}).
         angle = self._long._turn * ends
         power_sums = np.array([0.5 * np.sum(np.exp(-2j * k * angle)) for k in range(n + 1)])
         root = np.exp(0.5j * (np.sum(angle) + n * self._long.pi)) * exp_of_power_sums(power_sums)
@@ -238,19 +253,25 @@ class AdhesiveDesign(GivenZones):
 
     @cached_property
     def is_admissible(self) -> bool:
-        """Whether the surfaces keep apart outside the zones: by sums of the gap's slope over 400 angles from either end, beyond
-        the zones by the slope's sign."""
+        """Whether the surfaces keep apart outside the zones: by sums of the gap's slope over 400
+        angles from either end, beyond the zones by the slope's sign.
+        """
         ends = self._product.zones.ravel()
         phi = pi * (np.arange(400) + 0.5) / 400
         for g in self._product.gaps:
             h = float(self._product.steps[g])
-            rise = np.sin(phi) * self._opening(g, h * np.sin(0.5 * phi) ** 2, h * np.cos(0.5 * phi) ** 2)
+            rise = np.sin(phi) * self._opening(
+                g, h * np.sin(0.5 * phi) ** 2, h * np.cos(0.5 * phi) ** 2
+            )
             if min(np.min(np.cumsum(rise[:200])), np.min(np.cumsum(-rise[:199:-1]))) <= 0.0:
                 return False
         if self.period is not None:
             return True
         beyond = float(ends[-1] - ends[0]) * np.geomspace(1e-9, 1e6, 400)
-        return bool(np.all(self.gap_slope(ends[-1] + beyond) > 0.0) and np.all(self.gap_slope(ends[0] - beyond) < 0.0))
+        return bool(
+            np.all(self.gap_slope(ends[-1] + beyond) > 0.0)
+            and np.all(self.gap_slope(ends[0] - beyond) < 0.0)
+        )
 
 
 def adhesive_design(
@@ -279,8 +300,8 @@ def adhesive_design(
     Raises
     ------
     SceneError
-        If the modulus, the work or the period is not positive and finite, the load not finite, or the zones not strictly ascending
-        and within one period.
+        If the modulus, the work or the period is not positive and finite, the load not finite, or
+        the zones not strictly ascending and within one period.
 
     Examples
     --------
@@ -297,9 +318,11 @@ def adhesive_design(
 
 
 def second_variation(design: AdhesiveDesign) -> Array:
-    """Second derivatives of the energy of a designed JKR contact by its ends, d^2 energy/ds_i ds_j, at a held load.
+    """Second derivatives of the energy of a designed JKR contact by its ends, d^2 energy/ds_i ds_j,
+    at a held load.
 
-    The contact is locally stable under that load where the matrix is positive definite. Derived here, see the head of this module.
+    The contact is locally stable under that load where the matrix is positive definite. Derived
+    here, see the head of this module.
 
     Parameters
     ----------
@@ -311,9 +334,8 @@ def second_variation(design: AdhesiveDesign) -> Array:
     array, (2 n, 2 n)
         [J/m^3], by the outward movements of the ends in ascending order.
 
-    Examples
-    --------
-    At pull-off of a cylinder, a^3 = 2 R^2 w/(pi E*), the zone can widen on both sides without force.
+    Examples -------- At pull-off of a cylinder, a^3 = 2 R^2 w/(pi E*), the zone can widen on both
+    sides without force.
 
     >>> import numpy as np
     >>> from contact.inverse import adhesive_design, second_variation
@@ -329,7 +351,9 @@ def second_variation(design: AdhesiveDesign) -> Array:
     root = np.sqrt(others)
     k = outward * sigma * root * q  # X R ~ k/sqrt|factor| in the gap beside the end
     places = [product.at_end(e) for e in range(m)]
-    poles = np.array([product.poles(*place)[0] for place in places])  # [i, j]: that of end j seen from end i
+    poles = np.array(
+        [product.poles(*place)[0] for place in places]
+    )  # [i, j]: that of end j seen from end i
     np.fill_diagonal(poles, 0.0)
     modes = np.array([design._modes(product, *place)[0] for place in places])
     slow_modes = _slow(design, modes)
@@ -340,13 +364,17 @@ def second_variation(design: AdhesiveDesign) -> Array:
     for j in range(m):
         slow = slow_modes @ answers[j]
         change[:, j] = sigma / root * (strength[j] * poles[:, j] + slow)
-        # The next power of X R at the end, half of which the moved root gives; the bend of the other factors cancels.
-        change[j, j] = sigma[j] * (outward[j] * root[j] * regular[j] / (2.0 * unit) + slow[j] / root[j])
+        # The next power of X R at the end, half of which the moved root gives; the bend of the
+        # other factors cancels.
+        change[j, j] = sigma[j] * (
+            outward[j] * root[j] * regular[j] / (2.0 * unit) + slow[j] / root[j]
+        )
     return np.asarray(2.0 * design.work * change / k[:, None] * outward, dtype=float)
 
 
 def is_stable(design: AdhesiveDesign) -> bool:
-    """Whether a designed JKR contact is locally stable under a held load: the second variation is positive definite.
+    """Whether a designed JKR contact is locally stable under a held load: the second variation is
+    positive definite.
 
     Derived here, see the head of this module.
 
@@ -383,7 +411,10 @@ def _slow_parts(design: AdhesiveDesign, strength: Array, unit: float) -> Array:
     """Coefficients of T for every end moved, (2n, n - 1)."""
     product, n = design._product, len(design.zones)
     others = product.end_factors()
-    m, gaps = 2 * n, list(design._product.gaps)[: n - 1]  # with a period the last gap closes by itself
+    m, gaps = (
+        2 * n,
+        list(design._product.gaps)[: n - 1],
+    )  # with a period the last gap closes by itself
     matrix, given = np.zeros((n - 1, n - 1)), np.zeros((n - 1, m))
     for row, g in enumerate(gaps):
         dl, dr, weight = product.nodes(g)
@@ -393,14 +424,17 @@ def _slow_parts(design: AdhesiveDesign, strength: Array, unit: float) -> Array:
         for j in range(m):
             field = strength[j] * poles[:, j] / x_root
             if j in (g, (g + 1) % m):
-                # Less a multiple of d/dx (X pole), whose integral has no finite part, it is integrable.
+                # Less a multiple of d/dx (X pole), whose integral has no finite part, it is
+                # integrable.
                 share = (-2.0 if j == g else 2.0) * unit * strength[j] / others[j]
                 field = field - share * _exact_slope(design, g, dl, dr, j, poles[:, j], x_root)
             given[row, j] = -np.sum(weight * field)
     return np.asarray(np.linalg.solve(matrix, given).T) if n > 1 else np.zeros((m, 0))
 
 
-def _exact_slope(design: AdhesiveDesign, g: int, dl: Array, dr: Array, j: int, pole: Any, x_root: Any) -> Array:
+def _exact_slope(
+    design: AdhesiveDesign, g: int, dl: Array, dr: Array, j: int, pole: Any, x_root: Any
+) -> Array:
     """d/dx (|X| pole_j) in the gap g."""
     product = design._product
     ends = product.zones.ravel()
@@ -415,5 +449,7 @@ def _exact_slope(design: AdhesiveDesign, g: int, dl: Array, dr: Array, j: int, p
         turn = pi / design.period
         bends = turn / np.tan(turn * ahead)
         own = turn * ahead[:, j]
-        fall = -pole * turn / np.tan(own) if len(design.zones) % 2 else -0.5 * turn / np.sin(own) ** 2
+        fall = (
+            -pole * turn / np.tan(own) if len(design.zones) % 2 else -0.5 * turn / np.sin(own) ** 2
+        )
     return np.asarray(x_root * (0.5 * np.sum(bends, axis=1) * pole + fall))

@@ -1,20 +1,27 @@
-r"""Inverse design under a tension of finite range: exact contacts of given zones beside which a stress s pulls on given intervals.
+r"""Inverse design under a tension of finite range: exact contacts of given zones beside which a
+stress s pulls on given intervals.
 
-With X^2 the product over all zone ends, p = -s on the strips between the zones and the ends of their intervals, and p bounded, the function
+With X^2 the product over all zone ends, p = -s on the strips between the zones and the ends of
+their intervals, and p bounded, the function
 
     X R,   R = M + (2 s/E*)(1/pi) int over the strips of d xi/(X(xi) (z - xi)),
 
-is f' - (2/E*)(1/pi) int p/(z - xi) d xi, f' its polynomial part: beside the zones it is the slope of the gap, on the zones
-p = +-(E*/2)|X| R. M is a polynomial. Its lower coefficients follow from linear conditions: one approach of all zones, and the reach
-w/s as the gap at every end of an interval; its highest one is free and says how sharply the body curves away. Derived from the general
-solution of N. I. Muskhelishvili, Singular Integral Equations (1953), ch. 11, which is bounded at the ends, and the tension of
-D. S. Dugdale, J. Mech. Phys. Solids 8 (1960) 100, doi 10.1016/0022-5096(60)90013-2.
+is f' - (2/E*)(1/pi) int p/(z - xi) d xi, f' its polynomial part: beside the zones it is the slope
+of the gap, on the zones p = +-(E*/2)|X| R. M is a polynomial. Its lower coefficients follow from
+linear conditions: one approach of all zones, and the reach w/s as the gap at every end of an
+interval; its highest one is free and says how sharply the body curves away. Derived from the
+general solution of N. I. Muskhelishvili, Singular Integral Equations (1953), ch. 11, which is
+bounded at the ends, and the tension of D. S. Dugdale, J. Mech. Phys. Solids 8 (1960) 100, doi
+10.1016/0022-5096(60)90013-2.
 
-At a strip of width w the integral over it is, with zeta the root of the distance from the zone's end over w and 1/X = h/root(distance),
+At a strip of width w the integral over it is, with zeta the root of the distance from the zone's
+end over w and 1/X = h/root(distance),
 
-    (2/root(w)) [int_0^1 (h(tau) - h(zeta))/(zeta^2 - tau^2) d tau + (h(zeta)/zeta) artanh(zeta or 1/zeta)],
+    (2/root(w)) [int_0^1 (h(tau) - h(zeta))/(zeta^2 - tau^2) d tau + (h(zeta)/zeta) artanh(zeta or
+    1/zeta)],
 
-whose first part is smooth, and whose second, times X, is 2 artanh(zeta or 1/zeta), with an integral in closed form.
+whose first part is smooth, and whose second, times X, is 2 artanh(zeta or 1/zeta), with an integral
+in closed form.
 """
 
 from dataclasses import dataclass
@@ -32,16 +39,20 @@ from contact.reference.inverse.designed import exp_of_power_sums
 from sie import Array, Mask
 
 # Gauss's nodes on a strip, on a way to the gap at a place, and places at which signs are looked at.
-_NODES, _WAY, _LOOKS, _FEW_LOOKS = 64, 90, 200, 12
+_NODES = 64
+_WAY = 90
+_LOOKS = 200
+_FEW_LOOKS = 12
 # Over what the intervals span, how far beyond it is looked at.
 _BEYOND = np.geomspace(1e-3, 30.0, 60)
 
 
 @dataclass(frozen=True)
 class _Strip:
-    """A strip from a zone's end outward (direction +-1), or a whole gap between two zones (0), in scaled coordinates. gap: in which
-    (0: left of all zones); ends: those of zones that it is at; nodes, weights: of 1/X on it; h: 1/X there times the roots of the
-    distances from its ends."""
+    """A strip from a zone's end outward (direction +-1), or a whole gap between two zones (0), in
+    scaled coordinates. gap: in which (0: left of all zones); ends: those of zones that it is at;
+    nodes, weights: of 1/X on it; h: 1/X there times the roots of the distances from its ends.
+    """
 
     end: float
     width: float
@@ -59,16 +70,19 @@ class _Strip:
 
 @dataclass(frozen=True, eq=False)
 class CohesiveDesign:
-    """An exact contact of given zones with a constant tension beside them, on given intervals that hold the zones; the body is alone.
+    """An exact contact of given zones with a constant tension beside them, on given intervals that
+    hold the zones; the body is alone.
 
-    Derived from the general solution of N. I. Muskhelishvili, Singular Integral Equations (1953), ch. 11; see the head of this module.
+    Derived from the general solution of N. I. Muskhelishvili, Singular Integral Equations (1953),
+    ch. 11; see the head of this module.
 
     Parameters
     ----------
     zones : array_like, (n, 2)
         Ends of the zones [m], ascending.
     cohesive : array_like, (m, 2)
-        Ends of the intervals on which the surfaces pull [m], ascending, each with one zone or more strictly within.
+        Ends of the intervals on which the surfaces pull [m], ascending, each with one zone or more
+        strictly within.
     E_star : float
         Reduced modulus [Pa].
     work : float
@@ -76,9 +90,11 @@ class CohesiveDesign:
     stress : float
         Tension [Pa]; its reach is work/stress.
     rise : float
-        Highest coefficient of M, in Chebyshev polynomials over the hull of the zones: how sharply the body curves away from it.
+        Highest coefficient of M, in Chebyshev polynomials over the hull of the zones: how sharply
+        the body curves away from it.
     given_load : float or None
-        The load [N/m], where M has a coefficient more for it; or two, of which one is zero, so that the body rises on either side.
+        The load [N/m], where M has a coefficient more for it; or two, of which one is zero, so that
+        the body rises on either side.
 
     Attributes
     ----------
@@ -89,8 +105,8 @@ class CohesiveDesign:
     condition : float
         Condition number of the linear conditions that M follows from.
     is_admissible : bool
-        Whether the surfaces press on the zones with more than -stress, keep apart elsewhere, and are nearer than the reach on the
-        intervals alone.
+        Whether the surfaces press on the zones with more than -stress, keep apart elsewhere, and
+        are nearer than the reach on the intervals alone.
     pressure, gap : callable
         p [Pa] and the gap [m] at positions x [m].
 
@@ -123,19 +139,33 @@ class CohesiveDesign:
         keep(self, finite_or_none, "given_load")
         for name in ("zones", "cohesive"):
             table = np.array(getattr(self, name), dtype=float)
-            if table.ndim != 2 or table.shape[1] != 2 or not len(table) or not np.all(np.diff(table.ravel()) > 0):
-                raise SceneError.of(name, table.tolist(), "an (n, 2) array of ends, strictly increasing")
+            if (
+                table.ndim != 2
+                or table.shape[1] != 2
+                or not len(table)
+                or not np.all(np.diff(table.ravel()) > 0)
+            ):
+                raise SceneError.of(
+                    name, table.tolist(), "an (n, 2) array of ends, strictly increasing"
+                )
             object.__setattr__(self, name, table)
-        held = [int(np.sum((self.zones[:, 0] > a) & (self.zones[:, 1] < b))) for a, b in self.cohesive]
+        held = [
+            int(np.sum((self.zones[:, 0] > a) & (self.zones[:, 1] < b))) for a, b in self.cohesive
+        ]
         if min(held) < 1 or sum(held) != len(self.zones):
-            raise SceneError.of("cohesive", self.cohesive.tolist(), "intervals that each hold a zone, and together all of them")
+            raise SceneError.of(
+                "cohesive",
+                self.cohesive.tolist(),
+                "intervals that each hold a zone, and together all of them",
+            )
 
     @property
     def reach(self) -> float:
         """Work over stress [m]."""
         return self.work / self.stress
 
-    # scaled: t = (x - middle)/half over the hull of the zones -------------------------------------------------------------------
+    # scaled: t = (x - middle)/half over the hull of the zones
+    # -------------------------------------------------------------------
     @cached_property
     def _frame(self) -> tuple[float, float]:
         lo, hi = float(self.zones[0, 0]), float(self.zones[-1, 1])
@@ -165,9 +195,15 @@ class CohesiveDesign:
                 found.append(self._strip((left, right), right - left, 0, gap))
                 continue
             if gap > 0:
-                found.append(self._strip((left,), min(b for b in intervals[:, 1] if b > left) - left, 1, gap))
+                found.append(
+                    self._strip((left,), min(b for b in intervals[:, 1] if b > left) - left, 1, gap)
+                )
             if gap < len(self.zones):
-                found.append(self._strip((right,), right - max(a for a in intervals[:, 0] if a < right), -1, gap))
+                found.append(
+                    self._strip(
+                        (right,), right - max(a for a in intervals[:, 0] if a < right), -1, gap
+                    )
+                )
         return found
 
     def _strip(self, ends: tuple[float, ...], width: float, direction: int, gap: int) -> _Strip:
@@ -197,7 +233,9 @@ class CohesiveDesign:
         return 3 * len(self.cohesive) - 1 + sum(strip.direction == 0 for strip in self._strips)
 
     def _smooth_slope(self, gap: int, t: Array) -> tuple[Array, Array]:
-        """Slope of the gap but for the artanh of strips in the same gap: (by the coefficients of M, by the tension)."""
+        """Slope of the gap but for the artanh of strips in the same gap: (by the coefficients of M,
+        by the tension).
+        """
         by_tension = np.zeros(t.shape)
         for strip in self._strips:
             by_tension += self._near(strip, t) if strip.gap == gap else self._root(t) * strip.far(t)
@@ -205,7 +243,9 @@ class CohesiveDesign:
         return modes, self._tension * by_tension
 
     def _risen(self, gap: int, start: float, stop: Array) -> tuple[Array, Array]:
-        """int of the slope from the end of a zone to places (P,) of the gap beside it: by the coefficients, and by the tension."""
+        """int of the slope from the end of a zone to places (P,) of the gap beside it: by the
+        coefficients, and by the tension.
+        """
         u, weight = _gauss(_WAY)
         half = 0.5 * (stop - start)[:, None]
         t = start + half * (1 - np.cos(pi * u))
@@ -214,7 +254,10 @@ class CohesiveDesign:
         out = np.sum(weight * rest, axis=1)
         for strip in self._strips:
             if strip.gap == gap and strip.direction:
-                before, after = (_risen(strip.direction * (place - strip.end), strip.width) for place in (np.array(start), stop))
+                before, after = (
+                    _risen(strip.direction * (place - strip.end), strip.width)
+                    for place in (np.array(start), stop)
+                )
                 out = out + 2 * self._tension * (after - before)
         return np.einsum("pw,pwk->pk", weight, modes), out
 
@@ -225,7 +268,9 @@ class CohesiveDesign:
         conditions = []
         for strip in self._strips:
             if strip.direction:
-                by, rest = self._risen(strip.gap, strip.end, np.array([strip.end + strip.direction * strip.width]))
+                by, rest = self._risen(
+                    strip.gap, strip.end, np.array([strip.end + strip.direction * strip.width])
+                )
                 conditions.append((by[0], self.reach / half - rest[0]))
         for gap in range(1, len(self.zones)):
             by, rest = self._risen(gap, self._ends[2 * gap - 1], self._ends[2 * gap : 2 * gap + 1])
@@ -233,9 +278,16 @@ class CohesiveDesign:
         every = np.eye(self._degree + 1)
         conditions.append((every[-1], self.rise))
         if self.given_load is not None:
-            # Of the last coefficient of the series, which is the load, what each of M's and the tension make.
+            # Of the last coefficient of the series, which is the load, what each of M's and the
+            # tension make.
             by_load = np.array([self._series_of(unit, 0.0)[-1] for unit in every])
-            conditions.append((by_load, self._load_unit * self.given_load - self._series_of(0.0 * every[0], self._tension)[-1]))
+            conditions.append(
+                (
+                    by_load,
+                    self._load_unit * self.given_load
+                    - self._series_of(0.0 * every[0], self._tension)[-1],
+                )
+            )
         if len(conditions) < len(every):
             conditions.append((every[-2], 0.0))
         matrix, values = (np.array(part) for part in zip(*conditions, strict=True))
@@ -263,7 +315,8 @@ class CohesiveDesign:
     def _load_unit(self) -> float:
         return -1.0 / (pi * self._frame[1] * 0.5 * self.E_star)
 
-    # what it comes to -------------------------------------------------------------------------------------------------------------
+    # what it comes to
+    # -------------------------------------------------------------------------------------------------------------
     @cached_property
     def _series(self) -> Array:
         return self._series_of(self._smooth, self._tension)
@@ -274,7 +327,9 @@ class CohesiveDesign:
         weights = np.concatenate([strip.weights for strip in self._strips])
         moments = weights @ np.vander(nodes, len(self.zones) + 1, increasing=True)
         ratio = np.concatenate([chebyshev.cheb2poly(smooth)[::-1], tension * moments])
-        root = exp_of_power_sums(np.array([0.5 * np.sum(self._ends**k) for k in range(len(ratio))])).real
+        root = exp_of_power_sums(
+            np.array([0.5 * np.sum(self._ends**k) for k in range(len(ratio))])
+        ).real
         return np.asarray(np.convolve(root, ratio)[: len(ratio)])
 
     @cached_property
@@ -298,7 +353,9 @@ class CohesiveDesign:
             inner = t[on]
             size = np.sqrt(np.prod(np.abs(inner[:, None] - self._ends), axis=1))
             sign = np.where((len(self.zones) - (zone[on] + 1) // 2) % 2, -1.0, 1.0)
-            ratio = chebyshev.chebval(inner, self._smooth) + self._tension * sum(self._beside(strip, inner) for strip in self._strips)
+            ratio = chebyshev.chebval(inner, self._smooth) + self._tension * sum(
+                self._beside(strip, inner) for strip in self._strips
+            )
             out[on] = 0.5 * self.E_star * sign * size * ratio
         return out
 
@@ -318,15 +375,23 @@ class CohesiveDesign:
         if near.any():
             at = t[near]
             # h, continued from the strip onto the zones that it begins at.
-            others = np.prod([np.abs(at - end) for end in self._ends if end not in strip.ends], axis=0)
+            others = np.prod(
+                [np.abs(at - end) for end in self._ends if end not in strip.ends], axis=0
+            )
             value = np.sign(strip.h[0]) / np.sqrt(others)
-            out[near] = ((1 - value[:, None] / strip.h) / (at[:, None] - strip.nodes)) @ strip.weights
+            out[near] = (
+                (1 - value[:, None] / strip.h) / (at[:, None] - strip.nodes)
+            ) @ strip.weights
             if strip.direction:
                 # zeta is imaginary: the same form, an arcus tangens.
                 eta = np.sqrt(away[near] / strip.width)
-                out[near] -= strip.direction * 2 / np.sqrt(strip.width) * value * np.arctan(1 / eta) / eta
+                out[near] -= (
+                    strip.direction * 2 / np.sqrt(strip.width) * value * np.arctan(1 / eta) / eta
+                )
             else:
-                out[near] += np.sign(at - low) * pi * value / np.sqrt(np.abs((at - low) * (at - high)))
+                out[near] += (
+                    np.sign(at - low) * pi * value / np.sqrt(np.abs((at - low) * (at - high)))
+                )
         return out
 
     def gap(self, x: ArrayLike) -> Array:
@@ -355,7 +420,10 @@ class CohesiveDesign:
             return False
         lo, hi = self.cohesive[0, 0], self.cohesive[-1, 1]
         beyond = (hi - lo) * _BEYOND[:: len(_BEYOND) // min(looks, len(_BEYOND))]
-        if not (np.all(self.gap(hi + beyond) > self.reach) and np.all(self.gap(lo - beyond) > self.reach)):
+        if not (
+            np.all(self.gap(hi + beyond) > self.reach)
+            and np.all(self.gap(lo - beyond) > self.reach)
+        ):
             return False
         ends = self.zones.ravel()
         for a, b in zip(ends[1:-1:2], ends[2::2], strict=True):

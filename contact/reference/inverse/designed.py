@@ -1,18 +1,19 @@
-"""Inverse design: exact contact problems with any given zones, by choosing the profile that makes them right.
+"""Inverse design: exact contact problems with any given zones, by choosing the profile that makes
+them right.
 
-With X^2 the product over all zone ends (of x - e, or of 2 sin(pi (x - e)/L) with a period L) and M a product
-of the same kind with one root in every gap, such that int_gap X M dx = 0, the function Phi = (E*/2)(f' - X
-M), f' the polynomial part of X M, is the Cauchy (Hilbert) transform of
+With X^2 the product over all zone ends (of x - e, or of 2 sin(pi (x - e)/L) with a period L) and M
+a product of the same kind with one root in every gap, such that int_gap X M dx = 0, the function
+Phi = (E*/2)(f' - X M), f' the polynomial part of X M, is the Cauchy (Hilbert) transform of
 
     p = (E*/2)|X M| on the zones,   gap slope = X M between them,   f' a (trigonometric) polynomial.
 
-n zones alone: n - 1 roots, f of degree 2n. n zones a period: n roots, f a Fourier series of n harmonics (X
-and M change sign over a period as (-1)^n each, so that X M is periodic; its mean vanishes because its gap
-integrals do). Derived from the general solution (34) of Muskhelishvili, Singular Integral Equations (1953),
-ch. 11.
+n zones alone: n - 1 roots, f of degree 2n. n zones a period: n roots, f a Fourier series of n
+harmonics (X and M change sign over a period as (-1)^n each, so that X M is periodic; its mean
+vanishes because its gap integrals do). Derived from the general solution (34) of Muskhelishvili,
+Singular Integral Equations (1953), ch. 11.
 
-All factors are formed from distances to the ends of the point's own zone or gap, so nothing cancels near an
-end.
+All factors are formed from distances to the ends of the point's own zone or gap, so nothing cancels
+near an end.
 
 The shape of a designed contact that is alone is a Chebyshev series of f'.
 """
@@ -30,7 +31,14 @@ from contact.errors import SceneError
 from contact.model.checks import finite_array, keep, positive, positive_or_none
 from contact.model.profiles.base import Profile
 from contact.model.profiles.fourier import Fourier
-from contact.reference.exact.base import FROM_LEFT, FROM_RIGHT, WEIGHT, Zoned, check_number, least_value
+from contact.reference.exact.base import (
+    FROM_LEFT,
+    FROM_RIGHT,
+    WEIGHT,
+    Zoned,
+    check_number,
+    least_value,
+)
 from contact.reference.inverse.product import CutProduct
 from sie import Array, Mask
 
@@ -39,7 +47,8 @@ from sie import Array, Mask
 class DesignedProfile(Profile):
     """The shape of a designed contact that is alone: f' a sum of Chebyshev polynomials on `hull`.
 
-    It is made by `design`, and given to `contact.Scene`; that of a design with a period is a `contact.Fourier`.
+    It is made by `design`, and given to `contact.Scene`; that of a design with a period is a
+    `contact.Fourier`.
 
     Parameters
     ----------
@@ -51,7 +60,8 @@ class DesignedProfile(Profile):
     Attributes
     ----------
     coefficients : array, (2 n + 1,)
-        f as a polynomial in x, lowest power first [m, 1, 1/m, ...]; loses digits beyond some ten zones.
+        f as a polynomial in x, lowest power first [m, 1, 1/m, ...]; loses digits beyond some ten
+        zones.
     height, slope : callable
         f [m] and f' at positions x [m] of any shape.
     resolution : float
@@ -78,7 +88,9 @@ class DesignedProfile(Profile):
 
     @property
     def _height_series(self) -> Array:
-        return np.asarray(0.5 * (self.hull[1] - self.hull[0]) * chebyshev.chebint(self.slope_series))
+        return np.asarray(
+            0.5 * (self.hull[1] - self.hull[0]) * chebyshev.chebint(self.slope_series)
+        )
 
     def height(self, x: ArrayLike) -> Array:
         """f(x), zero in the middle of the zones' hull."""
@@ -96,12 +108,17 @@ class DesignedProfile(Profile):
     @property
     def coefficients(self) -> Array:
         """f as a polynomial in x, lowest power first (loses digits beyond some ten zones)."""
-        return np.asarray(np.polynomial.Chebyshev(self._height_series, self.hull).convert(kind=np.polynomial.Polynomial).coef)
+        return np.asarray(
+            np.polynomial.Chebyshev(self._height_series, self.hull)
+            .convert(kind=np.polynomial.Polynomial)
+            .coef
+        )
 
 
 def exp_of_power_sums(q: NDArray[np.inexact]) -> NDArray[np.complexfloating]:
-    """Coefficients of prod (1 - y_i z)^{e_i} from q_k = sum e_i y_i^k: m S_m = -sum_{j=1}^m q_j S_{m-j}
-    (Newton)."""
+    """Coefficients of prod (1 - y_i z)^{e_i} from q_k = sum e_i y_i^k: m S_m = -sum_{j=1}^m q_j
+    S_{m-j} (Newton).
+    """
     s = np.zeros(len(q), dtype=np.result_type(q, np.complex64))
     s[0] = 1.0
     for m in range(1, len(q)):
@@ -111,7 +128,9 @@ def exp_of_power_sums(q: NDArray[np.inexact]) -> NDArray[np.complexfloating]:
 
 @dataclass(frozen=True, eq=False)
 class GivenZones(Zoned):
-    """A subclass has the profile, the loads of the zones, and the formulas in its distances dl, dr from the ends of an interval."""
+    """A subclass has the profile, the loads of the zones, and the formulas in its distances dl, dr
+    from the ends of an interval.
+    """
 
     zones: Array
     E_star: float
@@ -141,7 +160,9 @@ class GivenZones(Zoned):
         raise NotImplementedError
 
     def _of_slope(self, harmonics: Array) -> Fourier:
-        """The shape with a period whose slope has these coefficients of e^{-2 pi i m x/L}, m = 1, 2, ..."""
+        """The shape with a period whose slope has these coefficients of e^{-2 pi i m x/L}, m = 1,
+        2, ...
+        """
         wave = 2.0 * self._long._turn * np.arange(1, len(harmonics) + 1)
         cosine, sine = -2.0 * harmonics.imag / wave, 2.0 * harmonics.real / wave
         return Fourier(self._long.period, cosine.astype(float), sine.astype(float))  # type: ignore[arg-type]
@@ -159,7 +180,9 @@ class GivenZones(Zoned):
         raise NotImplementedError
 
     def _on(self, odd: bool, x: ArrayLike, function: Callable[[int, Array, Array], Array]) -> Array:
-        """A function of gaps (odd) or of zones, by their numbers and the distances of places from their ends; 0 elsewhere."""
+        """A function of gaps (odd) or of zones, by their numbers and the distances of places from
+        their ends; 0 elsewhere.
+        """
         x = np.asarray(x, dtype=float)
         interval, dl, dr = self._product.locate(x)
         values = np.zeros_like(x)
@@ -180,7 +203,9 @@ class GivenZones(Zoned):
         # From the end, way s^2: the slope may be as 1/s there.
         near, far = safe * FROM_LEFT**2, rest + safe * FROM_RIGHT * (1.0 + FROM_LEFT)
         values = self._opening(i, np.where(rightward, near, far), np.where(rightward, far, near))
-        return np.asarray(np.sum(np.where(rightward, 2.0, -2.0) * way * FROM_LEFT * WEIGHT * values, axis=-1))
+        return np.asarray(
+            np.sum(np.where(rightward, 2.0, -2.0) * way * FROM_LEFT * WEIGHT * values, axis=-1)
+        )
 
     def height(self, x: ArrayLike) -> Array:
         """f(x) [m], up to a constant."""
@@ -197,7 +222,9 @@ class GivenZones(Zoned):
         return float(np.min(gaps) / np.max(self.zone_widths)) if gaps.size else np.inf
 
     def pressure_at(self, t: ArrayLike, zone: int = 0) -> Array:
-        """Pressure [Pa] at the normalised position t in [-1, 1] of a zone, to rounding up to its ends."""
+        """Pressure [Pa] at the normalised position t in [-1, 1] of a zone, to rounding up to its
+        ends.
+        """
         check_number(zone, len(self.zones))
         t = np.asarray(t, dtype=float)
         half = 0.5 * self._product.steps[2 * zone]
@@ -214,14 +241,21 @@ class GivenZones(Zoned):
     def displacement(self, x: ArrayLike) -> Array:
         """u(x) [m] into the body, of zero mean; periodic only."""
         if self.approach is None:
-            raise SceneError.of("period", None, "a length > 0: an isolated displacement needs a datum")
+            raise SceneError.of(
+                "period", None, "a length > 0: an isolated displacement needs a datum"
+            )
         return self.approach - (self.height(x) - self._least_height) + self.gap(x)
 
     def _greatest(self, beside: float, samples: int) -> float:
         """Greatest pressure, no nearer to the ends than an angle `beside`."""
         ends = beside, np.pi - beside
         zones = range(len(self.zones))
-        return max(-least_value(lambda phi, zone=zone: -self.pressure_at(np.cos(phi), zone), *ends, samples) for zone in zones)  # type: ignore[misc]
+        return max(
+            -least_value(
+                lambda phi, zone=zone: -self.pressure_at(np.cos(phi), zone), *ends, samples
+            )
+            for zone in zones
+        )  # type: ignore[misc]
 
     @cached_property
     def _least_height(self) -> float:
@@ -233,20 +267,29 @@ class GivenZones(Zoned):
         if self.period is None:
             return None
         nodes = [(g, *self._product.nodes(g)) for g in self._product.gaps]
-        return -sum(float(np.sum(weight * dl * self._opening(g, dl, dr))) for g, dl, dr, weight in nodes) / self.period
+        return (
+            -sum(
+                float(np.sum(weight * dl * self._opening(g, dl, dr))) for g, dl, dr, weight in nodes
+            )
+            / self.period
+        )
 
     @property
     def approach(self) -> float | None:
-        """min f = 0 and mean u = 0, so that approach = mean f - min f - mean gap; None without a period."""
+        """min f = 0 and mean u = 0, so that approach = mean f - min f - mean gap; None without a
+        period.
+        """
         return None if self.mean_gap is None else -self._least_height - self.mean_gap
 
 
 @dataclass(frozen=True, eq=False)
 class DesignedContact(GivenZones):
-    """An exact contact of given zones and load: the profile is chosen such that they are right; see the head of this module.
+    """An exact contact of given zones and load: the profile is chosen such that they are right; see
+    the head of this module.
 
-    p = (E*/2)|X M| on the zones, gap slope = X M between them; pressures, gaps and loads are exact to rounding. Derived from the
-    general solution (34) of N. I. Muskhelishvili, Singular Integral Equations (1953), ch. 11.
+    p = (E*/2)|X M| on the zones, gap slope = X M between them; pressures, gaps and loads are exact
+    to rounding. Derived from the general solution (34) of N. I. Muskhelishvili, Singular Integral
+    Equations (1953), ch. 11.
 
     Parameters
     ----------
@@ -274,14 +317,16 @@ class DesignedContact(GivenZones):
     approach, mean_gap : float or None
         From min f = 0 and mean u = 0 [m]; None without a period.
     pressure, gap, gap_slope, displacement, height, slope : callable
-        p [Pa], gap [m], its slope, u [m] (with a period), f [m] up to a constant and f' at positions x [m] of any shape.
+        p [Pa], gap [m], its slope, u [m] (with a period), f [m] up to a constant and f' at
+        positions x [m] of any shape.
     pressure_at : callable
         p [Pa] at normalised positions t in [-1, 1] of a zone, to rounding up to its ends.
 
     Raises
     ------
     SceneError
-        If a number is not positive and finite, or the zones are not strictly ascending and within one period.
+        If a number is not positive and finite, or the zones are not strictly ascending and within
+        one period.
     NotConverged
         From whatever is asked of it, if the roots of M are not found.
 
@@ -310,7 +355,9 @@ class DesignedContact(GivenZones):
     def _raw_loads(self) -> Array:
         """int |X M| over each zone before scaling."""
         nodes = [(i, *self._long.nodes(i)) for i in range(0, 2 * len(self.zones), 2)]
-        return np.array([np.sum(weight * self._long.magnitude(i, dl, dr)) for i, dl, dr, weight in nodes])
+        return np.array(
+            [np.sum(weight * self._long.magnitude(i, dl, dr)) for i, dl, dr, weight in nodes]
+        )
 
     @cached_property
     def _long_scale(self) -> Any:
@@ -331,15 +378,16 @@ class DesignedContact(GivenZones):
         exponents = np.concatenate([np.full(len(ends), 0.5), np.ones(len(roots))])
         n = len(self.zones)
         if self.period is None:
-            # x = middle + half (v + 1/v)/2 maps (x - e)/unit to v (1 - e^{i phi}/v)(1 - e^{-i phi}/v).
+            # x = middle + half (v + 1/v)/2 maps (x - e)/unit to v (1 - e^{i phi}/v)(1 - e^{-i
+            # phi}/v).
             points = np.concatenate([ends, roots])
             phi = 2.0 * np.arctan2(np.sqrt(hull[1] - points), np.sqrt(points - hull[0]))
             power_sums = np.array([2.0 * np.sum(exponents * np.cos(k * phi)) for k in range(2 * n)])
             series = 2.0 * self._long_scale * exp_of_power_sums(power_sums).real[::-1]
             series[0] *= 0.5
             return DesignedProfile(series.astype(float), hull)
-        # Above the axis, w = e^{2 pi i z/L}: 2 sin(pi (z - e)/L) = i e^{-i pi (z - e)/L} (1 - w e^{-2 pi i
-        # e/L}).
+        # Above the axis, w = e^{2 pi i z/L}: 2 sin(pi (z - e)/L) = i e^{-i pi (z - e)/L} (1 - w
+        # e^{-2 pi i e/L}).
         angle = 2.0 * self._long.pi / self.period * np.concatenate([ends, roots])
         power_sums = np.array([np.sum(exponents * np.exp(-1j * k * angle)) for k in range(n + 1)])
         phase = np.exp(0.5j * np.sum(exponents * angle))
@@ -354,7 +402,9 @@ class DesignedContact(GivenZones):
         return np.asarray(self.load * self._raw_loads / np.sum(self._raw_loads), dtype=float)
 
     def _zone_pressure(self, i: int, dl: Array, dr: Array) -> Array:
-        return np.asarray(0.5 * self.E_star * self._scale * self._product.magnitude(i, dl, dr), dtype=float)
+        return np.asarray(
+            0.5 * self.E_star * self._scale * self._product.magnitude(i, dl, dr), dtype=float
+        )
 
     def _opening(self, i: int, dl: Array, dr: Array) -> Array:
         return self._scale * self._product.side(i, dl, dr) * self._product.magnitude(i, dl, dr)
@@ -369,7 +419,9 @@ class DesignedContact(GivenZones):
         return self._greatest(0.0, 129)
 
 
-def design(zones: ArrayLike, E_star: float, load: float, period: float | None = None) -> DesignedContact:
+def design(
+    zones: ArrayLike, E_star: float, load: float, period: float | None = None
+) -> DesignedContact:
     """The exact contact with these zones and this load (per period).
 
     Parameters
@@ -391,7 +443,8 @@ def design(zones: ArrayLike, E_star: float, load: float, period: float | None = 
     Raises
     ------
     SceneError
-        If a number is not positive and finite, or the zones are not strictly ascending and within one period.
+        If a number is not positive and finite, or the zones are not strictly ascending and within
+        one period.
 
     Examples
     --------

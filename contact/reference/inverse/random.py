@@ -9,8 +9,11 @@ from contact.reference.inverse.designed import DesignedContact
 from sie import Array
 
 
-def random_zones(rng: np.random.Generator, zones: int, spread: float = 10.0, fraction: float | None = None) -> Array:
-    """Random zones in a cell of length 1 from 0: widths and gaps log-uniform, each within a factor `spread` of its kind.
+def random_zones(
+    rng: np.random.Generator, zones: int, spread: float = 10.0, fraction: float | None = None
+) -> Array:
+    """Random zones in a cell of length 1 from 0: widths and gaps log-uniform, each within a factor
+    `spread` of its kind.
 
     Parameters
     ----------
@@ -39,15 +42,25 @@ def random_zones(rng: np.random.Generator, zones: int, spread: float = 10.0, fra
     share = rng.uniform(0.2, 0.8) if fraction is None else fraction
     width = np.exp(rng.uniform(0.0, np.log(spread), zones))
     gap = np.exp(rng.uniform(0.0, np.log(spread), zones))
-    steps = np.stack([gap * ((1.0 - share) / np.sum(gap)), width * (share / np.sum(width))], axis=1).ravel()
+    steps = np.stack(
+        [gap * ((1.0 - share) / np.sum(gap)), width * (share / np.sum(width))], axis=1
+    ).ravel()
     return np.cumsum(steps).reshape(zones, 2)
 
 
 def random_problem(
-    rng: np.random.Generator, zones: int | None = None, period: float | None = None, *, E_star: float = 1.0,
-    strain: float = 0.05, spread: float = 10.0, fraction: float | None = None, length: float = 1.0,
+    rng: np.random.Generator,
+    zones: int | None = None,
+    period: float | None = None,
+    *,
+    E_star: float = 1.0,
+    strain: float = 0.05,
+    spread: float = 10.0,
+    fraction: float | None = None,
+    length: float = 1.0,
 ) -> DesignedContact:
-    """A random exact problem of 1 to 12 (or the given number of) zones, asymmetric and off the origin.
+    """A random exact problem of 1 to 12 (or the given number of) zones, asymmetric and off the
+    origin.
 
     With a period the left ends lie in [-L/2, L/2), ascending.
 
@@ -100,13 +113,19 @@ def random_problem(
 
 
 def random_adhesive_problem(
-    rng: np.random.Generator, zones: int | None = None, period: float | None = None, *, pull: float = 1.0,
-    stable: bool = True, **shape: float,
+    rng: np.random.Generator,
+    zones: int | None = None,
+    period: float | None = None,
+    *,
+    pull: float = 1.0,
+    stable: bool = True,
+    **shape: float,
 ) -> AdhesiveDesign:
     """A random JKR contact of 1 to 6 (or the given number of) zones, else as `random_problem`.
 
-    The work of adhesion is that whose flat punches of these widths carry `pull` times the load together, halved until the
-    surfaces keep apart between the zones and, if it is to be stable, the contact is so under its load.
+    The work of adhesion is that whose flat punches of these widths carry `pull` times the load
+    together, halved until the surfaces keep apart between the zones and, if it is to be stable, the
+    contact is so under its load.
 
     Parameters
     ----------
@@ -152,13 +171,20 @@ def random_adhesive_problem(
 
 
 def random_cohesive_problem(
-    rng: np.random.Generator, zones: int | None = None, *, pull: float = 0.5, strip: float = 0.1, **shape: float
+    rng: np.random.Generator,
+    zones: int | None = None,
+    *,
+    pull: float = 0.5,
+    strip: float = 0.1,
+    **shape: float,
 ) -> CohesiveDesign:
-    """A random contact of 1 to 6 (or the given number of) zones alone with a constant tension beside them, else as `random_problem`.
+    """A random contact of 1 to 6 (or the given number of) zones alone with a constant tension
+    beside them, else as `random_problem`.
 
-    The intervals are those on which the gap of the frictionless contact of these zones and this load is below a reach: to begin with,
-    the gap at `strip` of the narrowest zone or gap beside some end. The tension is `pull` times the mean pressure, quartered until signs
-    and gaps are as they must be: with none the frictionless contact is the design.
+    The intervals are those on which the gap of the frictionless contact of these zones and this
+    load is below a reach: to begin with, the gap at `strip` of the narrowest zone or gap beside
+    some end. The tension is `pull` times the mean pressure, quartered until signs and gaps are as
+    they must be: with none the frictionless contact is the design.
 
     Parameters
     ----------
@@ -198,7 +224,10 @@ def random_cohesive_problem(
     width = strip * float(np.diff(ends.ravel()).min())
     beside = np.concatenate((ends[:, 0] - width, ends[:, 1] + width))
     reach = float(np.median(free.gap(beside)))
-    before, after = [2 * ends[0, 0] - ends[-1, 1], *ends[:-1, 1]], [*ends[1:, 0], 2 * ends[-1, 1] - ends[0, 0]]
+    before, after = (
+        [2 * ends[0, 0] - ends[-1, 1], *ends[:-1, 1]],
+        [*ends[1:, 0], 2 * ends[-1, 1] - ends[0, 0]],
+    )
     left = [_where(free, *way, reach) for way in zip(ends[:, 0].tolist(), before, strict=True)]
     right = [_where(free, *way, reach) for way in zip(ends[:, 1].tolist(), after, strict=True)]
     # Beside a gap that stays below the reach there is one interval.
@@ -211,14 +240,18 @@ def random_cohesive_problem(
     mean = float(free.load / np.diff(ends, axis=1).sum())
     while True:
         stress, rise = pull * mean, pull * mean / free.E_star
-        made = CohesiveDesign(ends, np.array(rows), free.E_star, stress * reach, stress, rise, free.load)
+        made = CohesiveDesign(
+            ends, np.array(rows), free.E_star, stress * reach, stress, rise, free.load
+        )
         if made.is_admissible:
             return made
         pull *= 0.25
 
 
 def _where(free: DesignedContact, start: float, stop: float, reach: float) -> float:
-    """The place nearest to the end of a zone at which the gap is a reach, before another place; that if there is none."""
+    """The place nearest to the end of a zone at which the gap is a reach, before another place;
+    that if there is none.
+    """
     x = start + (stop - start) * np.linspace(0.0, 1.0, 2001)[1:] ** 2
     above = np.flatnonzero(free.gap(x) > reach)
     if len(above) == 0:

@@ -1,9 +1,11 @@
-"""What happens on the way along a curve of equilibria where a tension acts beside the contact (contact.formulation.tension.cohesive).
+"""What happens on the way along a curve of equilibria where a tension acts beside the contact
+(contact.formulation.tension.cohesive).
 
-The ends that jump are those of the tension: its intervals begin where the gap comes below the reach, and are cut where it comes above, and
-either takes a width at once. Within them the contact is frictionless: zones begin, meet, part and vanish without a jump, where a pressure
-or a gap is zero. Under tension in all of a period there are no ends, and the contact is followed by the value of the control; closed
-surfaces open from there where their tension comes to the stress.
+The ends that jump are those of the tension: its intervals begin where the gap comes below the
+reach, and are cut where it comes above, and either takes a width at once. Within them the contact
+is frictionless: zones begin, meet, part and vanish without a jump, where a pressure or a gap is
+zero. Under tension in all of a period there are no ends, and the contact is followed by the value
+of the control; closed surfaces open from there where their tension comes to the stress.
 """
 
 from collections.abc import Callable, Iterator
@@ -21,19 +23,33 @@ from contact.formulation.tension.contact import Covered, Lost
 from contact.formulation.tension.intervals import interval_of, joined
 from contact.search.equilibria import arc, tension, tension_parting
 from contact.search.equilibria.arc import Step
-from contact.search.equilibria.following import LEAST, NEW, SLIGHT, Following, Jump, Standing, first_of
+from contact.search.equilibria.following import (
+    LEAST,
+    NEW,
+    SLIGHT,
+    Following,
+    Jump,
+    Standing,
+    first_of,
+)
 from contact.search.equilibria.growth import about, changes_between, condition, touched, with_change
 from contact.search.topology.changes import Change
 from sie import Array, Index, wrapped
 
 At = Callable[[float], CohesivePoint]
 
-# Steps by the value of the control, and how often one is halved; how often a stretch with several changes is.
-_STEPS, _HALVINGS, _PARTS = 8, 40, 12
+# Steps by the value of the control, and how often one is halved; how often a stretch with several
+# changes is.
+_STEPS = 8
+_HALVINGS = 40
+_PARTS = 12
 # How much farther than a step its end is looked for, seen from there.
 _FARTHER = (1.0, 1.1, 1.5)
-# Newton's steps to an equilibrium, the last one over the widths, and a gap over the reach that is none.
-_NEWTON, _STILL, _TOUCHES = 20, 1e-12, 1e-9
+# Newton's steps to an equilibrium, the last one over the widths, and a gap over the reach that is
+# none.
+_NEWTON = 20
+_STILL = 1e-12
+_TOUCHES = 1e-9
 # Of a value, a step to where contact vanishes that is none.
 _STEADY = 1e-14
 # Over its width, how far an interval of tension is pushed inward that has let go.
@@ -44,8 +60,10 @@ _SHORT = 1e-7
 
 @dataclass(frozen=True)
 class FollowingUnderTension(Following):
-    """advanced: the least equilibrium about first touch under no load; pressed: scaled zones under tension in all of a period; full: value
-    of the control from which surfaces under tension everywhere are closed, size: what such values are counted in."""
+    """advanced: the least equilibrium about first touch under no load; pressed: scaled zones under
+    tension in all of a period; full: value of the control from which surfaces under tension
+    everywhere are closed, size: what such values are counted in.
+    """
 
     curve: Cohesive
     advanced: Callable[[], CohesivePoint]
@@ -66,7 +84,11 @@ class FollowingUnderTension(Following):
                 after = self.under_all(self.first)
         else:
             after = self.grown(touched(self.curve, self.cell, self.first), self.first)
-        place = 0.0 if after.point is None else float(np.mean(after.point.table[:1]) if len(after.point.table) else 0.0)
+        place = (
+            0.0
+            if after.point is None
+            else float(np.mean(after.point.table[:1]) if len(after.point.table) else 0.0)
+        )
         return Jump("full" if after.closed else "jump-in", place, before, after)
 
     def grown(self, table: Array, value: float) -> Standing:
@@ -87,14 +109,20 @@ class FollowingUnderTension(Following):
         fewer = after.count < before.count
         return ("merge" if fewer else "birth") if rises else ("death" if fewer else "split")
 
-    # where a tension begins or lets go -------------------------------------------------------------------------------
+    # where a tension begins or lets go
+    # -------------------------------------------------------------------------------
     def interrupted(self, step: Step, length: float, last: Point, sense: float) -> Jump | None:
-        """The first place within a step at which the gap comes to the reach away from the ends of the tension."""
+        """The first place within a step at which the gap comes to the reach away from the ends of
+        the tension.
+        """
         found: list[tuple[float, float, float, bool]] = []
         for outside in (True, False):
             seen = self._wrong(last, outside)
             if len(seen):
-                least, others = partial(self._least, outside=outside), partial(self._wrong, outside=outside)
+                least, others = (
+                    partial(self._least, outside=outside),
+                    partial(self._wrong, outside=outside),
+                )
                 found.append((*first_of(step, length, last, seen, least, others), outside))
         if not found:
             return None
@@ -111,19 +139,28 @@ class FollowingUnderTension(Following):
         sign = 1.0 if begins else -1.0
         while True:
             if begins:
-                table = joined(here.table, np.zeros(len(here.table), dtype=bool), [(place - half, place + half)], period)
+                table = joined(
+                    here.table,
+                    np.zeros(len(here.table), dtype=bool),
+                    [(place - half, place + half)],
+                    period,
+                )
             else:
                 table = _cut(here.table, place, half)
             at = curve.from_zones(table, here.value, curve.fitted(here.zones, table))
             # The ends that are new are driven, all others at rest.
             new = np.abs(np.append(table[:, 0], table[:, 1]) - place) < 2 * half
-            if half < LEAST or (np.all(sign * at.residual > -SLIGHT) and np.all(sign * at.residual[new] > 0.0)):
+            if half < LEAST or (
+                np.all(sign * at.residual > -SLIGHT) and np.all(sign * at.residual[new] > 0.0)
+            ):
                 break
             half *= 0.1
         return (self.grown if begins else self.shrunk)(table, here.value)
 
     def _wrong(self, here: Point, outside: bool) -> Array:
-        """Places away from the ends of the tension between which the gap is below the reach outside of it, or above it inside (n, 2)."""
+        """Places away from the ends of the tension between which the gap is below the reach outside
+        of it, or above it inside (n, 2).
+        """
         curve, period = self.curve, self.curve.problem.round
         assert isinstance(here, CohesivePoint)
         (x, gap), table, found = here.look, here.table, []
@@ -141,13 +178,19 @@ class FollowingUnderTension(Following):
         return np.array(found).reshape(-1, 2)
 
     def _least(self, here: Point, lo: float, hi: float, outside: bool) -> tuple[float, float]:
-        """(place, value) of what is above zero while no tension begins, or lets go, between two places."""
+        """(place, value) of what is above zero while no tension begins, or lets go, between two
+        places.
+        """
         curve, sign = self.curve, -1.0 if outside else 1.0
-        place, most = maximum(lambda x: sign * (curve.gap(here, np.asarray(x)) - curve.reach), np.linspace(lo, hi, 17))
+        place, most = maximum(
+            lambda x: sign * (curve.gap(here, np.asarray(x)) - curve.reach), np.linspace(lo, hi, 17)
+        )
         return place, -most
 
     def gone(self, here: Point, sense: float) -> Jump | None:
-        """Contact that shrinks to a point within its interval of tension, and on which the interval hangs: without it that lets go."""
+        """Contact that shrinks to a point within its interval of tension, and on which the interval
+        hangs: without it that lets go.
+        """
         curve = self.curve
         assert isinstance(here, CohesivePoint)
         if sense > 0.0 or len(here.zones) == 0:
@@ -162,7 +205,12 @@ class FollowingUnderTension(Following):
             others = np.delete(here.zones.mean(axis=1), k)
             points = np.sort(np.append(others, last.zones[0, 0]))
             last = replace(last, zones=np.column_stack((points, points)))
-            return Jump("pull-off", float(last.zones[0, 0]), Standing(last.value, last), Standing(last.value))
+            return Jump(
+                "pull-off",
+                float(last.zones[0, 0]),
+                Standing(last.value, last),
+                Standing(last.value),
+            )
         # As a rule one alone, but two of the same kind together.
         for gone in (np.array([k]), np.flatnonzero(share <= tension_parting.SHRUNK)):
             touch = self._without(here, gone)
@@ -171,21 +219,38 @@ class FollowingUnderTension(Following):
         else:
             return None
         places, state = touch
-        touching = replace(state, zones=ascending(np.concatenate((state.zones, np.column_stack((places, places))))))
+        touching = replace(
+            state, zones=ascending(np.concatenate((state.zones, np.column_stack((places, places)))))
+        )
         place = float(places[0])
         if state.growth < 0.0:
-            return Jump("death", place, Standing(state.value, touching), Standing(state.value, state), smooth=True)
+            return Jump(
+                "death",
+                place,
+                Standing(state.value, touching),
+                Standing(state.value, state),
+                smooth=True,
+            )
         width = float(np.diff(state.table[i[k]])[0])
         table = state.table.copy()
         table[i[k]] += np.array([_PUSH, -_PUSH]) * width
         return self.jump(touching, place, self.shrunk(table, state.value), False)
 
     def _without(self, here: CohesivePoint, gone: Index) -> tuple[Array, CohesivePoint] | None:
-        """(places, equilibrium) in which the surfaces just touch where zones are about to vanish; None if it was not found."""
+        """(places, equilibrium) in which the surfaces just touch where zones are about to vanish;
+        None if it was not found.
+        """
         count, period = len(here.zones), self.curve.problem.round
         others = np.delete(here.zones, gone, axis=0)
-        each = [Change("death", about(others, float(a), float(b), period)) for a, b in here.zones[gone]]
-        known = Known(here.table, here.value, others, np.delete(here.by_ends, np.append(gone, gone + count), axis=0))
+        each = [
+            Change("death", about(others, float(a), float(b), period)) for a, b in here.zones[gone]
+        ]
+        known = Known(
+            here.table,
+            here.value,
+            others,
+            np.delete(here.by_ends, np.append(gone, gone + count), axis=0),
+        )
         formal = replace(self.curve, formal=True, known=[known])
 
         def state(value: float, table: Array) -> CohesivePoint:
@@ -208,7 +273,11 @@ class FollowingUnderTension(Following):
             for _ in range(_NEWTON):
                 at = state(value + step, at.table)
                 value, before, least = value + step, least, condition(formal, at, each[0])[1]
-                if least == before or 0.5 * abs(before) < abs(least) < touches or abs(step) < _STEADY * abs(value):
+                if (
+                    least == before
+                    or 0.5 * abs(before) < abs(least) < touches
+                    or abs(step) < _STEADY * abs(value)
+                ):
                     break
                 step *= -least / (least - before)
         except (NotConverged, NoState, np.linalg.LinAlgError):
@@ -217,7 +286,8 @@ class FollowingUnderTension(Following):
             return None
         return np.sort([condition(formal, at, one)[0] for one in each]), at
 
-    # what changes without a jump ----------------------------------------------------------------------------------------
+    # what changes without a jump
+    # ----------------------------------------------------------------------------------------
     def passed(self, step: Step, length: float, last: Point) -> Iterator[Jump]:
         def at(part: float) -> CohesivePoint:
             here = step.at(part)
@@ -230,11 +300,15 @@ class FollowingUnderTension(Following):
                 place = replace(place, tangent=-place.tangent)
             formal = self._formal(here)
             for part in _FARTHER:
+
                 def formally(u: float, part: float = part) -> CohesivePoint:
                     found = here if u == 0.0 else arc.along(formal, place, u * part * reach)
                     if not isinstance(found, CohesivePoint):
-                        raise NotConverged("a change of the zones on the way along a curve was not located")
+                        raise NotConverged(
+                            "a change of the zones on the way along a curve was not located"
+                        )
                     return found
+
                 yield formally
 
         start = step.start.at
@@ -242,13 +316,21 @@ class FollowingUnderTension(Following):
         yield from self._between(at, beside, (0.0, start), (length, last), _PARTS)
 
     def _formal(self, here: CohesivePoint) -> Cohesive:
-        return replace(self.curve, formal=True, known=[Known(here.table, here.value, here.zones, here.by_ends)])
+        return replace(
+            self.curve, formal=True, known=[Known(here.table, here.value, here.zones, here.by_ends)]
+        )
 
     def _between(
-        self, at: At, beside: Callable[[CohesivePoint, bool, float], Iterator[At]], low: tuple[float, CohesivePoint],
-        high: tuple[float, CohesivePoint], parts: int,
+        self,
+        at: At,
+        beside: Callable[[CohesivePoint, bool, float], Iterator[At]],
+        low: tuple[float, CohesivePoint],
+        high: tuple[float, CohesivePoint],
+        parts: int,
     ) -> Iterator[Jump]:
-        """Changes of the zones between two states. beside: from a state on, ahead or back so far at 1, with the zones that it has."""
+        """Changes of the zones between two states. beside: from a state on, ahead or back so far at
+        1, with the zones that it has.
+        """
         found = changes_between(low[1], high[1], self.curve.problem.round)
         if not found:
             return
@@ -264,7 +346,10 @@ class FollowingUnderTension(Following):
                 yield jump
 
     def _located(
-        self, change: Change, beside: Callable[[CohesivePoint, bool, float], Iterator[At]], low: tuple[float, CohesivePoint],
+        self,
+        change: Change,
+        beside: Callable[[CohesivePoint, bool, float], Iterator[At]],
+        low: tuple[float, CohesivePoint],
         high: tuple[float, CohesivePoint],
     ) -> Jump | None:
         smooth = low[1] if change.ahead else high[1]
@@ -281,16 +366,27 @@ class FollowingUnderTension(Following):
         else:
             return None
         try:
-            root = smooth_root(lambda u: condition(self.curve, formally(u), change)[1], {0.0: first, 1.0: last}, arc.NEAR)
+            root = smooth_root(
+                lambda u: condition(self.curve, formally(u), change)[1],
+                {0.0: first, 1.0: last},
+                arc.NEAR,
+            )
             here = formally(root)
         except (NotConverged, NoState):
             return None
         place = condition(self.curve, here, change)[0]
         other = replace(here, zones=with_change(here.zones, change, place))
         before, after = (here, other) if change.ahead else (other, here)
-        return Jump(change.kind, place, Standing(here.value, before), Standing(here.value, after), smooth=True)
+        return Jump(
+            change.kind,
+            place,
+            Standing(here.value, before),
+            Standing(here.value, after),
+            smooth=True,
+        )
 
-    # tension everywhere ---------------------------------------------------------------------------------------------------
+    # tension everywhere
+    # ---------------------------------------------------------------------------------------------------
     def under_all(self, value: float) -> Standing:
         """Under tension in all of a period."""
         if value >= self.full:
@@ -302,14 +398,24 @@ class FollowingUnderTension(Following):
             return None
         after = self.under_all(self.full - _SHORT * self.size)
         assert isinstance(after.point, CohesivePoint)
-        return Jump("open", self._last_gap(after.point), Standing(self.full, closed=True), replace(after, value=self.full), smooth=True)
+        return Jump(
+            "open",
+            self._last_gap(after.point),
+            Standing(self.full, closed=True),
+            replace(after, value=self.full),
+            smooth=True,
+        )
 
     def _last_gap(self, here: CohesivePoint) -> float:
         (x, gap) = here.look
         return float(x[int(np.argmax(gap))])
 
     def beside_curve(self, here: Point, value: float) -> Iterator[Jump | Standing] | None:
-        return self._under_all_to(here, value) if isinstance(here, CohesivePoint) and here.everywhere else None
+        return (
+            self._under_all_to(here, value)
+            if isinstance(here, CohesivePoint) and here.everywhere
+            else None
+        )
 
     def _under_all_to(self, here: CohesivePoint, value: float) -> Iterator[Jump | Standing]:
         rises = value > here.value
@@ -332,8 +438,11 @@ class FollowingUnderTension(Following):
             last = new if jump is None else jump.before.point
             assert isinstance(last, CohesivePoint)
             yield from self._between(
-                lambda v, zones=here.zones: self.curve.under_all(v, zones), self._by_value(here, new),  # type: ignore[misc]
-                (here.value, here), (last.value, last), _PARTS,
+                lambda v, zones=here.zones: self.curve.under_all(v, zones),
+                self._by_value(here, new),  # type: ignore[misc]
+                (here.value, here),
+                (last.value, last),
+                _PARTS,
             )
             if jump is not None:
                 yield jump
@@ -344,12 +453,22 @@ class FollowingUnderTension(Following):
         if end == value:
             yield Standing(value, here)
         else:
-            yield Jump("full", self._last_gap(here), Standing(self.full, here), Standing(self.full, closed=True), smooth=True)
+            yield Jump(
+                "full",
+                self._last_gap(here),
+                Standing(self.full, here),
+                Standing(self.full, closed=True),
+                smooth=True,
+            )
 
-    def _by_value(self, low: CohesivePoint, high: CohesivePoint) -> Callable[[CohesivePoint, bool, float], Iterator[At]]:
+    def _by_value(
+        self, low: CohesivePoint, high: CohesivePoint
+    ) -> Callable[[CohesivePoint, bool, float], Iterator[At]]:
         def beside(here: CohesivePoint, ahead: bool, reach: float) -> Iterator[At]:
             formal, move = self._formal(here), reach if ahead else -reach
-            yield lambda u: here if u == 0.0 else formal.under_all(here.value + u * move, here.zones)
+            yield (
+                lambda u: here if u == 0.0 else formal.under_all(here.value + u * move, here.zones)
+            )
 
         return beside
 
@@ -389,11 +508,15 @@ class FollowingUnderTension(Following):
         looks = [np.sort(here.look[0]), *(np.linspace(a, b, 65) for a, b in here.zones)]
         place, lowest = min((minimum(pulled.shape, x) for x in looks), key=lambda found: found[1])
         value = -pulled.pulling.total
-        touch = CohesivePoint.under_all(value, value, -lowest, np.array([[place, place]]), None, (np.zeros(0), np.zeros(0)))
+        touch = CohesivePoint.under_all(
+            value, value, -lowest, np.array([[place, place]]), None, (np.zeros(0), np.zeros(0))
+        )
         return Jump("pull-off", place, Standing(value, touch), Standing(value))
 
 
 def _cut(table: Array, place: float, half: float) -> Array:
     """The intervals, the one about a place without what lies about it."""
     i = int(interval_of(np.array([[place, place]]), table)[0])
-    return np.concatenate((table[:i], [[table[i, 0], place - half], [place + half, table[i, 1]]], table[i + 1 :]))
+    return np.concatenate(
+        (table[:i], [[table[i, 0], place - half], [place + half, table[i, 1]]], table[i + 1 :])
+    )

@@ -1,6 +1,8 @@
-"""Contact from first touch on: zones advance, and where the surfaces would overlap on the way new ones begin.
+"""Contact from first touch on: zones advance, and where the surfaces would overlap on the way new
+ones begin.
 
-Within intervals of tension zones change on the way from one state to another: without a jump, where a gap or a pressure is zero.
+Within intervals of tension zones change on the way from one state to another: without a jump, where
+a gap or a pressure is zero.
 """
 
 from dataclasses import replace
@@ -18,16 +20,22 @@ from contact.search.topology.changes import Change, changes, held
 from contact.verify.certificate import openings
 from sie import Array
 
-# First touch over the width that adhesion makes of it, and a new zone over the overlap it begins in.
-_TOUCH, _NEW = 1e-3, 0.1
-# Heights that differ by this part of their range touch together; so many samples of them on end are level.
-_TOGETHER, _LEVEL = 1e-12, 5
+# First touch over the width that adhesion makes of it, and a new zone over the overlap it begins
+# in.
+_TOUCH = 1e-3
+_NEW = 0.1
+# Heights that differ by this part of their range touch together; so many samples of them on end are
+# level.
+_TOGETHER = 1e-12
+_LEVEL = 5
 _ROUNDS = 60
 
 
 def grown(curve: Equilibria, table: Array, value: float, rest: float = REST) -> Point:
-    """The least equilibrium without overlap that holds these zones, of which all ends are driven outward; `Closed` if there is none. rest:
-    Newton's step over the widths at which stable ends are at rest."""
+    """The least equilibrium without overlap that holds these zones, of which all ends are driven
+    outward; `Closed` if there is none. rest: Newton's step over the widths at which stable ends are
+    at rest.
+    """
     for _ in range(_ROUNDS):
         here = advanced(curve, table, value, rest)
         new = curve.within(openings(curve.fields(here, ROUGH)).overlaps)
@@ -38,7 +46,9 @@ def grown(curve: Equilibria, table: Array, value: float, rest: float = REST) -> 
 
 
 def _driven_outward(curve: Equilibria, here: Point, overlaps: Array) -> Array:
-    """The zones of a state with narrow ones in its overlaps, without those that the others relieve so much that they would come apart."""
+    """The zones of a state with narrow ones in its overlaps, without those that the others relieve
+    so much that they would come apart.
+    """
     while True:
         table = with_new(here.table, overlaps)
         left, right = np.split(curve.at(table, here.value, ROUGH).whole.residual, 2)
@@ -56,9 +66,14 @@ def with_new(table: Array, overlaps: Array) -> Array:
 
 
 def touched(curve: Equilibria, cell: tuple[float, float], value: float = 0.0) -> Array:
-    """Narrow intervals about the lowest places of a cell [m], of which all ends are driven outward under a value of the control, or held at
-    sharp corners; where the profile is level they are as wide as that."""
-    problem, (lo, hi) = curve.problem, cell if curve.problem.profile.support is None else curve.problem.profile.support
+    """Narrow intervals about the lowest places of a cell [m], of which all ends are driven outward
+    under a value of the control, or held at sharp corners; where the profile is level they are as
+    wide as that.
+    """
+    problem, (lo, hi) = (
+        curve.problem,
+        cell if curve.problem.profile.support is None else curve.problem.profile.support,
+    )
     period, profile = problem.period, problem.profile
     per_feature = 0.0 if profile.resolution is None else 8 * (hi - lo) / profile.resolution
     x = problem.units.scaled(np.linspace(lo, hi, int(np.clip(per_feature, 2049, 2**18))))
@@ -74,7 +89,9 @@ def touched(curve: Equilibria, cell: tuple[float, float], value: float = 0.0) ->
         low = np.append(low, ends[[f[0] <= f[1], f[-1] <= f[-2]]])
     together = _TOGETHER * max(float(np.ptp(f)), 1.0)
     # Across the border of the cell it would be two.
-    whole = profile.support is not None or not (f[0] - least <= together and f[-1] - least <= together)
+    whole = profile.support is not None or not (
+        f[0] - least <= together and f[-1] - least <= together
+    )
     level = [(x[s], x[e]) for s, e in runs_of(f - least <= together) if e - s >= _LEVEL and whole]
     low = low[[all(not s <= x[i] <= e for s, e in level) for i in low]]
     step = float(np.diff(x).max())
@@ -102,13 +119,19 @@ def touched(curve: Equilibria, cell: tuple[float, float], value: float = 0.0) ->
 _PLACES = 33
 
 
-def changes_between(before: CohesivePoint, after: CohesivePoint, period: float | None) -> list[Change]:
+def changes_between(
+    before: CohesivePoint, after: CohesivePoint, period: float | None
+) -> list[Change]:
     """What changes between two states, and about where zones that are not there yet are looked for."""
-    if len(before.zones) == len(after.zones) and all(len(held(before.zones, a, b, period)) == 1 for a, b in after.zones):
+    if len(before.zones) == len(after.zones) and all(
+        len(held(before.zones, a, b, period)) == 1 for a, b in after.zones
+    ):
         return []
     without = {"birth": before.zones, "death": after.zones}
     return [
-        replace(change, where=about(without[change.kind], *change.where, period)) if change.of_gap else change
+        replace(change, where=about(without[change.kind], *change.where, period))
+        if change.of_gap
+        else change
         for change in changes(before.zones, after.zones, period, only_grows=False)
     ]
 

@@ -1,14 +1,17 @@
-"""What surfaces that adhere do as a control rises and falls: equilibria that are followed, and the jumps between them.
+"""What surfaces that adhere do as a control rises and falls: equilibria that are followed, and the
+jumps between them.
 
     rising     the contact grows along its curve, until somewhere else the surfaces come together, or the curve turns (gaps snap shut, ends
                jump on)
     falling    it shrinks along its curve, until that turns (zones come apart, ends jump back)
 
-After a jump the ends come to rest at the nearest equilibrium beyond (contact.search.equilibria.flow). What begins elsewhere, and whether
-closed surfaces open again, is a matter of the law (contact.search.equilibria.following): without a range of adhesion surfaces that are
-closed over the whole period stay closed, and zones never split, as a gap within a zone begins without width, and its ends have an
-intensity only once it has some, sqrt(width) times the tension there. To open it takes a flaw of a width that goes with 1/tension^2
-(A. A. Griffith, Phil. Trans. R. Soc. Lond. A 221, 1921, 163), and surfaces have none here.
+After a jump the ends come to rest at the nearest equilibrium beyond
+(contact.search.equilibria.flow). What begins elsewhere, and whether closed surfaces open again, is
+a matter of the law (contact.search.equilibria.following): without a range of adhesion surfaces that
+are closed over the whole period stay closed, and zones never split, as a gap within a zone begins
+without width, and its ends have an intensity only once it has some, sqrt(width) times the tension
+there. To open it takes a flaw of a width that goes with 1/tension^2 (A. A. Griffith, Phil. Trans.
+R. Soc. Lond. A 221, 1921, 163), and surfaces have none here.
 """
 
 from collections.abc import Callable, Generator, Iterator
@@ -44,7 +47,9 @@ class History:
             here = found.after
         raise NotConverged("ever more jumps on a path")
 
-    def _on(self, here: Standing, value: float, sense: float) -> Generator[Jump | Standing, None, Jump | Standing]:
+    def _on(
+        self, here: Standing, value: float, sense: float
+    ) -> Generator[Jump | Standing, None, Jump | Standing]:
         law = self.law
         if here.point is None:
             if here.closed:
@@ -55,9 +60,15 @@ class History:
         if here.value == value:
             return Standing(value, here.point)
         beside = law.beside_curve(here.point, value)
-        return (yield from self._along(here.point, value, sense) if beside is None else self._noted(beside))
+        return (
+            yield from self._along(here.point, value, sense)
+            if beside is None
+            else self._noted(beside)
+        )
 
-    def _noted(self, beside: Iterator[Jump | Standing]) -> Generator[Jump | Standing, None, Jump | Standing]:
+    def _noted(
+        self, beside: Iterator[Jump | Standing]
+    ) -> Generator[Jump | Standing, None, Jump | Standing]:
         """Of an equilibrium that is none of the curve."""
         last: Jump | Standing | None = None
         for found in beside:
@@ -70,7 +81,9 @@ class History:
         assert last is not None
         return last
 
-    def _along(self, here: Point, value: float, sense: float) -> Generator[Jump | Standing, None, Jump | Standing]:
+    def _along(
+        self, here: Point, value: float, sense: float
+    ) -> Generator[Jump | Standing, None, Jump | Standing]:
         """Along the curve from an equilibrium to the value, or to the first jump."""
         law = self.law
         try:
@@ -100,11 +113,20 @@ class History:
             return self._ended(failure, here, value, sense)
         raise NotConverged("the curve of equilibria ended")
 
-    def _arriving(self, step: Step, length: float, last: Point, value: float) -> tuple[float, Point]:
+    def _arriving(
+        self, step: Step, length: float, last: Point, value: float
+    ) -> tuple[float, Point]:
         """(how far within a step it is to a value of the control, the equilibrium there)."""
         found = step.arriving(value)
         if found is None:
-            length = step.where(lambda at: at.value - value, step.start.at.value - value, last.value - value, length, _ROUGHLY, False)
+            length = step.where(
+                lambda at: at.value - value,
+                step.start.at.value - value,
+                last.value - value,
+                length,
+                _ROUGHLY,
+                False,
+            )
             found = self.law.curve.settled(replace(step.at(length), value=value))
         else:
             length = step.start.length(found)
@@ -133,13 +155,21 @@ class History:
         before = step.end.at
         reached = bool((after.held & ~before.held).any())
         standing = Standing(before.value, after)
-        return Jump("held" if reached else "freed", _place(before, after), Standing(before.value, before), standing, smooth=True)
+        return Jump(
+            "held" if reached else "freed",
+            _place(before, after),
+            Standing(before.value, before),
+            standing,
+            smooth=True,
+        )
 
     def _let_go(self, step: Step) -> Jump:
         """From where ends let go of sharp corners on."""
         last = step.end.at
         assert step.after is not None
-        return self.law.jump(last, _place(last, step.after), self.law.shrunk(let_go(step), last.value), False)
+        return self.law.jump(
+            last, _place(last, step.after), self.law.shrunk(let_go(step), last.value), False
+        )
 
     def _turn(self, last: Point, sense: float) -> Jump:
         """From a turning point on."""

@@ -19,7 +19,8 @@ from contact.search.equilibria.relaxation import relaxed
 from contact.solution.answer import PullOff
 from contact.threads import one_of_blas
 
-# Part of the rate with the value that lies along the null vector: below it the value does not move the turning point. Insensitive.
+# Part of the rate with the value that lies along the null vector: below it the value does not move
+# the turning point. Insensitive.
 _SEEN = 1e-3
 
 
@@ -33,7 +34,11 @@ class Parting:
     def __call__(self, fields: ZoneFields) -> PullOff:
         problem, units = fields.problem, fields.problem.units
         try:
-            last = _under_tension(fields, self.held) if isinstance(fields, PulledFields) else _without_range(fields, self.held)
+            last = (
+                _under_tension(fields, self.held)
+                if isinstance(fields, PulledFields)
+                else _without_range(fields, self.held)
+            )
         except SymmetryLost as lost:
             raise lost.located() from None
         approach = float(-last.level * units.height) if problem.operator.has_approach else None
@@ -46,15 +51,18 @@ def _without_range(fields: ZoneFields, held: Control) -> Point:
     # Under a held approach ends that recede may drive others on.
     recede = receded if held.load is not None else relaxed
     here = curve.at(fields.density.zones.table, held.value)
-    return _on_its_zones(curve, pull_off(curve, lowered_by_load(curve, here, near_the_last), recede))
+    return _on_its_zones(
+        curve, pull_off(curve, lowered_by_load(curve, here, near_the_last), recede)
+    )
 
 
 def _on_its_zones(curve: Equilibria, last: Point) -> Point:
     """The last equilibrium, its control's value found anew on its zones.
 
-    The curve was followed from values that may be 1e10 times as large, and its own value is rounded to what these are. At a turning point
-    the residual r changes with the zones in all directions but one, y, the left null vector of its rates: y r = 0 gives the value up to the
-    square of the error of the zones.
+    The curve was followed from values that may be 1e10 times as large, and its own value is rounded
+    to what these are. At a turning point the residual r changes with the zones in all directions
+    but one, y, the left null vector of its rates: y r = 0 gives the value up to the square of the
+    error of the zones.
     """
     here = curve.at(last.table, last.value)
     y = np.linalg.svd(here.rates)[0][:, -1]
@@ -71,4 +79,6 @@ def _under_tension(fields: PulledFields, held: Control) -> Point:
     if tension.everywhere:
         return tension_parting.pull_off_from_all(curve, zones, held.value)
     load = float(fields.density.total - tension.total)
-    return tension_parting.pull_off(curve, Loose.of(tension.table, held.value, load, float(fields.level), zones))
+    return tension_parting.pull_off(
+        curve, Loose.of(tension.table, held.value, load, float(fields.level), zones)
+    )

@@ -1,9 +1,12 @@
-"""Ends of zones go down the slope of the energy, each as far as it is driven: what a contact comes to that has lost its equilibrium.
+"""Ends of zones go down the slope of the energy, each as far as it is driven: what a contact comes
+to that has lost its equilibrium.
 
-Under a held load ends only gain by what others do, and `flow` takes them one way, without turning back. Under a held approach they do not:
-the tension that is lost where a zone recedes raises the surface of a period elsewhere, where others advance, or begin. There the steps are
-those of the implicit Euler method for D ds/dt = r, r the slope of the energy and D what is given way to: as long as the limits let them,
-ever nearer to Newton's. So the energy falls, and where the ends come to rest they are stable.
+Under a held load ends only gain by what others do, and `flow` takes them one way, without turning
+back. Under a held approach they do not: the tension that is lost where a zone recedes raises the
+surface of a period elsewhere, where others advance, or begin. There the steps are those of the
+implicit Euler method for D ds/dt = r, r the slope of the energy and D what is given way to: as long
+as the limits let them, ever nearer to Newton's. So the energy falls, and where the ends come to
+rest they are stable.
 """
 
 import numpy as np
@@ -24,8 +27,9 @@ _PAST = 0.1
 
 
 def relaxed(curve: Equilibria, table: Array, value: float) -> Point | None:
-    """The stable equilibrium that ends come to from these zones under a value of the control; None: all have come apart. `Closed` if the
-    surfaces close altogether."""
+    """The stable equilibrium that ends come to from these zones under a value of the control; None:
+    all have come apart. `Closed` if the surfaces close altogether.
+    """
     here = curve.at(table, value, flow.ROUGH)
     widest = np.diff(here.table, axis=1)[:, 0]
     for _ in range(flow.MOST_STEPS):
@@ -33,9 +37,13 @@ def relaxed(curve: Equilibria, table: Array, value: float) -> Point | None:
         if changed is None:
             here, step = _step(curve, here)
             widest = np.maximum(widest, np.diff(here.table, axis=1)[:, 0])
-            if float(np.abs(step / here.widths).max()) > flow.REST or float(np.abs(here.residual).max()) > flow.SLIGHT:
+            if (
+                float(np.abs(step / here.widths).max()) > flow.REST
+                or float(np.abs(here.residual).max()) > flow.SLIGHT
+            ):
                 continue
-            # Looked for here alone: what overlaps on the way costs as much as many steps to see, and may part again.
+            # Looked for here alone: what overlaps on the way costs as much as many steps to see,
+            # and may part again.
             overlaps = curve.within(openings(curve.fields(here, flow.ROUGH)).overlaps)
             if len(overlaps) == 0:
                 if here.growth < 0.0:
@@ -50,18 +58,24 @@ def relaxed(curve: Equilibria, table: Array, value: float) -> Point | None:
 
 
 def _changed(curve: Equilibria, here: Point, widest: Array) -> Array | None:
-    """The zones without gaps that have closed, or without those that have come apart; None if nothing of that has happened."""
+    """The zones without gaps that have closed, or without those that have come apart; None if
+    nothing of that has happened.
+    """
     merged = flow.closing(curve, here)
     if merged is not None:
         return merged
-    apart = np.logical_and(*np.split(here.residual < -flow.DRIVEN, 2)) & (np.diff(here.table, axis=1)[:, 0] < _GONE * widest)
+    apart = np.logical_and(*np.split(here.residual < -flow.DRIVEN, 2)) & (
+        np.diff(here.table, axis=1)[:, 0] < _GONE * widest
+    )
     return np.asarray(here.table[~apart]) if apart.any() else None
 
 
 def _carried(before: Array, widest: Array, table: Array) -> Array:
     """The largest widths of zones after some have met, come apart or begun."""
     width = np.diff(table, axis=1)[:, 0]
-    own = [float(widest[(before[:, 0] < b) & (before[:, 1] > a)].max(initial=0.0)) for a, b in table]
+    own = [
+        float(widest[(before[:, 0] < b) & (before[:, 1] > a)].max(initial=0.0)) for a, b in table
+    ]
     return np.maximum(width, own)
 
 

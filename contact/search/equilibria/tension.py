@@ -1,8 +1,10 @@
-r"""Intervals of tension that are driven outward advance, and those driven inward recede (contact.formulation.tension.cohesive).
+r"""Intervals of tension that are driven outward advance, and those driven inward recede
+(contact.formulation.tension.cohesive).
 
-The steps are those of contact.search.equilibria.flow. What is different is which intervals there are: new ones begin where the gap comes
-below the reach, and they become one where it is below it all between; they are cut where it comes above. Contact is lost where the load
-of q does not press any more.
+The steps are those of contact.search.equilibria.flow. What is different is which intervals there
+are: new ones begin where the gap comes below the reach, and they become one where it is below it
+all between; they are cut where it comes above. Contact is lost where the load of q does not press
+any more.
 """
 
 import numpy as np
@@ -22,13 +24,17 @@ _NEW = 0.5
 # How often a step is shortened that would lose contact, or whose contact is not found.
 _TRIES = 6
 # How often, and by how much, intervals are widened that contact covers.
-_WIDENINGS, _WIDEN = 120, 1.25
+_WIDENINGS = 120
+_WIDEN = 1.25
 # Over an interval, what a strip beside its contact is taken to be at the least.
 _LEAST = 1e-6
 # By what new zones are driven that snap shut.
 _SNAPS = 0.5
-# So often ends are let go one way only; of the widths, how far else; what drives ends the other way that need not run away to be let go.
-_ONE_WAY, _SLOWLY, _DRIVEN_BACK = 4, 0.5, 0.05
+# So often ends are let go one way only; of the widths, how far else; what drives ends the other way
+# that need not run away to be let go.
+_ONE_WAY = 4
+_SLOWLY = 0.5
+_DRIVEN_BACK = 0.05
 # Over the width of an interval, how far an end goes that contact covers as others advance.
 _FARTHER = 0.01
 # Intervals over a strip beside contact, that do not stay open.
@@ -40,16 +46,19 @@ FEW = 6
 # Parts of the reach that it is made smaller or larger by on a grid.
 _MARGINS = (0.02, 0.06, 0.2)
 
-TOO_NARROW = (
-    "the tension would act on strips narrower than a millionth of the zones beside them: under so large a stress adhesion is without range"
-)
+TOO_NARROW = "the tension would act on strips narrower than a millionth of the zones beside them: under so large a stress adhesion is without range"
 
 
 def advanced(
-    curve: Cohesive, table: Array, value: float, guide: GridTension | None = None, zones: Array | None = None
+    curve: Cohesive,
+    table: Array,
+    value: float,
+    guide: GridTension | None = None,
+    zones: Array | None = None,
 ) -> CohesivePoint:
-    """The least equilibrium that holds these intervals, of which all ends are driven outward; `Closed` if there is none. zones: that they
-    begin with, where contact may cover some intervals."""
+    """The least equilibrium that holds these intervals, of which all ends are driven outward;
+    `Closed` if there is none. zones: that they begin with, where contact may cover some intervals.
+    """
     start = None if zones is None else without_range.near_advanced(curve, zones, value)
     if start is None and guide is not None:
         start = guided(curve, guide, table, value, 1.0)
@@ -66,7 +75,9 @@ def advanced(
 
 
 def _led_on(curve: Cohesive, before: CohesivePoint, here: CohesivePoint) -> CohesivePoint:
-    """The state that has new intervals, or one that a law without range leads to where new zones snap shut in them."""
+    """The state that has new intervals, or one that a law without range leads to where new zones
+    snap shut in them.
+    """
     if len(here.zones) <= len(before.zones) or here.residual.max() < _SNAPS:
         return here
     ahead = without_range.near_advanced(curve, here.zones, here.value)
@@ -76,8 +87,12 @@ def _led_on(curve: Cohesive, before: CohesivePoint, here: CohesivePoint) -> Cohe
     return ahead if ahead.q is not None and ahead.q.inside(here.zones.mean(axis=1)).all() else here
 
 
-def receded(curve: Cohesive, table: Array, value: float, guide: GridTension | None = None) -> CohesivePoint | None:
-    """The greatest equilibrium within these intervals, of which all ends are driven inward; None where contact is lost."""
+def receded(
+    curve: Cohesive, table: Array, value: float, guide: GridTension | None = None
+) -> CohesivePoint | None:
+    """The greatest equilibrium within these intervals, of which all ends are driven inward; None
+    where contact is lost.
+    """
     try:
         start = None if guide is None else guided(curve, guide, table, value, -1.0)
         return _flowed(curve, table if start is None else start.table, value, -1.0)
@@ -86,10 +101,15 @@ def receded(curve: Cohesive, table: Array, value: float, guide: GridTension | No
 
 
 def guide_of(curve: Cohesive, zones: int, table: Array | None) -> GridTension | None:
-    """A grid by which ends are guided that move from these intervals (None: from tension in all of a period); none without contact, or
-    where a spring holds it."""
+    """A grid by which ends are guided that move from these intervals (None: from tension in all of
+    a period); none without contact, or where a spring holds it.
+    """
     held = curve.held
-    if zones == 0 or curve.problem.profile.support is not None or (held.load is None and held.approach is None):
+    if (
+        zones == 0
+        or curve.problem.profile.support is not None
+        or (held.load is None and held.approach is None)
+    ):
         return None
     return GridTension.of(curve.problem, table, held.load is not None)
 
@@ -99,14 +119,19 @@ def guide_down(curve: Cohesive, zones: int, table: Array) -> GridTension | None:
     return guide_of(curve, zones, table) if zones > FEW else None
 
 
-def guided(curve: Cohesive, guide: GridTension, table: Array | None, value: float, sign: float) -> CohesivePoint | None:
-    """A state from which ends are all driven onward to the same equilibrium as from these intervals (None: tension in all of a period), and
-    not far, by a grid; None where that does not tell. What the grid is wrong by is seen in what drives the ends: of what it makes rest that
-    is the margin."""
+def guided(
+    curve: Cohesive, guide: GridTension, table: Array | None, value: float, sign: float
+) -> CohesivePoint | None:
+    """A state from which ends are all driven onward to the same equilibrium as from these intervals
+    (None: tension in all of a period), and not far, by a grid; None where that does not tell. What
+    the grid is wrong by is seen in what drives the ends: of what it makes rest that is the margin.
+    """
     for margin in _MARGINS:
         try:
             found = guide.resting(table, value, sign, 1.0 - sign * margin)
-            here = curve.from_zones(found.table, value, curve.fitted(found.zones, found.table), flow.ROUGH)
+            here = curve.from_zones(
+                found.table, value, curve.fitted(found.zones, found.table), flow.ROUGH
+            )
         except Closed:
             if sign > 0 and margin == _MARGINS[-1]:
                 raise
@@ -119,7 +144,11 @@ def guided(curve: Cohesive, guide: GridTension, table: Array | None, value: floa
         except (NoState, NotConverged):
             continue
         driven = sign * here.residual
-        if driven.min() > 0.0 and driven.max() < 2 * margin and (_parted if sign > 0 else _grown)(curve, here) is None:
+        if (
+            driven.min() > 0.0
+            and driven.max() < 2 * margin
+            and (_parted if sign > 0 else _grown)(curve, here) is None
+        ):
             return here
     return None
 
@@ -158,19 +187,29 @@ def _other_intervals(curve: Cohesive, here: CohesivePoint, sign: float) -> Array
     return flow.closing(curve, here) if parted is None else parted
 
 
-def _with_other_intervals(curve: Cohesive, here: CohesivePoint, table: Array, sign: float) -> CohesivePoint:
+def _with_other_intervals(
+    curve: Cohesive, here: CohesivePoint, table: Array, sign: float
+) -> CohesivePoint:
     zones = curve.fitted(here.zones, table)
     if sign > 0:
         zones = _filled(curve, zones, table)
-    return curve.from_zones(uncovered(curve, table, here.value, zones) if sign > 0 else table, here.value, zones, flow.ROUGH)
+    return curve.from_zones(
+        uncovered(curve, table, here.value, zones) if sign > 0 else table,
+        here.value,
+        zones,
+        flow.ROUGH,
+    )
 
 
 def _filled(curve: Cohesive, zones: Array, table: Array) -> Array:
-    """The zones with one in each interval without any that is far wider than a strip: what tension acts on there snaps shut, and while it
-    is taken to be open it would pull on all others."""
+    """The zones with one in each interval without any that is far wider than a strip: what tension
+    acts on there snaps shut, and while it is taken to be open it would pull on all others.
+    """
     empty = np.ones(len(table), dtype=bool)
     empty[interval_of(zones, table)] = False
-    new = table[empty & (np.diff(table, axis=1)[:, 0] > _WIDE * curve.strip)] + curve.strip * np.array((1.0, -1.0))
+    new = table[
+        empty & (np.diff(table, axis=1)[:, 0] > _WIDE * curve.strip)
+    ] + curve.strip * np.array((1.0, -1.0))
     return ascending(np.concatenate((zones, new)))
 
 
@@ -182,7 +221,9 @@ def _about_to_rest(curve: Cohesive, here: CohesivePoint) -> bool:
 
 
 def settled(curve: Cohesive, here: Point, sign: float) -> CohesivePoint | None:
-    """The equilibrium that ends about to rest have come to, tightly; where it has more intervals, or fewer, on from there."""
+    """The equilibrium that ends about to rest have come to, tightly; where it has more intervals,
+    or fewer, on from there.
+    """
     for _ in range(_TRIES):
         try:
             tight = curve.settled(here)
@@ -202,8 +243,9 @@ def settled(curve: Cohesive, here: Point, sign: float) -> CohesivePoint | None:
 
 
 def uncovered(curve: Cohesive, table: Array, value: float, zones: Array) -> Array:
-    """The intervals, or wider ones where contact covers these: what it covers is driven on, by more each time, and by little from the last
-    of them that were covered where that went too far."""
+    """The intervals, or wider ones where contact covers these: what it covers is driven on, by more
+    each time, and by little from the last of them that were covered where that went too far.
+    """
     before, power, faster = table, 0, 1
     for _ in range(_WIDENINGS):
         try:
@@ -219,23 +261,33 @@ def uncovered(curve: Cohesive, table: Array, value: float, zones: Array) -> Arra
 
 
 def left_of_all(curve: Cohesive, value: float, zones: Array, look: tuple[Array, Array]) -> Array:
-    """What is left of a tension on all of a period as it lets go where the gap beside zones of contact is above the reach: where contact
-    comes to reach farther than that, more. Lost where no contact is left."""
-    return uncovered(curve, below(zones, look, curve.reach, curve.problem.period, wide=True), value, zones)
+    """What is left of a tension on all of a period as it lets go where the gap beside zones of
+    contact is above the reach: where contact comes to reach farther than that, more. Lost where no
+    contact is left.
+    """
+    return uncovered(
+        curve, below(zones, look, curve.reach, curve.problem.period, wide=True), value, zones
+    )
 
 
 def _widened(curve: Cohesive, table: Array, zones: Array, covered: Covered, by: float) -> Array:
-    """zones: beside which the tension acts on strips, that are made so many times as wide where contact covers them."""
+    """zones: beside which the tension acts on strips, that are made so many times as wide where
+    contact covers them.
+    """
     width, gaps, zones = np.diff(table, axis=1)[:, 0], curve.gaps(table), curve.fitted(zones, table)
     strips = np.column_stack((width, width))
     i = interval_of(zones, table)
-    np.minimum.at(strips, i, np.column_stack((zones[:, 0] - table[i, 0], table[i, 1] - zones[:, 1])))
+    np.minimum.at(
+        strips, i, np.column_stack((zones[:, 0] - table[i, 0], table[i, 1] - zones[:, 1]))
+    )
     left, right = covered.ends.reshape(2, -1)
     out = (by - 1) * np.clip(strips, _LEAST * width[:, None], 0.5 * width[:, None])
     out = np.minimum(out, 0.4 * np.column_stack((np.roll(gaps, 1), gaps)))
     table = table + np.column_stack((-1.0 * left, right)) * out
     # What contact goes on to close is closed.
-    joins = (curve.gaps(table) < flow.CLOSED * np.minimum(width, np.roll(width, -1))) & (right | np.roll(left, -1))
+    joins = (curve.gaps(table) < flow.CLOSED * np.minimum(width, np.roll(width, -1))) & (
+        right | np.roll(left, -1)
+    )
     if joins.all():
         raise Closed from covered
     return curve.within(joined(table, joins, [], curve.problem.round))
@@ -243,7 +295,9 @@ def _widened(curve: Cohesive, table: Array, zones: Array, covered: Covered, by: 
 
 def _step(curve: Cohesive, here: Point, sign: float) -> tuple[Point, float]:
     onward = sign * here.residual
-    if onward.min() < -_DRIVEN_BACK or (here.growth >= 0.0 and onward.max() <= flow.SLIGHT < -onward.min()):
+    if onward.min() < -_DRIVEN_BACK or (
+        here.growth >= 0.0 and onward.max() <= flow.SLIGHT < -onward.min()
+    ):
         return _let_go(curve, here, sign)
     limit, back = flow.limits(curve, here, sign)
     lost, beyond = 0, np.zeros(len(limit))
@@ -277,15 +331,19 @@ def _step(curve: Cohesive, here: Point, sign: float) -> tuple[Point, float]:
 
 
 def _shorter(here: Point, limit: Array, step: Array, by: Array | float) -> Array:
-    """Limits of a shorter step. A damped one keeps its shape, so that ends at rest do not hold up the others."""
+    """Limits of a shorter step. A damped one keeps its shape, so that ends at rest do not hold up
+    the others.
+    """
     if here.growth >= 0.0:
         return np.asarray(float(np.min(by)) * limit * float((np.abs(step) / limit).max()))
     return np.asarray(by * np.minimum(limit, np.maximum(np.abs(step), 1e-12 * here.widths)))
 
 
 def _let_go(curve: Cohesive, here: Point, sign: float) -> tuple[Point, float]:
-    """Where ends that run away drive others the other way, as under a held approach: all ends down the slope of the energy, a step of
-    the implicit Euler method, as long as lets them go no farther than they may."""
+    """Where ends that run away drive others the other way, as under a held approach: all ends down
+    the slope of the energy, a step of the implicit Euler method, as long as lets them go no farther
+    than they may.
+    """
     inward, outward = flow.inward_and_outward(curve, here)
     onward, back = (outward, inward) if sign > 0 else (inward, outward)
     size = curve.room(here.table)
@@ -302,7 +360,9 @@ def _let_go(curve: Cohesive, here: Point, sign: float) -> tuple[Point, float]:
 
 
 def _grown(curve: Cohesive, here: CohesivePoint) -> Array | None:
-    """The intervals with new ones, and with those as one between which the gap is below the reach; None if there are none."""
+    """The intervals with new ones, and with those as one between which the gap is below the reach;
+    None if there are none.
+    """
     (x, gap), table, period = here.look, here.table, curve.problem.round
     closed = flow.closing(curve, here)
     if closed is not None:
@@ -321,7 +381,10 @@ def _grown(curve: Cohesive, here: CohesivePoint) -> Array | None:
                 new.append((place[e] - 0.5 * _NEW * (place[e] - place[s - 1]), place[e]))
             elif s > 0 and e < len(inner) - 1:
                 lo, hi = place[s - 1], place[e + 1]
-                middle, half = 0.5 * (place[s] + place[e]), 0.5 * _NEW * max(place[e] - place[s], 0.1 * (hi - lo))
+                middle, half = (
+                    0.5 * (place[s] + place[e]),
+                    0.5 * _NEW * max(place[e] - place[s], 0.1 * (hi - lo)),
+                )
                 new.append((middle - half, middle + half))
     if not new and not joins.any():
         return None
@@ -331,7 +394,9 @@ def _grown(curve: Cohesive, here: CohesivePoint) -> Array | None:
 
 
 def _parted(curve: Cohesive, here: CohesivePoint) -> Array | None:
-    """The intervals without parts over which the gap is above the reach, but those that begin at their ends; None if there are none."""
+    """The intervals without parts over which the gap is above the reach, but those that begin at
+    their ends; None if there are none.
+    """
     (x, gap), table, period = here.look, here.table, curve.problem.round
     out: list[tuple[float, float]] = []
     changed = False
@@ -339,7 +404,12 @@ def _parted(curve: Cohesive, here: CohesivePoint) -> Array | None:
         inner, place = within(x, a, b, period)
         above = gap[inner] > curve.reach
         holds = (here.zones[:, 0] > a) & (here.zones[:, 1] < b)
-        if len(inner) and above.all() and not np.any(interval_of(here.zones, table) == len(out)) and not holds.any():
+        if (
+            len(inner)
+            and above.all()
+            and not np.any(interval_of(here.zones, table) == len(out))
+            and not holds.any()
+        ):
             changed = True
             continue
         left = a

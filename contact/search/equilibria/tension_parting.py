@@ -1,4 +1,6 @@
-"""Where contact under a tension comes apart as its control falls: at a turning point, or where the last zone has shrunk to a point."""
+"""Where contact under a tension comes apart as its control falls: at a turning point, or where the
+last zone has shrunk to a point.
+"""
 
 import numpy as np
 
@@ -10,7 +12,15 @@ from contact.formulation.tension.contact import Covered, Lost
 from contact.formulation.tension.intervals import within
 from contact.formulation.tension.pulled import Pulled
 from contact.search.equilibria import coming_apart, without_range
-from contact.search.equilibria.tension import FEW, TOO_NARROW, guide_down, guide_of, guided, left_of_all, receded
+from contact.search.equilibria.tension import (
+    FEW,
+    TOO_NARROW,
+    guide_down,
+    guide_of,
+    guided,
+    left_of_all,
+    receded,
+)
 from sie import Array
 
 # Newton's steps of a state without contact.
@@ -22,8 +32,10 @@ SHRUNK = 0.1
 
 
 def pull_off(curve: Cohesive, here: Point) -> Point:
-    """Where the last zones come apart as the control falls: at a turning point, or where the last of them has shrunk to a point. here: an
-    equilibrium, of which what `Loose` tells is enough."""
+    """Where the last zones come apart as the control falls: at a turning point, or where the last
+    of them has shrunk to a point. here: an equilibrium, of which what `Loose` tells is enough.
+    """
+
     def recede(under: Equilibria, table: Array, value: float) -> Point | None:
         assert isinstance(under, Cohesive)
         return receded(under, table, value, guide_down(under, len(under.known[-1].zones), table))
@@ -37,7 +49,9 @@ def pull_off(curve: Cohesive, here: Point) -> Point:
             here = _about_to_part(curve, here)
         here = coming_apart.lowered_by_load(curve, here, near)
         here = curve.again(here, here.value)
-        return coming_apart.pull_off(curve, here, recede, lambda at: _highest_within(curve, at) / curve.reach - 1.0)
+        return coming_apart.pull_off(
+            curve, here, recede, lambda at: _highest_within(curve, at) / curve.reach - 1.0
+        )
     except Covered as covered:
         raise NotConverged(TOO_NARROW) from covered
     except (Lost, NotConverged):
@@ -64,14 +78,21 @@ def _highest_within(curve: Cohesive, here: Point) -> float:
         if 0 < top < len(value) - 1 and value[top] > highest:
             at = nearer[0] + top
             highest = maximum(
-                lambda y: curve.gap(here, np.asarray(y)), place[at - 1 : at + 2], value=value[top - 1 : top + 2]
+                lambda y: curve.gap(here, np.asarray(y)),
+                place[at - 1 : at + 2],
+                value=value[top - 1 : top + 2],
             )[1]
     return highest
 
 
 def _about_to_part(curve: Cohesive, here: Point) -> Point:
-    """The equilibrium that this one has come to under a control a little above the least at which a grid holds any; itself without one."""
-    if len(here.contact) > FEW and (rest := without_range.about_to_part(curve, here, receded)) is not None:
+    """The equilibrium that this one has come to under a control a little above the least at which a
+    grid holds any; itself without one.
+    """
+    if (
+        len(here.contact) > FEW
+        and (rest := without_range.about_to_part(curve, here, receded)) is not None
+    ):
         return rest
     guide = guide_down(curve, len(here.contact), here.table)
     if guide is None:
@@ -89,14 +110,20 @@ def _about_to_part(curve: Cohesive, here: Point) -> Point:
 
 
 def pull_off_from_all(curve: Cohesive, zones: Array, value: float) -> Point:
-    """The same of a contact under tension everywhere: from where the gap somewhere comes to its reach, or to the last touch."""
+    """The same of a contact under tension everywhere: from where the gap somewhere comes to its
+    reach, or to the last touch.
+    """
     rest = _open_and_about_to_part(curve, zones, value)
     if rest is not None:
         return pull_off(curve, rest)
     problem, pulled = curve.problem, curve.everywhere
     # Without contact the load is the tension's, and the base gives way to it.
     load = -pulled.pulling.total
-    lost = load if curve.held.load is not None else (curve.yields * load - curve.stress * problem.compression)
+    lost = (
+        load
+        if curve.held.load is not None
+        else (curve.yields * load - curve.stress * problem.compression)
+    )
     low, high, found, opened = lost, value, curve.contact_under(pulled, value, zones), False
     for _ in range(_HALVINGS):
         middle = 0.5 * (low + high)
@@ -118,7 +145,9 @@ def pull_off_from_all(curve: Cohesive, zones: Array, value: float) -> Point:
         return state
     # At the place that comes to the reach first the tension lets go.
     try:
-        table = left_of_all(curve, high, inside, (x, np.where(gap == gap.max(), 2 * curve.reach, gap)))
+        table = left_of_all(
+            curve, high, inside, (x, np.where(gap == gap.max(), 2 * curve.reach, gap))
+        )
     except Lost:
         return state
     rest = receded(curve, table, high - 1e-9 * (value - lost))
@@ -126,8 +155,10 @@ def pull_off_from_all(curve: Cohesive, zones: Array, value: float) -> Point:
 
 
 def _open_and_about_to_part(curve: Cohesive, zones: Array, value: float) -> Point | None:
-    """The equilibrium that a contact under tension everywhere has come to under a control a little above the least at which a grid holds
-    any; None where that does not tell, or where the tension has not let go before."""
+    """The equilibrium that a contact under tension everywhere has come to under a control a little
+    above the least at which a grid holds any; None where that does not tell, or where the tension
+    has not let go before.
+    """
     guide = guide_of(curve, len(zones), None)
     if guide is None:
         return None
@@ -144,7 +175,9 @@ def _open_and_about_to_part(curve: Cohesive, zones: Array, value: float) -> Poin
 
 
 def touching(curve: Cohesive, table: Array, at: float) -> Loose:
-    """The equilibrium in which the surfaces touch in one point, without pressure, beside one of hardly any contact there."""
+    """The equilibrium in which the surfaces touch in one point, without pressure, beside one of
+    hardly any contact there.
+    """
     half = 0.02 * float(np.diff(table, axis=1).max())
     lowest = 0.0
     for _ in range(_STEPS):
@@ -152,7 +185,9 @@ def touching(curve: Cohesive, table: Array, at: float) -> Loose:
         at, lowest = minimum(pulled.shape, np.linspace(at - half, at + half, 65))
         ends, tension = np.concatenate((table[:, 0], table[:, 1])), pulled.pulling
         gap = pulled.shape(ends) - lowest
-        rates = curve.explicit(pulled, ends, np.zeros(len(ends))) - curve.stress / np.pi * tension.log(at - ends)
+        rates = curve.explicit(
+            pulled, ends, np.zeros(len(ends))
+        ) - curve.stress / np.pi * tension.log(at - ends)
         free = (table != np.array(curve.problem.corners)).T.ravel() | (gap > curve.reach)
         step = np.zeros(len(ends))
         step[free] = np.linalg.solve(rates[np.ix_(free, free)], curve.reach - gap[free])
@@ -164,6 +199,3 @@ def touching(curve: Cohesive, table: Array, at: float) -> Loose:
     load = -Pulled.of(curve.problem, curve.stress, table).pulling.total
     value = load if curve.held.load is not None else curve.yields * load + lowest
     return Loose.of(table, value, load, -lowest, np.array([[at, at]]))
-
-
-

@@ -1,9 +1,10 @@
-r"""Propose contact zones: a grid contact (contact.search.grid.conjugate_gradient) refined until zones and gaps are a few cells wide.
+r"""Propose contact zones: a grid contact (contact.search.grid.conjugate_gradient) refined until
+zones and gaps are a few cells wide.
 
-The grid decides how many zones there are and gives their ends to a fraction of a cell; making them exact is
-Newton's work. Near an end p ~ A sqrt(d), so p^2 is linear there and its zero is found below the grid. A zone
-of one or two cells is taken as a Hertz contact: its load P and the curvature 1/R of the gap give a = 2 sqrt(P
-R / (pi E)).
+The grid decides how many zones there are and gives their ends to a fraction of a cell; making them
+exact is Newton's work. Near an end p ~ A sqrt(d), so p^2 is linear there and its zero is found
+below the grid. A zone of one or two cells is taken as a Hertz contact: its load P and the curvature
+1/R of the gap give a = 2 sqrt(P R / (pi E)).
 """
 
 from collections.abc import Callable
@@ -29,9 +30,12 @@ _TOWERING = 1e6  # heights above the lowest, over the window
 COARSEST = 64  # points of the first of the nested grids
 MOST_POINTS = 2**23  # of the last grid, however fine the shape is
 _PASSING = 1e-3  # tolerance of the grids before the last
-# Cells to the smallest length of a shape; where it has very many of these the grid is what takes the time, and half as many leave out one
-# zone in a hundred or two, which the first look at the signs puts in.
-_PER_FEATURE, _FEATURES, _PER_ONE_OF_MANY = 16, 2**15, 8
+# Cells to the smallest length of a shape; where it has very many of these the grid is what takes
+# the time, and half as many leave out one zone in a hundred or two, which the first look at the
+# signs puts in.
+_PER_FEATURE = 16
+_FEATURES = 2**15
+_PER_ONE_OF_MANY = 8
 NARROW = 3  # cells: below this a zone or a gap is not resolved
 _WIDEST = 0.5  # cells: half of a gap between points at the most
 
@@ -42,9 +46,11 @@ class NoWindow(OutOfRange):
 
 @record
 class Proposal:
-    """Zones (n, 2) to start Newton from [m], the points of the last grid, whether it is in full contact or touches the border of what is
-    known, the contact on it, why a strip is not where its centre stays, and whether they are those of a strip from border to border,
-    wherever their widest gap is."""
+    """Zones (n, 2) to start Newton from [m], the points of the last grid, whether it is in full
+    contact or touches the border of what is known, the contact on it, why a strip is not where its
+    centre stays, and whether they are those of a strip from border to border, wherever their widest
+    gap is.
+    """
 
     zones: Array
     points: int
@@ -72,16 +78,21 @@ class Proposal:
 
 
 def grid_height(profile: Profile, x: Array) -> Array:
-    """f at ascending, even points up to a constant; where its digits drown its shape there, the integral of its slope.
+    """f at ascending, even points up to a constant; where its digits drown its shape there, the
+    integral of its slope.
 
-    Near a summit f varies by the square of the distance, f' by the distance: f' keeps digits that f has lost.
+    Near a summit f varies by the square of the distance, f' by the distance: f' keeps digits that f
+    has lost.
     """
     with np.errstate(over="ignore", invalid="ignore"):
         f = np.asarray(profile.height(x), dtype=np.float64)
         size, range_ = np.max(np.abs(f)), np.ptp(f)
         if not range_ < 1e8 * np.finfo(np.float64).eps * size:
             return f
-        ends, middle = np.asarray(profile.slope(x)), np.asarray(profile.slope(0.5 * (x[1:] + x[:-1])))
+        ends, middle = (
+            np.asarray(profile.slope(x)),
+            np.asarray(profile.slope(0.5 * (x[1:] + x[:-1]))),
+        )
     rise = np.diff(x) * (ends[:-1] + 4 * middle + ends[1:]) / 6
     return np.concatenate(([0.0], np.cumsum(rise)))
 
@@ -91,16 +102,20 @@ def _midpoints(cell: tuple[float, float], n: int) -> Array:
 
 
 def narrowest(state: GridState) -> int:
-    """Width in cells of the narrowest zone or gap between zones (n for full contact, 0 for no contact or a
-    gap that may lie between the points of a full contact)."""
+    """Width in cells of the narrowest zone or gap between zones (n for full contact, 0 for no
+    contact or a gap that may lie between the points of a full contact).
+    """
     n = state.influence.n
     wraps = state.influence.is_periodic
     runs = np.array(runs_of(state.contact, wraps)).reshape(-1, 2)
     if state.full:
-        # p is a parabola at its minimum: below one second difference it may hide a gap between two points.
+        # p is a parabola at its minimum: below one second difference it may hide a gap between two
+        # points.
         p, i = state.pressure, int(np.argmin(state.pressure))
         return n if p[i] > p[i - 1] - 2.0 * p[i] + p[(i + 1) % n] else 0
-    if not len(runs):  # the lowest point of the grid lies above the level; a finer grid may go deeper
+    if not len(
+        runs
+    ):  # the lowest point of the grid lies above the level; a finer grid may go deeper
         return 0
     gaps = runs[1:, 0] - runs[:-1, 1] - 1
     if wraps:
@@ -109,8 +124,10 @@ def narrowest(state: GridState) -> int:
 
 
 def zones_of(state: GridState, x: ArrayLike, between_points: bool = False) -> Array:
-    """(k, 2) zone ends. Periodic: left ends in the cell, ascending, a right end may exceed it; full contact:
-    shape (0, 2). between_points: with gaps that no point lies in, of a grid that tells the pressure's shape."""
+    """(k, 2) zone ends. Periodic: left ends in the cell, ascending, a right end may exceed it; full
+    contact: shape (0, 2). between_points: with gaps that no point lies in, of a grid that tells the
+    pressure's shape.
+    """
     points = np.asarray(x, dtype=np.float64)
     h, n, E = state.influence.h, state.influence.n, state.influence.E
     if state.full:
@@ -127,7 +144,8 @@ def zones_of(state: GridState, x: ArrayLike, between_points: bool = False) -> Ar
             a, b = x0 + h * centre - half, x0 + h * centre + half
         else:
             a, b = left - h * float(_beyond(p[0], p[1])), right + h * float(_beyond(p[-1], p[-2]))
-        # The first free point on each side is outside: within this fence zones neither overlap nor invert.
+        # The first free point on each side is outside: within this fence zones neither overlap nor
+        # invert.
         zones[k] = max(a, left - 0.999 * h), min(b, right + 0.999 * h)
     if between_points:
         gaps = _gaps_between(points, state)
@@ -136,10 +154,12 @@ def zones_of(state: GridState, x: ArrayLike, between_points: bool = False) -> Ar
 
 
 def _gaps_between(x: Array, state: GridState) -> Array:
-    """Gaps (k, 2) between two points of a grid x, ascending: where a parabola through the pressure falls below zero. As wide as a lone one
-    in it is."""
+    """Gaps (k, 2) between two points of a grid x, ascending: where a parabola through the pressure
+    falls below zero. As wide as a lone one in it is.
+    """
     p, h = state.pressure, state.influence.h
-    # Beyond a window nothing presses, and where no pressure is beside a point there is none of its own between them.
+    # Beyond a window nothing presses, and where no pressure is beside a point there is none of its
+    # own between them.
     before, after = np.roll(p, 1), np.roll(p, -1)
     if not state.influence.is_periodic:
         before[0] = after[-1] = 0.0
@@ -154,14 +174,18 @@ def _gaps_between(x: Array, state: GridState) -> Array:
 
 
 def _beyond(p_end: Array, p_next: Array) -> Array:
-    """Cells from the last point in contact to the zero of p^2; half a cell where p does not fall there."""
+    """Cells from the last point in contact to the zero of p^2; half a cell where p does not fall
+    there.
+    """
     rise = p_next**2 - p_end**2
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where(rise > 0.0, np.minimum(p_end**2 / rise, 1.0), 0.5)
 
 
 def _hertz(state: GridState, cells: NDArray[np.int64], first: int, E: float) -> tuple[float, float]:
-    """Centre (in cells) and half width of a zone of one or two cells: its load, the curvature of f there."""
+    """Centre (in cells) and half width of a zone of one or two cells: its load, the curvature of f
+    there.
+    """
     h, n = state.influence.h, state.influence.n
     p = state.pressure[cells]
     load = float(p.sum()) * h
@@ -181,15 +205,26 @@ def _hertz(state: GridState, cells: NDArray[np.int64], first: int, E: float) -> 
 
 
 def propose(
-    height: Height, cell: tuple[float, float], response: Response, *, load: float | None = None,
-    level: float | None = None, resolution: float | None = None, points: int | None = None, max_points: int = 2**17,
-    tol: float = 1e-8, near: GridState | None = None, between_points: bool = False,
+    height: Height,
+    cell: tuple[float, float],
+    response: Response,
+    *,
+    load: float | None = None,
+    level: float | None = None,
+    resolution: float | None = None,
+    points: int | None = None,
+    max_points: int = 2**17,
+    tol: float = 1e-8,
+    near: GridState | None = None,
+    between_points: bool = False,
 ) -> Proposal:
     """Zones of `height` on one period or window `cell` from nested grids.
 
-    `resolution` is the smallest length of the shape and sets the first final grid, doubled up to `max_points`
-    while something is narrower than three cells; `points` fixes the final grid instead. near: a contact on the same cell, under
-    another load or to another tolerance, of which the first grid has the points. between_points: see `zones_of`."""
+    `resolution` is the smallest length of the shape and sets the first final grid, doubled up to
+    `max_points` while something is narrower than three cells; `points` fixes the final grid
+    instead. near: a contact on the same cell, under another load or to another tolerance, of which
+    the first grid has the points. between_points: see `zones_of`.
+    """
     width = cell[1] - cell[0]
     if points is not None:
         target = limit = int(points)
@@ -207,7 +242,14 @@ def propose(
         f = np.asarray(height(x), dtype=np.float64)
         require_numbers(x, f)
         # What a grid before the last is wrong by, the next one puts right.
-        state = solve_grid(f, response.on(n, h), load=load, level=level, start=start, tol=tol if n >= target else max(tol, _PASSING))
+        state = solve_grid(
+            f,
+            response.on(n, h),
+            load=load,
+            level=level,
+            start=start,
+            tol=tol if n >= target else max(tol, _PASSING),
+        )
         if n >= target and (narrowest(state) >= NARROW or 2 * n > limit):
             break
         n, start = 2 * n, _refine(state.pressure, response.periodic)
@@ -221,7 +263,9 @@ def _features(width: float, resolution: float | None) -> float:
 def asked(width: float, resolution: float | None, most: int) -> tuple[int, int]:
     """(points that a cell of this width asks for, points at the most)."""
     features = _features(width, resolution)
-    wanted = max(4 * COARSEST, (_PER_FEATURE if features <= _FEATURES else _PER_ONE_OF_MANY) * features)
+    wanted = max(
+        4 * COARSEST, (_PER_FEATURE if features <= _FEATURES else _PER_ONE_OF_MANY) * features
+    )
     target = 2 ** int(np.ceil(np.log2(wanted)))
     # A shape of known resolution is worth as many points as it asks for.
     limit = most if resolution is None else max(most, min(target, MOST_POINTS))
@@ -229,8 +273,9 @@ def asked(width: float, resolution: float | None, most: int) -> tuple[int, int]:
 
 
 def _refine(p: Array, periodic: bool) -> Array:
-    """Linear interpolation from the midpoints of a grid to those of the grid of twice as many, without what is farther in a cell beyond an
-    end than p^2 goes on."""
+    """Linear interpolation from the midpoints of a grid to those of the grid of twice as many,
+    without what is farther in a cell beyond an end than p^2 goes on.
+    """
     left, right = np.roll(p, 1), np.roll(p, -1)
     if not periodic:
         left[0], right[-1] = p[0], p[-1]
@@ -244,16 +289,23 @@ def _refine(p: Array, periodic: bool) -> Array:
 
 
 def find_window(
-    height: Height, response: Response, *, load: float | None = None, level: float | None = None,
-    start_scale: float | None = None, limits: tuple[float, float] | None = None,
-    start: tuple[float, float] | None = None, light: float | None = None,
+    height: Height,
+    response: Response,
+    *,
+    load: float | None = None,
+    level: float | None = None,
+    start_scale: float | None = None,
+    limits: tuple[float, float] | None = None,
+    start: tuple[float, float] | None = None,
+    light: float | None = None,
 ) -> tuple[float, float]:
-    """A window of the line of which an isolated contact takes between about 20 % and 70 %, clear of its
-    border.
+    """A window of the line of which an isolated contact takes between about 20 % and 70 %, clear of
+    its border.
 
-    The search begins with the window `start`, or else at `start_scale` around 0 (or at `limits`, which it never leaves), and
-    grows or shrinks by what the contact takes. A window returned with its border in contact is `limits` itself. A level is sought from a
-    `light` load on."""
+    The search begins with the window `start`, or else at `start_scale` around 0 (or at `limits`,
+    which it never leaves), and grows or shrinks by what the contact takes. A window returned with
+    its border in contact is `limits` itself. A level is sought from a `light` load on.
+    """
     if (load is None) == (level is None):
         raise ValueError("exactly one of load and level")
     search = _Window(height, response, limits)
@@ -271,7 +323,9 @@ class _Window:
     limits: tuple[float, float] | None
 
     def _heights(self, x: Array) -> Array:
-        with np.errstate(over="ignore"):  # far outside heights may overflow to inf: these points do not touch
+        with np.errstate(
+            over="ignore"
+        ):  # far outside heights may overflow to inf: these points do not touch
             return np.asarray(self.height(x), dtype=np.float64)
 
     def _with_body(self, window: tuple[float, float]) -> tuple[float, float]:
@@ -294,7 +348,11 @@ class _Window:
             )
         # So high nothing touches, and beside such heights those of the tip have no digits.
         with np.errstate(over="ignore", invalid="ignore"):
-            f = np.where(f - f.min() > _TOWERING * (window[1] - window[0] + load / self.response.E), np.inf, f)
+            f = np.where(
+                f - f.min() > _TOWERING * (window[1] - window[0] + load / self.response.E),
+                np.inf,
+                f,
+            )
         influence = self.response.on(_POINTS, (window[1] - window[0]) / _POINTS)
         with np.errstate(over="ignore", invalid="ignore"):
             return x, solve_grid(f, influence, load=load, tol=1e-3)
@@ -304,7 +362,9 @@ class _Window:
             return window
         return max(window[0], self.limits[0]), min(window[1], self.limits[1])
 
-    def at_load(self, load: float, window: tuple[float, float]) -> tuple[tuple[float, float], GridState]:
+    def at_load(
+        self, load: float, window: tuple[float, float]
+    ) -> tuple[tuple[float, float], GridState]:
         floor, shrunk = 0.0, False
         window = self._with_body(window)
         for _ in range(300):
@@ -319,13 +379,16 @@ class _Window:
             if state.touches_border:
                 if window == self.limits:
                     return window, state
-                if shrunk:  # asperities between the points of the wider window: do not come back here
+                if (
+                    shrunk
+                ):  # asperities between the points of the wider window: do not come back here
                     floor = 1.25 * width
                 shrunk = False
                 new = (8.0 if extent > 0.9 * width else 3.0) * width
                 centre = 0.5 * (window[0] + window[1])
             else:
-                # A grid sees no more than its cells: from a few cells in contact keep a few more around them.
+                # A grid sees no more than its cells: from a few cells in contact keep a few more
+                # around them.
                 new = max(2.5 * extent, 12.0 * h, floor)
                 centre = 0.5 * (left + right)
                 if extent <= 0.7 * width and (extent >= 0.2 * width or new >= 0.8 * width):
@@ -334,7 +397,9 @@ class _Window:
             if not new < 1e60:
                 break
             wanted = self._clip((centre - 0.5 * new, centre + 0.5 * new))
-            if wanted == window or centre + 0.5 * h == centre:  # at the limits, or below the digits of x
+            if (
+                wanted == window or centre + 0.5 * h == centre
+            ):  # at the limits, or below the digits of x
                 return window, state
             window = wanted
         raise NoWindow(
@@ -342,16 +407,24 @@ class _Window:
             "levels off, alone it bears light loads only"
         )
 
-    def at_level(self, level: float, window: tuple[float, float], load: float) -> tuple[float, float]:
-        """The level is concave in the load up to its maximum: Newton for the load, to a tenth, bracketed."""
+    def at_level(
+        self, level: float, window: tuple[float, float], load: float
+    ) -> tuple[float, float]:
+        """The level is concave in the load up to its maximum: Newton for the load, to a tenth,
+        bracketed.
+        """
         low, high = 0.0, np.inf
         for _ in range(200):
             window, state = self.at_load(load, window)
             lowest = float(np.min(state.f))
             if load < 1e-40 * self.response.E * self.response.datum:
                 if level <= lowest:
-                    raise OutOfRange(f"level {level} does not reach the profile, whose lowest point is {lowest}")
-                raise OutOfRange(f"level {level} is above the largest approach over a datum of {self.response.datum}")
+                    raise OutOfRange(
+                        f"level {level} does not reach the profile, whose lowest point is {lowest}"
+                    )
+                raise OutOfRange(
+                    f"level {level} is above the largest approach over a datum of {self.response.datum}"
+                )
             slope = self._compliance(state)
             step = (level - state.level) / slope if slope > 0.0 else np.nan
             if abs(step) <= 0.1 * load or (high < np.inf and high - low <= 0.05 * high):

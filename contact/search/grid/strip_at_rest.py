@@ -1,5 +1,5 @@
-"""A strip at rest on grids: where its centre stays, on ever finer grids until they tell the gaps beside its borders.
-
+"""A strip at rest on grids: where its centre stays, on ever finer grids until they tell the gaps
+beside its borders.
 """
 
 from __future__ import annotations
@@ -19,18 +19,26 @@ from contact.search.grid.conjugate_gradient import Response
 from contact.search.grid.strip import StripContact, StripGrid
 from sie import Array, record
 
-# Cells to a shortest length of the profile, at first and in the end, bounds of how many that makes of a period at first and in the end, and
-# the tolerance of their contact.
-_CELLS, _CELLS_FINELY, _FEWEST, _MOST, _FINEST, ROUGHLY = 1, 4, 2**9, 2**12, 2**14, 1e-3
-# Cells that tell the room beside the border. How far the centre may go from the first one, over the gap that is cut, or the room beside the
-# borders, and over the period.
-_TELLING, _REACH, _FARTHEST = 8, 2.0, 0.125
+# Cells to a shortest length of the profile, at first and in the end, bounds of how many that makes
+# of a period at first and in the end, and the tolerance of their contact.
+_CELLS = 1
+_CELLS_FINELY = 4
+_FEWEST = 2**9
+_MOST = 2**12
+_FINEST = 2**14
+ROUGHLY = 1e-3
+# Cells that tell the room beside the border. How far the centre may go from the first one, over the
+# gap that is cut, or the room beside the borders, and over the period.
+_TELLING = 8
+_REACH = 2.0
+_FARTHEST = 0.125
 
 
 @record
 class AtCentre:
-    """A strip about a centre, all but its contact scaled. beside: room beside both borders; unrest: why it is not where its centre
-    stays."""
+    """A strip about a centre, all but its contact scaled. beside: room beside both borders; unrest:
+    why it is not where its centre stays.
+    """
 
     centre: float
     strip: StripContact
@@ -54,8 +62,12 @@ class AtCentre:
 
     @property
     def balance(self) -> float:
-        """The same by the angle of the strip up to which the gaps at its borders reach: these go straight with what is not known."""
-        left, right = (math.copysign(math.sqrt(abs(room) / self.period), room) for room in self.beside)
+        """The same by the angle of the strip up to which the gaps at its borders reach: these go
+        straight with what is not known.
+        """
+        left, right = (
+            math.copysign(math.sqrt(abs(room) / self.period), room) for room in self.beside
+        )
         return left - right
 
     @property
@@ -76,10 +88,19 @@ class StripsOnGrids(Generic[Kind]):
         assert problem.period is not None and profile.period is not None
         self.period = problem.period
         response = Response(units.E_star, False, neighbours, rest=problem.operator.strip_rest)
-        self.grid = StripGrid(response, profile.period, profile.feature, even_in_angle(problem) and not neighbours)
+        self.grid = StripGrid(
+            response, profile.period, profile.feature, even_in_angle(problem) and not neighbours
+        )
         features = 0.0 if profile.feature is None else profile.period / profile.feature
         self.points, self.finest = (
-            2 ** int(np.clip(np.ceil(np.log2(max(cells * features, 1.0))), math.log2(_FEWEST), math.log2(most)))
+            2
+            ** int(
+                np.clip(
+                    np.ceil(np.log2(max(cells * features, 1.0))),
+                    math.log2(_FEWEST),
+                    math.log2(most),
+                )
+            )
             for cells, most in ((_CELLS, _MOST), (_CELLS_FINELY, _FINEST))
         )
         # A body between corners is never cut.
@@ -90,25 +111,41 @@ class StripsOnGrids(Generic[Kind]):
         raise NotImplementedError
 
     def at_rest(self, here: Kind, cut: float, finely: bool = False) -> Kind:
-        """The strip where its centre stays, roughly, from one near by; or the last one looked at, with its unrest, where there is none.
-        cut: the width of the gap that is cut; finely: on the finest grids, even where a coarse one tells all."""
+        """The strip where its centre stays, roughly, from one near by; or the last one looked at,
+        with its unrest, where there is none. cut: the width of the gap that is cut; finely: on the
+        finest grids, even where a coarse one tells all.
+        """
         first, reach = here.centre, max(cut, here.room)
         while True:
             here = self.look(here.centre, here)
-            here, unrest = settled(self.look, here, min(_REACH * max(reach, here.room), self.farthest))
-            if self.points >= self.finest or (unrest is None and rests(here) and here.told and not finely):
+            here, unrest = settled(
+                self.look, here, min(_REACH * max(reach, here.room), self.farthest)
+            )
+            if self.points >= self.finest or (
+                unrest is None and rests(here) and here.told and not finely
+            ):
                 return replace(here, unrest=unrest)
             self.points = min(4 * self.points, self.finest)
             here = replace(here, centre=here.centre if unrest is None else first)
 
-    def strip(self, amplitude: float, centre: float, points: int, tol: float, near: StripContact | None) -> StripContact:
+    def strip(
+        self, amplitude: float, centre: float, points: int, tol: float, near: StripContact | None
+    ) -> StripContact:
         """The contact of the strip under a nominal pressure."""
         column = self.problem.about(centre).columns[0].primitive
         assert column is not None
-        return self.proposed(partial(pressed, self.problem, amplitude, column), self.load, centre, points, tol, near)
+        return self.proposed(
+            partial(pressed, self.problem, amplitude, column), self.load, centre, points, tol, near
+        )
 
     def proposed(
-        self, height: Callable[[Array], Array], load: float, centre: float, points: int, tol: float, near: StripContact | None
+        self,
+        height: Callable[[Array], Array],
+        load: float,
+        centre: float,
+        points: int,
+        tol: float,
+        near: StripContact | None,
     ) -> StripContact:
         units = self.problem.units
         middle = float(units.x(np.array(centre)))
@@ -130,14 +167,23 @@ class PressedStrip(StripsOnGrids[AtCentre]):
     def about(self, centre: float, points: int, tol: float, near: StripContact | None) -> AtCentre:
         """The strip about a centre."""
         strip = self.strip(self.amplitude, centre, points, tol, near)
-        return AtCentre(centre, strip, self.beside(strip), self.period, strip.cell / self.problem.units.length, None)
+        return AtCentre(
+            centre,
+            strip,
+            self.beside(strip),
+            self.period,
+            strip.cell / self.problem.units.length,
+            None,
+        )
 
     def look(self, centre: float, near: AtCentre) -> AtCentre:
         return self.about(centre, self.points, ROUGHLY, near.strip)
 
 
 def even_in_angle(problem: Problem) -> bool:
-    """Whether grids even in the angle serve: a strip of a half-plane, and a profile without corners."""
+    """Whether grids even in the angle serve: a strip of a half-plane, and a profile without
+    corners.
+    """
     profile = problem.profile
     corners = len(profile.kinks) + len(profile.algebraic_points)
     return problem.operator.strip_rest is None and profile.support is None and corners == 0
@@ -146,4 +192,6 @@ def even_in_angle(problem: Problem) -> bool:
 def pressed(problem: Problem, nominal: float, column: Callable[[Array], Array], x: Array) -> Array:
     """The shape [m] with what the nominal pressure beyond the strip adds to it."""
     units = problem.units
-    return grid_height(problem.profile, x) + nominal * units.height * np.asarray(column(units.scaled(x)))
+    return grid_height(problem.profile, x) + nominal * units.height * np.asarray(
+        column(units.scaled(x))
+    )

@@ -1,13 +1,16 @@
-r"""A constant tension beside the contact, on a grid: its intervals as they grow or shrink to rest, many ends and places at once.
+r"""A constant tension beside the contact, on a grid: its intervals as they grow or shrink to rest,
+many ends and places at once.
 
-Under the tension on intervals I the contact is that of the surfaces which the tension has deformed (conjugate_gradient.py), and
+Under the tension on intervals I the contact is that of the surfaces which the tension has deformed
+(conjugate_gradient.py), and
 
     I -> {gap < h}
 
-keeps order on a half-plane under a held load, h the reach: from intervals all of whose ends are driven outward it grows to the least
-equilibrium that holds them, from such as are driven inward it shrinks to the greatest within. On a grid that costs a few transforms a
-round. A reach taken a little smaller as they grow, and a little larger as they shrink, makes up for what the grid is wrong by: then these
-intervals lie within the ones that are looked for, or hold them.
+keeps order on a half-plane under a held load, h the reach: from intervals all of whose ends are
+driven outward it grows to the least equilibrium that holds them, from such as are driven inward it
+shrinks to the greatest within. On a grid that costs a few transforms a round. A reach taken a
+little smaller as they grow, and a little larger as they shrink, makes up for what the grid is wrong
+by: then these intervals lie within the ones that are looked for, or hold them.
 """
 
 import math
@@ -26,15 +29,24 @@ from contact.search.grid.conjugate_gradient import GridState, Influence, solve_g
 from contact.search.grid.proposals import placed, whole_response
 from sie import Array, Mask, record
 
-# Cells to a length over which the profile varies, to the strip that adhesion without range would leave, and in all at the least; so many
-# are few, so many times as many as the profile asks for may be asked for by strips, and so many at the most.
-_PER_FEATURE, _PER_STRIP, _FEWEST, _FEW, _FINER, _MOST = 16, 32, 256.0, 2**14, 8, 2**18
+# Cells to a length over which the profile varies, to the strip that adhesion without range would
+# leave, and in all at the least; so many are few, so many times as many as the profile asks for may
+# be asked for by strips, and so many at the most.
+_PER_FEATURE = 16
+_PER_STRIP = 32
+_FEWEST = 256.0
+_FEW = 2**14
+_FINER = 8
+_MOST = 2**18
 # Beside the intervals of a lone body, over what they span, the window of the grid.
 _AROUND = 0.25
 # Rounds, the change of a cell's share that ends them, and the tolerance of a contact on the way.
-_ROUNDS, _STILL, _TOL = 400, 0.02, 1e-4
+_ROUNDS = 400
+_STILL = 0.02
+_TOL = 1e-4
 # Of the control, between a value that holds a contact and one that does not.
-_HALVINGS, _DOUBLINGS = 12, 60
+_HALVINGS = 12
+_DOUBLINGS = 60
 
 
 @record
@@ -48,8 +60,9 @@ class Resting:
 
 @record
 class GridTension(sie.Kept):
-    """problem: with the law that has the tension; x0, width: the period, or the window of a lone body, that the cells are parts of [m];
-    by_load: whether the control is a load, else an approach."""
+    """problem: with the law that has the tension; x0, width: the period, or the window of a lone
+    body, that the cells are parts of [m]; by_load: whether the control is a load, else an approach.
+    """
 
     problem: Problem
     x0: float
@@ -59,7 +72,9 @@ class GridTension(sie.Kept):
 
     @classmethod
     def of(cls, problem: Problem, table: Array | None, by_load: bool) -> "GridTension | None":
-        """table: scaled intervals from which ends are to move; None where what the tension acts on is too narrow for a grid."""
+        """table: scaled intervals from which ends are to move; None where what the tension acts on
+        is too narrow for a grid.
+        """
         profile, law, units = problem.profile, problem.law, problem.units
         if problem.period is not None and profile.period is not None:
             x0, width = profile.x0, profile.period
@@ -67,7 +82,9 @@ class GridTension(sie.Kept):
             assert table is not None
             around = _AROUND * float(table[-1, 1] - table[0, 0])
             lo, hi = problem.borders
-            window = units.x(np.array([max(lo, table[0, 0] - around), min(hi, table[-1, 1] + around)]))
+            window = units.x(
+                np.array([max(lo, table[0, 0] - around), min(hi, table[-1, 1] + around)])
+            )
             x0, width = float(window[0]), float(window[1] - window[0])
         feature = width if profile.feature is None else profile.feature
         strip = 0.25 * math.pi * units.E_star * law.reach / law.tension
@@ -95,15 +112,28 @@ class GridTension(sie.Kept):
     @cached_property
     def heights(self) -> Array:
         profile = self.problem.profile
-        return grid_height(profile, self.x) if self.by_load else np.asarray(profile.height(self.x), dtype=np.float64)
+        return (
+            grid_height(profile, self.x)
+            if self.by_load
+            else np.asarray(profile.height(self.x), dtype=np.float64)
+        )
 
     @cached_property
     def influence(self) -> Influence:
         return whole_response(self.problem).on(self.points, self.cell)
 
-    def resting(self, table: Array | None, value: float, sign: float, reach: float, near: GridState | None = None) -> Resting:
-        """Where intervals, or the whole period, come to that grow (sign 1) or shrink (-1), for so many times the reach. Lost, Closed;
-        NotConverged where they come to the border of the window."""
+    def resting(
+        self,
+        table: Array | None,
+        value: float,
+        sign: float,
+        reach: float,
+        near: GridState | None = None,
+    ) -> Resting:
+        """Where intervals, or the whole period, come to that grow (sign 1) or shrink (-1), for so
+        many times the reach. Lost, Closed; NotConverged where they come to the border of the
+        window.
+        """
         limit = reach * self.problem.law.reach
         share = np.ones(self.points) if table is None else self._shares(table)
         start = None if near is None else near.pressure
@@ -127,7 +157,13 @@ class GridTension(sie.Kept):
         for _ in range(_HALVINGS):
             middle = 0.5 * (high + low)
             try:
-                near = self.resting(table if near is None else near.table, middle, -1.0, 1.0, None if near is None else near.state)
+                near = self.resting(
+                    table if near is None else near.table,
+                    middle,
+                    -1.0,
+                    1.0,
+                    None if near is None else near.state,
+                )
                 high = middle
             except Closed:
                 high = middle
@@ -160,7 +196,13 @@ class GridTension(sie.Kept):
                 raise Lost
             state = solve_grid(deformed, self.influence, load=load, start=start, tol=_TOL)
         else:
-            state = solve_grid(deformed, self.influence, level=self.problem.lowest + value * units.height, start=start, tol=_TOL)
+            state = solve_grid(
+                deformed,
+                self.influence,
+                level=self.problem.lowest + value * units.height,
+                start=start,
+                tol=_TOL,
+            )
         if not state.load > 0.0:
             raise Lost
         return state
@@ -173,7 +215,10 @@ class GridTension(sie.Kept):
         for shift in (-self.width, 0.0, self.width) if self.repeats else (0.0,):
             for a, b in rows + shift:
                 if b > 0.0 and a < self.width:
-                    out += np.clip(np.minimum(edges[1:], b) - np.maximum(edges[:-1], a), 0.0, None) / self.cell
+                    out += (
+                        np.clip(np.minimum(edges[1:], b) - np.maximum(edges[:-1], a), 0.0, None)
+                        / self.cell
+                    )
         return np.minimum(out, 1.0)
 
     def _table(self, below: Mask, above: Array) -> Array:
@@ -189,11 +234,15 @@ class GridTension(sie.Kept):
         before, after = above[(first - 1) % n], above[(last + 1) % n]
         left = first - above[first] / (above[first] - before)
         right = last + above[last % n] / (above[last % n] - after)
-        return np.asarray(self.problem.units.scaled(self.x[0] + self.cell * np.column_stack((left, right))))
+        return np.asarray(
+            self.problem.units.scaled(self.x[0] + self.cell * np.column_stack((left, right)))
+        )
 
 
 def _shares_below(above: Array) -> Array:
-    """What of each cell lies where a function, linear between the middles of the cells, is below zero."""
+    """What of each cell lies where a function, linear between the middles of the cells, is below
+    zero.
+    """
     half = 0.5 * (above + np.roll(above, -1))
     return 0.5 * (_part_below(above, half) + np.roll(_part_below(half, np.roll(above, -1)), 1))
 
@@ -202,4 +251,6 @@ def _part_below(a: Array, b: Array) -> Array:
     """Part of a length on which what goes from a to b is below zero."""
     with np.errstate(divide="ignore", invalid="ignore"):
         crossing = a / (a - b)
-    return np.where((a < 0) & (b < 0), 1.0, np.where(a < 0, crossing, np.where(b < 0, 1.0 - crossing, 0.0)))
+    return np.where(
+        (a < 0) & (b < 0), 1.0, np.where(a < 0, crossing, np.where(b < 0, 1.0 - crossing, 0.0))
+    )

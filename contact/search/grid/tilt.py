@@ -1,7 +1,9 @@
-"""A rough tilt for a given moment: contacts on windows of the line, tilt by tilt (contact.search.grid.tilt_rate).
+"""A rough tilt for a given moment: contacts on windows of the line, tilt by tilt
+(contact.search.grid.tilt_rate).
 
-A rigid body on a rigid plane rests on the two places between which its load has its centre: the edge of the lower convex hull of
-f there has the tilt of the smallest loads. It is tried after the guess that is at hand.
+A rigid body on a rigid plane rests on the two places between which its load has its centre: the
+edge of the lower convex hull of f there has the tilt of the smallest loads. It is tried after the
+guess that is at hand.
 """
 
 from collections.abc import Iterable
@@ -24,16 +26,24 @@ Window = tuple[float, float]
 # Of the contact's extent: how near to its place the centre of the load is brought.
 _ROUGH = 0.02
 _POINTS = 256
-_FEW_TILTS, _MOST_TILTS = 24, 48
-# How far off a contact with another centre is looked for, in what the wanted centre and the first contact are away from x = 0.
+_FEW_TILTS = 24
+_MOST_TILTS = 48
+# How far off a contact with another centre is looked for, in what the wanted centre and the first
+# contact are away from x = 0.
 _FAR = 1e3
-# Points among which the convex hull is looked for, where the body is known and, scale by scale, on the whole line.
-_HULL_POINTS, _MOST_HULL_POINTS = 4097, 2**18
-_SCALE, _SCALES, _SCALE_POINTS = 8.0, 7, 1025
+# Points among which the convex hull is looked for, where the body is known and, scale by scale, on
+# the whole line.
+_HULL_POINTS = 4097
+_MOST_HULL_POINTS = 2**18
+_SCALE = 8.0
+_SCALES = 7
+_SCALE_POINTS = 1025
 
 
 def known_part(profile: Profile) -> Window | None:
-    """Between which places [m] a turned body is known: its corners, its one cell, its trace; None for the whole line."""
+    """Between which places [m] a turned body is known: its corners, its one cell, its trace; None
+    for the whole line.
+    """
     return profile.support or Tilted(profile, 0.0).extent
 
 
@@ -43,12 +53,20 @@ def held_by(profile: Tilted) -> Window | None:
 
 
 def window_at_load(
-    scene: Scene, profile: Tilted, load: float, limits: Window | None = None, start: Window | None = None
+    scene: Scene,
+    profile: Tilted,
+    load: float,
+    limits: Window | None = None,
+    start: Window | None = None,
 ) -> Window:
     """A window that holds the contact of the profile as it stands."""
     return held_by(profile) or find_window(
-        partial(grid_height, profile), response_of(scene), load=load, start_scale=profile.resolution,
-        limits=limits or profile.extent, start=start,
+        partial(grid_height, profile),
+        response_of(scene),
+        load=load,
+        start_scale=profile.resolution,
+        limits=limits or profile.extent,
+        start=start,
     )
 
 
@@ -63,7 +81,11 @@ def tilt_search(scene: Scene, guess: float) -> AtTilt:
     assert scene.moment is not None and load is not None
     centre, known = scene.moment / load, known_part(scene.profile)
     if known is not None and not known[0] < centre < known[1]:
-        what = "the corners of the profile" if scene.profile.support is not None else "the ends of what is known of the profile"
+        what = (
+            "the corners of the profile"
+            if scene.profile.support is not None
+            else "the ends of what is known of the profile"
+        )
         raise OutOfRange(
             f"moment {scene.moment:.6g} N asks for a centre of the load at {centre:.6g} m, which is not between {what}, "
             f"{known[0]:.6g} and {known[1]:.6g} m"
@@ -73,8 +95,14 @@ def tilt_search(scene: Scene, guess: float) -> AtTilt:
     except OutOfRange:
         # As it is guessed it runs off: what holds it stands at another angle.
         first = None
-    size = max(abs(centre), *(abs(end) for end in first or (0.0, 0.0))) or scene.profile.resolution or 1.0
-    resting, edge = _resting(scene.profile, centre, known, _hull([first or (-size, size), (centre, centre)]))
+    size = (
+        max(abs(centre), *(abs(end) for end in first or (0.0, 0.0)))
+        or scene.profile.resolution
+        or 1.0
+    )
+    resting, edge = _resting(
+        scene.profile, centre, known, _hull([first or (-size, size), (centre, centre)])
+    )
     tilts = (guess, resting)
     if first is not None and edge is not None:
         first = _hull([first, edge])
@@ -86,7 +114,8 @@ def tilt_search(scene: Scene, guess: float) -> AtTilt:
         if missed and known is None and best.window != search.limits and not lo <= centre <= hi:
             break  # the centre of a load lies between places of contact, and none came near it
         if missed and len(search.windows) > 1:
-            # A window about one asperity hid another: look at all places of contact at once, however far apart.
+            # A window about one asperity hid another: look at all places of contact at once,
+            # however far apart.
             search = replace(search, whole=(lo, hi))
             best = balanced(search, centre, (best.tilt, resting), _MOST_TILTS)
         if known is not None or best.window != search.limits:
@@ -99,8 +128,9 @@ def tilt_search(scene: Scene, guess: float) -> AtTilt:
 
 @dataclass
 class _Tilting:
-    """Contacts at tilts tried one after the other. Between two tilts the contact lies between theirs: there it is looked for, so
-    that asperities far apart are seen together."""
+    """Contacts at tilts tried one after the other. Between two tilts the contact lies between
+    theirs: there it is looked for, so that asperities far apart are seen together.
+    """
 
     scene: Scene
     load: float
@@ -112,12 +142,18 @@ class _Tilting:
 
     def __call__(self, tilt: float) -> AtTilt:
         scene, profile = self.scene, Tilted(self.scene.profile, tilt)
-        window = self.whole or window_at_load(scene, profile, self.load, self.limits, self._about(tilt))
+        window = self.whole or window_at_load(
+            scene, profile, self.load, self.limits, self._about(tilt)
+        )
         if window != self.limits:
             self.windows[tilt] = window
         wide = self.whole is not None or (self.bounded and window == self.limits)
         found = propose(
-            partial(grid_height, profile), window, response_of(scene), load=self.load, points=None if wide else _POINTS,
+            partial(grid_height, profile),
+            window,
+            response_of(scene),
+            load=self.load,
+            points=None if wide else _POINTS,
             resolution=profile.resolution,
         )
         extent = float(np.ptp(found.zones)) / found.state.influence.h if len(found.zones) else 1.0
@@ -126,7 +162,11 @@ class _Tilting:
     def _about(self, tilt: float) -> Window | None:
         below = [t for t in self.windows if t <= tilt]
         above = [t for t in self.windows if t >= tilt]
-        near = [self.windows[t] for t in (max(below, default=None), min(above, default=None)) if t is not None]
+        near = [
+            self.windows[t]
+            for t in (max(below, default=None), min(above, default=None))
+            if t is not None
+        ]
         return _hull(near) if near else self.first
 
 
@@ -135,15 +175,25 @@ def _hull(windows: Iterable[Window]) -> Window:
     return min(lo), max(hi)
 
 
-def _resting(profile: Profile, centre: float, known: Window | None, about: Window) -> tuple[float, Window | None]:
-    """Slope of the edge of the lower convex hull of f that spans the centre, and that edge if it lies within the points."""
+def _resting(
+    profile: Profile, centre: float, known: Window | None, about: Window
+) -> tuple[float, Window | None]:
+    """Slope of the edge of the lower convex hull of f that spans the centre, and that edge if it
+    lies within the points.
+    """
     if known is not None:
-        count = 0.0 if profile.resolution is None else 8 * (known[1] - known[0]) / profile.resolution
+        count = (
+            0.0 if profile.resolution is None else 8 * (known[1] - known[0]) / profile.resolution
+        )
         x = np.linspace(*known, int(np.clip(count, _HULL_POINTS, _MOST_HULL_POINTS)))
     else:
-        # Closer where the body is known to touch, and wide enough for any profile that outgrows a straight line.
+        # Closer where the body is known to touch, and wide enough for any profile that outgrows a
+        # straight line.
         middle, half = 0.5 * (about[0] + about[1]), 0.5 * (about[1] - about[0])
-        x = np.unique(middle + np.outer(half * _SCALE ** np.arange(_SCALES), np.linspace(-1, 1, _SCALE_POINTS)))
+        x = np.unique(
+            middle
+            + np.outer(half * _SCALE ** np.arange(_SCALES), np.linspace(-1, 1, _SCALE_POINTS))
+        )
     with np.errstate(over="ignore", invalid="ignore"):
         f = np.asarray(profile.height(x), dtype=np.float64)
     x, f = x[np.isfinite(f)], f[np.isfinite(f)]

@@ -1,4 +1,6 @@
-"""The formulation by the gaps of a nearly full contact: gaps, open inside, pressure positive outside."""
+"""The formulation by the gaps of a nearly full contact: gaps, open inside, pressure positive
+outside.
+"""
 
 from __future__ import annotations
 
@@ -24,8 +26,9 @@ from sie import Array, record
 
 @record
 class ByGaps:
-    """A scaled problem by its gaps. relief: the pressure of full contact but for its mean. most_steps: from the first guess of gaps a few
-    are enough, or it is no problem for gaps."""
+    """A scaled problem by its gaps. relief: the pressure of full contact but for its mean.
+    most_steps: from the first guess of gaps a few are enough, or it is no problem for gaps.
+    """
 
     problem: Problem
     relief: ScaledRelief
@@ -33,30 +36,52 @@ class ByGaps:
     most_steps: int = 25
 
     def equation(self, control: Control) -> sie.Equation:
-        """The equation of the slope of the gap. The mean pressure is a column: taken off the right side it would leave little but the
-        rounding of both."""
+        """The equation of the slope of the gap. The mean pressure is a column: taken off the right
+        side it would leave little but the rounding of both.
+        """
         problem, jumps = self.problem, self.problem.forcing
         right = sie.Forcing(
-            self.relief.forcing, density_jumps_at=np.asarray(jumps.jumps_at), density_jumps=np.asarray(jumps.jumps),
+            self.relief.forcing,
+            density_jumps_at=np.asarray(jumps.jumps_at),
+            density_jumps=np.asarray(jumps.jumps),
             density_orders=jumps.orders,
-            spline=jumps.value, algebraic=None if jumps.algebraic is None else replace(jumps.algebraic, of_density=True),
+            spline=jumps.value,
+            algebraic=None
+            if jumps.algebraic is None
+            else replace(jumps.algebraic, of_density=True),
         )
-        conditions, ends = control.gap_conditions(self.problem.repeat_length, partial(mean_shape, problem), problem.compression)
-        return sie.Equation(problem.inverse_kernel, right, conditions, (sie.Forcing(minus_one, modes=1),), ends)
+        conditions, ends = control.gap_conditions(
+            self.problem.repeat_length, partial(mean_shape, problem), problem.compression
+        )
+        return sie.Equation(
+            problem.inverse_kernel, right, conditions, (sie.Forcing(minus_one, modes=1),), ends
+        )
 
     def intervals(self, control: Control, table: Array) -> sie.Zones:
         if len(table) == 0:
-            raise WrongTopology("no gap is left: they are narrower than rounding can tell from full contact", None)
+            raise WrongTopology(
+                "no gap is left: they are narrower than rounding can tell from full contact", None
+            )
         return sie.Zones.of(table)
 
     def moved(self, control: Control, zones: sie.Zones, how: Newton) -> sie.Free:
         return how.ends(self.equation(control), zones, self.most_steps, signs=(1.0, -1.0))
 
-    def formal(self, load: float, table: Array, tolerance: float, decay: float | None = None) -> GapFields:
-        """Fields with this number of gaps at a load, whatever the signs. decay: see `sie.find_ends`."""
+    def formal(
+        self, load: float, table: Array, tolerance: float, decay: float | None = None
+    ) -> GapFields:
+        """Fields with this number of gaps at a load, whatever the signs. decay: see
+        `sie.find_ends`.
+        """
         equation = self.equation(Load(load))
         free = sie.find_ends(
-            equation, sie.Zones.of(table), tolerance, self.most_steps, signs=(1.0, -1.0), decay=decay, bounded_ends=False
+            equation,
+            sie.Zones.of(table),
+            tolerance,
+            self.most_steps,
+            signs=(1.0, -1.0),
+            decay=decay,
+            bounded_ends=False,
         )
         if not free.converged:
             raise WrongTopology("the ends of the gaps did not settle", free)
@@ -69,7 +94,9 @@ class ByGaps:
         state, mean = free.state, float(free.density.amplitudes[0])
         if control.load is None:
             equation = self.equation(Load(mean * self.problem.repeat_length))
-            state = sie.solve_fixed(equation, free.density.zones, max(0.1 * tolerance, 3e-16)).with_bounded_ends()
+            state = sie.solve_fixed(
+                equation, free.density.zones, max(0.1 * tolerance, 3e-16)
+            ).with_bounded_ends()
         return GapFields(self.problem, state, mean, self.relief)
 
     def certificate(self, fields: GapFields, control: Control, few: float = 0.0) -> Certificate:
@@ -81,7 +108,13 @@ class ByGaps:
         return united(parts, self.problem.repeat_length, True, self.what)
 
     def solved(
-        self, free: sie.Free, fields: GapFields, certificate: Certificate, rounds: int, control: Control, tolerance: float
+        self,
+        free: sie.Free,
+        fields: GapFields,
+        certificate: Certificate,
+        rounds: int,
+        control: Control,
+        tolerance: float,
     ) -> FoundByGaps:
         off = free.value_error + _rounding_of_mean(control, fields)
         return FoundByGaps(free, fields, certificate, rounds, control, tolerance, off)
@@ -92,11 +125,15 @@ class ByGaps:
 
 
 def _rounding_of_mean(control: Control, fields: GapFields) -> float:
-    """How far rounding may take the mean pressure that comes with an approach: a difference of numbers of the size of the
-    profile, which hardly changes near full contact."""
+    """How far rounding may take the mean pressure that comes with an approach: a difference of
+    numbers of the size of the profile, which hardly changes near full contact.
+    """
     if control.approach is None:
         return 0.0
     units = fields.problem.units
     rate = fields.stiffness / fields.period * units.height / units.load
     of_heights = height_noise(fields.problem.profile) / units.height
-    return 6e-16 * (abs(fields.mean) + abs(rate) * max(control.approach, mean_shape(fields.problem))) + abs(rate) * of_heights
+    return (
+        6e-16 * (abs(fields.mean) + abs(rate) * max(control.approach, mean_shape(fields.problem)))
+        + abs(rate) * of_heights
+    )

@@ -23,7 +23,8 @@ from sie import Array, record, wrapped
 # Gaps over kinks below this part of the zones beside them are not taken to close.
 _NARROW = 1e-3
 # Of an overlap: as wide as that a new zone begins.
-_NEW, _AT_CORNER = 0.7, 0.1
+_NEW = 0.7
+_AT_CORNER = 0.1
 
 
 @record
@@ -43,30 +44,56 @@ class ByPressure:
         return kinds(self.problem, control, table)
 
     def begun(self, table: Array) -> Array:
-        """A proposed table with the border of the period in a wide gap. Levels are tied from neighbour to neighbour, and over the
-        border they are known no better than by all of these steps: a narrow zone at it would feel what the widest gap is rounded to."""
+        """A proposed table with the border of the period in a wide gap. Levels are tied from
+        neighbour to neighbour, and over the border they are known no better than by all of these
+        steps: a narrow zone at it would feel what the widest gap is rounded to.
+        """
         problem = self.problem
         bounded = bool(np.isfinite(problem.corners).any())
-        if problem.period is None or problem.interaction.strip or bounded or len(table) < 2 or is_symmetric(problem, table):
+        if (
+            problem.period is None
+            or problem.interaction.strip
+            or bounded
+            or len(table) < 2
+            or is_symmetric(problem, table)
+        ):
             return table
         return parted_at_wide(table, problem.period)
 
     def moved(self, control: Control, zones: sie.Zones, how: Newton) -> sie.Free:
         problem = self.problem
         return how.ends(
-            problem.equation(control), zones, self.most_steps, limits=problem.corners, limited=problem.end, decay=how.decay, like=how.like
+            problem.equation(control),
+            zones,
+            self.most_steps,
+            limits=problem.corners,
+            limited=problem.end,
+            decay=how.decay,
+            like=how.like,
         )
 
-    def formal(self, load: float, table: Array, tolerance: float, decay: float | None = None) -> ZoneFields:
-        """Fields with this number of zones at a load, whatever the signs. decay: see `sie.find_ends`."""
+    def formal(
+        self, load: float, table: Array, tolerance: float, decay: float | None = None
+    ) -> ZoneFields:
+        """Fields with this number of zones at a load, whatever the signs. decay: see
+        `sie.find_ends`.
+        """
         control = Load(load)
         zones, equation = kinds(self.problem, control, table), self.problem.equation(control)
         try:
             free = sie.find_ends(
-                equation, zones, tolerance, limits=self.problem.corners, decay=decay, bounded_ends=False, limited=self.problem.end
+                equation,
+                zones,
+                tolerance,
+                limits=self.problem.corners,
+                decay=decay,
+                bounded_ends=False,
+                limited=self.problem.end,
             )
         except sie.SingularSystem as failure:
-            raise WrongTopology(f"the equation has no solution on such zones ({failure})", None) from failure
+            raise WrongTopology(
+                f"the equation has no solution on such zones ({failure})", None
+            ) from failure
         if not free.converged:
             raise WrongTopology("the zones do not go on to this load", free)
         return ZoneFields(self.problem, free.state)
@@ -75,7 +102,10 @@ class ByPressure:
         valley = _narrow_valley(self.problem, table, free)
         if valley is not None:
             length = valley * self.problem.units.length
-            raise WrongTopology(f"a gap of about {length:.1e} m over the kink of a valley is too narrow to be found", free)
+            raise WrongTopology(
+                f"a gap of about {length:.1e} m over the kink of a valley is too narrow to be found",
+                free,
+            )
 
     def fields(self, control: Control, free: sie.Free, tolerance: float) -> ZoneFields:
         problem, zones = self.problem, free.density.zones
@@ -83,39 +113,68 @@ class ByPressure:
         if control.load is not None:
             return ZoneFields(problem, free.state)
         total = free.density.total if free.value is None else free.value
-        left, right = ([problem.end if end == problem.held_end else end for end in side] for side in (zones.left, zones.right))
+        left, right = (
+            [problem.end if end == problem.held_end else end for end in side]
+            for side in (zones.left, zones.right)
+        )
         ends = replace(zones, left=left, right=right)
         # On about the same zones: with their modes, and by iteration from their solution.
         sizes = replace(free.state.sizes, value=0.0)
-        state = sie.solve_zones(problem.equation(Load(total)), ends, max(0.1 * tolerance, 3e-16), sizes)
+        state = sie.solve_zones(
+            problem.equation(Load(total)), ends, max(0.1 * tolerance, 3e-16), sizes
+        )
         return ZoneFields(problem, state.with_bounded_ends())
 
     def certificate(self, fields: ZoneFields, control: Control, few: float = 0.0) -> Certificate:
         return certify(fields, control.load, control, few)
 
     def corrected(self, zones: sie.Zones, certificate: Certificate) -> Array:
-        """Those with pulling parts cut out, and a new one in every overlap, up to the corner or border where it begins or ends there."""
+        """Those with pulling parts cut out, and a new one in every overlap, up to the corner or
+        border where it begins or ends there.
+        """
         if len(certificate.negative) == 0 and len(certificate.overlaps) == 0:
             if rounded := height_rounding.told(self.problem, zones.table):
                 raise SceneError(rounded, "profile", self.problem.profile)
             raise WrongTopology(certificate.note or "the balance of load fails", None)
         (left, right), (lo, hi) = certificate.overlaps.T, self.problem.corners
-        middle, half, narrow = 0.5 * (left + right), 0.5 * _NEW * (right - left), _AT_CORNER * (right - left)
-        # Held at a corner a zone may press that would vanish between two free ends. Its other end grows to its place, and does not shrink.
-        new = np.where((left <= lo)[:, None], np.column_stack((left, left + narrow)), np.column_stack((middle - half, middle + half)))
+        middle, half, narrow = (
+            0.5 * (left + right),
+            0.5 * _NEW * (right - left),
+            _AT_CORNER * (right - left),
+        )
+        # Held at a corner a zone may press that would vanish between two free ends. Its other end
+        # grows to its place, and does not shrink.
+        new = np.where(
+            (left <= lo)[:, None],
+            np.column_stack((left, left + narrow)),
+            np.column_stack((middle - half, middle + half)),
+        )
         new = np.where((right >= hi)[:, None], np.column_stack((right - narrow, right)), new)
-        table = united(np.concatenate((without(zones.table, certificate.negative), new)), self.problem.period, False, self.what)
+        table = united(
+            np.concatenate((without(zones.table, certificate.negative), new)),
+            self.problem.period,
+            False,
+            self.what,
+        )
         if len(table) > 4 * len(zones) + 64:
             raise WrongTopology("the signs of pressure and gap change ever more often", None)
         return table
 
     def solved(
-        self, free: sie.Free, fields: ZoneFields, certificate: Certificate, rounds: int, control: Control, tolerance: float
+        self,
+        free: sie.Free,
+        fields: ZoneFields,
+        certificate: Certificate,
+        rounds: int,
+        control: Control,
+        tolerance: float,
     ) -> Found:
         return Found(free, fields, certificate, rounds, control, tolerance)
 
     def is_slight(self, found: Solved) -> bool:
-        """A dip of the pressure, or a gap between zones; nobody asks how many zones a reference has."""
+        """A dip of the pressure, or a gap between zones; nobody asks how many zones a reference
+        has.
+        """
         if self.problem.reference:
             return False
         zones, reach = found.free.density.zones, off(found.free, found.fields.state)
@@ -124,14 +183,19 @@ class ByPressure:
 
 
 def kinds(problem: Problem, control: Control, table: Array) -> sie.Zones:
-    """Zones with the kinds of their ends: held at sharp corners and where the half width is given, else as the law says."""
+    """Zones with the kinds of their ends: held at sharp corners and where the half width is given,
+    else as the law says.
+    """
     count = len(table)
     end = problem.end if control.half_width is None else problem.held_end
     left, right = [end] * count, [end] * count
     lo, hi = problem.corners
     table = np.clip(table, lo, hi)
     if not np.all(table[:, 0] < table[:, 1]):
-        raise WrongTopology("a contact zone lies beyond the sharp corners of the body, or beyond the border of the strip", None)
+        raise WrongTopology(
+            "a contact zone lies beyond the sharp corners of the body, or beyond the border of the strip",
+            None,
+        )
     symmetric = is_symmetric(problem, table)
     if symmetric:
         table = 0.5 * (table - table[::-1, ::-1])
@@ -144,32 +208,46 @@ def kinds(problem: Problem, control: Control, table: Array) -> sie.Zones:
 
 def is_symmetric(problem: Problem, table: Array) -> bool:
     """Whether half of the zones need solving: profile and zones mirror each other about the origin."""
-    if not problem.profile.symmetric or problem.units.origin != 0.0 or problem.centre != 0.0 or problem.operator.own_columns:
+    if (
+        not problem.profile.symmetric
+        or problem.units.origin != 0.0
+        or problem.centre != 0.0
+        or problem.operator.own_columns
+    ):
         return False
     if problem.cell is not None and max(-table[0, 0], table[-1, 1]) >= 0.5 * problem.cell:
         return False
     width = table[:, 1] - table[:, 0]
-    return bool(np.all(np.abs(table + table[::-1, ::-1]) <= 0.25 * np.minimum(width, width[::-1])[:, None]))
+    return bool(
+        np.all(np.abs(table + table[::-1, ::-1]) <= 0.25 * np.minimum(width, width[::-1])[:, None])
+    )
 
 
 def _within_strip(problem: Problem, table: Array) -> None:
     """What the nominal pressure does beyond a strip has no meaning there."""
     if problem.interaction.strip and problem.period is not None and not problem.reference:
         if float(np.abs(table - problem.centre).max()) >= 0.5 * problem.period:
-            raise WrongTopology(f"a contact zone reaches the border of the strip; {EXACT}", None, beyond=True)
+            raise WrongTopology(
+                f"a contact zone reaches the border of the strip; {EXACT}", None, beyond=True
+            )
 
 
 def _within_borders(problem: Problem, zones: sie.Zones) -> None:
     lo, hi = problem.borders
     if zones.a[0] <= lo or zones.b[-1] >= hi:
-        raise WrongTopology("a contact zone reaches the border of the part of the profile that is known", None, beyond=True)
+        raise WrongTopology(
+            "a contact zone reaches the border of the part of the profile that is known",
+            None,
+            beyond=True,
+        )
     if problem.period is not None and zones.b[-1] - zones.a[0] >= problem.period:
         raise WrongTopology("the zones fill the period", None)
 
 
 def _narrow_valley(problem: Problem, table: Array, free: sie.Free) -> float | None:
-    """Width of a gap over the kink of a valley that the search has closed or taken off its kink: too narrow for it. Such gaps
-    do not close, but narrow as exp(-pressure); None if there is none."""
+    """Width of a gap over the kink of a valley that the search has closed or taken off its kink:
+    too narrow for it. Such gaps do not close, but narrow as exp(-pressure); None if there is none.
+    """
     kinks, heights = problem.forcing.kinks
     if not np.any(heights < 0) or len(table) < 2 or len(free.density.zones) < len(table):
         return None

@@ -1,9 +1,11 @@
 """Zones of the last solutions on a curve, carried on to another value of its control.
 
-With s the logarithm of the value, middles and squared half widths of zones and of gaps are smooth in s, through birth and merger too: a
-zone is born, and a gap closes, as the root of what is left. So each end goes by the narrower of the two intervals beside it, by Hermite's
-polynomial through the values and rates of the last solutions that have it; the rates are those of the response to the load. Intervals
-whose square falls below zero are gone by then, and where the least gap of a place falls below zero there is a new zone.
+With s the logarithm of the value, middles and squared half widths of zones and of gaps are smooth
+in s, through birth and merger too: a zone is born, and a gap closes, as the root of what is left.
+So each end goes by the narrower of the two intervals beside it, by Hermite's polynomial through the
+values and rates of the last solutions that have it; the rates are those of the response to the
+load. Intervals whose square falls below zero are gone by then, and where the least gap of a place
+falls below zero there is a new zone.
 """
 
 from __future__ import annotations
@@ -25,8 +27,11 @@ from sie import Array, Index, Mask, record
 
 # Of the overlap that a new zone makes good, its width at first.
 _NEW = 0.7
-# Of its width, what is left at first of an interval that may be gone; of a step, by how much it may be wrong about that.
-_LEFT, _DOUBT, _SLIGHT = 0.1, 0.5, 0.1
+# Of its width, what is left at first of an interval that may be gone; of a step, by how much it may
+# be wrong about that.
+_LEFT = 0.1
+_DOUBT = 0.5
+_SLIGHT = 0.1
 # How near to its neighbours a new zone may begin, over its distance from these.
 _CLEAR = 0.4
 
@@ -66,7 +71,9 @@ class Passed(sie.Kept):
 
     @cached_property
     def rates(self) -> tuple[Array, Array]:
-        """(how far each end moves outward, a unit of the logarithm (n, 2), by how much the lowest places open (k,))."""
+        """(how far each end moves outward, a unit of the logarithm (n, 2), by how much the lowest
+        places open (k,)).
+        """
         fields = self.fields
         assert fields is not None
         outward, opening = fields.rates(self.lowest[:, 0])
@@ -91,7 +98,9 @@ class Passed(sie.Kept):
 
 @record
 class Motion:
-    """Intervals (n, 2) with middle and squared half width, and the rates of these: values (2, n), rates (2, n)."""
+    """Intervals (n, 2) with middle and squared half width, and the rates of these: values (2, n),
+    rates (2, n).
+    """
 
     table: Array
     values: Array = field(repr=False)
@@ -109,8 +118,9 @@ class Motion:
 
 
 def carried(along: tuple[Passed, ...], at: float) -> tuple[Array, int]:
-    """(scaled zones (n, 2) where the logarithm of the control's value is `at`, none where they fill the period; how many come and go on
-    the way, about)."""
+    """(scaled zones (n, 2) where the logarithm of the control's value is `at`, none where they fill
+    the period; how many come and go on the way, about).
+    """
     last = along[-1]
     known = _alike(along)
     period = last.problem.period
@@ -127,14 +137,20 @@ def _alike(along: tuple[Passed, ...]) -> list[Passed]:
     """The last ones in the same units, each at a value of its own, the nearest first."""
     last, known = along[-1], [along[-1]]
     for one in reversed(along[:-1]):
-        if one.fields is None or one.problem.units != last.problem.units or any(one.at == other.at for other in known):
+        if (
+            one.fields is None
+            or one.problem.units != last.problem.units
+            or any(one.at == other.at for other in known)
+        ):
             break
         known.append(one)
     return known
 
 
 def _carried_on(known: list[Motion], away: list[float], period: float | None) -> Array:
-    """Middles and squared half widths (2, n) of the first ones' intervals, `away` back; each by as many as have it."""
+    """Middles and squared half widths (2, n) of the first ones' intervals, `away` back; each by as
+    many as have it.
+    """
     first = known[0]
     out = first.values - away[0] * first.rates
     has = np.isfinite(first.values).all(axis=0)
@@ -149,7 +165,9 @@ def _carried_on(known: list[Motion], away: list[float], period: float | None) ->
         values.append(np.where(has, moved, 0.0))
         rates.append(other.rates[:, partner])
         by_value, by_rate = _hermite(np.array(away[:count]))
-        further = np.tensordot(by_value, np.array(values), 1) + np.tensordot(by_rate, np.array(rates), 1)
+        further = np.tensordot(by_value, np.array(values), 1) + np.tensordot(
+            by_rate, np.array(rates), 1
+        )
         out = np.where(has, further, out)
     return np.asarray(out)
 
@@ -165,29 +183,52 @@ def _hermite(away: Array) -> tuple[Array, Array]:
 
 
 def _partners(table: Array, other: Array, period: float | None) -> tuple[Index, Array]:
-    """(the one of the others that an interval overlaps, where that overlaps no second one, else -1; by how much it is to be moved)."""
-    turn = np.zeros(len(other)) if period is None else np.floor((other.mean(axis=1) - table[0, 0]) / period) * -period
+    """(the one of the others that an interval overlaps, where that overlaps no second one, else -1;
+    by how much it is to be moved).
+    """
+    turn = (
+        np.zeros(len(other))
+        if period is None
+        else np.floor((other.mean(axis=1) - table[0, 0]) / period) * -period
+    )
     moved = other + turn[:, None]
     order = np.argsort(moved[:, 0])
     moved = moved[order]
-    first, end = np.searchsorted(moved[:, 1], table[:, 0], side="right"), np.searchsorted(moved[:, 0], table[:, 1], side="left")
+    first, end = (
+        np.searchsorted(moved[:, 1], table[:, 0], side="right"),
+        np.searchsorted(moved[:, 0], table[:, 1], side="left"),
+    )
     alone = end - first == 1
     partner = np.where(alone, np.minimum(first, len(order) - 1), -1)
-    often = np.bincount(np.concatenate([np.arange(lo, hi) for lo, hi in zip(first, end, strict=True)]), minlength=len(order)) > 1
+    often = (
+        np.bincount(
+            np.concatenate([np.arange(lo, hi) for lo, hi in zip(first, end, strict=True)]),
+            minlength=len(order),
+        )
+        > 1
+    )
     partner = np.where(alone & ~often[partner], partner, -1)
-    return np.where(partner >= 0, order[partner], -1), np.where(partner >= 0, turn[order[partner]], 0.0)
+    return np.where(partner >= 0, order[partner], -1), np.where(
+        partner >= 0, turn[order[partner]], 0.0
+    )
 
 
 def _joined(last: Passed, own: Array, between: Array) -> tuple[Array, int]:
-    """(zones by the ends of zones and gaps (2, n) that are carried on, of each end by the narrower one; how many of these are gone, or in
-    doubt)."""
+    """(zones by the ends of zones and gaps (2, n) that are carried on, of each end by the narrower
+    one; how many of these are gone, or in doubt).
+    """
     period = last.problem.period
     width, gap = (motion.values[1] for motion in (last.own, last.between))
     before = np.roll(gap, 1)
     half, lost = _left(own[1], width)
-    # Of a contact solved by its zones a gap is no interval of its own that could be told to be gone.
+    # Of a contact solved by its zones a gap is no interval of its own that could be told to be
+    # gone.
     by_gaps = isinstance(last.fields, GapFields)
-    open_, closed = _left(between[1], gap) if by_gaps else (np.sqrt(np.maximum(between[1], 0.0)), between[1] <= 0.0)
+    open_, closed = (
+        _left(between[1], gap)
+        if by_gaps
+        else (np.sqrt(np.maximum(between[1], 0.0)), between[1] <= 0.0)
+    )
     with np.errstate(invalid="ignore"):  # a gap without end
         left = np.where(width <= before, own[0] - half, np.roll(between[0] + open_, 1))
         right = np.where(width <= gap, own[0] + half, between[0] - open_)
@@ -195,17 +236,23 @@ def _joined(last: Passed, own: Array, between: Array) -> tuple[Array, int]:
         left[0] -= period
     lost = lost & (width <= np.minimum(before, gap)) | (right <= left)
     closed = closed & (gap <= np.minimum(width, np.roll(width, -1)))
-    return _kept(left, right, lost, closed, period), int(np.sum(own[1] <= 0.0) + np.sum(between[1] <= 0.0))
+    return _kept(left, right, lost, closed, period), int(
+        np.sum(own[1] <= 0.0) + np.sum(between[1] <= 0.0)
+    )
 
 
 def _left(square: Array, before: Array) -> tuple[Array, Mask]:
-    """(half widths by squares that are carried on from what they were before, which are gone): in doubt a little is left."""
+    """(half widths by squares that are carried on from what they were before, which are gone): in
+    doubt a little is left.
+    """
     gone = square <= -_DOUBT * (before - square)
     return np.sqrt(np.maximum(square, _LEFT**2 * before)), gone
 
 
 def _kept(left: Array, right: Array, lost: Mask, closed: Mask, period: float | None) -> Array:
-    """The zones that are left, those over closed gaps joined; none where all gaps have closed: contact is full."""
+    """The zones that are left, those over closed gaps joined; none where all gaps have closed:
+    contact is full.
+    """
     if lost.all() or (period is not None and closed.all() and not lost.any()):
         return np.zeros((0, 2))
     zones = merged(np.column_stack((left, right))[~lost], np.flatnonzero(closed[~lost]), period)
@@ -216,14 +263,21 @@ def _with_new(zones: Array, last: Passed, away: float) -> Array:
     """Zones, and new ones where the gap is carried on to below zero."""
     place, value, bend = last.lowest.T
     change = away * last.rates[1]
-    depth = np.where(value + change < _SLIGHT * np.abs(change), np.maximum(-value - change, _SLIGHT * np.abs(change)), 0.0)
+    depth = np.where(
+        value + change < _SLIGHT * np.abs(change),
+        np.maximum(-value - change, _SLIGHT * np.abs(change)),
+        0.0,
+    )
     period = last.problem.period
     place = sie.wrapped(place, float(zones[0, 0]), period)
     with np.errstate(invalid="ignore", divide="ignore"):
         half = _NEW * np.sqrt(np.maximum(depth, 0.0) / bend)
     before = np.searchsorted(zones[:, 0], place, side="right") - 1
     gaps = gaps_between(zones, period)
-    low, high = np.where(before >= 0, gaps[before, 0], -np.inf), np.where(before >= 0, gaps[before, 1], zones[0, 0])
+    low, high = (
+        np.where(before >= 0, gaps[before, 0], -np.inf),
+        np.where(before >= 0, gaps[before, 1], zones[0, 0]),
+    )
     room = _CLEAR * np.minimum(place - low, high - place)
     new = np.flatnonzero((depth > 0.0) & (bend > 0.0) & (room > 0.0))
     half = np.minimum(half, room)[new]

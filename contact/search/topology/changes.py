@@ -1,4 +1,6 @@
-"""What changes between two contacts, by the zones of both that overlap: zones begin or vanish, meet or part."""
+"""What changes between two contacts, by the zones of both that overlap: zones begin or vanish, meet
+or part.
+"""
 
 from dataclasses import dataclass
 
@@ -10,8 +12,9 @@ from sie import Array
 
 @dataclass(frozen=True)
 class Change:
-    """kind: birth or merge, and death or split, the same on the way back; where: the zone that begins or vanishes, or the gap between two
-    that meet or part, and a little beside it."""
+    """kind: birth or merge, and death or split, the same on the way back; where: the zone that
+    begins or vanishes, or the gap between two that meet or part, and a little beside it.
+    """
 
     kind: str
     where: tuple[float, float]
@@ -23,27 +26,35 @@ class Change:
 
     @property
     def ahead(self) -> bool:
-        """Whether the contact before it has the zones with which its condition is a smooth one: without the zone that begins, or with the
-        two as one."""
+        """Whether the contact before it has the zones with which its condition is a smooth one:
+        without the zone that begins, or with the two as one.
+        """
         return self.kind in ("birth", "split")
 
 
-def changes(before: Array, after: Array, period: float | None, only_grows: bool, shared: float = 0.0) -> list[Change]:
-    """Changes that lead from the zones of one contact (n, 2) to those of another (m, 2). only_grows: none vanish or part; shared: see
-    `held`."""
+def changes(
+    before: Array, after: Array, period: float | None, only_grows: bool, shared: float = 0.0
+) -> list[Change]:
+    """Changes that lead from the zones of one contact (n, 2) to those of another (m, 2).
+    only_grows: none vanish or part; shared: see `held`.
+    """
     found = _grown(before, after, period, shared, "birth", "merge")
     return found if only_grows else found + _grown(after, before, period, shared, "death", "split")
 
 
 def held(zones: Array, a: float, b: float, period: float | None, shared: float = 0.0) -> Array:
-    """Those of the zones, moved by periods, that overlap the one from a to b (k, 2), by more than a part of the narrower one."""
+    """Those of the zones, moved by periods, that overlap the one from a to b (k, 2), by more than a
+    part of the narrower one.
+    """
     zones = ascending(centred_on(zones, 0.5 * (a + b), period))
     zones = zones[(zones[:, 0] < b) & (zones[:, 1] > a)]
     overlap = np.minimum(zones[:, 1], b) - np.maximum(zones[:, 0], a)
     return zones[overlap >= shared * np.minimum(zones[:, 1] - zones[:, 0], b - a)]
 
 
-def _grown(low: Array, high: Array, period: float | None, shared: float, new: str, met: str) -> list[Change]:
+def _grown(
+    low: Array, high: Array, period: float | None, shared: float, new: str, met: str
+) -> list[Change]:
     """What is new among the zones `high` beside those of `low`, and which of these have met."""
     found = []
     for a, b in high.tolist():

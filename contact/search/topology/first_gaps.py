@@ -1,4 +1,6 @@
-"""First guesses of the gaps of a nearly full contact: where the pressure of full contact would pull."""
+"""First guesses of the gaps of a nearly full contact: where the pressure of full contact would
+pull.
+"""
 
 from functools import cached_property
 
@@ -39,8 +41,9 @@ class FirstGaps:
         return self.period / len(self.x)
 
     def gaps(self, mean: float) -> Array:
-        """Runs of samples above the mean pressure, widened as a lone gap in a parabola of R would be; lone gaps over
-        kinks."""
+        """Runs of samples above the mean pressure, widened as a lone gap in a parabola of R would
+        be; lone gaps over kinks.
+        """
         valleys = self._over_kinks(mean)
         above = self.value > mean
         if above.all():
@@ -48,9 +51,18 @@ class FirstGaps:
         if above.any():
             seen = self._runs(above, mean)
             half = 0.5 * self.period
-            apart = np.abs((seen.mean(axis=1)[:, None] - valleys.mean(axis=1) + half) % self.period - half)
-            unseen = (apart < 2 * self.step).any(axis=1) & (seen[:, 1] - seen[:, 0] < 2 * _UNSEEN * self.step)
-            return united(np.concatenate((self._placed(seen[~unseen], mean), valleys)), self.period, True, "gap")
+            apart = np.abs(
+                (seen.mean(axis=1)[:, None] - valleys.mean(axis=1) + half) % self.period - half
+            )
+            unseen = (apart < 2 * self.step).any(axis=1) & (
+                seen[:, 1] - seen[:, 0] < 2 * _UNSEEN * self.step
+            )
+            return united(
+                np.concatenate((self._placed(seen[~unseen], mean), valleys)),
+                self.period,
+                True,
+                "gap",
+            )
         if len(valleys):
             return united(valleys, self.period, True, "gap")
         # The gap about the highest R, narrower than the samples.
@@ -64,7 +76,9 @@ class FirstGaps:
             high += high - low
         for _ in range(60):
             middle = 0.5 * (low + high)
-            low, high = (middle, high) if self._open(middle) > self.period - width else (low, middle)
+            low, high = (
+                (middle, high) if self._open(middle) > self.period - width else (low, middle)
+            )
         return 0.5 * (low + high)
 
     def _open(self, mean: float) -> float:
@@ -90,7 +104,11 @@ class FirstGaps:
             if row[1] - row[0] < _UNSEEN * self.step:
                 middle = int(round((0.5 * float(row.sum()) - self.x[0]) / self.step)) % len(self.x)
                 found = self._about(*self._top(middle), mean)
-                row = found[0] if len(found) and found[0, 1] - found[0, 0] < 2 * _UNSEEN * self.step else row
+                row = (
+                    found[0]
+                    if len(found) and found[0, 1] - found[0, 0] < 2 * _UNSEEN * self.step
+                    else row
+                )
             out.append(row)
         return np.array(out).reshape(-1, 2)
 
@@ -106,7 +124,9 @@ class FirstGaps:
         return {}
 
     def _over_kinks(self, mean: float) -> Array:
-        """Lone gaps over the concave kinks, where they are narrower than the samples show and wide enough to have ends."""
+        """Lone gaps over the concave kinks, where they are narrower than the samples show and wide
+        enough to have ends.
+        """
         kinks, rest = self._valleys
         at, heights = self.relief.at[kinks], self.relief.heights[kinks]
         half = self.period / np.pi * np.exp(np.pi * np.minimum((mean - rest) / heights, 9.0))
@@ -120,11 +140,16 @@ class FirstGaps:
         return kinks, self.relief.without_own(kinks)
 
     def _runs(self, above: Mask, mean: float) -> Array:
-        """The runs of samples above the mean pressure, from crossing to crossing, widened by sqrt(2)."""
+        """The runs of samples above the mean pressure, from crossing to crossing, widened by
+        sqrt(2).
+        """
         shift = int(np.argmin(above))  # start in contact, so that no run crosses the border
         x = np.concatenate((self.x[shift:], self.x[:shift] + self.period))
         highest = 2 * np.abs(self.value[np.isfinite(self.value)]).max(initial=abs(mean))
-        above, value = np.roll(above, -shift), np.clip(np.roll(self.value, -shift), -highest, highest)
+        above, value = (
+            np.roll(above, -shift),
+            np.clip(np.roll(self.value, -shift), -highest, highest),
+        )
         first, last = np.array(runs_of(above)).T
         # The crossings of the level lie between samples.
         before, after = value[first - 1] - mean, value[(last + 1) % len(x)] - mean

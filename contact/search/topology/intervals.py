@@ -1,4 +1,6 @@
-"""The algebra of intervals, be they zones or the gaps between them: parts cut out, neighbours merged, overlapping ones united."""
+"""The algebra of intervals, be they zones or the gaps between them: parts cut out, neighbours
+merged, overlapping ones united.
+"""
 
 import numpy as np
 
@@ -26,7 +28,9 @@ def without(table: Array, parts: Array) -> Array:
 
 
 def merged(table: Array, met: Index, period: float | None) -> Array:
-    """Each of the intervals `met` with the one after it; the last one with the first of the next period, if there is one."""
+    """Each of the intervals `met` with the one after it; the last one with the first of the next
+    period, if there is one.
+    """
     closed = np.isin(np.arange(len(table)), met)
     out = tables.joined_where(table, closed[:-1])
     if closed[-1] and period is not None and len(out) > 1:
@@ -36,7 +40,9 @@ def merged(table: Array, met: Index, period: float | None) -> Array:
 
 
 def united(table: Array, period: float | None, around: bool, what: str) -> Array:
-    """Overlapping intervals as one. around: the last one may reach over the border of the period. what: they are, for a message."""
+    """Overlapping intervals as one. around: the last one may reach over the border of the period.
+    what: they are, for a message.
+    """
     if len(table) == 0:
         return table
     out = tables.united(table)

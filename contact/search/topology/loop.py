@@ -1,9 +1,12 @@
-"""Which intervals there are: a first proposal, Newton on their ends, a look over the whole line, corrections, and again.
+"""Which intervals there are: a first proposal, Newton on their ends, a look over the whole line,
+corrections, and again.
 
-The intervals are the zones, with the pressure as the unknown, or the gaps between them, with the slope of the gap: a formulation says
-which, and what belongs to it. The frictionless problem is convex, so zones whose pressure is positive inside and whose gap is positive
-outside are the solution. Where a sign fails, the number of intervals was wrong: parts of the wrong sign are cut out of an interval, and
-where the other sign fails outside, a new one begins; intervals that shrink away are dropped and those that meet are merged.
+The intervals are the zones, with the pressure as the unknown, or the gaps between them, with the
+slope of the gap: a formulation says which, and what belongs to it. The frictionless problem is
+convex, so zones whose pressure is positive inside and whose gap is positive outside are the
+solution. Where a sign fails, the number of intervals was wrong: parts of the wrong sign are cut out
+of an interval, and where the other sign fails outside, a new one begins; intervals that shrink away
+are dropped and those that meet are merged.
 """
 
 from __future__ import annotations
@@ -34,15 +37,24 @@ ROUNDS = 12
 TIGHT = 1e-15
 # Where only the error of the ends makes signs fail, the next tolerance is this part of the last.
 CLOSER = 1e-3
-# Of so many intervals hardly any first guess has the right ones: these are looked at first with ends that are known to a part of their
-# widths, but for a few, until no more than another part of them is put right at once.
-MANY, LOOSELY, UNKNOWN, FEW = 1000, 1e-3, 0.005, 0.05
-# Where more than so many are put right, that is done again, for as long as it is no more than this part of the last; of fewer at first
-# hardly ever one is left. Where some are put right after that, the next look is one with all ends known to this part: one that is missing
-# costs several tight solutions.
-SURE, FEWER, CLOSELY = 64, 0.5, 1e-6
-# Steps after which the few are no longer waited for; how often intervals that are lost on the way are left out.
-PATIENT, LEFT_OUT = 2, 24
+# Of so many intervals hardly any first guess has the right ones: these are looked at first with
+# ends that are known to a part of their widths, but for a few, until no more than another part of
+# them is put right at once.
+MANY = 1000
+LOOSELY = 1e-3
+UNKNOWN = 0.005
+FEW = 0.05
+# Where more than so many are put right, that is done again, for as long as it is no more than this
+# part of the last; of fewer at first hardly ever one is left. Where some are put right after that,
+# the next look is one with all ends known to this part: one that is missing costs several tight
+# solutions.
+SURE = 64
+FEWER = 0.5
+CLOSELY = 1e-6
+# Steps after which the few are no longer waited for; how often intervals that are lost on the way
+# are left out.
+PATIENT = 2
+LEFT_OUT = 24
 # Over the ends' stated errors.
 MARGIN = 10.0
 # Ends on either side of where signs fail that may have made them.
@@ -50,8 +62,10 @@ _BESIDE = 2
 
 
 class Formulation(Protocol[Kind]):
-    """What is unknown, and on which intervals: the pressure on zones (contact.search.topology.by_pressure), or the slope of the gap on gaps
-    (contact.search.topology.by_gaps). what: "zone" or "gap"."""
+    """What is unknown, and on which intervals: the pressure on zones
+    (contact.search.topology.by_pressure), or the slope of the gap on gaps
+    (contact.search.topology.by_gaps). what: "zone" or "gap".
+    """
 
     @property
     def problem(self) -> Problem: ...
@@ -60,7 +74,9 @@ class Formulation(Protocol[Kind]):
     def what(self) -> str: ...
 
     def intervals(self, control: Control, table: Array) -> sie.Zones:
-        """The proposed intervals with the kinds of their ends; WrongTopology where they cannot be those of a contact."""
+        """The proposed intervals with the kinds of their ends; WrongTopology where they cannot be
+        those of a contact.
+        """
 
     def moved(self, control: Control, zones: sie.Zones, how: Newton) -> sie.Free:
         """Newton on their ends."""
@@ -69,29 +85,46 @@ class Formulation(Protocol[Kind]):
         """WrongTopology where what Newton came to from the table leads to no solution."""
 
     def fields(self, control: Control, free: sie.Free, tolerance: float) -> Any:
-        """The same intervals under the load that they have: fields, levels and stiffness are read from this state."""
+        """The same intervals under the load that they have: fields, levels and stiffness are read
+        from this state.
+        """
 
     def certificate(self, fields: Any, control: Control, few: float = 0.0) -> Certificate:
-        """Signs on the whole line, with the intervals where they fail. few: part of all ends that is not known."""
+        """Signs on the whole line, with the intervals where they fail. few: part of all ends that
+        is not known.
+        """
 
     def corrected(self, zones: sie.Zones, certificate: Certificate) -> Array:
         """New intervals, by where the signs fail."""
 
-    def solved(self, free: sie.Free, fields: Any, certificate: Certificate, rounds: int, control: Control, tolerance: float) -> Kind:
+    def solved(
+        self,
+        free: sie.Free,
+        fields: Any,
+        certificate: Certificate,
+        rounds: int,
+        control: Control,
+        tolerance: float,
+    ) -> Kind:
         """What passed."""
 
     def is_slight(self, found: Solved) -> bool:
-        """Whether what tells the number of intervals is so slight that the error of the solution may have made it."""
+        """Whether what tells the number of intervals is so slight that the error of the solution
+        may have made it.
+        """
 
 
 @record
 class Newton:
-    """tolerance: of the ends. value: a first guess of the load, or of the mean pressure, that is unknown under the control. steps: at the
-    most. near: given up as soon as the intervals turn out to be far from the solution, or not as many. off: what the ends are off by at
-    first, over the widths, as far as that is known. like: a solution on about the same intervals, with as many modes to begin with, or
-    what it has left to the next one. few: part of all ends that need not be known, after so many `patient` steps. drops: some of the
-    intervals may not be there, and are left out, or be one with the next. decay: asked of the coefficients over the largest; None: what
-    goes with the tolerance."""
+    """tolerance: of the ends. value: a first guess of the load, or of the mean pressure, that is
+    unknown under the control. steps: at the most. near: given up as soon as the intervals turn out
+    to be far from the solution, or not as many. off: what the ends are off by at first, over the
+    widths, as far as that is known. like: a solution on about the same intervals, with as many
+    modes to begin with, or what it has left to the next one. few: part of all ends that need not be
+    known, after so many `patient` steps. drops: some of the intervals may not be there, and are
+    left out, or be one with the next. decay: asked of the coefficients over the largest; None: what
+    goes with the tolerance.
+    """
 
     tolerance: float
     value: float = 0.0
@@ -104,30 +137,50 @@ class Newton:
     drops: bool = False
     decay: float | None = None
 
-    def ends(self, equation: sie.Equation, zones: sie.Zones, most_steps: int, **own: Any) -> sie.Free:
-        """Those of the intervals of an equation. own: what else a formulation tells `sie.find_ends`."""
+    def ends(
+        self, equation: sie.Equation, zones: sie.Zones, most_steps: int, **own: Any
+    ) -> sie.Free:
+        """Those of the intervals of an equation. own: what else a formulation tells
+        `sie.find_ends`.
+        """
         return sie.find_ends(
-            equation, zones, self.tolerance, self.steps or most_steps, value=self.value, near=self.near, off=self.off, few=self.few,
-            patient=self.patient, drops=self.drops, **own,
+            equation,
+            zones,
+            self.tolerance,
+            self.steps or most_steps,
+            value=self.value,
+            near=self.near,
+            off=self.off,
+            few=self.few,
+            patient=self.patient,
+            drops=self.drops,
+            **own,
         )
 
 
 def refine_topology(
-    form: Formulation[Kind], control: Control, table: Array, newton: Newton, progress: Progress | None = None, formal: bool = False,
-    timed: Timed = nullcontext, rounds: int = ROUNDS,
+    form: Formulation[Kind],
+    control: Control,
+    table: Array,
+    newton: Newton,
+    progress: Progress | None = None,
+    formal: bool = False,
+    timed: Timed = nullcontext,
+    rounds: int = ROUNDS,
 ) -> Kind | Missed:
-    """From proposed intervals (n, 2) to intervals that pass the certificate, or why they do not lead to any.
+    """From proposed intervals (n, 2) to intervals that pass the certificate, or why they do not
+    lead to any.
 
-    formal: they are taken as they are, whatever the signs (a reference solution, not a contact). timed: of a part's name, what its time is
-    taken with. rounds: at the most.
+    formal: they are taken as they are, whatever the signs (a reference solution, not a contact).
+    timed: of a part's name, what its time is taken with. rounds: at the most.
     """
     slight: Kind | None = None
     try:
         for found in _rounds(form, control, table, newton, progress, formal, timed, rounds):
             if formal or found.tolerance <= TIGHT or not form.is_slight(found):
                 return found
-            # Whether so slight a dip is a gap, or so narrow a gap open, a solution to the tolerance does not tell: on to a
-            # tighter one.
+            # Whether so slight a dip is a gap, or so narrow a gap open, a solution to the tolerance
+            # does not tell: on to a tighter one.
             slight = slight or found
     except WrongTopology as wrong:
         if slight is None:
@@ -138,15 +191,25 @@ def refine_topology(
 
 
 def _rounds(
-    form: Formulation[Kind], control: Control, table: Array, newton: Newton, progress: Progress | None, formal: bool, timed: Timed,
+    form: Formulation[Kind],
+    control: Control,
+    table: Array,
+    newton: Newton,
+    progress: Progress | None,
+    formal: bool,
+    timed: Timed,
     rounds: int,
 ) -> Iterator[Kind]:
-    """Intervals that pass, to the tolerance and, where more of them are asked for, to one as tight as there is."""
+    """Intervals that pass, to the tolerance and, where more of them are asked for, to one as tight
+    as there is.
+    """
     free: sie.Free | None = None
     tried: list[tuple[float, Array]] = []
     wanted = newton.tolerance
     if len(table) >= MANY and newton.off >= 1.0 and not (formal or newton.near or newton.steps):
-        newton = replace(newton, tolerance=max(wanted, LOOSELY), few=UNKNOWN, patient=PATIENT, drops=True)
+        newton = replace(
+            newton, tolerance=max(wanted, LOOSELY), few=UNKNOWN, patient=PATIENT, drops=True
+        )
     done, left_out, failed = 0, 0, np.inf
     while done < rounds:
         done += 1
@@ -157,13 +220,23 @@ def _rounds(
         free = None
         free = _ended(form, control, table, newton, before)
         left = free.state.sizes if free.state.iterated else newton.like
-        newton = replace(newton, value=newton.value if free.value is None else free.value, off=1.0, like=left)
+        newton = replace(
+            newton, value=newton.value if free.value is None else free.value, off=1.0, like=left
+        )
         ended = free.density.zones.table
         if len(free.lost) or len(free.met):
-            table = np.delete(ended, free.lost, axis=0) if len(free.lost) else merged(ended, free.met, form.problem.period)
+            table = (
+                np.delete(ended, free.lost, axis=0)
+                if len(free.lost)
+                else merged(ended, free.met, form.problem.period)
+            )
             if newton.few and left_out < LEFT_OUT:
                 # Of very many some are always about to be lost: no round of its own.
-                done, left_out, newton = done - 1, left_out + 1, replace(newton, patient=max(newton.patient - len(free.trace), 0))
+                done, left_out, newton = (
+                    done - 1,
+                    left_out + 1,
+                    replace(newton, patient=max(newton.patient - len(free.trace), 0)),
+                )
             continue
         if not free.converged and not newton.drops:
             told = f"the {form.what} ends did not settle"
@@ -176,7 +249,9 @@ def _rounds(
             loosely = newton.tolerance > wanted and not (free.converged and newton.few == 0.0)
             certificate = form.certificate(fields, control, UNKNOWN if loosely else 0.0)
         if newton.tolerance > wanted:
-            table, newton, failed = _loosely(form, free, fields.state, certificate, newton, wanted, failed)
+            table, newton, failed = _loosely(
+                form, free, fields.state, certificate, newton, wanted, failed
+            )
         elif not free.converged:
             # Where signs fail tells which ones are missing.
             missing = not certificate.holds
@@ -188,19 +263,33 @@ def _rounds(
         else:
             # What bears so little that signs tell it at last would be lost in rougher solutions.
             known = newton.tolerance if free.state.iterated else 1.0
-            table, newton = _again(form, control, free, fields.state, certificate, replace(newton, off=known), tried)
+            table, newton = _again(
+                form, control, free, fields.state, certificate, replace(newton, off=known), tried
+            )
         del fields, certificate
     raise WrongTopology(f"the number of {form.what}s did not settle", free)
 
 
 def _loosely(
-    form: Formulation[Kind], free: sie.Free, state: sie.AnyState, certificate: Certificate, newton: Newton, wanted: float, failed: float
+    form: Formulation[Kind],
+    free: sie.Free,
+    state: sie.AnyState,
+    certificate: Certificate,
+    newton: Newton,
+    wanted: float,
+    failed: float,
 ) -> tuple[Array, Newton, float]:
-    """Where to go on from ends that are known to a part of their widths, and how many signs have failed: loosely where many intervals are
-    put right, or else to the wanted tolerance, once more closely where others were before. What may be their error is left as it is.
-    failed: signs that did so before."""
+    """Where to go on from ends that are known to a part of their widths, and how many signs have
+    failed: loosely where many intervals are put right, or else to the wanted tolerance, once more
+    closely where others were before. What may be their error is left as it is. failed: signs that
+    did so before.
+    """
     near = [_beside_ends(free, state, bad) for bad in (certificate.negative, certificate.overlaps)]
-    certificate = replace(certificate, negative=certificate.negative[~near[0]], overlaps=certificate.overlaps[~near[1]])
+    certificate = replace(
+        certificate,
+        negative=certificate.negative[~near[0]],
+        overlaps=certificate.overlaps[~near[1]],
+    )
     put_right = len(certificate.negative) + len(certificate.overlaps)
     zones = free.next_zones
     if newton.few and (SURE < put_right <= FEWER * failed or put_right > FEW * len(zones)):
@@ -208,22 +297,31 @@ def _loosely(
     else:
         closely = newton.few and put_right > 0 and np.isfinite(failed)
         known = 1.0 if newton.few or not free.converged else newton.tolerance
-        newton = replace(newton, tolerance=max(CLOSELY, wanted) if closely else wanted, few=0.0, off=known)
+        newton = replace(
+            newton, tolerance=max(CLOSELY, wanted) if closely else wanted, few=0.0, off=known
+        )
     return form.corrected(zones, certificate) if put_right else zones.table, newton, put_right
 
 
-def _ended(form: Formulation[Kind], control: Control, table: Array, newton: Newton, before: sie.Free | None) -> sie.Free:
+def _ended(
+    form: Formulation[Kind], control: Control, table: Array, newton: Newton, before: sie.Free | None
+) -> sie.Free:
     """Newton from a table; WrongTopology where that leads nowhere. before: the last Newton result."""
     if len(table) and not (np.all(np.isfinite(table)) and np.all(np.diff(table.ravel()) > 0)):
         raise WrongTopology(f"the {form.what}s are too narrow to tell their ends apart", before)
     try:
         free = form.moved(control, form.intervals(control, table), newton)
     except sie.SingularSystem as failure:
-        raise WrongTopology(f"the equation has no solution on such {form.what}s ({failure})", before) from failure
+        raise WrongTopology(
+            f"the equation has no solution on such {form.what}s ({failure})", before
+        ) from failure
     except ValueError as fault:
         if isinstance(fault, ContactError):
             raise
-        reason = height_rounding.told(form.problem, table) or f"what the scene gives the equation does not go together: {fault}"
+        reason = (
+            height_rounding.told(form.problem, table)
+            or f"what the scene gives the equation does not go together: {fault}"
+        )
         raise SceneError(reason) from fault
     form.refuse(table, free)
     if newton.near and not free.converged:
@@ -232,12 +330,21 @@ def _ended(form: Formulation[Kind], control: Control, table: Array, newton: Newt
 
 
 def _again(
-    form: Formulation[Kind], control: Control, free: sie.Free, state: sie.AnyState, certificate: Certificate, newton: Newton,
+    form: Formulation[Kind],
+    control: Control,
+    free: sie.Free,
+    state: sie.AnyState,
+    certificate: Certificate,
+    newton: Newton,
     tried: list[tuple[float, Array]],
 ) -> tuple[Array, Newton]:
-    """Where to begin once more, and how, after signs have failed. state: see `off`; tried: tolerances and intervals at which they did so
-    before."""
-    ended, tighter = free.density.zones.table, replace(newton, tolerance=max(TIGHT, CLOSER * newton.tolerance))
+    """Where to begin once more, and how, after signs have failed. state: see `off`; tried:
+    tolerances and intervals at which they did so before.
+    """
+    ended, tighter = (
+        free.density.zones.table,
+        replace(newton, tolerance=max(TIGHT, CLOSER * newton.tolerance)),
+    )
     if control.half_width is not None:
         raise WrongTopology("pressure or gap change sign", free)
     if newton.tolerance > TIGHT and _is_error(free, state, certificate):
@@ -246,7 +353,8 @@ def _again(
         raise WrongTopology(certificate.note or f"there are other {form.what}s than these", free)
     table = form.corrected(free.density.zones, certificate)
     if any(same(ended, before) for at, before in tried if at == newton.tolerance):
-        # To and fro between two numbers of intervals: the error of one of them, or rounding, makes its signs fail.
+        # To and fro between two numbers of intervals: the error of one of them, or rounding, makes
+        # its signs fail.
         if newton.tolerance <= TIGHT:
             raise WrongTopology(f"the number of {form.what}s did not settle", free)
         table, newton = ended, tighter
@@ -255,10 +363,14 @@ def _again(
 
 
 def off(free: sie.Free, state: sie.AnyState) -> Array:
-    """How far the ends may be off (Z, 2), with a margin: signs so close to them tell nothing. state: on the same zones, under the load
-    that they have, of which the certificate has asked the most already."""
+    """How far the ends may be off (Z, 2), with a margin: signs so close to them tell nothing.
+    state: on the same zones, under the load that they have, of which the certificate has asked the
+    most already.
+    """
     zones = free.density.zones
-    return np.asarray(MARGIN * (free.end_error + state.end_truncation) * (zones.b - zones.a)[:, None])
+    return np.asarray(
+        MARGIN * (free.end_error + state.end_truncation) * (zones.b - zones.a)[:, None]
+    )
 
 
 def _is_error(free: sie.Free, state: sie.AnyState, certificate: Certificate) -> bool:
@@ -274,5 +386,7 @@ def _beside_ends(free: sie.Free, state: sie.AnyState, bad: Array) -> Mask:
     ends, reach = free.density.zones.table.ravel(), off(free, state).ravel()
     beside = np.searchsorted(ends, bad.mean(axis=1))[:, None] + np.arange(-_BESIDE, _BESIDE)
     beside = np.clip(beside, 0, len(ends) - 1)
-    near = (np.abs(bad[:, :1] - ends[beside]) <= reach[beside]) & (np.abs(bad[:, 1:] - ends[beside]) <= reach[beside])
+    near = (np.abs(bad[:, :1] - ends[beside]) <= reach[beside]) & (
+        np.abs(bad[:, 1:] - ends[beside]) <= reach[beside]
+    )
     return np.asarray(near.any(axis=1))

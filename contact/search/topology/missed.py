@@ -16,7 +16,9 @@ EXACT = "interaction = Periodic() needs no strip"
 
 
 class WrongTopology(Exception):
-    """Corrections do not lead to zones that pass; free: the last Newton result. Within a search only: it hands out a Missed."""
+    """Corrections do not lead to zones that pass; free: the last Newton result. Within a search
+    only: it hands out a Missed.
+    """
 
     def __init__(self, message: str, free: sie.Free | None, beyond: bool = False) -> None:
         super().__init__(message)
@@ -25,8 +27,9 @@ class WrongTopology(Exception):
 
 @record
 class Missed:
-    """reason: in words. free: the last Newton result. beyond: a zone reached the border of what is known of the profile. refusal: what is
-    raised if no other way leads on."""
+    """reason: in words. free: the last Newton result. beyond: a zone reached the border of what is
+    known of the profile. refusal: what is raised if no other way leads on.
+    """
 
     reason: str
     free: sie.Free | None = None
@@ -58,4 +61,6 @@ def attempted(way: Callable[[], Any]) -> Any:
 
 def same(table: Array, other: Array) -> bool:
     """Whether these are the same zones, to a millionth of their widths."""
-    return table.shape == other.shape and bool(np.all(np.abs(table - other) <= 1e-6 * (table[:, 1:] - table[:, :1])))
+    return table.shape == other.shape and bool(
+        np.all(np.abs(table - other) <= 1e-6 * (table[:, 1:] - table[:, :1]))
+    )

@@ -1,7 +1,8 @@
-"""The contact from the last ones on a curve of one control's values: their scaled problem, and zones carried on to here.
+"""The contact from the last ones on a curve of one control's values: their scaled problem, and
+zones carried on to here.
 
-What the carrying on has not told of their number is left to the corrections of the topology loop, which needs no grid for it: zones are
-born where the gap is negative, gaps that close are dropped.
+What the carrying on has not told of their number is left to the corrections of the topology loop,
+which needs no grid for it: zones are born where the gap is negative, gaps that close are dropped.
 """
 
 import math
@@ -26,16 +27,22 @@ from sie import Array
 
 # Values over one another between which a contact counted in the units of one is in good hands.
 _FARTHEST = 16.0
-# Rounds of corrections of the number of zones, after which a search from scratch is no longer, and steps of Newton's in each: where a grid
-# takes long, or there is none, or little changes; and where it takes no time, and the values are far apart.
-_ROUNDS, _STEPS = (6, 1), (0, 6)
+# Rounds of corrections of the number of zones, after which a search from scratch is no longer, and
+# steps of Newton's in each: where a grid takes long, or there is none, or little changes; and where
+# it takes no time, and the values are far apart.
+_ROUNDS = (6, 1)
+_STEPS = (0, 6)
 # Zones that come and go up to which corrections are the shorter way, likewise.
 _FEW = 8, 2
 # Values over one another up to which little changes.
 _NEAR = 1.08
-# Points of a grid: by what part they are fewer than those of a search from scratch, with few zones and with many, one more of which is
-# longer than more points; at the least; and from which on it takes long.
-_COARSER, _MANY, _FEWEST, _DEAR = (4, 2), 400, 256, 2**15
+# Points of a grid: by what part they are fewer than those of a search from scratch, with few zones
+# and with many, one more of which is longer than more points; at the least; and from which on it
+# takes long.
+_COARSER = (4, 2)
+_MANY = 400
+_FEWEST = 256
+_DEAR = 2**15
 
 
 def from_last(task: Task) -> Outcome | Missed:
@@ -64,7 +71,9 @@ def from_last(task: Task) -> Outcome | Missed:
     if changes > _FEW[cheap] and (by_grid or cheap):
         return _by_grid_or_missed(task, problem, control, points) if by_grid else NOT_MINE
     if worth_gaps(task, problem, float(np.sum(zones[:, 1] - zones[:, 0]))):
-        outcome: Outcome | Missed = attempted(lambda: _by_gaps(task, problem, control, zones, cheap))
+        outcome: Outcome | Missed = attempted(
+            lambda: _by_gaps(task, problem, control, zones, cheap)
+        )
     else:
         outcome = attempted(lambda: _by_zones(task, problem, control, zones, cheap))
     if isinstance(outcome, Missed) and by_grid:
@@ -74,8 +83,9 @@ def from_last(task: Task) -> Outcome | Missed:
 
 
 def _is_followed(task: Task) -> bool:
-    """Whether the same scaled problem serves at all values: not where a strip or a tilt goes with them, nor where no sign tells what else
-    there is."""
+    """Whether the same scaled problem serves at all values: not where a strip or a tilt goes with
+    them, nor where no sign tells what else there is.
+    """
     scene = task.scene
     moves = scene.turned or scene.interaction.strip or scene.interaction.follows_isolated
     followed = any(scene.held(quantity) is not None for quantity in (Quantity.LOAD, Quantity.WIDTH))
@@ -83,8 +93,12 @@ def _is_followed(task: Task) -> bool:
 
 
 def _changes_often(along: tuple[Passed, ...]) -> bool:
-    """Whether more zones have come or gone between the last two values than corrections are the shorter way for."""
-    return len(along) > 1 and abs(len(along[-1].solution.zones) - len(along[-2].solution.zones)) > max(_FEW)
+    """Whether more zones have come or gone between the last two values than corrections are the
+    shorter way for.
+    """
+    return len(along) > 1 and abs(
+        len(along[-1].solution.zones) - len(along[-2].solution.zones)
+    ) > max(_FEW)
 
 
 def _points(task: Task) -> int:
@@ -94,25 +108,40 @@ def _points(task: Task) -> int:
     return max(_FEWEST, asked(profile.period, profile.feature, MOST_POINTS)[0] // _COARSER[many])
 
 
-def _by_grid_or_missed(task: Task, problem: Problem, control: Control, points: int) -> Outcome | Missed:
-    """Where many zones come and go a grid tells them, of which a few points are enough: what it is wrong about is dropped on the way."""
+def _by_grid_or_missed(
+    task: Task, problem: Problem, control: Control, points: int
+) -> Outcome | Missed:
+    """Where many zones come and go a grid tells them, of which a few points are enough: what it is
+    wrong about is dropped on the way.
+    """
     profile = task.scene.profile
     assert profile.period is not None
     scaled = ScaledScene(problem, control, (profile.x0, profile.x0 + profile.period))
     return attempted(lambda: from_grid(task, scaled, points=points, drops=True))
 
 
-def _by_zones(task: Task, problem: Problem, control: Control, zones: Array, cheap: bool) -> Outcome | Missed:
+def _by_zones(
+    task: Task, problem: Problem, control: Control, zones: Array, cheap: bool
+) -> Outcome | Missed:
     guess = 0.0 if control.load is not None else task.along[-1].solution.load / problem.units.load
-    return task.refine_topology(problem, control, zones, value=guess, rounds=_ROUNDS[cheap], steps=_STEPS[cheap], drops=True)
+    return task.refine_topology(
+        problem, control, zones, value=guess, rounds=_ROUNDS[cheap], steps=_STEPS[cheap], drops=True
+    )
 
 
-def _by_gaps(task: Task, problem: Problem, control: Control, zones: Array, cheap: bool) -> Outcome | Missed:
+def _by_gaps(
+    task: Task, problem: Problem, control: Control, zones: Array, cheap: bool
+) -> Outcome | Missed:
     period = problem.repeat_length
     mean = task.along[-1].solution.load / problem.units.load / period
-    form, newton = ByGaps(problem, task.shared.relief(problem)), Newton(OF_GAPS * task.tolerance, mean, steps=_STEPS[cheap], drops=True)
+    form, newton = (
+        ByGaps(problem, task.shared.relief(problem)),
+        Newton(OF_GAPS * task.tolerance, mean, steps=_STEPS[cheap], drops=True),
+    )
     with task.plan.timed("zone ends"):
-        found = refine_topology(form, control, gaps_between(zones, period), newton, task.progress, rounds=_ROUNDS[cheap])
+        found = refine_topology(
+            form, control, gaps_between(zones, period), newton, task.progress, rounds=_ROUNDS[cheap]
+        )
         if isinstance(found, Missed):
             return found
         found = tightened_gaps(task, found)

@@ -1,4 +1,6 @@
-"""What a path of surfaces that adhere is followed by: where it begins, how it goes on, and the solution where it stands."""
+"""What a path of surfaces that adhere is followed by: where it begins, how it goes on, and the
+solution where it stands.
+"""
 
 import math
 from collections.abc import Callable
@@ -36,9 +38,10 @@ _FAR = 1e6
 
 @dataclass(frozen=True)
 class Followed:
-    """law: what happens on the way; started: the standing at a value of the control, not below first touch; fields: of an equilibrium;
-    outcome: what is solved where a path stands; let_go: where a contact held by its approach alone comes apart, None where it
-    was not followed so far."""
+    """law: what happens on the way; started: the standing at a value of the control, not below
+    first touch; fields: of an equilibrium; outcome: what is solved where a path stands; let_go:
+    where a contact held by its approach alone comes apart, None where it was not followed so far.
+    """
 
     law: Following
     started: Callable[[Scene, float], Standing]
@@ -57,12 +60,16 @@ def _without_range(task: Task) -> Followed:
 
     def started(scene: Scene, value: float) -> Standing:
         try:
-            return Standing(value, curve.settled(advancing(replace(task, scene=scene), scaled, curve, value)))
+            return Standing(
+                value, curve.settled(advancing(replace(task, scene=scene), scaled, curve, value))
+            )
         except Closed:
             return Standing(value, closed=True)
 
     def outcome(task: Task, here: Point) -> Outcome:
-        found = task.refine_topology(curve.problem, replace(curve.held, value=here.value), here.table, near=True)
+        found = task.refine_topology(
+            curve.problem, replace(curve.held, value=here.value), here.table, near=True
+        )
         if isinstance(found, Missed):
             raise task.error(found, curve.problem)
         return found
@@ -86,7 +93,10 @@ def _under_tension(task: Task) -> Followed:
 
     def started(scene: Scene, value: float) -> Standing:
         try:
-            return Standing(value, curve.settled(cohesive.advancing(replace(task, scene=scene), scaled, curve, value)))
+            return Standing(
+                value,
+                curve.settled(cohesive.advancing(replace(task, scene=scene), scaled, curve, value)),
+            )
         except Closed:
             return following.under_all(value)
 
@@ -95,12 +105,16 @@ def _under_tension(task: Task) -> Followed:
         if not here.everywhere:
             return cohesive.solved(task, curve, here)
         if task.give is not None:
-            task = replace(task, scene=task.scene.under("load", here.load * problem.units.load), give=None)
+            task = replace(
+                task, scene=task.scene.under("load", here.load * problem.units.load), give=None
+            )
         return cohesive.everywhere(task, problem)
 
     def let_go(here: Point) -> Point | None:
         held = replace(task, scene=scene.under("approach", 0.0), give=None)
-        return _Tension(held, scaled, Cohesive(problem, Approach(-here.level), loose=True)).let_go(here)
+        return _Tension(held, scaled, Cohesive(problem, Approach(-here.level), loose=True)).let_go(
+            here
+        )
 
     return Followed(following, started, lambda here: fields_of(curve, here), outcome, let_go)
 
@@ -115,14 +129,23 @@ class _Tension:
     def following(self) -> FollowingUnderTension:
         full, size = self._full
         return FollowingUnderTension(
-            self.curve, self.scaled.cell, lambda: cohesive.advancing(self._at(0.0), self.scaled, self.curve, 0.0), self._pressed, full, size
+            self.curve,
+            self.scaled.cell,
+            lambda: cohesive.advancing(self._at(0.0), self.scaled, self.curve, 0.0),
+            self._pressed,
+            full,
+            size,
         )
 
     def _at(self, value: float) -> Task:
         """Under a value of a load or of an approach."""
         held = self.curve.held
         name = "approach" if held.load is None else "load"
-        return replace(self.task, scene=self.task.scene.under(name, value * held.unit(self.scaled.problem.units)), give=None)
+        return replace(
+            self.task,
+            scene=self.task.scene.under(name, value * held.unit(self.scaled.problem.units)),
+            give=None,
+        )
 
     def _pressed(self, value: float) -> Array:
         """Zones under tension in all of a period, or a guess of them."""
@@ -135,7 +158,10 @@ class _Tension:
             scene = task.scene
             assert scene.period is not None and scene.law.bare is not None
             full = FullLimit(scene.profile, scene.E_star, task.operator, scene.law.bare).pressure
-            task = replace(task, scene=scene.under("load", (full * (1 - 1e-6) - scene.law.tension) * scene.period))
+            task = replace(
+                task,
+                scene=scene.under("load", (full * (1 - 1e-6) - scene.law.tension) * scene.period),
+            )
         try:
             zones = cohesive.under_all(task, problem)
         except (Lost, OutOfRange):
@@ -144,7 +170,9 @@ class _Tension:
 
     @cached_property
     def _full(self) -> tuple[float, float]:
-        """(value of the control from which surfaces under tension everywhere are closed, what such values are counted in)."""
+        """(value of the control from which surfaces under tension everywhere are closed, what such
+        values are counted in).
+        """
         scene, held, units = self.task.scene, self.curve.held, self.scaled.problem.units
         period, law = scene.period, scene.law
         if period is None:
@@ -164,10 +192,14 @@ class _Tension:
         return (mean + (base + give) * load) / units.height, mean / units.height
 
     def let_go(self, here: Point) -> Point | None:
-        """Where the surfaces let go as the approach falls from an equilibrium; None where that was not followed so far."""
+        """Where the surfaces let go as the approach falls from an equilibrium; None where that was
+        not followed so far.
+        """
         value = -here.level
         if isinstance(here, CohesivePoint) and here.everywhere:
-            start: Point = self.curve.under_all(value, here.zones[np.diff(here.zones, axis=1)[:, 0] > 0.0])
+            start: Point = self.curve.under_all(
+                value, here.zones[np.diff(here.zones, axis=1)[:, 0] > 0.0]
+            )
         else:
             zones = here.contact[np.diff(here.contact, axis=1)[:, 0] > 0.0]
             start = self.curve.from_zones(here.table, value, zones)

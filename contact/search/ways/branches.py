@@ -1,11 +1,13 @@
-"""Contact under a law with several equilibria: the branch that is asked for is followed, from first touch or from the greatest contact.
+"""Contact under a law with several equilibria: the branch that is asked for is followed, from first
+touch or from the greatest contact.
 
     advancing    from the zones of the bare law, which lie within it, or from first touch: ends advance under the control held, new
-                 zones begin where the surfaces would overlap, zones that meet become one; under tension, or below first touch, from
-                 there at no load back again
+                 zones begin where the surfaces would overlap, zones that meet become one; under
+                 tension, or below first touch, from there at no load back again
     receding     from a zone as wide as it takes to be driven inward; with a period full contact, which stays closed
 
-Whatever is closed stays closed: an opening without width has no intensity. So there are no new gaps within zones.
+Whatever is closed stays closed: an opening without width has no intensity. So there are no new gaps
+within zones.
 """
 
 import math
@@ -32,9 +34,12 @@ from sie import Array
 
 # Tolerance of solutions under the bare law, from which the branch is followed.
 _BARE = 1e-6
-_SCALINGS, _WIDENINGS = 6, 120
-# The greatest contact is looked for in zones ever wider by this, and is one that is driven inward, as those so many times as wide are.
-_WIDEN, _WIDER = 1.25, (1.25, 1.5, 2.0, 3.0, 5.0, 8.0)
+_SCALINGS = 6
+_WIDENINGS = 120
+# The greatest contact is looked for in zones ever wider by this, and is one that is driven inward,
+# as those so many times as wide are.
+_WIDEN = 1.25
+_WIDER = (1.25, 1.5, 2.0, 3.0, 5.0, 8.0)
 # How much farther a control is raised than it takes to hold all ends at sharp corners.
 _ABOVE = 1.0 + 1e-6
 
@@ -74,11 +79,15 @@ def way(task: Task) -> str:
     """How the contact is come by, in words."""
     scene = task.scene
     if task.branch == "receding":
-        return "lowered from full contact" if _closes(scene) else "lowered from the greatest contact"
+        return (
+            "lowered from full contact" if _closes(scene) else "lowered from the greatest contact"
+        )
     if scene.control[1] > 0.0:
         assert scene.law.bare is not None
         return f"raised from the {scene.law.bare.name} contact, which lies within it"
-    return "raised from first touch" + (" to no load, then lowered" if scene.control[1] < 0.0 else "")
+    return "raised from first touch" + (
+        " to no load, then lowered" if scene.control[1] < 0.0 else ""
+    )
 
 
 def _closes(scene: Scene) -> bool:
@@ -103,7 +112,9 @@ def closed(task: Task) -> full_contact.Full:
     if not task.operator.has_inverse:
         raise OutOfRange(full_contact.no_inverse(task, "the surfaces close altogether"))
     if len(scene.profile.kinks) and np.any(scene.profile.kinks[:, 1] < 0):
-        raise OutOfRange("the surfaces close altogether over valleys with kinks, where the pressure of full contact is infinite")
+        raise OutOfRange(
+            "the surfaces close altogether over valleys with kinks, where the pressure of full contact is infinite"
+        )
     return found
 
 
@@ -113,10 +124,12 @@ def to_follow(task: Task) -> tuple[ScaledScene, Equilibria]:
     return scaled, Equilibria(scaled.problem, task.control(scaled.problem))
 
 
-# frames ---------------------------------------------------------------------------------------------------------------
+# frames
+# ---------------------------------------------------------------------------------------------------------------
 def frame(task: Task, intensity: float) -> ScaledScene:
-    """The scaled problem: of a lone body about the contact that it has under no load, or more. intensity: with which its adhesion would
-    act at the ends of zones."""
+    """The scaled problem: of a lone body about the contact that it has under no load, or more.
+    intensity: with which its adhesion would act at the ends of zones.
+    """
     scene = task.scene
     if scene.profile.period is not None or scene.profile.support is not None:
         return scaled_scene(scene, task.single)
@@ -125,8 +138,10 @@ def frame(task: Task, intensity: float) -> ScaledScene:
 
 
 def _typical(task: Task, intensity: float) -> Solution:
-    """A contact under the bare law about as wide as the adhesive one under no load, or under its load: the tension of adhesion,
-    sqrt(pi E* w times the width in contact), is borne there by the profile."""
+    """A contact under the bare law about as wide as the adhesive one under no load, or under its
+    load: the tension of adhesion, sqrt(pi E* w times the width in contact), is borne there by the
+    profile.
+    """
     scene = task.scene
     strength = math.pi * intensity
     extent = scene.profile.extent
@@ -140,7 +155,10 @@ def _typical(task: Task, intensity: float) -> Solution:
         except OutOfRange as refused:
             load, failure = 1e-3 * load, refused
             continue
-        last, load = load, max(strength * math.sqrt(float(np.sum(found.zone_widths))), scene.given_load or 0.0)
+        last, load = (
+            load,
+            max(strength * math.sqrt(float(np.sum(found.zone_widths))), scene.given_load or 0.0),
+        )
         if 0.5 < load / last < 2.0:
             break
     if found is None:
@@ -154,7 +172,11 @@ def bare(task: Task, load: float | None = None) -> Solution:
     scene = task.scene
     law = scene.law.bare
     assert law is not None
-    alone = replace(scene, law=law) if load is None else replace(scene, law=law, mean_pressure=None, approach=None, load=load)
+    alone = (
+        replace(scene, law=law)
+        if load is None
+        else replace(scene, law=law, mean_pressure=None, approach=None, load=load)
+    )
     with unwarned():
         try:
             return task.under(alone, _BARE)
@@ -164,7 +186,8 @@ def bare(task: Task, load: float | None = None) -> Solution:
             return failure.best  # type: ignore[no-any-return]
 
 
-# starts ---------------------------------------------------------------------------------------------------------------
+# starts
+# ---------------------------------------------------------------------------------------------------------------
 def advancing(task: Task, scaled: ScaledScene, curve: Equilibria, value: float) -> Point:
     """The least equilibrium about first touch under a value of the control, not negative."""
     table = touched(curve, scaled.cell) if value == 0.0 else _pressed(task, scaled)
@@ -180,12 +203,15 @@ def _pressed(task: Task, scaled: ScaledScene) -> Array:
 
 
 def _greatest(curve: Equilibria, scaled: ScaledScene, value: float) -> Array:
-    """A zone so wide that its ends are driven inward, and in wider ones still, as far as these feel the control as a body does: under an
-    approach from a datum, zones much wider than that are lowered by a load. Between sharp corners it is all that lies there."""
+    """A zone so wide that its ends are driven inward, and in wider ones still, as far as these feel
+    the control as a body does: under an approach from a datum, zones much wider than that are
+    lowered by a load. Between sharp corners it is all that lies there.
+    """
     if curve.problem.profile.support is not None:
         return np.array([curve.problem.corners])
     lo, hi = scaled.problem.units.scaled(np.array(scaled.cell))
     middle, half = 0.5 * (lo + hi), 0.25 * (hi - lo)
+
     def driven_inward(half: float) -> bool:
         here = curve.at(np.array([[middle - half, middle + half]]), value)
         return bool(np.all((here.residual < 0.0) | (here.by_value < 0.0)))
@@ -201,7 +227,9 @@ def _greatest(curve: Equilibria, scaled: ScaledScene, value: float) -> Array:
 
 
 def _lowered(task: Task, scaled: ScaledScene, curve: Equilibria) -> Point:
-    """Under a held approach, where ends that recede may drive others on: followed from where the branch begins through all jumps."""
+    """Under a held approach, where ends that recede may drive others on: followed from where the
+    branch begins through all jumps.
+    """
     value = curve.held.value
     if task.branch == "receding":
         here = curve.at(_greatest(curve, scaled, value), value)

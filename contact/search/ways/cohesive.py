@@ -1,11 +1,13 @@
-"""Contact under a law with a tension beside it: the branch that is asked for is followed by the intervals where the gap is below its reach.
+"""Contact under a law with a tension beside it: the branch that is asked for is followed by the
+intervals where the gap is below its reach.
 
     advancing    from these intervals of the contact under the bare law, or of the surfaces as they touch; where the gap elsewhere comes
-                 below the reach new intervals begin, and those that meet become one; under tension, or below first touch, from there at
-                 no load back again
+                 below the reach new intervals begin, and those that meet become one; under tension,
+                 or below first touch, from there at no load back again
     receding     from one so wide that its ends are driven inward; with a period from tension everywhere
 
-Tension everywhere moves no surface of a half-plane: that is the contact under the bare law at the load with the tension added.
+Tension everywhere moves no surface of a half-plane: that is the contact under the bare law at the
+load with the tension added.
 """
 
 from __future__ import annotations
@@ -57,23 +59,34 @@ from sie import Array
 # Tolerance of solutions under the bare law, from which the branch is followed.
 _BARE = 1e-6
 # Zones under the tension that was found: as tightly as they come to rest.
-_TIGHT, _LOOSE = (1e-13, 1e-11), 1e-9
+_TIGHT = (1e-13, 1e-11)
+_LOOSE = 1e-9
 # Rounding of ends over their zones.
 _ROUNDED = 1e-15
 # First zones over the intervals in which the surfaces touch.
 _TOUCH = 1e-2
-# Adhesion on a strip below this part of a zone is nearly without range; of the intensity it would have, and how far ends go for it.
-_THIN, _PART, _FIRST = 0.02, 0.3, 0.3
+# Adhesion on a strip below this part of a zone is nearly without range; of the intensity it would
+# have, and how far ends go for it.
+_THIN = 0.02
+_PART = 0.3
+_FIRST = 0.3
 # Zones under the bare law that a branch is followed from at the most.
 _MOST_ZONES = 400
-# Of a zone, the strips that are solved at the least; terms of a zone's pressure, times the root of its strips over it.
-_NARROWEST, _MODES = 5e-7, 16.0
+# Of a zone, the strips that are solved at the least; terms of a zone's pressure, times the root of
+# its strips over it.
+_NARROWEST = 5e-7
+_MODES = 16.0
 # Of the mean height of a profile: approaches above first touch.
 _PARTS = (0.5, 0.2, 0.05, 0.01, 1e-3, 1e-4)
-# Points at which the profile is looked at, and widenings of the window until the gap is above the reach at its border.
-_LOOKS, _WINDOWS = 2049, 60
-# The greatest contact is looked for in intervals ever wider by this, and is one that is driven inward, as those so many times as wide are.
-_WIDENINGS, _WIDEN, _WIDER = 120, 1.25, (1.25, 1.5, 2.0, 3.0, 5.0, 8.0)
+# Points at which the profile is looked at, and widenings of the window until the gap is above the
+# reach at its border.
+_LOOKS = 2049
+_WINDOWS = 60
+# The greatest contact is looked for in intervals ever wider by this, and is one that is driven
+# inward, as those so many times as wide are.
+_WIDENINGS = 120
+_WIDEN = 1.25
+_WIDER = (1.25, 1.5, 2.0, 3.0, 5.0, 8.0)
 
 
 def followed_under_tension(task: Task) -> Outcome:
@@ -91,7 +104,9 @@ def followed_under_tension(task: Task) -> Outcome:
             else:
                 rest = _lowered(task, scaled, curve, value)
             if rest is not None:
-                rest = settled(curve, rest, -1.0 if task.branch == "receding" or value < 0.0 else 1.0)
+                rest = settled(
+                    curve, rest, -1.0 if task.branch == "receding" or value < 0.0 else 1.0
+                )
     except Closed:
         return everywhere(task, problem)
     if rest is None:
@@ -100,7 +115,9 @@ def followed_under_tension(task: Task) -> Outcome:
 
 
 def _greatest(task: Task, scaled: ScaledScene, curve: Cohesive, value: float) -> Point | None:
-    """Receded under the value, or below first touch from where zones under tension everywhere are in contact, and then lowered to it."""
+    """Receded under the value, or below first touch from where zones under tension everywhere are
+    in contact, and then lowered to it.
+    """
     if curve.problem.round is None:
         return _receded(task, scaled, curve, value)
     if curve.held.load is not None or value > 0.0:
@@ -143,7 +160,8 @@ def _pulled_off(task: Task, scaled: ScaledScene, curve: Cohesive) -> Point:
         return pull_off_from_all(curve, zones, 0.0)
 
 
-# starts ---------------------------------------------------------------------------------------------------------------
+# starts
+# ---------------------------------------------------------------------------------------------------------------
 def advancing(task: Task, scaled: ScaledScene, curve: Cohesive, value: float) -> CohesivePoint:
     """The least equilibrium about first touch under a value of the control, not negative."""
     problem = scaled.problem
@@ -189,24 +207,41 @@ def _refuse_narrow(task: Task, width: float) -> None:
 
 
 def _begun(curve: Cohesive, fields: ZoneFields) -> Array:
-    """Zones whose ends have gone a part of the way that adhesion without range would drive them alone, where its tension would act on a
-    narrow strip: from there on the strip is not too narrow to be told, and the ends are still driven outward."""
+    """Zones whose ends have gone a part of the way that adhesion without range would drive them
+    alone, where its tension would act on a narrow strip: from there on the strip is not too narrow
+    to be told, and the ends are still driven outward.
+    """
     problem, zones = curve.problem, fields.density.zones.table
     wanted = math.sqrt(2 * curve.stress * curve.reach / math.pi)
     strip, width = np.pi**2 / 4 * (wanted / curve.stress) ** 2, np.diff(zones, axis=1)
     slope = np.maximum(np.array(fields.density.edge_slopes).T, 1e-300)
-    out = np.where(strip < _THIN * width, np.minimum(2 * _PART * wanted / slope, _FIRST * room_beside(zones, problem.round)), 0.0)
+    out = np.where(
+        strip < _THIN * width,
+        np.minimum(2 * _PART * wanted / slope, _FIRST * room_beside(zones, problem.round)),
+        0.0,
+    )
     return zones + np.column_stack((-out[:, 0], out[:, 1]))
 
 
-def _looked_on(curve: Cohesive, fields: ZoneFields, look: tuple[Array, Array]) -> tuple[Array, Array]:
-    """The gap beside the zones of a lone body, as far as it comes to the reach: under a light load that is far from contact."""
+def _looked_on(
+    curve: Cohesive, fields: ZoneFields, look: tuple[Array, Array]
+) -> tuple[Array, Array]:
+    """The gap beside the zones of a lone body, as far as it comes to the reach: under a light load
+    that is far from contact.
+    """
     problem, (x, gap) = curve.problem, look
     if problem.round is not None or np.isfinite(problem.corners[0]):
         return look
     for _ in range(_WINDOWS):
-        lo, hi = max(problem.borders[0], 2 * x[0] - x[-1]), min(problem.borders[1], 2 * x[-1] - x[0])
-        new = [places(a, b, 0.25 * problem.detail) for a, b, at in ((lo, x[0], gap[0]), (x[-1], hi, gap[-1])) if at < curve.reach and a < b]
+        lo, hi = (
+            max(problem.borders[0], 2 * x[0] - x[-1]),
+            min(problem.borders[1], 2 * x[-1] - x[0]),
+        )
+        new = [
+            places(a, b, 0.25 * problem.detail)
+            for a, b, at in ((lo, x[0], gap[0]), (x[-1], hi, gap[-1]))
+            if at < curve.reach and a < b
+        ]
         if not new:
             break
         x = np.concatenate((x, *new))
@@ -216,17 +251,30 @@ def _looked_on(curve: Cohesive, fields: ZoneFields, look: tuple[Array, Array]) -
 
 
 def _touched(scaled: ScaledScene, curve: Cohesive) -> tuple[Array, Array]:
-    """(where the gap of the surfaces as they touch is below the reach, narrow zones about their lowest places)."""
+    """(where the gap of the surfaces as they touch is below the reach, narrow zones about their
+    lowest places).
+    """
     problem, (lo, hi) = scaled.problem, scaled.problem.units.scaled(np.array(scaled.cell))
-    profile, length, corners, round_ = problem.profile, problem.units.length, problem.corners, problem.round
+    profile, length, corners, round_ = (
+        problem.profile,
+        problem.units.length,
+        problem.corners,
+        problem.round,
+    )
     border = problem.borders if round_ is None else (-math.inf, math.inf)
     if sharp := bool(np.isfinite(corners[0])):
         lo, hi = corners
     for _ in range(_WINDOWS):
-        per_feature = 0.0 if profile.resolution is None else 8 * (hi - lo) * length / profile.resolution
+        per_feature = (
+            0.0 if profile.resolution is None else 8 * (hi - lo) * length / profile.resolution
+        )
         x = np.linspace(lo, hi, int(np.clip(per_feature, _LOOKS, 2**18)))
         kinks = problem.forcing.kinks[0]
-        x = np.unique(np.concatenate((x, kinks[(kinks > lo) & (kinks < hi)], np.zeros(1) if lo < 0 < hi else np.zeros(0))))
+        x = np.unique(
+            np.concatenate(
+                (x, kinks[(kinks > lo) & (kinks < hi)], np.zeros(1) if lo < 0 < hi else np.zeros(0))
+            )
+        )
         f = problem.shape(x)
         f = f - f.min()
         if sharp or round_ is not None or (min(f[0], f[-1]) > curve.reach):
@@ -253,15 +301,22 @@ def _touched(scaled: ScaledScene, curve: Cohesive) -> tuple[Array, Array]:
 
 
 def _receded(task: Task, scaled: ScaledScene, curve: Cohesive, value: float) -> Point | None:
-    """From an interval about a lone body's least contact so wide that its ends are driven inward, and those of wider ones."""
+    """From an interval about a lone body's least contact so wide that its ends are driven inward,
+    and those of wider ones.
+    """
     if np.isfinite(curve.problem.corners[0]):
         # All that lies between the corners.
         table = np.array([curve.problem.corners])
-        curve.from_zones(table, max(value, 0.0), advancing(task, scaled, curve, max(value, 0.0)).zones, ROUGH)
+        curve.from_zones(
+            table, max(value, 0.0), advancing(task, scaled, curve, max(value, 0.0)).zones, ROUGH
+        )
         rest = receded(curve, table, max(value, 0.0))
         return rest if rest is None or value >= 0.0 else _lowered_to(curve, rest, value)
     here = advancing(task, scaled, curve, max(value, 0.0))
-    middle, half = 0.5 * float(here.table[0, 0] + here.table[-1, 1]), 0.5 * float(here.table[-1, 1] - here.table[0, 0])
+    middle, half = (
+        0.5 * float(here.table[0, 0] + here.table[-1, 1]),
+        0.5 * float(here.table[-1, 1] - here.table[0, 0]),
+    )
 
     def inward(half: float) -> bool:
         at = curve.at(np.array([[middle - half, middle + half]]), max(value, 0.0))
@@ -273,11 +328,15 @@ def _receded(task: Task, scaled: ScaledScene, curve: Cohesive, value: float) -> 
             table = np.array([[middle - half, middle + half]])
             rest = receded(curve, table, max(value, 0.0), guide_of(curve, len(here.contact), table))
             return rest if rest is None or value >= 0.0 else _lowered_to(curve, rest, value)
-    raise OutOfRange("no interval of tension is so wide that its ends recede: there is no greatest contact")
+    raise OutOfRange(
+        "no interval of tension is so wide that its ends recede: there is no greatest contact"
+    )
 
 
 def _receded_from_all(task: Task, curve: Cohesive, value: float) -> Point | None:
-    """From tension everywhere in a period; Closed where the gap stays below its reach, None where nothing is left."""
+    """From tension everywhere in a period; Closed where the gap stays below its reach, None where
+    nothing is left.
+    """
     problem = curve.problem
     try:
         zones = under_all(task, problem)
@@ -313,13 +372,16 @@ def _bare_scene(task: Task, problem: Problem) -> Scene:
     assert period is not None and scene.law.bare is not None
     stress = scene.law.tension
     if scene.given_load is not None:
-        return replace(scene, law=scene.law.bare, mean_pressure=None, load=scene.given_load + stress * period)
+        return replace(
+            scene, law=scene.law.bare, mean_pressure=None, load=scene.given_load + stress * period
+        )
     sunk = problem.compression * stress / problem.units.pressure * problem.units.height
     assert scene.approach is not None
     return replace(scene, law=scene.law.bare, approach=scene.approach + sunk)
 
 
-# what was found -------------------------------------------------------------------------------------------------------
+# what was found
+# -------------------------------------------------------------------------------------------------------
 def solved(task: Task, curve: Cohesive, here: Point) -> Found:
     """The equilibrium as tightly as there is."""
     assert isinstance(here, CohesivePoint)
@@ -331,25 +393,44 @@ def solved(task: Task, curve: Cohesive, here: Point) -> Found:
     fields, free, control = _tight(task, pulled, at_load.load + pulled.pulling.total, here.zones)
     certificate = certify(ZoneFields(pulled, fields.state), control.load)
     whole = replace(fields, law_problem=problem, rate=at_load.rate)
-    return FoundBeside(free, whole, certified(certificate, curve, here), 1, control, task.tolerance, beside=uncertain(curve, here, fields))
+    return FoundBeside(
+        free,
+        whole,
+        certified(certificate, curve, here),
+        1,
+        control,
+        task.tolerance,
+        beside=uncertain(curve, here, fields),
+    )
 
 
-def _tight(task: Task, pulled: Pulled, load: float, zones: Array) -> tuple[PulledFields, sie.Free, Load]:
+def _tight(
+    task: Task, pulled: Pulled, load: float, zones: Array
+) -> tuple[PulledFields, sie.Free, Load]:
     """load: of q."""
     if pulled.pulling.spread != (None, None):
         return _tight_at_corners(pulled, load - pulled.pulling.total, zones)
     control = Load(load)
     kinds = whole(pulled, zones)
     free = next(
-        (found for tolerance in _TIGHT if (found := sie.find_ends(pulled.equation(control), kinds, tolerance)).converged), None
+        (
+            found
+            for tolerance in _TIGHT
+            if (found := sie.find_ends(pulled.equation(control), kinds, tolerance)).converged
+        ),
+        None,
     ) or sie.find_ends(pulled.equation(control), kinds, _LOOSE)
     if not free.converged:
         raise task.error(Missed(f"under the tension that was found {free.reason}", free), pulled)
     return PulledFields(pulled, free.state), free, control
 
 
-def _tight_at_corners(pulled: Pulled, load: float, zones: Array) -> tuple[PulledFields, sie.Free, Load]:
-    """The same where a tension is spread over zones, and goes with their free ends. load: the given one."""
+def _tight_at_corners(
+    pulled: Pulled, load: float, zones: Array
+) -> tuple[PulledFields, sie.Free, Load]:
+    """The same where a tension is spread over zones, and goes with their free ends. load: the given
+    one.
+    """
     before = np.inf
     while True:
         pulled = pulled.over(zones)
@@ -357,11 +438,15 @@ def _tight_at_corners(pulled: Pulled, load: float, zones: Array) -> tuple[Pulled
         state = sie.solve_fixed(pulled.equation(control), whole(pulled, zones), TIGHT)
         free = state.density.zones.moves
         with np.errstate(divide="ignore", invalid="ignore"):
-            step = np.where(free, 2 * np.array(state.density.intensities) / edge_slopes(pulled, state), 0.0)
+            step = np.where(
+                free, 2 * np.array(state.density.intensities) / edge_slopes(pulled, state), 0.0
+            )
         off = np.abs(step).T / np.diff(zones, axis=1)
         if not off.max() < 0.5 * before or before < _ROUNDED:
             off += _ROUNDED * free.T
-            found = sie.Free(state, True, off, off, (), None, stable=True, reason="the ends are at rest")
+            found = sie.Free(
+                state, True, off, off, (), None, stable=True, reason="the ends are at rest"
+            )
             return PulledFields(pulled, state), found, control
         zones, before = zones + np.column_stack((-step[0], step[1])), float(off.max())
 
@@ -392,11 +477,21 @@ def everywhere(task: Task, problem: Problem) -> Outcome:
         if isinstance(gapped, Missed):
             raise task.error(gapped, plain)
         here = gapped.fields
-        lowered = PulledGapFields(here.problem, here.state, here.mean, here.relief, stress / problem.units.pressure)
+        lowered = PulledGapFields(
+            here.problem, here.state, here.mean, here.relief, stress / problem.units.pressure
+        )
         return replace(gapped, fields=lowered)
     fields, free, control = _tight(task, pulled, load, zones)
     certificate = certify(ZoneFields(pulled, fields.state), control.load)
     curve = Cohesive(problem, Load(0.0))
     fields = replace(fields, law_problem=problem)
     beside = 0.0 if task.scene.given_load is None else rounded_load(fields)
-    return FoundBeside(free, fields, certified(certificate, curve, None, fields), 1, control, task.tolerance, beside=beside)
+    return FoundBeside(
+        free,
+        fields,
+        certified(certificate, curve, None, fields),
+        1,
+        control,
+        task.tolerance,
+        beside=beside,
+    )

@@ -1,7 +1,9 @@
-"""Scenes that need no coupled system: one zone about a symmetric tip, or a pair about two tips, in one interval of a line.
+"""Scenes that need no coupled system: one zone about a symmetric tip, or a pair about two tips, in
+one interval of a line.
 
-A half-plane, without friction or adhesion, alone or with all periods. What is found is certified by its signs and has a stated error, or
-is left to the general ways: by doubt at a sign, by a series that does not end, by an error above the tolerance.
+A half-plane, without friction or adhesion, alone or with all periods. What is found is certified by
+its signs and has a stated error, or is left to the general ways: by doubt at a sign, by a series
+that does not end, by an error above the tolerance.
 """
 
 import math
@@ -34,9 +36,14 @@ _WIDEST = 0.95
 _AT_TIP = 1e-15
 # What rounding may do to a gap, over the height of the profile at the end of a zone.
 _ROUNDING = 64 * 2.2e-16
-# Steps to a given approach, how far one goes in the logarithm of the load, after which one the next is the last, and how many may lead to
-# more than the interval can bear; what rounding does to an approach.
-_STEPS, _FAR, _NEAR, _MISSES, _EPS = 40, 4.0, 1e-8, 4, 4 * 2.2e-16
+# Steps to a given approach, how far one goes in the logarithm of the load, after which one the next
+# is the last, and how many may lead to more than the interval can bear; what rounding does to an
+# approach.
+_STEPS = 40
+_FAR = 4.0
+_NEAR = 1e-8
+_MISSES = 4
+_EPS = 4 * 2.2e-16
 _NOTE = "one interval: the signs of its series, inside and outside"
 
 
@@ -44,7 +51,13 @@ def sheets(scene: Scene) -> Iterator[Sheet]:
     """What a scene may be solved by directly, the likelier one first; none where it may not."""
     profile = scene.profile
     tips = profile.summits
-    if tips is None or not 1 <= len(tips) <= 2 or not profile.symmetric or profile.slope_is_derived or profile.extent is not None:
+    if (
+        tips is None
+        or not 1 <= len(tips) <= 2
+        or not profile.symmetric
+        or profile.slope_is_derived
+        or profile.extent is not None
+    ):
         return
     if scene.turned or not _asks_no_more(scene.law, scene.E_star) or not _is_half_plane(scene):
         return
@@ -54,14 +67,29 @@ def sheets(scene: Scene) -> Iterator[Sheet]:
 
 def _asks_no_more(law: Law, E_star: float) -> bool:
     """Whether all that a law asks for is a pressure that pushes, and vanishes at the ends."""
-    return law.convex and not law.pulls and law.intensity(E_star) == 0.0 and type(law).fault is Law.fault
+    return (
+        law.convex
+        and not law.pulls
+        and law.intensity(E_star) == 0.0
+        and type(law).fault is Law.fault
+    )
 
 
 def _is_half_plane(scene: Scene) -> bool:
     """Whether half-plane sources are all there is, of one body or of all periods."""
     kind, operator = type(scene.interaction), scene.operator
-    conditions = kind.side_conditions is Interaction.side_conditions and kind.placed_conditions is Interaction.placed_conditions
-    return kind.exact and not kind.strip and conditions and not operator.own_columns and not operator.is_own and operator.is_plain
+    conditions = (
+        kind.side_conditions is Interaction.side_conditions
+        and kind.placed_conditions is Interaction.placed_conditions
+    )
+    return (
+        kind.exact
+        and not kind.strip
+        and conditions
+        and not operator.own_columns
+        and not operator.is_own
+        and operator.is_plain
+    )
 
 
 def _of_tips(scene: Scene, tips: list[float], limit: float) -> Iterator[Sheet]:
@@ -90,12 +118,18 @@ def _of_tips(scene: Scene, tips: list[float], limit: float) -> Iterator[Sheet]:
 
 
 def directly(scene: Scene, tol: float) -> Solution | None:
-    """The solution of a scene that needs no coupled system; None where it does, or where anything is in doubt."""
+    """The solution of a scene that needs no coupled system; None where it does, or where anything
+    is in doubt.
+    """
     start = time.perf_counter()
     held = scene.control_object.held(scene)
     if held is None:
         return None
-    if held.quantity is Quantity.WIDTH and scene.profile.period is not None and held.value > _WIDEST * scene.profile.period:
+    if (
+        held.quantity is Quantity.WIDTH
+        and scene.profile.period is not None
+        and held.value > _WIDEST * scene.profile.period
+    ):
         return None
     with np.errstate(all="ignore"):
         for sheet in sheets(scene):
@@ -106,11 +140,15 @@ def directly(scene: Scene, tol: float) -> Solution | None:
             elif sheet.map.pair or len(sheet.profile.summits) > 1:  # type: ignore[arg-type]
                 return None
             else:
-                ends = ends_at(sheet, held.value if held.quantity is Quantity.HALF_WIDTH else 0.5 * held.value)
+                ends = ends_at(
+                    sheet, held.value if held.quantity is Quantity.HALF_WIDTH else 0.5 * held.value
+                )
             if ends.found and _narrow(ends):
                 holds, error, gap = _judged(ends, tol)
                 if holds:
-                    return _solution(scene, ends, float(error), float(gap), time.perf_counter() - start)
+                    return _solution(
+                        scene, ends, float(error), float(gap), time.perf_counter() - start
+                    )
     return None
 
 
@@ -136,13 +174,17 @@ def all_directly(scenes: Sequence[Scene], tol: float) -> list[Solution | None]:
             took = (time.perf_counter() - start) / len(scenes)
             for row in map(int, np.flatnonzero(holds)):
                 scene = scenes[mine[row]]
-                out[mine[row]] = _solution(scene, ends.rows(row), float(error[row]), float(gap[row]), took)
+                out[mine[row]] = _solution(
+                    scene, ends.rows(row), float(error[row]), float(gap[row]), took
+                )
             left = np.setdiff1d(left, mine[holds])
     return out
 
 
 def _ends_approached(scene: Scene, sheet: Sheet, approach: float) -> Ends:
-    """Newton on the logarithm of the load. The approach follows the load as if the ends stood still: pressure and gap vanish there."""
+    """Newton on the logarithm of the load. The approach follows the load as if the ends stood
+    still: pressure and gap vanish there.
+    """
     unit, least, most, misses, rests = 0.5 * scene.E_star, 0.0, math.inf, 0, False
     load = unit * approach
     for _ in range(_STEPS):
@@ -172,7 +214,11 @@ def _ends_approached(scene: Scene, sheet: Sheet, approach: float) -> Ends:
 def _narrow(ends: Ends) -> Any:
     """Whether the gaps are not the better unknowns."""
     period = ends.sheet.map.period
-    return period is None or ends.sheet.corner is not None or ends.widths * ends.zones <= _WIDEST * period
+    return (
+        period is None
+        or ends.sheet.corner is not None
+        or ends.widths * ends.zones <= _WIDEST * period
+    )
 
 
 def _judged(ends: Ends, tol: float) -> tuple[Any, Any, Any]:
@@ -193,7 +239,10 @@ def _of_claims(ends: Ends) -> Any:
 
 def _solution(scene: Scene, ends: Ends, error: float, gap: float, took: float) -> Solution:
     fields = DirectFields(scene, ends)
-    parts: dict[str, Any] = {"certificate": partial(_certificate, scene, ends, gap), "plan": partial(_plan, scene, ends, took)}
+    parts: dict[str, Any] = {
+        "certificate": partial(_certificate, scene, ends, gap),
+        "plan": partial(_plan, scene, ends, took),
+    }
     return Solution.unfolding(scene, fields.zone_table, fields, error, parts)
 
 
@@ -209,7 +258,9 @@ def _certificate(scene: Scene, ends: Ends, gap: float) -> Certificate:
         smallest_gap=None if corner else gap if math.isfinite(gap) else 0.0,
         gap_rounding=_ROUNDING * abs(float(scene.profile.height(ends.outer))),
         load_balance=0.0 if load is None else abs(unit * float(ends.totals) / load - 1.0),
-        points=points, holds=True, note=_NOTE,
+        points=points,
+        holds=True,
+        note=_NOTE,
     )
 
 
@@ -220,19 +271,29 @@ def _plan(scene: Scene, ends: Ends, took: float) -> Plan:
         if part.name == "coarse search":
             part.used, part.reason = False, "one interval of a line, without a coupled system"
         elif part.name == "zone ends":
-            part.detail = "" if given else f"{int(ends.steps)} Newton steps in one series of {int(ends.nodes)} nodes"
+            part.detail = (
+                ""
+                if given
+                else f"{int(ends.steps)} Newton steps in one series of {int(ends.nodes)} nodes"
+            )
             part.seconds = took if part.used else None
         elif part.name == "kinks":
             part.used = ends.sheet.kink > 0.0
-            part.reason = "1 jumps of the slope or its derivatives inside zones" if part.used else part.reason
+            part.reason = (
+                "1 jumps of the slope or its derivatives inside zones" if part.used else part.reason
+            )
         elif part.name == "symmetry":
             part.used = True
         elif part.name == "certificate":
             part.detail = "by the signs of the series"
     zones, nodes = ends.zones, int(ends.nodes)
     told.counts.update(
-        zones=zones, own_modes=zones * nodes, coupled_unknowns=1, kernel_evaluations=0,
-        profile_evaluations=nodes * int(ends.steps + 1), solves=1,
+        zones=zones,
+        own_modes=zones * nodes,
+        coupled_unknowns=1,
+        kernel_evaluations=0,
+        profile_evaluations=nodes * int(ends.steps + 1),
+        solves=1,
     )
     told.seconds = took
     return told

@@ -1,10 +1,12 @@
-"""The first-order closure of one zone: the nominal pressure is the isolated load P0 of the same width, over the period.
+"""The first-order closure of one zone: the nominal pressure is the isolated load P0 of the same
+width, over the period.
 
     pbar = P0(W) / L,      W = width of the zone of the strip under this nominal pressure
 
-(Goryacheva & Tsukanov 2020, (16) with P_s = P0). For given W both problems are ordinary ones, so that what is controlled is a function of
-W, whose root is taken on the branch that starts at zero load and ends at the first maximum: by Newton's steps, kept on that branch. Of
-several zones: first_order_several.
+(Goryacheva & Tsukanov 2020, (16) with P_s = P0). For given W both problems are ordinary ones, so
+that what is controlled is a function of W, whose root is taken on the branch that starts at zero
+load and ends at the first maximum: by Newton's steps, kept on that branch. Of several zones:
+first_order_several.
 """
 
 from __future__ import annotations
@@ -26,18 +28,26 @@ from sie import Array, record
 
 Search = Callable[[Problem, Control, Array | None], Found]
 
-# Widths tried; part of the period up to which there are any, step over the width that is taken at the rates of the last one, one that
-# rounding may keep from falling, and widths as good as one: on the way to the widest, to a maximum, and to zones that another search tells
-# as well.
-_STEPS, _WIDEST, _LAST, _ROUNDED, _CLOSED, _AT_MAXIMUM, _ELSEWHERE = 80, 0.9998, 1e-8, 1e-6, 1e-9, 1e-7, 1e-2
+# Widths tried; part of the period up to which there are any, step over the width that is taken at
+# the rates of the last one, one that rounding may keep from falling, and widths as good as one: on
+# the way to the widest, to a maximum, and to zones that another search tells as well.
+_STEPS = 80
+_WIDEST = 0.9998
+_LAST = 1e-8
+_ROUNDED = 1e-6
+_CLOSED = 1e-9
+_AT_MAXIMUM = 1e-7
+_ELSEWHERE = 1e-2
 # Part of a bracket that is left on either side, and towards a width that has no contact.
-_INSIDE, _CAREFUL = 0.1, 0.25
+_INSIDE = 0.1
+_CAREFUL = 0.25
 
 
 @record
 class _AtWidth:
-    """The contacts of a width: what they have of what is controlled, and what is wanted of it; how the first grows with the width and with
-    the load, and centre and nominal pressure with the load."""
+    """The contacts of a width: what they have of what is controlled, and what is wanted of it; how
+    the first grows with the width and with the load, and centre and nominal pressure with the load.
+    """
 
     at: At
     width: float
@@ -60,23 +70,31 @@ class _AtWidth:
 class FirstOrder:
     """The pair of problems, and the search for the width that carries the control.
 
-    strip, alone: searches for the zone of the strip under a given nominal pressure, and for that of the isolated reference. first: about
-    the zone, where it is not one about the origin.
+    strip, alone: searches for the zone of the strip under a given nominal pressure, and for that of
+    the isolated reference. first: about the zone, where it is not one about the origin.
     """
 
     def __init__(self, problem: Problem, strip: Search, alone: Search, first: Array | None) -> None:
         self.problem, self.strip, self.alone, self.first = problem, strip, alone, first
-        self.isolated = replace(problem, interaction=Isolated(), centre=0.0, amplitude=None, reference=True)
+        self.isolated = replace(
+            problem, interaction=Isolated(), centre=0.0, amplitude=None, reference=True
+        )
         self.together: Found | None = None
 
     def found(self, control: Control, guess: float) -> Found:
         """The zone that carries the control. guess: of its width, which a half width gives."""
         given = control.half_width is not None
         here = self._at_width(control, guess) if given else self._carrying(control, guess)
-        strip, rate, more = here.at.strip, float(here.following[1]), 0.0 if given else -here.miss / here.by_load
+        strip, rate, more = (
+            here.at.strip,
+            float(here.following[1]),
+            0.0 if given else -here.miss / here.by_load,
+        )
         _, pressure, load = (float(unknown) for unknown in here.at.unknowns)
         problem = strip.fields.problem.with_amplitude(pressure + rate * more)
-        final = self.strip(problem, Load(load + more if control.load is None else control.load), table_of(strip))
+        final = self.strip(
+            problem, Load(load + more if control.load is None else control.load), table_of(strip)
+        )
         return replace(final, fields=replace(final.fields, amplitude_rate=rate), control=control)
 
     @property
@@ -92,16 +110,30 @@ class FirstOrder:
         pressure = alone.fields.density.total / self._period
         problem = self.problem if self.together is None else self.together.fields.problem
         strip = self.together = self.strip(problem.with_amplitude(pressure), of_width, start)
-        at = At(np.array([strip.fields.problem.centre, pressure, strip.fields.density.total]), strip, alone)
+        at = At(
+            np.array([strip.fields.problem.centre, pressure, strip.fields.density.total]),
+            strip,
+            alone,
+        )
         rates = Rates(at)
         grows = rates.following
         has, by_load = float(at.unknowns[2]), 1.0
         if control.approach is not None:
             has, by_load = -strip.fields.level, float(rates.approach @ grows)
-        return _AtWidth(at, width, has, control.value, by_load / float(grows[1] * rates.alone.sum()), by_load, grows)
+        return _AtWidth(
+            at,
+            width,
+            has,
+            control.value,
+            by_load / float(grows[1] * rates.alone.sum()),
+            by_load,
+            grows,
+        )
 
     def _carrying(self, control: Control, guess: float) -> _AtWidth:
-        """At the root: Newton's steps within a bracket, whose lower end, once there is one, carries too little and lies on the branch."""
+        """At the root: Newton's steps within a bracket, whose lower end, once there is one, carries
+        too little and lies on the branch.
+        """
         high, carries, lost = _WIDEST * self._period, False, None
         low: _AtWidth | None = None
         fallen: _AtWidth | None = None
@@ -127,20 +159,39 @@ class FirstOrder:
             if low is not None and not carries and self._is_past(low, high, fallen, lost):
                 raise lost if isinstance(lost, NotConverged) else self._refused(control, low)
             width = self._next(here, low, high, carries, fallen, lost)
-        raise NotConverged(f"not converged: the width under the first-order closure did not settle; {EXACT}")
+        raise NotConverged(
+            f"not converged: the width under the first-order closure did not settle; {EXACT}"
+        )
 
-    def _is_past(self, low: _AtWidth, high: float, fallen: _AtWidth | None, lost: Exception | None) -> bool:
+    def _is_past(
+        self, low: _AtWidth, high: float, fallen: _AtWidth | None, lost: Exception | None
+    ) -> bool:
         """Whether nothing up to an upper end is to be expected that carries what is asked for."""
         if lost is not None:
-            # Of zones from grids another search follows, which tells more than the last digits of a width do.
-            return high - low.width < (_AT_MAXIMUM if self.first is None or isinstance(lost, OutOfRange) else _ELSEWHERE) * high
+            # Of zones from grids another search follows, which tells more than the last digits of a
+            # width do.
+            return (
+                high - low.width
+                < (
+                    _AT_MAXIMUM
+                    if self.first is None or isinstance(lost, OutOfRange)
+                    else _ELSEWHERE
+                )
+                * high
+            )
         if fallen is not None:
             # It bends down there, and stays below its tangents.
             return low.slope * (high - low.width) < min(-low.miss, _AT_MAXIMUM * low.has)
         return high - low.width < _CLOSED
 
     def _next(
-        self, here: _AtWidth, low: _AtWidth | None, high: float, carries: bool, fallen: _AtWidth | None, lost: Exception | None
+        self,
+        here: _AtWidth,
+        low: _AtWidth | None,
+        high: float,
+        carries: bool,
+        fallen: _AtWidth | None,
+        lost: Exception | None,
     ) -> float:
         """The width to look at."""
         least = 0.0 if low is None else low.width
@@ -157,7 +208,9 @@ class FirstOrder:
 
     def _refused(self, control: Control, low: _AtWidth) -> OutOfRange:
         units = self.problem.units
-        largest = f"{low.has * control.unit(units):.6g} at total width {low.width * units.length:.6g} m"
+        largest = (
+            f"{low.has * control.unit(units):.6g} at total width {low.width * units.length:.6g} m"
+        )
         return OutOfRange(
             f"{control.told(units)} is beyond the largest that the first-order closure carries on the branch from zero "
             f"load, {largest}; interaction = Periodic() has no such limit"

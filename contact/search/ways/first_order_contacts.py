@@ -1,7 +1,7 @@
 """The two contacts of the first-order closure, and their derivatives by centre, pressure and load.
 
-One contact is that of the strip under a nominal pressure, the other that of its profile alone. A unit
-of an unknown adds a density on the same zones; an end moves by 2 K / A of that density.
+One contact is that of the strip under a nominal pressure, the other that of its profile alone. A
+unit of an unknown adds a density on the same zones; an end moves by 2 K / A of that density.
 """
 
 from __future__ import annotations
@@ -33,7 +33,9 @@ OPTIONS = DerivativeOptions()
 
 @record
 class At:
-    """Contacts of the strip and of its profile alone; unknowns: centre, nominal pressure and load, scaled."""
+    """Contacts of the strip and of its profile alone; unknowns: centre, nominal pressure and load,
+    scaled.
+    """
 
     unknowns: Array
     strip: Found
@@ -54,7 +56,9 @@ class At:
 
 @record
 class Rates(sie.Kept):
-    """Outward motions of the ends (2, Z) of both contacts, and the approach, by a unit of each unknown."""
+    """Outward motions of the ends (2, Z) of both contacts, and the approach, by a unit of each
+    unknown.
+    """
 
     at: At
 
@@ -68,7 +72,9 @@ class Rates(sie.Kept):
 
     @cached_property
     def _pressed(self) -> sie.AnyState:
-        return by_nominal_pressure(self.at.strip.fields.problem, self._density.zones, OPTIONS.tolerance)
+        return by_nominal_pressure(
+            self.at.strip.fields.problem, self._density.zones, OPTIONS.tolerance
+        )
 
     @cached_property
     def by_centre(self) -> Array:
@@ -97,7 +103,9 @@ class Rates(sie.Kept):
         return step[0] * self.by_centre + step[1] * self.by_pressure + step[2] * self.by_load
 
     def of_ends(self, off: Array) -> Array:
-        """Largest motions of the ends (Z, 2), over the widths of their zones, by unknowns that are off."""
+        """Largest motions of the ends (Z, 2), over the widths of their zones, by unknowns that are
+        off.
+        """
         by = np.abs(self.by_centre), np.abs(self.by_pressure), np.abs(self.by_load)
         moved = sum(abs(part) * rate for part, rate in zip(off, by, strict=True))
         return np.asarray(np.asarray(moved).T / np.diff(table_of(self.at.strip), axis=1))
@@ -105,11 +113,15 @@ class Rates(sie.Kept):
     @cached_property
     def alone(self) -> Array:
         """Ends of the profile alone by the nominal pressure, whose load over a period it bears."""
-        return self.at.period * moved_ends(self.at.alone.fields.state, 0, tolerance=OPTIONS.tolerance)
+        return self.at.period * moved_ends(
+            self.at.alone.fields.state, 0, tolerance=OPTIONS.tolerance
+        )
 
     @cached_property
     def alone_by_centre(self) -> Array:
-        """Ends of the profile alone by the centre: an end at a border moves with it, and the others react."""
+        """Ends of the profile alone by the centre: an end at a border moves with it, and the others
+        react.
+        """
         alone, at_border = self.at.alone, self.at.cut_off
         problem, zones = alone.fields.problem, alone.free.density.zones
         moved = np.zeros((2, len(zones)))
@@ -119,26 +131,40 @@ class Rates(sie.Kept):
         away, own = OPTIONS.shift * float(room_beside(zones.table, None)[[0, -1]].min()), []
         for shift in (away, -away):
             equation = problem.about(problem.centre + shift).equation(alone.control)
-            density = sie.solve_zones(equation, zones.moved(shift * moved), OPTIONS.difference_tolerance).density
+            density = sie.solve_zones(
+                equation, zones.moved(shift * moved), OPTIONS.difference_tolerance
+            ).density
             own.append(moves_by(density, density))
         return np.asarray(moved + (own[0] - own[1]) / (2 * away))
 
     @cached_property
     def matrix(self) -> Array:
-        """(W - W0, middle of the outermost ends - centre) by the centre and the nominal pressure (2, 2)."""
-        wider = self.by_centre.sum() - self.alone_by_centre.sum(), self.by_pressure.sum() - self.alone.sum()
+        """(W - W0, middle of the outermost ends - centre) by the centre and the nominal pressure
+        (2, 2).
+        """
+        wider = (
+            self.by_centre.sum() - self.alone_by_centre.sum(),
+            self.by_pressure.sum() - self.alone.sum(),
+        )
         return np.array([wider, (aside(self.by_centre) - 1.0, aside(self.by_pressure))])
 
     @cached_property
     def following(self) -> Array:
         """How the unknowns grow with the load (3,)."""
-        return np.append(-np.linalg.solve(self.matrix, (float(self.by_load.sum()), aside(self.by_load))), 1.0)
+        return np.append(
+            -np.linalg.solve(self.matrix, (float(self.by_load.sum()), aside(self.by_load))), 1.0
+        )
 
 
 def _shifted(strip: Found) -> sie.AnyState:
-    """What a unit of motion of the strip's centre adds to its density on the same zones: a central difference."""
+    """What a unit of motion of the strip's centre adds to its density on the same zones: a central
+    difference.
+    """
     # A strip may be its own mirror image; the difference is not.
-    problem, zones = strip.fields.problem, replace(strip.fields.state.density.zones, symmetric=False)
+    problem, zones = (
+        strip.fields.problem,
+        replace(strip.fields.state.density.zones, symmetric=False),
+    )
     assert problem.period is not None and problem.amplitude is not None
     pressure, ends = problem.amplitude, zones.table[[0, -1], [0, 1]] - problem.centre
     away = OPTIONS.shift * (0.5 * problem.period - float(np.abs(ends).max()))
@@ -146,7 +172,9 @@ def _shifted(strip: Found) -> sie.AnyState:
     assert ahead.primitive is not None and behind.primitive is not None
     factor = 0.5 * pressure / away
     value = _Difference(ahead.value, behind.value, factor)
-    forcing = sie.Forcing(value, _Difference(ahead.primitive, behind.primitive, factor), between=True)
+    forcing = sie.Forcing(
+        value, _Difference(ahead.primitive, behind.primitive, factor), between=True
+    )
     equation = sie.Equation(problem.kernel, forcing, (sie.Total(0.0), sie.EqualPotential()))
     return sie.solve_zones(equation, zones, OPTIONS.tolerance)
 
@@ -169,7 +197,9 @@ def aside(moved: Array) -> float:
 
 
 def spread(table: Array, moved: Array, part: float) -> Array:
-    """Zones after outward motions (2, Z) of their ends, which close at most a part of a zone or a gap."""
+    """Zones after outward motions (2, Z) of their ends, which close at most a part of a zone or a
+    gap.
+    """
     outward = np.clip(moved.T, -part * np.diff(table), part * room_beside(table, None))
     return np.asarray(table + outward * [-1, 1])
 

@@ -2,10 +2,10 @@
 
     W(q) = W0(q L)
 
-W is the total width of the zones of the strip under the scene's own control and the nominal pressure
-q beyond the strip. W0 is that of its profile alone, cut off at the borders of the strip, under the
-load q L. Both are contacts of convex problems. W falls with q, W0 grows, so there is one root. One
-evaluation solves two contacts; the root is found by Newton's method in a bracket.
+W is the total width of the zones of the strip under the scene's own control and the nominal
+pressure q beyond the strip. W0 is that of its profile alone, cut off at the borders of the strip,
+under the load q L. Both are contacts of convex problems. W falls with q, W0 grows, so there is one
+root. One evaluation solves two contacts; the root is found by Newton's method in a bracket.
 """
 
 from __future__ import annotations
@@ -44,7 +44,9 @@ class ClosureOptions:
     max_steps: int = 40  # Newton steps; from a rough guess five are usual
     widening: float = 1.5  # factor to the next nominal pressure while the root has no bracket
     max_fraction_closed: float = 0.5  # of a zone or a gap, in the zones expected after a step
-    least_rate: float = 64 * float(np.finfo(float).eps)  # d ln width / d ln pressure: round-off of a width
+    least_rate: float = 64 * float(
+        np.finfo(float).eps
+    )  # d ln width / d ln pressure: round-off of a width
     jump: float = 3.0  # Newton steps from both ends over a bracket in which W - W0 jumps over zero
     margin: float = 2.0  # stated error of the root over its last Newton step
 
@@ -86,7 +88,9 @@ class SeveralZones:
             elif not low < there < high:
                 there = pressure * factor if miss > 0.0 else pressure / factor
             part = (there - pressure) / float(step[1]) if step[1] else 0.0
-            start = spread(table_of(at.strip), rates.of_strip(part * step), self.options.max_fraction_closed)
+            start = spread(
+                table_of(at.strip), rates.of_strip(part * step), self.options.max_fraction_closed
+            )
             pressure = there
         assert at is not None
         reason = f"the nominal pressure of the first-order closure did not settle; {INSTEAD}"
@@ -109,9 +113,13 @@ class SeveralZones:
         """The strip, with how its nominal pressure follows the load and what its ends are off."""
         follows = rates.following
         fields = replace(
-            at.strip.fields, amplitude_rate=float(follows[1]), centring=float(rates.approach[0] * follows[0])
+            at.strip.fields,
+            amplitude_rate=float(follows[1]),
+            centring=float(rates.approach[0] * follows[0]),
         )
-        return replace(at.strip, fields=fields, control=self.scaled.control, off=at.strip.off + ends)
+        return replace(
+            at.strip, fields=fields, control=self.scaled.control, off=at.strip.off + ends
+        )
 
     def _width_error(self, at: At) -> float:
         """By how much the difference of the widths may be off."""
@@ -132,7 +140,11 @@ class SeveralZones:
     def _alone(self, centre: float, load: float, last: At | None) -> Found:
         """The profile of one strip alone, cut off at its borders."""
         problem = replace(
-            self.scaled.problem, interaction=Isolated(), amplitude=None, reference=True, centre=centre
+            self.scaled.problem,
+            interaction=Isolated(),
+            amplitude=None,
+            reference=True,
+            centre=centre,
         )
         starts = [partial(self._from_grid, problem, load)]
         if last is not None:
@@ -140,7 +152,11 @@ class SeveralZones:
         missed = NOT_MINE
         for start in starts:
             found = refine_topology(
-                ByPressure(problem), Load(load), start(), Newton(self.task.tolerance), self.task.progress,
+                ByPressure(problem),
+                Load(load),
+                start(),
+                Newton(self.task.tolerance),
+                self.task.progress,
                 timed=self.task.plan.timed,
             )
             if isinstance(found, Found):

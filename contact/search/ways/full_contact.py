@@ -28,7 +28,9 @@ def smallest_full(task: Task) -> Full:
         return Full(pressure)
     if task.full.approached and not task.operator.has_inverse:
         raise OutOfRange(no_inverse(task, "full contact is not known"))
-    raise OutOfRange("no load brings this scene into full contact: its valleys have kinks, or the model has none")
+    raise OutOfRange(
+        "no load brings this scene into full contact: its valleys have kinks, or the model has none"
+    )
 
 
 def no_inverse(task: Task, what: str) -> str:
@@ -40,34 +42,49 @@ def no_inverse(task: Task, what: str) -> str:
 
 
 def full_under(task: Task, control: Control, but_for_kinks: bool = False) -> Full | None:
-    """Full contact, if the load, or the approach of a body with a base, is that of it or above. but_for_kinks: or where nothing is left of
-    it but gaps over kinks of valleys, narrower than digits tell."""
+    """Full contact, if the load, or the approach of a body with a base, is that of it or above.
+    but_for_kinks: or where nothing is left of it but gaps over kinks of valleys, narrower than
+    digits tell.
+    """
     scene = task.scene
     if not (task.full.told if but_for_kinks else task.full.possible):
         return None
     held = control.approach if scene.given_load is None else control.load
     mean_pressure = None if held is None else closed_pressure(task)
-    return None if mean_pressure is None or mean_pressure < task.full.relieved else Full(mean_pressure)
+    return (
+        None if mean_pressure is None or mean_pressure < task.full.relieved else Full(mean_pressure)
+    )
 
 
 def closed_pressure(task: Task) -> float | None:
-    """Mean pressure [Pa] of surfaces that are closed over the whole period, under the scene's control; None where that does not tell it:
-    an approach does where the substrate has a base, or a spring is between."""
-    scene, period, approach = task.scene, task.scene.profile.period, task.scene.held(Quantity.APPROACH)
+    """Mean pressure [Pa] of surfaces that are closed over the whole period, under the scene's
+    control; None where that does not tell it: an approach does where the substrate has a base, or a
+    spring is between.
+    """
+    scene, period, approach = (
+        task.scene,
+        task.scene.profile.period,
+        task.scene.held(Quantity.APPROACH),
+    )
     if period is None:
         return None
     if scene.given_load is not None:
         return scene.given_load / period if scene.mean_pressure is None else scene.mean_pressure
-    # Beyond the mean of the profile the base gives way to a uniform pressure, and the spring to the load.
+    # Beyond the mean of the profile the base gives way to a uniform pressure, and the spring to the
+    # load.
     give = 2 * (task.operator.compression or 0.0) / scene.E_star + (task.give or 0.0) * period
     return None if approach is None or give == 0.0 else (approach - mean_height(scene)) / give
 
 
 def closed(task: Task) -> Full:
-    """Surfaces that adhesion has closed over the whole period; OutOfRange where the control does not tell their pressure."""
+    """Surfaces that adhesion has closed over the whole period; OutOfRange where the control does
+    not tell their pressure.
+    """
     mean_pressure = closed_pressure(task)
     if mean_pressure is None:
-        raise OutOfRange("the surfaces close altogether, and in full contact the approach does not tell the load: give a load")
+        raise OutOfRange(
+            "the surfaces close altogether, and in full contact the approach does not tell the load: give a load"
+        )
     return Full(mean_pressure)
 
 
@@ -79,17 +96,29 @@ def refuse_full_approach(task: Task, problem: Problem, control: Control) -> None
     datum, support = task.operator.datum, scene.profile.support
     upright = scene.is_flat and not scene.turned
     # A punch as wide as four times the datum has that of a line load there: no load lowers it.
-    if datum is not None and task.operator.is_plain and support is not None and upright and support[1] - support[0] >= 4 * datum:
+    if (
+        datum is not None
+        and task.operator.is_plain
+        and support is not None
+        and upright
+        and support[1] - support[0] >= 4 * datum
+    ):
         raise OutOfRange(
             f"approach {control.approach * units.height:.6g} m: a flat punch of width {support[1] - support[0]:.6g} m has none above zero "
             f"with a datum of {datum:.6g} m"
         )
-    if not task.full.approached or (task.operator.has_inverse and not task.full.possible) or task.operator.compression:
+    if (
+        not task.full.approached
+        or (task.operator.has_inverse and not task.full.possible)
+        or task.operator.compression
+    ):
         return
     # Without a base u has no mean: the mean gap is that of the profile less the approach.
     highest = mean_shape(problem)
     # Both are differences from the lowest point, rounded as heights are.
-    rounding = 8.0 * float(np.finfo(np.float64).eps) * (highest + abs(problem.lowest) / units.height)
+    rounding = (
+        8.0 * float(np.finfo(np.float64).eps) * (highest + abs(problem.lowest) / units.height)
+    )
     if control.approach >= highest - rounding:
         raise OutOfRange(
             f"approach {control.approach * units.height:.15g} m is not below {highest * units.height:.15g} m, the mean of "

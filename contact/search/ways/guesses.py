@@ -1,9 +1,10 @@
-"""First guesses of the zones, in the order in which they are tried: each leads to zones that pass, or says why it is left.
+"""First guesses of the zones, in the order in which they are tried: each leads to zones that pass,
+or says why it is left.
 
-    a given half width     the one zone it names
-    zones near by          those of a solution at hand, by their gaps where they are wide
-    one zone               of a symmetric asperity: its half width in closed form
-    a grid                 a coarse contact on ever finer grids
+a given half width     the one zone it names
+zones near by          those of a solution at hand, by their gaps where they are wide
+one zone               of a symmetric asperity: its half width in closed form
+a grid                 a coarse contact on ever finer grids
 """
 
 import math
@@ -41,12 +42,15 @@ _WIDENINGS = 4
 _ALMOST_FULL = 0.99
 # Of the half width that nothing exceeds: a first guess there is none.
 _WIDEST = 0.999
-# Gap beside the border of a strip over that beside the widest zone of a branch: modes tell none much narrower.
+# Gap beside the border of a strip over that beside the widest zone of a branch: modes tell none
+# much narrower.
 _NARROWER = 0.1
 
 INSTEAD = "Localized('self-consistent', neighbours=4) and Periodic() are nearer to the exact contact and reach farther"
 _AT_BORDER = "a contact zone reaches the border of the part of the profile that is known"
-_AT_STRIP = f"a contact zone reaches the border of the strip that the localized model solves; {EXACT}"
+_AT_STRIP = (
+    f"a contact zone reaches the border of the strip that the localized model solves; {EXACT}"
+)
 
 
 def search(task: Task, scaled: ScaledScene, start: Array | None = None) -> Outcome:
@@ -66,12 +70,17 @@ def search(task: Task, scaled: ScaledScene, start: Array | None = None) -> Outco
     if scaled.control.width is None:
         return from_grid(task, scaled)
     if task.scene.given_fraction is None:
-        raise task.error(Missed("zones of the total width that the closure asks for were not found"), scaled.problem)
+        raise task.error(
+            Missed("zones of the total width that the closure asks for were not found"),
+            scaled.problem,
+        )
     return by_fraction(task, scaled)
 
 
 def _near_by(task: Task, scaled: ScaledScene, start: Array | None) -> Outcome | Missed:
-    """Zones of a solution, given up as soon as they turn out to be far off: from there the way may be longer than from scratch."""
+    """Zones of a solution, given up as soon as they turn out to be far off: from there the way may
+    be longer than from scratch.
+    """
     if start is None:
         return NOT_MINE
     problem, control = scaled.problem, scaled.control
@@ -93,19 +102,28 @@ def _given(task: Task, scaled: ScaledScene, start: Array | None) -> Outcome | Mi
     if isinstance(found, Missed):
         if found.beyond:
             raise task.error(found, scaled.problem)
-        raise OutOfRange(f"one zone of this half width carries no pressure that is positive everywhere: {found.reason}")
+        raise OutOfRange(
+            f"one zone of this half width carries no pressure that is positive everywhere: {found.reason}"
+        )
     return found
 
 
 def _one_zone(task: Task, scaled: ScaledScene, start: Array | None) -> Outcome | Missed:
-    """One zone about the tip of a symmetric asperity; full contact, or its gaps, where that would be wide."""
+    """One zone about the tip of a symmetric asperity; full contact, or its gaps, where that would
+    be wide.
+    """
     problem, control = scaled.problem, scaled.control
     if not task.single or problem.amplitude is not None:
         return NOT_MINE
     with task.plan.timed("zone ends"):
         guess = guess_half_width(problem, control)
-    # Only wide zones can be near full contact, and only then is it worth finding out where it begins.
-    if problem.period is not None and guess > 0.25 * problem.period and (full := full_under(task, control)):
+    # Only wide zones can be near full contact, and only then is it worth finding out where it
+    # begins.
+    if (
+        problem.period is not None
+        and guess > 0.25 * problem.period
+        and (full := full_under(task, control))
+    ):
         return full
     if worth_gaps(task, problem, 2 * guess):
         found_by_gaps = by_gaps(task, problem, control, 2 * guess)
@@ -117,7 +135,8 @@ def _one_zone(task: Task, scaled: ScaledScene, start: Array | None) -> Outcome |
     by_branch = control.load is not None or control.approach is not None
     told = by_branch and problem.interaction.neighbours and guess > _WIDEST * widest(problem)
     if told:
-        # A first guess knows of full contact, which such a strip never comes to: the branch tells the width, or that there is none.
+        # A first guess knows of full contact, which such a strip never comes to: the branch tells
+        # the width, or that there is none.
         guess = _on_branch(task, problem, control)
     found = task.refine_topology(problem, control, np.array([[-guess, guess]]))
     if isinstance(found, Found) or not by_branch:
@@ -132,32 +151,52 @@ def _one_zone(task: Task, scaled: ScaledScene, start: Array | None) -> Outcome |
 
 
 def _on_branch(task: Task, problem: Problem, control: Control) -> float:
-    """About the half width of one zone under a control, along the branch from zero load: there the controlled quantity grows with the
-    width up to its maximum, or in a strip with neighbours to its border, as the logarithm of the gap there. Raises OutOfRange beyond."""
+    """About the half width of one zone under a control, along the branch from zero load: there the
+    controlled quantity grows with the width up to its maximum, or in a strip with neighbours to its
+    border, as the logarithm of the gap there. Raises OutOfRange beyond.
+    """
     with task.plan.timed("zone ends"):
         half_widths, values = single_branch(problem, control)
     highest, units = float(values[-1]), problem.units
     if control.value <= highest:
         return float(np.interp(control.value, values, half_widths))
-    told, at_most = control.told(units), f"{highest * control.unit(units):.6g} at half width {half_widths[-1] * units.length:.6g} m"
+    told, at_most = (
+        control.told(units),
+        f"{highest * control.unit(units):.6g} at half width {half_widths[-1] * units.length:.6g} m",
+    )
     if problem.interaction.neighbours and half_widths[-1] == widest(problem):
         border = 0.5 * problem.repeat_length
         before, last = border - half_widths[-2:]
-        gap = last * np.exp((highest - control.value) / (highest - values[-2]) * np.log(before / last))
+        gap = last * np.exp(
+            (highest - control.value) / (highest - values[-2]) * np.log(before / last)
+        )
         if gap > _NARROWER * last:
             return float(border - gap)
-        raise OutOfRange(f"{told} is more than one zone carries in its strip, whose border it nears: {at_most}; {EXACT}")
+        raise OutOfRange(
+            f"{told} is more than one zone carries in its strip, whose border it nears: {at_most}; {EXACT}"
+        )
     raise OutOfRange(
         f"{told} is beyond the largest that {task.scene.interaction.name} carries on the branch from zero load, {at_most}"
     )
 
 
-def from_grid(task: Task, scaled: ScaledScene, held: bool = False, points: int | None = None, drops: bool = False) -> Outcome:
-    """Zones from a coarse grid, refined until Newton and the certificate agree with it. held: a strip stays where it is; points: of the
-    first grid, if not as many as the profile asks for; drops: see `Newton`."""
+def from_grid(
+    task: Task,
+    scaled: ScaledScene,
+    held: bool = False,
+    points: int | None = None,
+    drops: bool = False,
+) -> Outcome:
+    """Zones from a coarse grid, refined until Newton and the certificate agree with it. held: a
+    strip stays where it is; points: of the first grid, if not as many as the profile asks for;
+    drops: see `Newton`.
+    """
     problem, control, plan = scaled.problem, scaled.control, task.plan
     part = plan["coarse search"]
-    part.used, part.reason = True, part.reason if part.used else "one zone did not pass the certificate"
+    part.used, part.reason = (
+        True,
+        part.reason if part.used else "one zone did not pass the certificate",
+    )
     if control.load is not None and not control.load > 0.0:
         # A grid is pressed together without tension.
         raise OutOfRange(
@@ -196,7 +235,8 @@ def from_grid(task: Task, scaled: ScaledScene, held: bool = False, points: int |
             task.left(f"zones of a grid of {points} points", found)
             again = failure is not None and found.same(failure)
             failure = found
-            # Where modes do not show what a grid as fine as this one leads to, they do not show what one beside it does.
+            # Where modes do not show what a grid as fine as this one leads to, they do not show
+            # what one beside it does.
             if again or found.unresolved and points >= _MOST_POINTS:
                 break
         points *= 4
@@ -205,25 +245,46 @@ def from_grid(task: Task, scaled: ScaledScene, held: bool = False, points: int |
 
 def no_rest(problem: Problem, control: Control, why: Unrest) -> OutOfRange:
     """What to say where no centre of a strip stays."""
-    closure, instead = ("first-order", INSTEAD) if problem.interaction.follows_isolated else ("self-consistent", EXACT)
-    return OutOfRange(f"{control.told(problem.units)}: under the {closure} closure {why.value}; {instead}")
+    closure, instead = (
+        ("first-order", INSTEAD)
+        if problem.interaction.follows_isolated
+        else ("self-consistent", EXACT)
+    )
+    return OutOfRange(
+        f"{control.told(problem.units)}: under the {closure} closure {why.value}; {instead}"
+    )
 
 
 def _wider(task: Task, scaled: ScaledScene) -> ScaledScene | None:
-    """A wider window: few points of the first one may have missed zones beside it. None where the window is all that is known, or all
-    that there is."""
+    """A wider window: few points of the first one may have missed zones beside it. None where the
+    window is all that is known, or all that there is.
+    """
     (lo, hi), known = scaled.cell, known_part(task.scene.profile) or (-math.inf, math.inf)
     cell = max(known[0], lo - 0.5 * (hi - lo)), min(known[1], hi + 0.5 * (hi - lo))
     return None if cell == scaled.cell else replace(scaled, cell=cell)
 
 
-def _not_found(task: Task, problem: Problem, failure: Missed | None, width: float, points: int | None, full: bool) -> ContactError:
+def _not_found(
+    task: Task,
+    problem: Problem,
+    failure: Missed | None,
+    width: float,
+    points: int | None,
+    full: bool,
+) -> ContactError:
     """What to say where no grid leads to the contact. width, points, full: of the finest grid."""
     if full and task.operator.is_periodic and not task.operator.has_inverse:
-        return OutOfRange(no_inverse(task, f"in full contact, or nearer to it than a grid of {points} points tells"))
+        return OutOfRange(
+            no_inverse(
+                task, f"in full contact, or nearer to it than a grid of {points} points tells"
+            )
+        )
     narrow = "the gaps are narrower than the finest grid tells from full contact"
     if not (full or width):
-        return task.error(failure or Missed("the contact is narrower than the finest grid tells; give a load"), problem)
+        return task.error(
+            failure or Missed("the contact is narrower than the finest grid tells; give a load"),
+            problem,
+        )
     if task.operator.is_periodic and not task.operator.has_inverse:
         narrow += "; the gaps themselves are solved for where the model declares its symbol"
         if failure is not None and width > _ALMOST_FULL * (problem.period or math.inf):
@@ -236,7 +297,11 @@ def _from_proposal(
 ) -> Outcome | Missed:
     """The contact from the zones that a grid proposes: full, by its gaps, or by its zones."""
     width = proposal.width / problem.units.length
-    if problem.period is not None and width > 0.4 * problem.period and (known := full_under(task, control)):
+    if (
+        problem.period is not None
+        and width > 0.4 * problem.period
+        and (known := full_under(task, control))
+    ):
         return known
     # A symmetric strip stays about the origin, or half a period from it.
     stays = proposal.in_strip and not problem.profile.symmetric
@@ -246,7 +311,9 @@ def _from_proposal(
         return found_by_gaps
     if proposal.full or not len(proposal.zones):
         return full_under(task, control, but_for_kinks=True) or NOT_MINE
-    found = task.refine_topology(problem if held else about(problem, table), control, table, drops=drops)
+    found = task.refine_topology(
+        problem if held else about(problem, table), control, table, drops=drops
+    )
     if isinstance(found, Missed) and found.beyond:
         raise task.error(found, problem)
     return found

@@ -1,7 +1,7 @@
 """Controls that are found by loads: an approach that a grid does not find, and a contact fraction.
 
-Solutions under a load are the sure ones: a bracket on the load (contact.search.ways.by_load) comes so near that the zones under the load
-lead to those of the control itself.
+Solutions under a load are the sure ones: a bracket on the load (contact.search.ways.by_load) comes
+so near that the zones under the load lead to those of the control itself.
 """
 
 import math
@@ -27,10 +27,14 @@ from contact.solution.solution import Solution
 from contact.verify.accuracy import Found, FoundByGaps
 
 # Of a load: near enough for the zones to lead to those of the approach, and to be about them.
-NEAR_LOAD, NEARER_LOAD = 1e-2, 1e-5
-# Of a load: near enough for the zones to lead to those of a width; where they did not, how much nearer before it is tried again.
-_NEAR_WIDTH, _MUCH_NEARER = 5e-3, 0.1
-# A contact fraction is not told by the load where it is missed by more than this when the bracket is closed.
+NEAR_LOAD = 1e-2
+NEARER_LOAD = 1e-5
+# Of a load: near enough for the zones to lead to those of a width; where they did not, how much
+# nearer before it is tried again.
+_NEAR_WIDTH = 5e-3
+_MUCH_NEARER = 0.1
+# A contact fraction is not told by the load where it is missed by more than this when the bracket
+# is closed.
 _JUMP = 1e-9
 # Of what is in contact, or of what is not: a change by more is searched for by a grid.
 _BESIDE = 0.3
@@ -39,9 +43,13 @@ _FAR = 0.1
 # What is left open, of the period, where the gaps are looked for at once.
 _LAST_OPEN = 1e-3
 # Newton steps and rounds from zones so near; and where a bracket on the load is closed.
-_FEW, _FEW_ROUNDS, _CLOSED = 12, 5, 1e-14
-# Tolerance of solutions on the way to an approach or a contact fraction; at first, while these are far off.
-_ON_THE_WAY, _FIRST_ONES = 1e-7, 1e-5
+_FEW = 12
+_FEW_ROUNDS = 5
+_CLOSED = 1e-14
+# Tolerance of solutions on the way to an approach or a contact fraction; at first, while these are
+# far off.
+_ON_THE_WAY = 1e-7
+_FIRST_ONES = 1e-5
 
 
 def at_approach(task: Task, nearness: float) -> Solution:
@@ -56,22 +64,32 @@ def at_approach(task: Task, nearness: float) -> Solution:
     first = guess if task.near is None else task.near.load
     bounded, largest = known is not None and scene.profile.support is None, -math.inf
     concave = moment == 0.0 and task.operator.is_plain and scene.law.convex
-    for here, off in nearer(_on_the_way(task), approach, wanted, first, abs(moment) / reach, bounded, concave):
+    for here, off in nearer(
+        _on_the_way(task), approach, wanted, first, abs(moment) / reach, bounded, concave
+    ):
         if off <= nearness:
             return here
         largest = max(largest, here.approach or 0.0)
-    raise OutOfRange(f"no load has the approach {wanted:.6g} m; the largest of those tried was {largest:.6g} m")
+    raise OutOfRange(
+        f"no load has the approach {wanted:.6g} m; the largest of those tried was {largest:.6g} m"
+    )
 
 
 def at_level(task: Task) -> Found:
-    """Under the approach of a lone body, from zones of about the right load; of just about it, if these do not lead on."""
+    """Under the approach of a lone body, from zones of about the right load; of just about it, if
+    these do not lead on.
+    """
     missed, problem = Missed("no load was tried"), None
     for nearness in (NEAR_LOAD, NEARER_LOAD):
         task = task.beside(at_approach(task, nearness))
         assert task.near is not None
-        scaled = scaled_scene_about(task.scene.under("load", task.near.load), task.near.tilt or 0.0, task.near.zones)
+        scaled = scaled_scene_about(
+            task.scene.under("load", task.near.load), task.near.tilt or 0.0, task.near.zones
+        )
         problem = scaled.problem
-        found = task.refine_topology(problem, task.control(problem), placed(problem, task.near.zones))
+        found = task.refine_topology(
+            problem, task.control(problem), placed(problem, task.near.zones)
+        )
         if isinstance(found, Found):
             return found
         missed = found
@@ -81,10 +99,14 @@ def at_level(task: Task) -> Found:
 
 
 def by_fraction(task: Task, scaled: ScaledScene) -> Found | FoundByGaps:
-    """A width from a solution under about the load that has it, ever nearer ones until its zones lead on."""
+    """A width from a solution under about the load that has it, ever nearer ones until its zones
+    lead on.
+    """
     problem, control, goal = scaled.problem, scaled.control, task.scene.given_fraction
     assert goal is not None
-    if task.near is None or abs((task.near.contact_fraction or 0.0) - goal) > _FAR * min(goal, 1 - goal):
+    if task.near is None or abs((task.near.contact_fraction or 0.0) - goal) > _FAR * min(
+        goal, 1 - goal
+    ):
         # What is open of a contact as full as this are tops of R, of which no grid tells the load.
         if 1 - goal < _LAST_OPEN:
             found_by_gaps = by_gaps(task, problem, control, control.value)
@@ -93,7 +115,9 @@ def by_fraction(task: Task, scaled: ScaledScene) -> Found | FoundByGaps:
             task.left("gaps", found_by_gaps)
         with task.plan.timed("coarse search"):
             proposal = of_width(scaled, problem, control.value)
-        task.plan["coarse search"].detail = f"{proposal.points} points, {len(proposal.zones)} zones proposed"
+        task.plan[
+            "coarse search"
+        ].detail = f"{proposal.points} points, {len(proposal.zones)} zones proposed"
         first, found = proposal.load, _from_grid(task, problem, control, proposal)
         if not isinstance(found, Missed):
             return found
@@ -107,7 +131,8 @@ def by_fraction(task: Task, scaled: ScaledScene) -> Found | FoundByGaps:
 
     for here, off_load in nearer(solved, contact_fraction, goal, first, closed=_CLOSED):
         last, fraction = here, contact_fraction(here)[0]
-        # Where a little more load brings much more into contact, the width is what tells how near it is.
+        # Where a little more load brings much more into contact, the width is what tells how near
+        # it is.
         off = max(off_load, abs(goal - fraction) / min(goal, 1 - goal))
         if off > near_enough:
             continue
@@ -122,7 +147,9 @@ def by_fraction(task: Task, scaled: ScaledScene) -> Found | FoundByGaps:
     return _under_load_of(task, problem, control, last)
 
 
-def _from_grid(task: Task, problem: Problem, control: Control, proposal: Proposal) -> Found | FoundByGaps | Missed:
+def _from_grid(
+    task: Task, problem: Problem, control: Control, proposal: Proposal
+) -> Found | FoundByGaps | Missed:
     """From zones of about the width that a grid has found."""
     if proposal.full or len(proposal.zones) == 0:
         return Missed("the grid has no zones of about this width")
@@ -130,21 +157,34 @@ def _from_grid(task: Task, problem: Problem, control: Control, proposal: Proposa
     found_by_gaps = by_gaps(task, problem, control, control.value, table)
     if isinstance(found_by_gaps, FoundByGaps):
         return found_by_gaps
-    # All zones are widened alike to the wanted width: ends that start as near move by less than the kernel of a thin layer varies over.
+    # All zones are widened alike to the wanted width: ends that start as near move by less than the
+    # kernel of a thin layer varies over.
     half = np.diff(table) / 2
     table = table + half * [-1.0, 1.0] * (control.value / (2 * half.sum()) - 1.0)
-    return task.refine_topology(problem, control, table, value=proposal.load / problem.units.load, steps=_FEW, rounds=_FEW_ROUNDS)
+    return task.refine_topology(
+        problem,
+        control,
+        table,
+        value=proposal.load / problem.units.load,
+        steps=_FEW,
+        rounds=_FEW_ROUNDS,
+    )
 
 
-def _under_load_of(task: Task, problem: Problem, control: Control, near: Solution) -> Found | FoundByGaps:
-    """The contact under the load that has the width, where the zones of the width itself do not settle: right at a birth or a
-    merger."""
+def _under_load_of(
+    task: Task, problem: Problem, control: Control, near: Solution
+) -> Found | FoundByGaps:
+    """The contact under the load that has the width, where the zones of the width itself do not
+    settle: right at a birth or a merger.
+    """
     assert near.contact_fraction is not None and problem.period is not None
     missed = abs(near.contact_fraction - control.value / problem.period)
     if missed > _JUMP:
         raise NotConverged(
             f"no load that double precision tells from its neighbours has the contact fraction {task.scene.given_fraction:.15g}: at a "
-            f"mean pressure of {near.mean_pressure:.15g} Pa it is {near.contact_fraction:.15g}, beside that beyond", (), near,
+            f"mean pressure of {near.mean_pressure:.15g} Pa it is {near.contact_fraction:.15g}, beside that beyond",
+            (),
+            near,
         )
     load = Load(near.load / problem.units.load)
     found = _from(task, problem, load, near)
@@ -156,28 +196,43 @@ def _under_load_of(task: Task, problem: Problem, control: Control, near: Solutio
     return replace(found, off=missed * problem.period / narrowest)
 
 
-def _from(task: Task, problem: Problem, control: Control, near: Solution) -> Found | FoundByGaps | Missed:
+def _from(
+    task: Task, problem: Problem, control: Control, near: Solution
+) -> Found | FoundByGaps | Missed:
     """From the zones, or the gaps, of a solution near by."""
     fields = near.fields
     if not isinstance(fields, GapFields):
         value = near.load / problem.units.load
-        return task.refine_topology(problem, control, placed(problem, near.zones), value=value, steps=_FEW, rounds=_FEW_ROUNDS)
+        return task.refine_topology(
+            problem,
+            control,
+            placed(problem, near.zones),
+            value=value,
+            steps=_FEW,
+            rounds=_FEW_ROUNDS,
+        )
     with task.plan.timed("zone ends"):
         found = gaps_beside(problem, fields, control, OF_GAPS * task.tolerance, closely=False)
         return found if isinstance(found, Missed) else tightened_gaps(task, found)
 
 
 def _to_width(task: Task, load: float, near: Solution | None, tol: float) -> Solution:
-    """The solution under a load; from a grid where contact is far from that of the solution near by."""
+    """The solution under a load; from a grid where contact is far from that of the solution near
+    by.
+    """
     if near is not None:
         fraction, rate = contact_fraction(near)
-        near = near if abs(rate * (load - near.load)) < _BESIDE * min(fraction, 1 - fraction) else None
+        near = (
+            near if abs(rate * (load - near.load)) < _BESIDE * min(fraction, 1 - fraction) else None
+        )
     elif task.near is not None and load == task.near.load:
         return task.near
     return _on_the_way(task, tol)(load, near)
 
 
-def _on_the_way(task: Task, tol: float = _ON_THE_WAY) -> Callable[[float, Solution | None], Solution]:
+def _on_the_way(
+    task: Task, tol: float = _ON_THE_WAY
+) -> Callable[[float, Solution | None], Solution]:
     """Solutions under loads, each beside another one or that at hand."""
 
     def solved(load: float, near: Solution | None) -> Solution:

@@ -1,5 +1,7 @@
-"""Contact in one strip under a nominal pressure beyond it (the localized model): the strip is centred on its zones, and the
-first-order closure takes the nominal pressure from the isolated load of the same total width."""
+"""Contact in one strip under a nominal pressure beyond it (the localized model): the strip is
+centred on its zones, and the first-order closure takes the nominal pressure from the isolated load
+of the same total width.
+"""
 
 import math
 from dataclasses import replace
@@ -26,11 +28,15 @@ from contact.search.ways.guesses import from_grid, no_rest, search
 from contact.verify.accuracy import Found
 from sie import Array, record
 
-# Steps of the centre of a strip, how much longer than its miss, or than the step before, a secant's step may be, and how often one is
-# shortened.
-_CENTRINGS, _LONGER, _LONGER_AGAIN, _SHORTENED = 30, 16.0, 4.0, 3
+# Steps of the centre of a strip, how much longer than its miss, or than the step before, a secant's
+# step may be, and how often one is shortened.
+_CENTRINGS = 30
+_LONGER = 16.0
+_LONGER_AGAIN = 4.0
+_SHORTENED = 3
 # In how many steps of it the miss must halve, and how often zones may come or go meanwhile.
-_STALLED, _CHANGES = 4, 3
+_STALLED = 4
+_CHANGES = 3
 # Samples of one zone in which the lowest places are counted; a missed one costs a longer search.
 LOOKS = 2**10
 
@@ -45,8 +51,9 @@ class _Centring:
 
 
 def centred(task: Task, scaled: ScaledScene, start: Array | None) -> Found:
-    """Zones of a strip that is centred on them: secants on the centre, under which zones are taken as they are, and a look at the signs
-    where it stays."""
+    """Zones of a strip that is centred on them: secants on the centre, under which zones are taken
+    as they are, and a look at the signs where it stays.
+    """
     if start is not None:
         scaled = replace(scaled, problem=about(scaled.problem, start))
     found = _in_strip(task, scaled, start)
@@ -60,11 +67,19 @@ def centred(task: Task, scaled: ScaledScene, start: Array | None) -> Found:
         centre, width = problem.centre, float((zones.b - zones.a).min())
         miss = 0.0 if zones.symmetric else 0.5 * float(zones.a[0] + zones.b[-1]) - centre
         # Near the digits of the zones the centre no longer comes nearer.
-        if abs(miss) * max(follows, 1.0) <= 0.1 * task.tolerance * width + np.spacing(abs(centre)) or moved / 4 < abs(miss) < 1e-7 * width:
+        if (
+            abs(miss) * max(follows, 1.0) <= 0.1 * task.tolerance * width + np.spacing(abs(centre))
+            or moved / 4 < abs(miss) < 1e-7 * width
+        ):
             if certified:
                 found = replace(found, off=found.off + abs(miss) * follows / width)
                 return _with_longer_series(task, scaled, found)
-            found, certified, before, moved = _in_strip(task, replace(scaled, problem=problem), zones.table), True, None, math.inf
+            found, certified, before, moved = (
+                _in_strip(task, replace(scaled, problem=problem), zones.table),
+                True,
+                None,
+                math.inf,
+            )
             continue
         passed.append(abs(miss))
         if len(passed) > _STALLED and min(passed[-_STALLED:]) > 0.5 * min(passed[:-_STALLED]):
@@ -73,25 +88,36 @@ def centred(task: Task, scaled: ScaledScene, start: Array | None) -> Found:
         if before is not None and before.table.shape == zones.table.shape and before.miss != miss:
             longest = max(_LONGER * abs(miss), _LONGER_AGAIN * abs(centre - before.centre))
             secant = float(miss * (centre - before.centre) / (before.miss - miss))
-            step, moved = min(max(secant, -longest), longest), abs(miss) if abs(secant) <= longest else math.inf
+            step, moved = (
+                min(max(secant, -longest), longest),
+                abs(miss) if abs(secant) <= longest else math.inf,
+            )
             rate = (zones.table - before.table) / (centre - before.centre)
-            follows = float(np.abs(rate).max()) * abs((centre - before.centre) / (before.miss - miss))
+            follows = float(np.abs(rate).max()) * abs(
+                (centre - before.centre) / (before.miss - miss)
+            )
         before = _Centring(centre, miss, zones.table)
         found, certified = _moved(task, scaled, found, step, rate)
         changed += certified
         if changed > _CHANGES:
             raise no_rest(problem, scaled.control, Unrest.LOST)
-    raise task.error(Missed(f"the centre of the strip did not settle; {EXACT}", found.free), found.fields.problem)
+    raise task.error(
+        Missed(f"the centre of the strip did not settle; {EXACT}", found.free), found.fields.problem
+    )
 
 
 def _with_longer_series(task: Task, scaled: ScaledScene, found: Found) -> Found:
-    """Where the series of the column is cut short, as it is so near to the border of a strip: under a load the nominal pressure is known,
-    and with that a part of the right side, which has as many modes as it takes."""
+    """Where the series of the column is cut short, as it is so near to the border of a strip: under
+    a load the nominal pressure is known, and with that a part of the right side, which has as many
+    modes as it takes.
+    """
     problem, load = found.fields.problem, found.control.load
     if problem.interaction.follows_isolated:
         return found
     if problem.amplitude is not None:
-        return replace(found, fields=replace(found.fields, amplitude_rate=1 / problem.repeat_length))
+        return replace(
+            found, fields=replace(found.fields, amplitude_rate=1 / problem.repeat_length)
+        )
     if load is None or float(found.fields.state.end_truncation.max()) <= task.tol:
         return found
     given = replace(scaled, problem=problem.with_amplitude(load / problem.repeat_length))
@@ -102,20 +128,36 @@ def _with_longer_series(task: Task, scaled: ScaledScene, found: Found) -> Found:
     return longer
 
 
-def _moved(task: Task, scaled: ScaledScene, found: Found, step: float, rate: Array | None) -> tuple[Found, bool]:
-    """(zones after a step of the centre, or after a shorter one that they follow, whether their signs were looked at). rate: of the
-    zones with the centre, where it is known."""
+def _moved(
+    task: Task, scaled: ScaledScene, found: Found, step: float, rate: Array | None
+) -> tuple[Found, bool]:
+    """(zones after a step of the centre, or after a shorter one that they follow, whether their
+    signs were looked at). rate: of the zones with the centre, where it is known.
+    """
     problem, table = found.fields.problem, found.free.density.zones.table
     for _ in range(_SHORTENED):
-        there, expected = problem.about(problem.centre + step), table if rate is None else table + step * rate
-        moved = refine_topology(ByPressure(there), scaled.control, expected, Newton(task.tolerance, near=True), formal=True)
+        there, expected = (
+            problem.about(problem.centre + step),
+            table if rate is None else table + step * rate,
+        )
+        moved = refine_topology(
+            ByPressure(there),
+            scaled.control,
+            expected,
+            Newton(task.tolerance, near=True),
+            formal=True,
+        )
         if isinstance(moved, Found):
             return moved, False
-        again = attempted(lambda there=there: from_grid(task, replace(scaled, problem=there), held=True))  # type: ignore[misc]
+        again = attempted(
+            lambda there=there: from_grid(task, replace(scaled, problem=there), held=True)
+        )  # type: ignore[misc]
         if isinstance(again, Found):
             return again, True
         step *= 0.25
-    raise task.error(Missed(f"the zones do not follow the centre of the strip; {EXACT}", found.free), problem)
+    raise task.error(
+        Missed(f"the zones do not follow the centre of the strip; {EXACT}", found.free), problem
+    )
 
 
 def _in_strip(task: Task, scaled: ScaledScene, start: Array | None) -> Found:
@@ -149,7 +191,9 @@ def first_order(task: Task, scaled: ScaledScene, found: Found | None = None) -> 
             return several.found(pressure, zones)
         one = FirstOrder(scaled.problem, strip, alone, zones)
         with task.plan.timed("isolated reference"):
-            outcome: Found | Missed = attempted(lambda: one.found(scaled.control, float(np.ptp(zones))))
+            outcome: Found | Missed = attempted(
+                lambda: one.found(scaled.control, float(np.ptp(zones)))
+            )
         if not isinstance(outcome, Missed):
             return outcome
         if isinstance(outcome.refusal, OutOfRange):
@@ -162,7 +206,9 @@ def first_order(task: Task, scaled: ScaledScene, found: Found | None = None) -> 
 
 
 def _is_asperity(problem: Problem, zones: Array) -> bool:
-    """Whether the contact is one zone with one lowest place of the profile in it, which it grew from."""
+    """Whether the contact is one zone with one lowest place of the profile in it, which it grew
+    from.
+    """
     if len(zones) != 1:
         return False
     inside = np.linspace(float(zones[0, 0]), float(zones[0, 1]), LOOKS)
@@ -180,16 +226,24 @@ def _about_load(scaled: ScaledScene) -> float:
 
 
 def _reference(task: Task, problem: Problem, control: Control, start: Array | None) -> Found:
-    """The isolated problem of the same total width, as a formal solution: it is not asked to be a contact."""
+    """The isolated problem of the same total width, as a formal solution: it is not asked to be a
+    contact.
+    """
     if control.half_width is not None:
         start = np.array([[-control.half_width, control.half_width]])
     assert start is not None
     middle = 0.5 * float(start[0, 0] + start[-1, 1])
     if len(start) > 1 or abs(middle) > 0.25 * float(start[0, 1] - start[0, 0]):
         problem = problem.about(middle)
-    found = refine_topology(ByPressure(problem), control, start, Newton(task.tolerance), formal=True)
+    found = refine_topology(
+        ByPressure(problem), control, start, Newton(task.tolerance), formal=True
+    )
     if isinstance(found, Missed):
         raise task.error(
-            Missed(f"the isolated reference of the first-order closure was not found: {found.reason}; {EXACT}", found.free), problem
+            Missed(
+                f"the isolated reference of the first-order closure was not found: {found.reason}; {EXACT}",
+                found.free,
+            ),
+            problem,
         )
     return found

@@ -1,4 +1,6 @@
-"""The scenes of the suite, each with a solution to judge by: closed form, inverse design, or another formulation."""
+"""The scenes of the suite, each with a solution to judge by: closed form, inverse design, or
+another formulation.
+"""
 
 from __future__ import annotations
 
@@ -37,8 +39,10 @@ PERIOD = 1e-4
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """A scene under periodic contact and how its truth is known; `exact` is made when first asked for. single: one zone a period;
-    localized: the localized models are run on it too; law: where it is not frictionless contact, no other program is asked."""
+    """A scene under periodic contact and how its truth is known; `exact` is made when first asked
+    for. single: one zone a period; localized: the localized models are run on it too; law: where it
+    is not frictionless contact, no other program is asked.
+    """
 
     name: str
     profile: Profile
@@ -52,7 +56,9 @@ class Case:
 
     @property
     def scene(self) -> Scene:
-        return Scene(self.profile, self.E_star, Periodic(), law=self.law, mean_pressure=self.mean_pressure)
+        return Scene(
+            self.profile, self.E_star, Periodic(), law=self.law, mean_pressure=self.mean_pressure
+        )
 
     @cached_property
     def exact(self) -> Exact:
@@ -62,11 +68,15 @@ class Case:
 def closed(name: str, profile: Profile, exact: Any) -> Case:
     """A case whose solution is known in closed form."""
     single = len(exact.zones) == 1
-    return Case(name, profile, exact.E_star, exact.mean_pressure, lambda scene: exact, "closed form", single)
+    return Case(
+        name, profile, exact.E_star, exact.mean_pressure, lambda scene: exact, "closed form", single
+    )
 
 
 def wave(fraction: float = 0.4) -> Case:
-    exact = Westergaard.from_contact_fraction(fraction, amplitude=1e-6, period=PERIOD, E_star=E_STAR)
+    exact = Westergaard.from_contact_fraction(
+        fraction, amplitude=1e-6, period=PERIOD, E_star=E_STAR
+    )
     return closed(f"wave 2a/L={fraction:g}", Sinusoid(1e-6, PERIOD), exact)
 
 
@@ -82,15 +92,23 @@ def parabola() -> Case:
 
 def biquadratic() -> Case:
     """The paper's own: R = 1, c = 0.05, L = 2.4 c, at a mean pressure of 0.00109 E*."""
-    exact = PeriodicBiquadratic(radius=1.0, spacing=0.1, period=0.12, E_star=1.0, mean_pressure=0.00109)
+    exact = PeriodicBiquadratic(
+        radius=1.0, spacing=0.1, period=0.12, E_star=1.0, mean_pressure=0.00109
+    )
     return closed("biquadratic, 2 zones", Biquadratic(1.0, 0.1, 0.12), exact)
 
 
 def designed(zones: int = 8, seed: int = 8, spread: float = 10.0) -> Case:
-    problem = random_problem(np.random.default_rng(seed), zones=zones, period=1.0, fraction=0.4, spread=spread)
+    problem = random_problem(
+        np.random.default_rng(seed), zones=zones, period=1.0, fraction=0.4, spread=spread
+    )
     assert problem.mean_pressure is not None
     return Case(
-        f"designed, {zones} zones", problem.profile, problem.E_star, problem.mean_pressure, lambda scene: problem,
+        f"designed, {zones} zones",
+        problem.profile,
+        problem.E_star,
+        problem.mean_pressure,
+        lambda scene: problem,
         "inverse design",
     )
 
@@ -107,25 +125,49 @@ def rough_profile(harmonics: int, seed: int = 3) -> Fourier:
 def rough(harmonics: int, mean_pressure: float, zones: int) -> Case:
     """`solve` takes the zones; it is judged by the gaps."""
     return Case(
-        f"rough, {zones} zones", rough_profile(harmonics), 1.0, mean_pressure, solved_by_gaps, "the gaps' formulation", localized=False
+        f"rough, {zones} zones",
+        rough_profile(harmonics),
+        1.0,
+        mean_pressure,
+        solved_by_gaps,
+        "the gaps' formulation",
+        localized=False,
     )
 
 
 def adhesive(law: JKR | Dugdale) -> Case:
     """Johnson's wave, or one under Maugis's law, hanging: under a load about half way to pull-off."""
     amplitude, E_star = 0.01, 1.0
-    curve = JKRWave(amplitude, 1.0, E_star, law.work) if isinstance(law, JKR) else DugdaleWave(amplitude, 1.0, E_star, law.work, law.stress)
+    curve = (
+        JKRWave(amplitude, 1.0, E_star, law.work)
+        if isinstance(law, JKR)
+        else DugdaleWave(amplitude, 1.0, E_star, law.work, law.stress)
+    )
     exact = curve.at_load(0.5 * curve.pull_off().load)
     assert exact.mean_pressure is not None
     return Case(
-        f"adhesive wave, {law.name}", Sinusoid(amplitude, 1.0), E_star, exact.mean_pressure, lambda scene: exact, "closed form",
-        localized=False, law=law,
+        f"adhesive wave, {law.name}",
+        Sinusoid(amplitude, 1.0),
+        E_star,
+        exact.mean_pressure,
+        lambda scene: exact,
+        "closed form",
+        localized=False,
+        law=law,
     )
 
 
 def rough_nearly_full() -> Case:
     """`solve` takes the gaps; it is judged by the zones."""
-    return Case("rough, nearly full", rough_profile(64), 1.0, 0.012, solved_by_zones, "the zones' formulation", localized=False)
+    return Case(
+        "rough, nearly full",
+        rough_profile(64),
+        1.0,
+        0.012,
+        solved_by_zones,
+        "the zones' formulation",
+        localized=False,
+    )
 
 
 def best(scene: Scene, tol: float) -> Solution:
@@ -142,8 +184,15 @@ def best(scene: Scene, tol: float) -> Solution:
 def suite(quick: bool) -> list[Case]:
     """The scenes of the work-precision part."""
     cases = [
-        wave(0.4), wave(0.9), wedge(), parabola(), biquadratic(), designed(), rough(64, 0.002, 16),
-        adhesive(JKR(1e-5)), adhesive(Dugdale(1e-5, 1e-2)),
+        wave(0.4),
+        wave(0.9),
+        wedge(),
+        parabola(),
+        biquadratic(),
+        designed(),
+        rough(64, 0.002, 16),
+        adhesive(JKR(1e-5)),
+        adhesive(Dugdale(1e-5, 1e-2)),
     ]
     if not quick:
         cases += [rough_nearly_full(), rough(512, 0.005, 135)]

@@ -15,9 +15,11 @@ T = TypeVar("T")
 
 
 def seconds(call: Callable[[], Any], patience: float = 0.3, most: int = 25) -> float:
-    """Least processor time [s] of repeated calls, until `patience` seconds or `most` calls are spent; at least one call.
+    """Least processor time [s] of repeated calls, until `patience` seconds or `most` calls are
+    spent; at least one call.
 
-    The least, because what else runs on the machine only adds to it; processor time, because waiting is not work.
+    The least, because what else runs on the machine only adds to it; processor time, because
+    waiting is not work.
     """
     best, spent, count = float("inf"), 0.0, 0
     collects = gc.isenabled()
@@ -52,7 +54,9 @@ def short_seconds(call: Callable[[], Any], patience: float = 0.05) -> float:
 
 
 def peak_bytes(call: Callable[[], Any]) -> int:
-    """Most memory [bytes] that Python and numpy held at once during a call, above what they held before it."""
+    """Most memory [bytes] that Python and numpy held at once during a call, above what they held
+    before it.
+    """
     gc.collect()
     tracemalloc.start()
     try:
@@ -67,7 +71,8 @@ class TooLong(Exception):
 
 
 def limited(call: Callable[[], T], seconds: float) -> T:
-    """The call's result, or TooLong after so much processor time; without a limit where there are no such signals.
+    """The call's result, or TooLong after so much processor time; without a limit where there are
+    no such signals.
 
     numpy cannot be interrupted: the exception comes when it returns.
     """

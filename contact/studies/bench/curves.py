@@ -21,7 +21,9 @@ Array = NDArray[np.float64]
 
 def _waves(count: int) -> tuple[Scene, Array]:
     full = np.pi * 1e9 * 1e-6
-    return Scene(Sinusoid(1e-6, PERIOD), 1e9, Periodic(), load=1.0), np.linspace(0.005, 0.975, count) * full
+    return Scene(Sinusoid(1e-6, PERIOD), 1e9, Periodic(), load=1.0), np.linspace(
+        0.005, 0.975, count
+    ) * full
 
 
 def _pair(count: int) -> tuple[Scene, Array]:
@@ -44,11 +46,24 @@ def table(quick: bool) -> Table:
     for name, (make, many, few) in CURVES.items():
         scene, loads = make(few if quick else many)
         found = solve_many(scene, loads)
-        taken = clock.seconds(lambda scene=scene, loads=loads: solve_many(scene, loads), 0.2 if quick else 0.6)  # type: ignore[misc]
+        taken = clock.seconds(
+            lambda scene=scene, loads=loads: solve_many(scene, loads), 0.2 if quick else 0.6
+        )  # type: ignore[misc]
         zones = [len(solution.zones) for solution in found]
         certified = sum(solution.certificate.holds for solution in found)
-        rows.append((
-            name, str(len(loads)), quantity(taken, "s", 3), f"{min(zones)} to {max(zones)}", f"{max(s.error for s in found):.1e}",
-            f"{certified} of {len(found)}",
-        ))
-    return Table("curves", "curves of many loads", ("curve", "loads", "time", "zones", "largest stated error", "certified"), rows)
+        rows.append(
+            (
+                name,
+                str(len(loads)),
+                quantity(taken, "s", 3),
+                f"{min(zones)} to {max(zones)}",
+                f"{max(s.error for s in found):.1e}",
+                f"{certified} of {len(found)}",
+            )
+        )
+    return Table(
+        "curves",
+        "curves of many loads",
+        ("curve", "loads", "time", "zones", "largest stated error", "certified"),
+        rows,
+    )

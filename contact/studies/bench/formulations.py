@@ -1,11 +1,14 @@
-"""The same contact by another formulation: what a solution is judged by where no closed form is known.
+"""The same contact by another formulation: what a solution is judged by where no closed form is
+known.
 
-A periodic contact can be solved for the pressure p on its zones or for the slope s of the gap on its gaps (see contact.formulation.gaps),
+A periodic contact can be solved for the pressure p on its zones or for the slope s of the gap on
+its gaps (see contact.formulation.gaps),
 
     (1/pi) PV int_zones p K = (E*/2) f'  on the zones,      (1/pi) PV int_gaps s K = R - 2 pbar/E*  on the gaps, int_gap s = 0:
 
-other unknowns, another right side, other intervals, other side conditions. Each starts from what `solve` found, with every end
-moved by a thousandth of its interval, so that it finds the ends by itself.
+other unknowns, another right side, other intervals, other side conditions. Each starts from what
+`solve` found, with every end moved by a thousandth of its interval, so that it finds the ends by
+itself.
 """
 
 from __future__ import annotations
@@ -43,8 +46,20 @@ def scaled(scene: Scene) -> Problem:
     profile = scene.profile
     assert profile.period is not None
     x = profile.x0 + profile.period * np.arange(1024) / 1024
-    units = Units(profile.x0 + 0.5 * profile.period, profile.period, float(np.abs(profile.slope(x)).max()), scene.E_star)
-    return Problem(profile, scene.interaction, scene.substrate, scene.law, units, float(np.min(profile.height(x))))
+    units = Units(
+        profile.x0 + 0.5 * profile.period,
+        profile.period,
+        float(np.abs(profile.slope(x)).max()),
+        scene.E_star,
+    )
+    return Problem(
+        profile,
+        scene.interaction,
+        scene.substrate,
+        scene.law,
+        units,
+        float(np.min(profile.height(x))),
+    )
 
 
 def _mean_pressure(scene: Scene) -> float:
@@ -66,7 +81,9 @@ def _in_cell(table: Array, scene: Scene) -> tuple[Array, NDArray[np.intp]]:
 
 @dataclass(frozen=True, eq=False)
 class Formulated:
-    """A periodic contact in SI units, its zones in the profile's cell; order: which of the fields' zones each is."""
+    """A periodic contact in SI units, its zones in the profile's cell; order: which of the fields'
+    zones each is.
+    """
 
     fields: GapFields | ZoneFields
     zones: Array
@@ -100,7 +117,9 @@ def solved_by_gaps(scene: Scene) -> Formulated:
     relief = ScaledRelief.of(Relief(scene.profile, scene.operator), problem)
     mean = _mean_pressure(scene) / units.pressure
     form = by_gaps.ByGaps(problem, relief)
-    found = refine_topology(form, Load(mean * problem.period), gaps, Newton(_TOLERANCE), formal=True)
+    found = refine_topology(
+        form, Load(mean * problem.period), gaps, Newton(_TOLERANCE), formal=True
+    )
     if isinstance(found, Missed):
         raise NotConverged("the gaps' formulation does not converge from these zones")
     fields = found.fields
@@ -117,7 +136,15 @@ def solved_by_zones(scene: Scene) -> Formulated:
     gaps = np.diff(gaps_between(start, problem.period))[:, 0]
     start = start + _MOVED * np.column_stack((np.roll(gaps, 1), -gaps))
     # The zones' formulation wants them within one cell, which may begin at any gap.
-    turn = int(np.argmax(np.diff(np.append(start[:, 0], start[0, 0] + problem.period)) - np.diff(start, axis=1)[:, 0])) + 1
+    turn = (
+        int(
+            np.argmax(
+                np.diff(np.append(start[:, 0], start[0, 0] + problem.period))
+                - np.diff(start, axis=1)[:, 0]
+            )
+        )
+        + 1
+    )
     start = np.roll(start, -turn, axis=0)
     start = start + np.where(start[:, :1] < start[0, 0], problem.period, 0.0)
     load = _mean_pressure(scene) * problem.period * units.length / units.load

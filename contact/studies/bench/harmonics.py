@@ -1,11 +1,13 @@
-"""One zone a period under an even Fourier series, f = -sum_n d_n cos(n phi), phi = 2 pi x/L, in closed form.
+"""One zone a period under an even Fourier series, f = -sum_n d_n cos(n phi), phi = 2 pi x/L, in
+closed form.
 
-With c = cos(2 pi a / L), the load per period is, by Mehler and Dirichlet's integral of the Legendre polynomials P_n,
+With c = cos(2 pi a / L), the load per period is, by Mehler and Dirichlet's integral of the Legendre
+polynomials P_n,
 
     P(a) = (pi E*/2) sum_n n d_n (P_{n-1}(c) - P_n(c)),
 
-(n = 1: Westergaard's pi E* d sin^2(pi a/L)), and by the superposition of flat punches (contact.reference.exact.base), with
-v^2 = cos(phi) - c',
+(n = 1: Westergaard's pi E* d sin^2(pi a/L)), and by the superposition of flat punches
+(contact.reference.exact.base), with v^2 = cos(phi) - c',
 
     p(x) = -(2 sqrt2 cos(phi/2) / L) int_0^V P'(c') dv,   V^2 = cos(phi) - c,
 
@@ -29,7 +31,9 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class HarmonicZone(SymmetricZone):
-    """The zone [-a, a] of period 1; amplitudes d_1, d_2, ... as long as the pressure is positive and the gap open."""
+    """The zone [-a, a] of period 1; amplitudes d_1, d_2, ... as long as the pressure is positive
+    and the gap open.
+    """
 
     amplitudes: tuple[float, ...]
     E_star: float
@@ -56,5 +60,7 @@ class HarmonicZone(SymmetricZone):
         top = np.sqrt(2 * np.sin(pi * d) * np.sin(pi * (self.half_width + r)))
         nodes, weights = legendre.leggauss(len(self.amplitudes) + 1)
         v = 0.5 * (1 + nodes) * top[..., None]
-        values = legendre.legval(np.cos(2 * pi * r)[..., None] - v**2, legendre.legder(self._series))
+        values = legendre.legval(
+            np.cos(2 * pi * r)[..., None] - v**2, legendre.legder(self._series)
+        )
         return np.asarray(-np.sqrt(2.0) * np.cos(pi * r) * top * (values @ weights))

@@ -1,4 +1,6 @@
-"""What a program pays before its first answer: importing contact and a small solve, beside numpy and the parts of scipy that it uses."""
+"""What a program pays before its first answer: importing contact and a small solve, beside numpy
+and the parts of scipy that it uses.
+"""
 
 from __future__ import annotations
 
@@ -23,15 +25,33 @@ _TIMED = "import os, subprocess, sys; subprocess.run([sys.executable, '-c', sys.
 
 
 def seconds(program: str, runs: int = _RUNS) -> float:
-    """Least processor time [s] of a fresh interpreter that runs the program, the interpreter's own included."""
+    """Least processor time [s] of a fresh interpreter that runs the program, the interpreter's own
+    included.
+    """
     # Compiled once, by the first run.
-    environment = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
+    environment = {
+        name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"
+    }
     command = [sys.executable, "-c", _TIMED, program]
-    return min(float(subprocess.run(command, env=environment, capture_output=True, text=True, check=True).stdout) for _ in range(runs + 1))
+    return min(
+        float(
+            subprocess.run(
+                command, env=environment, capture_output=True, text=True, check=True
+            ).stdout
+        )
+        for _ in range(runs + 1)
+    )
 
 
 def table() -> Table:
     times = {name: seconds(program) for name, program in PROGRAMS.items()}
     base = next(iter(times.values()))
-    rows: list[tuple[str, ...]] = [(name, quantity(time, "s", 3), f"{time / base:.2f}") for name, time in times.items()]
-    return Table("imports", "before the first answer", ("a fresh interpreter that imports", "time", "over the first"), rows)
+    rows: list[tuple[str, ...]] = [
+        (name, quantity(time, "s", 3), f"{time / base:.2f}") for name, time in times.items()
+    ]
+    return Table(
+        "imports",
+        "before the first answer",
+        ("a fresh interpreter that imports", "time", "over the first"),
+        rows,
+    )

@@ -16,17 +16,26 @@ from contact.studies.bench.report import Table
 def table(peers: Sequence[str]) -> Table:
     """Versions, processor and threads."""
     packages = ["sie-contact", "numpy", "scipy", *peers]
-    rows: list[tuple[str, ...]] = [("processor", _processor()), ("threads", os.environ.get("OMP_NUM_THREADS", "as many as numpy takes"))]
+    rows: list[tuple[str, ...]] = [
+        ("processor", _processor()),
+        ("threads", os.environ.get("OMP_NUM_THREADS", "as many as numpy takes")),
+    ]
     rows += [("Python", platform.python_version()), *((name, _version(name)) for name in packages)]
     return Table("machine", "measured with", ("what", ""), rows)
 
 
 def commit() -> str:
-    """The commit of the source that is measured, and whether it has been changed since; the version where there is none."""
+    """The commit of the source that is measured, and whether it has been changed since; the version
+    where there is none.
+    """
     try:
         run = subprocess.run(
             ["git", "describe", "--always", "--abbrev=10", "--dirty= with changes", "--exclude=*"],
-            cwd=Path(__file__).parent, capture_output=True, text=True, check=True, timeout=20,
+            cwd=Path(__file__).parent,
+            capture_output=True,
+            text=True,
+            check=True,
+            timeout=20,
         )
     except (OSError, subprocess.SubprocessError):
         return f"version {version()}"

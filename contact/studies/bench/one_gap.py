@@ -1,12 +1,15 @@
-"""Nearly full contact but for one gap under a Fourier series, in closed form but for two unknowns: its middle c and half width w.
+"""Nearly full contact but for one gap under a Fourier series, in closed form but for two unknowns:
+its middle c and half width w.
 
-With y = tan(pi (x - c)/L), tau = tan(pi w/L), t = y/tau, the kernel becomes Cauchy's: cot(u - v) dv = [1/(y - eta) +
-eta/(1 + eta^2)] deta. Of G = H f' - 2 pbar/E* = sum G_j T_j(t) on the gap, the slope of the gap is then
+With y = tan(pi (x - c)/L), tau = tan(pi w/L), t = y/tau, the kernel becomes Cauchy's: cot(u - v) dv
+= [1/(y - eta) + eta/(1 + eta^2)] deta. Of G = H f' - 2 pbar/E* = sum G_j T_j(t) on the gap, the
+slope of the gap is then
 
     s = sqrt(1 - t^2) sum_j G_(j+1) U_j(t),    G_0 = B := (1/pi) int s eta deta/(1 + eta^2),    int s deta/(1 + eta^2) = 0,
 
-the last two for c and w, and the pressure p = pbar - (E*/2)(H f' - B - sum_j G_(j+1) rho^(j+1)), rho = z - sgn(z) sqrt(z^2 - 1),
-z = y/tau (derived here). G is a small difference of large numbers: it is formed with 64 bits.
+the last two for c and w, and the pressure p = pbar - (E*/2)(H f' - B - sum_j G_(j+1) rho^(j+1)),
+rho = z - sgn(z) sqrt(z^2 - 1), z = y/tau (derived here). G is a small difference of large numbers:
+it is formed with 64 bits.
 """
 
 from __future__ import annotations
@@ -29,7 +32,9 @@ _PI = np.longdouble(pi) + np.longdouble(1.2246467991473532e-16)  # pi to 64 bits
 
 @dataclass(frozen=True, eq=False)
 class OneGap:
-    """The contact of period 1 and E* = 1 with one gap, of a mean pressure below that of full contact."""
+    """The contact of period 1 and E* = 1 with one gap, of a mean pressure below that of full
+    contact.
+    """
 
     profile: Fourier
     mean: float
@@ -38,7 +43,9 @@ class OneGap:
 
     @classmethod
     def of(cls, profile: Fourier, full: float, scene: Scene) -> OneGap:
-        """From the parabola about the maximum of H f', w = 2 sqrt((full - pbar) 2/E* / k), by Newton on (c/w, ln w)."""
+        """From the parabola about the maximum of H f', w = 2 sqrt((full - pbar) 2/E* / k), by
+        Newton on (c/w, ln w).
+        """
         assert scene.mean_pressure is not None
         x = np.linspace(-0.5, 0.5, 4001)
         top = float(x[np.argmax(profile.slope_conjugate(x))])
@@ -48,10 +55,14 @@ class OneGap:
             second = -(k**2) * (c * np.cos(k * top) + s * np.sin(k * top))
             top -= float(first.sum() / second.sum())
         bend = float((k**2 * (c * np.cos(k * top) + s * np.sin(k * top))).sum())
-        found = cls(profile, scene.mean_pressure, top, 2 * sqrt(2 * (full - scene.mean_pressure) / bend))
+        found = cls(
+            profile, scene.mean_pressure, top, 2 * sqrt(2 * (full - scene.mean_pressure) / bend)
+        )
         for _ in range(12):
             residual = found._residual
-            jacobian = np.column_stack([(found._moved(*d)._residual - residual) / 1e-4 for d in ((1e-4, 0.0), (0.0, 1e-4))])
+            jacobian = np.column_stack(
+                [(found._moved(*d)._residual - residual) / 1e-4 for d in ((1e-4, 0.0), (0.0, 1e-4))]
+            )
             found = found._moved(*-np.linalg.solve(jacobian, residual))
         return found
 
@@ -71,9 +82,13 @@ class OneGap:
         y = self._tau * np.cos(_THETA)
         x = np.longdouble(self.middle) + np.arctan(y) / _PI
         phase = np.round(k / (2 * pi)) * (2 * _PI) * x[:, None]
-        excess = (np.cos(phase) @ c.astype(np.longdouble) + np.sin(phase) @ s.astype(np.longdouble)) - 2 * np.longdouble(self.mean)
+        excess = (
+            np.cos(phase) @ c.astype(np.longdouble) + np.sin(phase) @ s.astype(np.longdouble)
+        ) - 2 * np.longdouble(self.mean)
         # sum over the nodes of a few times what is left: no longer small differences
-        series = 2 / _NODES * np.cos(np.arange(_NODES)[:, None] * _THETA) @ excess.astype(np.float64)
+        series = (
+            2 / _NODES * np.cos(np.arange(_NODES)[:, None] * _THETA) @ excess.astype(np.float64)
+        )
         series[0] *= 0.5
         return series, float(np.mean(self._slope_sine(series) * y / (1 + y**2)) * self._tau)
 
@@ -110,7 +125,11 @@ class OneGap:
         with np.errstate(over="ignore"):
             z = np.maximum(np.abs(np.tan(pi * off)) / self._tau, 1.0)
         rho = np.where(off < 0, -1, 1) / (z + np.sqrt((z - 1) * (z + 1)))
-        value = self.mean - 0.5 * (self.profile.slope_conjugate(x) - moment - np.polyval(np.append(series[:0:-1], 0.0), rho))
+        value = self.mean - 0.5 * (
+            self.profile.slope_conjugate(x)
+            - moment
+            - np.polyval(np.append(series[:0:-1], 0.0), rho)
+        )
         return np.asarray(np.where(np.abs(off) > self.half_gap, value, 0.0))
 
     def pressure_at(self, t: ArrayLike, zone: int = 0) -> Array:

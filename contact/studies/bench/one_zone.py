@@ -1,12 +1,13 @@
-"""One symmetric zone of a lone body under any slope, by quadrature over its pieces: what a measured profile is judged by.
+"""One symmetric zone of a lone body under any slope, by quadrature over its pieces: what a measured
+profile is judged by.
 
 With xi = a sin(theta), since PV int dtheta / (a sin(theta) - x) = 0,
 
     p(x) = (E*/2 pi) sqrt(a^2 - x^2) int [f'(a sin theta) - f'(x)] / (a sin theta - x) dtheta,     -pi/2 < theta < pi/2,
     P = E* int_0^(pi/2) a sin(theta) f'(a sin theta) dtheta
 
-(the inverse of the finite Hilbert transform, bounded at both ends). Between two breaks of a spline the integrand is smooth, and
-Gauss and Legendre's rule of eight points leaves nothing.
+(the inverse of the finite Hilbert transform, bounded at both ends). Between two breaks of a spline
+the integrand is smooth, and Gauss and Legendre's rule of eight points leaves nothing.
 """
 
 from __future__ import annotations
@@ -79,8 +80,9 @@ class ByPieces(SymmetricZone):
 
 
 def _graded(edges: Array, at: float) -> Array:
-    """The edges, and more beside the piece around `at`: the next ones have other polynomials, whose quotient has a pole at `at`, so
-    that a piece may be as wide as its distance from there."""
+    """The edges, and more beside the piece around `at`: the next ones have other polynomials, whose
+    quotient has a pole at `at`, so that a piece may be as wide as its distance from there.
+    """
     steps = 2.0 ** np.arange(60) - 1
     left, right = edges[edges < at], edges[edges > at]
     more = np.concatenate((left[-1] - (at - left[-1]) * steps, right[0] + (right[0] - at) * steps))

@@ -1,8 +1,10 @@
-"""Two published boundary-element codes on the same scenes: tamaas and ContactMechanics, an optional extra.
+"""Two published boundary-element codes on the same scenes: tamaas and ContactMechanics, an optional
+extra.
 
-Both put pressures on an even periodic grid and minimise by the conjugate gradients of Polonsky and Keer. Each is shown at its
-best: its own tolerance is the loosest that leaves its discretization error as it is, iteration limits are raised, convergence
-is asked for, and only the solver is timed, not the making of surfaces, kernels and transforms.
+Both put pressures on an even periodic grid and minimise by the conjugate gradients of Polonsky and
+Keer. Each is shown at its best: its own tolerance is the loosest that leaves its discretization
+error as it is, iteration limits are raised, convergence is asked for, and only the solver is timed,
+not the making of surfaces, kernels and transforms.
 """
 
 from __future__ import annotations
@@ -33,16 +35,22 @@ Solver = Callable[[Array, Case, float], tuple[Callable[[], None], Callable[[], A
 
 @dataclass(frozen=True)
 class Peer:
-    """A code: `prepare(heights, case, tolerance)` gives (run, read): read is the pressures, None if not converged."""
+    """A code: `prepare(heights, case, tolerance)` gives (run, read): read is the pressures, None if
+    not converged.
+    """
 
     name: str
     prepare: Solver
 
 
-def tamaas(heights: Array, case: Case, tolerance: float) -> tuple[Callable[[], None], Callable[[], Array | None]]:
+def tamaas(
+    heights: Array, case: Case, tolerance: float
+) -> tuple[Callable[[], None], Callable[[], Array | None]]:
     tm = require("tamaas")
     tm.set_log_level(tm.LogLevel.error)
-    model = tm.ModelFactory.createModel(tm.model_type.basic_1d, [case.profile.period], [len(heights)])
+    model = tm.ModelFactory.createModel(
+        tm.model_type.basic_1d, [case.profile.period], [len(heights)]
+    )
     model.E, model.nu = case.E_star, 0.0
     solver = tm.PolonskyKeerRey(model, heights, tolerance)
     solver.max_iter = _ITERATIONS
@@ -68,11 +76,15 @@ def contact_mechanics(
     results: list[Any] = []
 
     def run() -> None:
-        # The default penetration tolerance under-converges: it is taken from the height of the surface here.
+        # The default penetration tolerance under-converges: it is taken from the height of the
+        # surface here.
         results[:] = [
             system.minimize_proxy(
-                external_force=case.mean_pressure * length, pentol=tolerance * float(np.ptp(heights)),
-                forcetol=1e-5 * case.mean_pressure * length / n, thermotol=tolerance, maxiter=_ITERATIONS,
+                external_force=case.mean_pressure * length,
+                pentol=tolerance * float(np.ptp(heights)),
+                forcetol=1e-5 * case.mean_pressure * length / n,
+                thermotol=tolerance,
+                maxiter=_ITERATIONS,
             )
         ]
 
@@ -87,8 +99,12 @@ PEERS = (Peer("tamaas", tamaas), Peer("ContactMechanics", contact_mechanics))
 
 
 def grids(quick: bool) -> list[int]:
-    """Even grids with small prime factors; the end of a zone falls at a new place between the points of each."""
-    return [m * 2**k for k in range(5, 11 if quick else 15) for m in ((4, 6) if quick else (4, 5, 6, 7))]
+    """Even grids with small prime factors; the end of a zone falls at a new place between the
+    points of each.
+    """
+    return [
+        m * 2**k for k in range(5, 11 if quick else 15) for m in ((4, 6) if quick else (4, 5, 6, 7))
+    ]
 
 
 def rows(peer: Peer, case: Case, quick: bool, longest: float) -> Iterator[Row]:
@@ -106,7 +122,11 @@ def rows(peer: Peer, case: Case, quick: bool, longest: float) -> Iterator[Row]:
         # From loose to tight, the first that is as good.
         for tolerance in _TOLERANCES:
             loose = _measured(peer, case, x, heights, tolerance, 0.05)
-            if loose is not None and loose.at_x <= _AS_GOOD * tight.at_x and loose.mean_at_x <= _AS_GOOD * tight.mean_at_x:
+            if (
+                loose is not None
+                and loose.at_x <= _AS_GOOD * tight.at_x
+                and loose.mean_at_x <= _AS_GOOD * tight.mean_at_x
+            ):
                 row = loose if loose.seconds < tight.seconds else tight
                 break
         yield row
@@ -114,7 +134,9 @@ def rows(peer: Peer, case: Case, quick: bool, longest: float) -> Iterator[Row]:
             return
 
 
-def _measured(peer: Peer, case: Case, x: Array, heights: Array, tolerance: float, patience: float) -> Row | None:
+def _measured(
+    peer: Peer, case: Case, x: Array, heights: Array, tolerance: float, patience: float
+) -> Row | None:
     run, read = peer.prepare(heights, case, tolerance)
     seconds = clock.seconds(run, patience, most=8)
     pressure = read()
@@ -125,7 +147,9 @@ def _measured(peer: Peer, case: Case, x: Array, heights: Array, tolerance: float
 
 
 def time_to(rows_of_one: list[Row], error: float, measure: str = "at_x") -> float | None:
-    """Least time to an error for good: all finer runs of the method keep it (rows from coarse to fine); None if none does."""
+    """Least time to an error for good: all finer runs of the method keep it (rows from coarse to
+    fine); None if none does.
+    """
     reached = None
     for row in reversed(rows_of_one):
         if getattr(row, measure) > error:

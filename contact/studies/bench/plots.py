@@ -22,9 +22,25 @@ def precision(rows: list[Row], path: Path) -> None:
         ours = of(rows, scene, OURS)
         _line(axis, ours, "error", "tab:blue", "o-", "contact: true")
         _line(axis, ours, "stated", "tab:blue", "o:", "contact: stated", mfc="none")
-        hierarchy = [row for row in rows if row.scene == scene and row.method.startswith("localized, m")]
-        _line(axis, hierarchy, "error", "tab:purple", "D-", "localized, m = 0 ... 16 neighbours a side")
-        _line(axis, of(rows, scene, "localized, first order"), "error", "tab:red", "*", "localized, first order")
+        hierarchy = [
+            row for row in rows if row.scene == scene and row.method.startswith("localized, m")
+        ]
+        _line(
+            axis,
+            hierarchy,
+            "error",
+            "tab:purple",
+            "D-",
+            "localized, m = 0 ... 16 neighbours a side",
+        )
+        _line(
+            axis,
+            of(rows, scene, "localized, first order"),
+            "error",
+            "tab:red",
+            "*",
+            "localized, first order",
+        )
     _finish(figure, panels, path)
 
 
@@ -34,7 +50,15 @@ def peers(rows: list[Row], path: Path) -> None:
     for scene, axis in panels.items():
         for method, (colour, marker) in {OURS: ("tab:blue", "o"), **_PEERS}.items():
             _line(axis, of(rows, scene, method), "at_x", colour, marker + "-", method + ", largest")
-            _line(axis, of(rows, scene, method), "mean_at_x", colour, marker + ":", method + ", mean", mfc="none")
+            _line(
+                axis,
+                of(rows, scene, method),
+                "mean_at_x",
+                colour,
+                marker + ":",
+                method + ", mean",
+                mfc="none",
+            )
     _finish(figure, panels, path)
 
 
@@ -42,7 +66,9 @@ def _panels(rows: list[Row], label: str) -> tuple[Any, dict[str, Any]]:
     scenes = names(rows)
     across = min(3, len(scenes))
     down = -(-len(scenes) // across)
-    figure = require("matplotlib.figure").Figure(figsize=(3.1 * across, 2.6 * down + 0.7), layout="constrained")
+    figure = require("matplotlib.figure").Figure(
+        figsize=(3.1 * across, 2.6 * down + 0.7), layout="constrained"
+    )
     grid = figure.subplots(down, across, squeeze=False, sharex=True, sharey=True)
     for axis in grid.ravel()[len(scenes) :]:
         axis.set_visible(False)
@@ -61,9 +87,13 @@ def _panels(rows: list[Row], label: str) -> tuple[Any, dict[str, Any]]:
 def _finish(figure: Any, panels: dict[str, Any], path: Path) -> None:
     # One legend for all: labels in order of first appearance.
     found = {
-        label: handle for axis in panels.values() for handle, label in zip(*axis.get_legend_handles_labels(), strict=True)
+        label: handle
+        for axis in panels.values()
+        for handle, label in zip(*axis.get_legend_handles_labels(), strict=True)
     }
-    figure.legend(found.values(), found.keys(), loc="outside lower center", ncols=3, fontsize="small")
+    figure.legend(
+        found.values(), found.keys(), loc="outside lower center", ncols=3, fontsize="small"
+    )
     figure.savefig(path, dpi=90)
 
 
@@ -72,16 +102,32 @@ def scaling(rows: list[Scaled], path: Path) -> None:
     series = list(dict.fromkeys(row.series for row in rows))
     across = min(2, len(series))
     down = -(-len(series) // across)
-    figure = require("matplotlib.figure").Figure(figsize=(4.4 * across, 3.4 * down), layout="constrained")
-    for axis, name in zip(figure.subplots(down, across, squeeze=False).ravel(), series, strict=False):
+    figure = require("matplotlib.figure").Figure(
+        figsize=(4.4 * across, 3.4 * down), layout="constrained"
+    )
+    for axis, name in zip(
+        figure.subplots(down, across, squeeze=False).ravel(), series, strict=False
+    ):
         some = [row for row in rows if row.series == name]
         large = fitted(some)
-        size, power = np.array([row.size for row in some]), np.array([float(row.size) for row in large])
-        time, memory = ([float(getattr(row, what)) for row in large] for what in ("seconds", "peak_bytes"))
-        axis.loglog(size, [row.seconds for row in some], "o-", label=f"time ~ size^{exponent(power, np.array(time)):.2f}")
+        size, power = (
+            np.array([row.size for row in some]),
+            np.array([float(row.size) for row in large]),
+        )
+        time, memory = (
+            [float(getattr(row, what)) for row in large] for what in ("seconds", "peak_bytes")
+        )
+        axis.loglog(
+            size,
+            [row.seconds for row in some],
+            "o-",
+            label=f"time ~ size^{exponent(power, np.array(time)):.2f}",
+        )
         axis.loglog(size, [row.floor for row in some], "k:", label="floor, by direct sums")
         label = f"peak memory [GB] ~ size^{exponent(power, np.array(memory)):.2f}"
-        axis.loglog(size, [row.peak_bytes / 1e9 for row in some], "s--", color="tab:red", label=label)
+        axis.loglog(
+            size, [row.peak_bytes / 1e9 for row in some], "s--", color="tab:red", label=label
+        )
         axis.set(title=name, xlabel="size", ylabel="processor time [s]")
         axis.set_xticks(size, [f"{n:g}" for n in size], fontsize="x-small")
         axis.set_xticks([], minor=True)
@@ -90,7 +136,9 @@ def scaling(rows: list[Scaled], path: Path) -> None:
     figure.savefig(path, dpi=90)
 
 
-def _line(axis: Any, rows: list[Row], what: str, colour: str, style: str, label: str, **more: Any) -> None:
+def _line(
+    axis: Any, rows: list[Row], what: str, colour: str, style: str, label: str, **more: Any
+) -> None:
     points = [(row.seconds, getattr(row, what)) for row in rows if getattr(row, what) is not None]
     if points:
         x, y = np.array(points).T

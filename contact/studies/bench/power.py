@@ -15,8 +15,10 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class PowerPunch(SymmetricZone):
-    """f = x^n / n, n even, on [-1, 1] with E* = 1: p = (1/2) sqrt(1 - x^2) sum_k b_k x^(n-2-2k), b_k = (2k choose k) / 4^k, the
-    polynomial part of x^(n-1) / sqrt(x^2 - 1); P = (pi/2) n/... by its residue, b_(n/2) E* pi / 2 (Shtaerman 1949)."""
+    """f = x^n / n, n even, on [-1, 1] with E* = 1: p = (1/2) sqrt(1 - x^2) sum_k b_k x^(n-2-2k),
+    b_k = (2k choose k) / 4^k, the polynomial part of x^(n-1) / sqrt(x^2 - 1); P = (pi/2) n/... by
+    its residue, b_(n/2) E* pi / 2 (Shtaerman 1949).
+    """
 
     order: int
     half_width = 1.0
@@ -41,8 +43,9 @@ class PowerPunch(SymmetricZone):
 
 @dataclass(frozen=True, eq=False)
 class Repeated:
-    """Waves that repeat `count` times in a period of length 1, their first tip `shift` of their length from the origin; the left
-    ends of the zones lie in [-1/2, 1/2)."""
+    """Waves that repeat `count` times in a period of length 1, their first tip `shift` of their
+    length from the origin; the left ends of the zones lie in [-1/2, 1/2).
+    """
 
     one: Westergaard
     count: int

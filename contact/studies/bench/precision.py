@@ -1,6 +1,8 @@
-"""Work and precision: true and stated error against processor time, as the tolerance runs from 1e-2 to 1e-13.
+"""Work and precision: true and stated error against processor time, as the tolerance runs from 1e-2
+to 1e-13.
 
-On the same scenes also the hierarchy of localized models: their error is that of the model, however exactly they are solved.
+On the same scenes also the hierarchy of localized models: their error is that of the model, however
+exactly they are solved.
 """
 
 from __future__ import annotations
@@ -22,8 +24,10 @@ NEIGHBOURS = (0, 1, 2, 4, 8, 16)
 
 @dataclass(frozen=True)
 class Row:
-    """One run. error: of pressure at equal normalised positions and of ends over widths (what is stated); at_x, mean_at_x:
-    largest and mean error of the pressure at equal places. All over the peak; None: not defined for this method."""
+    """One run. error: of pressure at equal normalised positions and of ends over widths (what is
+    stated); at_x, mean_at_x: largest and mean error of the pressure at equal places. All over the
+    peak; None: not defined for this method.
+    """
 
     scene: str
     method: str
@@ -42,7 +46,9 @@ def tolerances(quick: bool) -> list[float]:
 
 
 def ours(case: Case, quick: bool) -> Iterator[Row]:
-    """The solver over its tolerances; where a tolerance is out of reach, the best state, and no time for more tries."""
+    """The solver over its tolerances; where a tolerance is out of reach, the best state, and no
+    time for more tries.
+    """
     scene = case.scene
     for tol in tolerances(quick):
         row, found = _run(case, "contact", tol, scene, tol, quick)
@@ -65,7 +71,9 @@ def hierarchy(case: Case, quick: bool) -> Iterator[Row]:
             continue
 
 
-def _run(case: Case, method: str, setting: float, scene: Scene, tol: float, quick: bool) -> tuple[Row, bool]:
+def _run(
+    case: Case, method: str, setting: float, scene: Scene, tol: float, quick: bool
+) -> tuple[Row, bool]:
     call: Callable[[], Solution] = lambda: solve(scene, tol)  # noqa: E731
     met = True
     try:
@@ -79,8 +87,16 @@ def _run(case: Case, method: str, setting: float, scene: Scene, tol: float, quic
     x = truth.comb(case.exact)
     largest, mean = truth.at_places(x, solution.pressure(x), case.exact)
     row = Row(
-        case.name, method, setting, seconds, largest, mean, truth.stated_measure(solution, case.exact), solution.error,
-        solution.plan.counts.get("own_modes", 0), met,
+        case.name,
+        method,
+        setting,
+        seconds,
+        largest,
+        mean,
+        truth.stated_measure(solution, case.exact),
+        solution.error,
+        solution.plan.counts.get("own_modes", 0),
+        met,
     )
     return row, met
 

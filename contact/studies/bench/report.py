@@ -28,8 +28,11 @@ class Table(NamedTuple):
 
 
 OURS = "contact"
-# What a single scene may take for each of its zones: seconds, of the time of 100 dense solves (`scaling.yardstick`), and floors at all.
-A_ZONE, OF_SOLVES, FLOORS = 5e-4, 0.12, 25.0
+# What a single scene may take for each of its zones: seconds, of the time of 100 dense solves
+# (`scaling.yardstick`), and floors at all.
+A_ZONE = 5e-4
+OF_SOLVES = 0.12
+FLOORS = 25.0
 
 
 def write_csv(path: Path, rows: Sequence[Any]) -> None:
@@ -44,7 +47,12 @@ def write_csv(path: Path, rows: Sequence[Any]) -> None:
 def markdown(table: Table) -> str:
     """The table as a page has it."""
     lines = [table.columns, ["---"] * len(table.columns), *table.rows]
-    return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in lines) + "\n"
+    return (
+        "\n".join(
+            "| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in lines
+        )
+        + "\n"
+    )
 
 
 def told_of(rows: list[Row], scene: str) -> str:
@@ -67,31 +75,52 @@ def names(rows: Iterable[Row]) -> list[str]:
 
 
 def precision_table(rows: list[Row]) -> Table:
-    """Ours: time and errors at every other tolerance, the stated error beside the true one; all are in the CSV."""
+    """Ours: time and errors at every other tolerance, the stated error beside the true one; all are
+    in the CSV.
+    """
     out: list[tuple[str, ...]] = []
     for scene in names(rows):
         for row in of(rows, scene, OURS):
             if row.met and round(-math.log10(row.setting)) % 2:
                 continue
-            out.append((
-                scene, f"{row.setting:.0e}", _time(row.seconds), _number(row.error), _number(row.stated), _number(row.at_x),
-                "" if row.met else "not met: best state",
-            ))
-    return Table("precision", "work and precision", ("scene", "tol", "time", "true error", "stated", "at equal x, max", ""), out)
+            out.append(
+                (
+                    scene,
+                    f"{row.setting:.0e}",
+                    _time(row.seconds),
+                    _number(row.error),
+                    _number(row.stated),
+                    _number(row.at_x),
+                    "" if row.met else "not met: best state",
+                )
+            )
+    return Table(
+        "precision",
+        "work and precision",
+        ("scene", "tol", "time", "true error", "stated", "at equal x, max", ""),
+        out,
+    )
 
 
 def hierarchy_table(rows: list[Row]) -> Table:
     chosen = [row for row in rows if row.method.startswith("localized")]
     out: list[tuple[str, ...]] = [
-        (row.scene, row.method, _time(row.seconds), _number(row.error), _number(row.stated)) for row in chosen
+        (row.scene, row.method, _time(row.seconds), _number(row.error), _number(row.stated))
+        for row in chosen
     ]
     columns = ("scene", "model", "time", "true error", "stated, of its own")
     return Table("hierarchy", "localized models against the exact one", columns, out)
 
 
-def peers_table(rows: list[Row], peers: Sequence[str], scenes: Sequence[str], targets: Sequence[float] = (1e-2, 1e-3, 1e-4)) -> Table:
-    """Times to an error of the pressure at equal places that is kept from there on, and the ratio to the faster peer, of the scenes that
-    peers were asked for."""
+def peers_table(
+    rows: list[Row],
+    peers: Sequence[str],
+    scenes: Sequence[str],
+    targets: Sequence[float] = (1e-2, 1e-3, 1e-4),
+) -> Table:
+    """Times to an error of the pressure at equal places that is kept from there on, and the ratio
+    to the faster peer, of the scenes that peers were asked for.
+    """
     out: list[tuple[str, ...]] = []
     for measure, label in (("at_x", "max"), ("mean_at_x", "mean")):
         for scene in scenes:
@@ -99,10 +128,32 @@ def peers_table(rows: list[Row], peers: Sequence[str], scenes: Sequence[str], ta
                 ours = time_to(of(rows, scene, OURS), target, measure)
                 theirs = [time_to(of(rows, scene, peer), target, measure) for peer in peers]
                 known = [t for t in theirs if t is not None]
-                ratio = f"{min(known) / ours:.3g}" if known and ours else "no peer reaches it" if ours else "-"
-                cells = [_reach(of(rows, scene, p), t, measure) for p, t in zip(peers, theirs, strict=True)]
-                out.append((scene, f"{label} {target:.0e}", "-" if ours is None else _time(ours), *cells, ratio))
-    return Table("peers", "peers at equal error of p(x)", ("scene", "error", OURS, *peers, "faster peer / contact"), out)
+                ratio = (
+                    f"{min(known) / ours:.3g}"
+                    if known and ours
+                    else "no peer reaches it"
+                    if ours
+                    else "-"
+                )
+                cells = [
+                    _reach(of(rows, scene, p), t, measure)
+                    for p, t in zip(peers, theirs, strict=True)
+                ]
+                out.append(
+                    (
+                        scene,
+                        f"{label} {target:.0e}",
+                        "-" if ours is None else _time(ours),
+                        *cells,
+                        ratio,
+                    )
+                )
+    return Table(
+        "peers",
+        "peers at equal error of p(x)",
+        ("scene", "error", OURS, *peers, "faster peer / contact"),
+        out,
+    )
 
 
 def _reach(rows: list[Row], seconds: float | None, measure: str) -> str:
@@ -117,12 +168,29 @@ def _reach(rows: list[Row], seconds: float | None, measure: str) -> str:
 def scaling_table(rows: list[Scaled]) -> Table:
     out: list[tuple[str, ...]] = [
         (
-            row.series, str(row.size), str(row.zones), str(row.nodes), str(row.unknowns), _time(row.seconds),
-            f"{row.peak_bytes / 1e6:.3g} MB", _time(row.floor), f"{row.seconds / row.floor:.3g}",
+            row.series,
+            str(row.size),
+            str(row.zones),
+            str(row.nodes),
+            str(row.unknowns),
+            _time(row.seconds),
+            f"{row.peak_bytes / 1e6:.3g} MB",
+            _time(row.floor),
+            f"{row.seconds / row.floor:.3g}",
         )
         for row in rows
     ]
-    columns = ("series", "size", "zones", "nodes", "unknowns", "time", "peak memory", "floor", "time / floor")
+    columns = (
+        "series",
+        "size",
+        "zones",
+        "nodes",
+        "unknowns",
+        "time",
+        "peak memory",
+        "floor",
+        "time / floor",
+    )
     return Table("scaling", "cost against size, and against the floor", columns, out)
 
 
@@ -132,12 +200,22 @@ def exponents_table(rows: list[Scaled]) -> Table:
         some = fitted([row for row in rows if row.series == series])
         if len(some) < 3:
             continue
-        sizes, nodes = (np.array([float(getattr(row, name)) for row in some]) for name in ("size", "nodes"))
-        time, memory = (np.array([float(getattr(row, name)) for row in some]) for name in ("seconds", "peak_bytes"))
-        out.append((
-            series, f"{some[0].size} to {some[-1].size}" + (", fast sums" if some[-1].fast else ""),
-            f"{exponent(sizes, time):.2f}", f"{exponent(nodes, time):.2f}", f"{exponent(sizes, memory):.2f}",
-        ))
+        sizes, nodes = (
+            np.array([float(getattr(row, name)) for row in some]) for name in ("size", "nodes")
+        )
+        time, memory = (
+            np.array([float(getattr(row, name)) for row in some])
+            for name in ("seconds", "peak_bytes")
+        )
+        out.append(
+            (
+                series,
+                f"{some[0].size} to {some[-1].size}" + (", fast sums" if some[-1].fast else ""),
+                f"{exponent(sizes, time):.2f}",
+                f"{exponent(nodes, time):.2f}",
+                f"{exponent(sizes, memory):.2f}",
+            )
+        )
     columns = ("series", "sizes fitted", "time by size", "time by nodes", "memory by size")
     return Table("exponents", "fitted exponents", columns, out)
 
@@ -146,25 +224,48 @@ def single_table(rows: list[Scaled], solves: float) -> Table:
     """Single scenes against half a millisecond a zone, their floor, and 100 dense solves."""
     out: list[tuple[str, ...]] = [
         (
-            row.series, _time(row.seconds), _time(row.zones * A_ZONE), f"{row.seconds / row.floor:.3g}", f"{FLOORS:g}",
-            f"{row.seconds / solves:.3f}", f"{row.zones * OF_SOLVES:g}", "yes" if within(row, solves) else "no",
+            row.series,
+            _time(row.seconds),
+            _time(row.zones * A_ZONE),
+            f"{row.seconds / row.floor:.3g}",
+            f"{FLOORS:g}",
+            f"{row.seconds / solves:.3f}",
+            f"{row.zones * OF_SOLVES:g}",
+            "yes" if within(row, solves) else "no",
         )
         for row in rows
     ]
-    columns = ("scene", "time", "at most", "over the floor", "at most", "over 100 dense solves", "at most", "within")
+    columns = (
+        "scene",
+        "time",
+        "at most",
+        "over the floor",
+        "at most",
+        "over 100 dense solves",
+        "at most",
+        "within",
+    )
     return Table("single", "single scenes to 1e-12", columns, out)
 
 
 def within(row: Scaled, solves: float) -> bool:
     """Whether a single scene takes no longer than it may."""
-    return row.seconds <= min(row.zones * A_ZONE, row.zones * OF_SOLVES * solves, FLOORS * row.floor)
+    return row.seconds <= min(
+        row.zones * A_ZONE, row.zones * OF_SOLVES * solves, FLOORS * row.floor
+    )
 
 
 def stability_table(verdicts: list[Verdict]) -> Table:
     out: list[tuple[str, ...]] = [
         (
-            v.group, v.name, f"{v.condition:.1e} ({v.why})", _number(v.allowed), _number(v.error), _number(v.stated),
-            _time(v.seconds), v.outcome + (f": {v.note}" if v.note else ""),
+            v.group,
+            v.name,
+            f"{v.condition:.1e} ({v.why})",
+            _number(v.allowed),
+            _number(v.error),
+            _number(v.stated),
+            _time(v.seconds),
+            v.outcome + (f": {v.note}" if v.note else ""),
         )
         for v in verdicts
     ]

@@ -25,58 +25,101 @@ class Figure:
     why: str
 
 
-def table(rows: list[Row], cases: Sequence[Case], floors: list[Scaled], solves: float, peers: Sequence[str]) -> Table:
+def table(
+    rows: list[Row],
+    cases: Sequence[Case],
+    floors: list[Scaled],
+    solves: float,
+    peers: Sequence[str],
+) -> Table:
     single = [case.name for case in cases if case.single]
     figures = [_millisecond(rows, single), _floor(floors, solves), *_estimates(rows)]
     if peers:
         figures = [_hundredfold(rows, single, peers), *_rough(rows, peers), *figures]
     out: list[tuple[str, ...]] = [
-        (figure.asked, figure.measured, "met" if figure.met else f"missed: {figure.why}") for figure in figures
+        (figure.asked, figure.measured, "met" if figure.met else f"missed: {figure.why}")
+        for figure in figures
     ]
     return Table("required", "what was asked", ("figure", "measured", ""), out)
 
 
 def _hundredfold(rows: list[Row], single: Sequence[str], peers: Sequence[str]) -> Figure:
-    """Peer time over ours at an error of p(x) of 1e-4; a peer that does not reach it counts with its longest run, from below."""
+    """Peer time over ours at an error of p(x) of 1e-4; a peer that does not reach it counts with
+    its longest run, from below.
+    """
     found: list[tuple[float, str]] = []
     for scene in single:
         ours = time_to(of(rows, scene, OURS), 1e-4)
         if ours is None:
             return Figure(_HUNDRED, f"{scene}: not reached", False, "the solver does not reach it")
-        theirs = [(time_to(of(rows, scene, p), 1e-4), max((r.seconds for r in of(rows, scene, p)), default=0.0)) for p in peers]
+        theirs = [
+            (
+                time_to(of(rows, scene, p), 1e-4),
+                max((r.seconds for r in of(rows, scene, p)), default=0.0),
+            )
+            for p in peers
+        ]
         reached = [t for t, _ in theirs if t is not None]
-        ratio, sign = (min(reached) / ours, "") if reached else (min(longest for _, longest in theirs) / ours, "> ")
+        ratio, sign = (
+            (min(reached) / ours, "")
+            if reached
+            else (min(longest for _, longest in theirs) / ours, "> ")
+        )
         found.append((ratio, f"{scene}: {sign}{ratio:.3g}"))
     return Figure(_HUNDRED, "; ".join(text for _, text in found), min(found)[0] >= 100, _PYTHON)
 
 
-_HUNDRED = "at an error of p(x) of 1e-4, 100 times faster than the faster peer on every single-zone scene"
+_HUNDRED = (
+    "at an error of p(x) of 1e-4, 100 times faster than the faster peer on every single-zone scene"
+)
 
 
 def _millisecond(rows: list[Row], single: Sequence[str]) -> Figure:
     times = {scene: time_to(of(rows, scene, OURS), 1e-3) for scene in single}
-    told = "; ".join(f"{scene}: {'not reached' if t is None else quantity(t, 's', 3)}" for scene, t in times.items())
+    told = "; ".join(
+        f"{scene}: {'not reached' if t is None else quantity(t, 's', 3)}"
+        for scene, t in times.items()
+    )
     met = all(t is not None and t <= 1e-3 for t in times.values())
-    return Figure("at an error of p(x) of 1e-3, never slower than a millisecond on a single zone", told, met, _PYTHON)
+    return Figure(
+        "at an error of p(x) of 1e-3, never slower than a millisecond on a single zone",
+        told,
+        met,
+        _PYTHON,
+    )
 
 
 def _rough(rows: list[Row], peers: Sequence[str]) -> list[Figure]:
-    scenes = [scene for scene in dict.fromkeys(row.scene for row in rows) if scene.startswith("rough") and "zones" in scene]
+    scenes = [
+        scene
+        for scene in dict.fromkeys(row.scene for row in rows)
+        if scene.startswith("rough") and "zones" in scene
+    ]
     out = []
     for scene in scenes:
         ours = time_to(of(rows, scene, OURS), 1e-8, "error")
         theirs = [t for t in (time_to(of(rows, scene, p), 1e-3) for p in peers) if t is not None]
         longest = min(max((r.seconds for r in of(rows, scene, p)), default=0.0) for p in peers)
         told = f"{'not reached' if ours is None else quantity(ours, 's', 3)} against "
-        told += quantity(min(theirs), "s", 3) if theirs else f"more than {quantity(longest, 's', 3)}"
+        told += (
+            quantity(min(theirs), "s", 3) if theirs else f"more than {quantity(longest, 's', 3)}"
+        )
         met = ours is not None and ours < (min(theirs) if theirs else longest)
-        out.append(Figure(f"{scene}: 1e-8 in less than the faster peer's time to 1e-3", told, met, "too many unknowns"))
+        out.append(
+            Figure(
+                f"{scene}: 1e-8 in less than the faster peer's time to 1e-3",
+                told,
+                met,
+                "too many unknowns",
+            )
+        )
     return out
 
 
 def _floor(floors: list[Scaled], solves: float) -> Figure:
     told = "; ".join(
-        f"{row.series}: {quantity(row.seconds, 's', 3)}, {row.seconds / row.floor:.3g} floors, {row.seconds / solves:.2g}" for row in floors
+        f"{row.series}: {quantity(row.seconds, 's', 3)}, {row.seconds / row.floor:.3g} floors, {row.seconds / solves:.2g}"
+        for row in floors
     )
     asked = (
         f"single scenes to 1e-12 within half a millisecond, {FLOORS:g} floors and {OF_SOLVES:g} of 100 dense solves of 33 unknowns, of two "
@@ -86,15 +129,28 @@ def _floor(floors: list[Scaled], solves: float) -> Figure:
 
 
 def _estimates(rows: list[Row]) -> list[Figure]:
-    """Over every scene and tolerance: the true error at most the stated, the stated at most 100 max(true, 1e-13)."""
-    mine = [(row.error, row.stated) for row in rows if row.method == OURS and row.error is not None and row.stated is not None]
+    """Over every scene and tolerance: the true error at most the stated, the stated at most 100
+    max(true, 1e-13).
+    """
+    mine = [
+        (row.error, row.stated)
+        for row in rows
+        if row.method == OURS and row.error is not None and row.stated is not None
+    ]
     below = sum(error <= stated for error, stated in mine)
     near = sum(stated <= 100 * max(error, 1e-13) for error, stated in mine)
     told: Callable[[int], str] = lambda count: f"{count} of {len(mine)} runs"  # noqa: E731
     return [
-        Figure("the true error is at most the stated one", told(below), below == len(mine), "an estimate, not a bound"),
         Figure(
-            "the stated error is at most 100 times the true one (or 1e-13) in nine of ten", told(near), near >= 0.9 * len(mine),
+            "the true error is at most the stated one",
+            told(below),
+            below == len(mine),
+            "an estimate, not a bound",
+        ),
+        Figure(
+            "the stated error is at most 100 times the true one (or 1e-13) in nine of ten",
+            told(near),
+            near >= 0.9 * len(mine),
             "the estimate errs on the safe side",
         ),
     ]

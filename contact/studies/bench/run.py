@@ -1,4 +1,6 @@
-"""The suites as the commands run them: measure, write CSV, tables and figures, and hand the tables back."""
+"""The suites as the commands run them: measure, write CSV, tables and figures, and hand the tables
+back.
+"""
 
 from __future__ import annotations
 
@@ -31,8 +33,10 @@ class Progress(Protocol):
     def __call__(self, stage: str, done: int, total: int | None) -> None: ...
     def say(self, line: str) -> None: ...
 
+
 # A run of a peer after which no finer grid is tried.
-LONGEST, LONGEST_QUICK = 4.0, 0.5
+LONGEST = 4.0
+LONGEST_QUICK = 0.5
 
 
 def bench(folder: Path, quick: bool, with_peers: bool, progress: Progress) -> list[Table]:
@@ -44,7 +48,11 @@ def bench(folder: Path, quick: bool, with_peers: bool, progress: Progress) -> li
     made = machine.commit()
     rows: list[Row] = []
     cases = suite(quick)
-    total = len(cases) + sum(len(sizes) for _, sizes, _, _ in scaling.series(quick)) + len(scaling.SINGLE)
+    total = (
+        len(cases)
+        + sum(len(sizes) for _, sizes, _, _ in scaling.series(quick))
+        + len(scaling.SINGLE)
+    )
     with unwarned():
         for k, case in enumerate(cases):
             progress("measured", k, total)
@@ -52,7 +60,13 @@ def bench(folder: Path, quick: bool, with_peers: bool, progress: Progress) -> li
             progress.say(report.told_of(rows, case.name))
     tables = [report.precision_table(rows), report.hierarchy_table(rows)]
     if chosen:
-        tables.append(report.peers_table(rows, [peer.name for peer in chosen], [case.name for case in cases if _asks_peers(case)]))
+        tables.append(
+            report.peers_table(
+                rows,
+                [peer.name for peer in chosen],
+                [case.name for case in cases if _asks_peers(case)],
+            )
+        )
     scaled: list[Scaled] = []
     single: list[Scaled] = []
     for found, measured in ((scaled, scaling.measure(quick)), (single, scaling.floors(quick))):
@@ -61,7 +75,11 @@ def bench(folder: Path, quick: bool, with_peers: bool, progress: Progress) -> li
             progress("measured", len(cases) + len(scaled) + len(single), total)
             progress.say(report.told_of_size(row))
     solves = scaling.yardstick(0.2 if quick else 0.6)
-    tables += [report.scaling_table(scaled), report.exponents_table(scaled), report.single_table(single, solves)]
+    tables += [
+        report.scaling_table(scaled),
+        report.exponents_table(scaled),
+        report.single_table(single, solves),
+    ]
     tables += [curves.table(quick), imports.table()]
     tables.append(required.table(rows, cases, single, solves, [peer.name for peer in chosen]))
     tables.append(machine.table([peer.name for peer in chosen]))
@@ -103,4 +121,6 @@ def extremes(folder: Path | None, quick: bool, progress: Progress) -> tuple[Tabl
 def _write(folder: Path, tables: list[Table], made: str) -> None:
     """made: the commit they were made at."""
     for table in tables:
-        (folder / f"{table.key}.md").write_text(report.markdown(table) + f"\nMade at {made}.\n", encoding="utf-8")
+        (folder / f"{table.key}.md").write_text(
+            report.markdown(table) + f"\nMade at {made}.\n", encoding="utf-8"
+        )

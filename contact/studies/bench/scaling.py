@@ -1,8 +1,8 @@
 """Time and memory against zones, nodes and harmonics, and against the floor.
 
-The floor is the least that a solver of this equation by direct sums can do: the profile once at the final nodes and the kernel
-applied to them once, every node acting on every other, as numpy does it. Fast sums go below it. Exponents are fitted to the larger
-sizes, all solved with the same machinery.
+The floor is the least that a solver of this equation by direct sums can do: the profile once at the
+final nodes and the kernel applied to them once, every node acting on every other, as numpy does it.
+Fast sums go below it. Exponents are fitted to the larger sizes, all solved with the same machinery.
 """
 
 from __future__ import annotations
@@ -28,7 +28,9 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Scaled:
-    """One size of one series. seconds and bytes of `solve`, floor in seconds, and what the solution counts."""
+    """One size of one series. seconds and bytes of `solve`, floor in seconds, and what the solution
+    counts.
+    """
 
     series: str
     size: int
@@ -43,7 +45,9 @@ class Scaled:
 
 
 def floor_seconds(solution: Solution) -> float:
-    """Processor time of one evaluation of the profile at the final nodes and one application of the kernel to them."""
+    """Processor time of one evaluation of the profile at the final nodes and one application of the
+    kernel to them.
+    """
     fields, profile = solution.fields, solution.scene.profile
     assert isinstance(fields, ZoneFields)
     zones = fields.density.zones
@@ -67,17 +71,31 @@ def floor_seconds(solution: Solution) -> float:
 
 
 def equal_waves(zones: int) -> Scene:
-    """n equal waves a period, in contact on a fifth of it: mean pressure p* sin^2(pi/10), p* = pi E* n A / L."""
+    """n equal waves a period, in contact on a fifth of it: mean pressure p* sin^2(pi/10), p* = pi
+    E* n A / L.
+    """
     amplitude = 1e-3 / zones
     profile = Fourier(1.0, [0.0] * (zones - 1) + [-amplitude])
-    return Scene(profile, 1.0, Periodic(), mean_pressure=float(np.pi * zones * amplitude * np.sin(np.pi / 10) ** 2))
+    return Scene(
+        profile,
+        1.0,
+        Periodic(),
+        mean_pressure=float(np.pi * zones * amplitude * np.sin(np.pi / 10) ** 2),
+    )
 
 
 def rippled(order: int) -> Scene:
-    """One zone under a wave with a ripple of a high order, weak enough not to open it: 0.1 of the slope at most."""
+    """One zone under a wave with a ripple of a high order, weak enough not to open it: 0.1 of the
+    slope at most.
+    """
     cosine = np.zeros(order)
     cosine[0], cosine[-1] = -1e-3, -1e-5 / order
-    return Scene(Fourier(1.0, cosine), 1.0, Periodic(), mean_pressure=np.pi * 1e-3 * np.sin(0.4 * np.pi / 2) ** 2)
+    return Scene(
+        Fourier(1.0, cosine),
+        1.0,
+        Periodic(),
+        mean_pressure=np.pi * 1e-3 * np.sin(0.4 * np.pi / 2) ** 2,
+    )
 
 
 def rough_scene(harmonics: int) -> Scene:
@@ -85,17 +103,34 @@ def rough_scene(harmonics: int) -> Scene:
 
 
 def _designed(zones: int) -> Scene:
-    """Widths within a factor 3: among many more unlike zones there is one of next to no load, a matter of stability."""
+    """Widths within a factor 3: among many more unlike zones there is one of next to no load, a
+    matter of stability.
+    """
     return designed(zones, seed=2, spread=3.0).scene
 
 
 def series(quick: bool) -> list[tuple[str, list[int], Callable[[int], Scene], float]]:
     """(name, sizes, scene of a size, tolerance)."""
     return [
-        ("zones, inverse design", [2, 4, 8, 16] if quick else [2, 4, 8, 16, 32, 64], _designed, 1e-8),
-        ("zones, equal", [3, 9, 27] if quick else [3, 9, 27, 81, 243, 729, 2187], equal_waves, 1e-8),
+        (
+            "zones, inverse design",
+            [2, 4, 8, 16] if quick else [2, 4, 8, 16, 32, 64],
+            _designed,
+            1e-8,
+        ),
+        (
+            "zones, equal",
+            [3, 9, 27] if quick else [3, 9, 27, 81, 243, 729, 2187],
+            equal_waves,
+            1e-8,
+        ),
         ("nodes of one zone", [8, 32, 128] if quick else [8, 32, 128, 512, 2048], rippled, 1e-10),
-        ("harmonics, rough", [16, 32, 64] if quick else [16, 64, 256, 512, 1024, 2048, 4096, 8192], rough_scene, 1e-8),
+        (
+            "harmonics, rough",
+            [16, 32, 64] if quick else [16, 64, 256, 512, 1024, 2048, 4096, 8192],
+            rough_scene,
+            1e-8,
+        ),
     ]
 
 
@@ -137,15 +172,23 @@ def one(name: str, size: int, scene: Scene, tol: float, patience: float) -> Scal
         return one(name, size, scene, 10 * tol, patience)
     counts = solution.plan.counts
     return Scaled(
-        name, size, tol, clock.seconds(lambda: solve(scene, tol), patience, 200),
-        clock.peak_bytes(lambda: solve(scene, tol)), floor_seconds(solution), len(solution.zones), counts["own_modes"],
-        counts.get("coupled_unknowns", 0), solution.plan["fast sums"].used,
+        name,
+        size,
+        tol,
+        clock.seconds(lambda: solve(scene, tol), patience, 200),
+        clock.peak_bytes(lambda: solve(scene, tol)),
+        floor_seconds(solution),
+        len(solution.zones),
+        counts["own_modes"],
+        counts.get("coupled_unknowns", 0),
+        solution.plan["fast sums"].used,
     )
 
 
 def fitted(rows: list[Scaled]) -> list[Scaled]:
-    """The rows of a series to fit an exponent to: the upper half of those with fast sums if the largest has them, else of all;
-    three at least, if there are so many."""
+    """The rows of a series to fit an exponent to: the upper half of those with fast sums if the
+    largest has them, else of all; three at least, if there are so many.
+    """
     same = [row for row in rows if row.fast == rows[-1].fast]
     same = same if len(same) >= 3 else rows
     return same[-max(3, (len(same) + 1) // 2) :]

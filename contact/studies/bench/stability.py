@@ -19,16 +19,19 @@ from contact.studies.bench.extremes import Extreme, matrix
 from contact.studies.bench.truth import Exact
 
 # Tolerances are asked for from the first to the second of these.
-FINEST, COARSEST = 1e-13, 1e-2
+FINEST = 1e-13
+COARSEST = 1e-2
 # A solve that takes longer is given up [s].
 PATIENCE = 60.0
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """One case. error, stated: of the stated measure; outcome: "pass"; "undecided", where two topologies are the same answer to what
-    is allowed and the certificate says so; "not judged", where the truth is not known so well, or not within the time; "known" (fails, and
-    why is known); "FAIL"."""
+    """One case. error, stated: of the stated measure; outcome: "pass"; "undecided", where two
+    topologies are the same answer to what is allowed and the certificate says so; "not judged",
+    where the truth is not known so well, or not within the time; "known" (fails, and why is known);
+    "FAIL".
+    """
 
     group: str
     name: str
@@ -43,15 +46,21 @@ class Verdict:
 
 
 def attempt(scene: Scene, allowed: float, patience: float) -> tuple[Solution | None, str, float]:
-    """(best solution, what went wrong, processor time of the last solve): asked for a tenth of what is allowed, so that the
-    tolerance is not what limits the error, and where that is refused for just that."""
+    """(best solution, what went wrong, processor time of the last solve): asked for a tenth of what
+    is allowed, so that the tolerance is not what limits the error, and where that is refused for
+    just that.
+    """
     best: Solution | None = None
     note = ""
     start = time.process_time()
     for tol in (min(max(0.1 * allowed, FINEST), COARSEST), min(allowed, COARSEST)):
         start = time.process_time()
         try:
-            return clock.limited(partial(solve, scene, tol), patience), "", time.process_time() - start
+            return (
+                clock.limited(partial(solve, scene, tol), patience),
+                "",
+                time.process_time() - start,
+            )
         except NotConverged as failure:
             note = _short(failure)
             if failure.best is not None and (best is None or failure.best.error < best.error):
@@ -65,7 +74,9 @@ def attempt(scene: Scene, allowed: float, patience: float) -> tuple[Solution | N
 
 
 def run(case: Extreme, patience: float = PATIENCE) -> Verdict:
-    """Solve to what is allowed, and compare: the true error at most the allowed one and at most the stated one."""
+    """Solve to what is allowed, and compare: the true error at most the allowed one and at most the
+    stated one.
+    """
     try:
         scene, exact = clock.limited(case.make, patience)
     except (ContactError, clock.TooLong) as failure:
@@ -92,11 +103,21 @@ def run(case: Extreme, patience: float = PATIENCE) -> Verdict:
     return _verdict(case, error, stated, seconds, outcome, note)
 
 
-def _verdict(case: Extreme, error: float, stated: float, seconds: float, outcome: str, note: str) -> Verdict:
+def _verdict(
+    case: Extreme, error: float, stated: float, seconds: float, outcome: str, note: str
+) -> Verdict:
     if outcome == "FAIL" and case.known:
         outcome, note = "known", "; ".join(part for part in (note, case.known) if part)
     return Verdict(
-        case.group, case.name, case.condition, case.why, case.allowed, error, stated, seconds, outcome,
+        case.group,
+        case.name,
+        case.condition,
+        case.why,
+        case.allowed,
+        error,
+        stated,
+        seconds,
+        outcome,
         "" if outcome == "pass" else note,
     )
 
@@ -106,14 +127,19 @@ def _other_topology(found: Solution, exact: Exact) -> tuple[float, str]:
     x = truth.comb(exact)
     apart = truth.at_places(x, found.pressure(x), exact)[0]
     word = ", undecided" if found.certificate.undecided else ""
-    return apart, f"{len(found.zones)} of {len(exact.zones)} zones{word}; pressures at equal places differ by {apart:.1e}"
+    return (
+        apart,
+        f"{len(found.zones)} of {len(exact.zones)} zones{word}; pressures at equal places differ by {apart:.1e}",
+    )
 
 
 def _short(error: Exception) -> str:
     return " ".join(str(error).split())
 
 
-def run_matrix(quick: bool, progress: Callable[[str, int, int | None], None] | None = None) -> list[Verdict]:
+def run_matrix(
+    quick: bool, progress: Callable[[str, int, int | None], None] | None = None
+) -> list[Verdict]:
     """Every case of the matrix."""
     cases = matrix(quick)
     out = []

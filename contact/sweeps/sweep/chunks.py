@@ -1,4 +1,5 @@
-"""Points of a grid that are solved together: along the control of one scene they share work, as those of `contact.solve_many` do.
+"""Points of a grid that are solved together: along the control of one scene they share work, as
+those of `contact.solve_many` do.
 
 In another process, or on another machine, a scene arrives as bytes.
 """
@@ -41,8 +42,10 @@ _SECONDS_WHOLE = 60.0
 
 @dataclass(frozen=True)
 class Chunk:
-    """Places in the grid, in the order in which they are solved, and what is set at each; `control`: what goes along them, if any does;
-    `seconds`: after which what is solved is handed in; `whole`: whether that is the solutions themselves."""
+    """Places in the grid, in the order in which they are solved, and what is set at each;
+    `control`: what goes along them, if any does; `seconds`: after which what is solved is handed
+    in; `whole`: whether that is the solutions themselves.
+    """
 
     places: tuple[int, ...]
     settings: tuple[dict[str, Value], ...]
@@ -53,7 +56,9 @@ class Chunk:
     @classmethod
     def of_curve(cls, control: str, places: Sequence[int], values: Array) -> "Chunk":
         """Solutions themselves, at some of the values of a control."""
-        settings: list[dict[str, Value]] = [{BRANCH: BRANCHES[0], f"control.{control}": float(values[place])} for place in places]
+        settings: list[dict[str, Value]] = [
+            {BRANCH: BRANCHES[0], f"control.{control}": float(values[place])} for place in places
+        ]
         return cls(tuple(places), tuple(settings), control, _SECONDS_WHOLE, whole=True)
 
     def singly(self) -> "Iterator[Chunk]":
@@ -64,11 +69,19 @@ class Chunk:
     def without(self, rows: Rows) -> "list[Chunk]":
         """What is left when its first rows are there: one chunk, or none."""
         done = len(rows)
-        return [replace(self, places=self.places[done:], settings=self.settings[done:])] if done < len(self.places) else []
+        return (
+            [replace(self, places=self.places[done:], settings=self.settings[done:])]
+            if done < len(self.places)
+            else []
+        )
 
 
-def chunks_of(axes: Sequence[Axis], wanted: Mask, solvers: int | None, branch: str = BRANCHES[0]) -> list[Chunk]:
-    """What is wanted of the grid (flat), cut for so many solvers; None: each curve is one chunk. branch: where it is not varied."""
+def chunks_of(
+    axes: Sequence[Axis], wanted: Mask, solvers: int | None, branch: str = BRANCHES[0]
+) -> list[Chunk]:
+    """What is wanted of the grid (flat), cut for so many solvers; None: each curve is one chunk.
+    branch: where it is not varied.
+    """
     at = next((place for place, axis in enumerate(axes) if axis.control), None)
     control = "" if at is None else axes[at].control
     shape = [len(axis.values) for axis in axes]
@@ -78,20 +91,33 @@ def chunks_of(axes: Sequence[Axis], wanted: Mask, solvers: int | None, branch: s
     else:
         upwards = np.argsort(np.array(axes[at].values, dtype=float), kind="stable")
         lines = np.moveaxis(indices, at, -1)[..., upwards].reshape(-1, shape[at])
-    most = wanted.size if solvers is None else max(_SHORTEST, ceil(int(wanted.sum()) / (_EACH * solvers)))
+    most = (
+        wanted.size
+        if solvers is None
+        else max(_SHORTEST, ceil(int(wanted.sum()) / (_EACH * solvers)))
+    )
     points = itertools.product(*(axis.values for axis in axes))
-    settings: list[dict[str, Value]] = [{BRANCH: branch, **dict(zip((axis.key for axis in axes), point, strict=True))} for point in points]
+    settings: list[dict[str, Value]] = [
+        {BRANCH: branch, **dict(zip((axis.key for axis in axes), point, strict=True))}
+        for point in points
+    ]
     found = []
     for line in lines:
         places = [int(place) for place in line if wanted[place]]
         # As even as can be.
         for part in np.array_split(places, ceil(len(places) / most)) if places else ():
-            found.append(Chunk(tuple(int(p) for p in part), tuple(settings[p] for p in part), control, _SECONDS))
+            found.append(
+                Chunk(
+                    tuple(int(p) for p in part), tuple(settings[p] for p in part), control, _SECONDS
+                )
+            )
     return found
 
 
 def solve_chunk(scene: Scene, chunk: Chunk, tol: float) -> Rows:
-    """Its rows, the first and as many as its seconds allow from there; whatever goes wrong at a point is that point's."""
+    """Its rows, the first and as many as its seconds allow from there; whatever goes wrong at a
+    point is that point's.
+    """
     coming = solved(scene, chunk, tol)
     rows = [next(coming)]
     end = time.monotonic() + chunk.seconds
@@ -107,17 +133,27 @@ def solved(scene: Scene, chunk: Chunk, tol: float) -> Iterator[tuple[int, Row]]:
         try:
             with unwarned():
                 here = varied(scene, setting)
-                solution = solve(here, tol, branch=str(setting[BRANCH])) if curve is None else curve.at(here.control[1])
+                solution = (
+                    solve(here, tol, branch=str(setting[BRANCH]))
+                    if curve is None
+                    else curve.at(here.control[1])
+                )
                 row = {"solution": solution} if chunk.whole else _row(solution)
         except Exception as error:
-            # Errors of the package, and those of a user's own profile: the other points are none the worse for it.
-            row = {"raised": error} if chunk.whole else failure(f"{type(error).__name__}: {' '.join(str(error).split())}")
+            # Errors of the package, and those of a user's own profile: the other points are none
+            # the worse for it.
+            row = (
+                {"raised": error}
+                if chunk.whole
+                else failure(f"{type(error).__name__}: {' '.join(str(error).split())}")
+            )
         yield place, row
 
 
 def _curve(scene: Scene, chunk: Chunk, tol: float) -> Curve | None:
-    """The curve that the points are on, with what can be solved of them at once; None without a control, off the branch that curves are
-    of, or without any scene."""
+    """The curve that the points are on, with what can be solved of them at once; None without a
+    control, off the branch that curves are of, or without any scene.
+    """
     if not chunk.control or any(setting[BRANCH] != BRANCHES[0] for setting in chunk.settings):
         return None
     known: list[Scene] = []
@@ -139,7 +175,12 @@ def failure(reason: str) -> Row:
 
 
 def _row(solution: Solution) -> Row:
-    return {**numbers(solution), "failed": False, "reason": "", "warning": "; ".join(solution.warnings)}
+    return {
+        **numbers(solution),
+        "failed": False,
+        "reason": "",
+        "warning": "; ".join(solution.warnings),
+    }
 
 
 def solve_sent(given: bytes, chunk: Chunk, tol: float) -> Rows:
@@ -148,7 +189,9 @@ def solve_sent(given: bytes, chunk: Chunk, tol: float) -> Rows:
 
 
 def cannot_receive(given: bytes, here: str) -> str:
-    """Why it is of no use where it arrives, as the end of a sentence; empty where it is. here: the version of this package that sent it."""
+    """Why it is of no use where it arrives, as the end of a sentence; empty where it is. here: the
+    version of this package that sent it.
+    """
     if version() != here:
         return f"have sie-contact {version()}, and not {here}"
     try:
@@ -159,7 +202,9 @@ def cannot_receive(given: bytes, here: str) -> str:
 
 
 class Question:
-    """Asks `cannot_receive` where it is unpickled, for places of which it is not known whether they have this package at all."""
+    """Asks `cannot_receive` where it is unpickled, for places of which it is not known whether they
+    have this package at all.
+    """
 
     def __init__(self, given: bytes) -> None:
         self.given = given

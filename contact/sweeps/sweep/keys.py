@@ -1,4 +1,6 @@
-"""What of a scene can be varied: the keys of its tables, as a scene file has them, `TABLE.KEY`, and the scene with other values of them."""
+"""What of a scene can be varied: the keys of its tables, as a scene file has them, `TABLE.KEY`, and
+the scene with other values of them.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -18,7 +20,8 @@ Value = float | int | str
 PARTS = ("interaction", "substrate", "law")
 MODULUS = "material.E_star"
 # No key of a scene file: which of several equilibria a scene has is said of its solution.
-BRANCH, BRANCHES = "branch", ("advancing", "receding")
+BRANCH = "branch"
+BRANCHES = ("advancing", "receding")
 
 
 @dataclass(frozen=True)
@@ -39,17 +42,25 @@ class Axis:
 def axes_of(scene: Scene, over: Mapping[str, Any]) -> tuple[Axis, ...]:
     """The axes of a grid, checked: known keys, values that are distinct, and at most one control."""
     if not isinstance(over, Mapping) or not over:
-        raise SceneError.of("over", over, "a mapping of one or more keys, such as 'control.load' or 'profile.amplitude', to their values")
+        raise SceneError.of(
+            "over",
+            over,
+            "a mapping of one or more keys, such as 'control.load' or 'profile.amplitude', to their values",
+        )
     known = keys_of(scene)
     for key in over:
         one_of("key", key, known)
-    axes = tuple(Axis(key, _values(key, given, known[key]), _unit(scene, key)) for key, given in over.items())
+    axes = tuple(
+        Axis(key, _values(key, given, known[key]), _unit(scene, key)) for key, given in over.items()
+    )
     for axis in axes:
         if axis.key == BRANCH and set(axis.values) - set(BRANCHES):
             raise SceneError.of(BRANCH, over[BRANCH], f"words, of {' and '.join(BRANCHES)}")
     controls = [axis.key for axis in axes if axis.control]
     if len(controls) > 1:
-        raise SceneError.of("over", " and ".join(controls), "one control: the others follow from it")
+        raise SceneError.of(
+            "over", " and ".join(controls), "one control: the others follow from it"
+        )
     turning = [axis.key for axis in axes if axis.key.removeprefix("control.") in TURNING]
     if len(turning) > 1:
         raise SceneError.of("over", " and ".join(turning), "one of them: the other follows from it")
@@ -67,12 +78,18 @@ def keys_of(scene: Scene) -> dict[str, Any]:
     controls = {name: value if name == given else None for name in known_controls(scene.given)}
     if not scene.law.convex:
         known[BRANCH] = BRANCHES[0]
-    return known | {f"control.{name}": at for name, at in (controls | {name: getattr(scene, name) for name in TURNING}).items()}
+    return known | {
+        f"control.{name}": at
+        for name, at in (controls | {name: getattr(scene, name) for name in TURNING}).items()
+    }
 
 
 def tables(scene: Scene) -> dict[str, dict[str, Any]]:
     """What the parts of a scene are made of, by table and name."""
-    shapes = {table: {name: value for name, value in told.items() if name != "shape"} for table, told in scene.profile.tables().items()}
+    shapes = {
+        table: {name: value for name, value in told.items() if name != "shape"}
+        for table, told in scene.profile.tables().items()
+    }
     # Of traces also by what their points were prepared: a period is among the others' keys already.
     for table, body in scene.profile.bodies.items():
         shapes[table] = {**body.preparation, **shapes[table]}
@@ -90,7 +107,11 @@ def varied(scene: Scene, settings: Mapping[str, Value]) -> Scene:
         if key == MODULUS:
             changed["E_star"] = value
         elif table == "control":
-            changed |= {**dict.fromkeys(TURNING), name: value} if name in TURNING else fields_under(name, float(value), scene.given)
+            changed |= (
+                {**dict.fromkeys(TURNING), name: value}
+                if name in TURNING
+                else fields_under(name, float(value), scene.given)
+            )
         else:
             others.setdefault(table, {})[name] = value
     # All values of a part at once: one by one they might not go together.
@@ -105,7 +126,11 @@ def varied(scene: Scene, settings: Mapping[str, Value]) -> Scene:
 def _values(key: str, given: Any, present: Any) -> tuple[Value, ...]:
     """Numbers or words, one or more, none twice; whole numbers where the parameter is one."""
     allowed = "a list of distinct finite numbers, or of distinct words"
-    if isinstance(given, str) or not (isinstance(given, Sequence) or (isinstance(given, np.ndarray) and given.ndim == 1)) or not len(given):
+    if (
+        isinstance(given, str)
+        or not (isinstance(given, Sequence) or (isinstance(given, np.ndarray) and given.ndim == 1))
+        or not len(given)
+    ):
         raise SceneError.of(key, given, allowed)
     whole = isinstance(present, int) and not isinstance(present, bool)
     values = tuple(_value(value, whole) for value in given)
@@ -120,7 +145,11 @@ def _values(key: str, given: Any, present: Any) -> tuple[Value, ...]:
 def _value(value: Any, whole: bool) -> Value | None:
     if isinstance(value, str):
         return str(value)
-    if isinstance(value, (bool, np.bool_)) or not isinstance(value, (int, float, np.integer, np.floating)) or not np.isfinite(value):
+    if (
+        isinstance(value, (bool, np.bool_))
+        or not isinstance(value, (int, float, np.integer, np.floating))
+        or not np.isfinite(value)
+    ):
         return None
     return int(value) if whole and value == int(value) else float(value)
 

@@ -1,10 +1,12 @@
-"""Chunks solved in this process, in others of this machine, or by the workers of a Dask scheduler (the extra `cluster`).
+"""Chunks solved in this process, in others of this machine, or by the workers of a Dask scheduler
+(the extra `cluster`).
 
-A process that ends on the way, killed or out of memory, loses nothing but its time: what ran when it ended is solved again, point by
-point, and a point that ends its process once more is a failed one. Where others cannot be started, this one solves.
+A process that ends on the way, killed or out of memory, loses nothing but its time: what ran when
+it ended is solved again, point by point, and a point that ends its process once more is a failed
+one. Where others cannot be started, this one solves.
 
-A worker of a scheduler that is lost on the way loses nothing: the scheduler gives what it ran to another.
-Workers may come and go at any time.
+A worker of a scheduler that is lost on the way loses nothing: the scheduler gives what it ran to
+another. Workers may come and go at any time.
 """
 
 import multiprocessing
@@ -26,7 +28,15 @@ from contact.errors import ContactError, SceneError
 from contact.extras import require, version
 from contact.model.scene import Scene
 from contact.search.topology.loop import Progress
-from contact.sweeps.sweep.chunks import Chunk, Question, Rows, cannot_receive, failure, solve_sent, solved
+from contact.sweeps.sweep.chunks import (
+    Chunk,
+    Question,
+    Rows,
+    cannot_receive,
+    failure,
+    solve_sent,
+    solved,
+)
 
 _ENDED = "the process that solved it ended, killed or out of memory"
 # Each process has one thread: as many as there are processors would get in one another's way.
@@ -45,7 +55,9 @@ def solved_here(scene: Scene, chunks: Sequence[Chunk], tol: float) -> Generator[
             yield [row]
 
 
-def solved_in_processes(scene: Scene, chunks: Sequence[Chunk], tol: float, workers: int) -> Generator[Rows]:
+def solved_in_processes(
+    scene: Scene, chunks: Sequence[Chunk], tol: float, workers: int
+) -> Generator[Rows]:
     """Rows of chunks as these are done, in any order."""
     _not_in_a_copy_of_the_script()
     waiting = deque(chunks)
@@ -53,7 +65,11 @@ def solved_in_processes(scene: Scene, chunks: Sequence[Chunk], tol: float, worke
         with _pool(workers) as pool:
             given, why = _sent(pool, scene)
             if why:
-                warnings.warn(f"solved in this process alone, as other processes {why}", RuntimeWarning, stacklevel=4)
+                warnings.warn(
+                    f"solved in this process alone, as other processes {why}",
+                    RuntimeWarning,
+                    stacklevel=4,
+                )
                 break
             running: dict[Future[Rows], Chunk] = {}
             with suppress(BrokenProcessPool):
@@ -72,7 +88,11 @@ def solved_in_processes(scene: Scene, chunks: Sequence[Chunk], tol: float, worke
                     if why:
                         break
         if why:
-            warnings.warn(f"solved in this process alone, as other processes {why}", RuntimeWarning, stacklevel=4)
+            warnings.warn(
+                f"solved in this process alone, as other processes {why}",
+                RuntimeWarning,
+                stacklevel=4,
+            )
             waiting.extendleft(running.values())
             break
         yield from _point_by_point(given, list(running.values()), tol)
@@ -82,7 +102,9 @@ def solved_in_processes(scene: Scene, chunks: Sequence[Chunk], tol: float, worke
 def _not_sent_back(future: Future[Rows]) -> str:
     """Why a process cannot send its solutions back (an author's class cannot be pickled), or empty."""
     error = future.exception()
-    lost = isinstance(error, pickle.PicklingError) or (isinstance(error, (AttributeError, TypeError)) and "pickle" in str(error))
+    lost = isinstance(error, pickle.PicklingError) or (
+        isinstance(error, (AttributeError, TypeError)) and "pickle" in str(error)
+    )
     return f"cannot send solutions back ({type(error).__name__}: {error})" if lost else ""
 
 
@@ -121,7 +143,9 @@ def _point_by_point(given: bytes, lost: Sequence[Chunk], tol: float) -> Generato
 def _pool(workers: int) -> Iterator[ProcessPoolExecutor]:
     """Processes that end when they are no longer needed, whatever the reason."""
     others = set(multiprocessing.active_children())
-    pool = ProcessPoolExecutor(workers, multiprocessing.get_context("spawn"), initializer=_end_with_parent)
+    pool = ProcessPoolExecutor(
+        workers, multiprocessing.get_context("spawn"), initializer=_end_with_parent
+    )
     try:
         yield pool
     except BaseException:
@@ -136,7 +160,11 @@ def _submitted(pool: ProcessPoolExecutor, *call: object) -> Future[Rows]:
     """A process that is started for it has one thread, and leaves Ctrl-C to this one."""
     unset = [name for name in _THREADS if name not in os.environ]
     os.environ.update(dict.fromkeys(unset, "1"))
-    handler = signal.signal(signal.SIGINT, signal.SIG_IGN) if threading.current_thread() is threading.main_thread() else None
+    handler = (
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+        if threading.current_thread() is threading.main_thread()
+        else None
+    )
     try:
         return pool.submit(*call)  # type: ignore[arg-type]
     finally:
@@ -159,7 +187,9 @@ def _end_with_parent() -> None:
 
 
 def _not_in_a_copy_of_the_script() -> None:
-    """End this process, silently, where it is one that was started to solve and imports the script that started it."""
+    """End this process, silently, where it is one that was started to solve and imports the script
+    that started it.
+    """
     frame = sys._getframe()
     while frame.f_back is not None:
         frame = frame.f_back
@@ -179,12 +209,22 @@ class Cluster:
         self._distributed = require("distributed")
         self._own = isinstance(scheduler, str)
         if not self._own and not isinstance(scheduler, self._distributed.Client):
-            raise SceneError.of("scheduler", scheduler, "None, the address of a Dask scheduler, or a dask.distributed.Client")
+            raise SceneError.of(
+                "scheduler",
+                scheduler,
+                "None, the address of a Dask scheduler, or a dask.distributed.Client",
+            )
         try:
-            self._client = self._distributed.Client(scheduler, timeout=_PATIENCE, set_as_default=False) if self._own else scheduler
+            self._client = (
+                self._distributed.Client(scheduler, timeout=_PATIENCE, set_as_default=False)
+                if self._own
+                else scheduler
+            )
         except Exception as error:  # whatever a connection fails of
             why = " ".join(str(error).split()) or type(error).__name__
-            allowed = f"the address of a Dask scheduler that answers, such as tcp://host:8786 ({why})"
+            allowed = (
+                f"the address of a Dask scheduler that answers, such as tcp://host:8786 ({why})"
+            )
             raise SceneError.of("scheduler", scheduler, allowed) from error
         if not self._client.ncores():
             if progress is not None:
@@ -204,10 +244,14 @@ class Cluster:
         self._ask(scene_sent)
         # A task of its own: sent once, and made again where the worker that keeps it is lost.
         given = client.submit(_same, scene_sent, pure=False)
-        running = {client.submit(solve_sent, given, chunk, tol, pure=False): chunk for chunk in chunks}
+        running = {
+            client.submit(solve_sent, given, chunk, tol, pure=False): chunk for chunk in chunks
+        }
         try:
             # Fetched as they are done: a worker that is lost later takes no results with it.
-            done = self._distributed.as_completed(list(running), loop=client.loop, with_results=True, raise_errors=False)
+            done = self._distributed.as_completed(
+                list(running), loop=client.loop, with_results=True, raise_errors=False
+            )
             for future, found in done:
                 chunk = running.pop(future)
                 rows = self._checked(future, found, chunk)
@@ -220,23 +264,38 @@ class Cluster:
             client.cancel(list(running))
 
     def _ask(self, given: bytes) -> None:
-        """Whether the workers have what the scene needs: one that cannot import it would end, and the sweep wait for others."""
+        """Whether the workers have what the scene needs: one that cannot import it would end, and
+        the sweep wait for others.
+        """
         answers = self._client.run(pickle.loads, pickle.dumps(Question(given)), on_error="return")
         for worker, answer in answers.items():
             if answer:
-                why = f"cannot import contact ({answer})" if isinstance(answer, BaseException) else answer
+                why = (
+                    f"cannot import contact ({answer})"
+                    if isinstance(answer, BaseException)
+                    else answer
+                )
                 raise ContactError(f"the workers of the scheduler {why} (asked: {worker})")
 
     def _checked(self, future: Any, rows: Rows, chunk: Chunk) -> Rows:
-        """The rows, or those of points that cannot be solved; an error where the cluster is at fault."""
+        """The rows, or those of points that cannot be solved; an error where the cluster is at
+        fault.
+        """
         if future.status == "finished":
             return rows
         if future.status != "error":
-            raise ContactError(f"the scheduler is gone, or has given up: points are {future.status}")
+            raise ContactError(
+                f"the scheduler is gone, or has given up: points are {future.status}"
+            )
         error = future.exception()
         if isinstance(error, self._distributed.KilledWorker):
-            return [(place, failure("every worker that solved it ended, killed or out of memory")) for place in chunk.places]
-        raise ContactError(f"the workers of the scheduler cannot solve: {type(error).__name__}: {error}")
+            return [
+                (place, failure("every worker that solved it ended, killed or out of memory"))
+                for place in chunk.places
+            ]
+        raise ContactError(
+            f"the workers of the scheduler cannot solve: {type(error).__name__}: {error}"
+        )
 
     def close(self) -> None:
         if self._own:

@@ -23,27 +23,40 @@ from contact.sweeps.sweep.processes import Cluster, processors, solved_here, sol
 from contact.sweeps.sweep.table import Table, alone
 from sie import Mask
 
-# What is solved is written this often [s], or where writing takes long, so many times what it takes.
-_OFTEN, _SHARE = 2.0, 10.0
+# What is solved is written this often [s], or where writing takes long, so many times what it
+# takes.
+_OFTEN = 2.0
+_SHARE = 10.0
 
 
 def sweep(
-    scene: Scene, over: Mapping[str, Any], scheduler: Any = None, tol: float = 1e-8, *, workers: int | None = None,
-    out: str | PathLike[str] | None = None, overwrite: bool = False, retry: bool = False, branch: str = BRANCHES[0],
+    scene: Scene,
+    over: Mapping[str, Any],
+    scheduler: Any = None,
+    tol: float = 1e-8,
+    *,
+    workers: int | None = None,
+    out: str | PathLike[str] | None = None,
+    overwrite: bool = False,
+    retry: bool = False,
+    branch: str = BRANCHES[0],
     progress: Progress | None = None,
 ) -> Any:
-    """Solve a scene over a grid of values of its parameters, in processes of this machine or on a cluster.
+    """Solve a scene over a grid of values of its parameters, in processes of this machine or on a
+    cluster.
 
-    Points along a control of one scene share work, as those of `contact.solve_many` do. A point that fails is told as failed, and costs
-    the others nothing. With `out` what is solved is kept in a file as it comes, and what is in the file is not solved again.
+    Points along a control of one scene share work, as those of `contact.solve_many` do. A point
+    that fails is told as failed, and costs the others nothing. With `out` what is solved is kept in
+    a file as it comes, and what is in the file is not solved again.
 
     Parameters
     ----------
     scene : Scene
         What is pressed.
     over : mapping
-        Keys of the scene's tables, as a scene file has them ("control.mean_pressure", "profile.amplitude", "material.E_star",
-        "substrate.thickness", ...), to lists of values (numbers, or words where the parameter is one). A control replaces the scene's own.
+        Keys of the scene's tables, as a scene file has them ("control.mean_pressure",
+        "profile.amplitude", "material.E_star", "substrate.thickness", ...), to lists of values
+        (numbers, or words where the parameter is one). A control replaces the scene's own.
     scheduler : str, dask.distributed.Client or None
         Address of a Dask scheduler whose workers solve; None: processes of this machine.
     tol : float
@@ -64,15 +77,17 @@ def sweep(
     Returns
     -------
     xarray.Dataset
-        Dimensions named after the keys; load, mean_pressure, max_pressure, approach, contact_fraction, total_width, stiffness, mean_gap,
-        zone_count (0 in full contact) and error, in SI units, nan for what the scene does not define and where a point failed; `failed`,
-        and in words `reason` and `warning`.
+        Dimensions named after the keys; load, mean_pressure, max_pressure, approach,
+        contact_fraction, total_width, stiffness, mean_gap, zone_count (0 in full contact) and
+        error, in SI units, nan for what the scene does not define and where a point failed;
+        `failed`, and in words `reason` and `warning`.
 
     Raises
     ------
     SceneError
-        If a key or a value is none of the scene's, nothing answers at the scheduler's address, or the file is of another scene, has
-        points that are not asked for, or is being written by another sweep.
+        If a key or a value is none of the scene's, nothing answers at the scheduler's address, or
+        the file is of another scene, has points that are not asked for, or is being written by
+        another sweep.
     MissingExtra
         Without xarray, or with a scheduler without Dask.
 
@@ -103,9 +118,21 @@ def sweep(
         if path is not None and path.exists() and not overwrite:
             table.take_over(path)
         cluster = None if scheduler is None else Cluster(scheduler, progress)
-        solvers = cluster.solvers if cluster else processors() if workers is None else integer("workers", workers, 1)
+        solvers = (
+            cluster.solvers
+            if cluster
+            else processors()
+            if workers is None
+            else integer("workers", workers, 1)
+        )
         try:
-            _fill(table, path, _solving(scene, table, cluster, solvers, retry), progress, table.size - int(_wanted(table, retry).sum()))
+            _fill(
+                table,
+                path,
+                _solving(scene, table, cluster, solvers, retry),
+                progress,
+                table.size - int(_wanted(table, retry).sum()),
+            )
         finally:
             if cluster:
                 cluster.close()
@@ -113,11 +140,15 @@ def sweep(
     return table.to_dataset()
 
 
-def _solving(scene: Scene, table: Table, cluster: Cluster | None, solvers: int, retry: bool) -> Generator[Rows]:
+def _solving(
+    scene: Scene, table: Table, cluster: Cluster | None, solvers: int, retry: bool
+) -> Generator[Rows]:
     """Rows of what is not solved yet."""
     wanted = _wanted(table, retry)
     # In this process alone rows come one by one, and nothing is gained by cutting curves.
-    chunks = chunks_of(table.axes, wanted, solvers if cluster or solvers > 1 else None, table.branch)
+    chunks = chunks_of(
+        table.axes, wanted, solvers if cluster or solvers > 1 else None, table.branch
+    )
     if cluster:
         return cluster.solved(scene, chunks, table.tol)
     if min(solvers, len(chunks)) <= 1:
@@ -130,7 +161,9 @@ def _wanted(table: Table, retry: bool) -> Mask:
     return np.asarray(~table.solved & (~table.failed | retry))
 
 
-def _fill(table: Table, path: Path | None, solving: Generator[Rows], progress: Progress | None, done: int) -> None:
+def _fill(
+    table: Table, path: Path | None, solving: Generator[Rows], progress: Progress | None, done: int
+) -> None:
     """Put rows into the table as they come, and the table into the file, whatever breaks it off."""
     due = time.monotonic() + _OFTEN
     try:
@@ -154,7 +187,9 @@ def _check_values(scene: Scene, axes: Sequence[Axis]) -> None:
     for number, axis in enumerate(axes):
         for value in axis.values:
             first: SceneError | None = None
-            others = [axis.values if place != number else (value,) for place, axis in enumerate(axes)]
+            others = [
+                axis.values if place != number else (value,) for place, axis in enumerate(axes)
+            ]
             for point in itertools.product(*others):
                 try:
                     varied(scene, dict(zip((axis.key for axis in axes), point, strict=True)))
@@ -163,7 +198,9 @@ def _check_values(scene: Scene, axes: Sequence[Axis]) -> None:
                     first = first or error
             else:
                 assert first is not None
-                raise SceneError(f"{axis.key} = {value!r}: {first}", axis.key, value, first.allowed) from first
+                raise SceneError(
+                    f"{axis.key} = {value!r}: {first}", axis.key, value, first.allowed
+                ) from first
 
 
 def _checked(out: str | PathLike[str]) -> Path:
@@ -179,7 +216,10 @@ def _tell(table: Table) -> None:
     failed, odd = np.flatnonzero(table.failed), np.flatnonzero(table.words["warning"] != "")
     lines = [
         f"{len(places)} of {table.size} points {what}: at {table.point(places[0])}: {table.words[word][places[0]]}"
-        for places, word, what in ((failed, "reason", "failed"), (odd, "warning", "are hardly covered by the model"))
+        for places, word, what in (
+            (failed, "reason", "failed"),
+            (odd, "warning", "are hardly covered by the model"),
+        )
         if len(places)
     ]
     warn(lines, stacklevel=4)

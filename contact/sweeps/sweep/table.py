@@ -1,4 +1,5 @@
-"""The table of a sweep: numbers over the grid, what failed and why; as an xarray.Dataset, and in a netCDF file that can be gone on with.
+"""The table of a sweep: numbers over the grid, what failed and why; as an xarray.Dataset, and in a
+netCDF file that can be gone on with.
 
 One sweep at a time writes a file: two would each write over what the other has solved.
 """
@@ -32,7 +33,9 @@ _LONGEST = 64
 class Table:
     """Numbers of all points, flat; what is not solved yet is nan."""
 
-    def __init__(self, scene: Scene, axes: Sequence[Axis], tol: float, branch: str = BRANCHES[0]) -> None:
+    def __init__(
+        self, scene: Scene, axes: Sequence[Axis], tol: float, branch: str = BRANCHES[0]
+    ) -> None:
         self.axes, self.tol, self.branch = tuple(axes), tol, branch
         self.scene = told(scene, {axis.key for axis in axes})
         if branch != BRANCHES[0] and not any(axis.key == BRANCH for axis in axes):
@@ -62,26 +65,47 @@ class Table:
     def point(self, place: int) -> str:
         """A point in words."""
         index = np.unravel_index(place, self.shape)
-        return ", ".join(f"{axis.key} = {axis.values[i]}" for axis, i in zip(self.axes, index, strict=True))
+        return ", ".join(
+            f"{axis.key} = {axis.values[i]}" for axis, i in zip(self.axes, index, strict=True)
+        )
 
     def to_dataset(self) -> Any:
         """On the grid, with units."""
         dims = [axis.key for axis in self.axes]
         data: dict[str, Any] = {
-            name: (dims, self.numbers[name].reshape(self.shape), {"units": unit, "long_name": label})
+            name: (
+                dims,
+                self.numbers[name].reshape(self.shape),
+                {"units": unit, "long_name": label},
+            )
             for name, (unit, label) in NUMBERS.items()
         }
-        data["failed"] = (dims, self.failed.reshape(self.shape), {"long_name": "whether there is no solution"})
-        data |= {name: (dims, self.words[name].reshape(self.shape), {"long_name": label}) for name, label in _WORDS.items()}
-        coordinates = {a.key: (a.key, np.array(a.values), {"units": a.unit} if a.unit else {}) for a in self.axes}
+        data["failed"] = (
+            dims,
+            self.failed.reshape(self.shape),
+            {"long_name": "whether there is no solution"},
+        )
+        data |= {
+            name: (dims, self.words[name].reshape(self.shape), {"long_name": label})
+            for name, label in _WORDS.items()
+        }
+        coordinates = {
+            a.key: (a.key, np.array(a.values), {"units": a.unit} if a.unit else {})
+            for a in self.axes
+        }
         attributes = {
-            "title": "elastic contact over a grid", "source": f"sie-contact {version()}", "version": version(), "tol": self.tol,
+            "title": "elastic contact over a grid",
+            "source": f"sie-contact {version()}",
+            "version": version(),
+            "tol": self.tol,
             "scene": json.dumps(self.scene),
         }
         return require("xarray").Dataset(data, coords=coordinates, attrs=attributes)
 
     def save(self, path: Path) -> None:
-        """Write the file anew, in one step: who reads it, or goes on with it, never sees half of it."""
+        """Write the file anew, in one step: who reads it, or goes on with it, never sees half of
+        it.
+        """
         beside = path.with_name(f".{path.name}.{os.getpid()}")
         try:
             self.to_dataset().to_netcdf(beside, engine="h5netcdf")
@@ -90,11 +114,15 @@ class Table:
             beside.unlink(missing_ok=True)
 
     def take_over(self, path: Path) -> None:
-        """What is in the file, which must be of the same scene and keys, and have no point that is not asked for."""
+        """What is in the file, which must be of the same scene and keys, and have no point that is
+        not asked for.
+        """
         known = _read(path)
         dims = [axis.key for axis in self.axes]
         if sorted(map(str, known.dims)) != sorted(dims):
-            raise self._other(path, f"over {', '.join(map(str, known.dims))}", f"not over {', '.join(dims)}")
+            raise self._other(
+                path, f"over {', '.join(map(str, known.dims))}", f"not over {', '.join(dims)}"
+            )
         self._same_scene(path, json.loads(known.attrs["scene"]))
         known = known.transpose(*dims)
         places = []
@@ -102,7 +130,9 @@ class Table:
             there = known[axis.key].values.tolist()
             for value in there:
                 if value not in axis.values:
-                    raise self._other(path, f"at {axis.key} = {value!r}", "which is not among the values given")
+                    raise self._other(
+                        path, f"at {axis.key} = {value!r}", "which is not among the values given"
+                    )
             places.append([axis.values.index(value) for value in there])
         flat = np.ravel_multi_index(np.ix_(*places), self.shape).ravel()
         for name, values in (*self.numbers.items(), *self.words.items()):
@@ -115,7 +145,11 @@ class Table:
             for key in dict.fromkeys([*old, *new]):
                 there_is, here_is = old.get(key), new.get(key)
                 if there_is != here_is:
-                    raise self._other(path, f"with {table}.{key} = {shown(there_is)}", f"where the scene has {shown(here_is)} now")
+                    raise self._other(
+                        path,
+                        f"with {table}.{key} = {shown(there_is)}",
+                        f"where the scene has {shown(here_is)} now",
+                    )
 
     def _other(self, path: Path, there: str, here: str) -> SceneError:
         allowed = f"of this scene and grid: its points are {there}, {here}; name another file, or have this one written over"
@@ -126,16 +160,26 @@ def _read(path: Path) -> Any:
     try:
         with require("xarray").open_dataset(path, engine="h5netcdf") as opened:
             known = opened.load()
-        missing = {*NUMBERS, *_WORDS, "failed"} - set(known.data_vars) or {"scene"} - set(known.attrs)
+        missing = {*NUMBERS, *_WORDS, "failed"} - set(known.data_vars) or {"scene"} - set(
+            known.attrs
+        )
     except (OSError, ValueError, KeyError, TypeError) as error:
-        raise SceneError.of("out", str(path), f"a file that a sweep has written ({' '.join(str(error).split())})") from error
+        raise SceneError.of(
+            "out", str(path), f"a file that a sweep has written ({' '.join(str(error).split())})"
+        ) from error
     if missing:
-        raise SceneError.of("out", str(path), f"a file that a sweep has written ({', '.join(sorted(missing))} missing)")
+        raise SceneError.of(
+            "out",
+            str(path),
+            f"a file that a sweep has written ({', '.join(sorted(missing))} missing)",
+        )
     return known
 
 
 def told(scene: Scene, but: set[str]) -> dict[str, dict[str, Any]]:
-    """The tables of a scene, without the keys that are varied; long arrays by their shape and their sum."""
+    """The tables of a scene, without the keys that are varied; long arrays by their shape and their
+    sum.
+    """
     tables: dict[str, dict[str, Any]] = {"material": {"E_star": scene.E_star}}
     for table, values in tables_of(scene).items():
         body = scene.profile.bodies.get(table)
@@ -143,13 +187,26 @@ def told(scene: Scene, but: set[str]) -> dict[str, dict[str, Any]]:
         name = {"model" if body is None else "shape": part.name or type(part).__qualname__}
         if body is not None:
             prepared = {f"{table}.{key}" for key in body.preparation}
-            # Where it is varied how a trace is prepared, it is known by what was read, and else by what has become of that.
-            hidden = set() if prepared & but - {f"{table}.period"} else set(body.preparation) - set(body.parameters())
-            values = {**{key: value for key, value in values.items() if key not in hidden}, **({} if hidden else body.unprepared())}
+            # Where it is varied how a trace is prepared, it is known by what was read, and else by
+            # what has become of that.
+            hidden = (
+                set()
+                if prepared & but - {f"{table}.period"}
+                else set(body.preparation) - set(body.parameters())
+            )
+            values = {
+                **{key: value for key, value in values.items() if key not in hidden},
+                **({} if hidden else body.unprepared()),
+            }
         tables[table] = {**name, **{key: _short(value) for key, value in values.items()}}
-    replaced = any(key.startswith("control.") and key.removeprefix("control.") not in TURNING for key in but)
+    replaced = any(
+        key.startswith("control.") and key.removeprefix("control.") not in TURNING for key in but
+    )
     tables["control"] = scene.turning if replaced else dict([scene.control], **scene.turning)
-    return {table: {key: value for key, value in values.items() if f"{table}.{key}" not in but} for table, values in tables.items()}
+    return {
+        table: {key: value for key, value in values.items() if f"{table}.{key}" not in but}
+        for table, values in tables.items()
+    }
 
 
 def _short(value: Any) -> Any:
@@ -165,8 +222,8 @@ def _short(value: Any) -> Any:
 
 @contextmanager
 def alone(path: Path) -> Iterator[None]:
-    """Hold the file of a name against other sweeps, of this process, of this machine or, where file systems tell, of others; SceneError
-    where one holds it already.
+    """Hold the file of a name against other sweeps, of this process, of this machine or, where file
+    systems tell, of others; SceneError where one holds it already.
 
     The system lets go of what a process holds when that ends, however it ends.
     """
@@ -179,11 +236,16 @@ def alone(path: Path) -> Iterator[None]:
     try:
         lock.acquire()
     except filelock.Timeout as error:
-        raise SceneError.of("out", str(path), "a file that no other sweep is writing: one is, and goes on; name another file") from error
+        raise SceneError.of(
+            "out",
+            str(path),
+            "a file that no other sweep is writing: one is, and goes on; name another file",
+        ) from error
     try:
         yield
     finally:
-        # Taken away while it is held: who has opened it meanwhile sees that it is gone, and makes a new one.
+        # Taken away while it is held: who has opened it meanwhile sees that it is gone, and makes a
+        # new one.
         with suppress(OSError):
             os.unlink(lock.lock_file)
         lock.release()

@@ -15,7 +15,18 @@ from contact.studies.bench.extremes.shapes import slopes, units
 __all__ = ["Extreme", "matrix"]
 
 GROUPS: tuple[Callable[[], Iterator[Extreme]], ...] = (
-    fractions, loads_near_full, gaps, merges, scales, units, slopes, layers, jkr, dugdale, equal_zones, noisy,
+    fractions,
+    loads_near_full,
+    gaps,
+    merges,
+    scales,
+    units,
+    slopes,
+    layers,
+    jkr,
+    dugdale,
+    equal_zones,
+    noisy,
 )
 
 

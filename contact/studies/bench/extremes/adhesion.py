@@ -1,4 +1,6 @@
-"""Adhesion: loads next to pull-off and to the jump into full contact, works from next to nothing to what closes a wave."""
+"""Adhesion: loads next to pull-off and to the jump into full contact, works from next to nothing to
+what closes a wave.
+"""
 
 from __future__ import annotations
 
@@ -21,54 +23,86 @@ from contact.studies.bench.truth import Exact
 Curve = JKRWave | JKRCylinder | DugdaleWave | DugdaleCylinder
 
 _WHY = "of the closed form, by a difference"
-_AMPLITUDE, _WORK = 0.01, 1e-5
+_AMPLITUDE = 0.01
+_WORK = 1e-5
 # Loads from which a condition is found lie so much closer than the next turning point of the load.
 _NEARER = 1e-3
 
 
 def jkr() -> Iterator[Extreme]:
-    """Johnson's wave and Barquins's cylinder, under a load. At a turning point of the load ends move as its square root."""
+    """Johnson's wave and Barquins's cylinder, under a load. At a turning point of the load ends
+    move as its square root.
+    """
     group = "JKR"
     for part in (1e-2, 1e-4, 1e-6):
         for name, curve in (("wave", _wave(_WORK)), ("cylinder", JKRCylinder(1.0, 1.0, 1e-6))):
             load = (1 - part) * curve.pull_off().load
-            yield Extreme(group, f"{name}, {part:g} from pull-off", partial(_scene, curve, load), _condition(curve, load, part), _WHY)
+            yield Extreme(
+                group,
+                f"{name}, {part:g} from pull-off",
+                partial(_scene, curve, load),
+                _condition(curve, load, part),
+                _WHY,
+            )
         jump = (1 - part) * _wave(_WORK).jump_into_full_contact.load
         yield Extreme(
-            group, f"wave, {part:g} from the jump into full contact", partial(_scene, _wave(_WORK), jump),
-            _condition(_wave(_WORK), jump, part), _WHY,
+            group,
+            f"wave, {part:g} from the jump into full contact",
+            partial(_scene, _wave(_WORK), jump),
+            _condition(_wave(_WORK), jump, part),
+            _WHY,
         )
     for work in (1e-16, 1e-12, 1e-8, 1e-4):
         curve, load = _wave(work), 1e-3
-        yield Extreme(group, f"wave, work {work:g} E* L", partial(_scene, curve, load), _condition(curve, load, 1.0), _WHY)
+        yield Extreme(
+            group,
+            f"wave, work {work:g} E* L",
+            partial(_scene, curve, load),
+            _condition(curve, load, 1.0),
+            _WHY,
+        )
 
 
 def dugdale() -> Iterator[Extreme]:
-    """Maugis's parameter from a tension far beyond the contact to one beside its very ends, under a load, and loads next to pull-off."""
+    """Maugis's parameter from a tension far beyond the contact to one beside its very ends, under a
+    load, and loads next to pull-off.
+    """
     group = "Dugdale"
     for ratio in (1e-2, 1e-1, 1.0, 10.0, 100.0):
         # Tension over what closes a cylinder of this radius: (w E*^2/(pi R))^(1/3).
         cylinder = DugdaleCylinder(1.0, 1.0, 1e-6, ratio * (1e-6 / pi) ** (1 / 3))
-        wave = DugdaleWave(_AMPLITUDE, 1.0, 1.0, _WORK, ratio * (_WORK / pi) ** (1 / 3) * _AMPLITUDE ** (1 / 3))
+        wave = DugdaleWave(
+            _AMPLITUDE, 1.0, 1.0, _WORK, ratio * (_WORK / pi) ** (1 / 3) * _AMPLITUDE ** (1 / 3)
+        )
         for name, curve, load in (("cylinder", cylinder, 1e-5), ("wave", wave, 1e-3)):
             yield _under_tension(group, f"{name}, tension {ratio:g}", curve, load, 1.0)
             for part in (1e-2, 1e-4, 1e-6) if ratio == 1.0 else (1e-6,):
                 near = (1 - part) * curve.pull_off().load
-                yield _under_tension(group, f"{name}, tension {ratio:g}, {part:g} from pull-off", curve, near, part)
+                yield _under_tension(
+                    group, f"{name}, tension {ratio:g}, {part:g} from pull-off", curve, near, part
+                )
 
 
-def _under_tension(group: str, name: str, curve: DugdaleCylinder | DugdaleWave, load: float, part: float) -> Extreme:
+def _under_tension(
+    group: str, name: str, curve: DugdaleCylinder | DugdaleWave, load: float, part: float
+) -> Extreme:
     here, by_load = curve.at_load(load), _condition(curve, load, part)
-    # Ends rounded by 1e-16 of the zone, over the interval in which the pressure falls to the tension: so is the reach there, and what that
-    # does to the ends.
-    narrow = here.half_width / (here.cohesive_end - here.half_width) * max(1.0, _condition(curve, load, part, "work"))
+    # Ends rounded by 1e-16 of the zone, over the interval in which the pressure falls to the
+    # tension: so is the reach there, and what that does to the ends.
+    narrow = (
+        here.half_width
+        / (here.cohesive_end - here.half_width)
+        * max(1.0, _condition(curve, load, part, "work"))
+    )
     known = ""
     if narrow > 1e5:
         known = "the stated error takes rounding at both ends at its worst"
     elif narrow > 1e3:
         known = "the closed form's own ends are rounded to as much"
     why = "a/(c - a), and by the reach" if narrow > by_load else _WHY
-    return Extreme(group, name, partial(_scene, curve, load), max(narrow, by_load), why, known=known)
+    return Extreme(
+        group, name, partial(_scene, curve, load), max(narrow, by_load), why, known=known
+    )
 
 
 def _wave(work: float) -> JKRWave:
@@ -76,18 +110,28 @@ def _wave(work: float) -> JKRWave:
 
 
 def _scene(curve: Curve, load: float) -> tuple[Scene, Exact]:
-    law = Dugdale(curve.work, curve.stress) if isinstance(curve, DugdaleWave | DugdaleCylinder) else JKR(curve.work)
+    law = (
+        Dugdale(curve.work, curve.stress)
+        if isinstance(curve, DugdaleWave | DugdaleCylinder)
+        else JKR(curve.work)
+    )
     if isinstance(curve, JKRWave | DugdaleWave):
-        return Scene(Sinusoid(_AMPLITUDE, 1.0), 1.0, Periodic(), law=law, load=load), curve.at_load(load)
+        return Scene(Sinusoid(_AMPLITUDE, 1.0), 1.0, Periodic(), law=law, load=load), curve.at_load(
+            load
+        )
     return Scene(Parabola(1.0), 1.0, Isolated(), law=law, load=load), curve.at_load(load)
 
 
 def _condition(curve: Curve, load: float, part: float, by: str = "load") -> float:
-    """By how much the stated measure changes for a relative change of the load, or of another datum of the curve."""
+    """By how much the stated measure changes for a relative change of the load, or of another datum
+    of the curve.
+    """
     change = _NEARER * part
     other = curve if by == "load" else replace(curve, **{by: getattr(curve, by) * (1 + change)})
     here, there = curve.at_load(load), other.at_load(load * (1 - change) if by == "load" else load)
     zones = np.asarray(here.zones)
     ends = np.abs(there.zones - zones) / np.diff(zones, axis=1)
-    pressure = np.abs(there.pressure_at(truth.POSITIONS) - here.pressure_at(truth.POSITIONS)).max() / truth.scale(here)
+    pressure = np.abs(
+        there.pressure_at(truth.POSITIONS) - here.pressure_at(truth.POSITIONS)
+    ).max() / truth.scale(here)
     return float(max(ends.max(), pressure)) / change

@@ -18,10 +18,11 @@ EPS = 2.2e-16
 class Extreme:
     """One case.
 
-    condition: by how much the stated measure (pressure over the peak, ends over widths) changes, at most, for a relative change
-    of the load, or of the slopes over the steepest; known in closed form or bounded, as `why` says. What is allowed is 100
-    roundings times that. hair: the narrowest gap over its zone; where it is less than what is allowed, two topologies are the
-    same answer. heavy: takes more than about a second. known: why it is known to fail, if it is.
+    condition: by how much the stated measure (pressure over the peak, ends over widths) changes, at
+    most, for a relative change of the load, or of the slopes over the steepest; known in closed
+    form or bounded, as `why` says. What is allowed is 100 roundings times that. hair: the narrowest
+    gap over its zone; where it is less than what is allowed, two topologies are the same answer.
+    heavy: takes more than about a second. known: why it is known to fail, if it is.
     """
 
     group: str

@@ -20,11 +20,17 @@ from contact.studies.bench.truth import Exact
 
 
 def equal_zones() -> Iterator[Extreme]:
-    """n waves a period, each in contact on 2 % of its length. Shifted, the scene has no mirror that the solver could use."""
+    """n waves a period, each in contact on 2 % of its length. Shifted, the scene has no mirror that
+    the solver could use.
+    """
     why = "positions are rounded to eps L, zones are L/50n wide"
     for count, shift in ((101, 0.0), (1001, 0.0), (1000, 0.3)):
         yield Extreme(
-            "many equal zones", f"{count}, shifted" if shift else f"{count}", partial(_equal, count, shift), 50.0 * count, why,
+            "many equal zones",
+            f"{count}, shifted" if shift else f"{count}",
+            partial(_equal, count, shift),
+            50.0 * count,
+            why,
             heavy=count > 500,
         )
 
@@ -34,7 +40,11 @@ def _equal(zones: int, shift: float) -> tuple[Scene, Exact]:
     one = Westergaard.from_contact_fraction(0.02, amplitude=amplitude, period=1 / zones, E_star=1.0)
     zeros = [0.0] * (zones - 1)
     angle = 2 * pi * shift
-    profile = Fourier(1.0, [*zeros, -amplitude * np.cos(angle)], [*zeros, -amplitude * np.sin(angle)] if shift else [])
+    profile = Fourier(
+        1.0,
+        [*zeros, -amplitude * np.cos(angle)],
+        [*zeros, -amplitude * np.sin(angle)] if shift else [],
+    )
     scene = Scene(profile, 1.0, Periodic(), mean_pressure=one.mean_pressure)
     return scene, Repeated(one, zones, shift)
 
@@ -43,18 +53,28 @@ def noisy() -> Iterator[Extreme]:
     group = "measured with noise"
     for samples, noise in ((2_001, 1e-8), (10_001, 1e-9), (100_001, 1e-9)):
         yield Extreme(
-            group, f"{samples - 1:.0e} samples of a parabola, noise {noise:g} of its radius", partial(_parabola, samples, noise),
-            0.5 * samples, "heights known to eps: slopes to eps of height/pitch", heavy=samples > 5_000,
+            group,
+            f"{samples - 1:.0e} samples of a parabola, noise {noise:g} of its radius",
+            partial(_parabola, samples, noise),
+            0.5 * samples,
+            "heights known to eps: slopes to eps of height/pitch",
+            heavy=samples > 5_000,
         )
     for samples, noise in ((10_000, 1e-9), (100_000, 1e-9), (100_000, 1e-8)):
         yield Extreme(
-            group, f"{samples:.0e} samples of a rough profile, noise {noise:g} of its period", partial(_rough, samples, noise),
-            1e3 * 0.1 * samples, "height/pitch/slope, and (widest over narrowest zone)^2", heavy=True,
+            group,
+            f"{samples:.0e} samples of a rough profile, noise {noise:g} of its period",
+            partial(_rough, samples, noise),
+            1e3 * 0.1 * samples,
+            "height/pitch/slope, and (widest over narrowest zone)^2",
+            heavy=True,
         )
 
 
 def _parabola(samples: int, noise: float) -> tuple[Scene, Exact]:
-    """f = x^2/2 with the same white noise on both sides; the contact takes four tenths of the trace."""
+    """f = x^2/2 with the same white noise on both sides; the contact takes four tenths of the
+    trace.
+    """
     rng = np.random.default_rng(5)
     x = np.linspace(-1.0, 1.0, samples)
     x = 0.5 * (x - x[::-1])
@@ -70,7 +90,9 @@ def _rough(samples: int, noise: float) -> tuple[Scene, Exact]:
     rng = np.random.default_rng(5)
     k = np.arange(1, 65)
     x = np.arange(samples) / samples
-    smooth = np.cos(2 * pi * np.outer(x, k) + rng.uniform(0, 2 * pi, 64)) @ (1e-3 * np.maximum(k, 4) ** -1.3)
+    smooth = np.cos(2 * pi * np.outer(x, k) + rng.uniform(0, 2 * pi, 64)) @ (
+        1e-3 * np.maximum(k, 4) ** -1.3
+    )
     profile = Sampled(x, smooth + noise * rng.normal(size=samples), period=1.0)
     scene = Scene(profile, 1.0, Periodic(), mean_pressure=1e-3)
     return scene, solved_by_gaps(scene)

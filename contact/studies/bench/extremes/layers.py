@@ -1,12 +1,14 @@
 """Layers from as thick as a half-plane to far thinner than the zone.
 
-The kernel (pi/2h) coth(pi r/2h), of symbol coth(q h), has a closed form on one zone. With v = pi x/2h and the end at v = V,
-(1/2h) PV int p coth(pi (x - xi)/2h) dxi = sinh(2v)/2 for p = cosh(v) sqrt(sinh^2 V - sinh^2 v) (map sinh v to an interval), so the
-profile is f = (h/pi E*) cosh(2v) and the load h sinh^2 V.
+The kernel (pi/2h) coth(pi r/2h), of symbol coth(q h), has a closed form on one zone. With v = pi
+x/2h and the end at v = V, (1/2h) PV int p coth(pi (x - xi)/2h) dxi = sinh(2v)/2 for p = cosh(v)
+sqrt(sinh^2 V - sinh^2 v) (map sinh v to an interval), so the profile is f = (h/pi E*) cosh(2v) and
+the load h sinh^2 V.
 
-An elastic layer is met by design: the half ellipse p = E* sqrt(1 - x^2)/2 on (-1, 1), whose cosine transform is pi E* J1(q)/2q, is the
-pressure below f' = x + int_0^inf (L(q) - 1) J1(q) sin(q x)/q dq. Half-planes need the first term; as L - 1 falls like exp(-2qh), the
-second is smooth, and what the surface lies below f beyond the ends is int sqrt(x^2 - 1), as without a layer.
+An elastic layer is met by design: the half ellipse p = E* sqrt(1 - x^2)/2 on (-1, 1), whose cosine
+transform is pi E* J1(q)/2q, is the pressure below f' = x + int_0^inf (L(q) - 1) J1(q) sin(q x)/q
+dq. Half-planes need the first term; as L - 1 falls like exp(-2qh), the second is smooth, and what
+the surface lies below f beyond the ends is int sqrt(x^2 - 1), as without a layer.
 """
 
 from __future__ import annotations
@@ -86,7 +88,9 @@ class CothZone(SymmetricZone):
     def _pressure(self, r: Array, d: Array) -> Array:
         unit = 0.5 * np.pi / self.h
         # sinh^2 V - sinh^2 v without its cancellation beside an end.
-        return np.asarray(np.cosh(unit * r) * np.sqrt(np.sinh(unit * d) * np.sinh(unit * (self.half_width + r))))
+        return np.asarray(
+            np.cosh(unit * r) * np.sqrt(np.sinh(unit * d) * np.sinh(unit * (self.half_width + r)))
+        )
 
 
 @dataclass(frozen=True)
@@ -101,16 +105,22 @@ class UnderEllipse(Profile):
 
     @cached_property
     def _waves(self) -> tuple[Array, Array]:
-        """q, and (L - 1) J1/q times the weights of a quadrature: exp(-2 q h) is rounded away at the last q."""
+        """q, and (L - 1) J1/q times the weights of a quadrature: exp(-2 q h) is rounded away at the
+        last q.
+        """
         last = 22 / self.layer.thickness
         nodes, weights = np.polynomial.legendre.leggauss(16)
         half = 0.5 * last / np.ceil(last / min(2.0, 0.5 / self.layer.thickness))
         q = (np.arange(half, last, 2 * half)[:, None] + half * nodes).ravel()
-        return q, np.tile(half * weights, len(q) // len(nodes)) * (self.layer.symbol(q) - 1) * j1(q) / q
+        return q, np.tile(half * weights, len(q) // len(nodes)) * (self.layer.symbol(q) - 1) * j1(
+            q
+        ) / q
 
     def height(self, x: ArrayLike) -> Array:
         q, weights = self._waves
-        return self._summed(lambda x: 0.5 * x**2 + 2 * np.sin(0.5 * np.outer(x, q)) ** 2 @ (weights / q), x)
+        return self._summed(
+            lambda x: 0.5 * x**2 + 2 * np.sin(0.5 * np.outer(x, q)) ** 2 @ (weights / q), x
+        )
 
     def slope(self, x: ArrayLike) -> Array:
         q, weights = self._waves
@@ -137,18 +147,31 @@ class Ellipse(SymmetricZone):
 
 
 def layers() -> Iterator[Extreme]:
-    """d ln(load)/d ln(a) = 2V coth V at least 2: a is no worse determined than of a half-plane. The profile is as steep as sinh(2V)
-    tells: at 30 thicknesses by 1e40, which no heights hold."""
+    """d ln(load)/d ln(a) = 2V coth V at least 2: a is no worse determined than of a half-plane. The
+    profile is as steep as sinh(2V) tells: at 30 thicknesses by 1e40, which no heights hold.
+    """
     for ratio in (0.01, 0.1, 1.0, 3.0, 10.0):
         yield Extreme(
-            "layer, kernel coth", f"half width {ratio:g} thicknesses", partial(_case, ratio), max(1.0, np.pi * ratio), "d ln p/d ln a"
+            "layer, kernel coth",
+            f"half width {ratio:g} thicknesses",
+            partial(_case, ratio),
+            max(1.0, np.pi * ratio),
+            "d ln p/d ln a",
         )
     for base, nu, ratio in ELASTIC:
         layer = Layer(1 / ratio, nu, base)
-        # Slopes are sums of terms of size one, and of the waves that the zone holds the longest are divided by the least L.
+        # Slopes are sums of terms of size one, and of the waves that the zone holds the longest are
+        # divided by the least L.
         condition = max(1.0, 1 / float(layer.symbol(np.ones(1))[0]))
         name = f"{base}, nu = {nu:g}, half width {ratio:g} thicknesses"
-        yield Extreme("elastic layer", name, partial(_elastic, layer), condition, "1/L of the zone's half width", heavy=ratio > 50)
+        yield Extreme(
+            "elastic layer",
+            name,
+            partial(_elastic, layer),
+            condition,
+            "1/L of the zone's half width",
+            heavy=ratio > 50,
+        )
 
 
 def _elastic(layer: Layer) -> tuple[Scene, Exact]:

@@ -11,7 +11,12 @@ import numpy as np
 from contact.model.interactions import Isolated, Periodic
 from contact.model.profiles import Biquadratic, Fourier, Parabola, Sinusoid, Wedge
 from contact.model.scene import Scene
-from contact.reference.exact import IsolatedBiquadratic, PeriodicParabola, PeriodicWedge, Westergaard
+from contact.reference.exact import (
+    IsolatedBiquadratic,
+    PeriodicParabola,
+    PeriodicWedge,
+    Westergaard,
+)
 from contact.solver import solve
 from contact.studies.bench.extremes.base import Extreme
 from contact.studies.bench.one_gap import OneGap
@@ -19,30 +24,59 @@ from contact.studies.bench.truth import Exact
 
 
 def fractions() -> Iterator[Extreme]:
-    """Westergaard: p/p* = sin^2 A, A = pi a/L, so d ln a / d ln p = tan(A)/2A. A row of wedges, p ~ artanh(sin A), or of parabolas,
-    p ~ -ln cos A, fills its valleys, which are kinks, exponentially late: there the derivative is below one."""
+    """Westergaard: p/p* = sin^2 A, A = pi a/L, so d ln a / d ln p = tan(A)/2A. A row of wedges, p ~
+    artanh(sin A), or of parabolas, p ~ -ln cos A, fills its valleys, which are kinks, exponentially
+    late: there the derivative is below one.
+    """
     group = "contact of the period"
     for rest in (1e-6, 1e-3, 0.1):
         angle = 0.5 * pi * rest
-        yield Extreme(group, f"wave, {rest:g}", partial(wave, rest), tan(angle) / (2 * angle), "tan(A)/2A")
+        yield Extreme(
+            group, f"wave, {rest:g}", partial(wave, rest), tan(angle) / (2 * angle), "tan(A)/2A"
+        )
     for rest in (0.5, 1e-2, 1e-3, 1e-4, 1e-6):
-        # The exact half width comes from the same rounded load: the load, not the fraction, is the datum.
+        # The exact half width comes from the same rounded load: the load, not the fraction, is the
+        # datum.
         angle = 0.5 * pi * (1 - rest)
         yield Extreme(
-            group, f"wave, 1 - {rest:g}", partial(near_full, sin(0.5 * pi * rest) ** 2), tan(angle) / (2 * angle), "tan(A)/2A"
+            group,
+            f"wave, 1 - {rest:g}",
+            partial(near_full, sin(0.5 * pi * rest) ** 2),
+            tan(angle) / (2 * angle),
+            "tan(A)/2A",
         )
     for name, fraction in (("1e-6", 1e-6), ("1 - 1e-3", 1 - 1e-3), ("1 - 1e-6", 1 - 1e-6)):
-        yield Extreme(group, f"row of wedges, {name}", partial(_row_of_wedges, fraction), 1.0, "d ln a/d ln p < 1")
-        yield Extreme(group, f"row of parabolas, {name}", partial(_row_of_parabolas, fraction), 1.0, "d ln a/d ln p < 1")
+        yield Extreme(
+            group,
+            f"row of wedges, {name}",
+            partial(_row_of_wedges, fraction),
+            1.0,
+            "d ln a/d ln p < 1",
+        )
+        yield Extreme(
+            group,
+            f"row of parabolas, {name}",
+            partial(_row_of_parabolas, fraction),
+            1.0,
+            "d ln a/d ln p < 1",
+        )
 
 
-def wave(fraction: float, E_star: float = 1.0, period: float = 1.0, amplitude: float = 1e-2) -> tuple[Scene, Exact]:
-    exact = Westergaard.from_contact_fraction(fraction, amplitude=amplitude, period=period, E_star=E_star)
-    return Scene(Sinusoid(amplitude, period), E_star, Periodic(), mean_pressure=exact.mean_pressure), exact
+def wave(
+    fraction: float, E_star: float = 1.0, period: float = 1.0, amplitude: float = 1e-2
+) -> tuple[Scene, Exact]:
+    exact = Westergaard.from_contact_fraction(
+        fraction, amplitude=amplitude, period=period, E_star=E_star
+    )
+    return Scene(
+        Sinusoid(amplitude, period), E_star, Periodic(), mean_pressure=exact.mean_pressure
+    ), exact
 
 
 def near_full(below: float) -> tuple[Scene, Exact]:
-    """The wave at the representable mean pressure p* (1 - below); its exact zone from what the rounded pressure lacks."""
+    """The wave at the representable mean pressure p* (1 - below); its exact zone from what the
+    rounded pressure lacks.
+    """
     amplitude = 1 / pi  # p* = E* pi A / L = 1 but for the rounding of pi
     pressure = 1.0 - below
     lack = _rounded_lack(amplitude, pressure)
@@ -52,7 +86,9 @@ def near_full(below: float) -> tuple[Scene, Exact]:
 
 
 def _rounded_lack(amplitude: float, pressure: float) -> float:
-    """(p* - p) / p* of the doubles that are given, with pi to twice the digits: pi = math.pi + 1.2246e-16."""
+    """(p* - p) / p* of the doubles that are given, with pi to twice the digits: pi = math.pi +
+    1.2246e-16.
+    """
     high = np.longdouble(pi) + np.longdouble(1.2246467991473532e-16)
     full = high * np.longdouble(amplitude)
     return float((full - np.longdouble(pressure)) / full)
@@ -71,9 +107,21 @@ def _row_of_parabolas(fraction: float) -> tuple[Scene, Exact]:
 def loads_near_full() -> Iterator[Extreme]:
     group = "load below full contact by"
     for part in (1e-6, 1e-9, 1e-12):
-        yield Extreme(group, f"{part:g} of it", partial(near_full, part), 1 / (pi * sqrt(part)), "1/(pi sqrt(part)): tan(A)/2A")
+        yield Extreme(
+            group,
+            f"{part:g} of it",
+            partial(near_full, part),
+            1 / (pi * sqrt(part)),
+            "1/(pi sqrt(part)): tan(A)/2A",
+        )
     for part in (1e-6, 1e-9, 1e-12):
-        yield Extreme(group, f"{part:g} of it, six harmonics", partial(_series_near_full, part), 1 / sqrt(part), "1/sqrt(part)")
+        yield Extreme(
+            group,
+            f"{part:g} of it, six harmonics",
+            partial(_series_near_full, part),
+            1 / sqrt(part),
+            "1/sqrt(part)",
+        )
 
 
 def _series_near_full(part: float) -> tuple[Scene, Exact]:
@@ -87,15 +135,23 @@ def _series_near_full(part: float) -> tuple[Scene, Exact]:
 
 
 def merges() -> Iterator[Extreme]:
-    """The gap between the zones is g ~ sqrt(part) and its own square follows the load: d(g/w) = eps w/g. Past the merge all is
-    smooth in the load."""
+    """The gap between the zones is g ~ sqrt(part) and its own square follows the load: d(g/w) = eps
+    w/g. Past the merge all is smooth in the load.
+    """
     near = ("load below a merge by", "load above a merge by")
     for part in (1e-3, 1e-6, 1e-9, 1e-12):
         yield Extreme(
-            near[0], f"{part:g} of it", partial(_biquadratic, 1 - part), 1 / sqrt(part), "w/g = 1/sqrt(part)", hair=sqrt(part)
+            near[0],
+            f"{part:g} of it",
+            partial(_biquadratic, 1 - part),
+            1 / sqrt(part),
+            "w/g = 1/sqrt(part)",
+            hair=sqrt(part),
         )
     for part in (1e-3, 1e-6, 1e-9, 1e-12):
-        yield Extreme(near[1], f"{part:g} of it", partial(_biquadratic, 1 + part), 1.0, "smooth in the load")
+        yield Extreme(
+            near[1], f"{part:g} of it", partial(_biquadratic, 1 + part), 1.0, "smooth in the load"
+        )
 
 
 def _biquadratic(share: float) -> tuple[Scene, Exact]:

@@ -16,47 +16,67 @@ from contact.studies.bench.harmonics import HarmonicZone
 from contact.studies.bench.truth import Exact
 
 
-def designed(zones: list[list[float]], period: float | None, load: float = 0.05) -> tuple[Scene, DesignedContact]:
+def designed(
+    zones: list[list[float]], period: float | None, load: float = 0.05
+) -> tuple[Scene, DesignedContact]:
     exact = design(zones, 1.0, load, period)
     return Scene(exact.profile, 1.0, Isolated() if period is None else Periodic(), load=load), exact
 
 
 def gaps() -> Iterator[Extreme]:
-    """Between zones of width w a gap g lowers the pressure there by ~ (g/w)^2 of the peak. Slopes known to eps change the pressure
-    by eps, so that d(g^2/w^2) = eps: an end moves by eps w/g of the width. Below g/w = sqrt(eps) merged and split are one answer."""
+    """Between zones of width w a gap g lowers the pressure there by ~ (g/w)^2 of the peak. Slopes
+    known to eps change the pressure by eps, so that d(g^2/w^2) = eps: an end moves by eps w/g of
+    the width. Below g/w = sqrt(eps) merged and split are one answer.
+    """
     group, why = "gap between zones", "w/g"
     for gap in (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7):
         for period in (None, 4.0):
             yield Extreme(
-                group, f"{gap:g} of the width, {'isolated' if period is None else 'periodic'}",
-                partial(designed, [[-1 - gap / 2, -gap / 2], [gap / 2, 1 + gap / 2]], period), 1 / gap, why, hair=gap,
+                group,
+                f"{gap:g} of the width, {'isolated' if period is None else 'periodic'}",
+                partial(designed, [[-1 - gap / 2, -gap / 2], [gap / 2, 1 + gap / 2]], period),
+                1 / gap,
+                why,
+                hair=gap,
             )
-    # Between two such gaps r apart the pressure is ~ (x (r - x))^2: at a gap it takes d(g^2) r^2 = eps to close it, and an end off
-    # by eps/(g r^2) is off by 1/r times that of the zone of width r.
+    # Between two such gaps r apart the pressure is ~ (x (r - x))^2: at a gap it takes d(g^2) r^2 =
+    # eps to close it, and an end off by eps/(g r^2) is off by 1/r times that of the zone of width
+    # r.
     for gap in (1e-3, 1e-5):
         yield Extreme(
-            group, f"{gap:g}, three zones 1 : 0.05 : 0.3, periodic",
-            partial(designed, [[-1, 0], [gap, gap + 0.05], [0.05 + 2 * gap, 0.35 + 2 * gap]], 4.0), 1 / (gap * 0.05**3),
-            "1/(g r^3), r the narrow zone's width", hair=gap,
+            group,
+            f"{gap:g}, three zones 1 : 0.05 : 0.3, periodic",
+            partial(designed, [[-1, 0], [gap, gap + 0.05], [0.05 + 2 * gap, 0.35 + 2 * gap]], 4.0),
+            1 / (gap * 0.05**3),
+            "1/(g r^3), r the narrow zone's width",
+            hair=gap,
         )
 
 
 def scales() -> Iterator[Extreme]:
-    """A zone of width r beside one of width 1 is a cap of height ~ r^2. Slopes known to eps over a distance of order 1 change its
-    level by eps, and with it its width by eps/r^2 of itself. Its pressure is about sqrt(r) of the peak: to more than that, one zone is
-    the same answer."""
+    """A zone of width r beside one of width 1 is a cap of height ~ r^2. Slopes known to eps over a
+    distance of order 1 change its level by eps, and with it its width by eps/r^2 of itself. Its
+    pressure is about sqrt(r) of the peak: to more than that, one zone is the same answer.
+    """
     group = "zones of very different width"
     for ratio in (1e-2, 1e-4, 1e-6):
         for period in (None, 4.0):
             yield Extreme(
-                group, f"1 : {ratio:g}, {'isolated' if period is None else 'periodic'}",
-                partial(designed, [[-1.0, 0.0], [0.5, 0.5 + ratio]], period), 1 / ratio**2, "ratio^-2",
-                heavy=ratio < 1e-5, hair=float(np.sqrt(ratio)),
+                group,
+                f"1 : {ratio:g}, {'isolated' if period is None else 'periodic'}",
+                partial(designed, [[-1.0, 0.0], [0.5, 0.5 + ratio]], period),
+                1 / ratio**2,
+                "ratio^-2",
+                heavy=ratio < 1e-5,
+                hair=float(np.sqrt(ratio)),
             )
     for order, ratio in ((40, 1e-3), (40, 1e-6), (1000, 1e-6)):
         yield Extreme(
-            "heights of very different scale", f"a wave and one {order} times shorter, 1 : {ratio:g}",
-            partial(_waves, order, ratio), 4.0 + order * order * ratio, "tan(A)/2A, and the curvatures' ratio",
+            "heights of very different scale",
+            f"a wave and one {order} times shorter, 1 : {ratio:g}",
+            partial(_waves, order, ratio),
+            4.0 + order * order * ratio,
+            "tan(A)/2A, and the curvatures' ratio",
         )
 
 

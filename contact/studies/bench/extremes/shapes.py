@@ -26,14 +26,23 @@ def units() -> Iterator[Extreme]:
     for power in (-12, -6, 6, 12):
         yield Extreme("moduli", f"E* = 1e{power} Pa", partial(wave, 0.4, 10.0**power), 1.0, _UNITS)
         yield Extreme(
-            "lengths", f"L = 1e{power} m", partial(wave, 0.4, 1.0, 10.0**power, 10.0 ** (power - 2)), 1.0, _UNITS
+            "lengths",
+            f"L = 1e{power} m",
+            partial(wave, 0.4, 1.0, 10.0**power, 10.0 ** (power - 2)),
+            1.0,
+            _UNITS,
         )
     for power in (-12, 12):
         yield Extreme(
-            "lengths", f"three zones, L = 1e{power} m, E* = 1e{-power} Pa", partial(_three, 10.0**power, 10.0**-power), 1e2,
+            "lengths",
+            f"three zones, L = 1e{power} m, E* = 1e{-power} Pa",
+            partial(_three, 10.0**power, 10.0**-power),
+            1e2,
             "(widest over narrowest zone)^2",
         )
-        yield Extreme("lengths", f"Hertz, R = 1e{power} m", partial(_hertz, 10.0**power), 1.0, _UNITS)
+        yield Extreme(
+            "lengths", f"Hertz, R = 1e{power} m", partial(_hertz, 10.0**power), 1.0, _UNITS
+        )
 
 
 def _hertz(radius: float) -> tuple[Scene, Exact]:
@@ -50,20 +59,32 @@ def _three(length: float, E_star: float) -> tuple[Scene, Exact]:
 def slopes() -> Iterator[Extreme]:
     group = "slopes"
     for steep in (1e-6, 1e6):
-        yield Extreme(group, f"wedge, slope {steep:g}", partial(_wedge, steep), 1.0, "linear in the slope")
-    yield Extreme(group, "wave, slope 6e6", partial(wave, 0.4, amplitude=1e6), 1.0, "linear in the slope")
+        yield Extreme(
+            group, f"wedge, slope {steep:g}", partial(_wedge, steep), 1.0, "linear in the slope"
+        )
+    yield Extreme(
+        group, "wave, slope 6e6", partial(wave, 0.4, amplitude=1e6), 1.0, "linear in the slope"
+    )
     yield Extreme(group, "x^20", partial(_power, 20), 20.0, "the order of the power")
     yield Extreme(group, "x^100", partial(_power, 100), 100.0, "the order of the power")
     for width in (0.5, 1e-3, 1e-6):
         yield Extreme(
-            group, f"two corners {width:g} apart, declared", partial(_truncated, 0.5 * width), 20.0,
+            group,
+            f"two corners {width:g} apart, declared",
+            partial(_truncated, 0.5 * width),
+            20.0,
             "p' ~ 1/d, compared no nearer to a corner than d = 0.05",
         )
     undeclared = "an undeclared corner: its slope turns within less than 32,768 modes see; declare it as a kink"
     for width in (1e-1, 1e-2, 1e-3, 1e-6):
         yield Extreme(
-            group, f"wedge blunted over {width:g} of its contact", partial(_blunted, width), 1.0, "p' ~ ln(a/x)",
-            heavy=width < 1e-5, known=undeclared if width < 5e-4 else "",
+            group,
+            f"wedge blunted over {width:g} of its contact",
+            partial(_blunted, width),
+            1.0,
+            "p' ~ ln(a/x)",
+            heavy=width < 1e-5,
+            known=undeclared if width < 5e-4 else "",
         )
 
 
