@@ -84,8 +84,10 @@ def solve(
     ModelWarning
         What the model hardly covers; also in the `warnings` of the solution.
 
-    Examples -------- Half of a wave in contact carries half the load of full contact (H. M.
-    Westergaard, J. Appl. Mech. 6, 1939, A49, doi 10.1115/1.4008919).
+    Examples
+    --------
+    Half of a wave in contact carries half the load of full contact (H. M. Westergaard, J. Appl.
+    Mech. 6, 1939, A49, doi 10.1115/1.4008919).
 
     >>> import contact
     >>> import numpy as np

@@ -152,8 +152,10 @@ def solve(
     NotConverged
         With `reason` and `best`, if the error cannot be brought below tol.
 
-    Examples -------- Half a period of a wave touches: sin^2(pi a / L) = load / (amplitude L) (H. M.
-    Westergaard, J. Appl. Mech. 6, 1939, A49).
+    Examples
+    --------
+    Half a period of a wave touches: sin^2(pi a / L) = load / (amplitude L) (H. M. Westergaard, J.
+    Appl. Mech. 6, 1939, A49).
 
     >>> import numpy as np, sie
     >>> wave = sie.Forcing(lambda x: np.sin(2 * np.pi * x))

@@ -81,7 +81,9 @@ def solve_spot(
     SceneError, OutOfRange, NotConverged
         If the input is bad, no spot answers the control, or the tolerance was not met.
 
-    Examples -------- Hertz: a^3 = 3 P R / (4 E*) (K. L. Johnson, Contact Mechanics, 1985, doi
+    Examples
+    --------
+    Hertz: a^3 = 3 P R / (4 E*) (K. L. Johnson, Contact Mechanics, 1985, doi
     10.1017/CBO9781139171731, section 4.2).
 
     >>> from contact.axisymmetric import Sphere, solve_spot

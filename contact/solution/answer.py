@@ -50,8 +50,10 @@ class Energy:
     surface : float
         -w times the width in contact, w the law's work of adhesion [J/m]; 0 without adhesion.
 
-    Examples -------- A wave in full contact: pi E* amplitude^2/4 - w period (K. L. Johnson, Int. J.
-    Solids Struct. 32, 1995, 423).
+    Examples
+    --------
+    A wave in full contact: pi E* amplitude^2/4 - w period (K. L. Johnson, Int. J. Solids Struct.
+    32, 1995, 423).
 
     >>> import contact
     >>> import numpy as np

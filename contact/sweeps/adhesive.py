@@ -128,8 +128,10 @@ class AdhesivePath(Path):
         What was passed on the way, solved or not, (m, 4): load [N/m], approach [m], width in
         contact [m], and 1 where the control rose, else 0; a row of nan where a jump breaks it.
 
-    Examples -------- A wave under a load that rises and falls: it is pulled off below no load, and
-    the energy lost is the work done.
+    Examples
+    --------
+    A wave under a load that rises and falls: it is pulled off below no load, and the energy lost is
+    the work done.
 
     >>> import contact
     >>> wave = contact.Scene(contact.Sinusoid(0.01, 1.0), 1.0, contact.Periodic(), law=contact.JKR(1e-5), load=0.0)

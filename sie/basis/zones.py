@@ -79,8 +79,10 @@ def free_with_intensity(intensity: float) -> End:
     -------
     End
 
-    Examples -------- A line contact that adheres, K = -0.1, a = 1: load = pi a^2 / 2 + pi K sqrt(2
-    a) (M. Barquins, J. Adhesion 26, 1988, 1-12).
+    Examples
+    --------
+    A line contact that adheres, K = -0.1, a = 1: load = pi a^2 / 2 + pi K sqrt(2 a) (M. Barquins,
+    J. Adhesion 26, 1988, 1-12).
 
     >>> import numpy as np, sie
     >>> load = np.pi * (0.5 - 0.1 * np.sqrt(2))

@@ -45,8 +45,10 @@ class Density(Series):
     edges : tuple or None
         (alpha, beta) of `singular`, where they are not what the coefficients tell.
 
-    Examples -------- The density 1 / sqrt(1 - x^2) of a flat punch, on the zone, and its transform
-    1 / sqrt(z^2 - 1) off it.
+    Examples
+    --------
+    The density 1 / sqrt(1 - x^2) of a flat punch, on the zone, and its transform 1 / sqrt(z^2 - 1)
+    off it.
 
     >>> import numpy as np, sie
     >>> punch = sie.Equation(sie.cauchy(), sie.Forcing(np.zeros_like), (sie.Total(np.pi),))

@@ -499,8 +499,10 @@ class Level(Condition):
     value : float
         What it is to be.
 
-    Examples -------- A plate of half width 2 has the capacity 1, and any charge holds it at the
-    potential zero; twice as wide, at log(2) / pi.
+    Examples
+    --------
+    A plate of half width 2 has the capacity 1, and any charge holds it at the potential zero; twice
+    as wide, at log(2) / pi.
 
     >>> import numpy as np, sie
     >>> held = sie.Equation(sie.cauchy(), sie.Forcing(np.zeros_like, np.zeros_like), (sie.Level(np.log(2) / np.pi),))

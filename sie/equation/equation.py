@@ -104,8 +104,10 @@ class Forcing(Kept):
         If both jumps and density_jumps are given, if these are no numbers or not as many as their
         positions, or an order is above 2.
 
-    Examples -------- A wedge: g jumps by 2 at the origin, which is declared, and the load 2 gives a
-    half width of one.
+    Examples
+    --------
+    A wedge: g jumps by 2 at the origin, which is declared, and the load 2 gives a half width of
+    one.
 
     >>> import numpy as np, sie
     >>> wedge = sie.Forcing(np.sign, np.abs, jumps_at=[0.0], jumps=[2.0])

@@ -58,8 +58,10 @@ class PiecewiseTransform:
     kinks : array_like or None
         Heights (k,) of the jumps of f' there; None: it has none.
 
-    Examples -------- Of f = 1 - (2 x - 1)^2 on [0, 1]: f'' = -8 between its ends, and f' does not
-    jump if f is put together with smaller pieces.
+    Examples
+    --------
+    Of f = 1 - (2 x - 1)^2 on [0, 1]: f'' = -8 between its ends, and f' does not jump if f is put
+    together with smaller pieces.
 
     >>> import numpy as np, sie
     >>> ends = np.array([0.0, 1.0, 2.0, 3.0])

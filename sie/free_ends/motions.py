@@ -421,8 +421,10 @@ def end_motions(state: State, change: Array) -> tuple[Array, Array]:
     SingularSystem
         If some motion leaves all intensities as they are.
 
-    Examples -------- An adhering contact under a held load, whose K at both ends is to change by
-    0.01: as the rates have it.
+    Examples
+    --------
+    An adhering contact under a held load, whose K at both ends is to change by 0.01: as the rates
+    have it.
 
     >>> import numpy as np
     >>> import sie

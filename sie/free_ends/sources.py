@@ -79,8 +79,10 @@ def answers(state: State, at: Array, strengths: Array, values: Array, places: Ar
     ValueError
         If only half of the zones is solved for.
 
-    Examples -------- A unit source far to the right of a zone is the right side -1/(pi c) on it,
-    and its tilt makes K = w^(3/2)/(sqrt(2) pi c).
+    Examples
+    --------
+    A unit source far to the right of a zone is the right side -1/(pi c) on it, and its tilt makes K
+    = w^(3/2)/(sqrt(2) pi c).
 
     >>> import numpy as np
     >>> import sie

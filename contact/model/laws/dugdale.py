@@ -33,8 +33,10 @@ class Dugdale(Law):
     stress : float
         Tension beside the contact, > 0 [Pa].
 
-    Examples -------- A cylinder under no load: pi E* a^2/4 R = 2 s sqrt(c^2 - a^2), with (a, c) the
-    zone and the end of the tension.
+    Examples
+    --------
+    A cylinder under no load: pi E* a^2/4 R = 2 s sqrt(c^2 - a^2), with (a, c) the zone and the end
+    of the tension.
 
     >>> import contact
     >>> import numpy as np

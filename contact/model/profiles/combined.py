@@ -62,8 +62,10 @@ class Combined(Profile):
         If one of them is no profile of one body, the periods have none in common, or the bodies do
         not face each other on one stretch.
 
-    Examples -------- Two waves of one period are one wave: aligned, their amplitudes add; crest on
-    valley, they subtract.
+    Examples
+    --------
+    Two waves of one period are one wave: aligned, their amplitudes add; crest on valley, they
+    subtract.
 
     >>> import contact
     >>> body, counter = contact.Sinusoid(2e-6, 1e-4), contact.Sinusoid(1e-6, 1e-4)

@@ -33,8 +33,10 @@ class Wedge(Profile):
     SceneError
         If one of them is not a finite positive number.
 
-    Examples -------- The half width of a lone wedge is load / (E* slope) (K. L. Johnson, Contact
-    Mechanics, 1985, doi 10.1017/CBO9781139171731, section 5.2).
+    Examples
+    --------
+    The half width of a lone wedge is load / (E* slope) (K. L. Johnson, Contact Mechanics, 1985, doi
+    10.1017/CBO9781139171731, section 5.2).
 
     >>> import contact
     >>> wedge = contact.solve(contact.Scene(contact.Wedge(slope=0.1), 1e9, contact.Isolated(), load=1e3))

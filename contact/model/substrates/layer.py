@@ -51,8 +51,10 @@ class Layer(Substrate):
         If the thickness is not a finite positive number, nu is out of range or the base is not one
         of these.
 
-    Examples -------- Waves much longer than the layer is thick only press it together; shorter ones
-    do not feel its base.
+    Examples
+    --------
+    Waves much longer than the layer is thick only press it together; shorter ones do not feel its
+    base.
 
     >>> import contact
     >>> import numpy as np

@@ -334,8 +334,10 @@ def second_variation(design: AdhesiveDesign) -> Array:
     array, (2 n, 2 n)
         [J/m^3], by the outward movements of the ends in ascending order.
 
-    Examples -------- At pull-off of a cylinder, a^3 = 2 R^2 w/(pi E*), the zone can widen on both
-    sides without force.
+    Examples
+    --------
+    At pull-off of a cylinder, a^3 = 2 R^2 w/(pi E*), the zone can widen on both sides without
+    force.
 
     >>> import numpy as np
     >>> from contact.inverse import adhesive_design, second_variation
