@@ -15,6 +15,7 @@ from dataclasses import replace
 from numbers import Real
 
 from contact import memory
+from contact.closed.solve import directly
 from contact.errors import NotConverged, SceneError, warn
 from contact.extras import require
 from contact.formulation import claims
@@ -26,7 +27,6 @@ from contact.search.task import Shared, Task
 from contact.search.topology.carried import Passed
 from contact.search.topology.loop import Progress
 from contact.search.ways.by_load import by_quantity
-from contact.search.ways.direct import directly
 from contact.search.ways.full_contact import Full
 from contact.search.ways.guesses import Outcome
 from contact.solution import made, validity

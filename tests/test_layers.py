@@ -23,7 +23,7 @@ ORDER = {
     "sie": "basis fast jumps equation density collocation slits free_ends reasons solver __init__",
     "contact": """
         errors interrupts extras users memory threads model jump_checks testing reference exact inverse axisymmetric
-        formulation verify solution search solver sweeps explorer __init__ paper studies commands __main__
+        formulation verify solution closed search localized solver sweeps explorer __init__ paper studies commands __main__
     """,
     "contact.search": "topology grid equilibria task feasibility ways find refine __init__",
 }

@@ -29,7 +29,7 @@ from contact.threads import one_of_blas
 # Loaded by the scenes that they are for.
 _TENSION = "contact.search.ways.cohesive"
 _BRANCHES = "contact.search.ways.branches"
-_STRIPS = "contact.search.ways.strips"
+_STRIPS = "contact.localized.strips"
 
 
 def found(task: Task) -> Outcome:

@@ -115,7 +115,7 @@ def _from_the_same(task: Task, found: Found) -> Found | None:
         return better if isinstance(better, Found) else None
     assert profile.period is not None
     scaled = ScaledScene(problem, control, (profile.x0, profile.x0 + profile.period))
-    strips = require("contact.search.ways.strips")
+    strips = require("contact.localized.strips")
     if not model.follows_isolated:
         return strips.centred(task, scaled, table)
     return strips.first_order(

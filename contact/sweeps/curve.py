@@ -1,10 +1,10 @@
 """A curve: one scene at many values of one control, each solution from the last ones."""
 
+from contact.closed.solve import all_directly
 from contact.model.scene import Scene
 from contact.search.task import Shared
 from contact.search.topology.carried import Passed
 from contact.search.topology.loop import Progress
-from contact.search.ways.direct import all_directly
 from contact.solution.solution import Solution
 from contact.solver import solved_along
 from contact.threads import one_of_blas

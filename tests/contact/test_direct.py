@@ -11,14 +11,14 @@ import pytest
 
 import contact
 import contact.solver
-from contact.formulation.direct.fields import DirectFields
+from contact.closed.fields import DirectFields
+from contact.closed.solve import all_directly, directly
 from contact.reference.exact import (
     IsolatedBiquadratic,
     PeriodicParabola,
     PeriodicWedge,
     Westergaard,
 )
-from contact.search.ways.direct import all_directly, directly
 
 PERIODIC, ISOLATED = contact.Periodic(), contact.Isolated(datum=3.0)
 

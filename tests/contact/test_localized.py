@@ -14,13 +14,13 @@ import pytest
 import contact
 import sie
 from contact.formulation.controls import Width
+from contact.localized.one_zone import FirstOrder
 from contact.reference import exact
 from contact.reference.inverse import design
 from contact.search.grid.centring import Unrest, settled
 from contact.search.grid.coarse import grid_height
 from contact.search.grid.strip_at_rest import StripsOnGrids
 from contact.search.task import Task
-from contact.search.ways.first_order import FirstOrder
 from contact.studies import random_scenes
 from contact.studies.trace_kinds import drawn
 from tests.contact.judge import relative, solve, true_error

@@ -407,7 +407,7 @@ def test_what_no_part_of_a_scene_needs_is_not_loaded_for_it():
     )
     others = [
         "contact.model.traces.prepare",
-        "contact.search.ways.strips",
+        "contact.localized.strips",
         "contact.search.ways.branches",
         "contact.search.ways.cohesive",
     ]

@@ -14,10 +14,10 @@ from typing import TypeAlias
 
 import numpy as np
 
+from contact.closed.half_width import guess_half_width, single_branch, widest
 from contact.errors import ContactError, OutOfRange
 from contact.formulation.controls import Control
 from contact.formulation.problem import Problem
-from contact.formulation.single import guess_half_width, single_branch, widest
 from contact.search.grid.centring import Unrest
 from contact.search.grid.coarse import MOST_POINTS, Proposal
 from contact.search.grid.proposals import about, placed, proposed

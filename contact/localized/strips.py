@@ -9,10 +9,13 @@ from functools import partial
 
 import numpy as np
 
+from contact.closed.half_width import guess_half_width
 from contact.errors import OutOfRange
 from contact.formulation.controls import Control
 from contact.formulation.problem import Problem
-from contact.formulation.single import guess_half_width
+from contact.localized.derivatives import table_of
+from contact.localized.one_zone import FirstOrder
+from contact.localized.several_zones import SeveralZones
 from contact.model.interactions.periodic import Periodic
 from contact.search.grid.centring import Unrest
 from contact.search.grid.proposals import about, proposed
@@ -21,9 +24,6 @@ from contact.search.task import Task
 from contact.search.topology.by_pressure import ByPressure
 from contact.search.topology.loop import Newton, refine_topology
 from contact.search.topology.missed import EXACT, Missed, attempted
-from contact.search.ways.first_order import FirstOrder
-from contact.search.ways.first_order_contacts import table_of
-from contact.search.ways.first_order_several import SeveralZones
 from contact.search.ways.guesses import from_grid, no_rest, search
 from contact.verify.accuracy import Found
 from sie import Array, record

@@ -20,9 +20,9 @@ import numpy as np
 from contact.errors import NotConverged, OutOfRange
 from contact.formulation.controls import Control, HalfWidth, Load, Width
 from contact.formulation.problem import Problem
+from contact.localized.derivatives import At, Rates, table_of
 from contact.model.interactions.isolated import Isolated
 from contact.search.topology.missed import EXACT
-from contact.search.ways.first_order_contacts import At, Rates, table_of
 from contact.verify.accuracy import Found
 from sie import Array, record
 

@@ -15,11 +15,11 @@ from typing import Any
 
 import numpy as np
 
+from contact.closed.ends import Ends, Sheet, ends_at, ends_under
+from contact.closed.fields import DirectFields
+from contact.closed.maps import Map
+from contact.closed.signs import least_inside, places, signs, stated
 from contact.formulation import claims
-from contact.formulation.direct.ends import Ends, Sheet, ends_at, ends_under
-from contact.formulation.direct.fields import DirectFields
-from contact.formulation.direct.maps import Map
-from contact.formulation.direct.signs import least_inside, places, signs, stated
 from contact.formulation.full import lowest
 from contact.model.controls import Quantity
 from contact.model.interactions import Interaction

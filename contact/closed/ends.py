@@ -19,8 +19,8 @@ from typing import Any
 
 import numpy as np
 
-from contact.formulation.direct.maps import Map, Value, largest
-from contact.formulation.direct.series import orders, powers, table
+from contact.closed.maps import Map, Value, largest
+from contact.closed.series import orders, powers, table
 from contact.model.profiles.base import Profile
 from sie import Array, Index, Mask, record
 

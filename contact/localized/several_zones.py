@@ -20,6 +20,7 @@ import numpy as np
 from contact.errors import OutOfRange
 from contact.formulation.controls import Control, Load
 from contact.formulation.problem import Problem
+from contact.localized.derivatives import At, Rates, aside, spread, table_of, width_of
 from contact.model.interactions.isolated import Isolated
 from contact.search.grid.centring import Unrest
 from contact.search.grid.coarse import grid_height
@@ -29,7 +30,6 @@ from contact.search.task import Task
 from contact.search.topology.by_pressure import ByPressure
 from contact.search.topology.loop import Newton, refine_topology
 from contact.search.topology.missed import NOT_MINE, Missed
-from contact.search.ways.first_order_contacts import At, Rates, aside, spread, table_of, width_of
 from contact.search.ways.guesses import INSTEAD, no_rest
 from contact.verify.accuracy import Found
 from sie import Array

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import sie
+from contact.closed.ends import Ends, arcosh_over
+from contact.closed.series import summed, table
 from contact.formulation.controls import Load
-from contact.formulation.direct.ends import Ends, arcosh_over
-from contact.formulation.direct.series import summed, table
 from contact.formulation.fields import ZoneFields, mean_shape
 from contact.formulation.full import lowest
 from contact.formulation.problem import Problem

@@ -30,9 +30,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from contact.formulation.direct.ends import Ends
-from contact.formulation.direct.maps import Value, column, everywhere, largest, least, smallest
-from contact.formulation.direct.series import WIDENED, Table, off, off_integral, table
+from contact.closed.ends import Ends
+from contact.closed.maps import Value, column, everywhere, largest, least, smallest
+from contact.closed.series import WIDENED, Table, off, off_integral, table
 from sie import Array
 
 # Places outside: beside the zones, per length over which the shape varies, at the most; and how far

@@ -1,0 +1,1 @@
+"""Localized contact: in, a scene whose interaction has a strip; out, the zones of that strip."""
