@@ -173,8 +173,8 @@ def test_imports_stand_at_the_head_of_files() -> None:
     assert local == []
 
 
-# Lines without blanks, comments and docstrings; the longest file there is has 408.
-LONGEST = 450
+# Lines without blanks, comments and docstrings; as `ruff format` breaks them.
+LONGEST = 500
 
 
 def code_lines(text: str) -> int:

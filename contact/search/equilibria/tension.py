@@ -46,7 +46,10 @@ FEW = 6
 # Parts of the reach that it is made smaller or larger by on a grid.
 _MARGINS = (0.02, 0.06, 0.2)
 
-TOO_NARROW = "the tension would act on strips narrower than a millionth of the zones beside them: under so large a stress adhesion is without range"
+TOO_NARROW = (
+    "the tension would act on strips narrower than a millionth of the zones beside them: "
+    "under so large a stress adhesion is without range"
+)
 
 
 def advanced(
