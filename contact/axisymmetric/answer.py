@@ -167,10 +167,10 @@ class Spot(sie.Kept):
 
         nodes, weights = np.polynomial.legendre.leggauss(degree + 1)
         return (
-            np.asarray(chebyshev.chebinterpolate(bend, degree)),
+            np.asarray(chebyshev.chebinterpolate(bend, degree)),  # type: ignore[type-var]
             0.5 * (1.0 + nodes),
             0.5 * weights,
-        )  # type: ignore[type-var]
+        )
 
     @property
     def max_pressure(self) -> float:

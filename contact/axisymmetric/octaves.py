@@ -259,6 +259,8 @@ class Octaves:
 def _interpolated(function: Callable[[Array], Array], half: float, degree: int) -> Array:
     """Chebyshev series of a function on [half/2, half]."""
     series: Array = np.asarray(
-        chebyshev.chebinterpolate(lambda t: function(0.25 * half * (t + 3.0)), degree)
-    )  # type: ignore[type-var]
+        chebyshev.chebinterpolate(  # type: ignore[type-var]
+            lambda t: function(0.25 * half * (t + 3.0)), degree
+        )
+    )
     return series

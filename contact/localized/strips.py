@@ -149,9 +149,7 @@ def _moved(
         )
         if isinstance(moved, Found):
             return moved, False
-        again = attempted(
-            lambda there=there: from_grid(task, replace(scaled, problem=there), held=True)
-        )  # type: ignore[misc]
+        again = attempted(partial(from_grid, task, replace(scaled, problem=there), held=True))
         if isinstance(again, Found):
             return again, True
         step *= 0.25

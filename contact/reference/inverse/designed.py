@@ -252,10 +252,12 @@ class GivenZones(Zoned):
         zones = range(len(self.zones))
         return max(
             -least_value(
-                lambda phi, zone=zone: -self.pressure_at(np.cos(phi), zone), *ends, samples
+                lambda phi, zone=zone: -self.pressure_at(np.cos(phi), zone),  # type: ignore[misc]
+                *ends,
+                samples,
             )
             for zone in zones
-        )  # type: ignore[misc]
+        )
 
     @cached_property
     def _least_height(self) -> float:

@@ -438,8 +438,8 @@ class FollowingUnderTension(Following):
             last = new if jump is None else jump.before.point
             assert isinstance(last, CohesivePoint)
             yield from self._between(
-                lambda v, zones=here.zones: self.curve.under_all(v, zones),
-                self._by_value(here, new),  # type: ignore[misc]
+                lambda v, zones=here.zones: self.curve.under_all(v, zones),  # type: ignore[misc]
+                self._by_value(here, new),
                 (here.value, here),
                 (last.value, last),
                 _PARTS,
