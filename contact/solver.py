@@ -14,13 +14,13 @@ from contextlib import nullcontext
 from dataclasses import replace
 from numbers import Real
 
-from contact import memory
 from contact.closed.solve import directly
 from contact.errors import NotConverged, SceneError, warn
 from contact.extras import require
 from contact.formulation import claims
 from contact.model.checks import one_of
 from contact.model.scene import Scene
+from contact.runtime import keep_freed_memory, one_blas_thread
 from contact.search.find import found
 from contact.search.refine import refined
 from contact.search.task import Shared, Task
@@ -29,10 +29,9 @@ from contact.search.topology.loop import Progress
 from contact.search.ways.by_load import by_quantity
 from contact.search.ways.full_contact import Full
 from contact.search.ways.guesses import Outcome
-from contact.solution import made, validity
+from contact.solution import assemble, model_warnings
 from contact.solution.solution import Solution
-from contact.threads import one_of_blas
-from contact.verify.accuracy import FoundByGaps
+from contact.verify.error import SolvedGaps
 
 # Smallest lengths of a shape in its period, or where it is known: from where on BLAS takes one
 # thread, and memory is kept.
@@ -110,9 +109,9 @@ def solve(
             "near",
             near.scene,
         )
-    warn(validity.of_scene(scene))
+    warn(model_warnings.scene_warnings(scene))
     solution = _solved(scene, tol, progress, near, Shared(scene), branch)
-    warn(validity.of_answer(solution))
+    warn(model_warnings.solution_warnings(solution))
     return solution
 
 
@@ -190,7 +189,10 @@ def _solved(
 def _run(task: Task) -> Solution:
     start, features = time.perf_counter(), _features(task.scene)
     try:
-        with memory.kept(features > _LARGE), one_of_blas() if features > _ROUGH else nullcontext():
+        with (
+            keep_freed_memory(features > _LARGE),
+            one_blas_thread() if features > _ROUGH else nullcontext(),
+        ):
             return _solution(task, refined(task, found(task), found))
     finally:
         task.plan.seconds = time.perf_counter() - start
@@ -210,12 +212,14 @@ def _solution(task: Task, outcome: Outcome) -> Solution:
     followed = task.follows_branch
     branch = task.branch if followed else None
     if isinstance(outcome, Full):
-        return made.of_full(scene, task.full, outcome.mean_pressure, plan, tol, branch)
-    if isinstance(outcome, FoundByGaps):
-        return made.of_gaps(scene, outcome, plan, tol)
-    parting = (
+        return assemble.full_contact_solution(
+            scene, task.full, outcome.mean_pressure, plan, tol, branch
+        )
+    if isinstance(outcome, SolvedGaps):
+        return assemble.gap_solution(scene, outcome, plan, tol)
+    find_pull_off = (
         require("contact.search.equilibria.parting").Parting(task.control(outcome.fields.problem))
         if followed
         else None
     )
-    return made.of_zones(scene, outcome, plan, tol, branch, parting)
+    return assemble.zone_solution(scene, outcome, plan, tol, branch, find_pull_off)

@@ -22,7 +22,7 @@ ROOT = Path(__file__).parents[1]
 ORDER = {
     "sie": "basis fast jumps equation density collocation slits free_ends reasons solver __init__",
     "contact": """
-        errors interrupts extras users memory threads model jump_checks testing reference exact inverse axisymmetric
+        errors interrupts extras runtime model jump_checks testing reference exact inverse axisymmetric
         formulation verify solution closed search localized solver sweeps explorer __init__ paper studies commands __main__
     """,
     "contact.search": "topology grid equilibria task feasibility ways find refine __init__",

@@ -16,7 +16,7 @@ from contact.closed.ends import Ends, arcosh_over
 from contact.closed.series import summed, table
 from contact.formulation.controls import Load
 from contact.formulation.fields import ZoneFields, mean_shape
-from contact.formulation.full import lowest
+from contact.formulation.full_contact import lowest
 from contact.formulation.problem import Problem
 from contact.formulation.roots import maximum
 from contact.formulation.units import Units

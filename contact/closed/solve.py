@@ -20,7 +20,7 @@ from contact.closed.fields import DirectFields
 from contact.closed.maps import Map
 from contact.closed.signs import least_inside, places, signs, stated
 from contact.formulation import claims
-from contact.formulation.full import lowest
+from contact.formulation.full_contact import lowest
 from contact.model.controls import Quantity
 from contact.model.interactions import Interaction
 from contact.model.laws import Law
@@ -243,7 +243,7 @@ def _solution(scene: Scene, ends: Ends, error: float, gap: float, took: float) -
         "certificate": partial(_certificate, scene, ends, gap),
         "plan": partial(_plan, scene, ends, took),
     }
-    return Solution.unfolding(scene, fields.zone_table, fields, error, parts)
+    return Solution.deferred(scene, fields.zone_table, fields, error, parts)
 
 
 def _certificate(scene: Scene, ends: Ends, gap: float) -> Certificate:

@@ -29,9 +29,9 @@ from contact.extras import other_package, owners, require, version
 from contact.model.registry import controls, interactions, laws, profiles, substrates
 from contact.model.units import headed, quantity
 from contact.solution import export
-from contact.solution.answer import Answer
 from contact.solution.plan import Part, plan
 from contact.solution.plotting import plot
+from contact.solution.solution import Solution
 from contact.solution.terminal import Progress, show_columns, show_table
 from contact.solver import solve
 from contact.sweeps.compare import compare, refusals, tables
@@ -391,7 +391,7 @@ _listed("laws", laws, "laws of the interface, with their parameters and controls
 _listed("controls", controls, "controls, with their units,", "unit")
 
 
-def _show_solution(solution: Answer, seconds: float) -> None:
+def _show_solution(solution: Solution, seconds: float) -> None:
     scene = solution.scene
     show_profile(scene.profile)
     turning = (

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 
 from contact.formulation.fields import ZoneFields
-from contact.formulation.full import ApartFields, FullFields
+from contact.formulation.full_contact import ApartFields, FullFields
 from contact.formulation.gaps import GapFields
 from contact.formulation.quadrature import panels, sides
 from sie import Array, wrapped

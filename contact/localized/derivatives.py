@@ -15,7 +15,7 @@ import numpy as np
 import sie
 from contact.formulation.fields import by_nominal_pressure, moved_ends, moves_by
 from contact.formulation.tables import room_beside
-from contact.verify.accuracy import Found
+from contact.verify.error import SolvedZones
 from sie import Array, Mask, record
 
 
@@ -38,8 +38,8 @@ class At:
     """
 
     unknowns: Array
-    strip: Found
-    alone: Found
+    strip: SolvedZones
+    alone: SolvedZones
 
     @property
     def period(self) -> float:
@@ -156,7 +156,7 @@ class Rates(sie.Kept):
         )
 
 
-def _shifted(strip: Found) -> sie.AnyState:
+def _shifted(strip: SolvedZones) -> sie.AnyState:
     """What a unit of motion of the strip's centre adds to its density on the same zones: a central
     difference.
     """
@@ -204,12 +204,12 @@ def spread(table: Array, moved: Array, part: float) -> Array:
     return np.asarray(table + outward * [-1, 1])
 
 
-def width_of(found: Found) -> float:
+def width_of(found: SolvedZones) -> float:
     """Total width of the zones, scaled."""
     zones = found.free.density.zones
     return float((zones.b - zones.a).sum())
 
 
-def table_of(found: Found) -> Array:
+def table_of(found: SolvedZones) -> Array:
     """Zones (Z, 2), scaled."""
     return found.free.density.zones.table

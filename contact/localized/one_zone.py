@@ -23,10 +23,10 @@ from contact.formulation.problem import Problem
 from contact.localized.derivatives import At, Rates, table_of
 from contact.model.interactions.isolated import Isolated
 from contact.search.topology.missed import EXACT
-from contact.verify.accuracy import Found
+from contact.verify.error import SolvedZones
 from sie import Array, record
 
-Search = Callable[[Problem, Control, Array | None], Found]
+Search = Callable[[Problem, Control, Array | None], SolvedZones]
 
 # Widths tried; part of the period up to which there are any, step over the width that is taken at
 # the rates of the last one, one that rounding may keep from falling, and widths as good as one: on
@@ -79,9 +79,9 @@ class FirstOrder:
         self.isolated = replace(
             problem, interaction=Isolated(), centre=0.0, amplitude=None, reference=True
         )
-        self.together: Found | None = None
+        self.together: SolvedZones | None = None
 
-    def found(self, control: Control, guess: float) -> Found:
+    def found(self, control: Control, guess: float) -> SolvedZones:
         """The zone that carries the control. guess: of its width, which a half width gives."""
         given = control.half_width is not None
         here = self._at_width(control, guess) if given else self._carrying(control, guess)

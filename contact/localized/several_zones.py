@@ -31,10 +31,10 @@ from contact.search.topology.by_pressure import ByPressure
 from contact.search.topology.loop import Newton, refine_topology
 from contact.search.topology.missed import NOT_MINE, Missed
 from contact.search.ways.guesses import INSTEAD, no_rest
-from contact.verify.accuracy import Found
+from contact.verify.error import SolvedZones
 from sie import Array
 
-Strip = Callable[[Problem, Control, Array | None], Found]
+Strip = Callable[[Problem, Control, Array | None], SolvedZones]
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ class SeveralZones:
         assert scaled.problem.period is not None
         self.period = scaled.problem.period
 
-    def found(self, pressure: float, start: Array | None) -> Found:
+    def found(self, pressure: float, start: Array | None) -> SolvedZones:
         """The zones at the root: Newton's method in a bracket of the nominal pressure.
 
         `pressure`: a first nominal pressure; `start`: zones near by.
@@ -109,7 +109,7 @@ class SeveralZones:
             )
         return np.asarray(np.linalg.solve(matrix, [-miss, 0.0, 0.0]))
 
-    def _solved(self, at: At, rates: Rates, ends: Array) -> Found:
+    def _solved(self, at: At, rates: Rates, ends: Array) -> SolvedZones:
         """The strip, with how its nominal pressure follows the load and what its ends are off."""
         follows = rates.following
         fields = replace(
@@ -137,7 +137,7 @@ class SeveralZones:
             alone = self._alone(centre, pressure * self.period, last)
         return At(np.array([centre, pressure, strip.fields.density.total]), strip, alone)
 
-    def _alone(self, centre: float, load: float, last: At | None) -> Found:
+    def _alone(self, centre: float, load: float, last: At | None) -> SolvedZones:
         """The profile of one strip alone, cut off at its borders."""
         problem = replace(
             self.scaled.problem,
@@ -159,7 +159,7 @@ class SeveralZones:
                 self.task.progress,
                 timed=self.task.plan.timed,
             )
-            if isinstance(found, Found):
+            if isinstance(found, SolvedZones):
                 return found
             missed = found
         reason = f"the profile alone, which the first-order closure refers to: {missed.reason}; {INSTEAD}"

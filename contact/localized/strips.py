@@ -25,7 +25,7 @@ from contact.search.topology.by_pressure import ByPressure
 from contact.search.topology.loop import Newton, refine_topology
 from contact.search.topology.missed import EXACT, Missed, attempted
 from contact.search.ways.guesses import from_grid, no_rest, search
-from contact.verify.accuracy import Found
+from contact.verify.error import SolvedZones
 from sie import Array, record
 
 # Steps of the centre of a strip, how much longer than its miss, or than the step before, a secant's
@@ -50,7 +50,7 @@ class _Centring:
     table: Array
 
 
-def centred(task: Task, scaled: ScaledScene, start: Array | None) -> Found:
+def centred(task: Task, scaled: ScaledScene, start: Array | None) -> SolvedZones:
     """Zones of a strip that is centred on them: secants on the centre, under which zones are taken
     as they are, and a look at the signs where it stays.
     """
@@ -106,7 +106,7 @@ def centred(task: Task, scaled: ScaledScene, start: Array | None) -> Found:
     )
 
 
-def _with_longer_series(task: Task, scaled: ScaledScene, found: Found) -> Found:
+def _with_longer_series(task: Task, scaled: ScaledScene, found: SolvedZones) -> SolvedZones:
     """Where the series of the column is cut short, as it is so near to the border of a strip: under
     a load the nominal pressure is known, and with that a part of the right side, which has as many
     modes as it takes.
@@ -129,8 +129,8 @@ def _with_longer_series(task: Task, scaled: ScaledScene, found: Found) -> Found:
 
 
 def _moved(
-    task: Task, scaled: ScaledScene, found: Found, step: float, rate: Array | None
-) -> tuple[Found, bool]:
+    task: Task, scaled: ScaledScene, found: SolvedZones, step: float, rate: Array | None
+) -> tuple[SolvedZones, bool]:
     """(zones after a step of the centre, or after a shorter one that they follow, whether their
     signs were looked at). rate: of the zones with the centre, where it is known.
     """
@@ -147,10 +147,10 @@ def _moved(
             Newton(task.tolerance, near=True),
             formal=True,
         )
-        if isinstance(moved, Found):
+        if isinstance(moved, SolvedZones):
             return moved, False
         again = attempted(partial(from_grid, task, replace(scaled, problem=there), held=True))
-        if isinstance(again, Found):
+        if isinstance(again, SolvedZones):
             return again, True
         step *= 0.25
     raise task.error(
@@ -158,17 +158,17 @@ def _moved(
     )
 
 
-def _in_strip(task: Task, scaled: ScaledScene, start: Array | None) -> Found:
+def _in_strip(task: Task, scaled: ScaledScene, start: Array | None) -> SolvedZones:
     """Zones of a strip where it is."""
     found = search(task, scaled, start)
-    assert isinstance(found, Found)  # a strip has no full contact to be near to
+    assert isinstance(found, SolvedZones)  # a strip has no full contact to be near to
     return found
 
 
-def first_order(task: Task, scaled: ScaledScene, found: Found | None = None) -> Found:
+def first_order(task: Task, scaled: ScaledScene, found: SolvedZones | None = None) -> SolvedZones:
     """Closure by the isolated load of the same total width; `found`: the same less tightly."""
 
-    def strip(problem: Problem, control: Control, start: Array | None) -> Found:
+    def strip(problem: Problem, control: Control, start: Array | None) -> SolvedZones:
         return centred(task, replace(scaled, problem=problem, control=control), start)
 
     alone = partial(_reference, task)
@@ -189,7 +189,7 @@ def first_order(task: Task, scaled: ScaledScene, found: Found | None = None) -> 
             return several.found(pressure, zones)
         one = FirstOrder(scaled.problem, strip, alone, zones)
         with task.plan.timed("isolated reference"):
-            outcome: Found | Missed = attempted(
+            outcome: SolvedZones | Missed = attempted(
                 lambda: one.found(scaled.control, float(np.ptp(zones)))
             )
         if not isinstance(outcome, Missed):
@@ -223,7 +223,7 @@ def _about_load(scaled: ScaledScene) -> float:
     return proposed(scaled, exact, control, None).load / problem.units.load
 
 
-def _reference(task: Task, problem: Problem, control: Control, start: Array | None) -> Found:
+def _reference(task: Task, problem: Problem, control: Control, start: Array | None) -> SolvedZones:
     """The isolated problem of the same total width, as a formal solution: it is not asked to be a
     contact.
     """

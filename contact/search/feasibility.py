@@ -15,7 +15,7 @@ do: f must not fall faster than all straight lines on either side, and f(x) + f(
 import numpy as np
 
 from contact.errors import OutOfRange
-from contact.formulation.full import period_samples
+from contact.formulation.full_contact import period_samples
 from contact.formulation.tables import runs_of
 from contact.model.controls import Quantity
 from contact.model.profiles.base import Profile

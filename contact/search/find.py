@@ -14,6 +14,7 @@ on, or a later one that tells why there is no contact at all.
 from contact.errors import NotConverged, OutOfRange
 from contact.extras import require
 from contact.model.controls import Quantity
+from contact.runtime import one_blas_thread
 from contact.search.feasibility import refuse_below_plateau, refuse_unbounded
 from contact.search.grid.conjugate_gradient import LevelOfFullGrid
 from contact.search.grid.proposals import placed
@@ -24,7 +25,6 @@ from contact.search.ways.along import from_last
 from contact.search.ways.full_contact import smallest_full
 from contact.search.ways.guesses import Outcome, search
 from contact.search.ways.loads import NEAR_LOAD, NEARER_LOAD, at_approach, at_level
-from contact.threads import one_of_blas
 
 # Loaded by the scenes that they are for.
 _TENSION = "contact.search.ways.cohesive"
@@ -73,7 +73,7 @@ def _branch(task: Task, refused: Missed | None) -> Outcome | Missed:
     """One of several equilibria."""
     if not task.follows_branch:
         return NOT_MINE
-    with one_of_blas():
+    with one_blas_thread():
         if task.scene.law.tension:
             return require(_TENSION).followed_under_tension(task)
         return require(_BRANCHES).followed(task)

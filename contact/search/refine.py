@@ -14,7 +14,7 @@ from contact.search.ways.full_contact import Full
 from contact.search.ways.gaps import tightened_gaps
 from contact.search.ways.guesses import Outcome
 from contact.search.ways.tightened import tightened
-from contact.verify.accuracy import Found, FoundByGaps, limit, limit_of_body, of_positions
+from contact.verify.error import SolvedGaps, SolvedZones, limit, limit_of_body, of_positions
 
 # Zones of a lone body farther than so many times their span from the origin of places.
 _FAR_OFF = 64.0
@@ -40,9 +40,9 @@ def _as_told(task: Task, found: Outcome, again: Callable[[Task], Outcome]) -> Ou
     # Under a tension what belongs to it is solved as tightly as there is where it is found.
     if isinstance(found, Full) or task.scene.law.tension:
         return found
-    if isinstance(found, FoundByGaps) and found.error > task.tol:
+    if isinstance(found, SolvedGaps) and found.error > task.tol:
         found = _by_zones(task, found)
-    if isinstance(found, FoundByGaps):
+    if isinstance(found, SolvedGaps):
         if found.error > task.tol:
             with task.plan.timed("zone ends"):
                 found = tightened_gaps(task, found, stuck=True)
@@ -50,7 +50,7 @@ def _as_told(task: Task, found: Outcome, again: Callable[[Task], Outcome]) -> Ou
     return _tightened(task, _counted_from_there(task, found), again)
 
 
-def _counted_from_there(task: Task, found: Found) -> Found:
+def _counted_from_there(task: Task, found: SolvedZones) -> SolvedZones:
     """Zones of a lone body that lie far from where they were looked for, solved again with places
     counted from there: else these are rounded to much of the zones' widths.
     """
@@ -71,7 +71,7 @@ def _counted_from_there(task: Task, found: Found) -> Found:
     return found if isinstance(there, Missed) else there
 
 
-def _by_zones(task: Task, found: FoundByGaps) -> Found | FoundByGaps:
+def _by_zones(task: Task, found: SolvedGaps) -> SolvedZones | SolvedGaps:
     """The same contact with the pressure as the unknown, if that comes out better; not where it is
     the approach that tells too little: near full contact the level of the zones, a difference of
     large numbers, tells no more.
@@ -81,17 +81,21 @@ def _by_zones(task: Task, found: FoundByGaps) -> Found | FoundByGaps:
     problem = found.fields.problem
     control, table = task.control(problem), found.fields.zones
     other = task.refine_topology(about(problem, table), control, table, off=found.error)
-    return other if isinstance(other, Found) and other.error < found.error else found
+    return other if isinstance(other, SolvedZones) and other.error < found.error else found
 
 
-def _tightened(task: Task, found: Found, whole: Callable[[Task], Outcome]) -> Found | FoundByGaps:
+def _tightened(
+    task: Task, found: SolvedZones, whole: Callable[[Task], Outcome]
+) -> SolvedZones | SolvedGaps:
     """Solved again from the same zones; from the start, if they do not stand up to it."""
 
-    def again(here: Found | FoundByGaps, tolerance: float) -> Found | FoundByGaps | Missed:
+    def again(
+        here: SolvedZones | SolvedGaps, tolerance: float
+    ) -> SolvedZones | SolvedGaps | Missed:
         sharper = replace(task, tolerance=tolerance)
 
         def better_found() -> Outcome:
-            same = _from_the_same(sharper, here) if isinstance(here, Found) else None
+            same = _from_the_same(sharper, here) if isinstance(here, SolvedZones) else None
             return same or whole(sharper)
 
         better: Outcome | Missed = attempted(better_found)
@@ -99,20 +103,20 @@ def _tightened(task: Task, found: Found, whole: Callable[[Task], Outcome]) -> Fo
             Missed("full contact, as the whole search says") if isinstance(better, Full) else better
         )
 
-    def at_rest(here: Found | FoundByGaps, tolerance: float) -> bool:
-        return not isinstance(here, Found) or _is_rounding(task, here)
+    def at_rest(here: SolvedZones | SolvedGaps, tolerance: float) -> bool:
+        return not isinstance(here, SolvedZones) or _is_rounding(task, here)
 
-    first: Found | FoundByGaps = found
+    first: SolvedZones | SolvedGaps = found
     return tightened(task, first, task.tolerance, again, at_rest)
 
 
-def _from_the_same(task: Task, found: Found) -> Found | None:
+def _from_the_same(task: Task, found: SolvedZones) -> SolvedZones | None:
     """The same zones more tightly; None where they do not stand up to it."""
     problem, model, profile = found.fields.problem, task.scene.interaction, task.scene.profile
     control, table = task.control(problem), found.free.density.zones.table
     if not model.strip:
         better = task.refine_topology(problem, control, table, off=found.error)
-        return better if isinstance(better, Found) else None
+        return better if isinstance(better, SolvedZones) else None
     assert profile.period is not None
     scaled = ScaledScene(problem, control, (profile.x0, profile.x0 + profile.period))
     strips = require("contact.localized.strips")
@@ -123,7 +127,7 @@ def _from_the_same(task: Task, found: Found) -> Found | None:
     )
 
 
-def _is_rounding(task: Task, found: Found) -> bool:
+def _is_rounding(task: Task, found: SolvedZones) -> bool:
     """Whether rounding alone, of a solution that no iteration left an error in, is above the wanted
     error.
     """

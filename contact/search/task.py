@@ -19,7 +19,7 @@ from contact.errors import ContactError, NotConverged, OutOfRange, SceneError
 from contact.formulation import height_rounding
 from contact.formulation.controls import Control, Machine, scaled_control
 from contact.formulation.fields import ZoneFields
-from contact.formulation.full import FullLimit
+from contact.formulation.full_contact import FullLimit
 from contact.formulation.problem import Problem
 from contact.formulation.relief import ScaledRelief
 from contact.formulation.units import Units
@@ -31,11 +31,11 @@ from contact.search.topology.carried import Passed
 from contact.search.topology.first_gaps import FirstGaps
 from contact.search.topology.loop import ROUNDS, Newton, Progress, refine_topology
 from contact.search.topology.missed import Missed
-from contact.solution.made import fault_of_profile, in_cell
+from contact.solution.assemble import in_cell, profile_fault
 from contact.solution.plan import Plan, plan, starts_from_one_zone
 from contact.solution.solution import Solution
-from contact.verify.accuracy import Found
 from contact.verify.certificate import NOT_CHECKED
+from contact.verify.error import SolvedZones
 from sie import Array, record
 
 
@@ -173,7 +173,7 @@ class Task:
 
     def refine_topology(
         self, problem: Problem, control: Control, table: Array, rounds: int = ROUNDS, **how: Any
-    ) -> Found | Missed:
+    ) -> SolvedZones | Missed:
         """Zones that pass, from proposed ones. how: of `Newton`, beside its tolerance."""
         newton = Newton(self.tolerance, **how)
         # Given ends are not searched for.
@@ -199,7 +199,7 @@ class Task:
             return OutOfRange(missed.reason)
         free = missed.free
         if free is None:
-            return NotConverged(f"not converged: {missed.reason}{fault_of_profile(self.scene)}")
+            return NotConverged(f"not converged: {missed.reason}{profile_fault(self.scene)}")
         rounded = height_rounding.told(problem, free.density.zones.table)
         if rounded:
             return SceneError(rounded, "profile", self.scene.profile)
@@ -215,5 +215,5 @@ class Task:
             free.trace,
         )
         return NotConverged(
-            f"not converged: {missed.reason}{fault_of_profile(self.scene, table)}", free.trace, best
+            f"not converged: {missed.reason}{profile_fault(self.scene, table)}", free.trace, best
         )

@@ -21,9 +21,9 @@ from contact.errors import MissingExtra, SceneError
 from contact.extras import require, version
 from contact.model.scene import Scene
 from contact.model.scene_file import tables
-from contact.solution.answer import Answer
+from contact.solution.model_warnings import all_warnings
 from contact.solution.sampling import positions, window
-from contact.solution.validity import everything
+from contact.solution.solution import Solution
 
 ZONE_COLUMNS = ("left", "right", "width", "load", "mean_pressure", "max_pressure")
 ZONE_UNITS = ("m", "m", "m", "N/m", "Pa", "Pa")
@@ -59,7 +59,7 @@ _FIELDS = {
 }
 
 
-def to_dict(solution: Answer) -> dict[str, Any]:
+def to_dict(solution: Solution) -> dict[str, Any]:
     """The solution's zones and numbers as JSON has them: floats, strings, lists, dictionaries and
     None.
     """
@@ -69,7 +69,7 @@ def to_dict(solution: Answer) -> dict[str, Any]:
         "rotational_stiffness": solution.rotational_stiffness if solution.scene.turning else None,
         "certificate": solution.certificate.to_dict(),
         "plan": solution.plan.to_dict(),
-        "warnings": everything(solution),
+        "warnings": all_warnings(solution),
         "scene": describe(solution.scene),
         "trace": solution.scene.profile.trace_summary(),
         "units": UNITS,
@@ -78,7 +78,7 @@ def to_dict(solution: Answer) -> dict[str, Any]:
     return {key: plain(value) for key, value in values.items()}
 
 
-def to_json(solution: Answer) -> str:
+def to_json(solution: Solution) -> str:
     """One JSON object, one line."""
     return json.dumps(to_dict(solution), allow_nan=False)
 
@@ -100,7 +100,7 @@ def plain(value: Any) -> Any:
     return str(value)
 
 
-def zone_table(solution: Answer) -> list[tuple[float, ...]]:
+def zone_table(solution: Solution) -> list[tuple[float, ...]]:
     """A row a zone, from left to right, of ZONE_COLUMNS in ZONE_UNITS."""
     loads, widths = np.asarray(solution.zone_loads), np.asarray(solution.zone_widths)
     return list(
@@ -113,7 +113,7 @@ def zone_table(solution: Answer) -> list[tuple[float, ...]]:
     )
 
 
-def zone_frame(solution: Answer) -> Any:
+def zone_frame(solution: Solution) -> Any:
     """The zone table as a pandas.DataFrame; where pandas is not installed, a dictionary of an array
     for each column.
     """
@@ -127,14 +127,14 @@ def zone_frame(solution: Answer) -> Any:
     return frame
 
 
-def to_csv(solution: Answer) -> str:
+def to_csv(solution: Solution) -> str:
     """The zone table with a header line, every number in full precision; at full contact the header
     alone.
     """
     return csv_of(ZONE_COLUMNS, zone_table(solution))
 
 
-def fields_to_csv(solution: Answer) -> str:
+def fields_to_csv(solution: Solution) -> str:
     """FIELD_COLUMNS [m, Pa, m, m, m] on positions closer at the zones' ends, with a header line, in
     full precision.
     """
@@ -153,17 +153,17 @@ def csv_of(columns: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
     return text.getvalue()
 
 
-def write_csv(solution: Answer, path: str | PathLike[str], overwrite: bool = False) -> None:
+def write_csv(solution: Solution, path: str | PathLike[str], overwrite: bool = False) -> None:
     """Write the zone table."""
     new_file(path, overwrite).write_text(to_csv(solution), encoding="utf-8")
 
 
-def write_fields(solution: Answer, path: str | PathLike[str], overwrite: bool = False) -> None:
+def write_fields(solution: Solution, path: str | PathLike[str], overwrite: bool = False) -> None:
     """Write the table of the fields."""
     new_file(path, overwrite).write_text(fields_to_csv(solution), encoding="utf-8")
 
 
-def write_json(solution: Answer, path: str | PathLike[str], overwrite: bool = False) -> None:
+def write_json(solution: Solution, path: str | PathLike[str], overwrite: bool = False) -> None:
     """Write the object of `to_json`."""
     new_file(path, overwrite).write_text(to_json(solution) + "\n", encoding="utf-8")
 
@@ -192,7 +192,7 @@ def new_file(
     return path
 
 
-def _fields(solution: Answer) -> dict[str, Any]:
+def _fields(solution: Solution) -> dict[str, Any]:
     x = positions(solution, *window(solution))
     return {
         "x": x,
@@ -203,7 +203,7 @@ def _fields(solution: Answer) -> dict[str, Any]:
     }
 
 
-def to_xarray(solution: Answer) -> Any:
+def to_xarray(solution: Solution) -> Any:
     """An xarray.Dataset: zones, their loads and peaks, the fields on positions closer at the zones'
     ends, the scene.
     """
@@ -234,7 +234,7 @@ def to_xarray(solution: Answer) -> Any:
     return require("xarray").Dataset(data, coords=coordinates, attrs=_attributes(solution))
 
 
-def write_netcdf(solution: Answer, path: str | PathLike[str], overwrite: bool = False) -> None:
+def write_netcdf(solution: Solution, path: str | PathLike[str], overwrite: bool = False) -> None:
     """Write the data set of `to_xarray` as netCDF-4."""
     path = new_file(path, overwrite)
     require("h5netcdf")
@@ -254,7 +254,7 @@ def _short(value: Any) -> Any:
     return f"array of shape {np.shape(value)}" if np.size(value) > _LONGEST_ARRAY else plain(value)
 
 
-def _attributes(solution: Answer) -> dict[str, Any]:
+def _attributes(solution: Solution) -> dict[str, Any]:
     """The numbers of the solution, with those the scene does not define left out; netCDF has no
     None.
     """

@@ -23,7 +23,6 @@ import numpy as np
 from contact.errors import MissingExtra, SceneError
 from contact.extras import require
 from contact.model.units import prefix, quantity
-from contact.solution.answer import Answer
 from contact.solution.sampling import (
     on_zones,
     peak_position,
@@ -33,6 +32,7 @@ from contact.solution.sampling import (
     window,
     zones_within,
 )
+from contact.solution.solution import Solution
 from sie import Array
 
 _BODY = "#7a7a7a"
@@ -50,7 +50,7 @@ _PRESSURE_READABLE = 0.03
 _POINTS = 6000
 
 
-def plot(solution: Answer) -> Any:
+def plot(solution: Solution) -> Any:
     """A matplotlib Figure: profile and deformed surface with the zones marked, and the pressure on
     them.
     """
@@ -73,7 +73,7 @@ def plot(solution: Answer) -> Any:
     return figure
 
 
-def summary(solution: Answer) -> str:
+def summary(solution: Solution) -> str:
     """The solution in one line: model, load or mean pressure, contact, peak."""
     scene = solution.scene
     parts = [
@@ -97,7 +97,7 @@ def summary(solution: Answer) -> str:
     return ",  ".join(parts)
 
 
-def _draw(top: Any, bottom: Any, solution: Answer, lo: float, hi: float) -> None:
+def _draw(top: Any, bottom: Any, solution: Solution, lo: float, hi: float) -> None:
     """Both panels over one stretch."""
     x = positions(solution, lo, hi, _POINTS)
     zones = zones_within(solution, lo, hi)
@@ -112,7 +112,7 @@ def _draw(top: Any, bottom: Any, solution: Answer, lo: float, hi: float) -> None
             axes.axvspan(left, right, facecolor=_ZONE, alpha=0.18, edgecolor="none", zorder=0)
 
 
-def _draw_surfaces(axes: Any, solution: Answer, x: Array, zones: Array, along: float) -> None:
+def _draw_surfaces(axes: Any, solution: Solution, x: Array, zones: Array, along: float) -> None:
     surface, body = surfaces(solution, x)
     seen, below = np.isfinite(body), np.isfinite(surface)
     heights = np.concatenate((surface[below], body[seen]))
@@ -144,7 +144,7 @@ def _draw_surfaces(axes: Any, solution: Answer, x: Array, zones: Array, along: f
         )
 
 
-def _draw_pressure(axes: Any, solution: Answer, x: Array, zones: Array, along: float) -> None:
+def _draw_pressure(axes: Any, solution: Solution, x: Array, zones: Array, along: float) -> None:
     pressure = solution.pressure(x)
     top = top_pressure(solution)
     if np.isfinite(solution.max_pressure):
@@ -182,7 +182,7 @@ def _draw_pressure(axes: Any, solution: Answer, x: Array, zones: Array, along: f
     axes.set(ylim=(1.08 * lowest * scale, 1.08 * top * scale), ylabel=f"pressure [{letter}Pa]")
 
 
-def _close_up(solution: Answer, lo: float, hi: float) -> tuple[float, float] | None:
+def _close_up(solution: Solution, lo: float, hi: float) -> tuple[float, float] | None:
     """The stretch around the highest pressure that shows its zone and the next ones, if the whole
     cannot.
     """
@@ -200,7 +200,7 @@ def _close_up(solution: Answer, lo: float, hi: float) -> tuple[float, float] | N
     return middle - reach, middle + reach
 
 
-def _mark_close_up(axes: Any, solution: Answer, lo: float, hi: float) -> None:
+def _mark_close_up(axes: Any, solution: Solution, lo: float, hi: float) -> None:
     """Say on the full width what the second column shows: by a pointer above the panels, and shade
     behind what is drawn.
 
@@ -261,7 +261,7 @@ def finish(axes: Any, across: str, up: str, legend: bool = True) -> None:
         axes.legend(handles.values(), handles.keys(), frameon=False, fontsize=8)
 
 
-def to_html(solution: Answer) -> str:
+def to_html(solution: Solution) -> str:
     """Numbers with their units, the stated error, what the certificate says, and the figure as a
     picture within the page.
     """
@@ -285,7 +285,7 @@ def to_html(solution: Answer) -> str:
     return f"<table>{lines}</table>{_picture(solution)}"
 
 
-def _picture(solution: Answer) -> str:
+def _picture(solution: Solution) -> str:
     stream = io.BytesIO()
     try:
         plot(solution).savefig(stream, format="png", dpi=96)

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from contact.model.units import quantity
-from contact.solution.answer import Answer
+from contact.solution.solution import Solution
 from sie import Array
 
 
@@ -34,7 +34,9 @@ class Borne(NamedTuple):
     where: list[Any]
 
 
-def of_preparation(solution: Answer, options: ShareOptions = ShareOptions()) -> tuple[str, ...]:
+def preparation_warnings(
+    solution: Solution, options: ShareOptions = ShareOptions()
+) -> tuple[str, ...]:
     """A sentence for each kind of interval that bears load or the highest pressure."""
     told = (
         borne
@@ -44,7 +46,7 @@ def of_preparation(solution: Answer, options: ShareOptions = ShareOptions()) -> 
     return tuple(_sentence(borne, options) for borne in told)
 
 
-def shares(solution: Answer, options: ShareOptions = ShareOptions()) -> list[Borne]:
+def shares(solution: Solution, options: ShareOptions = ShareOptions()) -> list[Borne]:
     """The share of each kind of interval, for every body that has some."""
     profile = solution.scene.profile
     bodies = {place: body.unmeasured for place, body in profile.bodies.items() if body.unmeasured}
@@ -86,7 +88,7 @@ def _sentence(borne: Borne, options: ShareOptions) -> str:
     return f"{share}{lies} in {what}{of} ({where}): {cure}"
 
 
-def _places_in_contact(solution: Answer, options: ShareOptions) -> tuple[Array, Array, Array]:
+def _places_in_contact(solution: Solution, options: ShareOptions) -> tuple[Array, Array, Array]:
     """Places in contact, the load about each (without its sign), and the pressure there."""
     profile, zones = solution.scene.profile, np.asarray(solution.zones)
     if not len(zones):

@@ -9,7 +9,7 @@ counts them.
 import numpy as np
 
 from contact.errors import SceneError
-from contact.solution.answer import Answer
+from contact.solution.solution import Solution
 from sie import Array, Mask
 
 _EVEN_POINTS = 1000
@@ -19,7 +19,7 @@ _POINTS_A_ZONE = (9, 97)
 _KINK_LADDER = 10.0 ** -np.arange(1.0, 7.0)
 
 
-def window(solution: Answer) -> tuple[float, float]:
+def window(solution: Solution) -> tuple[float, float]:
     """The stretch of x that shows the solution: the period, all of a trace, or the zones and once
     their span on either side.
     """
@@ -37,7 +37,7 @@ def window(solution: Answer) -> tuple[float, float]:
     return lo - (hi - lo), hi + (hi - lo)
 
 
-def zones_within(solution: Answer, lo: float, hi: float) -> Array:
+def zones_within(solution: Solution, lo: float, hi: float) -> Array:
     """The zones and their periodic images, cut to [lo, hi]; all of it at full contact, none of
     surfaces apart.
     """
@@ -55,7 +55,7 @@ def zones_within(solution: Answer, lo: float, hi: float) -> Array:
     return np.asarray(cut[cut[:, 1] > cut[:, 0]])
 
 
-def positions(solution: Answer, lo: float, hi: float, most: int = _MOST_POINTS) -> Array:
+def positions(solution: Solution, lo: float, hi: float, most: int = _MOST_POINTS) -> Array:
     """Ascending positions in [lo, hi], both included, where straight lines between the samples show
     every field.
 
@@ -84,14 +84,14 @@ def on_zones(x: Array, zones: Array) -> Mask:
     return (x >= zones[nearest, 0]) & (x <= zones[nearest, 1])
 
 
-def top_pressure(solution: Answer) -> float:
+def top_pressure(solution: Solution) -> float:
     """The highest pressure [Pa], or four times the mean on the zones where that is infinite."""
     if np.isfinite(solution.max_pressure):
         return solution.max_pressure
     return float(4.0 * abs(solution.load) / max(np.sum(solution.zone_widths), 1e-300))
 
 
-def surfaces(solution: Answer, x: Array) -> tuple[Array, Array]:
+def surfaces(solution: Solution, x: Array) -> tuple[Array, Array]:
     """(counter-face, body): heights [m], upwards, of the lower surface, which is given the
     displacement of both, and of the upper one.
 
@@ -111,7 +111,7 @@ def surfaces(solution: Answer, x: Array) -> tuple[Array, Array]:
     return surface, own + (surface[place] + away - own[place])
 
 
-def _near_kinks(solution: Answer, zones: Array) -> Array:
+def _near_kinks(solution: Solution, zones: Array) -> Array:
     """Points closing in on each kink that lies in a zone."""
     profile, period = solution.scene.profile, solution.scene.period
     kinks = profile.kinks[:, 0]
@@ -122,7 +122,7 @@ def _near_kinks(solution: Answer, zones: Array) -> Array:
     return np.asarray((kinks[kink, None] + steps).ravel())
 
 
-def peak_position(solution: Answer, x: Array, pressure: Array) -> float:
+def peak_position(solution: Solution, x: Array, pressure: Array) -> float:
     """The middle of the zone of the highest sampled pressure, or the place of it at full contact."""
     # Equal peaks differ by rounding; the one nearest the middle is shown best.
     highest = x[pressure >= (1.0 - 1e-9) * np.max(pressure)]

@@ -1,39 +1,53 @@
-"""The solution of a scene: its numbers and fields, and its ways out as tables, files and pictures."""
+"""`Solution`: zones, fields and numbers of a solved scene, and their export to files and figures."""
 
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
+from numbers import Integral
 from os import PathLike
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+import sie
+from contact.errors import SceneError
 from contact.extras import require
+from contact.formulation.energy import Fields, elastic_energy
+from contact.formulation.fields import ZoneFields
+from contact.formulation.tables import in_cell
+from contact.model.checks import real
 from contact.model.controls import Quantity
-from contact.solution.answer import Answer
-from contact.solution.validity import everything
+from contact.model.parts import Told
+from contact.model.scene import Scene
+from contact.solution.plan import Plan
+from contact.solution.quantities import Energy, PullOff, peaks
+from contact.verify.certificate import Certificate
+from sie import Array, Index, wrapped
 
-# Loaded by those who ask for them.
-_PICTURES = "contact.solution.plotting"
+# Modules that are imported when a solution is drawn, written, or asked for its warnings.
+_FIGURES = "contact.solution.plotting"
 _FILES = "contact.solution.export"
+_WARNINGS = "contact.solution.model_warnings"
 
 
 @dataclass(frozen=True, eq=False)
-class Solution(Answer):
-    """Zones (n, 2) [m], pressure and gap anywhere, loads per unit thickness [N/m]; made by
-    `contact.solve`.
+class Solution(sie.Kept):
+    """Zones, fields and numbers of a solved scene, SI units; returned by `contact.solve`.
 
-    What follows from `error` for each number is stated with it, p being the peak pressure (the mean
-    contact pressure where the peak is infinite); see docs/errors.md.
+    What `error` means for each number is stated with the number. There p stands for the peak
+    pressure, or for the mean contact pressure where the peak is infinite; see docs/errors.md. A
+    quantity that the scene does not define is None.
 
     Parameters
     ----------
     scene : Scene
-        What was asked.
+        The scene that was solved.
     zones : ndarray
         Zone ends [m], (n, 2), ascending; with a period, left ends in [x0, x0 + L); (0, 2) in full
         contact.
     fields : Fields
-        What the methods below ask.
+        Pressure, gap and displacement as functions (`contact.fields.Fields`).
     error : float
         Stated bound of (i) the pressure's error at equal normalised position in corresponding zones
         over p, and (ii) each end's error over its zone's width.
@@ -44,16 +58,18 @@ class Solution(Answer):
     trace : tuple
         The Newton steps.
     branch : str or None
-        Where a law has several equilibria, how this one was come by: "advancing", the control
-        raised to its value, or "receding", it was lowered to it; the plan says from where. None
-        under other laws, and where the zones are given.
-    parting : callable or None
-        What tells where such a contact comes apart.
+        Which of several equilibria this is: "advancing", the control was raised to its value, or
+        "receding", it was lowered to it; the plan says from where. None under laws with one
+        equilibrium, and where the zones are given.
+    find_pull_off : callable or None
+        Computes `pull_off` from the fields, under laws with several equilibria.
 
     Examples
     --------
     >>> import contact
-    >>> scene = contact.Scene(contact.Parabola(radius=1.0), 1e9, contact.Isolated(datum=1.0), load=1e4)
+    >>> scene = contact.Scene(
+    ...     contact.Parabola(radius=1.0), 1e9, contact.Isolated(datum=1.0), load=1e4
+    ... )
     >>> solution = contact.solve(scene)
     >>> solution.zones.round(9).tolist()
     [[-0.003568248, 0.003568248]]
@@ -61,25 +77,273 @@ class Solution(Answer):
     ([1784000.0, 0.0], 0.0)
     """
 
+    scene: Scene
+    zones: Array
+    fields: Fields = field(repr=False)
+    error: float
+    certificate: Certificate = field(repr=False)
+    plan: Plan = field(repr=False)
+    trace: tuple[Any, ...] = field(default=(), repr=False)
+    branch: str | None = None
+    find_pull_off: Callable[[ZoneFields], PullOff] | None = field(default=None, repr=False)
+
+    @classmethod
+    def deferred(
+        cls,
+        scene: Scene,
+        zones: Array,
+        fields: Fields,
+        error: float,
+        builders: Mapping[str, Callable[[], Any]],
+    ) -> Self:
+        """A solution that builds its certificate and its plan at first use, by these functions."""
+        self = cls.__new__(cls)
+        self.__dict__.update(
+            scene=scene, zones=zones, fields=fields, error=error, trace=(), _builders=builders
+        )
+        return self
+
+    def __getattr__(self, name: str) -> Any:
+        # Python calls this only for attributes that are not built yet.
+        builders = self.__dict__.get("_builders")
+        if builders is None or name not in builders:
+            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+        self.__dict__[name] = builders[name]()
+        return self.__dict__[name]
+
+    def __getstate__(self) -> Any:
+        for name in self.__dict__.get("_builders", ()):
+            getattr(self, name)
+        state = super().__getstate__()
+        state.pop("_builders", None)
+        return state
+
+    def pressure(self, x: ArrayLike) -> Array:
+        """Contact pressure [Pa] at x [m], any shape; 0 outside the zones."""
+        return self.fields.pressure(real("x", x))
+
+    def pressure_at(self, t: ArrayLike, zone: int = 0) -> Array:
+        """Contact pressure [Pa] at normalised positions t in [-1, 1] of one zone, without loss of
+        digits at its ends.
+        """
+        if len(self.zones) == 0:
+            raise SceneError.of(
+                "zone",
+                zone,
+                "left alone: full contact, or surfaces apart, have no zones, use pressure(x)",
+            )
+        count = len(self.zones)
+        if not isinstance(zone, Integral) or not -count <= zone < count:
+            raise SceneError.of(
+                "zone",
+                zone,
+                f"a whole number from 0 to {count - 1}, there being {count} zone{'s' * (count > 1)}",
+            )
+        t = real("t", t)
+        if np.any(np.abs(t) > 1):
+            raise SceneError.of("t", t, "from -1 to 1, the ends of the zone")
+        return self.fields.pressure_at(int(self._order[zone]), t)
+
+    def gap(self, x: ArrayLike) -> Array:
+        """Gap [m] at x [m], any shape; 0 inside the zones, inf where there is no profile."""
+        return self.fields.gap(real("x", x))
+
+    def displacement(self, x: ArrayLike) -> Array:
+        """Displacement into the body [m]; for an isolated punch without a datum, less the approach."""
+        return self.fields.displacement(real("x", x))
+
+    @cached_property
+    def _order(self) -> Index:
+        """Place among the fields' own zones of each zone of `zones`."""
+        return np.argsort(
+            wrapped(self.fields.zone_table[:, 0], self.scene.profile.x0, self.scene.period)
+        )
+
+    @property
+    def load(self) -> float:
+        """Load [N/m], per period where there is one: as given, else off by at most 3 error p times
+        the width in contact.
+        """
+        return self.fields.load
+
+    @property
+    def mean_pressure(self) -> float | None:
+        """Load per period over the period [Pa]; None without a period."""
+        period = self.scene.profile.period
+        return None if period is None else self.load / period
+
+    @property
+    def zone_loads(self) -> Array:
+        """Load of each zone (n,) [N/m], off by at most 3 error p times its width; their sum is the
+        load to rounding.
+        """
+        return np.asarray(self.fields.loads[self._order])
+
+    @property
+    def zone_remainders(self) -> Array:
+        """What rounding has cut off the ends in `zones` (n, 2) [m], where that is known, else 0: of
+        very fine roughness, whose zones are narrow beside a unit in the last digit of their places,
+        it is the ends zones + zone_remainders that `error` speaks of.
+        """
+        return np.zeros(self.zones.shape) if self._cut_off is None else self._cut_off
+
+    @cached_property
+    def _cut_off(self) -> Array | None:
+        told = self.fields.cut_off
+        return None if told is None else told(self.zones, self._order)
+
+    @property
+    def zone_widths(self) -> Array:
+        """Width of each zone (n,) [m], off by at most 2 error of itself."""
+        widths, rest = self.zones[:, 1] - self.zones[:, 0], self._cut_off
+        return widths if rest is None else widths + np.diff(rest)[:, 0]
+
+    @cached_property
+    def zone_peaks(self) -> Array:
+        """Highest pressure of each zone (n,) [Pa], off by at most error p; inf under a sharp corner
+        or a tip with a kink.
+        """
+        return peaks(self.scene, self.zones, self.pressure_at)
+
+    @property
+    def max_pressure(self) -> float:
+        """Highest pressure [Pa], off by at most error of itself; inf under a sharp corner or a tip
+        with a kink.
+        """
+        return self.fields.max_pressure
+
+    @property
+    def approach(self) -> float | None:
+        """Approach [m], off by at most about 3 error p L / E* (L: the period); None for an isolated
+        punch without a datum.
+        """
+        return self.fields.approach
+
+    @property
+    def contact_fraction(self) -> float | None:
+        """Width in contact over the period, off by at most 2 error of itself; None without a
+        period.
+        """
+        if self.scene.period is None:
+            return None
+        return self.fields.contact_fraction
+
+    @cached_property
+    def energy(self) -> Energy | None:
+        """Elastic energy and that of the interface [J/m], per period where there is one; None where
+        there is no approach, and for localized contact, whose strip is not all of the body.
+        """
+        elastic, period = elastic_energy(self.fields), self.scene.period
+        if elastic is None:
+            return None
+        width = (
+            float(np.sum(self.zone_widths))
+            if period is None
+            else self.fields.contact_fraction * period
+        )
+        told = Told("law.surface_energy(fields, width)", "law")
+        return Energy(elastic, told.number(self.scene.law.surface_energy, self.fields, width) + 0.0)
+
+    @property
+    def stiffness(self) -> float | None:
+        """d load / d approach [N/m^2], at the given moment where one is given, else at the tilt;
+        inf in full contact, None where there is no approach. Its inverse is off by about 4 error /
+        E*, times the width of zones over that of narrower gaps beside them.
+        """
+        return self.fields.stiffness
+
+    @cached_property
+    def pull_off(self) -> PullOff | None:
+        """Where the contact comes apart as its load (or its approach, where that is given) falls,
+        under a law that bears tension; None for full contact, which does not open, and for surfaces
+        apart. Parts of it may come apart before: it is where the last do.
+        """
+        law = self.scene.law
+        if law.bare is None or self.scene.held(Quantity.HALF_WIDTH) is not None:
+            what = f"the law {law.name}" if law.bare is None else "a given half width"
+            raise SceneError(
+                f"there is no pull-off under {what}: it is that of adhesion under a load or an approach",
+                "pull_off",
+            )
+        if not isinstance(self.fields, ZoneFields):
+            if law.tension:
+                raise SceneError(
+                    "pull-off is told of contact that is not nearly full: ask for it under a smaller load",
+                    "pull_off",
+                )
+            return None
+        if self.find_pull_off is None:
+            raise SceneError("there is no pull-off of a state that did not converge", "pull_off")
+        return self.find_pull_off(self.fields)
+
+    @property
+    def cohesive(self) -> Array:
+        """Intervals [m], (m, 2), in which the gap is below the reach of the law's tension, contact
+        within them included: all of it is pulled, and the pressure beside the contact is minus that
+        tension. (0, 2) under laws that do nothing beside the contact.
+        """
+        table, period = self.fields.cohesive, self.scene.period
+        return (
+            table
+            if period is None or len(table) == 0
+            else in_cell(table, self.scene.profile.x0, period)
+        )
+
+    @property
+    def tilt(self) -> float | None:
+        """By how much the body is turned [rad]: the gap at zero load is f(x) - tilt x; None for
+        what repeats.
+        """
+        return None if self._lone is None else self._lone.tilt
+
+    @property
+    def moment(self) -> float | None:
+        """int p x dx, about x = 0 [N], off as the loads of the zones are at their distances; None
+        for what repeats.
+        """
+        return None if self._lone is None else self._lone.moment
+
+    @property
+    def rotational_stiffness(self) -> float | None:
+        """d moment / d tilt at the given load [N]; None for what repeats."""
+        return None if self._lone is None else self._lone.rotational_stiffness
+
+    @property
+    def _lone(self) -> ZoneFields | None:
+        """The fields of a body that may turn."""
+        return (
+            self.fields
+            if self.scene.interaction.turns and isinstance(self.fields, ZoneFields)
+            else None
+        )
+
+    @property
+    def mean_gap(self) -> float | None:
+        """Mean of the gap over a period [m], off by at most about 3 error p L / E* (L: the period);
+        None without one.
+        """
+        return None if self.scene.period is None else self.fields.mean_gap
+
     @cached_property
     def warnings(self) -> list[str]:
         """What the model hardly covers: slopes, pressures, a modulus, a trace; given out as
         ModelWarnings too.
         """
-        return everything(self)
+        messages: list[str] = require(_WARNINGS).all_warnings(self)
+        return messages
 
     def plot(self) -> Any:
         """The surfaces and the pressure, as a matplotlib figure of its own; MissingExtra without
         matplotlib.
         """
-        return require(_PICTURES).plot(self)
+        return require(_FIGURES).plot(self)
 
     def to_dataset(self) -> Any:
         """Zones, fields and numbers as an xarray.Dataset with units; MissingExtra without xarray."""
         return require(_FILES).to_xarray(self)
 
     def _repr_html_(self) -> str:
-        return require(_PICTURES).to_html(self)
+        return require(_FIGURES).to_html(self)
 
     def zone_table(self) -> Any:
         """left, right, width [m], load [N/m], mean_pressure, max_pressure [Pa] of each zone: a

@@ -16,12 +16,13 @@ from numpy.typing import ArrayLike
 from contact.errors import OutOfRange, unwarned, warn
 from contact.formulation.energy import elastic_energy
 from contact.formulation.equilibria import Point
-from contact.formulation.full import FullFields
+from contact.formulation.full_contact import FullFields
 from contact.formulation.tension.cohesive import CohesivePoint
 from contact.formulation.tension.loose import LooseFields
 from contact.model.checks import finite_array, positive
 from contact.model.scene import Scene
 from contact.model.units import quantity
+from contact.runtime import one_blas_thread
 from contact.search.equilibria.following import Jump, Standing
 from contact.search.equilibria.history import History
 from contact.search.grid.tilt import known_part
@@ -29,19 +30,18 @@ from contact.search.task import Task
 from contact.search.topology.loop import Progress
 from contact.search.ways.along_curve import followed
 from contact.search.ways.branches import closed
-from contact.solution import made
-from contact.solution.answer import Energy
-from contact.solution.loose import of_loose
+from contact.solution import assemble
+from contact.solution.model_warnings import curve_warnings
 from contact.solution.plan import plan
 from contact.solution.plotting import panels
+from contact.solution.quantities import Energy
 from contact.solution.sampling import surfaces
+from contact.solution.separated import separated_solution
 from contact.solution.solution import Solution
-from contact.solution.validity import of_curve
 from contact.solver import solved_at, task_of
 from contact.sweeps.path_plot import draw_curve, draw_surfaces
 from contact.sweeps.path_table import Event
 from contact.sweeps.paths import Path
-from contact.threads import one_of_blas
 from sie import Array
 
 # Of a figure: points, and how much is shown beside the zones, over what they span.
@@ -293,7 +293,7 @@ def adhesive_path(
     run.refuse(given)
     solutions: list[Solution] = []
     passed: list[tuple[Event, ...]] = []
-    with unwarned(), one_of_blas():
+    with unwarned(), one_blas_thread():
         here = run.first(float(given[0]))
         for k, value in enumerate(given):
             if progress is not None:
@@ -311,7 +311,7 @@ def adhesive_path(
             run.stood(here)
             solutions.append(run.solved(here, float(value), before if k else 0.0))
             passed.append(tuple(events))
-    warn(of_curve(solutions), stacklevel=4)
+    warn(curve_warnings(solutions), stacklevel=4)
     return AdhesivePath(
         tuple(solutions),
         tuple(passed),
@@ -403,7 +403,7 @@ class _Run:
             or self.task.operator.compression
         ):
             return
-        highest = made.mean_height(self.scene)
+        highest = assemble.mean_height(self.scene)
         if values.max() >= highest:
             raise OutOfRange(
                 f"approach {values.max():.6g} m is not below {highest:.6g} m, the mean of the profile: under a held approach the surfaces "
@@ -435,7 +435,7 @@ class _Run:
         fields = self.by.fields(here.point)
         if isinstance(fields, LooseFields):
             assert isinstance(here.point, CohesivePoint)
-            return of_loose(task.scene, fields, here.point, task.plan, way)
+            return separated_solution(task.scene, fields, here.point, task.plan, way)
         solution = solved_at(task, self.by.outcome(task, here.point), told)
         return (
             solution
@@ -452,8 +452,10 @@ class _Run:
                 if task.give is None
                 else self.scene.under("load", self._closed_load(here.value))
             )
-            return made.of_full(scene, task.full, mean_pressure, task.plan, task.tol, task.branch)
-        return made.of_apart(
+            return assemble.full_contact_solution(
+                scene, task.full, mean_pressure, task.plan, task.tol, task.branch
+            )
+        return assemble.apart_solution(
             task.scene,
             self.problem,
             None if held.yields is None else here.value * units.height,
@@ -518,16 +520,16 @@ class _Run:
                 point.load * units.load,
                 fields.approach,
                 energy,
-                made.in_cell(self.scene, np.asarray(units.x(point.contact))),
+                assemble.in_cell(self.scene, np.asarray(units.x(point.contact))),
             )
         if standing.closed:
             assert self.scene.period is not None
             load = self._closed_load(standing.value)
             full = FullFields(
-                made.of_period(self.scene),
+                assemble.period_problem(self.scene),
                 load / self.scene.period,
                 self.task.full.relief,
-                made.mean_height(self.scene),
+                assemble.mean_height(self.scene),
             )
             return load, full.approach, self._energy(full, self.scene.period), none
         held = self.curve.held

@@ -18,8 +18,8 @@ from contact.model.interactions.base import Interaction
 from contact.model.registry import interaction
 from contact.model.scene import Scene
 from contact.model.units import headed
-from contact.solution.answer import Answer
-from contact.solution.validity import of_solution
+from contact.solution.model_warnings import scene_and_solution_warnings
+from contact.solution.solution import Solution
 from contact.solver import solve
 from contact.sweeps.points import total_width
 
@@ -47,7 +47,7 @@ class Attempt:
     """What one model made of the scene: a solution, or the error that says why there is none."""
 
     name: str
-    solution: Answer | None
+    solution: Solution | None
     refusal: ContactError | None
     seconds: float
 
@@ -65,7 +65,7 @@ def compare(scene: Scene, tol: float = 1e-8, progress: Report | None = None) -> 
             attempts.append(_attempt(name, scene, model, tol))
     solved = [attempt.solution for attempt in attempts if attempt.solution is not None]
     if solved:
-        warn(of_solution(solved[-1]))
+        warn(scene_and_solution_warnings(solved[-1]))
     return attempts
 
 
@@ -123,7 +123,7 @@ def tables(attempts: list[Attempt]) -> Iterator[tuple[str, list[Column]]]:
     """
     exact, models = attempts[-1], ("model", [a.name for a in attempts])
 
-    def column(name: str, unit: str, tell: Callable[[Answer], float | None]) -> Column:
+    def column(name: str, unit: str, tell: Callable[[Solution], float | None]) -> Column:
         return headed(
             name, [None if a.solution is None else tell(a.solution) for a in attempts], unit
         )
@@ -174,7 +174,7 @@ def refusals(attempts: list[Attempt]) -> list[str]:
     return [f"{', '.join(names)}: no solution: {reason}" for reason, names in reasons.items()]
 
 
-def _end(zone: int, place: int) -> Callable[[Answer], float | None]:
+def _end(zone: int, place: int) -> Callable[[Solution], float | None]:
     return lambda s: float(s.zones[zone, place]) if zone < len(s.zones) else None
 
 

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from contact.model.units import prefix
-from contact.solution.answer import Answer
 from contact.solution.plotting import new_figure
 from contact.solution.sampling import peak_position, positions, top_pressure, window
+from contact.solution.solution import Solution
 from contact.sweeps.compare import Attempt, difference, ends_apart, pressure_apart, refusals
 
 _COLOURS = (
@@ -74,7 +74,7 @@ def plot_comparison(attempts: list[Attempt]) -> Any:
     return figure
 
 
-def _draw_pressures(axes: Any, solved: dict[str, Answer], colours: dict[str, str]) -> None:
+def _draw_pressures(axes: Any, solved: dict[str, Solution], colours: dict[str, str]) -> None:
     if not solved:
         axes.set_axis_off()
         return
@@ -92,7 +92,7 @@ def _draw_pressures(axes: Any, solved: dict[str, Answer], colours: dict[str, str
 
 
 def _draw_differences(
-    axes: Any, attempts: list[Attempt], exact: Answer, colours: dict[str, str]
+    axes: Any, attempts: list[Attempt], exact: Solution, colours: dict[str, str]
 ) -> None:
     """|p - exact p| over the peak, on the positions of both."""
     lo, hi = _stretch(exact)
@@ -141,7 +141,7 @@ def _name_lines(axes: Any) -> None:
         axes.legend(frameon=False, fontsize=8, loc="center left", bbox_to_anchor=(1.0, 0.5))
 
 
-def _stretch(solution: Answer) -> tuple[float, float]:
+def _stretch(solution: Solution) -> tuple[float, float]:
     """The period, or the surroundings of the highest pressure where its zone would not be seen on
     it.
     """

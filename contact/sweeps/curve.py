@@ -2,12 +2,12 @@
 
 from contact.closed.solve import all_directly
 from contact.model.scene import Scene
+from contact.runtime import one_blas_thread
 from contact.search.task import Shared
 from contact.search.topology.carried import Passed
 from contact.search.topology.loop import Progress
 from contact.solution.solution import Solution
 from contact.solver import solved_along
-from contact.threads import one_of_blas
 from sie import Array
 
 # Zones are carried on from so many solutions.
@@ -49,7 +49,7 @@ class Curve:
         """The solution at a value from known ones, the nearest last; to a tolerance of no less than
         that.
         """
-        with one_of_blas():
+        with one_blas_thread():
             return solved_along(
                 self._scene(value), max(self.tol, least), self.progress, self.shared, known
             )

@@ -12,8 +12,8 @@ from contact.model.checks import finite_array, integer, one_of
 from contact.model.controls import known_controls
 from contact.model.scene import Scene
 from contact.search.topology.loop import Progress
+from contact.solution.model_warnings import curve_warnings
 from contact.solution.solution import Solution
-from contact.solution.validity import of_curve
 from contact.solver import tolerance
 from contact.sweeps.curve import Curve
 from contact.sweeps.sweep.chunks import Chunk
@@ -99,7 +99,7 @@ def solve_many(
                     progress(name, len(found), len(given))
                 found[int(place)] = curve.at(float(given[place]))
     # Of the highest load, where slopes and pressures are.
-    warn(of_curve(found.values()))
+    warn(curve_warnings(found.values()))
     return [found[k] for k in range(len(given))]
 
 

@@ -8,7 +8,7 @@ free:
 
     birth (death)   the least gap at the place of the new zone is zero, without that zone,
     merge (split)   the least pressure between the two zones is zero, with the two already one,
-    full            the least pressure of full contact is zero (contact.formulation.full).
+    full            the least pressure of full contact is zero (contact.formulation.full_contact).
 
 Names are given for a growing load; for a falling one the same event is a death or a split. At a
 given moment the body turns as the load grows, and may lift off again on one side: there deaths and
@@ -34,8 +34,8 @@ from contact.search.topology.changes import Change, changes
 from contact.search.topology.loop import Progress
 from contact.search.topology.missed import WrongTopology
 from contact.solution.export import new_file
+from contact.solution.model_warnings import curve_warnings
 from contact.solution.solution import Solution
-from contact.solution.validity import of_curve
 from contact.sweeps import path_table
 from contact.sweeps.curve import Curve
 from contact.sweeps.hidden import ends_and_rates, may_hide
@@ -172,7 +172,7 @@ def growing_path(scene: Scene, values: Array, tol: float, progress: Progress | N
             passed.append(tuple(run.between(solutions[-1], here)) if solutions else ())
             solutions.append(here)
     # Of the highest load, where slopes and pressures are; of the line that called `contact.path`.
-    warn(of_curve(solutions), stacklevel=4)
+    warn(curve_warnings(solutions), stacklevel=4)
     return Path(tuple(solutions), tuple(passed))
 
 

@@ -2,7 +2,7 @@
 
 from math import nan
 
-from contact.solution.answer import Answer
+from contact.solution.solution import Solution
 
 # Name: (unit, what it is).
 NUMBERS = {
@@ -19,7 +19,7 @@ NUMBERS = {
 }
 
 
-def numbers(solution: Answer) -> dict[str, float]:
+def numbers(solution: Solution) -> dict[str, float]:
     """All of them, nan for what the scene does not define; inf where a pressure, or the stiffness
     of full contact, is infinite.
     """
@@ -31,7 +31,7 @@ def numbers(solution: Answer) -> dict[str, float]:
     }
 
 
-def total_width(solution: Answer) -> float:
+def total_width(solution: Solution) -> float:
     """Length in contact: of all zones, or the period at full contact; 0 of surfaces apart."""
     if len(solution.zones) == 0:
         return (solution.contact_fraction or 0.0) * (solution.scene.period or 0.0)

@@ -17,7 +17,7 @@ import numpy as np
 import sie
 from contact.formulation.controls import Control
 from contact.formulation.fields import ZoneFields
-from contact.formulation.full import NARROWEST
+from contact.formulation.full_contact import NARROWEST
 from contact.formulation.quadrature import sides
 from contact.formulation.tables import runs_of
 from contact.model.parts import Told
@@ -188,7 +188,7 @@ def certify(
         and balance < 1e-9
         and (turned is None or turned < 1e-9)
     )
-    note = told_of_left_out(left_out, "their zones") if left_out else ""
+    note = unresolved_gaps_note(left_out, "their zones") if left_out else ""
     if not on_zones <= fields.gap_error:
         holds = False
         note = f"on the zones, where it is zero, the gap comes to {on_zones * units.height:.1e} m: height and slope do not go together"
@@ -236,7 +236,7 @@ def certify(
     )
 
 
-def told_of_left_out(gaps: int, over: str) -> str:
+def unresolved_gaps_note(gaps: int, over: str) -> str:
     return f"{gaps} gaps over kinks are left out: narrower than {2 * NARROWEST:.0e} of {over}"
 
 

@@ -15,8 +15,8 @@ from contact.formulation.tables import gaps_between, located
 from contact.formulation.tension.cohesive import Cohesive, CohesivePoint
 from contact.formulation.tension.contact import look_at
 from contact.formulation.tension.fields import PulledFields, scaled_second_variation
-from contact.verify.accuracy import Found, reference
 from contact.verify.certificate import Certificate, least_eigenvalue
+from contact.verify.error import SolvedZones, reference
 from sie import AnyDensity, Array, record, wrapped
 
 # A miss of the reach, over it, and what rounding of heights may make of it.
@@ -35,7 +35,7 @@ _AWAY = 0.3
 
 
 @record
-class FoundBeside(Found):
+class FoundBeside(SolvedZones):
     """Zones with a tension beside them. beside: what it adds to the error."""
 
     beside: float = 0.0
@@ -45,7 +45,7 @@ class FoundBeside(Found):
         return super().error + self.beside
 
     @property
-    def limit_beside(self) -> str:
+    def main_cause(self) -> str:
         if self.beside < 0.5 * self.error:
             return ""
         return (

@@ -4,11 +4,11 @@ every valley with a kink.
 
 import numpy as np
 
-from contact.formulation.full import NARROWEST
+from contact.formulation.full_contact import NARROWEST
 from contact.formulation.gaps import GapFields
 from contact.formulation.quadrature import sides
 from contact.formulation.tables import located, runs_of
-from contact.verify.certificate import Certificate, told_of_left_out
+from contact.verify.certificate import Certificate, unresolved_gaps_note
 from contact.verify.minima import DIP_ROUNDING, Signs, follow, lowest, may_be_negative, signs_on
 from sie import Array, Index, record
 
@@ -30,7 +30,7 @@ def certify_gaps(fields: GapFields) -> Certificate:
     units = fields.problem.units
     note = "solved by its gaps"
     if left_out:
-        note += f"; {told_of_left_out(left_out, 'the period')}"
+        note += f"; {unresolved_gaps_note(left_out, 'the period')}"
     return Certificate(
         smallest_pressure=least * units.pressure,
         smallest_gap=openings.least * units.height,

@@ -39,7 +39,7 @@ def rough(seed, hurst=0.7, **more):
 def state(scene):
     solution = contact.solve(scene)
     return Equilibria(
-        solution.fields.problem, solution.parting.held
+        solution.fields.problem, solution.find_pull_off.held
     ), solution.fields.density.zones.table
 
 

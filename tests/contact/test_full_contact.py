@@ -11,7 +11,7 @@ import contact
 from contact.formulation import conjugate
 from contact.formulation.conjugate import Conjugate, clausen2, clausen3
 from contact.reference import exact
-from contact.verify.accuracy import limit
+from contact.verify.error import limit
 from tests.contact.judge import relative, solve
 
 PERIODIC = contact.Periodic()

@@ -373,7 +373,7 @@ def test_a_zone_that_slides_as_it_comes_off_does_so_next_to_its_turning_point():
     scene = contact.Scene(profile, E, contact.Periodic(), law=contact.JKR(1e-7), mean_pressure=1e-3)
     solution = contact.solve(scene)
     assert len(solution.zones) == 3
-    curve = Equilibria(solution.fields.problem, solution.parting.held)
+    curve = Equilibria(solution.fields.problem, solution.find_pull_off.held)
     # A little within where the last zone comes off, under the control at which it does.
     assert flow.receded(curve, np.array([[0.157164, 0.168935]]), -0.0016022921712400835) is None
 
@@ -441,7 +441,7 @@ def test_growth_and_motions_are_those_of_the_rates_whichever_way_they_are_told(l
     )
     solution = contact.solve(scene)
     curve, zones = (
-        Equilibria(solution.fields.problem, solution.parting.held),
+        Equilibria(solution.fields.problem, solution.find_pull_off.held),
         solution.fields.density.zones.table,
     )
     here = curve.at(zones, part * curve.held.value)

@@ -4,7 +4,7 @@ import ctypes
 
 import pytest
 
-from contact import memory
+from contact import runtime
 
 
 class Told:
@@ -22,12 +22,12 @@ class Told:
 
 def test_memory_is_kept_from_the_first_to_the_last_who_asks_for_it(monkeypatch):
     libc = Told()
-    monkeypatch.setattr(memory, "_libc", lambda: libc)
-    with memory.kept():
+    monkeypatch.setattr(runtime, "_libc", lambda: libc)
+    with runtime.keep_freed_memory():
         assert libc.calls == [(-1, -1), (-4, 0)]
-        with memory.kept(), pytest.raises(KeyError), memory.kept():
+        with runtime.keep_freed_memory(), pytest.raises(KeyError), runtime.keep_freed_memory():
             raise KeyError
-        with memory.kept(False):
+        with runtime.keep_freed_memory(False):
             pass
         assert len(libc.calls) == 2
     assert libc.calls[2:] == [(-1, 1 << 26), (-4, 1 << 16), "given back"]
@@ -38,6 +38,6 @@ def test_without_glibc_nothing_is_changed(monkeypatch):
         raise OSError
 
     monkeypatch.setattr(ctypes, "CDLL", missing)
-    with memory.kept():
+    with runtime.keep_freed_memory():
         pass
-    assert memory._keeping.users == 0
+    assert runtime._freed_memory_is_kept.users == 0

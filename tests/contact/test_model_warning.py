@@ -19,7 +19,7 @@ pytest.importorskip("click")
 from click.testing import CliRunner  # noqa: E402
 
 from contact.commands import cli  # noqa: E402
-from contact.solution import validity  # noqa: E402
+from contact.solution import model_warnings  # noqa: E402
 from contact.sweeps import compare as compare_module  # noqa: E402
 
 PERIODIC, ISOLATED = contact.Periodic(), contact.Isolated()
@@ -260,5 +260,5 @@ def test_it_costs_a_handful_of_slopes_and_pressures(monkeypatch):
             return plain(self, x)
 
         monkeypatch.setattr(owner, name, counted)
-    validity.of_solution(solution)
+    model_warnings.scene_and_solution_warnings(solution)
     assert counts["slope"] <= 1100 and counts["pressure"] <= 8

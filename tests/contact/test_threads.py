@@ -4,7 +4,7 @@ import pytest
 from threadpoolctl import ThreadpoolController, threadpool_limits
 
 import contact
-from contact.threads import one_of_blas
+from contact.runtime import one_blas_thread
 
 
 def threads():
@@ -22,9 +22,9 @@ def three():
 
 
 def test_from_the_first_to_the_last_who_asks_for_it(three):
-    with one_of_blas():
+    with one_blas_thread():
         assert threads() == {1}
-        with one_of_blas(), pytest.raises(KeyError), one_of_blas():
+        with one_blas_thread(), pytest.raises(KeyError), one_blas_thread():
             raise KeyError
         assert threads() == {1}
     assert threads() == {3}

@@ -11,7 +11,7 @@ import pytest
 
 import contact
 from contact.model.traces.unmeasured import Kind
-from contact.solution.preparation import of_preparation, shares
+from contact.solution.preparation import preparation_warnings, shares
 
 N, PITCH = 401, 1e-6
 LENGTH = (N - 1) * PITCH
@@ -128,7 +128,7 @@ def test_the_share_that_is_told_is_the_integral_of_the_pressure_on_every_route(
 @pytest.mark.parametrize("route", [name for name in ROUTES if name not in ("gaps", "full")])
 def test_of_summits_well_inside_nothing_is_said(route: str, tmp_path: Path) -> None:
     profile = trace(tmp_path, 0.5, taper=0.1, period=True)
-    assert of_preparation(contact.solve(ROUTES[route](profile), tol=1e-5)) == ()
+    assert preparation_warnings(contact.solve(ROUTES[route](profile), tol=1e-5)) == ()
 
 
 def test_points_that_are_given_as_measured_have_no_unmeasured_piece() -> None:

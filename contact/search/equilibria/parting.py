@@ -11,13 +11,13 @@ from contact.formulation.equilibria import Equilibria, Point
 from contact.formulation.fields import ZoneFields
 from contact.formulation.tension.cohesive import Cohesive, Loose
 from contact.formulation.tension.fields import PulledFields
+from contact.runtime import one_blas_thread
 from contact.search.equilibria import tension_parting
 from contact.search.equilibria.arc import SymmetryLost
 from contact.search.equilibria.coming_apart import lowered_by_load, near_the_last, pull_off
 from contact.search.equilibria.flow import receded
 from contact.search.equilibria.relaxation import relaxed
-from contact.solution.answer import PullOff
-from contact.threads import one_of_blas
+from contact.solution.quantities import PullOff
 
 # Part of the rate with the value that lies along the null vector: below it the value does not move
 # the turning point. Insensitive.
@@ -30,7 +30,7 @@ class Parting:
 
     held: Control
 
-    @one_of_blas()
+    @one_blas_thread()
     def __call__(self, fields: ZoneFields) -> PullOff:
         problem, units = fields.problem, fields.problem.units
         try:

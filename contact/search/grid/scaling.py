@@ -16,7 +16,7 @@ import numpy as np
 from contact.closed.half_width import guess_half_width
 from contact.errors import OutOfRange
 from contact.formulation.controls import Control, scaled_control
-from contact.formulation.full import lowest
+from contact.formulation.full_contact import lowest
 from contact.formulation.problem import Problem
 from contact.formulation.units import Units
 from contact.model.controls import Quantity

@@ -18,8 +18,8 @@ from contact.formulation.relief import ScaledRelief, height_noise
 from contact.search.topology.intervals import united, without
 from contact.search.topology.loop import Newton
 from contact.search.topology.missed import WrongTopology
-from contact.verify.accuracy import FoundByGaps
 from contact.verify.certificate import Certificate, Solved
+from contact.verify.error import SolvedGaps
 from contact.verify.gap_certificate import certify_gaps
 from sie import Array, record
 
@@ -115,9 +115,9 @@ class ByGaps:
         rounds: int,
         control: Control,
         tolerance: float,
-    ) -> FoundByGaps:
+    ) -> SolvedGaps:
         off = free.value_error + _rounding_of_mean(control, fields)
-        return FoundByGaps(free, fields, certificate, rounds, control, tolerance, off)
+        return SolvedGaps(free, fields, certificate, rounds, control, tolerance, off)
 
     def is_slight(self, found: Solved) -> bool:
         """A dip of the pressure."""

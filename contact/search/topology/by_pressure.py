@@ -16,8 +16,8 @@ from contact.formulation.tables import parted_at_wide
 from contact.search.topology.intervals import united, without
 from contact.search.topology.loop import Newton, off
 from contact.search.topology.missed import EXACT, WrongTopology
-from contact.verify.accuracy import Found, too_thin
 from contact.verify.certificate import Certificate, Solved, certify
+from contact.verify.error import SolvedZones, too_thin
 from sie import Array, record, wrapped
 
 # Gaps over kinks below this part of the zones beside them are not taken to close.
@@ -168,8 +168,8 @@ class ByPressure:
         rounds: int,
         control: Control,
         tolerance: float,
-    ) -> Found:
-        return Found(free, fields, certificate, rounds, control, tolerance)
+    ) -> SolvedZones:
+        return SolvedZones(free, fields, certificate, rounds, control, tolerance)
 
     def is_slight(self, found: Solved) -> bool:
         """A dip of the pressure, or a gap between zones; nobody asks how many zones a reference

@@ -6,7 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from contact.formulation.full import NARROWEST
+from contact.formulation.full_contact import NARROWEST
 from contact.formulation.relief import ScaledRelief
 from contact.formulation.roots import maximum
 from contact.formulation.tables import runs_of

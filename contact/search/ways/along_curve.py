@@ -13,7 +13,7 @@ from contact.errors import NotConverged, OutOfRange
 from contact.formulation.controls import Approach
 from contact.formulation.equilibria import Closed, Equilibria, Point
 from contact.formulation.fields import ZoneFields
-from contact.formulation.full import FullLimit
+from contact.formulation.full_contact import FullLimit
 from contact.formulation.tension.cohesive import Cohesive, CohesivePoint
 from contact.formulation.tension.contact import Lost
 from contact.formulation.tension.fields import fields_of
@@ -29,7 +29,7 @@ from contact.search.topology.missed import Missed
 from contact.search.ways import cohesive
 from contact.search.ways.branches import advancing, frame, to_follow
 from contact.search.ways.guesses import Outcome
-from contact.solution import made
+from contact.solution import assemble
 from sie import Array
 
 # How far an approach is lowered for surfaces to let go, over its size and the reach of the tension.
@@ -188,7 +188,7 @@ class _Tension:
         give = (held.yields or 0.0) * units.height / units.load
         if base + give == 0.0:
             return math.inf, 0.0
-        mean = made.mean_height(scene)
+        mean = assemble.mean_height(scene)
         return (mean + (base + give) * load) / units.height, mean / units.height
 
     def let_go(self, here: Point) -> Point | None:

@@ -50,10 +50,10 @@ from contact.search.ways.branches import bare, frame, past, way
 from contact.search.ways.full_contact import closed
 from contact.search.ways.gaps import by_gaps
 from contact.search.ways.guesses import Outcome
-from contact.solution.made import mean_height
-from contact.verify.accuracy import Found
+from contact.solution.assemble import mean_height
 from contact.verify.certificate import certify
 from contact.verify.cohesive import FoundBeside, certified, rounded_load, uncertain
+from contact.verify.error import SolvedZones
 from sie import Array
 
 # Tolerance of solutions under the bare law, from which the branch is followed.
@@ -382,7 +382,7 @@ def _bare_scene(task: Task, problem: Problem) -> Scene:
 
 # what was found
 # -------------------------------------------------------------------------------------------------------
-def solved(task: Task, curve: Cohesive, here: Point) -> Found:
+def solved(task: Task, curve: Cohesive, here: Point) -> SolvedZones:
     """The equilibrium as tightly as there is."""
     assert isinstance(here, CohesivePoint)
     problem = curve.problem

@@ -10,7 +10,7 @@ from contact.formulation.fields import mean_shape
 from contact.formulation.problem import Problem
 from contact.model.controls import Quantity
 from contact.search.task import Task
-from contact.solution.made import mean_height
+from contact.solution.assemble import mean_height
 from sie import record
 
 

@@ -14,7 +14,7 @@ from contact.search.topology.intervals import united
 from contact.search.topology.loop import Newton, refine_topology
 from contact.search.topology.missed import Missed, WrongTopology
 from contact.search.ways.tightened import tightened
-from contact.verify.accuracy import FoundByGaps
+from contact.verify.error import SolvedGaps
 from sie import Array
 
 # Contact of more than this part of the period is solved by its gaps.
@@ -52,7 +52,7 @@ def by_gaps(
     zones: Array | None = None,
     near: bool = False,
     drops: bool = False,
-) -> FoundByGaps | Missed:
+) -> SolvedGaps | Missed:
     """The contact solved by its gaps, where it is about as wide as that; drops: see `Newton`."""
     if control.half_width is not None or not worth_gaps(task, problem, width):
         return NOT_WIDE
@@ -77,7 +77,7 @@ def _found(
     zones: Array | None,
     near: bool,
     drops: bool,
-) -> FoundByGaps | Missed:
+) -> SolvedGaps | Missed:
     """First guesses, Newton, signs. width: about that of all contact, zones: about where it is;
     near: these are those of a solution, and given up as soon as they turn out to be far.
     """
@@ -95,7 +95,7 @@ def _found(
             found = refine_topology(
                 form, control, united(gaps_between(zones, period), period, True, form.what), newton
             )
-            if near or isinstance(found, FoundByGaps):
+            if near or isinstance(found, SolvedGaps):
                 return found
         first = task.shared.first_gaps(form.problem)
         return refine_topology(form, control, first.gaps(mean), Newton(tolerance, mean))
@@ -110,7 +110,7 @@ def gaps_beside(
     tolerance: float,
     closely: bool,
     off: float = 1.0,
-) -> FoundByGaps | Missed:
+) -> SolvedGaps | Missed:
     """From the gaps of fields near by. closely: given up as soon as these turn out to be far off.
     off: see `Newton`.
     """
@@ -120,17 +120,17 @@ def gaps_beside(
     )
 
 
-def tightened_gaps(task: Task, found: FoundByGaps, stuck: bool = False) -> FoundByGaps:
+def tightened_gaps(task: Task, found: SolvedGaps, stuck: bool = False) -> SolvedGaps:
     """Solved again from the same gaps, where the error came out above the wanted one. stuck: even
     where rounding has kept the ends from the tolerance before.
     """
 
-    def again(here: FoundByGaps, tolerance: float) -> FoundByGaps | Missed:
+    def again(here: SolvedGaps, tolerance: float) -> SolvedGaps | Missed:
         return gaps_beside(
             here.fields.problem, here.fields, here.control, tolerance, closely=True, off=here.error
         )
 
-    def at_rest(here: FoundByGaps, tolerance: float) -> bool:
+    def at_rest(here: SolvedGaps, tolerance: float) -> bool:
         return here.free.trace[-1].move > tolerance and not stuck
 
     return tightened(task, found, OF_GAPS * task.tolerance, again, at_rest)

@@ -28,10 +28,10 @@ from contact.search.topology.missed import EXACT, NOT_MINE, Missed
 from contact.search.ways.full_contact import Full, full_under, no_inverse, refuse_full_approach
 from contact.search.ways.gaps import by_gaps, worth_gaps
 from contact.search.ways.loads import by_fraction
-from contact.verify.accuracy import Found, FoundByGaps
+from contact.verify.error import SolvedGaps, SolvedZones
 from sie import Array
 
-Outcome: TypeAlias = Found | FoundByGaps | Full
+Outcome: TypeAlias = SolvedZones | SolvedGaps | Full
 Guess = Callable[[Task, ScaledScene, Array | None], Outcome | Missed]
 
 # Finest coarse grid; a scene whose zones are narrower needs more than a grid to find them.
@@ -127,7 +127,7 @@ def _one_zone(task: Task, scaled: ScaledScene, start: Array | None) -> Outcome |
         return full
     if worth_gaps(task, problem, 2 * guess):
         found_by_gaps = by_gaps(task, problem, control, 2 * guess)
-        if isinstance(found_by_gaps, FoundByGaps):
+        if isinstance(found_by_gaps, SolvedGaps):
             return found_by_gaps
         task.left("gaps of one zone", found_by_gaps)
         if full := full_under(task, control, but_for_kinks=True):
@@ -139,7 +139,7 @@ def _one_zone(task: Task, scaled: ScaledScene, start: Array | None) -> Outcome |
         # the width, or that there is none.
         guess = _on_branch(task, problem, control)
     found = task.refine_topology(problem, control, np.array([[-guess, guess]]))
-    if isinstance(found, Found) or not by_branch:
+    if isinstance(found, SolvedZones) or not by_branch:
         return found
     if found.beyond:
         raise task.error(found, problem)
@@ -307,7 +307,7 @@ def _from_proposal(
     stays = proposal.in_strip and not problem.profile.symmetric
     table = problem.units.scaled(proposal.zones) if stays else placed(problem, proposal.zones)
     found_by_gaps = by_gaps(task, problem, control, width, table, drops=drops)
-    if isinstance(found_by_gaps, FoundByGaps):
+    if isinstance(found_by_gaps, SolvedGaps):
         return found_by_gaps
     if proposal.full or not len(proposal.zones):
         return full_under(task, control, but_for_kinks=True) or NOT_MINE

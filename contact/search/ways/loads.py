@@ -24,7 +24,7 @@ from contact.search.topology.missed import Missed
 from contact.search.ways.by_load import approach, contact_fraction, nearer
 from contact.search.ways.gaps import OF_GAPS, by_gaps, gaps_beside, tightened_gaps
 from contact.solution.solution import Solution
-from contact.verify.accuracy import Found, FoundByGaps
+from contact.verify.error import SolvedGaps, SolvedZones
 
 # Of a load: near enough for the zones to lead to those of the approach, and to be about them.
 NEAR_LOAD = 1e-2
@@ -75,7 +75,7 @@ def at_approach(task: Task, nearness: float) -> Solution:
     )
 
 
-def at_level(task: Task) -> Found:
+def at_level(task: Task) -> SolvedZones:
     """Under the approach of a lone body, from zones of about the right load; of just about it, if
     these do not lead on.
     """
@@ -90,7 +90,7 @@ def at_level(task: Task) -> Found:
         found = task.refine_topology(
             problem, task.control(problem), placed(problem, task.near.zones)
         )
-        if isinstance(found, Found):
+        if isinstance(found, SolvedZones):
             return found
         missed = found
         task.left("zones under a load of about this approach", missed)
@@ -98,7 +98,7 @@ def at_level(task: Task) -> Found:
     raise task.error(missed, problem)
 
 
-def by_fraction(task: Task, scaled: ScaledScene) -> Found | FoundByGaps:
+def by_fraction(task: Task, scaled: ScaledScene) -> SolvedZones | SolvedGaps:
     """A width from a solution under about the load that has it, ever nearer ones until its zones
     lead on.
     """
@@ -110,7 +110,7 @@ def by_fraction(task: Task, scaled: ScaledScene) -> Found | FoundByGaps:
         # What is open of a contact as full as this are tops of R, of which no grid tells the load.
         if 1 - goal < _LAST_OPEN:
             found_by_gaps = by_gaps(task, problem, control, control.value)
-            if isinstance(found_by_gaps, FoundByGaps):
+            if isinstance(found_by_gaps, SolvedGaps):
                 return found_by_gaps
             task.left("gaps", found_by_gaps)
         with task.plan.timed("coarse search"):
@@ -149,13 +149,13 @@ def by_fraction(task: Task, scaled: ScaledScene) -> Found | FoundByGaps:
 
 def _from_grid(
     task: Task, problem: Problem, control: Control, proposal: Proposal
-) -> Found | FoundByGaps | Missed:
+) -> SolvedZones | SolvedGaps | Missed:
     """From zones of about the width that a grid has found."""
     if proposal.full or len(proposal.zones) == 0:
         return Missed("the grid has no zones of about this width")
     table = placed(problem, proposal.zones)
     found_by_gaps = by_gaps(task, problem, control, control.value, table)
-    if isinstance(found_by_gaps, FoundByGaps):
+    if isinstance(found_by_gaps, SolvedGaps):
         return found_by_gaps
     # All zones are widened alike to the wanted width: ends that start as near move by less than the
     # kernel of a thin layer varies over.
@@ -173,7 +173,7 @@ def _from_grid(
 
 def _under_load_of(
     task: Task, problem: Problem, control: Control, near: Solution
-) -> Found | FoundByGaps:
+) -> SolvedZones | SolvedGaps:
     """The contact under the load that has the width, where the zones of the width itself do not
     settle: right at a birth or a merger.
     """
@@ -190,7 +190,7 @@ def _under_load_of(
     found = _from(task, problem, load, near)
     if isinstance(found, Missed):
         raise task.error(found, problem)
-    if isinstance(found, FoundByGaps):
+    if isinstance(found, SolvedGaps):
         return replace(found, off=found.off + _CLOSED * load.value / problem.period)
     narrowest = float(np.diff(found.free.density.zones.table, axis=1).min())
     return replace(found, off=missed * problem.period / narrowest)
@@ -198,7 +198,7 @@ def _under_load_of(
 
 def _from(
     task: Task, problem: Problem, control: Control, near: Solution
-) -> Found | FoundByGaps | Missed:
+) -> SolvedZones | SolvedGaps | Missed:
     """From the zones, or the gaps, of a solution near by."""
     fields = near.fields
     if not isinstance(fields, GapFields):

@@ -31,7 +31,7 @@ from contact.search.topology import by_gaps, by_pressure
 from contact.search.topology.loop import Newton, refine_topology
 from contact.search.topology.missed import Missed
 from contact.solver import solve
-from contact.verify.accuracy import Found
+from contact.verify.error import SolvedZones
 
 Array = NDArray[np.float64]
 
@@ -149,6 +149,6 @@ def solved_by_zones(scene: Scene) -> Formulated:
     start = start + np.where(start[:, :1] < start[0, 0], problem.period, 0.0)
     load = _mean_pressure(scene) * problem.period * units.length / units.load
     found = refine_topology(by_pressure.ByPressure(problem), Load(load), start, Newton(_TOLERANCE))
-    assert isinstance(found, Found)
+    assert isinstance(found, SolvedZones)
     zones, order = _in_cell(np.asarray(units.x(found.free.density.zones.table)), scene)
     return Formulated(found.fields, zones, order, found.error)

@@ -15,29 +15,35 @@ from contact.errors import NotConverged
 from contact.extras import require
 from contact.formulation import claims, tables
 from contact.formulation.fields import ZoneFields, mean_shape
-from contact.formulation.full import ApartFields, FullFields, FullLimit, lowest, period_samples
+from contact.formulation.full_contact import (
+    ApartFields,
+    FullFields,
+    FullLimit,
+    lowest,
+    period_samples,
+)
 from contact.formulation.problem import Problem
 from contact.formulation.units import Units
 from contact.model.scene import Scene
 from contact.model.units import quantity
-from contact.solution.answer import PullOff
 from contact.solution.plan import Plan
+from contact.solution.quantities import PullOff
 from contact.solution.solution import Solution, limit_of_approach
-from contact.verify.accuracy import Found, FoundByGaps, limit, limit_of_body, of_positions
-from contact.verify.certificate import Certificate, told_of_left_out
+from contact.verify.certificate import Certificate, unresolved_gaps_note
+from contact.verify.error import SolvedGaps, SolvedZones, limit, limit_of_body, of_positions
 from sie import Array
 
 
-def of_zones(
+def zone_solution(
     scene: Scene,
-    found: Found,
+    found: SolvedZones,
     plan: Plan,
     tol: float,
     branch: str | None = None,
-    parting: Callable[[ZoneFields], PullOff] | None = None,
+    find_pull_off: Callable[[ZoneFields], PullOff] | None = None,
 ) -> Solution:
     """The solution of zones; NotConverged with it where its error is above the tolerance. branch,
-    parting: see `Solution`.
+    find_pull_off: see `Solution`.
     """
     density, problem = found.fields.density, found.fields.problem
     zones = density.zones
@@ -66,12 +72,12 @@ def of_zones(
     solution = Solution(
         scene, table, found.fields, error, found.certificate, plan, found.free.trace
     )
-    solution = replace(solution, branch=branch, parting=parting)
-    beside = claimed.limit if claimed.error > found.error else found.limit_beside
+    solution = replace(solution, branch=branch, find_pull_off=find_pull_off)
+    beside = claimed.limit if claimed.error > found.error else found.main_cause
     return _within(tol, solution, found.free, "zone", of_positions(found), beside)
 
 
-def of_gaps(scene: Scene, found: FoundByGaps, plan: Plan, tol: float) -> Solution:
+def gap_solution(scene: Scene, found: SolvedGaps, plan: Plan, tol: float) -> Solution:
     """The solution of a nearly full contact from its gaps; NotConverged with it where its error is
     above the tolerance.
     """
@@ -84,11 +90,11 @@ def of_gaps(scene: Scene, found: FoundByGaps, plan: Plan, tol: float) -> Solutio
     claimed = claims.of(scene.profile)
     error = found.error + claimed.error
     solution = Solution(scene, table, fields, error, found.certificate, plan, found.free.trace)
-    beside = claimed.limit if claimed.error > found.error else found.limit_beside
+    beside = claimed.limit if claimed.error > found.error else found.main_cause
     return _within(tol, solution, found.free, "gap", beside=beside)
 
 
-def of_full(
+def full_contact_solution(
     scene: Scene,
     full: FullLimit,
     mean_pressure: float,
@@ -100,7 +106,7 @@ def of_full(
     tolerance.
     """
     profile = scene.profile
-    fields = FullFields(of_period(scene), mean_pressure, full.relief, mean_height(scene))
+    fields = FullFields(period_problem(scene), mean_pressure, full.relief, mean_height(scene))
     least = mean_pressure - full.relieved
     left_out = 0 if scene.law.pulls else int(np.sum(profile.kinks[:, 1] < 0))
     certificate = Certificate(
@@ -129,7 +135,7 @@ def of_full(
     return solution
 
 
-def of_apart(scene: Scene, problem: Problem, approach: float | None, plan: Plan) -> Solution:
+def apart_solution(scene: Scene, problem: Problem, approach: float | None, plan: Plan) -> Solution:
     """Surfaces that do not touch, at an approach [m] or where none is held."""
     for name in ("zone ends", "coarse search"):
         plan[name].used, plan[name].reason = False, "the surfaces are apart"
@@ -154,7 +160,7 @@ def of_apart(scene: Scene, problem: Problem, approach: float | None, plan: Plan)
 
 def _told_of_full(scene: Scene, least: float, left_out: int) -> str:
     if left_out:
-        return f"full contact; {told_of_left_out(left_out, 'the period')}"
+        return f"full contact; {unresolved_gaps_note(left_out, 'the period')}"
     if least >= 0.0 or not scene.law.pulls:
         return "full contact: the pressure is nowhere negative"
     if scene.law.tension:
@@ -166,7 +172,7 @@ def _told_of_full(scene: Scene, least: float, left_out: int) -> str:
     return f"{told}; a flaw there of half width {quantity(flaw, 'm', 3)} would open"
 
 
-def of_period(scene: Scene) -> Problem:
+def period_problem(scene: Scene) -> Problem:
     """The scene scaled by its period."""
     profile = scene.profile
     units = Units(0.0, profile.period or 1.0, 1.0, scene.E_star)
@@ -175,7 +181,7 @@ def of_period(scene: Scene) -> Problem:
 
 def mean_height(scene: Scene) -> float:
     """mean f - min f over the period [m]."""
-    problem = of_period(scene)
+    problem = period_problem(scene)
     return mean_shape(problem) * problem.units.height
 
 
@@ -184,7 +190,7 @@ def in_cell(scene: Scene, table: Array) -> Array:
     return tables.in_cell(table, scene.profile.x0, scene.period)
 
 
-def fault_of_profile(scene: Scene, zones: Array | None = None) -> str:
+def profile_fault(scene: Scene, zones: Array | None = None) -> str:
     """The first fault of a profile of someone's own, in words; empty if there is none.
 
     zones: where to look at a shape without ends [m].
@@ -244,6 +250,6 @@ def _within(
             or limit(free, tol, of, positions, end, solution.error)
         )
         told = f"the stated error {solution.error:.2g} is above the tolerance {tol:.2g}{': ' if why else ''}{why}"
-        fault = "" if why else fault_of_profile(solution.scene, solution.zones)
+        fault = "" if why else profile_fault(solution.scene, solution.zones)
         raise NotConverged(f"{told}; the best state is attached{fault}", solution.trace, solution)
     return solution

@@ -16,7 +16,7 @@ from contact.verify.certificate import Certificate, least_eigenvalue
 _MISSED = 1e-7
 
 
-def of_loose(
+def separated_solution(
     scene: Scene, fields: LooseFields, here: CohesivePoint, plan: Plan, branch: str
 ) -> Solution:
     """On the intervals that were followed."""

@@ -15,8 +15,8 @@ import numpy as np
 from contact.model.profiles.base import Profile
 from contact.model.scene import Scene
 from contact.model.units import quantity
-from contact.solution.answer import Answer
-from contact.solution.preparation import of_preparation
+from contact.solution.preparation import preparation_warnings
+from contact.solution.solution import Solution
 from sie import Array
 
 STEEPEST = 0.3
@@ -43,7 +43,7 @@ _FEW = 4
 _PEAK = 10.0
 
 
-def of_scene(scene: Scene) -> tuple[str, ...]:
+def scene_warnings(scene: Scene) -> tuple[str, ...]:
     """What can be said before it is solved."""
     return (*_of_modulus(scene), *_of_lengths(scene))
 
@@ -89,35 +89,38 @@ def _of_modulus(scene: Scene) -> tuple[str, ...]:
     return ()
 
 
-def of_answer(solution: Answer) -> tuple[str, ...]:
+def solution_warnings(solution: Solution) -> tuple[str, ...]:
     """What can be said of the answer."""
     inside = _inside(solution)
     return (
         *_of_slopes(solution, inside),
         *_of_pressure(solution, inside),
-        *of_preparation(solution),
+        *preparation_warnings(solution),
     )
 
 
-def of_solution(solution: Answer) -> tuple[str, ...]:
+def scene_and_solution_warnings(solution: Solution) -> tuple[str, ...]:
     """What can be said of the answer, and of its scene."""
-    return (*of_scene(solution.scene), *of_answer(solution))
+    return (*scene_warnings(solution.scene), *solution_warnings(solution))
 
 
-def of_curve(solutions: Iterable[Answer]) -> tuple[str, ...]:
+def curve_warnings(solutions: Iterable[Solution]) -> tuple[str, ...]:
     """What can be said of many answers of one scene: of the highest load, and of unmeasured load."""
     by_load = sorted(solutions, key=lambda solution: solution.load)
-    highest = of_solution(by_load[-1])
-    at_highest = of_preparation(by_load[-1])
-    return highest if at_highest else (*highest, *of_preparation(by_load[0]))
+    highest = scene_and_solution_warnings(by_load[-1])
+    at_highest = preparation_warnings(by_load[-1])
+    return highest if at_highest else (*highest, *preparation_warnings(by_load[0]))
 
 
-def everything(solution: Answer) -> list[str]:
+def all_warnings(solution: Solution) -> list[str]:
     """The same, and what was said of a trace when its file was read."""
-    return [*getattr(solution.scene.profile, "warnings", ()), *of_solution(solution)]
+    return [
+        *getattr(solution.scene.profile, "warnings", ()),
+        *scene_and_solution_warnings(solution),
+    ]
 
 
-def _of_slopes(solution: Answer, places: Array) -> tuple[str, ...]:
+def _of_slopes(solution: Solution, places: Array) -> tuple[str, ...]:
     profile, tilt = solution.scene.profile, solution.tilt or 0.0
     with np.errstate(all="ignore"):
         slopes = np.asarray(profile.slope(places), dtype=float)
@@ -142,7 +145,7 @@ def _of_slopes(solution: Answer, places: Array) -> tuple[str, ...]:
     )
 
 
-def _of_pressure(solution: Answer, places: Array) -> tuple[str, ...]:
+def _of_pressure(solution: Solution, places: Array) -> tuple[str, ...]:
     scene = solution.scene
     widths = np.asarray(solution.zone_widths)
     width = sum(widths.tolist()) if widths.size else scene.profile.period
@@ -165,7 +168,7 @@ def _of_pressure(solution: Answer, places: Array) -> tuple[str, ...]:
     )
 
 
-def _inside(solution: Answer) -> Array:
+def _inside(solution: Solution) -> Array:
     """Places in every zone; in full contact over the period."""
     zones, profile = np.asarray(solution.zones), solution.scene.profile
     if not len(zones):

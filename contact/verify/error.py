@@ -38,7 +38,7 @@ _CANCELLED = 4e-15
 
 
 @record
-class Found(Solved):
+class SolvedZones(Solved):
     """Zones that passed. off: how far the control may have been missed, in ends over the width of
     their zones; rounded: whether rounding is what keeps that from being less.
     """
@@ -77,12 +77,12 @@ class Found(Solved):
         )
 
     @property
-    def limit_beside(self) -> str:
+    def main_cause(self) -> str:
         """What a law adds, in words, where that is most of the error; else empty."""
         return ""
 
 
-def _of_body(found: Found) -> float:
+def _of_body(found: SolvedZones) -> float:
     """What a body that is no half-plane adds: its smooth part, where it nearly cancels the line
     load of the half-plane, as that of a thin layer does, leaves rounding and neglected modes that
     are large beside the little that remains.
@@ -140,7 +140,7 @@ def too_thin(problem: Problem, table: Array) -> str:
     return f"{told}. Away from the ends the pressure is E_star (approach - f) / (2 compression) there, as of springs"
 
 
-def of_positions(found: Found) -> float:
+def of_positions(found: SolvedZones) -> float:
     """What the ends, given as positions, are rounded to over their zone's width: of narrow zones
     far from x = 0 more is known. Nothing, where what is cut off the positions is told too.
     """
@@ -243,7 +243,7 @@ _BESIDE_TIPS = 0.01
 
 
 @record
-class FoundByGaps(Solved):
+class SolvedGaps(Solved):
     """Gaps that passed. off: how far the mean pressure may be off where it was found from another
     control.
     """
@@ -256,7 +256,7 @@ class FoundByGaps(Solved):
         return self._error(self.fields.relief.error)
 
     @property
-    def limit_beside(self) -> str:
+    def main_cause(self) -> str:
         """Cause of the error of R, in words, where that is most of the error; else empty."""
         return self.fields.relief.relief.limit if self._error(0.0) < 0.5 * self.error else ""
 

@@ -1,0 +1,106 @@
+"""State of the whole process: memory kept by malloc, and the number of BLAS threads.
+
+Both are changed while at least one thread asks for it, and set back when the last one is done.
+"""
+
+import ctypes
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import cache
+from threading import Lock
+from typing import Any
+
+from contact.extras import require
+
+# Parameters of mallopt, numbered as in <malloc.h>.
+_TRIM_THRESHOLD = -1  # free bytes at the top of the heap that go back to the system
+_MMAP_MAX = -4  # largest number of blocks that are mapped one by one
+# Values that glibc reaches by itself in a process of large arrays.
+_GLIBC_DEFAULTS = {_TRIM_THRESHOLD: 1 << 26, _MMAP_MAX: 1 << 16}
+_KEEP_ALL = {_TRIM_THRESHOLD: -1, _MMAP_MAX: 0}
+
+
+class SharedState:
+    """A state of the process: entered by its first user, left by its last, in any thread.
+
+    `leave` is called with what `enter` returned.
+    """
+
+    def __init__(self, enter: Callable[[], Any], leave: Callable[[Any], object]) -> None:
+        self._enter, self._leave = enter, leave
+        self._lock, self._before, self.users = Lock(), None, 0
+
+    @contextmanager
+    def __call__(self) -> Iterator[None]:
+        with self._lock:
+            if self.users == 0:
+                self._before = self._enter()
+            self.users += 1
+        try:
+            yield
+        finally:
+            with self._lock:
+                self.users -= 1
+                if self.users == 0:
+                    self._leave(self._before)
+
+
+@contextmanager
+def keep_freed_memory(wanted: bool = True) -> Iterator[None]:
+    """Let the process keep the memory of freed arrays while the block runs, if `wanted`.
+
+    By default glibc maps every array above 32 MB and unmaps it when it is freed. The system then
+    clears its pages again at first use, which takes longer than most operations on such an array.
+    Other C libraries are left alone.
+    """
+    if not wanted or _libc() is None:
+        yield
+        return
+    with _freed_memory_is_kept():
+        yield
+
+
+def _start_keeping() -> Any:
+    libc = _libc()
+    _set(libc, _KEEP_ALL)
+    return libc
+
+
+def _stop_keeping(libc: Any) -> None:
+    _set(libc, _GLIBC_DEFAULTS)
+    libc.malloc_trim(0)
+
+
+def _set(libc: Any, parameters: dict[int, int]) -> None:
+    for name, value in parameters.items():
+        libc.mallopt(name, value)
+
+
+_freed_memory_is_kept = SharedState(_start_keeping, _stop_keeping)
+
+
+def _libc() -> ctypes.CDLL | None:
+    """The C library if it is glibc, else None."""
+    try:
+        libc = ctypes.CDLL(None)
+        libc.gnu_get_libc_version  # noqa: B018
+    except (OSError, TypeError, AttributeError):
+        return None
+    return libc
+
+
+@cache
+def _blas_libraries(scipy_is_loaded: bool) -> Any:
+    return require("threadpoolctl").ThreadpoolController()
+
+
+def _limit_to_one_thread() -> Any:
+    # numpy and scipy may each bring a BLAS. The search for them takes milliseconds, so it is cached.
+    return _blas_libraries("scipy.linalg" in sys.modules).limit(limits=1, user_api="blas")
+
+
+# Context in which BLAS runs on one thread. For matrices of some hundred rows its threads wait for
+# each other as long as they work. A rough trace of 200 zones takes the same time with one thread
+# and with two on a quiet machine, and on a busy one a third of the time with one thread.
+one_blas_thread = SharedState(_limit_to_one_thread, lambda limits: limits.restore_original_limits())

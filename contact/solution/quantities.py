@@ -1,0 +1,108 @@
+"""Numbers of a solution that are objects of their own: energies, the pull-off point, zone peaks."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from contact.formulation.roots import maximum
+from contact.model.scene import Scene
+from sie import Array, record
+
+
+@record
+class PullOff:
+    """The last equilibrium before the surfaces separate completely as the control falls.
+
+    load [N/m] (per period where there is one), approach [m] (None without one), zones [m].
+    """
+
+    load: float
+    approach: float | None
+    zones: Array = field(repr=False)
+
+
+@dataclass(frozen=True)
+class Energy:
+    """Elastic and surface energy; the change of their sum is the work done by the load.
+
+    Parameters
+    ----------
+    elastic : float
+        (1/2) int p u dx [J/m], per period where there is one; u is the displacement that goes with
+        `Solution.approach`.
+    surface : float
+        -w times the width in contact, w the law's work of adhesion [J/m]; 0 without adhesion.
+
+    Examples
+    --------
+    A wave in full contact: pi E* amplitude^2/4 - w period (K. L. Johnson, Int. J. Solids Struct.
+    32, 1995, 423).
+
+    >>> import contact
+    >>> import numpy as np
+    >>> wave = contact.Scene(
+    ...     contact.Sinusoid(1e-2, 1.0), 1.0, contact.Periodic(), law=contact.JKR(1e-5), load=1.0
+    ... )
+    >>> energy = contact.solve(wave).energy
+    >>> bool(np.isclose(energy.elastic, np.pi * 1e-4 / 4)), energy.surface
+    (True, -1e-05)
+    >>> bool(energy.total == energy.elastic - 1e-5)
+    True
+    """
+
+    elastic: float
+    surface: float
+
+    @property
+    def total(self) -> float:
+        return self.elastic + self.surface
+
+
+@dataclass(frozen=True)
+class PeakOptions:
+    """Samples of one zone for its highest pressure, even in the angle; more changes nothing."""
+
+    samples: int = 48  # of a zone with a smooth profile
+    samples_per_length: int = 12  # added for each shortest length of the profile
+    max_samples: int = 2**14
+
+
+def peaks(
+    scene: Scene,
+    zones: Array,
+    pressure_at: Callable[[Array, int], Array],
+    options: PeakOptions = PeakOptions(),
+) -> Array:
+    """The highest pressure of each zone [Pa]; inf where a convex kink of the profile touches.
+
+    zones: (n, 2) [m]. pressure_at: pressure [Pa] at normalised positions t of one zone.
+    """
+    found = np.empty(len(zones))
+    tips = _convex_kinks(scene)
+    resolution = scene.profile.resolution or np.inf
+    for zone, (left, right) in enumerate(zones):
+        if np.any((left < tips) & (tips < right)):
+            found[zone] = np.inf
+            continue
+        more = options.samples_per_length * (right - left) / resolution
+        count = int(min(options.samples + more, options.max_samples))
+
+        def over_angle(angle: Array, zone: int = zone) -> Array:
+            return pressure_at(np.clip(np.cos(angle), -1.0, 1.0), zone)
+
+        # The pressure of a zone is smooth in the angle.
+        found[zone] = maximum(over_angle, np.linspace(0.0, np.pi, count + 1), levels=7)[1]
+    return found
+
+
+def _convex_kinks(scene: Scene) -> Array:
+    """Places [m] where the slope of the profile jumps up, with their images one period away.
+
+    Zones lie within one period and the next one.
+    """
+    kinks = np.reshape(scene.profile.kinks, (-1, 2))
+    places = kinks[kinks[:, 1] > 0, 0]
+    if scene.period is None:
+        return places
+    return np.concatenate([places + turn * scene.period for turn in (-1, 0, 1)])
