@@ -25,7 +25,8 @@ if TYPE_CHECKING:
         ZoneTotals,
         moment,
     )
-    from sie.equation.equation import CountError, Equation, Forcing
+    from sie.equation.equation import CountError, Equation
+    from sie.equation.forcing import Forcing, Jumps, Resolution
     from sie.fast.lazy import uncollected
     from sie.fast.piecewise import PiecewiseTransform
     from sie.free_ends.motions import EndRates, end_motions, end_rates
@@ -56,12 +57,14 @@ __all__ = [
     "Forcing",
     "Free",
     "Index",
+    "Jumps",
     "Kept",
     "Kernel",
     "Level",
     "Mask",
     "NotConverged",
     "PiecewiseTransform",
+    "Resolution",
     "Rows",
     "SINGULAR",
     "SingularSystem",
@@ -102,7 +105,8 @@ _HOMES = {
     "sie.collocation.fixed": "SingularSystem State solve_fixed",
     "sie.density.density": "Density",
     "sie.equation.conditions": "Amplitude Condition EqualPotential Level Rows Total TotalWidth Weighted ZoneMoments ZoneTotals moment",
-    "sie.equation.equation": "CountError Equation Forcing",
+    "sie.equation.equation": "CountError Equation",
+    "sie.equation.forcing": "Forcing Jumps Resolution",
     "sie.fast.lazy": "uncollected",
     "sie.fast.piecewise": "PiecewiseTransform",
     "sie.free_ends.motions": "EndRates end_motions end_rates",

@@ -190,7 +190,7 @@ def _of_resolution(worst: _Worst, tol: float) -> str:
 
 def _of_user(state: State) -> str:
     """Which of a user's functions modes grow for."""
-    of_columns = any(column.modes is None for column in state.equation.columns)
+    of_columns = any(column.resolution.modes is None for column in state.equation.columns)
     if not state.equation.kernel.grows:
         return "a column"
     return "a column or of the kernel's regular part" if of_columns else "the kernel's regular part"

@@ -52,7 +52,7 @@ def elastic_energy(fields: Fields) -> float | None:
 def _of_zones(fields: ZoneFields | GapFields) -> float:
     """int p F dx, scaled."""
     problem = fields.problem
-    breaks, total = np.sort(problem.forcing.broken_at), 0.0
+    breaks, total = np.sort(problem.forcing.jumps.broken_at), 0.0
     shape = fields.standing_shape if isinstance(fields, ZoneFields) else problem.shape
     pressure = fields.density.at if isinstance(fields, ZoneFields) else fields.pressure_in
     for zone, (a, b) in enumerate(fields.zones):
@@ -79,7 +79,7 @@ def _of_period(fields: FullFields) -> float:
     problem = fields.problem
     units, period = problem.units, problem.repeat_length
     start = float(units.scaled(np.array(problem.profile.x0)))
-    breaks = start + np.unique(np.mod(problem.forcing.broken_at - start, period))
+    breaks = start + np.unique(np.mod(problem.forcing.jumps.broken_at - start, period))
 
     def bears(x: Array) -> Array:
         return np.asarray(fields.pressure(units.x(x)) / units.pressure * problem.shape(x))

@@ -217,7 +217,7 @@ class ZoneFields(sie.Kept):
             return np.inf
         if not self.problem.interaction.strip:
             return (mean_shape(self.problem) + self.mean_displacement + self.level) * units.height
-        total, breaks = 0.0, self.problem.forcing.broken_at
+        total, breaks = 0.0, self.problem.forcing.jumps.broken_at
         for lo, hi, _, _ in self.open_intervals():
             x, weights = panels(
                 cuts_between(lo, hi, max(0.5 * self.spacing, (hi - lo) / _MOST_PANELS), breaks)
@@ -234,7 +234,7 @@ class ZoneFields(sie.Kept):
         """What rounding has cut off the ends [m] that the rows of a table are, of the zones in this
         order; None where they have no more digits than their positions.
         """
-        if not self.problem.forcing.exact:
+        if not self.problem.forcing.resolution.exact_places:
             return None
         units, period, zones = (
             self.problem.units,

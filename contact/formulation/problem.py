@@ -146,18 +146,21 @@ class Problem(sie.Kept):
         whole = sie.Forcing(
             self.slope,
             self.shape,
-            at,
-            heights,
-            orders,
-            algebraic=self.algebraic,
-            resolution=resolution,
-            placed=units.placed,
-            exact=exact,
-            rounding=profile.slope_rounding / units.slope,
+            sie.Jumps(at, heights, orders, algebraic=self.algebraic),
+            resolution=sie.Resolution(
+                length=resolution,
+                rounded_place=units.placed,
+                exact_places=exact,
+                rounding=profile.slope_rounding / units.slope,
+            ),
         )
         # Beside the border of a strip what presses beyond it varies over any length.
-        return (
-            replace(whole, resolution=None, spline=self._profile_slope) if self.amplitude else whole
+        if not self.amplitude:
+            return whole
+        return replace(
+            whole,
+            jumps=replace(whole.jumps, spline=self._profile_slope),
+            resolution=replace(whole.resolution, length=None),
         )
 
     @cached_property
@@ -282,7 +285,10 @@ class Problem(sie.Kept):
         if self.moment is not None:
             # The tilt that is missing, in units of the slope.
             closure = (*closure, sie.moment(self.moment, about=-self.units.lever))
-            columns = (*columns, sie.Forcing(minus_one, self.units.minus_place, modes=1))
+            columns = (
+                *columns,
+                sie.Forcing(minus_one, self.units.minus_place, resolution=sie.Resolution(modes=1)),
+            )
         return sie.Equation(self.kernel, self.forcing, (*conditions, *closure), columns, ends)
 
     def with_amplitude(self, amplitude: float) -> Problem:

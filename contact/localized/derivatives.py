@@ -173,7 +173,9 @@ def _shifted(strip: SolvedZones) -> sie.AnyState:
     factor = 0.5 * pressure / away
     value = _Difference(ahead.value, behind.value, factor)
     forcing = sie.Forcing(
-        value, _Difference(ahead.primitive, behind.primitive, factor), between=True
+        value,
+        _Difference(ahead.primitive, behind.primitive, factor),
+        resolution=sie.Resolution(smooth_between=True),
     )
     equation = sie.Equation(problem.kernel, forcing, (sie.Total(0.0), sie.EqualPotential()))
     return sie.solve_zones(equation, zones, OPTIONS.tolerance)

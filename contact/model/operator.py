@@ -258,7 +258,11 @@ class Operator(sie.Kept):
         assert period is not None
         half = 0.5 * (2 * interaction.neighbours + 1) * period
         beyond = BeyondStrip(half, period, centre, self.smooth_part, unit, self.compression)
-        return (sie.Forcing(beyond.slope, beyond.height, between=True),)
+        return (
+            sie.Forcing(
+                beyond.slope, beyond.height, resolution=sie.Resolution(smooth_between=True)
+            ),
+        )
 
     # For grids
     # --------------------------------------------------------------------------------------------------------

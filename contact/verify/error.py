@@ -144,7 +144,7 @@ def of_positions(found: SolvedZones) -> float:
     """What the ends, given as positions, are rounded to over their zone's width: of narrow zones
     far from x = 0 more is known. Nothing, where what is cut off the positions is told too.
     """
-    if found.fields.problem.forcing.exact:
+    if found.fields.problem.forcing.resolution.exact_places:
         return 0.0
     units, zones = found.fields.problem.units, found.fields.density.zones
     rounding = np.spacing(np.abs(units.x(zones.table))).max(axis=1) / units.length

@@ -416,13 +416,15 @@ def first_sizes(equation: Equation, zones: Zones, tolerance: float = 0.0) -> Siz
     look_at(equation, zones)
     least: int | Index
     panels = panels_over(equation.kernel, zones)
-    if panels is not None and all(column.modes is not None for column in equation.columns):
+    if panels is not None and all(
+        column.resolution.modes is not None for column in equation.columns
+    ):
         least = np.minimum(panels.modes(zones.half), modes.least(zones, equation.kernel))
     elif equation.grows:
         least = modes.least(zones, equation.kernel)
     else:
-        least = max((column.modes or 0 for column in equation.columns), default=0)
-    own = modes.own_at_first(zones, equation.forcing.singular_at, equation.kernel.period)
+        least = max((column.resolution.modes or 0 for column in equation.columns), default=0)
+    own = modes.own_at_first(zones, equation.forcing.jumps.singular_at, equation.kernel.period)
     return Sizes(own, least, linear=_OF_ITERATION * tolerance)
 
 
@@ -549,7 +551,9 @@ def more_modes(state: State, tails: Array, tolerance: float) -> Index | None:
     )
     enough = max(modes.enough(kernel, tolerance), 10 * sizes.linear if state.iterated else 0.0)
     few = (tails > np.maximum(enough, sizes.growth.floor)) & (m < modes.most(kernel))
-    if panels is not None and not any(column.modes is None for column in state.equation.columns):
+    if panels is not None and not any(
+        column.resolution.modes is None for column in state.equation.columns
+    ):
         # Of the regular part nothing is left beyond these.
         few &= m < panels.modes(zones.half)
     if not state.equation.grows or not few.any():

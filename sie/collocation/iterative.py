@@ -198,7 +198,7 @@ class IterativeSystem(System):
     def integrated(self) -> bool:
         """Whether differences of the primitive may be taken from g."""
         forcing = self.equation.forcing
-        return forcing.resolution is not None and len(forcing.jumps_at) == 0
+        return forcing.resolution.length is not None and not forcing.value_jumps
 
     def _forcing_differences(self) -> Array:
         """Differences of the primitive's means between neighbours: over the gap by quadrature, over
@@ -225,9 +225,9 @@ class IterativeSystem(System):
         in the last digit, which the forcing's own arithmetic may lose of x).
         """
         forcing = self.equation.forcing
-        assert forcing.resolution is not None
+        assert forcing.resolution.length is not None
         start, rest, length = self._gaps
-        panels = np.ceil(length / (_LENGTHS * forcing.resolution)).astype(np.intp)
+        panels = np.ceil(length / (_LENGTHS * forcing.resolution.length)).astype(np.intp)
         gap = np.repeat(np.arange(len(length)), panels)
         number = numbered(panels)
         size = (length / panels)[gap]
@@ -236,7 +236,7 @@ class IterativeSystem(System):
         left = start[gap][:, None]
         values = forcing.sampled(left, from_start, lambda g: g @ slope_of / (0.5 * size[:, None]))
         across = 0.5 * size * (values @ weights)
-        if forcing.exact:
+        if forcing.resolution.exact_places:
             return np.asarray(
                 np.bincount(gap, across, minlength=len(length)), dtype=np.float64
             ), np.zeros(len(length))

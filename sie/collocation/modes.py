@@ -284,7 +284,7 @@ def sample(
     bent = knots > 0
     bent[jumps.kinked] = False
     # The largest of many coefficients of noise is some four times their standard deviation.
-    noise = np.maximum(jumps.rounding(len(zones)), 4 * np.sqrt(2) * forcing.rounding)
+    noise = np.maximum(jumps.rounding(len(zones)), 4 * np.sqrt(2) * forcing.resolution.rounding)
     found: list[tuple[Index, Array]] = []
     # The last two sizes and tails of each zone so far.
     sizes, tails = np.ones((len(zones), 2)), np.full((len(zones), 2), -np.inf)

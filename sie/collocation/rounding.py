@@ -77,7 +77,7 @@ def _of_others(state: Solved) -> Array | float:
     """
     system, zones = state.system, state.density.zones
     layout, rounding = system.layout, system.jumps.rounding(len(zones))
-    if len(system.equation.forcing.jumps_at):
+    if system.equation.forcing.value_jumps:
         # What others feel of these is found from the right side itself.
         rounding[system.by_moments] = 0.0
     if not rounding.any():

@@ -32,7 +32,7 @@ _TURN = 2 * np.pi
 
 def many_jumps(forcing: Forcing, zones: Zones, jumps: ForcingJumps) -> Index:
     """Solved zones with many jumps of the right side's or of the density's derivatives, in order."""
-    if len(forcing.jumps_at) == 0 and len(forcing.density_jumps_at) == 0:
+    if len(forcing.jumps) == 0:
         return np.zeros(0, dtype=np.intp)
     count = np.bincount(jumps.zone[jumps.order > 0], minlength=len(zones))
     count[list(jumps.splines)] += MANY_JUMPS

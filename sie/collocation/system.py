@@ -263,7 +263,7 @@ class System(Rows):
         within = np.arange(self.known.shape[1]) <= m[both, None]
         self.taken[both] = np.where(within, self.known[both], 0.0)
         self.known = self.known - self.taken
-        if len(self.equation.forcing.jumps_at):
+        if self.equation.forcing.value_jumps:
             of_g, self.moment_means = coefficients_between(
                 self.equation.forcing, zones, self.jumps, chosen, m
             )
@@ -549,7 +549,7 @@ class System(Rows):
         w = zones.half[solved]
         ends, rest = np.array([zones.a[solved], zones.b[solved]]), zones.rest[:, solved]
         heights = np.asarray(forcing.primitive(ends))
-        if forcing.exact and rest.any():
+        if forcing.resolution.exact_places and rest.any():
             heights = heights + rest * np.asarray(forcing.value(ends))
         mean = 0.5 * heights.sum(axis=0)
         if len(self.jumps):

@@ -18,7 +18,8 @@ from sie.basis.data import Array
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
 from sie.equation.conditions import Weighted, speaks_of_levels
-from sie.equation.equation import Equation, Forcing
+from sie.equation.equation import Equation
+from sie.equation.forcing import Forcing
 
 # Places that are looked at on each of at most three zones.
 _T = np.array([-0.7, 0.1, 0.6])
@@ -65,7 +66,7 @@ def look_at(equation: Equation, zones: Zones) -> None:
         *((f"column {k}", column) for k, column in enumerate(equation.columns)),
     ]
     for name, forcing in parts:
-        if not forcing.looked_at and how not in _seen(forcing):
+        if how not in _seen(forcing):
             _look_at_forcing(name, forcing, *_places(zones), *how)
             _look_at_modes(name, forcing, zones)
             _seen(forcing).add(how)
@@ -78,7 +79,7 @@ def look_at(equation: Equation, zones: Zones) -> None:
 
 def _seen(part: Forcing | Kernel) -> set[tuple[bool, bool]]:
     """In which ways this has been looked at, and found in order."""
-    found: set[tuple[bool, bool]] = part.__dict__.setdefault("_looked_at", set())
+    found: set[tuple[bool, bool]] = part.__dict__.setdefault("_checked", set())
     return found
 
 
@@ -146,7 +147,7 @@ def _look_at_forcing(
     g = value(x)
     if symmetric:
         _look_at_symmetry(f"{name}: value", g, value(-x), x)
-    if forcing.primitive is not None and levels and not len(forcing.density_jumps_at):
+    if forcing.primitive is not None and levels and not forcing.density_jumps:
         _look_at_rise(
             f"{name}: primitive",
             "value",
@@ -214,18 +215,19 @@ def _look_at_degree(name: str, weight: Callable[[Array], Array], degree: int, zo
 
 def _look_at_modes(name: str, forcing: Forcing, zones: Zones) -> None:
     """ValueError for a column of more modes than it is said to have."""
-    if forcing.modes is None:
+    modes = forcing.resolution.modes
+    if modes is None:
         return
-    count = forcing.modes + _MORE
+    count = modes + _MORE
     t = chebyshev.lobatto(count)[0][1:-1]
     for zone in _some(zones):
         x = zones.middle[zone] + zones.half[zone] * t
         values = _real(name, _called(name, forcing.value, x), x.shape, f"x of shape {x.shape}")
         size = np.abs(chebyshev.u_coefficients(values[None])[0])
-        beyond = size[forcing.modes :].max()
+        beyond = size[modes:].max()
         if beyond > _BEYOND * size.max() + _of_places(x, zones.half[zone], values):
             raise ValueError(
-                f"{name} has more than modes={forcing.modes} modes: on zone {zone} (counted from 0) {beyond / size.max():.1e} of it is "
+                f"{name} has more than modes={modes} modes: on zone {zone} (counted from 0) {beyond / size.max():.1e} of it is "
                 "beyond these; leave modes out"
             )
 

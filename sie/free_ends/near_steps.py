@@ -124,7 +124,7 @@ def bent_steps(
     is longer than `inward` or `outward` of the width there. k, slopes: K less its target, and A,
     positive where they push outward; A is 0 where it is not to be relied on.
     """
-    of_density = len(forcing.density_jumps_at) > 0
+    of_density = forcing.density_jumps
     at, heights = forcing.logarithms if of_density else forcing.kinks
     width, steps = zones.b - zones.a, plain.copy()
     inside, outside = _nearest(zones, at[heights > 0], heights[heights > 0], period)

@@ -270,7 +270,7 @@ def find_ends(
     """
     decay = max(0.1 * tolerance, 3e-16) if decay is None else decay
     opened = equation.open_condition
-    keeps = equation.forcing.cornered or equation.forcing.exact
+    keeps = equation.forcing.cornered or equation.forcing.resolution.exact_places
     off = min(off, _STEP_NEAR) if near else off
     progress = Progress(
         tolerance,
@@ -559,7 +559,7 @@ def _of_places(state: AnyState, corners: Array) -> Array:
     distances from these are known.
     """
     zones = state.density.zones
-    if state.equation.forcing.exact:
+    if state.equation.forcing.resolution.exact_places:
         return np.zeros((2, len(zones)))
     rounding = 2 * np.spacing(np.abs([zones.a, zones.b]))
     if state.density.slit_count or not np.isfinite(corners).any():
@@ -647,14 +647,14 @@ def _newton(
         residual = np.where(moves, residual + change * k_unit, 0.0)
         a = a + change * np.array(unit.edge_slopes)
     gaps = np.array(modes.gaps(density.zones, equation.kernel))
-    jumps = len(equation.forcing.density_jumps_at) > 0
+    jumps = equation.forcing.density_jumps
     tips = tips_between(equation.forcing, density.zones, equation.kernel.period) if jumps else 0.0
     across, holds = gap_steps(
         gaps, 2 * w, moves, side * residual, side * a, signs[0] == signs[1], tips
     )
     delta, weak = np.where(holds, across, delta), weak & ~holds
     noise = np.where(holds, 2 * noise_k / np.abs(np.where(holds, a, 1.0)), noise)
-    if len(equation.forcing.jumps_at) or jumps:
+    if len(equation.forcing.jumps):
         toward, slopes = side * residual, np.where(weak, 0.0, side * a)
         bent = bent_steps(
             equation.forcing,

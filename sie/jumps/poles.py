@@ -61,7 +61,7 @@ _OPTIONS = PoleOptions()
 
 @dataclass(frozen=True, eq=False)
 class AlgebraicPoints:
-    """Points beside which the right side, or the wanted density, is algebraic.
+    """Points beside which the right side, or the wanted density, is a power of the distance.
 
     Parameters
     ----------
@@ -72,9 +72,6 @@ class AlgebraicPoints:
     left, right : array_like
         Coefficients (k,): of (s - x)^p for x < s, and of (x - s)^p for x > s. What is left of the
         function is smooth at s.
-    of_density : bool
-        Whether the wanted density is so, and not the right side; the right side is then singular as
-        its transform.
 
     Raises
     ------
@@ -89,8 +86,7 @@ class AlgebraicPoints:
     >>> import math
     >>> import numpy as np, sie
     >>> points = sie.AlgebraicPoints([0.0], [0.5], [-1.0], [1.0])
-    >>> root = sie.Forcing(lambda x: np.sign(x) * np.sqrt(np.abs(x)), algebraic=points)
-    >>> load = math.sqrt(math.pi) * math.gamma(1.25) / math.gamma(1.75)
+    >>> root = sie.Forcing(lambda x: np.sign(x) * np.sqrt(np.abs(x)), XX = math.sqrt(math.pi) * math.gamma(1.25) / math.gamma(1.75)
     >>> equation = sie.Equation(sie.cauchy(), root, (sie.Total(load),))
     >>> sie.solve(equation, sie.Zones.of([[-0.7, 1.2]])).zones.table.round(9).tolist()
     [[-1.0, 1.0]]
@@ -100,7 +96,6 @@ class AlgebraicPoints:
     exponents: ArrayLike
     left: ArrayLike
     right: ArrayLike
-    of_density: bool = False
 
     def __post_init__(self) -> None:
         for name in ("at", "exponents", "left", "right"):
@@ -119,7 +114,7 @@ class AlgebraicPoints:
         p, left, right = (np.asarray(part) for part in (self.exponents, self.left, self.right))
         # In degrees the zeros of sine and cosine are exact: a polynomial has no poles.
         odd, even = cosdg(90.0 * p) * (right - left), sindg(90.0 * p) * (right + left)
-        return np.asarray((odd + 1j * even) / np.pi * (1j if self.of_density else 1.0))
+        return np.asarray((odd + 1j * even) / np.pi)
 
     @cached_property
     def places(self) -> Array:
@@ -153,7 +148,7 @@ class AlgebraicPoints:
                 * nearest**p
                 / np.expm1(_OPTIONS.step * p)
             )
-        return complex(parts.sum()) if np.all(p > 0.0) else complex(np.inf)
+        return complex(parts.sum()) if np.all(p > 0.0) else complex(np.inf, -np.inf)
 
     def _at(self, place: int) -> Index:
         return np.flatnonzero(np.asarray(self.at) == self.places[place])
@@ -174,25 +169,33 @@ class Poles(Kept):
     points: tuple[Index, Array, Array, Array]
 
     @classmethod
-    def of(cls, zones: Zones, points: AlgebraicPoints | None, period: float | None) -> "Poles":
-        """The poles of all points in zones and near them."""
+    def of(
+        cls,
+        zones: Zones,
+        points: AlgebraicPoints | None,
+        period: float | None,
+        of_density: bool = False,
+    ) -> "Poles":
+        """The poles of all points in zones and near them; of_density: of the wanted density."""
         if points is None or not np.any(points.weights):
             return NO_POLES
         found, inside = [], []
         for place, i, left, right in _seen(zones, points.places, period):
             w = float(zones.half[i])
             away, size = points.poles(place, w)
+            more = points.left_out(place, w)
+            if of_density:
+                size, more = 1j * size, complex(-more.imag, more.real)
             if size.any():
                 one = np.ones(len(away))
                 found.append((i * one, left / w * one, right / w * one, away / w, size / w))
                 if min(left, right) > 0:
-                    at_place = points.left_out(place, w).real
-                    inside.append((i, left / w, points.lowest(place), at_place))
+                    inside.append((i, left / w, points.lowest(place), more.real))
         if not found:
             return NO_POLES
         table = [np.concatenate(parts) for parts in zip(*found, strict=True)]
-        own, at_left, exponent, more = np.array(inside, dtype=np.float64).reshape(-1, 4).T
-        held = own.astype(np.intp), at_left, exponent, more
+        own, at_left, exponent, unseen = np.array(inside, dtype=np.float64).reshape(-1, 4).T
+        held = own.astype(np.intp), at_left, exponent, unseen
         return cls(table[0].astype(np.intp), table[1], table[2], table[3], table[4], held)
 
     def __len__(self) -> int:

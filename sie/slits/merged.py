@@ -85,8 +85,9 @@ def merge(equation: Equation, pieces: Zones, before: Mask | None = None) -> Merg
     """
     kernel = equation.kernel
     # A column that may be singular between zones is none of a wide one.
-    general = len(equation.forcing.singular_at) > 0 or any(
-        column.modes is None and not column.between for column in equation.columns
+    general = len(equation.forcing.jumps.singular_at) > 0 or any(
+        column.resolution.modes is None and not column.resolution.smooth_between
+        for column in equation.columns
     )
     if len(pieces) < 2 or general or not _one_level(equation.conditions) or not _plain(pieces):
         return None
@@ -156,10 +157,10 @@ def _bent(equation: Equation, pieces: Zones, after: Array) -> Mask:
     """Gaps with a jump of a higher derivative of the right side in them than the first, or with an
     algebraic point.
     """
-    forcing = equation.forcing
-    at = forcing.jumps_at[forcing.orders > 1] if forcing.orders is not None else np.zeros(0)
-    if forcing.algebraic is not None:
-        at = np.concatenate((at, np.asarray(forcing.algebraic.at)))
+    jumps = equation.forcing.jumps
+    at = jumps.at[np.asarray(jumps.orders) > 1] if not jumps.of_density else np.zeros(0)
+    if jumps.algebraic is not None:
+        at = np.concatenate((at, np.asarray(jumps.algebraic.at)))
     at = wrapped(at, pieces.a[0], equation.kernel.period)
     i = np.searchsorted(pieces.a, at, side="right") - 1
     within = (i >= 0) & (at >= pieces.b[i]) & (at <= pieces.b[i] + after[i])

@@ -172,7 +172,7 @@ def test_by_iteration_a_total_width_takes_hardly_more_than_a_total(monkeypatch):
         return out
 
     monkeypatch.setattr(Iterative, "__call__", counted)
-    forcing = sie.Forcing(profile.slope, profile.height, resolution=1 / 400)
+    forcing = sie.Forcing(profile.slope, profile.height, resolution=sie.Resolution(length=1 / 400))
     width = float(np.diff(solution.zones).sum())
     start = sie.Zones.of(solution.zones + 0.01 * np.diff(solution.zones) * np.array([0.4, -0.7]))
     for total, ends in (
@@ -206,7 +206,7 @@ def solved_with_its_equation(tol):
     """A rough contact in units of E*/2, and what the engine is asked for it."""
     scene = replace(rough(400), E_star=2.0, mean_pressure=0.01)
     solution, profile = contact.solve(scene, tol=tol), scene.profile
-    forcing = sie.Forcing(profile.slope, profile.height, resolution=1 / 400)
+    forcing = sie.Forcing(profile.slope, profile.height, resolution=sie.Resolution(length=1 / 400))
     return solution, sie.Equation(
         sie.hilbert(1.0), forcing, (sie.Total(solution.load), sie.EqualPotential())
     )

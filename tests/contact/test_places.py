@@ -26,7 +26,7 @@ class Hinged(contact.Interaction):
             sie.Forcing(
                 lambda x: np.full(np.shape(x), -1.0),
                 lambda x: scaled(np.array(self.hinge)) - x,
-                modes=1,
+                resolution=sie.Resolution(modes=1),
             ),
         )
 

@@ -58,7 +58,7 @@ def _kink(a):
     return (
         sie.Equation(
             sie.cauchy(),
-            sie.Forcing(lambda x: a * np.sign(x), None, [0.0], 2 * a),
+            sie.Forcing(lambda x: a * np.sign(x), jumps=sie.Jumps([0.0], 2 * a)),
             sie.Total(2 * a),
         ),
         sie.Zones.of([[-0.5, 2.0]]),

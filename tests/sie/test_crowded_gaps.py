@@ -29,11 +29,7 @@ def crowded() -> sie.Equation:
     jumps = np.diff(2 * pieces[:, 2], prepend=0.0, append=0.0)
     right = sie.PiecewiseTransform(sie.cauchy(), at, pieces, at, jumps)
     forcing = sie.Forcing(
-        right,
-        density_jumps_at=at,
-        density_jumps=jumps,
-        density_orders=np.full(len(at), 2),
-        spline=spline,
+        right, jumps=sie.Jumps(at, jumps, np.full(len(at), 2), of_density=True, spline=spline)
     )
     return sie.Equation(sie.cauchy(), forcing, (sie.ZoneTotals(),))
 

@@ -21,7 +21,7 @@ def primitive(x):
 
 
 def solved(kernel, kinds=sie.SINGULAR, ends=ENDS, total=0.3):
-    forcing = sie.Forcing(value, primitive, np.array([KINK]), np.array([0.4]))
+    forcing = sie.Forcing(value, primitive, sie.Jumps(np.array([KINK]), np.array([0.4])))
     equation = sie.Equation(kernel, forcing, (sie.Total(total), sie.EqualPotential()))
     return sie.solve_fixed(equation, sie.Zones.of(ends, kinds, kinds)).density
 
@@ -199,7 +199,7 @@ def test_zones_several_periods_away_are_the_same_zones(periods):
         return value(x - periods)
 
     forcing = sie.Forcing(
-        there, lambda x: primitive(x - periods), np.array([KINK]), np.array([0.4])
+        there, lambda x: primitive(x - periods), sie.Jumps(np.array([KINK]), np.array([0.4]))
     )
     equation = sie.Equation(sie.hilbert(1.0), forcing, (sie.Total(0.3), sie.EqualPotential()))
     moved = sie.solve_fixed(

@@ -118,7 +118,7 @@ def equation(kernel, at, order, height):
         return x + np.where((q > 0) & (away != 0), logs, 0.0) @ height / np.pi
 
     forcing = sie.Forcing(
-        value, density_jumps_at=np.array(at), density_jumps=np.array(height), density_orders=q
+        value, jumps=sie.Jumps(np.array(at), np.array(height), q, of_density=True)
     )
     return sie.Equation(kernel, forcing, (sie.ZoneTotals(0.0),)), forcing
 
@@ -151,7 +151,7 @@ def test_a_zone_far_from_the_origin_loses_no_digit_to_its_width(half_width):
     half_width = 2.0 ** np.round(np.log2(half_width))
     zone = sie.Zones.of([[0.375 - half_width, 0.375 + half_width]], sie.SINGULAR, sie.SINGULAR)
     forcing = sie.Forcing(
-        np.zeros_like, density_jumps_at=np.array([0.375]), density_jumps=np.array([-1.0])
+        np.zeros_like, jumps=sie.Jumps(np.array([0.375]), np.array([-1.0]), of_density=True)
     )
     problem = sie.Equation(sie.cauchy(), forcing, (sie.ZoneTotals(0.0),))
     state = sie.solve_fixed(problem, zone)
@@ -177,16 +177,8 @@ def test_the_potential_rises_by_the_integral_of_the_transform_from_end_to_end(at
     assert np.diff(density.potential(np.array([lo, hi])))[0] == pytest.approx(risen, abs=1e-14)
 
 
-def test_forcing_and_density_jumps_together_and_conditions_on_potentials_are_refused():
-    with pytest.raises(ValueError, match="jumps or density_jumps"):
-        sie.Forcing(
-            np.zeros_like,
-            jumps_at=np.zeros(1),
-            jumps=np.ones(1),
-            density_jumps_at=np.zeros(1),
-            density_jumps=np.ones(1),
-        )
-    forcing = sie.Forcing(np.zeros_like, density_jumps_at=np.zeros(1), density_jumps=np.ones(1))
+def test_conditions_on_potentials_are_refused_beside_jumps_of_the_density():
+    forcing = sie.Forcing(np.zeros_like, jumps=sie.Jumps(np.zeros(1), np.ones(1), of_density=True))
     with pytest.raises(ValueError, match="potentials"):
         sie.Equation(sie.cauchy(), forcing, (sie.Total(1.0), sie.EqualPotential()))
 

@@ -45,7 +45,9 @@ def forcing(at, order, height=0.8, smooth=0.0):
             order
         ] / (order + 1)
 
-    return sie.Forcing(value, primitive, np.array([at]), np.array([height]), np.array([order]))
+    return sie.Forcing(
+        value, primitive, sie.Jumps(np.array([at]), np.array([height]), np.array([order]))
+    )
 
 
 @each_place
@@ -158,7 +160,7 @@ def test_a_thousand_kinks_are_carried_exactly():
         return 2 * x * x + np.maximum(x[..., None] - at, 0) @ heights
 
     equation = sie.Equation(
-        sie.cauchy(), sie.Forcing(value, primitive, at, heights), (sie.Total(1.0),)
+        sie.cauchy(), sie.Forcing(value, primitive, sie.Jumps(at, heights)), (sie.Total(1.0),)
     )
     state = sie.solve_fixed(equation, sie.Zones.of([[-1, 1]], sie.SINGULAR, sie.SINGULAR))
     x = np.linspace(-0.99, 0.99, 101)
@@ -183,7 +185,7 @@ def test_jumps_outside_the_zones_are_left_alone():
 
 
 def test_a_column_of_unknown_amplitude_must_be_smooth():
-    column = sie.Forcing(np.sign, np.abs, np.array([0.0]), np.array([2.0]))
+    column = sie.Forcing(np.sign, np.abs, sie.Jumps(np.array([0.0]), np.array([2.0])))
     with pytest.raises(ValueError, match="must be smooth"):
         sie.Equation(sie.cauchy(), sie.Forcing(np.zeros_like), (sie.Total(1.0),), columns=(column,))
 
@@ -237,11 +239,7 @@ def many_knots():
     spline = CubicSpline(knots, 1e-3 * rng.normal(size=knots.size))
     third = np.diff(6 * spline.c[0])
     g = sie.Forcing(
-        lambda x: spline(x, 1),
-        spline,
-        jumps_at=knots[1:-1],
-        jumps=third,
-        orders=np.full(len(third), 2),
+        lambda x: spline(x, 1), spline, sie.Jumps(knots[1:-1], third, np.full(len(third), 2))
     )
     zones = sie.Zones.of([[-0.9, 0.95]], sie.SINGULAR, sie.SINGULAR)
     return (

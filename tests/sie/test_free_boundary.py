@@ -18,7 +18,9 @@ T = np.cos(np.pi * np.arange(1, 39) / 39)
 
 def forcing_of(form):
     at = np.array(getattr(form, "jumps_at", ()))
-    return sie.Forcing(form.value, form.primitive, at, np.array(getattr(form, "jumps", ())))
+    return sie.Forcing(
+        form.value, form.primitive, sie.Jumps(at, np.array(getattr(form, "jumps", ())))
+    )
 
 
 def kernel_of(form):
@@ -244,8 +246,7 @@ def test_the_units_of_length_and_of_the_density_do_not_matter(length, period):
     forcing = sie.Forcing(
         lambda x: stress * form.value(x / length),
         lambda x: stress * length * form.primitive(x / length),
-        at,
-        stress * np.array(getattr(form, "jumps", ())),
+        sie.Jumps(at, stress * np.array(getattr(form, "jumps", ()))),
     )
     kernel = sie.cauchy() if period is None else sie.hilbert(length)
     equation = sie.Equation(kernel, forcing, (sie.Total(form.total * stress * length),))
@@ -278,7 +279,7 @@ def test_ends_just_past_a_kink_are_found(distance, start):
     def value(x):
         return x + jump * (x > kink) - jump * (x < -kink)
 
-    forcing = sie.Forcing(value, None, np.array([-kink, kink]), np.array([jump, jump]))
+    forcing = sie.Forcing(value, jumps=sie.Jumps(np.array([-kink, kink]), np.array([jump, jump])))
     # The total of a density with bounded ends is int g x / sqrt(1 - x^2) dx.
     total = 0.5 * math.pi + 2 * jump * math.sqrt(distance * (2 - distance))
     found = sie.find_ends(
@@ -294,9 +295,7 @@ def test_ends_just_short_of_a_kink_are_found():
         kink = 1 + distance
         forcing = sie.Forcing(
             lambda x, kink=kink: x + 0.5 * np.sign(x) * (np.abs(x) > kink),
-            None,
-            np.array([-kink, kink]),
-            np.array([0.5, 0.5]),
+            jumps=sie.Jumps(np.array([-kink, kink]), np.array([0.5, 0.5])),
         )
         equation = sie.Equation(sie.cauchy(), forcing, (sie.Total(0.5 * math.pi),))
         for start in ((-0.3, 0.4), (-1.4, 1.9)):

@@ -20,7 +20,7 @@ def state() -> sie.AnyState:
     jumps = np.diff(g.derivative(2)(0.5 * (at[1:] + at[:-1])))[2:-2]
     at = at[3:-3]
     middle = 0.5 * (at[475] + at[476])
-    forcing = sie.Forcing(g, g.antiderivative(), at, jumps, np.full(len(at), 2))
+    forcing = sie.Forcing(g, g.antiderivative(), sie.Jumps(at, jumps, np.full(len(at), 2)))
     zones = sie.Zones.of([[middle - 450.2, middle - 0.6], [middle + 0.65, middle + 450.3]])
     return sie.solve_zones(
         sie.Equation(sie.cauchy(), forcing, (sie.Total(500.0), sie.EqualPotential())), zones, 1e-12

@@ -17,7 +17,9 @@ from sie.jumps.forcing import ForcingJumps
 def equation(problem):
     kernel = sie.hilbert(problem.period)
     forcing = sie.Forcing(
-        problem.profile.slope, problem.profile.height, resolution=problem.period / 64
+        problem.profile.slope,
+        problem.profile.height,
+        resolution=sie.Resolution(length=problem.period / 64),
     )
     return sie.Equation(kernel, forcing, (sie.Total(problem.load), sie.EqualPotential()))
 
@@ -128,7 +130,9 @@ class TestPlacesBeyondTheLastDigit:
         def placed(x):
             return np.round(x / step) * step
 
-        told = sie.Forcing(lambda x: self.value(placed(x)), placed=placed)
+        told = sie.Forcing(
+            lambda x: self.value(placed(x)), resolution=sie.Resolution(rounded_place=placed)
+        )
         untold = sie.Forcing(lambda x: self.value(placed(x)))
         errors = [np.abs(self.found(f) - self.exact(16)).max() for f in (told, untold)]
         assert errors[0] < 1e-13 < 1e-9 < errors[1]

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -138,7 +139,7 @@ def test_an_equation_without_a_pole_is_refused(kernel, message):
     ],
 )
 def test_jumps_are_arrays_lists_or_numbers(jumps):
-    wedge = sie.Forcing(np.sign, np.abs, *jumps)
+    wedge = sie.Forcing(np.sign, np.abs, sie.Jumps(*jumps))
     found = sie.solve(
         sie.Equation(sie.cauchy(), wedge, sie.Total(2.0)), sie.Zones.of([[-0.5, 2.0]])
     )
@@ -146,34 +147,33 @@ def test_jumps_are_arrays_lists_or_numbers(jumps):
 
 
 def test_one_height_or_order_stands_for_all_places():
-    forcing = sie.Forcing(np.sin, None, [0.1, 0.2, 0.3], 1.5, orders=2)
-    assert forcing.jumps.tolist() == [1.5] * 3 and forcing.orders.tolist() == [2] * 3
+    jumps = sie.Jumps([0.1, 0.2, 0.3], 1.5, 2)
+    assert jumps.heights.tolist() == [1.5] * 3 and jumps.orders.tolist() == [2] * 3
 
 
 @pytest.mark.parametrize(
-    ("options", "message"),
+    ("make", "options", "message"),
     [
-        ({"jumps_at": [0.0, 1.0], "jumps": [1.0]}, "jumps: one for each of jumps_at"),
-        ({"jumps_at": [0.0], "jumps": [1.0, 2.0]}, "jumps: one for each of jumps_at"),
-        ({"jumps_at": [0.0], "jumps": [1.0], "orders": [3]}, "orders must be 0, 1 or 2"),
-        ({"jumps_at": [0.0], "jumps": [1.0], "orders": [0.5]}, "orders must be 0, 1 or 2"),
-        (
-            {"density_jumps_at": [0.0], "density_jumps": [1.0], "density_orders": [-1]},
-            "density_orders must be 0, 1 or 2",
-        ),
-        ({"jumps_at": [math.nan], "jumps": [1.0]}, "jumps_at must be finite"),
-        ({"jumps_at": ["a"], "jumps": [1.0]}, "jumps_at must be real numbers"),
-        ({"jumps_at": [[0.0], [0.0, 1.0]], "jumps": [1.0]}, "jumps_at must be an array"),
-        ({"modes": 0}, "modes must be a whole number"),
-        ({"resolution": -1.0}, "resolution must be"),
-        ({"within": (1.0, 0.0)}, "within must be"),
-        ({"within": 3}, "within must be"),
-        ({"singular_at": [1j]}, "singular_at must be real"),
+        (sie.Jumps, {"at": [0.0, 1.0], "heights": [1.0]}, "heights: one for each position"),
+        (sie.Jumps, {"at": [0.0], "heights": [1.0, 2.0]}, "heights: one for each position"),
+        (sie.Jumps, {"at": [0.0], "heights": [1.0], "orders": [3]}, "orders must be 0, 1 or 2"),
+        (sie.Jumps, {"at": [0.0], "heights": [1.0], "orders": [0.5]}, "orders must be 0, 1 or 2"),
+        (sie.Jumps, {"at": [0.0], "heights": [1.0], "orders": [-1]}, "orders must be 0, 1 or 2"),
+        (sie.Jumps, {"at": [math.nan], "heights": [1.0]}, "at must be finite"),
+        (sie.Jumps, {"at": ["a"], "heights": [1.0]}, "at must be real numbers"),
+        (sie.Jumps, {"at": [[0.0], [0.0, 1.0]], "heights": [1.0]}, "at must be an array"),
+        (sie.Jumps, {"singular_at": [1j]}, "singular_at must be real"),
+        (sie.Resolution, {"modes": 0}, "modes must be a whole number"),
+        (sie.Resolution, {"length": -1.0}, "length must be"),
+        (partial(sie.Forcing, np.sin), {"within": (1.0, 0.0)}, "within must be"),
+        (partial(sie.Forcing, np.sin), {"within": 3}, "within must be"),
+        (partial(sie.Forcing, np.sin), {"jumps": [0.0]}, "jumps must be a sie.Jumps"),
+        (partial(sie.Forcing, np.sin), {"resolution": 0.1}, "resolution must be a sie.Resolution"),
     ],
 )
-def test_what_is_declared_wrongly_is_refused_by_name(options, message):
+def test_what_is_declared_wrongly_is_refused_by_name(make, options, message):
     with pytest.raises(ValueError, match=message):
-        sie.Forcing(np.sin, **options)
+        make(**options)
 
 
 def test_functions_stand_for_right_sides_and_columns_and_one_condition_for_a_tuple():
@@ -255,12 +255,16 @@ def test_claims_that_do_not_hold_are_named_and_true_ones_are_believed(zones):
     with pytest.raises(ValueError, match="weight is no polynomial of degree 1: on zone 0"):
         solve(None, (sie.Weighted(lambda x: x**6, 1.0, degree=1),), (np.cos,))
     with pytest.raises(ValueError, match="column 0 has more than modes=1 modes"):
-        solve(None, (sie.moment(1.0),), (sie.Forcing(lambda x: x, modes=1),))
+        solve(
+            None,
+            (sie.moment(1.0),),
+            (sie.Forcing(lambda x: x, resolution=sie.Resolution(modes=1)),),
+        )
     solve(sie.cauchy() + sie.Smooth(lambda x, xi: 1e-3 * (x - xi) ** 2, of_lag=True))
     solve(
         None,
         (sie.Weighted(lambda x: x**2 - 1, 1.0, degree=2),),
-        (sie.Forcing(lambda x: x, modes=2),),
+        (sie.Forcing(lambda x: x, resolution=sie.Resolution(modes=2)),),
     )
 
 
@@ -273,6 +277,11 @@ def test_claims_are_believed_of_narrow_zones_far_from_the_origin():
         sie.Weighted(lambda x: (x - 1e6) ** 2, 0.0, degree=2),
     )
     sie.solve_fixed(
-        sie.Equation(kernel, np.zeros_like, conditions, sie.Forcing(lambda x: x - 1e6, modes=2)),
+        sie.Equation(
+            kernel,
+            np.zeros_like,
+            conditions,
+            sie.Forcing(lambda x: x - 1e6, resolution=sie.Resolution(modes=2)),
+        ),
         zones,
     )

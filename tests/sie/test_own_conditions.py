@@ -18,7 +18,7 @@ from sie.slits.system import SlitState
 
 T = np.linspace(-0.97, 0.97, 15)
 WAVE = sie.Forcing(np.sin, lambda x: -np.cos(x))
-CONSTANT = sie.Forcing(np.ones_like, lambda x: x, modes=1)
+CONSTANT = sie.Forcing(np.ones_like, lambda x: x, resolution=sie.Resolution(modes=1))
 ROW = np.array([[2.0 * i, 2.0 * i + 1.2 + 0.05 * (i % 3)] for i in range(12)])
 
 

@@ -109,8 +109,7 @@ def test_jumps_and_modes_that_are_no_unknowns_are_seen_by_the_smooth_part(period
     right = sie.Forcing(
         lambda x: np.sign(x - 0.1) + np.cos(120 * x),
         lambda x: np.abs(x - 0.1) + np.sin(120 * x) / 120,
-        np.array([0.1]),
-        np.array([2.0]),
+        sie.Jumps(np.array([0.1]), np.array([2.0])),
     )
     conditions = (sie.Total(1.0), sie.EqualPotential())
     zones, x = sie.Zones.of(FEW), np.linspace(-0.95, 0.95, 31)

@@ -264,7 +264,7 @@ def test_intervals_with_slits_are_what_their_zones_are_one_by_one(kernel, order)
             + x * x
             + (0 if order is None else bent(x) * (x - at[0]) / (order + 1))
         ),
-        *((at, jump, np.array([order])) if order is not None else ()),
+        sie.Jumps(at, jump, order) if order is not None else sie.Jumps(),
     )
     equation = sie.Equation(kernel, forcing, (sie.Total(0.3), sie.EqualPotential()))
     plain, slit = (

@@ -47,9 +47,9 @@ def test_the_poles_are_the_power_but_for_a_smooth_function(p, left, right):
 @pytest.mark.parametrize("of_density", (False, True))
 def test_the_closed_forms_of_poles_are_their_series(of_density):
     points = sie.AlgebraicPoints(
-        [0.1, 0.44, 0.1], [1.5, 2.0, 0.4], [-1.0, 0.3, 0.2], [0.7, 1.0, 0.5], of_density
+        [0.1, 0.44, 0.1], [1.5, 2.0, 0.4], [-1.0, 0.3, 0.2], [0.7, 1.0, 0.5]
     )
-    poles = Poles.of(ZONES, points, 6.0)
+    poles = Poles.of(ZONES, points, 6.0, of_density)
     # Series of poles that are nearer are too long.
     keep = poles.away > 2e-3
     poles = Poles(
@@ -99,7 +99,7 @@ def test_a_power_on_the_right_side_has_its_known_density(p):
     with s = x cosh(y).
     """
     points = sie.AlgebraicPoints([0.0], [p], [-1.0], [1.0])
-    forcing = sie.Forcing(lambda x: np.sign(x) * np.abs(x) ** p, algebraic=points)
+    forcing = sie.Forcing(lambda x: np.sign(x) * np.abs(x) ** p, jumps=sie.Jumps(algebraic=points))
     solution = sie.solve(
         sie.Equation(sie.cauchy(), forcing, (sie.Total(load(p)),)), sie.Zones.of([[-0.71, 1.23]])
     )
@@ -123,9 +123,7 @@ def test_a_density_with_an_algebraic_point_is_found_from_its_transform():
     p = 0.5
     # sqrt(1 - x^2) = 1 - x^2/2 - x^4/8 - x^6/16 - 5 x^8/128 - ...
     series = [1.0, -1 / 2, -1 / 8, -1 / 16, -5 / 128, -7 / 256, -21 / 1024, -33 / 2048]
-    points = sie.AlgebraicPoints(
-        [0.0] * 8, [p + 2 * k for k in range(8)], series, series, of_density=True
-    )
+    points = sie.AlgebraicPoints([0.0] * 8, [p + 2 * k for k in range(8)], series, series)
 
     def transform(x):
         """(1/pi) PV int phi / (x - xi) = (2 x/pi) int_0^1 (phi(xi) - phi(x)) / (x^2 - xi^2) dxi +
@@ -161,7 +159,11 @@ def test_a_density_with_an_algebraic_point_is_found_from_its_transform():
 
     zones = sie.Zones.of([[-1.0, 1.0]], sie.BOUNDED, sie.SINGULAR)
     state = sie.solve_fixed(
-        sie.Equation(sie.cauchy(), sie.Forcing(value, algebraic=points, looked_at=True), ()),
+        sie.Equation(
+            sie.cauchy(),
+            sie.Forcing(value, jumps=sie.Jumps(algebraic=points, of_density=True)).trusted(),
+            (),
+        ),
         zones,
         1e-9,
     )

@@ -57,7 +57,7 @@ CASES = {
         "coefficients of the right side .* is singular",
     ),
     "declared": (
-        equation(sie.Forcing(np.sin, None, 0.1, 1.0)),
+        equation(sie.Forcing(np.sin, jumps=sie.Jumps(0.1, 1.0))),
         ONE,
         1e-10,
         "right side less its 1 declared jumps",

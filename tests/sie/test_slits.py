@@ -23,8 +23,7 @@ def equation(kernel, *jumps):
     forcing = sie.Forcing(
         lambda x: np.sin(7 * x) + 2 * x + sum(j * (x > s) for s, j in jumps),
         lambda x: -np.cos(7 * x) / 7 + x * x + sum(j * np.maximum(x - s, 0.0) for s, j in jumps),
-        np.array([s for s, _ in jumps]),
-        np.array([j for _, j in jumps]),
+        sie.Jumps(np.array([s for s, _ in jumps]), np.array([j for _, j in jumps])),
     )
     return sie.Equation(kernel, forcing, (sie.Total(0.3), sie.EqualPotential()))
 
@@ -124,7 +123,7 @@ def test_jumps_of_the_right_side_and_of_its_slope_in_one_gap_are_carried(kernel)
         )
 
     forcing = sie.Forcing(
-        value, primitive, np.array([at, at]), np.array([first, second]), np.array([0, 1])
+        value, primitive, sie.Jumps(np.array([at, at]), np.array([first, second]), np.array([0, 1]))
     )
     problem, zones = (
         sie.Equation(kernel, forcing, (sie.Total(0.3), sie.EqualPotential())),
@@ -147,9 +146,10 @@ def test_jumps_of_the_right_side_and_of_its_slope_in_one_gap_are_carried(kernel)
     assert np.abs(plain.density.potential(off) - slit.density.potential(off)).max() < 1e-15
     # One that is not declared would be within the wide zone, as it is not in the zones by
     # themselves.
+    jumps = forcing.jumps
     for some in ([0], [1]):
         less = sie.Forcing(
-            value, primitive, forcing.jumps_at[some], forcing.jumps[some], forcing.orders[some]
+            value, primitive, sie.Jumps(jumps.at[some], jumps.heights[some], jumps.orders[some])
         )
         other = solve_zones(sie.Equation(kernel, less, problem.conditions), zones)
         assert not isinstance(other, SlitState)
@@ -380,10 +380,8 @@ def test_zones_far_from_the_origin_keep_the_digits_that_their_places_lose(
         forcing = sie.Forcing(
             lambda x: np.sin(6 * (x - by)),
             lambda x: -np.cos(6 * (x - by)) / 6,
-            resolution=resolution,
-            exact=True,
-            looked_at=True,
-        )
+            resolution=sie.Resolution(length=resolution, exact_places=True),
+        ).trusted()
         return solve_zones(
             sie.Equation(sie.cauchy(), forcing, (sie.Total(0.3), sie.EqualPotential())), zones
         ).density

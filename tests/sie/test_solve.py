@@ -24,7 +24,9 @@ def solve(forcing, conditions, ends, left=sie.SINGULAR, right=sie.SINGULAR, kern
 
 def forcing_of(form):
     at = np.array(getattr(form, "jumps_at", ()))
-    return sie.Forcing(form.value, form.primitive, at, np.array(getattr(form, "jumps", ())))
+    return sie.Forcing(
+        form.value, form.primitive, sie.Jumps(at, np.array(getattr(form, "jumps", ())))
+    )
 
 
 # Closed forms
@@ -300,8 +302,7 @@ def test_a_condition_of_ones_own_is_one_class():
 KINKED = sie.Forcing(
     lambda x: np.sin(2 * np.pi * x) + 0.2 * np.sign(x) * (np.abs(x) > 0.38),
     lambda x: -np.cos(2 * np.pi * x) / (2 * np.pi) + 0.2 * np.maximum(np.abs(x) - 0.38, 0),
-    np.array([-0.38, 0.38]),
-    np.array([0.2, 0.2]),
+    sie.Jumps(np.array([-0.38, 0.38]), np.array([0.2, 0.2])),
 )
 SYMMETRIC = [
     [[-0.4, 0.4]],

@@ -22,7 +22,7 @@ EVERY_END = {
 
 def problem(form):
     at, jumps = np.array(getattr(form, "jumps_at", ())), np.array(getattr(form, "jumps", ()))
-    forcing = sie.Forcing(form.value, form.primitive, at, jumps)
+    forcing = sie.Forcing(form.value, form.primitive, sie.Jumps(at, jumps))
     kernel = sie.cauchy() if form.period is None else sie.hilbert(form.period)
     conditions = (
         () if isinstance(form, exact.Tilted) else (sie.Total(form.total), sie.EqualPotential())
@@ -186,7 +186,9 @@ def test_a_right_side_that_is_singular_beside_a_zone_is_sampled_once(kernel, bes
     zones = sie.Zones.of([[-1.5, 1.0]], sie.SINGULAR, sie.SINGULAR)
     solved = [
         sie.solve_fixed(
-            sie.Equation(kernel, sie.Forcing(value, **told), (sie.Total(1.0),)), zones, 1e-12
+            sie.Equation(kernel, sie.Forcing(value, jumps=sie.Jumps(**told)), (sie.Total(1.0),)),
+            zones,
+            1e-12,
         )
         for told in ({}, {"singular_at": at if kernel.period is None else at + 10.0})
     ]

@@ -27,7 +27,7 @@ def rough(knots, seed=0):
     slope = spline.derivative()
     jumps = 6 * np.diff(spline.c[0])
     orders = np.full(knots - 1, 2)
-    return spline, sie.Forcing(slope, spline, jumps_at=x[1:-1], jumps=jumps, orders=orders)
+    return spline, sie.Forcing(slope, spline, sie.Jumps(x[1:-1], jumps, orders))
 
 
 def system(forcing, kernel):

@@ -78,8 +78,7 @@ def test_the_size_of_a_density_that_jumps_alone_make_is_that_of_their_part() -> 
     """
     forcing = sie.Forcing(
         lambda x: 1 - 2.0 * (np.abs(x) > 1),
-        jumps_at=np.array([-1.0, 1.0]),
-        jumps=np.array([2.0, -2.0]),
+        jumps=sie.Jumps(np.array([-1.0, 1.0]), np.array([2.0, -2.0])),
     )
     equation = sie.Equation(sie.cauchy(), forcing, (sie.Total(0.0),))
     found = sie.solve(equation, sie.Zones.of([[-1.3, 1.3]]), signs=(1, -1))

@@ -128,7 +128,7 @@ class PulledFields(ZoneFields):
     @property
     def _not_pulled(self) -> float:
         """int (1 - eta) F dx on zones that are held at sharp corners."""
-        out, breaks = 0.0, self.pulled.forcing.broken_at
+        out, breaks = 0.0, self.pulled.forcing.jumps.broken_at
         for end, zone in self.tension.spreads:
             places, weights = zone.lacking(end, int(np.ceil(4 * zone.half / self.spacing)), breaks)
             out += float(self.standing_shape(places) @ weights)

@@ -58,7 +58,7 @@ def _intervals(tension: Tension, zones: Array) -> list[tuple[float, float]]:
 def _integral(
     function: Callable[[Array], Array], pulled: Pulled, a: float, b: float, spacing: float
 ) -> float:
-    breaks = wrapped(pulled.forcing.broken_at, a, pulled.period)
+    breaks = wrapped(pulled.forcing.jumps.broken_at, a, pulled.period)
     x, weight = panels(cuts_between(a, b, spacing, breaks))
     return float(function(x) @ weight)
 

@@ -93,16 +93,14 @@ class Pulled(Problem):
 
     @cached_property
     def forcing(self) -> sie.Forcing:
-        ends = self.pulling.table
         # Between zones the ends of the intervals lie. The profile was looked at under the bare law,
         # and what the tension adds is known.
+        bare, ends = super().forcing, self.pulling.table
         return replace(
-            super().forcing,
-            resolution=None,
-            spline=self.own_slope,
-            singular_at=ends.ravel(),
-            looked_at=True,
-        )
+            bare,
+            jumps=replace(bare.jumps, spline=self.own_slope, singular_at=ends.ravel()),
+            resolution=replace(bare.resolution, length=None),
+        ).trusted()
 
     def slope(self, x: Array) -> Array:
         return super().slope(x) + self.pulling.slope(x)

@@ -39,22 +39,19 @@ class ByGaps:
         """The equation of the slope of the gap. The mean pressure is a column: taken off the right
         side it would leave little but the rounding of both.
         """
-        problem, jumps = self.problem, self.problem.forcing
+        problem, slope = self.problem, self.problem.forcing
         right = sie.Forcing(
-            self.relief.forcing,
-            density_jumps_at=np.asarray(jumps.jumps_at),
-            density_jumps=np.asarray(jumps.jumps),
-            density_orders=jumps.orders,
-            spline=jumps.value,
-            algebraic=None
-            if jumps.algebraic is None
-            else replace(jumps.algebraic, of_density=True),
+            self.relief.forcing, jumps=replace(slope.jumps, of_density=True, spline=slope.value)
         )
         conditions, ends = control.gap_conditions(
             self.problem.repeat_length, partial(mean_shape, problem), problem.compression
         )
         return sie.Equation(
-            problem.inverse_kernel, right, conditions, (sie.Forcing(minus_one, modes=1),), ends
+            problem.inverse_kernel,
+            right,
+            conditions,
+            (sie.Forcing(minus_one, resolution=sie.Resolution(modes=1)),),
+            ends,
         )
 
     def intervals(self, control: Control, table: Array) -> sie.Zones:
