@@ -193,9 +193,16 @@ def _run(task: Task) -> Solution:
             keep_freed_memory(features > _LARGE),
             one_blas_thread() if features > _ROUGH else nullcontext(),
         ):
-            return _solution(task, refined(task, found(task), found))
+            return _solution(task, refined(task, _found(task), _found))
     finally:
         task.plan.seconds = time.perf_counter() - start
+
+
+def _found(task: Task) -> Outcome:
+    """The contact of the task's scene, on a branch where the law has several equilibria."""
+    if task.follows_branch:
+        return require("contact.adhesion.branch").found(task)  # type: ignore[no-any-return]
+    return found(task)
 
 
 def _features(scene: Scene) -> float:
@@ -218,7 +225,9 @@ def _solution(task: Task, outcome: Outcome) -> Solution:
     if isinstance(outcome, SolvedGaps):
         return assemble.gap_solution(scene, outcome, plan, tol)
     find_pull_off = (
-        require("contact.search.equilibria.parting").Parting(task.control(outcome.fields.problem))
+        require("contact.adhesion.pull_off_of_solution").Parting(
+            task.control(outcome.fields.problem)
+        )
         if followed
         else None
     )

@@ -23,9 +23,9 @@ ORDER = {
     "sie": "basis fast jumps equation density collocation slits free_ends reasons solver __init__",
     "contact": """
         errors interrupts extras runtime model jump_checks testing reference exact inverse axisymmetric
-        formulation verify solution closed search localized solver sweeps explorer __init__ paper studies commands __main__
+        formulation verify solution closed search localized adhesion solver sweeps explorer __init__ paper studies commands __main__
     """,
-    "contact.search": "topology grid equilibria task feasibility ways find refine __init__",
+    "contact.search": "topology grid task feasibility ways find refine __init__",
 }
 # The only files that import by name: what is heavy, where a scene needs it.
 ON_DEMAND = {"contact.extras", "sie.fast.lazy"}
@@ -267,7 +267,7 @@ def test_a_series_is_solved_without_tables_pictures_or_what_belongs_to_a_tension
         "contact.solution.plotting",
         "html",
         "contact.testing",
-        "contact.formulation.tension.pulled",
+        "contact.adhesion.deformed_profile",
     )
     scene = "contact.Scene(contact.Fourier(1e-4, [-1e-6, 2e-7]), 1e11, contact.Periodic(), mean_pressure=1e8)"
     solve = f"import contact; solution = contact.solve({scene}); solution.gap(0.0), solution.energy"

@@ -1,7 +1,6 @@
 """The contact of a scene: ways to it in order, each with the scenes it is for.
 
     a given part of the period in full contact    no search
-    several equilibria                            the branch asked for is followed (contact.search.ways.branches)
     the last ones on a curve of its values        Newton from their zones, carried on to here
     a solution near by that knows the tilt        Newton from its zones
     the scene's own control                       first guesses (contact.search.ways.guesses), in a strip or not
@@ -14,7 +13,6 @@ on, or a later one that tells why there is no contact at all.
 from contact.errors import NotConverged, OutOfRange
 from contact.extras import require
 from contact.model.controls import Quantity
-from contact.runtime import one_blas_thread
 from contact.search.feasibility import refuse_below_plateau, refuse_unbounded
 from contact.search.grid.conjugate_gradient import LevelOfFullGrid
 from contact.search.grid.proposals import placed
@@ -27,8 +25,6 @@ from contact.search.ways.guesses import Outcome, search
 from contact.search.ways.loads import NEAR_LOAD, NEARER_LOAD, at_approach, at_level
 
 # Loaded by the scenes that they are for.
-_TENSION = "contact.search.ways.cohesive"
-_BRANCHES = "contact.search.ways.branches"
 _STRIPS = "contact.localized.strips"
 
 
@@ -67,16 +63,6 @@ def _tells_more(later: Exception, first: Exception | None) -> bool:
 def _full(task: Task, refused: Missed | None) -> Outcome | Missed:
     """All of the period."""
     return smallest_full(task) if task.scene.given_fraction == 1.0 else NOT_MINE
-
-
-def _branch(task: Task, refused: Missed | None) -> Outcome | Missed:
-    """One of several equilibria."""
-    if not task.follows_branch:
-        return NOT_MINE
-    with one_blas_thread():
-        if task.scene.law.tension:
-            return require(_TENSION).followed_under_tension(task)
-        return require(_BRANCHES).followed(task)
 
 
 def _along(task: Task, refused: Missed | None) -> Outcome | Missed:
@@ -128,7 +114,6 @@ def _by_loads(task: Task, refused: Missed | None) -> Outcome | Missed:
 
 WAYS = (
     ("full contact", _full),
-    ("the branch", _branch),
     ("the last zones, carried on", _along),
     ("zones near by, at their tilt", _at_known_tilt),
     ("the control itself", _as_given),

@@ -1,7 +1,7 @@
 """Paths of surfaces that adhere: up and down a list of values of a control, through every jump,
 with the energy that each loses.
 
-What happens between two values is followed (contact.search.equilibria.history); at the values
+What happens between two values is followed (contact.adhesion.loading_path); at the values
 themselves the contact is solved, with its stated error and certificate, from where it was followed
 to.
 """
@@ -13,30 +13,30 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from contact.adhesion.cohesive_zone import CohesivePoint
+from contact.adhesion.curve import Point
+from contact.adhesion.edge_branch import closed
+from contact.adhesion.events import Jump, Standing
+from contact.adhesion.loading_path import History
+from contact.adhesion.path_start import followed
+from contact.adhesion.separated_fields import LooseFields
+from contact.adhesion.separated_solution import separated_solution
 from contact.errors import OutOfRange, unwarned, warn
 from contact.formulation.energy import elastic_energy
-from contact.formulation.equilibria import Point
 from contact.formulation.full_contact import FullFields
-from contact.formulation.tension.cohesive import CohesivePoint
-from contact.formulation.tension.loose import LooseFields
 from contact.model.checks import finite_array, positive
 from contact.model.scene import Scene
 from contact.model.units import quantity
 from contact.runtime import one_blas_thread
-from contact.search.equilibria.following import Jump, Standing
-from contact.search.equilibria.history import History
 from contact.search.grid.tilt import known_part
 from contact.search.task import Task
 from contact.search.topology.loop import Progress
-from contact.search.ways.along_curve import followed
-from contact.search.ways.branches import closed
 from contact.solution import assemble
 from contact.solution.model_warnings import curve_warnings
 from contact.solution.plan import plan
 from contact.solution.plotting import panels
 from contact.solution.quantities import Energy
 from contact.solution.sampling import surfaces
-from contact.solution.separated import separated_solution
 from contact.solution.solution import Solution
 from contact.solver import solved_at, task_of
 from contact.sweeps.path_plot import draw_curve, draw_surfaces

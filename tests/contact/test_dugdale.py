@@ -13,13 +13,13 @@ import pytest
 import contact
 import sie
 from contact import exact
+from contact.adhesion.cohesive_zone import Cohesive
+from contact.adhesion.curve import Equilibria
+from contact.adhesion.grid_guide import GridTension
+from contact.adhesion.uniform_tension import Tension
 from contact.formulation.conjugate import clausen2
 from contact.formulation.controls import Approach, Load, scaled_control
-from contact.formulation.equilibria import Equilibria
-from contact.formulation.tension.cohesive import Cohesive
-from contact.formulation.tension.tension import Tension
 from contact.search.grid.scaling import scaled_scene_about
-from contact.search.grid.tension import GridTension
 from contact.studies.trace_kinds import drawn
 from tests.tiers import quick
 
@@ -380,7 +380,7 @@ def test_strips_that_are_too_narrow_and_zones_that_are_too_many_are_refused_at_o
         match=r"narrower than a millionth.*They are 2\.7e-10 m beside .* terms a zone",
     ):
         cylinder(1e4, load=1e-5)
-    monkeypatch.setattr("contact.search.ways.cohesive._MOST_ZONES", 5)
+    monkeypatch.setattr("contact.adhesion.cohesive_branch._MOST_ZONES", 5)
     with pytest.raises(
         contact.OutOfRange, match="zones: under a tension beside the contact .* 5 zones at the most"
     ):
@@ -392,7 +392,7 @@ def test_strips_that_are_too_narrow_and_zones_that_are_too_many_are_refused_at_o
 
 
 def test_what_the_ends_of_the_tension_leave_open_is_named_where_it_is_too_much(monkeypatch):
-    monkeypatch.setattr("contact.search.ways.cohesive.uncertain", lambda *_: 1e-6)
+    monkeypatch.setattr("contact.adhesion.cohesive_branch.uncertain", lambda *_: 1e-6)
     with pytest.raises(
         contact.NotConverged,
         match=r"at the ends of the tension, .* adds 1\.0e-06; allow a larger tol",

@@ -12,8 +12,8 @@ import pytest
 from scipy.optimize import brentq
 
 import contact
+from contact.adhesion.spread_end import Spread
 from contact.formulation.conjugate import clausen2
-from contact.formulation.tension.spread import Spread
 from tests.tiers import quick
 
 E, WORK, STRESS = 1.0, 1e-7, 1e-3

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import sie
-from contact.formulation.tension.end_sums import Cells, EndSum
+from contact.adhesion.end_sums import Cells, EndSum
 
 PERIOD = 7.0
 

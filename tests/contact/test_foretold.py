@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 import contact
-from contact.formulation.equilibria import Equilibria
-from contact.search.equilibria import flow
-from contact.search.equilibria.foretold import Foretold
+from contact.adhesion import gradient_flow
+from contact.adhesion.curve import Equilibria
+from contact.adhesion.predictor import Foretold
 from contact.studies.trace_kinds import self_affine_heights
 from tests.tiers import quick
 
@@ -78,12 +78,14 @@ def test_ends_come_to_the_same_equilibrium_whether_it_is_foretold_or_not(
     scene, bare = rough(seed, hurst)
     scene = scene.under(control, getattr(bare, control))
     counted = []
-    real = flow._step_as_told
-    monkeypatch.setattr(flow, "_step_as_told", lambda *given: counted.append(1) or real(*given))
+    real = gradient_flow._step_as_told
+    monkeypatch.setattr(
+        gradient_flow, "_step_as_told", lambda *given: counted.append(1) or real(*given)
+    )
     with_it = contact.solve(scene)
     assert counted
     last = with_it.pull_off
-    monkeypatch.setattr(flow, "_MANY", 10**9)
+    monkeypatch.setattr(gradient_flow, "_MANY", 10**9)
     counted.clear()
     without = contact.solve(scene)
     assert not counted
@@ -96,7 +98,7 @@ def test_ends_that_are_driven_the_other_way_alone_are_not_told_to_stand_still():
     curve, table = state(scene)
     value = 1.3 * curve.held.value
     assert curve.at(table, value).residual.min() > 0.1
-    rest = flow.receded(curve, table, value)
+    rest = gradient_flow.receded(curve, table, value)
     assert np.abs(rest.residual).max() < 1e-4 and rest.growth < 0.0
 
 
@@ -107,7 +109,7 @@ def test_an_end_that_runs_over_forty_samples_is_not_stopped_at_each(monkeypatch)
     profile = base.profile.varied({"profile": {"taper": 0.05}})
     scene = replace(base, profile=profile, mean_pressure=7 * 6.473e6, law=contact.JKR(1e-3))
     states = []
-    real = flow._flowed
+    real = gradient_flow._flowed
     at = Equilibria.at
     monkeypatch.setattr(
         Equilibria, "at", lambda *given, **more: states.append(given[1]) or at(*given, **more)
@@ -127,7 +129,7 @@ def test_an_end_that_runs_over_forty_samples_is_not_stopped_at_each(monkeypatch)
         flows.append((ran, len(states) - before))
         return found
 
-    monkeypatch.setattr(flow, "_flowed", flowed)
+    monkeypatch.setattr(gradient_flow, "_flowed", flowed)
     assert contact.solve(scene).certificate.holds
     ran, count = max(flows)
     assert ran > 20 and count < 30

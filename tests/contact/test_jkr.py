@@ -14,9 +14,10 @@ from hypothesis import assume, example, given
 
 import contact
 from contact import exact, inverse
-from contact.formulation.equilibria import Equilibria, Point
+from contact.adhesion import arc_length, gradient_flow, pull_off_of_solution
+from contact.adhesion import pull_off as apart
+from contact.adhesion.curve import Equilibria, Point
 from contact.reference.inverse.adhesive import second_variation
-from contact.search.equilibria import arc, coming_apart, flow, parting
 from tests.contact.strategies import adhesive_designs
 from tests.tiers import quick
 
@@ -189,7 +190,7 @@ def test_the_certificate_tells_the_second_variation_of_the_design(seed, period):
     matrix = solution.fields.second_variation()
     assert np.linalg.eigvalsh(matrix) == pytest.approx(expected, abs=1e-9 * expected.max())
     # What one end gains as another one advances: contact grows together
-    # (contact.search.equilibria.flow).
+    # (contact.adhesion.gradient_flow).
     assert np.all(matrix - np.diag(np.diag(matrix)) <= 0.0)
 
 
@@ -312,7 +313,7 @@ def test_a_step_over_a_place_of_rest_is_noticed_by_its_ends_and_by_the_cubic_bet
         Point(table, 0.0, np.full(2, residual), slope * np.eye(2), np.ones(2), 0.0, 0.0)
         for residual, slope in zip((0.1, after), slopes, strict=True)
     )
-    assert flow.passed(here, ahead, step, 1.0).all() == passed
+    assert gradient_flow.passed(here, ahead, step, 1.0).all() == passed
 
 
 class Stiff:
@@ -334,7 +335,7 @@ class Stiff:
 
 def test_an_end_that_is_at_rest_does_not_hold_up_one_that_runs():
     curve = Stiff()
-    rest = flow.receded(curve, curve.start, 0.0)
+    rest = gradient_flow.receded(curve, curve.start, 0.0)
     assert rest.table[1, 0] - 1.0 == pytest.approx((0.5 + np.sqrt(0.25 + 0.64)) / 16, rel=1e-6)
     assert np.abs(rest.residual).max() < 1e-4 and rest.growth < 0.0
 
@@ -361,7 +362,7 @@ class Relieved(Stiff):
 
 def test_a_zone_that_is_relieved_by_one_that_is_lost_has_come_apart_once_it_is_narrow_and_driven_ever_more():
     curve = Relieved()
-    assert flow.receded(curve, np.array([[-2.0, -1.9], [1.0, 2.0]]), 0.0) is None
+    assert gradient_flow.receded(curve, np.array([[-2.0, -1.9], [1.0, 2.0]]), 0.0) is None
     assert curve.narrowest > 1e-6
 
 
@@ -375,7 +376,10 @@ def test_a_zone_that_slides_as_it_comes_off_does_so_next_to_its_turning_point():
     assert len(solution.zones) == 3
     curve = Equilibria(solution.fields.problem, solution.find_pull_off.held)
     # A little within where the last zone comes off, under the control at which it does.
-    assert flow.receded(curve, np.array([[0.157164, 0.168935]]), -0.0016022921712400835) is None
+    assert (
+        gradient_flow.receded(curve, np.array([[0.157164, 0.168935]]), -0.0016022921712400835)
+        is None
+    )
 
 
 def test_past_a_turning_point_ends_are_pushed_no_farther_than_the_narrow_gap_between_them_holds():
@@ -383,7 +387,10 @@ def test_past_a_turning_point_ends_are_pushed_no_farther_than_the_narrow_gap_bet
     turned = Point(
         table, 0.0, np.zeros(4), 0.25 * np.ones((4, 4)) - np.eye(4), np.ones(4), 0.0, 0.0
     )
-    wider, narrower = arc.beyond(Stiff(), turned, 1.0), arc.beyond(Stiff(), turned, -1.0)
+    wider, narrower = (
+        arc_length.beyond(Stiff(), turned, 1.0),
+        arc_length.beyond(Stiff(), turned, -1.0),
+    )
     assert np.all(np.diff(wider.ravel()) > 0.0)
     assert np.all(wider[:, 0] < table[:, 0]) and np.all(wider[:, 1] > table[:, 1])
     assert np.all(narrower[:, 0] > table[:, 0]) and np.all(narrower[:, 1] < table[:, 1])
@@ -409,8 +416,8 @@ def test_pull_off_under_a_held_approach_is_where_the_path_ends(monkeypatch, law)
     solution = contact.solve(scene)
     # The way down goes by loads.
     lowered = []
-    real = coming_apart.lowered_by_load
-    for room in (coming_apart, parting):
+    real = apart.lowered_by_load
+    for room in (apart, pull_off_of_solution):
         monkeypatch.setattr(
             room, "lowered_by_load", lambda *given: lowered.append(real(*given)) or lowered[-1]
         )

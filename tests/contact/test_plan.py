@@ -408,9 +408,9 @@ def test_what_no_part_of_a_scene_needs_is_not_loaded_for_it():
     others = [
         "contact.model.traces.prepare",
         "contact.localized.strips",
-        "contact.search.ways.branches",
-        "contact.search.ways.cohesive",
+        "contact.adhesion.edge_branch",
+        "contact.adhesion.cohesive_branch",
     ]
     assert loaded_after(
-        code, [*others, "contact.search.equilibria.parting", "tomllib", "fractions", "sie"]
+        code, [*others, "contact.adhesion.pull_off_of_solution", "tomllib", "fractions", "sie"]
     ) == {"sie"}

@@ -38,7 +38,7 @@ class Law(Named, sie.Kept):
     bare : Law or None
         A convex law of which every contact lies within one that is reached by growing under this
         one, where there are several: their branch is followed from there
-        (contact.search.ways.branches).
+        (contact.adhesion.edge_branch).
 
     Examples
     --------

@@ -20,7 +20,7 @@ from functools import cache, cached_property
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from contact.formulation.equilibria import Equilibria, Point
+from contact.adhesion.curve import Equilibria, Point
 from contact.formulation.fields import ZoneFields
 from sie import Array, Kept, Mask, record
 

@@ -1,7 +1,7 @@
 r"""Intervals of tension that are driven outward advance, and those driven inward recede
-(contact.formulation.tension.cohesive).
+(contact.adhesion.cohesive_zone).
 
-The steps are those of contact.search.equilibria.flow. What is different is which intervals there
+The steps are those of contact.adhesion.gradient_flow. What is different is which intervals there
 are: new ones begin where the gap comes below the reach, and they become one where it is below it
 all between; they are cut where it comes above. Contact is lost where the load of q does not press
 any more.
@@ -9,14 +9,14 @@ any more.
 
 import numpy as np
 
+from contact.adhesion import gradient_flow, jkr_guide
+from contact.adhesion.cohesive_zone import Cohesive, CohesivePoint
+from contact.adhesion.curve import Closed, NoState, Point
+from contact.adhesion.grid_guide import GridTension
+from contact.adhesion.inner_contact import Covered, Lost
+from contact.adhesion.intervals import below, interval_of, joined, within
 from contact.errors import NotConverged
-from contact.formulation.equilibria import Closed, NoState, Point
 from contact.formulation.tables import ascending, gaps_between, runs_of
-from contact.formulation.tension.cohesive import Cohesive, CohesivePoint
-from contact.formulation.tension.contact import Covered, Lost
-from contact.formulation.tension.intervals import below, interval_of, joined, within
-from contact.search.equilibria import flow, without_range
-from contact.search.grid.tension import GridTension
 from sie import Array
 
 # Of the part of a gap below the reach, as wide a new interval begins.
@@ -62,7 +62,7 @@ def advanced(
     """The least equilibrium that holds these intervals, of which all ends are driven outward;
     `Closed` if there is none. zones: that they begin with, where contact may cover some intervals.
     """
-    start = None if zones is None else without_range.near_advanced(curve, zones, value)
+    start = None if zones is None else jkr_guide.near_advanced(curve, zones, value)
     if start is None and guide is not None:
         start = guided(curve, guide, table, value, 1.0)
     if start is not None:
@@ -83,7 +83,7 @@ def _led_on(curve: Cohesive, before: CohesivePoint, here: CohesivePoint) -> Cohe
     """
     if len(here.zones) <= len(before.zones) or here.residual.max() < _SNAPS:
         return here
-    ahead = without_range.near_advanced(curve, here.zones, here.value)
+    ahead = jkr_guide.near_advanced(curve, here.zones, here.value)
     if ahead is None:
         return here
     # Where a zone has gone again, it does not snap shut without range.
@@ -133,7 +133,7 @@ def guided(
         try:
             found = guide.resting(table, value, sign, 1.0 - sign * margin)
             here = curve.from_zones(
-                found.table, value, curve.fitted(found.zones, found.table), flow.ROUGH
+                found.table, value, curve.fitted(found.zones, found.table), gradient_flow.ROUGH
             )
         except Closed:
             if sign > 0 and margin == _MARGINS[-1]:
@@ -157,9 +157,9 @@ def guided(
 
 
 def _flowed(curve: Cohesive, table: Array, value: float, sign: float) -> CohesivePoint | None:
-    here = curve.at(table, value, flow.ROUGH)
+    here = curve.at(table, value, gradient_flow.ROUGH)
     first = here
-    for _ in range(flow.MOST_STEPS):
+    for _ in range(gradient_flow.MOST_STEPS):
         new = _other_intervals(curve, here, sign)
         if new is not None:
             if len(new) == 0:
@@ -167,14 +167,14 @@ def _flowed(curve: Cohesive, table: Array, value: float, sign: float) -> Cohesiv
             other = _with_other_intervals(curve, here, new, sign)
             first = here = _led_on(curve, here, other) if sign > 0 else other
             continue
-        if sign < 0 and flow.come_apart(here, first.widths, first.residual).all():
+        if sign < 0 and gradient_flow.come_apart(here, first.widths, first.residual).all():
             return None
         if _about_to_rest(curve, here):
             return here
         ahead, move = _step(curve, here, sign)
         assert isinstance(ahead, CohesivePoint)
         here = ahead
-        if flow.at_rest(here, move):
+        if gradient_flow.at_rest(here, move):
             return here
         if move == 0.0:
             break
@@ -187,7 +187,7 @@ def _other_intervals(curve: Cohesive, here: CohesivePoint, sign: float) -> Array
         return _grown(curve, here)
     # Ends that are let go may close a gap.
     parted = _parted(curve, here)
-    return flow.closing(curve, here) if parted is None else parted
+    return gradient_flow.closing(curve, here) if parted is None else parted
 
 
 def _with_other_intervals(
@@ -200,7 +200,7 @@ def _with_other_intervals(
         uncovered(curve, table, here.value, zones) if sign > 0 else table,
         here.value,
         zones,
-        flow.ROUGH,
+        gradient_flow.ROUGH,
     )
 
 
@@ -218,7 +218,7 @@ def _filled(curve: Cohesive, zones: Array, table: Array) -> Array:
 
 def _about_to_rest(curve: Cohesive, here: CohesivePoint) -> bool:
     """Whether a stable equilibrium is so near that Newton's steps alone lead to it."""
-    if here.growth >= 0.0 or np.abs(here.residual).max() > flow.DRIVEN:
+    if here.growth >= 0.0 or np.abs(here.residual).max() > gradient_flow.DRIVEN:
         return False
     return bool(np.all(np.abs(here.newton) <= _ABOUT_TO_REST * curve.room(here.table)))
 
@@ -252,12 +252,12 @@ def uncovered(curve: Cohesive, table: Array, value: float, zones: Array) -> Arra
     before, power, faster = table, 0, 1
     for _ in range(_WIDENINGS):
         try:
-            here = curve.from_zones(table, value, curve.fitted(zones, table), flow.ROUGH)
+            here = curve.from_zones(table, value, curve.fitted(zones, table), gradient_flow.ROUGH)
         except Covered as covered:
             before, power = table, power + faster
             table = _widened(curve, table, zones, covered, _WIDEN ** (1 + power))
             continue
-        if power == 0 or here.residual.min() > -flow.SLIGHT:
+        if power == 0 or here.residual.min() > -gradient_flow.SLIGHT:
             return table
         table, power, faster = before, 0, 0
     raise NotConverged(TOO_NARROW)
@@ -288,7 +288,7 @@ def _widened(curve: Cohesive, table: Array, zones: Array, covered: Covered, by: 
     out = np.minimum(out, 0.4 * np.column_stack((np.roll(gaps, 1), gaps)))
     table = table + np.column_stack((-1.0 * left, right)) * out
     # What contact goes on to close is closed.
-    joins = (curve.gaps(table) < flow.CLOSED * np.minimum(width, np.roll(width, -1))) & (
+    joins = (curve.gaps(table) < gradient_flow.CLOSED * np.minimum(width, np.roll(width, -1))) & (
         right | np.roll(left, -1)
     )
     if joins.all():
@@ -299,19 +299,19 @@ def _widened(curve: Cohesive, table: Array, zones: Array, covered: Covered, by: 
 def _step(curve: Cohesive, here: Point, sign: float) -> tuple[Point, float]:
     onward = sign * here.residual
     if onward.min() < -_DRIVEN_BACK or (
-        here.growth >= 0.0 and onward.max() <= flow.SLIGHT < -onward.min()
+        here.growth >= 0.0 and onward.max() <= gradient_flow.SLIGHT < -onward.min()
     ):
         return _let_go(curve, here, sign)
-    limit, back = flow.limits(curve, here, sign)
+    limit, back = gradient_flow.limits(curve, here, sign)
     lost, beyond = 0, np.zeros(len(limit))
     size = curve.room(here.table)
     back_again = 0
-    for _ in range(flow.MOST_TRIES):
+    for _ in range(gradient_flow.MOST_TRIES):
         if back_again >= _ONE_WAY and here.growth >= 0.0:
             return _let_go(curve, here, sign)
-        step = flow.kept_step(here, sign, limit, back) + beyond
+        step = gradient_flow.kept_step(here, sign, limit, back) + beyond
         try:
-            ahead = curve.at(here.moved(step), here.value, flow.ROUGH)
+            ahead = curve.at(here.moved(step), here.value, gradient_flow.ROUGH)
         except (Lost, NotConverged):
             lost += 1
             if lost > _TRIES:
@@ -325,7 +325,7 @@ def _step(curve: Cohesive, here: Point, sign: float) -> tuple[Point, float]:
             else:
                 beyond = np.where(covered.ends, 2 * beyond + _FARTHER * here.widths, beyond)
             continue
-        passed = flow.passed(here, ahead, step, sign)
+        passed = gradient_flow.passed(here, ahead, step, sign)
         if not passed.any():
             # Short of where contact is lost it is not at rest.
             return ahead, float(np.abs(step / size).max()) if lost == 0 else np.inf
@@ -347,15 +347,15 @@ def _let_go(curve: Cohesive, here: Point, sign: float) -> tuple[Point, float]:
     the slope of the energy, a step of the implicit Euler method, as long as lets them go no farther
     than they may.
     """
-    inward, outward = flow.inward_and_outward(curve, here)
+    inward, outward = gradient_flow.inward_and_outward(curve, here)
     onward, back = (outward, inward) if sign > 0 else (inward, outward)
     size = curve.room(here.table)
     onward, above = np.minimum(onward, _SLOWLY * np.maximum(size, 1e-3 * here.widths)), 1e-3
-    for _ in range(flow.MOST_TRIES):
+    for _ in range(gradient_flow.MOST_TRIES):
         step = here.damped_step(above)
         if np.all(np.abs(step) <= np.where(sign * step > 0.0, onward, back)):
             try:
-                return curve.at(here.moved(step), here.value, flow.ROUGH), np.inf
+                return curve.at(here.moved(step), here.value, gradient_flow.ROUGH), np.inf
             except Covered:
                 pass
         above *= 2.0
@@ -367,7 +367,7 @@ def _grown(curve: Cohesive, here: CohesivePoint) -> Array | None:
     None if there are none.
     """
     (x, gap), table, period = here.look, here.table, curve.problem.round
-    closed = flow.closing(curve, here)
+    closed = gradient_flow.closing(curve, here)
     if closed is not None:
         return closed
     new, joins = [], np.zeros(len(table), dtype=bool)

@@ -10,13 +10,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from contact.adhesion.arc_length import Step
+from contact.adhesion.curve import Closed, Equilibria, Point
+from contact.adhesion.energy_descent import relaxed
+from contact.adhesion.gradient_flow import ROUGH, receded
+from contact.adhesion.nucleation import grown, touched
 from contact.errors import NotConverged
-from contact.formulation.equilibria import Closed, Equilibria, Point
 from contact.formulation.roots import minimum
-from contact.search.equilibria.arc import Step
-from contact.search.equilibria.flow import ROUGH, receded
-from contact.search.equilibria.growth import grown, touched
-from contact.search.equilibria.relaxation import relaxed
 from contact.verify.certificate import openings
 from sie import Array, record
 

@@ -10,11 +10,11 @@ from functools import cached_property
 
 import numpy as np
 
+from contact.adhesion.cohesive_fields import PulledFields, scaled_second_variation
+from contact.adhesion.cohesive_zone import Cohesive, CohesivePoint
+from contact.adhesion.inner_contact import look_at
 from contact.formulation.fields import ZoneFields
 from contact.formulation.tables import gaps_between, located
-from contact.formulation.tension.cohesive import Cohesive, CohesivePoint
-from contact.formulation.tension.contact import look_at
-from contact.formulation.tension.fields import PulledFields, scaled_second_variation
 from contact.verify.certificate import Certificate, least_eigenvalue
 from contact.verify.error import SolvedZones, reference
 from sie import AnyDensity, Array, record, wrapped

@@ -23,13 +23,9 @@ from functools import cached_property
 import numpy as np
 
 import sie
-from contact.errors import OutOfRange
-from contact.formulation.controls import Control
-from contact.formulation.equilibria import HELD, Equilibria, Point
-from contact.formulation.fields import ZoneFields
-from contact.formulation.problem import Problem
-from contact.formulation.tables import outward
-from contact.formulation.tension.contact import (
+from contact.adhesion.curve import HELD, Equilibria, Point
+from contact.adhesion.deformed_profile import Pulled
+from contact.adhesion.inner_contact import (
     TIGHT,
     Covered,
     Lost,
@@ -41,8 +37,12 @@ from contact.formulation.tension.contact import (
     looked,
     signs_hold,
 )
-from contact.formulation.tension.intervals import fitted, interval_of
-from contact.formulation.tension.pulled import Pulled
+from contact.adhesion.intervals import fitted, interval_of
+from contact.errors import OutOfRange
+from contact.formulation.controls import Control
+from contact.formulation.fields import ZoneFields
+from contact.formulation.problem import Problem
+from contact.formulation.tables import outward
 from sie import Array, Mask, record
 
 # Surfaces that overlap by this part of the reach only touch.

@@ -10,12 +10,12 @@ from functools import partial
 
 import numpy as np
 
+from contact.adhesion.cohesive_zone import Cohesive, CohesivePoint
+from contact.adhesion.curve import Equilibria, Point
+from contact.adhesion.gradient_flow import REST, ROUGH, advanced
 from contact.errors import NotConverged
-from contact.formulation.equilibria import Equilibria, Point
 from contact.formulation.roots import minimum
 from contact.formulation.tables import ascending, runs_of
-from contact.formulation.tension.cohesive import Cohesive, CohesivePoint
-from contact.search.equilibria.flow import REST, ROUGH, advanced
 from contact.search.topology.changes import Change, changes, held
 from contact.verify.certificate import openings
 from sie import Array

@@ -5,11 +5,11 @@ of equilibria, from near the last.
 from collections.abc import Callable
 from contextlib import suppress
 
+from contact.adhesion.arc_length import ABOUT, Step, beyond, let_go, steps
+from contact.adhesion.curve import Closed, Equilibria, NoState, Point
+from contact.adhesion.gradient_flow import receded
 from contact.errors import NotConverged
 from contact.formulation.controls import Load
-from contact.formulation.equilibria import Closed, Equilibria, NoState, Point
-from contact.search.equilibria.arc import ABOUT, Step, beyond, let_go, steps
-from contact.search.equilibria.flow import receded
 from sie import Array, record
 
 Recede = Callable[[Equilibria, Array, float], Point | None]

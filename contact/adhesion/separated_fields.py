@@ -8,11 +8,12 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from contact.formulation.fields import NoZones, mean_shape
+from contact.adhesion.deformed_profile import Pulled
+from contact.adhesion.uniform_tension import Tension
+from contact.formulation.energy import AttractedFields
+from contact.formulation.fields import mean_shape
 from contact.formulation.problem import Problem
 from contact.formulation.quadrature import cuts_between, panels
-from contact.formulation.tension.pulled import Pulled
-from contact.formulation.tension.tension import Tension
 from sie import Array, record, wrapped
 
 
@@ -64,7 +65,7 @@ def _integral(
 
 
 @record
-class LooseFields(NoZones):
+class LooseFields(AttractedFields):
     """pulled: with the tension that acts; problem: the same with the scene's law; level: minus the
     scaled approach. The stiffness is not told: the tension's ends move with the approach.
     """
@@ -72,8 +73,6 @@ class LooseFields(NoZones):
     problem: Problem
     pulled: Pulled
     level: float
-    pressure_bound = max_pressure = contact_fraction = 0.0
-    stiffness = None
 
     @property
     def tension(self) -> Tension:
@@ -102,17 +101,17 @@ class LooseFields(NoZones):
         )
 
     @property
-    def load(self) -> float:
+    def load(self) -> float:  # type: ignore[override]
         return -self.tension.total * self.problem.units.load
 
     @property
-    def approach(self) -> float | None:
+    def approach(self) -> float | None:  # type: ignore[override]
         return (
             -self.level * self.problem.units.height if self.problem.operator.has_approach else None
         )
 
     @property
-    def mean_gap(self) -> float:
+    def mean_gap(self) -> float:  # type: ignore[override]
         sunk = self.problem.compression * self.tension.total / self.problem.repeat_length
         return (mean_shape(self.problem) - sunk + self.level) * self.problem.units.height
 
@@ -122,7 +121,7 @@ class LooseFields(NoZones):
         return detail if np.isfinite(detail) else self.tension.width / 16
 
     @cached_property
-    def borne_beside(self) -> float:
+    def borne_beside(self) -> float:  # type: ignore[override]
         """Scaled int p (F - gap) dx."""
         return -self.tension.stress * beside(
             lambda x: self.pulled.own_shape(x) - self.scaled_gap(x),

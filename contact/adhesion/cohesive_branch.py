@@ -18,21 +18,9 @@ from dataclasses import replace
 import numpy as np
 
 import sie
-from contact.errors import NotConverged, OutOfRange
-from contact.formulation.controls import Load
-from contact.formulation.equilibria import Closed, Point
-from contact.formulation.fields import ZoneFields
-from contact.formulation.gaps import GapFields
-from contact.formulation.problem import Problem
-from contact.formulation.tables import room_beside
-from contact.formulation.tension.cohesive import Cohesive, CohesivePoint
-from contact.formulation.tension.contact import TIGHT, Lost, edge_slopes
-from contact.formulation.tension.fields import PulledFields, PulledGapFields
-from contact.formulation.tension.intervals import below, places, united_about
-from contact.formulation.tension.pulled import Pulled
-from contact.model.scene import Scene
-from contact.search.equilibria.flow import ROUGH
-from contact.search.equilibria.tension import (
+from contact.adhesion.cohesive_certificate import FoundBeside, certified, rounded_load, uncertain
+from contact.adhesion.cohesive_fields import PulledFields, PulledGapFields
+from contact.adhesion.cohesive_flow import (
     TOO_NARROW,
     advanced,
     guide_down,
@@ -41,18 +29,30 @@ from contact.search.equilibria.tension import (
     receded,
     settled,
 )
-from contact.search.equilibria.tension_parting import pull_off, pull_off_from_all
+from contact.adhesion.cohesive_pull_off import pull_off, pull_off_from_all
+from contact.adhesion.cohesive_zone import Cohesive, CohesivePoint
+from contact.adhesion.curve import Closed, Point
+from contact.adhesion.deformed_profile import Pulled
+from contact.adhesion.edge_branch import bare, frame, past, way
+from contact.adhesion.gradient_flow import ROUGH
+from contact.adhesion.inner_contact import TIGHT, Lost, edge_slopes
+from contact.adhesion.intervals import below, places, united_about
+from contact.errors import NotConverged, OutOfRange
+from contact.formulation.controls import Load
+from contact.formulation.fields import ZoneFields
+from contact.formulation.gaps import GapFields
+from contact.formulation.problem import Problem
+from contact.formulation.tables import room_beside
+from contact.model.scene import Scene
 from contact.search.grid.proposals import placed
 from contact.search.grid.scaling import ScaledScene
 from contact.search.task import Shared, Task
 from contact.search.topology.missed import Missed
-from contact.search.ways.branches import bare, frame, past, way
 from contact.search.ways.full_contact import closed
 from contact.search.ways.gaps import by_gaps
 from contact.search.ways.guesses import Outcome
 from contact.solution.assemble import mean_height
 from contact.verify.certificate import certify
-from contact.verify.cohesive import FoundBeside, certified, rounded_load, uncertain
 from contact.verify.error import SolvedZones
 from sie import Array
 

@@ -3,7 +3,7 @@ changes as they move.
 
 With r_i = K_i - K* at every end, K* < 0 of the law, an end is driven outward while r_i > 0: by ds
 the energy changes by (pi/E*)(K_i^2 - K*^2) ds. Equilibria have r = 0; they are followed in
-contact.search.equilibria.flow, by growing and shrinking, and in contact.search.equilibria.arc,
+contact.adhesion.gradient_flow, by growing and shrinking, and in contact.adhesion.arc_length,
 along their curve.
 
 A sharp corner, beyond which the profile ends, is an obstacle: an end that is driven outward there

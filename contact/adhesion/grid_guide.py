@@ -19,11 +19,11 @@ from functools import cached_property
 import numpy as np
 
 import sie
+from contact.adhesion.curve import Closed
+from contact.adhesion.inner_contact import Lost
 from contact.errors import NotConverged
-from contact.formulation.equilibria import Closed
 from contact.formulation.problem import Problem
 from contact.formulation.tables import runs_of
-from contact.formulation.tension.contact import Lost
 from contact.search.grid.coarse import MOST_POINTS, grid_height, zones_of
 from contact.search.grid.conjugate_gradient import GridState, Influence, solve_grid
 from contact.search.grid.proposals import placed, whole_response

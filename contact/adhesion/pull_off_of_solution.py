@@ -6,17 +6,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from contact.adhesion import cohesive_pull_off
+from contact.adhesion.arc_length import SymmetryLost
+from contact.adhesion.cohesive_fields import PulledFields
+from contact.adhesion.cohesive_zone import Cohesive, Loose
+from contact.adhesion.curve import Equilibria, Point
+from contact.adhesion.energy_descent import relaxed
+from contact.adhesion.gradient_flow import receded
+from contact.adhesion.pull_off import lowered_by_load, near_the_last, pull_off
 from contact.formulation.controls import Control
-from contact.formulation.equilibria import Equilibria, Point
 from contact.formulation.fields import ZoneFields
-from contact.formulation.tension.cohesive import Cohesive, Loose
-from contact.formulation.tension.fields import PulledFields
 from contact.runtime import one_blas_thread
-from contact.search.equilibria import tension_parting
-from contact.search.equilibria.arc import SymmetryLost
-from contact.search.equilibria.coming_apart import lowered_by_load, near_the_last, pull_off
-from contact.search.equilibria.flow import receded
-from contact.search.equilibria.relaxation import relaxed
 from contact.solution.quantities import PullOff
 
 # Part of the rate with the value that lies along the null vector: below it the value does not move
@@ -77,8 +77,8 @@ def _under_tension(fields: PulledFields, held: Control) -> Point:
     assert fields.law_problem is not None
     curve, tension, zones = Cohesive(fields.law_problem, held), fields.tension, fields.zones
     if tension.everywhere:
-        return tension_parting.pull_off_from_all(curve, zones, held.value)
+        return cohesive_pull_off.pull_off_from_all(curve, zones, held.value)
     load = float(fields.density.total - tension.total)
-    return tension_parting.pull_off(
+    return cohesive_pull_off.pull_off(
         curve, Loose.of(tension.table, held.value, load, float(fields.level), zones)
     )

@@ -6,12 +6,12 @@ that of frictionless contact of the profile that the tension alone has deformed,
 
     (1/pi) PV int q K = f' + s T(x),
 
-of height f + s V (contact.formulation.tension.tension), and q vanishes where a zone ends: the
+of height f + s V (contact.adhesion.uniform_tension), and q vanishes where a zone ends: the
 logarithms of T lie at the ends of I, outside the zones.
 
 Where a zone is held at a sharp corner its interval ends there, too, and p has no tension in it:
 there p = q - s eta, eta falling from 1 at the zone's other end to 0 at the corner as the angle over
-pi does. That is a tension whose end is spread over the zone (contact.formulation.tension.spread),
+pi does. That is a tension whose end is spread over the zone (contact.adhesion.spread_end),
 and q has roots alone at both ends.
 """
 
@@ -23,9 +23,9 @@ from functools import cached_property
 import numpy as np
 
 import sie
+from contact.adhesion.spread_end import Spread
+from contact.adhesion.uniform_tension import Tension
 from contact.formulation.problem import Problem
-from contact.formulation.tension.spread import Spread
-from contact.formulation.tension.tension import Tension
 from sie import Array, Index, record
 
 

@@ -4,15 +4,9 @@ last zone has shrunk to a point.
 
 import numpy as np
 
-from contact.errors import NotConverged
-from contact.formulation.equilibria import Equilibria, NoState, Point
-from contact.formulation.roots import maximum, minimum
-from contact.formulation.tension.cohesive import Cohesive, CohesivePoint, Loose
-from contact.formulation.tension.contact import Covered, Lost
-from contact.formulation.tension.intervals import within
-from contact.formulation.tension.pulled import Pulled
-from contact.search.equilibria import coming_apart, without_range
-from contact.search.equilibria.tension import (
+from contact.adhesion import jkr_guide
+from contact.adhesion import pull_off as apart
+from contact.adhesion.cohesive_flow import (
     FEW,
     TOO_NARROW,
     guide_down,
@@ -21,6 +15,13 @@ from contact.search.equilibria.tension import (
     left_of_all,
     receded,
 )
+from contact.adhesion.cohesive_zone import Cohesive, CohesivePoint, Loose
+from contact.adhesion.curve import Equilibria, NoState, Point
+from contact.adhesion.deformed_profile import Pulled
+from contact.adhesion.inner_contact import Covered, Lost
+from contact.adhesion.intervals import within
+from contact.errors import NotConverged
+from contact.formulation.roots import maximum, minimum
 from sie import Array
 
 # Newton's steps of a state without contact.
@@ -42,14 +43,14 @@ def pull_off(curve: Cohesive, here: Point) -> Point:
 
     def near(under: Equilibria, at: Point) -> Point:
         assert isinstance(under, Cohesive)
-        return coming_apart.near_the_last(under, _about_to_part(under, at), recede)
+        return apart.near_the_last(under, _about_to_part(under, at), recede)
 
     try:
         if curve.held.load is not None:
             here = _about_to_part(curve, here)
-        here = coming_apart.lowered_by_load(curve, here, near)
+        here = apart.lowered_by_load(curve, here, near)
         here = curve.again(here, here.value)
-        return coming_apart.pull_off(
+        return apart.pull_off(
             curve, here, recede, lambda at: _highest_within(curve, at) / curve.reach - 1.0
         )
     except Covered as covered:
@@ -91,7 +92,7 @@ def _about_to_part(curve: Cohesive, here: Point) -> Point:
     """
     if (
         len(here.contact) > FEW
-        and (rest := without_range.about_to_part(curve, here, receded)) is not None
+        and (rest := jkr_guide.about_to_part(curve, here, receded)) is not None
     ):
         return rest
     guide = guide_down(curve, len(here.contact), here.table)
@@ -102,7 +103,7 @@ def _about_to_part(curve: Cohesive, here: Point) -> Point:
     except NotConverged:
         # Under a held approach others are driven on by what recedes: it does not tell.
         return here
-    for control in coming_apart.above(least, here.value):
+    for control in apart.above(least, here.value):
         rest = receded(curve, here.table, control, guide)
         if rest is not None:
             return rest
@@ -163,7 +164,7 @@ def _open_and_about_to_part(curve: Cohesive, zones: Array, value: float) -> Poin
     if guide is None:
         return None
     least = guide.least_value(None, value)
-    for control in coming_apart.above(least, value):
+    for control in apart.above(least, value):
         try:
             start = guided(curve, guide, None, control, -1.0)
         except Lost:

@@ -1,5 +1,5 @@
 """What happens on the way along a curve of equilibria where a tension acts beside the contact
-(contact.formulation.tension.cohesive).
+(contact.adhesion.cohesive_zone).
 
 The ends that jump are those of the tension: its intervals begin where the gap comes below the
 reach, and are cut where it comes above, and either takes a width at once. Within them the contact
@@ -14,25 +14,17 @@ from functools import partial
 
 import numpy as np
 
+from contact.adhesion import arc_length, cohesive_flow, cohesive_pull_off
+from contact.adhesion.arc_length import Step
+from contact.adhesion.cohesive_zone import Cohesive, CohesivePoint, Known
+from contact.adhesion.curve import Closed, NoState, Point
+from contact.adhesion.events import LEAST, NEW, SLIGHT, Following, Jump, Standing, first_of
+from contact.adhesion.inner_contact import Covered, Lost
+from contact.adhesion.intervals import interval_of, joined
+from contact.adhesion.nucleation import about, changes_between, condition, touched, with_change
 from contact.errors import NotConverged
-from contact.formulation.equilibria import Closed, NoState, Point
 from contact.formulation.roots import maximum, minimum, smooth_root
 from contact.formulation.tables import ascending, located, runs_of
-from contact.formulation.tension.cohesive import Cohesive, CohesivePoint, Known
-from contact.formulation.tension.contact import Covered, Lost
-from contact.formulation.tension.intervals import interval_of, joined
-from contact.search.equilibria import arc, tension, tension_parting
-from contact.search.equilibria.arc import Step
-from contact.search.equilibria.following import (
-    LEAST,
-    NEW,
-    SLIGHT,
-    Following,
-    Jump,
-    Standing,
-    first_of,
-)
-from contact.search.equilibria.growth import about, changes_between, condition, touched, with_change
 from contact.search.topology.changes import Change
 from sie import Array, Index, wrapped
 
@@ -93,12 +85,14 @@ class FollowingUnderTension(Following):
 
     def grown(self, table: Array, value: float) -> Standing:
         try:
-            return Standing(value, self.curve.settled(tension.advanced(self.curve, table, value)))
+            return Standing(
+                value, self.curve.settled(cohesive_flow.advanced(self.curve, table, value))
+            )
         except Closed:
             return self.under_all(value)
 
     def shrunk(self, table: Array, value: float) -> Standing:
-        rest = tension.receded(self.curve, table, value)
+        rest = cohesive_flow.receded(self.curve, table, value)
         return Standing(value) if rest is None else Standing(value, self.curve.settled(rest))
 
     def kind(self, before: Standing, after: Standing, rises: bool) -> str:
@@ -198,10 +192,10 @@ class FollowingUnderTension(Following):
         i = interval_of(here.zones, here.table)
         share = np.diff(here.zones, axis=1)[:, 0] / np.diff(here.table, axis=1)[i, 0]
         k = int(np.argmin(share))
-        if share[k] > tension_parting.SHRUNK:
+        if share[k] > cohesive_pull_off.SHRUNK:
             return None
-        if curve.held.load is not None and share.max() <= tension_parting.SHRUNK:
-            last = tension_parting.touching(curve, here.table, float(here.zones[k].mean()))
+        if curve.held.load is not None and share.max() <= cohesive_pull_off.SHRUNK:
+            last = cohesive_pull_off.touching(curve, here.table, float(here.zones[k].mean()))
             others = np.delete(here.zones.mean(axis=1), k)
             points = np.sort(np.append(others, last.zones[0, 0]))
             last = replace(last, zones=np.column_stack((points, points)))
@@ -212,7 +206,7 @@ class FollowingUnderTension(Following):
                 Standing(last.value),
             )
         # As a rule one alone, but two of the same kind together.
-        for gone in (np.array([k]), np.flatnonzero(share <= tension_parting.SHRUNK)):
+        for gone in (np.array([k]), np.flatnonzero(share <= cohesive_pull_off.SHRUNK)):
             touch = self._without(here, gone)
             if touch is not None:
                 break
@@ -295,14 +289,14 @@ class FollowingUnderTension(Following):
             return here
 
         def beside(here: CohesivePoint, ahead: bool, reach: float) -> Iterator[At]:
-            place = arc.onward(self.curve, step.start, here)
+            place = arc_length.onward(self.curve, step.start, here)
             if not ahead:
                 place = replace(place, tangent=-place.tangent)
             formal = self._formal(here)
             for part in _FARTHER:
 
                 def formally(u: float, part: float = part) -> CohesivePoint:
-                    found = here if u == 0.0 else arc.along(formal, place, u * part * reach)
+                    found = here if u == 0.0 else arc_length.along(formal, place, u * part * reach)
                     if not isinstance(found, CohesivePoint):
                         raise NotConverged(
                             "a change of the zones on the way along a curve was not located"
@@ -369,7 +363,7 @@ class FollowingUnderTension(Following):
             root = smooth_root(
                 lambda u: condition(self.curve, formally(u), change)[1],
                 {0.0: first, 1.0: last},
-                arc.NEAR,
+                arc_length.NEAR,
             )
             here = formally(root)
         except (NotConverged, NoState):
@@ -438,7 +432,7 @@ class FollowingUnderTension(Following):
             last = new if jump is None else jump.before.point
             assert isinstance(last, CohesivePoint)
             yield from self._between(
-                lambda v, zones=here.zones: self.curve.under_all(v, zones),  # type: ignore[misc]
+                partial(self.curve.under_all, zones=here.zones),
                 self._by_value(here, new),
                 (here.value, here),
                 (last.value, last),

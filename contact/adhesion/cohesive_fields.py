@@ -7,14 +7,14 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from contact.formulation.equilibria import Point
+from contact.adhesion.cohesive_zone import Cohesive, CohesivePoint
+from contact.adhesion.curve import Point
+from contact.adhesion.deformed_profile import Pulled
+from contact.adhesion.separated_fields import LooseFields, beside, on_zones
+from contact.adhesion.uniform_tension import Tension
 from contact.formulation.fields import ZoneFields, mean_shape
 from contact.formulation.gaps import GapFields
 from contact.formulation.problem import Problem
-from contact.formulation.tension.cohesive import Cohesive, CohesivePoint
-from contact.formulation.tension.loose import LooseFields, beside, on_zones
-from contact.formulation.tension.pulled import Pulled
-from contact.formulation.tension.tension import Tension
 from sie import Array, record
 
 

@@ -6,8 +6,8 @@ jumps between them.
     falling    it shrinks along its curve, until that turns (zones come apart, ends jump back)
 
 After a jump the ends come to rest at the nearest equilibrium beyond
-(contact.search.equilibria.flow). What begins elsewhere, and whether closed surfaces open again, is
-a matter of the law (contact.search.equilibria.following): without a range of adhesion surfaces that
+(contact.adhesion.gradient_flow). What begins elsewhere, and whether closed surfaces open again, is
+a matter of the law (contact.adhesion.events): without a range of adhesion surfaces that
 are closed over the whole period stay closed, and zones never split, as a gap within a zone begins
 without width, and its ends have an intensity only once it has some, sqrt(width) times the tension
 there. To open it takes a flaw of a width that goes with 1/tension^2 (A. A. Griffith, Phil. Trans.
@@ -19,10 +19,10 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from contact.adhesion.arc_length import Step, SymmetryLost, beside, beyond, let_go, steps
+from contact.adhesion.curve import Point
+from contact.adhesion.events import Following, Jump, Standing
 from contact.errors import NotConverged
-from contact.formulation.equilibria import Point
-from contact.search.equilibria.arc import Step, SymmetryLost, beside, beyond, let_go, steps
-from contact.search.equilibria.following import Following, Jump, Standing
 
 # Of a step, from how near a value Newton's steps go there.
 _ROUGHLY = 1e-6

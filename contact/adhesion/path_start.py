@@ -9,25 +9,25 @@ from functools import cached_property
 
 import numpy as np
 
+from contact.adhesion import cohesive_branch
+from contact.adhesion.cohesive_events import FollowingUnderTension
+from contact.adhesion.cohesive_fields import fields_of
+from contact.adhesion.cohesive_zone import Cohesive, CohesivePoint
+from contact.adhesion.curve import Closed, Equilibria, Point
+from contact.adhesion.edge_branch import advancing, frame, to_follow
+from contact.adhesion.events import Following, Jump, Standing
+from contact.adhesion.inner_contact import Lost
+from contact.adhesion.loading_path import History
+from contact.adhesion.pull_off import pull_off
+from contact.adhesion.separated_fields import LooseFields
 from contact.errors import NotConverged, OutOfRange
 from contact.formulation.controls import Approach
-from contact.formulation.equilibria import Closed, Equilibria, Point
 from contact.formulation.fields import ZoneFields
 from contact.formulation.full_contact import FullLimit
-from contact.formulation.tension.cohesive import Cohesive, CohesivePoint
-from contact.formulation.tension.contact import Lost
-from contact.formulation.tension.fields import fields_of
-from contact.formulation.tension.loose import LooseFields
 from contact.model.scene import Scene
-from contact.search.equilibria.coming_apart import pull_off
-from contact.search.equilibria.following import Following, Jump, Standing
-from contact.search.equilibria.following_tension import FollowingUnderTension
-from contact.search.equilibria.history import History
 from contact.search.grid.scaling import ScaledScene
 from contact.search.task import Task
 from contact.search.topology.missed import Missed
-from contact.search.ways import cohesive
-from contact.search.ways.branches import advancing, frame, to_follow
 from contact.search.ways.guesses import Outcome
 from contact.solution import assemble
 from sie import Array
@@ -95,7 +95,9 @@ def _under_tension(task: Task) -> Followed:
         try:
             return Standing(
                 value,
-                curve.settled(cohesive.advancing(replace(task, scene=scene), scaled, curve, value)),
+                curve.settled(
+                    cohesive_branch.advancing(replace(task, scene=scene), scaled, curve, value)
+                ),
             )
         except Closed:
             return following.under_all(value)
@@ -103,12 +105,12 @@ def _under_tension(task: Task) -> Followed:
     def outcome(task: Task, here: Point) -> Outcome:
         assert isinstance(here, CohesivePoint)
         if not here.everywhere:
-            return cohesive.solved(task, curve, here)
+            return cohesive_branch.solved(task, curve, here)
         if task.give is not None:
             task = replace(
                 task, scene=task.scene.under("load", here.load * problem.units.load), give=None
             )
-        return cohesive.everywhere(task, problem)
+        return cohesive_branch.everywhere(task, problem)
 
     def let_go(here: Point) -> Point | None:
         held = replace(task, scene=scene.under("approach", 0.0), give=None)
@@ -131,7 +133,7 @@ class _Tension:
         return FollowingUnderTension(
             self.curve,
             self.scaled.cell,
-            lambda: cohesive.advancing(self._at(0.0), self.scaled, self.curve, 0.0),
+            lambda: cohesive_branch.advancing(self._at(0.0), self.scaled, self.curve, 0.0),
             self._pressed,
             full,
             size,
@@ -163,7 +165,7 @@ class _Tension:
                 scene=scene.under("load", (full * (1 - 1e-6) - scene.law.tension) * scene.period),
             )
         try:
-            zones = cohesive.under_all(task, problem)
+            zones = cohesive_branch.under_all(task, problem)
         except (Lost, OutOfRange):
             return np.zeros((0, 2))
         return np.zeros((0, 2)) if zones is None else zones

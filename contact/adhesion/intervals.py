@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from contact.adhesion.curve import Closed
 from contact.errors import OutOfRange
-from contact.formulation.equilibria import Closed
 from contact.formulation.tables import ascending, begun_from, joined_where, located, runs_of, united
 from sie import Array, Index, Mask, wrapped
 

@@ -15,14 +15,14 @@ from dataclasses import replace
 
 import numpy as np
 
+from contact.adhesion.curve import Equilibria, Point
+from contact.adhesion.events import Following, Jump, Standing, followed_by_approach
+from contact.adhesion.gradient_flow import Closed, receded
+from contact.adhesion.loading_path import History
+from contact.adhesion.nucleation import grown, touched
+from contact.adhesion.pull_off import pull_off
 from contact.errors import NotConverged, OutOfRange, unwarned
-from contact.formulation.equilibria import Equilibria, Point
 from contact.model.scene import Scene
-from contact.search.equilibria.coming_apart import pull_off
-from contact.search.equilibria.flow import Closed, receded
-from contact.search.equilibria.following import Following, Jump, Standing, followed_by_approach
-from contact.search.equilibria.growth import grown, touched
-from contact.search.equilibria.history import History
 from contact.search.grid.proposals import placed
 from contact.search.grid.scaling import ScaledScene, scaled_scene, scaled_scene_about
 from contact.search.task import Task

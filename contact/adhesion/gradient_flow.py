@@ -1,7 +1,7 @@
 r"""Ends of zones that are driven outward advance, and those driven inward recede, to the nearest
 equilibrium under a held control.
 
-With r_i = K_i - K* at every end (contact.formulation.equilibria), on a half-plane under a held load
+With r_i = K_i - K* at every end (contact.adhesion.curve), on a half-plane under a held load
 the other ends only gain by one that advances, d r_j/ds_i >= 0, since what an end pulls down comes
 nearer for the others. So the ends that are driven outward everywhere advance, together and without
 turning back, to the least equilibrium that holds them, and those that are driven inward everywhere
@@ -18,10 +18,10 @@ growing motions, mu D - J in place of -J, D diagonal, mu above their growth.
 
 import numpy as np
 
+from contact.adhesion.curve import NEUTRAL, Closed, Equilibria, Point
+from contact.adhesion.intervals import joined
+from contact.adhesion.predictor import Foretold
 from contact.errors import NotConverged
-from contact.formulation.equilibria import NEUTRAL, Closed, Equilibria, Point
-from contact.formulation.tension.intervals import joined
-from contact.search.equilibria.foretold import Foretold
 from sie import Array, Mask
 
 # A step moves an end by at most these parts of its zone's width and of the gap beside it, and by

@@ -17,8 +17,8 @@ from typing import Any
 
 import numpy as np
 
+from contact.adhesion.curve import NEUTRAL, Equilibria, NoState, Point
 from contact.errors import NotConverged
-from contact.formulation.equilibria import NEUTRAL, Equilibria, NoState, Point
 from contact.formulation.roots import smooth_root
 from contact.formulation.tables import outward
 from sie import Array, record

@@ -11,10 +11,10 @@ rest they are stable.
 
 import numpy as np
 
+from contact.adhesion import gradient_flow
+from contact.adhesion.curve import Equilibria, Point
+from contact.adhesion.nucleation import with_new
 from contact.errors import NotConverged
-from contact.formulation.equilibria import Equilibria, Point
-from contact.search.equilibria import flow
-from contact.search.equilibria.growth import with_new
 from contact.verify.certificate import openings
 from sie import Array
 
@@ -30,21 +30,21 @@ def relaxed(curve: Equilibria, table: Array, value: float) -> Point | None:
     """The stable equilibrium that ends come to from these zones under a value of the control; None:
     all have come apart. `Closed` if the surfaces close altogether.
     """
-    here = curve.at(table, value, flow.ROUGH)
+    here = curve.at(table, value, gradient_flow.ROUGH)
     widest = np.diff(here.table, axis=1)[:, 0]
-    for _ in range(flow.MOST_STEPS):
+    for _ in range(gradient_flow.MOST_STEPS):
         changed = _changed(curve, here, widest)
         if changed is None:
             here, step = _step(curve, here)
             widest = np.maximum(widest, np.diff(here.table, axis=1)[:, 0])
             if (
-                float(np.abs(step / here.widths).max()) > flow.REST
-                or float(np.abs(here.residual).max()) > flow.SLIGHT
+                float(np.abs(step / here.widths).max()) > gradient_flow.REST
+                or float(np.abs(here.residual).max()) > gradient_flow.SLIGHT
             ):
                 continue
             # Looked for here alone: what overlaps on the way costs as much as many steps to see,
             # and may part again.
-            overlaps = curve.within(openings(curve.fields(here, flow.ROUGH)).overlaps)
+            overlaps = curve.within(openings(curve.fields(here, gradient_flow.ROUGH)).overlaps)
             if len(overlaps) == 0:
                 if here.growth < 0.0:
                     return here
@@ -53,7 +53,7 @@ def relaxed(curve: Equilibria, table: Array, value: float) -> Point | None:
         if len(changed) == 0:
             return None
         widest = _carried(here.table, widest, changed)
-        here = curve.at(changed, value, flow.ROUGH)
+        here = curve.at(changed, value, gradient_flow.ROUGH)
     raise NotConverged("the ends of zones did not come to rest under a held control")
 
 
@@ -61,10 +61,10 @@ def _changed(curve: Equilibria, here: Point, widest: Array) -> Array | None:
     """The zones without gaps that have closed, or without those that have come apart; None if
     nothing of that has happened.
     """
-    merged = flow.closing(curve, here)
+    merged = gradient_flow.closing(curve, here)
     if merged is not None:
         return merged
-    apart = np.logical_and(*np.split(here.residual < -flow.DRIVEN, 2)) & (
+    apart = np.logical_and(*np.split(here.residual < -gradient_flow.DRIVEN, 2)) & (
         np.diff(here.table, axis=1)[:, 0] < _GONE * widest
     )
     return np.asarray(here.table[~apart]) if apart.any() else None
@@ -81,16 +81,16 @@ def _carried(before: Array, widest: Array, table: Array) -> Array:
 
 def _step(curve: Equilibria, here: Point) -> tuple[Point, Array]:
     """(next state, step)."""
-    inward, outward = flow.inward_and_outward(curve, here)
+    inward, outward = gradient_flow.inward_and_outward(curve, here)
     damped = np.full(len(here.residual), _DAMPED)
-    for _ in range(flow.MOST_TRIES):
+    for _ in range(gradient_flow.MOST_TRIES):
         step = here.damped_step(damped)
         # Those that would go too far alone: a zone that comes apart need not keep back all others.
         far = np.abs(step) > np.where(step > 0.0, outward, inward)
         if far.any():
             damped[far] *= 2.0
             continue
-        ahead = curve.at(here.moved(step), here.value, flow.ROUGH)
+        ahead = curve.at(here.moved(step), here.value, gradient_flow.ROUGH)
         if ahead.residual @ step >= -_PAST * (here.residual @ step):
             return ahead, step
         damped *= 4.0

@@ -12,14 +12,15 @@ from dataclasses import replace
 
 import numpy as np
 
+from contact.adhesion import gradient_flow
+from contact.adhesion import pull_off as apart
+from contact.adhesion.cohesive_zone import Cohesive, CohesivePoint
+from contact.adhesion.curve import Closed, Equilibria, NoState, Point
+from contact.adhesion.energy_descent import relaxed
+from contact.adhesion.inner_contact import Lost
+from contact.adhesion.intervals import joined
+from contact.adhesion.nucleation import grown
 from contact.errors import NotConverged
-from contact.formulation.equilibria import Closed, Equilibria, NoState, Point
-from contact.formulation.tension.cohesive import Cohesive, CohesivePoint
-from contact.formulation.tension.contact import Lost
-from contact.formulation.tension.intervals import joined
-from contact.search.equilibria import coming_apart, flow
-from contact.search.equilibria.growth import grown
-from contact.search.equilibria.relaxation import relaxed
 from sie import Array
 
 # Parts of the work of adhesion that it is made smaller or larger by; Newton's steps for the width
@@ -77,7 +78,9 @@ def _with_range(
     by_slope = (
         np.pi
         / (3 * curve.stress)
-        * np.maximum(np.concatenate(short.fields(tips, flow.ROUGH).density.edge_slopes), 0.0)
+        * np.maximum(
+            np.concatenate(short.fields(tips, gradient_flow.ROUGH).density.edge_slopes), 0.0
+        )
     )
     d = np.full(len(by_slope), wide)
     for _ in range(_STEPS_OF_STRIP):
@@ -91,7 +94,7 @@ def _with_range(
     if joins.all() or np.any(zones[:, 1] <= zones[:, 0]):
         return None
     here = curve.from_zones(
-        joined(table, joins, [], curve.problem.round), tips.value, zones, flow.ROUGH
+        joined(table, joins, [], curve.problem.round), tips.value, zones, gradient_flow.ROUGH
     )
     for _ in range(_STEPS_TO_MARGIN):
         driven = here.residual * math.copysign(1.0, margin)
@@ -99,9 +102,11 @@ def _with_range(
             return here
         if here.growth >= 0.0:
             break
-        inward, outward = flow.inward_and_outward(curve, here)
+        inward, outward = gradient_flow.inward_and_outward(curve, here)
         step = np.linalg.solve(-here.rates, here.residual - margin)
-        here = curve.at(here.moved(np.clip(step, -inward, outward)), tips.value, flow.ROUGH)
+        here = curve.at(
+            here.moved(np.clip(step, -inward, outward)), tips.value, gradient_flow.ROUGH
+        )
     return None
 
 
@@ -118,7 +123,7 @@ def about_to_part(
     passed: list[Point] = []
 
     def recede_on(under: Equilibria, table: Array, value: float) -> Point | None:
-        rest = flow.receded(under, table, value)
+        rest = gradient_flow.receded(under, table, value)
         if rest is not None:
             passed.append(rest)
         return rest
@@ -129,12 +134,12 @@ def about_to_part(
         if first is None:
             return None
         passed.append(first)
-        last = coming_apart.near_the_last(short, first, recede_on)
-        for value in coming_apart.above(last.value, here.value):
+        last = apart.near_the_last(short, first, recede_on)
+        for value in apart.above(last.value, here.value):
             # Under a load what is left does not depend on the way: on from the last that was passed
             # above it.
             above = min((one for one in passed if one.value >= value), key=lambda one: one.value)
-            tips = flow.receded(short, above.table, value)
+            tips = gradient_flow.receded(short, above.table, value)
             start = None if tips is None else _with_range(curve, short, tips, -_MORE[0])
             rest = None if start is None else recede(curve, start.table, value)
             if rest is not None:

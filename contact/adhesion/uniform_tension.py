@@ -14,11 +14,11 @@ from functools import cached_property
 import numpy as np
 
 import sie
+from contact.adhesion.end_sums import Cells, EndSum
+from contact.adhesion.spread_end import Spread
 from contact.formulation.conjugate import clausen2
 from contact.formulation.quadrature import gauss
 from contact.formulation.tables import located
-from contact.formulation.tension.end_sums import Cells, EndSum
-from contact.formulation.tension.spread import Spread
 from sie import Array, Index, Mask, nearest_image, record, wrapped
 
 # Nodes on a panel of the quadrature of a kernel's regular potential, and panels to the length over

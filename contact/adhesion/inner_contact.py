@@ -13,15 +13,15 @@ from collections.abc import Callable
 import numpy as np
 
 import sie
+from contact.adhesion.curve import NoState
+from contact.adhesion.deformed_profile import Pulled
+from contact.adhesion.intervals import fitted, interval_of, places
 from contact.errors import NotConverged
 from contact.formulation.controls import Control
-from contact.formulation.equilibria import NoState
 from contact.formulation.fields import ZoneFields
 from contact.formulation.quadrature import sides
 from contact.formulation.roots import reaches
 from contact.formulation.tables import gaps_between, joined_where, runs_of
-from contact.formulation.tension.intervals import fitted, interval_of, places
-from contact.formulation.tension.pulled import Pulled
 from sie import Array, Index, Mask, record
 
 # Newton's steps of the zones under a given tension, and how often their number may change.

@@ -4,9 +4,9 @@ pulls at a distance.
 
 import numpy as np
 
-from contact.formulation.tension.cohesive import CohesivePoint
-from contact.formulation.tension.fields import scaled_second_variation
-from contact.formulation.tension.loose import LooseFields
+from contact.adhesion.cohesive_fields import scaled_second_variation
+from contact.adhesion.cohesive_zone import CohesivePoint
+from contact.adhesion.separated_fields import LooseFields
 from contact.model.scene import Scene
 from contact.solution.plan import Plan
 from contact.solution.solution import Solution
