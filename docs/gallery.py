@@ -1,7 +1,7 @@
 """Pages of the examples, made when the site is built: docstring, picture, script, and what it
 prints.
 
-Pictures and prints are kept in docs/gallery, where `python -m contact.studies.gallery` puts them.
+Pictures and prints are kept in docs/gallery, where `python docs/pictures.py` puts them.
 Without one of them nothing is built.
 """
 
@@ -94,7 +94,7 @@ def on_files(files: Any, config: Any, **_: Any) -> Any:
             (ROOT / "docs" / "gallery" / f"{script.stem}.{end}").exists() for end in ("png", "txt")
         ):
             raise PluginError(
-                f"{script.name} has no picture yet: python -m contact.studies.gallery {script.stem}"
+                f"{script.name} has no picture yet: python docs/pictures.py {script.stem}"
             )
         files.append(File.generated(config, f"gallery/{script.stem}.md", content=page(script)))
     return files

@@ -15,7 +15,7 @@ import pytest
 
 import contact
 from contact.model import registry
-from contact.studies.gallery import numbers
+from docs.pictures import numbers
 from tests.tiers import quick
 
 FOLDER = Path(__file__).parents[1] / "examples"

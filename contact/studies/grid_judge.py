@@ -1,11 +1,12 @@
-"""A contact on an even grid by projected conjugate gradients, for any kernel: a second opinion that
-shares nothing with the package.
+"""Contact on an even grid by projected conjugate gradients, an independent check of solutions.
 
-    p >= 0,  gap = S p + f - level >= 0,  p gap = 0,  sum p h = load                (Polonsky & Keer 1999, Wear 231, 206-219)
+It shares no code with the solver and takes any kernel (Polonsky & Keer 1999, Wear 231, 206-219):
 
-S comes from a symbol, u_q = 2 L(q) p_q / (E q) over a period, or from what the potential of a lone
-body's kernel has beyond the logarithm. Its own error is that of the cells: zones are known to about
-a cell, the load and the level to about N^-1.
+    p >= 0,  gap = S p + f - level >= 0,  p gap = 0,  sum p h = load.
+
+S comes from a symbol, u_q = 2 L(q) p_q/(E* q) over a period, or from the potential of an isolated
+body's kernel. The grid's own error is that of its cells: it knows zones to about one cell, and the
+load and the level to about one part in the number of cells.
 """
 
 from __future__ import annotations
@@ -17,13 +18,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+import contact
+from contact.studies.scene_families import Bed, Buried, Waves
+
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class Judged:
-    """Places, pressure, gap, level (of a period: u without mean), and whether the iterations came
-    to their end.
+    """A contact on a grid.
+
+    `level` is the approach, with u of zero mean over a period; `settled` says whether the
+    iterations converged.
     """
 
     x: Array
@@ -34,10 +40,12 @@ class Judged:
 
     @property
     def contact(self) -> NDArray[np.bool_]:
+        """Mask of the cells in contact."""
         return np.asarray(self.pressure > 0)
 
     @property
     def fraction(self) -> float:
+        """Contact fraction."""
         return float(np.mean(self.contact))
 
 
@@ -49,80 +57,140 @@ def _heights(height: Callable[..., Any], x: Array) -> Array:
 def judge_period(
     height: Callable[..., Any],
     cell: tuple[float, float],
-    E: float,
+    E_star: float,
     symbol: Callable[..., Array],
     load: float,
     n: int = 4096,
 ) -> Judged:
-    """One period."""
+    """Solve one period on n cells, for a substrate given by its symbol."""
     h = (cell[1] - cell[0]) / n
     x = np.asarray(cell[0] + h * (np.arange(n) + 0.5), dtype=np.float64)
     q = 2 * np.pi / (n * h) * np.arange(1, n // 2 + 1)
-    compliance = np.append(0.0, 2 * symbol(q) / (E * q))
-    return _solved(
-        x, _heights(height, x), lambda p: np.fft.irfft(compliance * np.fft.rfft(p), n), load, h
-    )
+    compliance = np.append(0.0, 2 * symbol(q) / (E_star * q))
+
+    def displacement(p: Array) -> Array:
+        return np.fft.irfft(compliance * np.fft.rfft(p), n)
+
+    return _solve(x, _heights(height, x), displacement, load)
 
 
 def judge_line(
     height: Callable[..., Any],
     window: tuple[float, float],
-    E: float,
+    E_star: float,
     rest: Callable[..., Array],
     load: float,
     n: int = 1024,
 ) -> Judged:
-    """A lone body in a window that holds its contact; rest: of the potential, beyond ln|lag|."""
+    """Solve an isolated body in a window that holds its contact.
+
+    `rest` is the potential of the kernel less ln|lag|.
+    """
     h = (window[1] - window[0]) / n
     x = np.asarray(window[0] + h * (np.arange(n) + 0.5), dtype=np.float64)
     lag = np.arange(-n, n) * h
     edge = np.stack((lag - 0.5 * h, lag + 0.5 * h))
-    whole = edge * (np.log(np.abs(edge)) - 1)
-    potential = -2 / (np.pi * E) * (whole[1] - whole[0] + h * rest(lag))
-    spectrum = np.fft.rfft(np.roll(potential, n))
-    return _solved(
-        x,
-        _heights(height, x),
-        lambda p: np.fft.irfft(spectrum * np.fft.rfft(p, 2 * n), 2 * n)[:n],
-        load,
-        h,
+    primitive = edge * (np.log(np.abs(edge)) - 1)
+    influence = -2 / (np.pi * E_star) * (primitive[1] - primitive[0] + h * rest(lag))
+    spectrum = np.fft.rfft(np.roll(influence, n))
+
+    def displacement(p: Array) -> Array:
+        return np.fft.irfft(spectrum * np.fft.rfft(p, 2 * n), 2 * n)[:n]
+
+    return _solve(x, _heights(height, x), displacement, load)
+
+
+def _solve(
+    x: Array,
+    f: Array,
+    displacement: Callable[[Array], Array],
+    load: float,
+    max_steps: int = 20_000,
+    converged_step: float = 1e-9,
+) -> Judged:
+    """Polonsky and Keer's iteration until the pressure changes by less than `converged_step`."""
+    h = float(x[1] - x[0])
+    allowed = np.isfinite(f)
+    f = np.where(allowed, f, np.max(f[allowed]) + 1e3 * np.ptp(f[allowed]))
+    p = allowed * load / (h * np.count_nonzero(allowed))
+    direction, norm_before, conjugate, settled = np.zeros(len(x)), 1.0, 0.0, False
+    for _ in range(max_steps):
+        touching = p > 0
+        g = displacement(p) + f
+        g -= g[touching].mean()
+        norm = float(g[touching] @ g[touching])
+        direction = np.where(touching, g + conjugate * norm / norm_before * direction, 0.0)
+        r = displacement(direction)
+        r -= r[touching].mean()
+        curvature = float(r[touching] @ direction[touching])
+        if not curvature > 0:
+            settled = norm == 0.0
+            break
+        step = float(g[touching] @ direction[touching]) / curvature
+        before, p = p, np.maximum(p - step * direction, 0.0)
+        overlap = (p == 0) & (g < 0) & allowed
+        p[overlap] -= step * g[overlap]
+        conjugate, norm_before = (0.0 if np.any(overlap) else 1.0), norm
+        p *= load / (h * p.sum())
+        if float(np.abs(p - before).sum()) < converged_step * float(p.sum()):
+            settled = True
+            break
+    gap = displacement(p) + f
+    level = float(gap[p > 0].mean())
+    return Judged(x, p, gap - level, level, settled)
+
+
+def judge(
+    scene: contact.Scene, load: float, window: tuple[float, float] | None = None, n: int = 4096
+) -> Judged:
+    """Solve a scene with one of the models of `scene_families` on a grid, under a load [N/m]."""
+    profile, model, period = scene.profile, scene.interaction, scene.period
+    if period is None:
+        assert isinstance(model, Buried) and window is not None
+        return judge_line(profile.height, window, scene.E_star, model.rest, load, n)
+    assert isinstance(model, (Waves, Bed))
+    cell = profile.x0, profile.x0 + period
+    return judge_period(
+        profile.height, cell, scene.E_star, lambda q: model.multiplier(q, period), load, n
     )
 
 
-def _solved(
-    x: Array,
-    f: Array,
-    displaced: Callable[[Array], Array],
-    load: float,
-    h: float,
-    most: int = 20_000,
-) -> Judged:
-    p = np.full(len(x), load / (len(x) * h))
-    allowed = np.isfinite(f)
-    f = np.where(allowed, f, np.max(f[allowed]) + 1e3 * np.ptp(f[allowed]))
-    p = np.where(allowed, p, 0.0) * load / (h * p[allowed].sum())
-    t, size_before, keep, settled = np.zeros(len(x)), 1.0, 0.0, False
-    for _ in range(most):
-        touching = p > 0
-        g = displaced(p) + f
-        g -= g[touching].mean()
-        size = float(g[touching] @ g[touching])
-        t = np.where(touching, g + keep * size / size_before * t, 0.0)
-        r = displaced(t)
-        r -= r[touching].mean()
-        curvature = float(r[touching] @ t[touching])
-        if not curvature > 0:
-            settled = size == 0.0
-            break
-        step = float(g[touching] @ t[touching]) / curvature
-        before, p = p, np.maximum(p - step * t, 0.0)
-        overlap = (p == 0) & (g < 0) & allowed
-        p[overlap] -= step * g[overlap]
-        keep, size_before = (0.0, size) if np.any(overlap) else (1.0, size)
-        p *= load / (h * p.sum())
-        if float(np.abs(p - before).sum()) < 1e-9 * float(p.sum()):
-            settled = True
-            break
-    u = displaced(p) + f
-    level = float(u[p > 0].mean())
-    return Judged(x, p, u - level, level, settled)
+def fault(scene: contact.Scene, solution: contact.Solution, cells: int = 4) -> str:
+    """Return how a solution contradicts the grid; empty if they agree within `cells` per end."""
+    window = None
+    if scene.period is None:
+        lo, hi = float(solution.zones[0, 0]), float(solution.zones[-1, 1])
+        window = lo - 0.6 * (hi - lo), hi + 0.6 * (hi - lo)
+        if scene.profile.period is not None:
+            window = scene.profile.x0, scene.profile.x0 + scene.profile.period
+    found = judge(scene, solution.load, window)
+    if not found.settled:
+        return ""
+    pressed = solution.pressure(found.x) > 0
+    ends = max(len(solution.zones), int(np.count_nonzero(np.diff(found.contact))) // 2) + 1
+    wrong = int(np.count_nonzero(pressed != found.contact))
+    if wrong > 2 * cells * ends:
+        return (
+            f"{wrong} of {len(found.x)} cells differ from an independent grid, "
+            f"contact {np.mean(pressed):.4f} against {found.fraction:.4f}"
+        )
+    if scene.period is not None and solution.approach is not None:
+        # The approach counts from the highest summit, which may lie between cells of the grid.
+        fine = scene.profile.x0 + scene.period * np.linspace(0.0, 1.0, 2**18, endpoint=False)
+        heights = np.asarray(scene.profile.height(fine))
+        level = found.level - float(heights.min())
+        span = float(np.ptp(heights[np.isfinite(heights)]))
+        if abs(level - solution.approach) > 0.02 * max(span, solution.approach):
+            return f"approach {solution.approach:.6g}, on an independent grid {level:.6g}"
+    return ""
+
+
+def wrongly_refused(scene: contact.Scene, error: contact.ContactError, cells: int = 4) -> str:
+    """Return a message if a scene far from full contact was refused as full contact, else ''."""
+    load = scene.given_load
+    if load is None or scene.period is None or "gives a kernel and no symbol" not in str(error):
+        return ""
+    found = judge(scene, load)
+    if not found.settled or found.fraction > 1 - 2 * cells / len(found.x):
+        return ""
+    return f"refused as full contact, of which an independent grid has {found.fraction:.4f}"

@@ -1,7 +1,7 @@
 """Sets measured tables and figures in the pages of docs: python -m contact.studies.pages OUT.
 
-OUT/NAME.md takes the place of what stands in a page between `<!-- measured: NAME -->` and `<!-- end
--->`; OUT/NAME.png becomes docs/images/bench-NAME.png. What was not measured stays as it is.
+OUT/NAME.md replaces the text of a page between `<!-- measured: NAME -->` and `<!-- end -->`;
+OUT/NAME.png becomes docs/images/bench-NAME.png. Tables that are not in OUT stay as they are.
 """
 
 from __future__ import annotations
@@ -12,25 +12,24 @@ import sys
 from pathlib import Path
 
 DOCS = Path(__file__).parents[2] / "docs"
-PAGES = ("benchmarks.md", "challenge.md", "engine.md", "many-zones.md", "stability.md", "tests.md")
+PAGES = ("benchmarks.md", "engine.md", "many-zones.md", "stability.md", "tests.md")
 PLACE = re.compile(r"(<!-- measured: ([\w-]+) -->\n).*?(<!-- end -->)", re.DOTALL)
 
 
 def filled(page: str, folder: Path) -> str:
-    """The page with every table that the folder has."""
+    """Return the text of a page with every table that the folder has."""
 
     def table(found: re.Match[str]) -> str:
         file = folder / f"{found[2]}.md"
-        return (
-            f"{found[1]}\n{file.read_text(encoding='utf-8')}\n{found[3]}"
-            if file.exists()
-            else found[0]
-        )
+        if not file.exists():
+            return found[0]
+        return f"{found[1]}\n{file.read_text(encoding='utf-8')}\n{found[3]}"
 
     return PLACE.sub(table, page)
 
 
 def fill(folder: Path, docs: Path = DOCS) -> None:
+    """Set the tables and figures of a folder in all pages."""
     for name in PAGES:
         page = docs / name
         page.write_text(filled(page.read_text(encoding="utf-8"), folder), encoding="utf-8")

@@ -1,14 +1,13 @@
-"""Random scenes of every family, model and control, from first touch to beyond full contact: what
-became of them.
+"""Random scenes of every family, model and control, and what became of each.
 
-python -m contact.studies.random_scenes FIRST COUNT [--tol 1e-8] [--limit 60] [--out FILE.csv]
+    python -m contact.studies.random_scenes FIRST COUNT [--tol 1e-8] [--limit 60] [--out FILE.csv]
 
-Every scene must come back certified, or end in an error of the package. Anything else is a fault:
-another exception, a warning of numpy or Python, a stated error above the tolerance, or zones that
-differ from those of a solution a thousand times as tight, or from those of an independent grid
-where that is fine enough to tell. A scene that takes longer than the limit, in seconds of processor
-time, is stopped and listed; judging it may take as long again. One line of CSV a scene, written as
-it ends; a table of all at the end.
+Loads reach from first touch to beyond full contact. Every scene must come back certified, or end in
+an error of the package. Anything else is a fault: another exception, a warning of numpy or Python,
+a stated error above the tolerance, or zones that contradict either a solution a thousand times as
+tight or an independent grid that is fine enough to tell. A scene that takes longer than the limit,
+in seconds of processor time, is stopped; judging it may take as long again. The file gets one line
+of CSV per scene, and all outcomes are counted at the end.
 """
 
 from __future__ import annotations
@@ -32,8 +31,8 @@ from numpy.typing import NDArray
 import contact
 from contact.search.grid.coarse import grid_height, propose
 from contact.search.grid.conjugate_gradient import Response
-from contact.studies import own_models
-from contact.studies.scene_families import FAMILIES, faced
+from contact.studies import grid_judge
+from contact.studies.scene_families import FAMILIES, OWN_MODELS, with_counter_body, with_own_model
 
 Array = NDArray[np.float64]
 
@@ -50,17 +49,11 @@ COLUMNS = (
     "seconds",
     "detail",
 )
-# A grid tells contacts and gaps of so many cells.
-_CELLS = 8
-# Points of the grid that every scene is held against, and of the one that has to agree before a
-# fault is told: the first may be coarser than a trace's own points.
-_POINTS = 2**13
-_MORE_POINTS = 2**17
 
 
 @dataclass(frozen=True)
 class Drawn:
-    """One random scene and how it was drawn."""
+    """A random scene with its seed and family."""
 
     seed: int
     family: str
@@ -68,12 +61,13 @@ class Drawn:
 
     @property
     def model(self) -> str:
+        """Name of the interaction, with its closure."""
         name = self.scene.interaction.name
         closure = getattr(self.scene.interaction, "closure", None)
         return name if closure is None else f"{name}, {closure}"
 
     def fault(self, solution: contact.Solution, tol: float) -> str:
-        """What is wrong with a solution; empty if nothing is."""
+        """Return what is wrong with a solution; empty if nothing is."""
         return unsound(self.scene, solution, tol) or (
             ""
             if solution.certificate.undecided
@@ -82,13 +76,13 @@ class Drawn:
 
 
 def draw(seed: int) -> Drawn | contact.ContactError:
-    """The scene of a seed; the error where the drawn parts do not make one."""
+    """Return the scene of a seed, or the error if the drawn parts do not fit together."""
     rng = np.random.default_rng(seed)
     length, modulus = 10.0 ** rng.uniform(-6, 1), 10.0 ** rng.uniform(5, 12)
     family = str(rng.choice(list(FAMILIES)))
     try:
-        family, profile = faced(seed, family, FAMILIES[family](rng, length), length)
-        interaction = own_models.instead(seed, _interaction(rng, profile, length), length)
+        family, profile = with_counter_body(seed, family, FAMILIES[family](rng, length), length)
+        interaction = with_own_model(seed, _interaction(rng, profile, length), length)
         kind = str(
             rng.choice([k for k in interaction.allows if k != "half_width" or profile.symmetric])
         )
@@ -120,7 +114,7 @@ def _interaction(
 def _value(
     rng: np.random.Generator, profile: contact.Profile, modulus: float, length: float, kind: str
 ) -> float:
-    """Of the control: over eight decades below what the slopes can bear, and a little above."""
+    """A value of a control, up to eight decades below the load of full contact or just above it."""
     if kind == "contact_fraction":
         return float(rng.choice([10 ** rng.uniform(-4, 0), 1 - 10 ** rng.uniform(-4, 0), 1.0]))
     if kind == "half_width":
@@ -140,13 +134,15 @@ def _value(
 
 
 class OutOfTime(BaseException):
-    """A scene has used up its time. Not an Exception, so that nothing on its way takes it for a
-    failure of its own.
+    """A scene has used up its time.
+
+    It is no Exception: no handler between the solver and the study may catch it.
     """
 
 
 @contextmanager
 def limited(seconds: float) -> Iterator[None]:
+    """Raise OutOfTime after this much processor time [s] within the block."""
     if seconds == np.inf:
         yield
         return
@@ -164,7 +160,7 @@ def limited(seconds: float) -> Iterator[None]:
 
 
 def judged(drawn: Drawn, tol: float, limit: float = np.inf) -> dict[str, Any]:
-    """What became of a scene."""
+    """Solve and judge a scene; return its line of the CSV."""
     kind, value = drawn.scene.control
     row: dict[str, Any] = dict(
         seed=drawn.seed,
@@ -206,7 +202,7 @@ def judged(drawn: Drawn, tol: float, limit: float = np.inf) -> dict[str, Any]:
                 str(error),
             )
             row["error"] = getattr(getattr(error, "best", None), "error", "")
-            if wrong := own_models.wrongly_refused(drawn.scene, error):
+            if wrong := grid_judge.wrongly_refused(drawn.scene, error):
                 row["outcome"], row["detail"] = "FAULT", wrong
         except Exception as error:  # noqa: BLE001  (whatever it is, it is a fault to be listed)
             row["outcome"], row["reason"], row["detail"] = (
@@ -219,7 +215,7 @@ def judged(drawn: Drawn, tol: float, limit: float = np.inf) -> dict[str, Any]:
 
 
 def _reason(error: contact.ContactError) -> str:
-    """The part of a message that is the same for all of its kind."""
+    """Return a phrase that names the kind of an error, without its numbers."""
     text = str(error)
     known = (
         "no symbol",
@@ -248,13 +244,14 @@ def _reason(error: contact.ContactError) -> str:
 
 
 def unsound(scene: contact.Scene, solution: contact.Solution, tol: float) -> str:
-    """What a solution itself says is wrong with it; empty if nothing is."""
+    """Return what a solution's own certificate or stated error says is wrong; else ''."""
     if not solution.certificate.holds and scene.interaction.exact:
         return f"not certified: {solution.certificate.note}"
     return "" if solution.error <= tol else f"stated error {solution.error:.2g}"
 
 
 def _against_tighter(scene: contact.Scene, solution: contact.Solution, tol: float) -> str:
+    """Return how a solution differs from one a thousand times as tight; empty within both errors."""
     try:
         tight = contact.solve(scene, tol=max(1e-3 * tol, 1e-13))
     except contact.NotConverged as error:
@@ -272,17 +269,18 @@ def _against_tighter(scene: contact.Scene, solution: contact.Solution, tol: floa
     width = (tight.zones[:, 1] - tight.zones[:, 0])[:, None]
     ends = float((np.abs(tight.zones - solution.zones) / width).max())
     if ends > 0.9 * (scene.period or np.inf) / float(width.min()):
-        return ""  # an end at the border of the cell, rounded to its other side
+        return ""  # an end at the border of the cell was rounded to the other side
     allowed = solution.error + tight.error
     return f"ends off by {ends:.1e}, stated {allowed:.1e}" if ends > allowed else ""
 
 
 def _against_grid(scene: contact.Scene, solution: contact.Solution) -> str:
-    """Whether grids of other origin and method have the same contacts and gaps, as far as their
-    cells tell.
+    """Return a zone or gap that grids contradict; empty if there is none.
+
+    A fine grid has to confirm what a coarse one finds, which may have fewer points than a trace.
     """
-    if isinstance(scene.interaction, own_models.OWN):
-        return own_models.fault(scene, solution)
+    if isinstance(scene.interaction, OWN_MODELS):
+        return grid_judge.fault(scene, solution)
     exact_model = isinstance(scene.interaction, contact.Periodic)
     if (
         not exact_model
@@ -291,14 +289,15 @@ def _against_grid(scene: contact.Scene, solution: contact.Solution) -> str:
         or not np.isfinite(solution.max_pressure)
     ):
         return ""
-    return _against_cells(scene, solution, scene.period, _POINTS) and _against_cells(
-        scene, solution, scene.period, _MORE_POINTS
-    )
+    return _against_cells(scene, solution, 2**13) and _against_cells(scene, solution, 2**17)
 
 
 def _against_cells(
-    scene: contact.Scene, solution: contact.Solution, period: float, points: int
+    scene: contact.Scene, solution: contact.Solution, points: int, least_cells: int = 8
 ) -> str:
+    """The same on one grid, for zones and gaps of at least `least_cells` cells."""
+    period = scene.period
+    assert period is not None
     cell = (scene.profile.x0, scene.profile.x0 + period)
     found = propose(
         lambda x: grid_height(scene.profile, x),
@@ -318,18 +317,19 @@ def _against_cells(
         ("a gap of the grid", ~touching, ~pressed),
     ):
         for start, stop in _runs(mask):
-            if stop - start >= _CELLS and not other[start:stop].any():
+            if stop - start >= least_cells and not other[start:stop].any():
                 return f"{what} of {stop - start} cells at {x[start]:.6g} is not there on a grid of {found.points}"
     return ""
 
 
 def _runs(mask: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """(start, stop) of every run of true entries."""
     change = np.flatnonzero(np.diff(np.concatenate(([False], mask, [False])).astype(np.int8)))
     return list(zip(change[::2].tolist(), change[1::2].tolist(), strict=True))
 
 
 def table(rows: list[dict[str, Any]]) -> list[str]:
-    """Outcomes by model and reason."""
+    """Return the number of scenes of every outcome and reason, one a line."""
     counts = Counter((row["outcome"], row["reason"]) for row in rows)
     return [
         f"{count:6d}  {outcome:14s} {reason}" for (outcome, reason), count in counts.most_common()
@@ -351,7 +351,7 @@ def main(
     draw: Callable[[int], Drawn | contact.ContactError] = draw,
     description: str | None = __doc__,
 ) -> int:
-    """Judge the scenes of some seeds and print what became of them; 3 if one has a fault."""
+    """Judge the scenes of some seeds, print the outcomes, and return 3 if one is a fault."""
     parser = argparse.ArgumentParser(description=description)
     parser.add_argument("first", type=int)
     parser.add_argument("count", type=int)

@@ -1,9 +1,9 @@
-"""Everything that docs/benchmarks.md and docs/stability.md show:
+"""Measures everything that docs/benchmarks.md and docs/stability.md show.
 
     python -m contact.studies.run [--quick] [--peers] [--docs] OUT
 
-Tables, CSV and figures go to OUT; --docs sets them, and what else is there, in the
-pages. Runs on one thread.
+Tables, CSV and figures go to OUT; `--docs` sets them, and other tables found there, in the pages.
+It runs on one thread.
 """
 
 from __future__ import annotations
@@ -13,21 +13,20 @@ import sys
 from pathlib import Path
 
 from contact.solution.terminal import Progress, show_table
-from contact.studies.alone import ONE_THREAD
 from contact.studies.bench import run
+from contact.studies.bench.alone import ONE_THREAD
 from contact.studies.pages import fill
-
-_FLAGS = {"--quick", "--peers", "--docs"}
 
 
 def main(arguments: list[str]) -> int:
+    """Measure, show the tables, and return 3 if an extreme scene fails."""
     flags = {a for a in arguments if a.startswith("--")}
     names = [a for a in arguments if a not in flags]
-    if len(names) != 1 or not flags <= _FLAGS:
+    if len(names) != 1 or not flags <= {"--quick", "--peers", "--docs"}:
         print(__doc__, file=sys.stderr)
         return 2
     if any(os.environ.get(name) != "1" for name in ONE_THREAD):
-        # numpy takes its number of threads when it is loaded: once more from the start.
+        # numpy chooses its number of threads at import: restart with the environment set.
         again = [sys.executable, "-m", "contact.studies.run", *sys.argv[1:]]
         os.execve(sys.executable, again, {**os.environ, **ONE_THREAD})
     folder, quick = Path(names[0]), "--quick" in flags

@@ -1,8 +1,9 @@
-"""Random profiles of every family, for `random_scenes`: each a function of a random generator and
-the length of a cell.
+"""Random profiles and interaction models for `random_scenes`.
 
-A family returns a profile of about unit slope times 1e-3 ... 1e-1, whose cell is `length`; periodic
-or not as drawn.
+A family is a function of a random generator and the length of a cell. It returns a profile, periodic
+or not, whose slopes are about 1e-3 to 1e-1. The interaction models are written as a reader of
+docs/own-profile.md would write them. Each gives its kernel in closed form, and by `multiplier` or
+`rest` what an independent grid needs (contact.studies.grid_judge).
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import contact
+import sie
 from contact.reference.inverse import random_problem
 from contact.studies.trace_kinds import KINDS, POSITIONS, drawn
 
@@ -23,9 +25,7 @@ Family = Callable[[np.random.Generator, float], contact.Profile]
 
 @dataclass(frozen=True, eq=False)
 class PiecewiseLinear(contact.Profile):
-    """Straight lines between corners, ascending; periodic, or going on as they end. Trapezoids,
-    sawteeth, rough polygons.
-    """
+    """A polygon through corners `at`, ascending; an isolated one continues its outer lines."""
 
     at: Array
     heights: Array
@@ -69,7 +69,7 @@ class PiecewiseLinear(contact.Profile):
 
 @dataclass(frozen=True, eq=False)
 class Mixed(contact.Profile):
-    """The sum of profiles, which have one period or none."""
+    """A sum of profiles that have the same period, or none."""
 
     parts: tuple[contact.Profile, ...]
     period: float | None = None
@@ -99,11 +99,12 @@ class Mixed(contact.Profile):
 
 
 def sinusoid(rng: np.random.Generator, length: float) -> contact.Profile:
+    """One wave per cell."""
     return contact.Sinusoid(length * 10 ** rng.uniform(-3, -1) / (2 * np.pi), length)
 
 
 def fourier(rng: np.random.Generator, length: float) -> contact.Profile:
-    """Up to 40 harmonics, falling as k^0 ... k^-2.5, some of them absent."""
+    """Up to 40 harmonics, some absent; amplitudes fall as k^0 to k^-2.5."""
     n = int(rng.integers(1, 41))
     k = np.arange(1, n + 1)
     size = k ** -rng.uniform(0, 2.5) * (rng.random(n) < rng.uniform(0.3, 1))
@@ -114,7 +115,7 @@ def fourier(rng: np.random.Generator, length: float) -> contact.Profile:
 
 
 def polynomial(rng: np.random.Generator, length: float) -> contact.Profile:
-    """Of even degree 2 ... 8, growing on both sides, with bumps."""
+    """An even degree of 2 to 8; the profile grows on both sides and has bumps between."""
     degree = 2 * int(rng.integers(1, 5))
     c = rng.normal(size=degree + 1)
     c[-1] = abs(c[-1]) + 0.1
@@ -123,7 +124,7 @@ def polynomial(rng: np.random.Generator, length: float) -> contact.Profile:
 
 
 def sampled(rng: np.random.Generator, length: float) -> contact.Profile:
-    """A self-affine trace of 32 ... 512 points with noise, periodic or not."""
+    """A self-affine trace of 32 to 512 points with noise, periodic or not."""
     n = int(2 ** rng.integers(5, 10))
     k = np.arange(1, n // 2)
     spectrum = np.zeros(n // 2 + 1, dtype=complex)
@@ -136,8 +137,9 @@ def sampled(rng: np.random.Generator, length: float) -> contact.Profile:
 
 
 def trace(rng: np.random.Generator, length: float) -> contact.Profile:
-    """A trace of any kind, 100 ... 5,000 points, even or uneven; one in five of a lone body,
-    tilted, between shoulders that rise.
+    """A trace of any kind with 100 to 5,000 points.
+
+    One trace in five is that of an isolated body, tilted, with shoulders that rise on both sides.
     """
     points, kind, positions = (
         int(10 ** rng.uniform(2, 3.7)),
@@ -154,6 +156,7 @@ def trace(rng: np.random.Generator, length: float) -> contact.Profile:
 
 
 def biquadratic(rng: np.random.Generator, length: float) -> contact.Profile:
+    """Two tips, periodic or isolated."""
     period = length if rng.random() < 0.6 else None
     return contact.Biquadratic(
         length * 10 ** rng.uniform(0, 2), length * rng.uniform(0.1, 0.9), period
@@ -161,21 +164,24 @@ def biquadratic(rng: np.random.Generator, length: float) -> contact.Profile:
 
 
 def wedge(rng: np.random.Generator, length: float) -> contact.Profile:
+    """A wedge, periodic or isolated."""
     return contact.Wedge(10 ** rng.uniform(-3, -1), length if rng.random() < 0.6 else None)
 
 
 def parabola(rng: np.random.Generator, length: float) -> contact.Profile:
+    """A parabola, periodic or isolated."""
     return contact.Parabola(
         length * 10 ** rng.uniform(0, 2), length if rng.random() < 0.6 else None
     )
 
 
 def flat(rng: np.random.Generator, length: float) -> contact.Profile:
+    """A flat punch, periodic or isolated."""
     return contact.Flat(length * rng.uniform(0.05, 0.99), length if rng.random() < 0.6 else None)
 
 
 def piecewise(rng: np.random.Generator, length: float) -> contact.Profile:
-    """3 ... 24 corners at random places, or a sawtooth or trapezoid."""
+    """3 to 24 corners at random positions, or a sawtooth or trapezoid."""
     n = int(rng.integers(3, 25))
     gaps = rng.dirichlet(np.full(n, rng.choice([0.7, 3.0, 30.0])))
     at = length * (
@@ -194,7 +200,7 @@ def piecewise(rng: np.random.Generator, length: float) -> contact.Profile:
 
 
 def mixed(rng: np.random.Generator, length: float) -> contact.Profile:
-    """A wave on a wedge, on a parabola or on corners; a noisy trace on a wave."""
+    """A wave on top of a wedge, a parabola, a polygon or a noisy trace."""
     period = length if rng.random() < 0.6 else None
     if period is None:
         carrier = [wedge, parabola, polynomial][rng.integers(3)]
@@ -212,6 +218,7 @@ def mixed(rng: np.random.Generator, length: float) -> contact.Profile:
 
 
 def designed(rng: np.random.Generator, length: float) -> contact.Profile:
+    """The profile of an inverse-designed contact of 1 to 12 zones."""
     period = length if rng.random() < 0.7 else None
     zones = int(rng.integers(1, 13 if period else 7))
     problem = random_problem(
@@ -243,28 +250,138 @@ FAMILIES: dict[str, Family] = {
         designed,
     )
 }
-# The part of random scenes that get a rough counter body.
-_PAIRS = 0.12
 
 
-def faced(
-    seed: int, family: str, profile: contact.Profile, length: float
+def with_counter_body(
+    seed: int, family: str, profile: contact.Profile, length: float, share: float = 0.12
 ) -> tuple[str, contact.Profile]:
-    """For a part of the seeds, the profile with that of a counter body; drawn apart, so that the
-    other seeds stay.
+    """Return the profile, for a share of the seeds combined with a rough counter body.
 
-    The counter body comes from any family, stands anywhere and either way round; where it repeats,
-    in the same cells, in two or in three of its own to one, or to two, of the profile's.
+    The counter body comes from any family, at any shift, mirrored or not. If it is periodic, its
+    cell is the profile's, or a half, a third, two thirds or twice of it. It has a random generator
+    of its own, so that scenes without a counter body do not depend on it.
     """
     rng = np.random.default_rng([seed, 2])
-    if rng.random() >= _PAIRS:
+    if rng.random() >= share:
         return family, profile
     other = str(rng.choice(list(FAMILIES)))
     counter = FAMILIES[other](rng, length * float(rng.choice([1.0, 1.0, 0.5, 1 / 3, 2 / 3, 2.0])))
-    pair = contact.Combined(
-        profile,
-        counter,
-        shift=length * float(rng.uniform(-1, 1)),
-        mirrored=bool(rng.random() < 0.5),
-    )
+    shift, mirrored = length * float(rng.uniform(-1, 1)), bool(rng.random() < 0.5)
+    pair = contact.Combined(profile, counter, shift=shift, mirrored=mirrored)
     return f"{family} on {other}", pair
+
+
+@dataclass(frozen=True)
+class Waves(contact.Interaction):
+    """A symbol L_n = 1 + excess[n - 1] of the longest waves n of the period, 1 of all others."""
+
+    excess: tuple[float, ...]
+    name = "waves"
+    needs_period = True
+
+    def kernel(self, period: float | None, unit: float) -> sie.Kernel:
+        assert period is not None
+        q = 2 * np.pi / period
+
+        def value(x: Array, xi: Array) -> Array:
+            terms = (e * q * np.sin(n * q * (x - xi)) for n, e in enumerate(self.excess, 1))
+            return np.asarray(sum(terms))
+
+        def potential(x: Array, xi: Array) -> Array:
+            terms = (-e / n * np.cos(n * q * (x - xi)) for n, e in enumerate(self.excess, 1))
+            return np.asarray(sum(terms))
+
+        return sie.hilbert(period) + sie.Smooth(value, potential)
+
+    def multiplier(self, q: Array, period: float) -> Array:
+        """The symbol."""
+        n = np.rint(q * period / (2 * np.pi)).astype(int)
+        table = np.concatenate((np.zeros(1), self.excess))
+        return np.asarray(1 + np.where(n < len(table), table[np.minimum(n, len(table) - 1)], 0.0))
+
+
+@dataclass(frozen=True)
+class Bed(contact.Interaction):
+    """The symbol L(q) = 1 + eps exp(-q depth), given by its kernel alone.
+
+    The series of r^n sin(n theta) and of r^n cos(n theta)/n have closed forms.
+    """
+
+    eps: float
+    depth: float
+    name = "bed"
+    needs_period = True
+
+    def kernel(self, period: float | None, unit: float) -> sie.Kernel:
+        assert period is not None
+        q, eps = 2 * np.pi / period, self.eps
+        r = np.exp(-q * self.depth / unit)
+
+        def value(x: Array, xi: Array) -> Array:
+            theta = q * (x - xi)
+            return np.asarray(q * eps * r * np.sin(theta) / (1 - 2 * r * np.cos(theta) + r * r))
+
+        def potential(x: Array, xi: Array) -> Array:
+            return np.asarray(0.5 * eps * np.log(1 - 2 * r * np.cos(q * (x - xi)) + r * r))
+
+        return sie.hilbert(period) + sie.Smooth(value, potential)
+
+    def multiplier(self, q: Array, period: float) -> Array:
+        """The symbol."""
+        return np.asarray(1 + self.eps * np.exp(-q * self.depth))
+
+
+@dataclass(frozen=True)
+class Coated(Bed):
+    """The same body as `Bed`, given by its symbol instead of its kernel."""
+
+    name = "coated"
+    kernel = contact.Interaction.kernel
+
+    def symbol(self, q: Array) -> Array:
+        return np.asarray(1 + self.eps * np.exp(-q * self.depth))
+
+
+@dataclass(frozen=True)
+class Buried(contact.Interaction):
+    """An isolated body with K = 1/r + eps r/(r^2 + depth^2), of symbol 1 + eps exp(-q depth)."""
+
+    eps: float
+    depth: float
+    name = "buried"
+    allows = ("load", "mean_pressure", "half_width")
+
+    def kernel(self, period: float | None, unit: float) -> sie.Kernel:
+        eps, depth = self.eps, self.depth / unit
+        return sie.cauchy() + sie.Smooth(
+            lambda x, xi: eps * (x - xi) / ((x - xi) ** 2 + depth**2),
+            lambda x, xi: 0.5 * eps * np.log((x - xi) ** 2 + depth**2),
+        )
+
+    def rest(self, lag: Array) -> Array:
+        """The potential of the kernel less ln|lag|."""
+        return np.asarray(0.5 * self.eps * np.log(lag**2 + self.depth**2))
+
+
+OWN_MODELS = (Waves, Bed, Coated, Buried)
+
+
+def with_own_model(
+    seed: int, interaction: contact.Interaction, length: float, share: float = 0.15
+) -> contact.Interaction:
+    """Return the interaction, for a share of the seeds replaced by one of `OWN_MODELS`.
+
+    The model has a random generator of its own, so that the other scenes do not depend on it.
+    """
+    rng = np.random.default_rng([seed, 1])
+    if rng.random() >= share or interaction.strip:
+        return interaction
+    eps, depth = float(rng.uniform(-0.7, 1.5)), length * float(10 ** rng.uniform(-1.5, 0.5))
+    if not interaction.needs_period:
+        return Buried(eps, depth)
+    kind = rng.integers(4)
+    if kind == 0:
+        return Waves((eps,))
+    if kind == 1:
+        return Waves(tuple(float(e) for e in rng.uniform(-0.6, 1.0, int(rng.integers(2, 8)))))
+    return Bed(eps, depth) if kind == 2 else Coated(eps, depth)

@@ -424,10 +424,9 @@ class TestPages:
             "imports",
             "self-affine",
             "measured-trace",
+            "sampling",
             "kinds-10000",
             "kinds-20000",
-            "challenge",
-            "challenge-curves",
             "many-intervals",
         }
         named = set()

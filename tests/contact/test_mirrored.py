@@ -2,13 +2,82 @@
 and all sides are others.
 """
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
 
-from contact.studies.mirrored import told
+import contact
+from contact.studies.trace_kinds import KINDS, drawn
 from tests.tiers import quick
+
+# Angles of a zone at which pressures are compared.
+ANGLES = np.linspace(0.02, np.pi - 0.02, 160)
+
+
+def scene(seed):
+    """A trace of 30 to 120 points under some load, model, substrate and law."""
+    rng = np.random.default_rng([91, seed])
+    kind, points = str(rng.choice(list(KINDS))), int(rng.integers(30, 121))
+    profile = drawn(rng, kind, points, str(rng.choice(["even", "uneven"])))
+    E_star, part = 10.0 ** rng.uniform(6, 11), 10.0 ** -rng.uniform(0.02, 2.5)
+    whole = contact.Scene(profile, E_star, contact.Periodic(), contact_fraction=1.0)
+    full, period = contact.solve(whole).load, profile.period
+    plain = contact.Scene(profile, E_star, contact.Periodic(), load=part * full)
+    work = (full / period) ** 2 * period / E_star * 10.0 ** rng.uniform(-5, -2)
+    depth, nu = period * 10.0 ** rng.uniform(-1.3, 1), rng.uniform(0, 0.49)
+    scenes = (
+        plain,
+        replace(plain, interaction=contact.Localized("self-consistent")),
+        replace(plain, interaction=contact.Localized("first-order")),
+        replace(plain, substrate=contact.Layer(depth, nu)),
+        replace(plain, law=contact.JKR(work)),
+        replace(plain, law=contact.Dugdale(work, full / period * 10.0 ** rng.uniform(-1.5, 0.5))),
+    )
+    return scenes[int(rng.integers(len(scenes)))]
+
+
+def mirrored(one):
+    """The scene of the mirror image."""
+    x, heights = np.asarray(one.profile.x), np.asarray(one.profile.heights)
+    image = contact.Sampled(-x[::-1], heights[::-1], period=one.profile.period)
+    return replace(one, profile=image)
+
+
+def difference(one, other):
+    """Difference of two answers over both stated errors; None if they have other zones."""
+    widths, reversed_widths = one.zone_widths, other.zone_widths[::-1]
+    if len(widths) != len(reversed_widths):
+        return None
+    if len(widths) == 0:
+        return 0.0
+    turns = [
+        turn
+        for turn in range(len(widths))
+        if np.abs(widths - np.roll(reversed_widths, turn)).max() < 1e-4 * widths.max()
+    ]
+    if not turns:
+        return None
+    zone = np.roll(np.arange(len(widths))[::-1], turns[0])
+    ends = float((np.abs(widths - other.zone_widths[zone]) / widths).max())
+    law, t = one.scene.law, np.cos(ANGLES)
+    # The pressure of JKR is infinite at the ends; the tension counts for the peak of Dugdale.
+    weight = np.sin(ANGLES) if law.pulls and law.tension == 0.0 else 1.0
+    pairs = [
+        (one.pressure_at(t, k), other.pressure_at(-t, int(zone[k]))) for k in range(len(widths))
+    ]
+    peak = max(float(np.abs((p + law.tension) * weight).max()) for p, _ in pairs)
+    pressure = max(float(np.abs((p - q) * weight).max()) for p, q in pairs) / peak
+    return max(0.5 * ends, pressure) / (one.error + other.error)
 
 
 @pytest.mark.filterwarnings("ignore::contact.ModelWarning")
 @pytest.mark.parametrize("seed", quick(range(24), range(6)))
 def test_a_trace_and_its_mirror_image_agree(seed):
-    assert not told(seed, 120, 1e-8)[1].startswith("apart")
+    one = scene(seed)
+    try:
+        found = [contact.solve(each, 1e-8) for each in (one, mirrored(one))]
+    except contact.ContactError:
+        return  # rounding may decide whether an error is below the tolerance
+    # A closure may have several strips at rest: other zones are no fault.
+    assert (difference(*found) or 0.0) <= 1.0

@@ -14,8 +14,8 @@ import pytest
 
 import contact
 import sie
-from contact.studies.own_models import Bed, Buried, Coated, Waves, fault, judge
-from contact.studies.scene_families import PiecewiseLinear
+from contact.studies.grid_judge import fault, judge
+from contact.studies.scene_families import Bed, Buried, Coated, PiecewiseLinear, Waves
 from tests.contact.judge import solve, true_error
 
 WAVE = contact.Sinusoid(0.01, 1.0)

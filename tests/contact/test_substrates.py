@@ -294,7 +294,7 @@ def test_a_datum_beside_a_base_and_a_kernel_beside_a_substrate_are_refused():
         contact.Scene(
             contact.Parabola(1.0), 1.0, contact.Isolated(datum=1.0), substrate=Grounded(), load=0.01
         )
-    from contact.studies.own_models import Bed
+    from contact.studies.scene_families import Bed
 
     with pytest.raises(contact.SceneError, match="a kernel of its own"):
         contact.Scene(WAVE, 1.0, Bed(0.5, 0.1), substrate=Soft(), mean_pressure=0.01)

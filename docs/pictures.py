@@ -1,8 +1,8 @@
-"""Runs the examples and keeps what they show: python -m contact.studies.gallery [NAME ...].
+"""Runs the examples and keeps what they show: python docs/pictures.py [NAME ...].
 
-Of each script of `examples` and `examples/engine`, and of each scene file, a picture of what is
-solved, docs/gallery/NAME.png, and what is printed, docs/gallery/NAME.txt. The pages themselves are
-made of script, picture and print when the site is built (docs/gallery.py).
+Of each script of `examples` and `examples/engine`, and of each scene file, it writes a picture of
+the solutions, docs/gallery/NAME.png, and the printed text, docs/gallery/NAME.txt. The site is built
+from scripts, pictures and texts (docs/gallery.py).
 """
 
 from __future__ import annotations
@@ -23,23 +23,22 @@ from contact.extras import require
 from contact.model.units import prefix, quantity
 from contact.solution.sampling import positions, surfaces, window
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[1]
 EXAMPLES = ROOT / "examples"
 KEPT = ROOT / "docs" / "gallery"
-LARGEST = 60_000  # bytes of a picture
 
 _COLOURS = ("#1f5a92", "#b3261e", "#3d7a4a", "#8a5a00", "#6a3d8a", "#444444")
 
 
 def scripts() -> dict[str, Path]:
-    """Name, and file, of every example."""
+    """Return the file of every example by its name."""
     found = ((EXAMPLES, "*.py"), (EXAMPLES / "engine", "*.py"), (EXAMPLES, "*.toml"))
     return {file.stem: file for folder, ending in found for file in sorted(folder.glob(ending))}
 
 
 @contextlib.contextmanager
 def _recorded(package: Any, found: list[Any], name: str = "solve") -> Iterator[None]:
-    """What `package.solve`, or another function, gives while this lasts."""
+    """Collect what a function of a package returns within the block."""
     function = getattr(package, name)
 
     def recording(*given: Any, **options: Any) -> Any:
@@ -55,9 +54,7 @@ def _recorded(package: Any, found: list[Any], name: str = "solve") -> Iterator[N
 
 
 def run(file: Path) -> tuple[list[contact.Path], list[contact.Solution], list[sie.Solution], str]:
-    """The load paths that a script follows, what it solves by `contact` and by `sie` alone, and
-    what it prints.
-    """
+    """Run a script; return its load paths, its solutions of `contact` and `sie`, and its print."""
     spec = importlib.util.spec_from_file_location(f"gallery_{file.stem}", file)
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
@@ -77,9 +74,7 @@ def run(file: Path) -> tuple[list[contact.Path], list[contact.Solution], list[si
 
 
 def _distinct(solutions: list[contact.Solution]) -> list[contact.Solution]:
-    """The last of each model, or of each of several shapes, or else of each scene, as many as can
-    be told apart.
-    """
+    """Return the last solution of each model, or of each shape, or else of each scene."""
     models = {repr(one.scene.interaction): one for one in solutions}
     shapes = {repr(one.scene.profile): one for one in solutions}
     last = (
@@ -93,7 +88,7 @@ def _distinct(solutions: list[contact.Solution]) -> list[contact.Solution]:
 
 
 def of_contact(solutions: list[contact.Solution]) -> Any:
-    """Surfaces of the last solution above, the pressures of all below."""
+    """A figure: the surfaces of the last solution above, the pressures of all below."""
     shown = _distinct(solutions)
     figure = require("matplotlib.figure").Figure(figsize=(6.0, 4.2), layout="constrained")
     top, bottom = figure.subplots(2, 1, sharex=True)
@@ -127,7 +122,7 @@ def of_contact(solutions: list[contact.Solution]) -> Any:
 
 
 def _label(one: contact.Solution, shown: list[contact.Solution]) -> str:
-    """What tells a scene from the others."""
+    """Return a label that distinguishes a scene from the others."""
     if len({repr(other.scene.interaction) for other in shown}) > 1:
         return f"{one.scene.interaction}".replace("closure=", "").replace("neighbours=", "")
     if len({other.moment for other in shown}) > 1 and one.scene.moment is not None:
@@ -148,7 +143,7 @@ def _label(one: contact.Solution, shown: list[contact.Solution]) -> str:
 
 
 def _varied(shown: list[contact.Solution]) -> list[tuple[str, str]]:
-    """(table, name) of every number of the shapes that is not the same in all."""
+    """Return (table, name) of every number of the profiles that differs between them."""
     tables = [one.scene.profile.tables() for one in shown]
     keys = [
         (table, name)
@@ -159,12 +154,12 @@ def _varied(shown: list[contact.Solution]) -> list[tuple[str, str]]:
     return [
         (table, name)
         for table, name in keys
-        if len({repr(told.get(table, {}).get(name)) for told in tables}) > 1
+        if len({repr(other.get(table, {}).get(name)) for other in tables}) > 1
     ]
 
 
 def of_engine(found: list[sie.Solution]) -> Any:
-    """The densities of the last solutions on their intervals."""
+    """A figure of the densities of the last solutions on their intervals."""
     figure = require("matplotlib.figure").Figure(figsize=(6.0, 3.2), layout="constrained")
     axes = figure.subplots()
     t = np.sin(np.linspace(-0.5, 0.5, 301) * np.pi)
@@ -182,18 +177,18 @@ def of_engine(found: list[sie.Solution]) -> Any:
 
 
 def numbers(solution: contact.Solution) -> str:
-    """A scene's numbers, a line each."""
+    """Return the numbers of a solution, one a line."""
     fraction = solution.contact_fraction
-    told = [
+    lines = [
         ("zones", str(len(solution.zones))), ("load", quantity(solution.load, "N/m")),
         ("highest pressure", quantity(solution.max_pressure, "Pa")), ("approach", quantity(solution.approach, "m")),
         ("in contact", "not defined" if fraction is None else f"{100 * fraction:.4g} %"), ("stated error", f"{solution.error:.0e}"),
     ]  # fmt: skip
-    return "".join(f"{name:18}{value}\n" for name, value in told)
+    return "".join(f"{name:18}{value}\n" for name, value in lines)
 
 
 def save(figure: Any, file: Path, dpi: int = 110) -> None:
-    """A figure as PNG of few colours, which takes a third of the room."""
+    """Write a figure as PNG of 128 colours, a third of the size of a full one."""
     stream = io.BytesIO()
     figure.savefig(stream, format="png", dpi=dpi)
     require("PIL.Image").open(stream).convert("RGB").quantize(128, method=2, dither=0).save(
@@ -202,7 +197,7 @@ def save(figure: Any, file: Path, dpi: int = 110) -> None:
 
 
 def keep(name: str, file: Path, folder: Path = KEPT) -> None:
-    """Run one example, and write its picture and its print."""
+    """Run one example and write its picture and its print."""
     folder.mkdir(parents=True, exist_ok=True)
     if file.suffix == ".toml":
         solution = contact.solve(contact.load_scene(file))
