@@ -174,8 +174,9 @@ def main(table: str, out: Path | None) -> None:
     remarks = []
     if table == "self-affine":
         last = [found[-1] for found in figures.values()]
-        logs = [np.log([one[key] for one in last]) for key in ("zones", "seconds")]
-        remarks = [f"Processor time grows as zones^{np.polyfit(*logs, 1)[0]:.2f} (fitted)."]
+        zones, seconds = (np.log([one[key] for one in last]) for key in ("zones", "seconds"))
+        growth = float(np.polyfit(zones, seconds, 1)[0])
+        remarks = [f"Processor time grows as zones^{growth:.2f} (fitted)."]
     publish(Table(table, table.replace("-", " "), TABLES[table], rows), remarks, out)
 
 
