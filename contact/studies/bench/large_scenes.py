@@ -106,13 +106,13 @@ def kinds(points: int) -> Iterator[Large]:
 def scenes(table: str) -> list[Large]:
     """Return the scenes of a table."""
     if table == "self-affine":
-        sizes = (1_000, 3_000, 10_000, 30_000, 100_000, 300_000)
+        sizes = [1_000, 3_000, 10_000, 30_000, 100_000, 300_000]
         return [Large(f"{n:,}", partial(self_affine, n), "mean_pressure", 0.005) for n in sizes]
     if table == "measured-trace":
         loads = (0.003, 0.01, 0.02, 0.03, 0.05, 0.1, 0.2, 0.5, 0.9, 0.99)
         return [Large(f"{load:g}", stylus, "full", load) for load in loads]
     if table == "sampling":
-        sizes = (2_000, 4_000, 8_000, 16_000, 32_000)
+        sizes = [2_000, 4_000, 8_000, 16_000, 32_000]
         return [Large(f"{n:,}", partial(sampled_wave, n), "full", 0.12) for n in sizes]
     return list(kinds(int(table.removeprefix("kinds-"))))
 
