@@ -21,14 +21,14 @@ from contact.formulation import claims
 from contact.model.checks import one_of
 from contact.model.scene import Scene
 from contact.runtime import keep_freed_memory, one_blas_thread
+from contact.search.context import SceneCache, SolveContext
 from contact.search.find import found
 from contact.search.refine import refined
-from contact.search.task import Shared, Task
-from contact.search.topology.carried import Passed
+from contact.search.strategies.full_contact import Full
+from contact.search.strategies.guesses import Outcome
+from contact.search.strategies.load_search import by_quantity
+from contact.search.topology.extrapolation import CurvePoint
 from contact.search.topology.loop import Progress
-from contact.search.ways.by_load import by_quantity
-from contact.search.ways.full_contact import Full
-from contact.search.ways.guesses import Outcome
 from contact.solution import assemble, model_warnings
 from contact.solution.solution import Solution
 from contact.verify.error import SolvedGaps
@@ -110,7 +110,7 @@ def solve(
             near.scene,
         )
     warn(model_warnings.scene_warnings(scene))
-    solution = _solved(scene, tol, progress, near, Shared(scene), branch)
+    solution = _solved(scene, tol, progress, near, SceneCache(scene), branch)
     warn(model_warnings.solution_warnings(solution))
     return solution
 
@@ -128,38 +128,44 @@ def _of(scene: Scene) -> tuple[object, ...]:
 
 
 def solved_along(
-    scene: Scene, tol: float, progress: Progress | None, shared: Shared, along: tuple[Passed, ...]
+    scene: Scene,
+    tol: float,
+    progress: Progress | None,
+    cache: SceneCache,
+    previous: tuple[CurvePoint, ...],
 ) -> Solution:
-    """One scene on a curve of its control's values. shared: what it has in common with the others;
-    along: the last of them.
+    """One scene on a curve of its control's values. cache: what it has in common with the others;
+    previous: the last of them.
     """
-    near = along[-1].solution if along else None
+    near = previous[-1].solution if previous else None
     if scene.control_object.held(scene) is None:
-        return _solved(scene, tol, progress, near, shared)
+        return _solved(scene, tol, progress, near, cache)
     claims.of(scene.profile)
     direct = directly(scene, tol)
     if direct is not None:
         return direct
-    return _run(replace(Task.of(scene, tol, progress, near, _solved, shared), along=along))
+    return _run(
+        replace(SolveContext.of(scene, tol, progress, near, _solved, cache), previous=previous)
+    )
 
 
-def task_of(scene: Scene, tol: float) -> Task:
-    """The task of a scene, for contacts that are followed (`solved_at`)."""
-    return Task.of(scene, tol, None, None, _solved, Shared(scene))
+def context_of(scene: Scene, tol: float) -> SolveContext:
+    """The context of a scene, for contacts that are followed (`solved_at`)."""
+    return SolveContext.of(scene, tol, None, None, _solved, SceneCache(scene))
 
 
-def solved_at(task: Task, found: Outcome, told: str) -> Solution:
-    """A contact that was followed to where it is, by the branch of the task; told: how it was come
+def solved_at(context: SolveContext, found: Outcome, told: str) -> Solution:
+    """A contact that was followed to where it is, by the branch of the context; told: how it was come
     by.
     """
 
-    def lost(_: Task) -> Outcome:
+    def lost(_: SolveContext) -> Outcome:
         raise NotConverged(
             "only the contact that was followed is meant, and no other search for it"
         )
 
-    task.plan["branch"].detail = told
-    return _solution(task, refined(task, found, lost))
+    context.plan["branch"].detail = told
+    return _solution(context, refined(context, found, lost))
 
 
 def _solved(
@@ -167,7 +173,7 @@ def _solved(
     tol: float,
     progress: Progress | None,
     near: Solution | None,
-    shared: Shared,
+    cache: SceneCache,
     branch: str = "advancing",
 ) -> Solution:
     if scene.control_object.held(scene) is None:
@@ -175,34 +181,34 @@ def _solved(
             scene,
             tol,
             near,
-            lambda loaded, tighter, beside: _solved(loaded, tighter, progress, beside, shared),
+            lambda loaded, tighter, beside: _solved(loaded, tighter, progress, beside, cache),
         )
     claims.of(scene.profile)
     direct = directly(scene, tol)
     return (
         direct
         if direct is not None
-        else _run(Task.of(scene, tol, progress, near, _solved, shared, branch))
+        else _run(SolveContext.of(scene, tol, progress, near, _solved, cache, branch))
     )
 
 
-def _run(task: Task) -> Solution:
-    start, features = time.perf_counter(), _features(task.scene)
+def _run(context: SolveContext) -> Solution:
+    start, features = time.perf_counter(), _features(context.scene)
     try:
         with (
             keep_freed_memory(features > _LARGE),
             one_blas_thread() if features > _ROUGH else nullcontext(),
         ):
-            return _solution(task, refined(task, _found(task), _found))
+            return _solution(context, refined(context, _found(context), _found))
     finally:
-        task.plan.seconds = time.perf_counter() - start
+        context.plan.seconds = time.perf_counter() - start
 
 
-def _found(task: Task) -> Outcome:
-    """The contact of the task's scene, on a branch where the law has several equilibria."""
-    if task.follows_branch:
-        return require("contact.adhesion.branch").found(task)  # type: ignore[no-any-return]
-    return found(task)
+def _found(context: SolveContext) -> Outcome:
+    """The contact of the context's scene, on a branch where the law has several equilibria."""
+    if context.follows_branch:
+        return require("contact.adhesion.branch").found(context)  # type: ignore[no-any-return]
+    return found(context)
 
 
 def _features(scene: Scene) -> float:
@@ -214,19 +220,19 @@ def _features(scene: Scene) -> float:
     )
 
 
-def _solution(task: Task, outcome: Outcome) -> Solution:
-    scene, plan, tol = task.scene, task.plan, task.tol
-    followed = task.follows_branch
-    branch = task.branch if followed else None
+def _solution(context: SolveContext, outcome: Outcome) -> Solution:
+    scene, plan, tol = context.scene, context.plan, context.tol
+    followed = context.follows_branch
+    branch = context.branch if followed else None
     if isinstance(outcome, Full):
         return assemble.full_contact_solution(
-            scene, task.full, outcome.mean_pressure, plan, tol, branch
+            scene, context.full, outcome.mean_pressure, plan, tol, branch
         )
     if isinstance(outcome, SolvedGaps):
         return assemble.gap_solution(scene, outcome, plan, tol)
     find_pull_off = (
         require("contact.adhesion.pull_off_of_solution").Parting(
-            task.control(outcome.fields.problem)
+            context.control(outcome.fields.problem)
         )
         if followed
         else None

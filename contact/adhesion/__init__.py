@@ -1,4 +1,4 @@
-r"""A task under an adhesive law in, the contact on the branch that it asks for out.
+r"""A context under an adhesive law in, the contact on the branch that it asks for out.
 
 Contact with adhesion has several equilibria under one load. The unknowns are the ends s of
 intervals. At every end a residual r(s, value) says how strongly the end is driven outward, and

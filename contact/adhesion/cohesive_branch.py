@@ -44,13 +44,13 @@ from contact.formulation.gaps import GapFields
 from contact.formulation.problem import Problem
 from contact.formulation.tables import room_beside
 from contact.model.scene import Scene
+from contact.search.context import SceneCache, SolveContext
 from contact.search.grid.proposals import placed
 from contact.search.grid.scaling import ScaledScene
-from contact.search.task import Shared, Task
-from contact.search.topology.missed import Missed
-from contact.search.ways.full_contact import closed
-from contact.search.ways.gaps import by_gaps
-from contact.search.ways.guesses import Outcome
+from contact.search.strategies.full_contact import closed
+from contact.search.strategies.gaps import by_gaps
+from contact.search.strategies.guesses import Outcome
+from contact.search.topology.failure import Failure
 from contact.solution.assemble import mean_height
 from contact.verify.certificate import certify
 from contact.verify.error import SolvedZones
@@ -89,42 +89,44 @@ _WIDEN = 1.25
 _WIDER = (1.25, 1.5, 2.0, 3.0, 5.0, 8.0)
 
 
-def followed_under_tension(task: Task) -> Outcome:
-    """The contact of the scene on the branch that the task asks for; OutOfRange past pull-off."""
-    scene = task.scene
+def followed_under_tension(context: SolveContext) -> Outcome:
+    """The contact of the scene on the branch that the context asks for; OutOfRange past pull-off."""
+    scene = context.scene
     work = scene.law.tension * scene.law.reach
-    scaled = frame(task, math.sqrt(scene.E_star * work / math.pi))
-    problem, held = scaled.problem, task.control(scaled.problem)
+    scaled = frame(context, math.sqrt(scene.E_star * work / math.pi))
+    problem, held = scaled.problem, context.control(scaled.problem)
     curve, value = Cohesive(problem, held), held.value
-    task.plan["branch"].detail = f"{task.branch}, {way(task)}"
+    context.plan["branch"].detail = f"{context.branch}, {way(context)}"
     try:
-        with task.plan.timed("zone ends"):
-            if task.branch == "receding":
-                rest = _greatest(task, scaled, curve, value)
+        with context.plan.timed("zone ends"):
+            if context.branch == "receding":
+                rest = _greatest(context, scaled, curve, value)
             else:
-                rest = _lowered(task, scaled, curve, value)
+                rest = _lowered(context, scaled, curve, value)
             if rest is not None:
                 rest = settled(
-                    curve, rest, -1.0 if task.branch == "receding" or value < 0.0 else 1.0
+                    curve, rest, -1.0 if context.branch == "receding" or value < 0.0 else 1.0
                 )
     except Closed:
-        return everywhere(task, problem)
+        return everywhere(context, problem)
     if rest is None:
-        raise OutOfRange(past(curve, _pulled_off(task, scaled, curve), task))
-    return solved(task, curve, rest)
+        raise OutOfRange(past(curve, _pulled_off(context, scaled, curve), context))
+    return solved(context, curve, rest)
 
 
-def _greatest(task: Task, scaled: ScaledScene, curve: Cohesive, value: float) -> Point | None:
+def _greatest(
+    context: SolveContext, scaled: ScaledScene, curve: Cohesive, value: float
+) -> Point | None:
     """Receded under the value, or below first touch from where zones under tension everywhere are
     in contact, and then lowered to it.
     """
     if curve.problem.round is None:
-        return _receded(task, scaled, curve, value)
+        return _receded(context, scaled, curve, value)
     if curve.held.load is not None or value > 0.0:
-        return _receded_from_all(task, curve, value)
+        return _receded_from_all(context, curve, value)
     for part in _PARTS:
-        above = part * mean_height(task.scene)
-        higher = replace(task, scene=task.scene.under(task.scene.control[0], above))
+        above = part * mean_height(context.scene)
+        higher = replace(context, scene=context.scene.under(context.scene.control[0], above))
         try:
             rest = _receded_from_all(higher, curve, above / curve.problem.units.height)
         except Closed:
@@ -133,14 +135,16 @@ def _greatest(task: Task, scaled: ScaledScene, curve: Cohesive, value: float) ->
     return None
 
 
-def _lowered(task: Task, scaled: ScaledScene, curve: Cohesive, value: float) -> Point | None:
+def _lowered(
+    context: SolveContext, scaled: ScaledScene, curve: Cohesive, value: float
+) -> Point | None:
     """Advanced under the value, or under none and then lowered to it."""
     try:
-        start = advancing(task, scaled, curve, max(value, 0.0))
+        start = advancing(context, scaled, curve, max(value, 0.0))
     except Closed:
         if value >= 0.0:
             raise
-        return _greatest(task, scaled, curve, value)
+        return _greatest(context, scaled, curve, value)
     return start if value >= 0.0 else _lowered_to(curve, start, value)
 
 
@@ -148,12 +152,12 @@ def _lowered_to(curve: Cohesive, start: Point, value: float) -> Point | None:
     return receded(curve, start.table, value, guide_down(curve, len(start.contact), start.table))
 
 
-def _pulled_off(task: Task, scaled: ScaledScene, curve: Cohesive) -> Point:
+def _pulled_off(context: SolveContext, scaled: ScaledScene, curve: Cohesive) -> Point:
     """Where a contact comes apart that has advanced under no load."""
     try:
-        return pull_off(curve, advancing(task, scaled, curve, 0.0))
+        return pull_off(curve, advancing(context, scaled, curve, 0.0))
     except Closed:
-        nothing = replace(task, scene=task.scene.under(task.scene.control[0], 0.0))
+        nothing = replace(context, scene=context.scene.under(context.scene.control[0], 0.0))
         zones = under_all(nothing, curve.problem)
         if zones is None:
             raise OutOfRange("the surfaces come apart from full contact") from None
@@ -162,20 +166,22 @@ def _pulled_off(task: Task, scaled: ScaledScene, curve: Cohesive) -> Point:
 
 # starts
 # ---------------------------------------------------------------------------------------------------------------
-def advancing(task: Task, scaled: ScaledScene, curve: Cohesive, value: float) -> CohesivePoint:
+def advancing(
+    context: SolveContext, scaled: ScaledScene, curve: Cohesive, value: float
+) -> CohesivePoint:
     """The least equilibrium about first touch under a value of the control, not negative."""
     problem = scaled.problem
     if value == 0.0:
         table, zones = _touched(scaled, curve)
         if problem.period is None:
             # A lone body is scaled by about what its contact is under no load.
-            _refuse_narrow(task, problem.units.length)
+            _refuse_narrow(context, problem.units.length)
     else:
-        found = bare(task)
+        found = bare(context)
         if len(found.zones) == 0:
             raise Closed
         _refuse_many(len(found.zones))
-        _refuse_narrow(task, float(found.zone_widths.max()))
+        _refuse_narrow(context, float(found.zone_widths.max()))
         zones = curve.within(placed(problem, found.zones))
         fields, look = curve.contact_under(Pulled.of(problem, 0.0, np.zeros((0, 2))), value, zones)
         zones, round_ = fields.density.zones.table, problem.round
@@ -194,9 +200,9 @@ def _refuse_many(zones: int) -> None:
         )
 
 
-def _refuse_narrow(task: Task, width: float) -> None:
+def _refuse_narrow(context: SolveContext, width: float) -> None:
     """Where the tension would act on strips too narrow beside zones as wide as this [m]."""
-    scene = task.scene
+    scene = context.scene
     strip = 0.25 * math.pi * scene.E_star * scene.law.reach / scene.law.tension
     if strip < _NARROWEST * width:
         part = max(strip / width, np.finfo(np.float64).tiny)
@@ -300,7 +306,9 @@ def _touched(scaled: ScaledScene, curve: Cohesive) -> tuple[Array, Array]:
     return curve.within(table), curve.within(np.array(zones))
 
 
-def _receded(task: Task, scaled: ScaledScene, curve: Cohesive, value: float) -> Point | None:
+def _receded(
+    context: SolveContext, scaled: ScaledScene, curve: Cohesive, value: float
+) -> Point | None:
     """From an interval about a lone body's least contact so wide that its ends are driven inward,
     and those of wider ones.
     """
@@ -308,11 +316,11 @@ def _receded(task: Task, scaled: ScaledScene, curve: Cohesive, value: float) -> 
         # All that lies between the corners.
         table = np.array([curve.problem.corners])
         curve.from_zones(
-            table, max(value, 0.0), advancing(task, scaled, curve, max(value, 0.0)).zones, ROUGH
+            table, max(value, 0.0), advancing(context, scaled, curve, max(value, 0.0)).zones, ROUGH
         )
         rest = receded(curve, table, max(value, 0.0))
         return rest if rest is None or value >= 0.0 else _lowered_to(curve, rest, value)
-    here = advancing(task, scaled, curve, max(value, 0.0))
+    here = advancing(context, scaled, curve, max(value, 0.0))
     middle, half = (
         0.5 * float(here.table[0, 0] + here.table[-1, 1]),
         0.5 * float(here.table[-1, 1] - here.table[0, 0]),
@@ -333,13 +341,13 @@ def _receded(task: Task, scaled: ScaledScene, curve: Cohesive, value: float) -> 
     )
 
 
-def _receded_from_all(task: Task, curve: Cohesive, value: float) -> Point | None:
+def _receded_from_all(context: SolveContext, curve: Cohesive, value: float) -> Point | None:
     """From tension everywhere in a period; Closed where the gap stays below its reach, None where
     nothing is left.
     """
     problem = curve.problem
     try:
-        zones = under_all(task, problem)
+        zones = under_all(context, problem)
         if zones is None:
             raise Closed
         fields, look = curve.contact_under(curve.everywhere, value, zones)
@@ -353,22 +361,22 @@ def _receded_from_all(task: Task, curve: Cohesive, value: float) -> Point | None
     return receded(curve, table, value, guide_of(curve, len(zones), table))
 
 
-def under_all(task: Task, problem: Problem) -> Array | None:
+def under_all(context: SolveContext, problem: Problem) -> Array | None:
     """Scaled zones under tension everywhere; None in full contact; Lost where there are none."""
-    scene, period = task.scene, task.scene.period
+    scene, period = context.scene, context.scene.period
     assert period is not None
     if scene.given_load is not None and scene.given_load + scene.law.tension * period <= 0.0:
         raise Lost
-    scene = _bare_scene(task, problem)
+    scene = _bare_scene(context, problem)
     if scene.approach is not None and scene.approach <= 0.0:
         raise Lost
-    found = task.under(scene, _BARE)
+    found = context.solve_scene(scene, _BARE)
     return placed(problem, found.zones) if len(found.zones) else None
 
 
-def _bare_scene(task: Task, problem: Problem) -> Scene:
+def _bare_scene(context: SolveContext, problem: Problem) -> Scene:
     """The scene with the tension everywhere put into its control, under the bare law."""
-    scene, period = task.scene, task.scene.period
+    scene, period = context.scene, context.scene.period
     assert period is not None and scene.law.bare is not None
     stress = scene.law.tension
     if scene.given_load is not None:
@@ -382,7 +390,7 @@ def _bare_scene(task: Task, problem: Problem) -> Scene:
 
 # what was found
 # -------------------------------------------------------------------------------------------------------
-def solved(task: Task, curve: Cohesive, here: Point) -> SolvedZones:
+def solved(context: SolveContext, curve: Cohesive, here: Point) -> SolvedZones:
     """The equilibrium as tightly as there is."""
     assert isinstance(here, CohesivePoint)
     problem = curve.problem
@@ -390,7 +398,7 @@ def solved(task: Task, curve: Cohesive, here: Point) -> SolvedZones:
     at_load = here
     if curve.held.load is None:
         at_load = Cohesive(problem, Load(0.0)).from_zones(here.table, here.load, here.zones)
-    fields, free, control = _tight(task, pulled, at_load.load + pulled.pulling.total, here.zones)
+    fields, free, control = _tight(context, pulled, at_load.load + pulled.pulling.total, here.zones)
     certificate = certify(ZoneFields(pulled, fields.state), control.load)
     whole = replace(fields, law_problem=problem, rate=at_load.rate)
     return FoundBeside(
@@ -399,13 +407,13 @@ def solved(task: Task, curve: Cohesive, here: Point) -> SolvedZones:
         certified(certificate, curve, here),
         1,
         control,
-        task.tolerance,
+        context.tolerance,
         beside=uncertain(curve, here, fields),
     )
 
 
 def _tight(
-    task: Task, pulled: Pulled, load: float, zones: Array
+    context: SolveContext, pulled: Pulled, load: float, zones: Array
 ) -> tuple[PulledFields, sie.Free, Load]:
     """load: of q."""
     if pulled.pulling.spread != (None, None):
@@ -421,7 +429,9 @@ def _tight(
         None,
     ) or sie.find_ends(pulled.equation(control), kinds, _LOOSE)
     if not free.converged:
-        raise task.error(Missed(f"under the tension that was found {free.reason}", free), pulled)
+        raise context.error(
+            Failure(f"under the tension that was found {free.reason}", free), pulled
+        )
     return PulledFields(pulled, free.state), free, control
 
 
@@ -460,38 +470,38 @@ def whole(pulled: Pulled, zones: Array) -> sie.Zones:
     return sie.Zones.of(zones, left, right)
 
 
-def everywhere(task: Task, problem: Problem) -> Outcome:
+def everywhere(context: SolveContext, problem: Problem) -> Outcome:
     """Tension in all of a period: the contact under the bare law, less the tension."""
-    scene = _bare_scene(task, problem)
-    alone = replace(task, scene=scene, shared=Shared(scene))
-    found = alone.under(scene, _BARE)
-    stress = task.scene.law.tension
+    scene = _bare_scene(context, problem)
+    alone = replace(context, scene=scene, cache=SceneCache(scene))
+    found = alone.solve_scene(scene, _BARE)
+    stress = context.scene.law.tension
     pulled = Pulled.of(problem, stress / problem.units.pressure, np.zeros((0, 2)), everywhere=True)
     if len(found.zones) == 0:
-        return closed(task)
+        return closed(context)
     zones = placed(problem, found.zones)
     load = found.load / problem.units.load
     plain = replace(problem, law=scene.law)
     if isinstance(found.fields, GapFields):
         gapped = by_gaps(alone, plain, Load(load), float(np.diff(zones, axis=1).sum()), zones)
-        if isinstance(gapped, Missed):
-            raise task.error(gapped, plain)
+        if isinstance(gapped, Failure):
+            raise context.error(gapped, plain)
         here = gapped.fields
         lowered = PulledGapFields(
             here.problem, here.state, here.mean, here.relief, stress / problem.units.pressure
         )
         return replace(gapped, fields=lowered)
-    fields, free, control = _tight(task, pulled, load, zones)
+    fields, free, control = _tight(context, pulled, load, zones)
     certificate = certify(ZoneFields(pulled, fields.state), control.load)
     curve = Cohesive(problem, Load(0.0))
     fields = replace(fields, law_problem=problem)
-    beside = 0.0 if task.scene.given_load is None else rounded_load(fields)
+    beside = 0.0 if context.scene.given_load is None else rounded_load(fields)
     return FoundBeside(
         free,
         fields,
         certified(certificate, curve, None, fields),
         1,
         control,
-        task.tolerance,
+        context.tolerance,
         beside=beside,
     )

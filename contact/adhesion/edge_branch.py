@@ -23,12 +23,12 @@ from contact.adhesion.nucleation import grown, touched
 from contact.adhesion.pull_off import pull_off
 from contact.errors import NotConverged, OutOfRange, unwarned
 from contact.model.scene import Scene
+from contact.search.context import SolveContext
 from contact.search.grid.proposals import placed
 from contact.search.grid.scaling import ScaledScene, scaled_scene, scaled_scene_about
-from contact.search.task import Task
-from contact.search.topology.missed import Missed
-from contact.search.ways import full_contact
-from contact.search.ways.guesses import Outcome
+from contact.search.strategies import full_contact
+from contact.search.strategies.guesses import Outcome
+from contact.search.topology.failure import Failure
 from contact.solution.solution import Solution
 from sie import Array
 
@@ -44,41 +44,43 @@ _WIDER = (1.25, 1.5, 2.0, 3.0, 5.0, 8.0)
 _ABOVE = 1.0 + 1e-6
 
 
-def followed(task: Task) -> Outcome:
-    """The contact of the scene on the branch that the task asks for; OutOfRange past pull-off."""
-    scene, told = task.scene, task.plan["branch"]
-    told.detail = f"{task.branch}, {way(task)}"
-    if task.branch == "receding" and _closes(scene):
-        return closed(task)
-    scaled, curve = to_follow(task)
+def followed(context: SolveContext) -> Outcome:
+    """The contact of the scene on the branch that the context asks for; OutOfRange past pull-off."""
+    scene, told = context.scene, context.plan["branch"]
+    told.detail = f"{context.branch}, {way(context)}"
+    if context.branch == "receding" and _closes(scene):
+        return closed(context)
+    scaled, curve = to_follow(context)
     problem, control = curve.problem, curve.held
     rest: Point | None
     try:
-        with task.plan.timed("zone ends"):
+        with context.plan.timed("zone ends"):
             if followed_by_approach(curve):
-                rest = _lowered(task, scaled, curve)
-            elif task.branch == "receding":
+                rest = _lowered(context, scaled, curve)
+            elif context.branch == "receding":
                 last = _greatest(curve, scaled, control.value)
                 rest = receded(curve, last, control.value)
                 start = None if rest is not None else _held_higher(curve, last, control.value)
             else:
-                start = advancing(task, scaled, curve, max(control.value, 0.0))
+                start = advancing(context, scaled, curve, max(control.value, 0.0))
                 rest = start if control.value >= 0.0 else receded(curve, start.table, control.value)
     except Closed:
-        return closed(task)
+        return closed(context)
     if rest is None:
         assert start is not None
-        raise OutOfRange(past(curve, pull_off(curve, start), task))
-    found = task.refine_topology(problem, control, curve.settled(rest).table, near=True)
-    if isinstance(found, Missed):
-        raise task.error(found, problem)
+        raise OutOfRange(past(curve, pull_off(curve, start), context))
+    found = context.refine_topology(
+        problem, control, curve.settled(rest).table, abandon_if_far=True
+    )
+    if isinstance(found, Failure):
+        raise context.error(found, problem)
     return found
 
 
-def way(task: Task) -> str:
+def way(context: SolveContext) -> str:
     """How the contact is come by, in words."""
-    scene = task.scene
-    if task.branch == "receding":
+    scene = context.scene
+    if context.branch == "receding":
         return (
             "lowered from full contact" if _closes(scene) else "lowered from the greatest contact"
         )
@@ -95,22 +97,22 @@ def _closes(scene: Scene) -> bool:
     return scene.period is not None and scene.profile.support is None
 
 
-def past(curve: Equilibria, last: Point, task: Task) -> str:
-    units, (name, value) = curve.problem.units, task.scene.control
+def past(curve: Equilibria, last: Point, context: SolveContext) -> str:
+    units, (name, value) = curve.problem.units, context.scene.control
     told = f"load {last.load * units.load:.10g} N/m"
-    if task.scene.mean_pressure is not None and task.scene.period is not None:
-        told += f", mean pressure {last.load * units.load / task.scene.period:.10g} Pa"
+    if context.scene.mean_pressure is not None and context.scene.period is not None:
+        told += f", mean pressure {last.load * units.load / context.scene.period:.10g} Pa"
     if curve.problem.operator.has_approach:
         told += f", approach {-last.level * units.height:.10g} m"
     return f"{name} = {value:.6g} is past pull-off, which is at {told}: the surfaces come apart"
 
 
-def closed(task: Task) -> full_contact.Full:
+def closed(context: SolveContext) -> full_contact.Full:
     """Full contact that adhesion without range has brought about."""
-    scene = task.scene
-    found = full_contact.closed(task)
-    if not task.operator.has_inverse:
-        raise OutOfRange(full_contact.no_inverse(task, "the surfaces close altogether"))
+    scene = context.scene
+    found = full_contact.closed(context)
+    if not context.operator.has_inverse:
+        raise OutOfRange(full_contact.no_inverse(context, "the surfaces close altogether"))
     if len(scene.profile.kinks) and np.any(scene.profile.kinks[:, 1] < 0):
         raise OutOfRange(
             "the surfaces close altogether over valleys with kinks, where the pressure of full contact is infinite"
@@ -118,31 +120,31 @@ def closed(task: Task) -> full_contact.Full:
     return found
 
 
-def to_follow(task: Task) -> tuple[ScaledScene, Equilibria]:
+def to_follow(context: SolveContext) -> tuple[ScaledScene, Equilibria]:
     """The scaled scene, and its equilibria under its control."""
-    scaled = frame(task, abs(task.scene.law.intensity(task.scene.E_star)))
-    return scaled, Equilibria(scaled.problem, task.control(scaled.problem))
+    scaled = frame(context, abs(context.scene.law.intensity(context.scene.E_star)))
+    return scaled, Equilibria(scaled.problem, context.control(scaled.problem))
 
 
 # frames
 # ---------------------------------------------------------------------------------------------------------------
-def frame(task: Task, intensity: float) -> ScaledScene:
+def frame(context: SolveContext, intensity: float) -> ScaledScene:
     """The scaled problem: of a lone body about the contact that it has under no load, or more.
     intensity: with which its adhesion would act at the ends of zones.
     """
-    scene = task.scene
+    scene = context.scene
     if scene.profile.period is not None or scene.profile.support is not None:
-        return scaled_scene(scene, task.single)
-    zones = _typical(task, intensity).zones
+        return scaled_scene(scene, context.single)
+    zones = _typical(context, intensity).zones
     return scaled_scene_about(scene, 0.0, zones)
 
 
-def _typical(task: Task, intensity: float) -> Solution:
+def _typical(context: SolveContext, intensity: float) -> Solution:
     """A contact under the bare law about as wide as the adhesive one under no load, or under its
     load: the tension of adhesion, sqrt(pi E* w times the width in contact), is borne there by the
     profile.
     """
-    scene = task.scene
+    scene = context.scene
     strength = math.pi * intensity
     extent = scene.profile.extent
     size = scene.profile.resolution or (1.0 if extent is None else 0.1 * (extent[1] - extent[0]))
@@ -151,7 +153,7 @@ def _typical(task: Task, intensity: float) -> Solution:
     failure: OutOfRange | None = None
     for _ in range(_SCALINGS):
         try:
-            found = bare(task, load)
+            found = bare(context, load)
         except OutOfRange as refused:
             load, failure = 1e-3 * load, refused
             continue
@@ -167,9 +169,9 @@ def _typical(task: Task, intensity: float) -> Solution:
     return found
 
 
-def bare(task: Task, load: float | None = None) -> Solution:
+def bare(context: SolveContext, load: float | None = None) -> Solution:
     """The contact under the bare law, under the scene's control or a load."""
-    scene = task.scene
+    scene = context.scene
     law = scene.law.bare
     assert law is not None
     alone = (
@@ -179,7 +181,7 @@ def bare(task: Task, load: float | None = None) -> Solution:
     )
     with unwarned():
         try:
-            return task.under(alone, _BARE)
+            return context.solve_scene(alone, _BARE)
         except NotConverged as failure:
             if failure.best is None or not failure.best.error < 1e-2:
                 raise
@@ -188,15 +190,15 @@ def bare(task: Task, load: float | None = None) -> Solution:
 
 # starts
 # ---------------------------------------------------------------------------------------------------------------
-def advancing(task: Task, scaled: ScaledScene, curve: Equilibria, value: float) -> Point:
+def advancing(context: SolveContext, scaled: ScaledScene, curve: Equilibria, value: float) -> Point:
     """The least equilibrium about first touch under a value of the control, not negative."""
-    table = touched(curve, scaled.cell) if value == 0.0 else _pressed(task, scaled)
+    table = touched(curve, scaled.cell) if value == 0.0 else _pressed(context, scaled)
     return grown(curve, table, value)
 
 
-def _pressed(task: Task, scaled: ScaledScene) -> Array:
+def _pressed(context: SolveContext, scaled: ScaledScene) -> Array:
     """The zones under the bare law, in which all ends are driven outward."""
-    found = bare(task)
+    found = bare(context)
     if len(found.zones) == 0:
         raise Closed
     return placed(scaled.problem, found.zones)
@@ -226,18 +228,18 @@ def _greatest(curve: Equilibria, scaled: ScaledScene, value: float) -> Array:
     raise OutOfRange("no zone is so wide that its ends recede: there is no greatest contact")
 
 
-def _lowered(task: Task, scaled: ScaledScene, curve: Equilibria) -> Point:
+def _lowered(context: SolveContext, scaled: ScaledScene, curve: Equilibria) -> Point:
     """Under a held approach, where ends that recede may drive others on: followed from where the
     branch begins through all jumps.
     """
     value = curve.held.value
-    if task.branch == "receding":
+    if context.branch == "receding":
         here = curve.at(_greatest(curve, scaled, value), value)
         # Under so large a value all ends are held at the corners.
         slack = here.whole.residual / here.whole.by_value
         here = curve.at(here.table, value - min(0.0, float(slack.min()) * _ABOVE))
     else:
-        here = advancing(task, scaled, curve, max(value, 0.0))
+        here = advancing(context, scaled, curve, max(value, 0.0))
     last: Point | None = None
     for found in History(Following(curve, scaled.cell)).to(Standing(here.value, here), value):
         if isinstance(found, Jump):
@@ -247,7 +249,7 @@ def _lowered(task: Task, scaled: ScaledScene, curve: Equilibria) -> Point:
         elif found.closed:
             raise Closed
     assert last is not None
-    raise OutOfRange(past(curve, last, task))
+    raise OutOfRange(past(curve, last, context))
 
 
 def _held_higher(curve: Equilibria, table: Array, value: float) -> Point:

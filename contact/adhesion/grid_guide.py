@@ -24,8 +24,8 @@ from contact.adhesion.inner_contact import Lost
 from contact.errors import NotConverged
 from contact.formulation.problem import Problem
 from contact.formulation.tables import runs_of
-from contact.search.grid.coarse import MOST_POINTS, grid_height, zones_of
 from contact.search.grid.conjugate_gradient import GridState, Influence, solve_grid
+from contact.search.grid.nested_grids import MOST_POINTS, grid_height, zones_of
 from contact.search.grid.proposals import placed, whole_response
 from sie import Array, Mask, record
 

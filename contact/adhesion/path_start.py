@@ -25,10 +25,10 @@ from contact.formulation.controls import Approach
 from contact.formulation.fields import ZoneFields
 from contact.formulation.full_contact import FullLimit
 from contact.model.scene import Scene
+from contact.search.context import SolveContext
 from contact.search.grid.scaling import ScaledScene
-from contact.search.task import Task
-from contact.search.topology.missed import Missed
-from contact.search.ways.guesses import Outcome
+from contact.search.strategies.guesses import Outcome
+from contact.search.topology.failure import Failure
 from contact.solution import assemble
 from sie import Array
 
@@ -46,32 +46,32 @@ class Followed:
     law: Following
     started: Callable[[Scene, float], Standing]
     fields: Callable[[Point], ZoneFields | LooseFields]
-    outcome: Callable[[Task, Point], Outcome]
+    outcome: Callable[[SolveContext, Point], Outcome]
     let_go: Callable[[Point], Point | None]
 
 
-def followed(task: Task) -> Followed:
-    """By the law of the task's scene, which is under no load or no approach."""
-    return _under_tension(task) if task.scene.law.tension else _without_range(task)
+def followed(context: SolveContext) -> Followed:
+    """By the law of the context's scene, which is under no load or no approach."""
+    return _under_tension(context) if context.scene.law.tension else _without_range(context)
 
 
-def _without_range(task: Task) -> Followed:
-    scaled, curve = to_follow(task)
+def _without_range(context: SolveContext) -> Followed:
+    scaled, curve = to_follow(context)
 
     def started(scene: Scene, value: float) -> Standing:
         try:
             return Standing(
-                value, curve.settled(advancing(replace(task, scene=scene), scaled, curve, value))
+                value, curve.settled(advancing(replace(context, scene=scene), scaled, curve, value))
             )
         except Closed:
             return Standing(value, closed=True)
 
-    def outcome(task: Task, here: Point) -> Outcome:
-        found = task.refine_topology(
-            curve.problem, replace(curve.held, value=here.value), here.table, near=True
+    def outcome(context: SolveContext, here: Point) -> Outcome:
+        found = context.refine_topology(
+            curve.problem, replace(curve.held, value=here.value), here.table, abandon_if_far=True
         )
-        if isinstance(found, Missed):
-            raise task.error(found, curve.problem)
+        if isinstance(found, Failure):
+            raise context.error(found, curve.problem)
         return found
 
     def let_go(here: Point) -> Point | None:
@@ -84,36 +84,38 @@ def _without_range(task: Task) -> Followed:
     return Followed(Following(curve, scaled.cell), started, curve.fields, outcome, let_go)
 
 
-def _under_tension(task: Task) -> Followed:
-    scene, law = task.scene, task.scene.law
-    scaled = frame(task, math.sqrt(scene.E_star * law.tension * law.reach / math.pi))
+def _under_tension(context: SolveContext) -> Followed:
+    scene, law = context.scene, context.scene.law
+    scaled = frame(context, math.sqrt(scene.E_star * law.tension * law.reach / math.pi))
     problem = scaled.problem
-    curve = Cohesive(problem, task.control(problem), loose=True)
-    following = _Tension(task, scaled, curve).following
+    curve = Cohesive(problem, context.control(problem), loose=True)
+    following = _Tension(context, scaled, curve).following
 
     def started(scene: Scene, value: float) -> Standing:
         try:
             return Standing(
                 value,
                 curve.settled(
-                    cohesive_branch.advancing(replace(task, scene=scene), scaled, curve, value)
+                    cohesive_branch.advancing(replace(context, scene=scene), scaled, curve, value)
                 ),
             )
         except Closed:
             return following.under_all(value)
 
-    def outcome(task: Task, here: Point) -> Outcome:
+    def outcome(context: SolveContext, here: Point) -> Outcome:
         assert isinstance(here, CohesivePoint)
         if not here.everywhere:
-            return cohesive_branch.solved(task, curve, here)
-        if task.give is not None:
-            task = replace(
-                task, scene=task.scene.under("load", here.load * problem.units.load), give=None
+            return cohesive_branch.solved(context, curve, here)
+        if context.spring_compliance is not None:
+            context = replace(
+                context,
+                scene=context.scene.under("load", here.load * problem.units.load),
+                spring_compliance=None,
             )
-        return cohesive_branch.everywhere(task, problem)
+        return cohesive_branch.everywhere(context, problem)
 
     def let_go(here: Point) -> Point | None:
-        held = replace(task, scene=scene.under("approach", 0.0), give=None)
+        held = replace(context, scene=scene.under("approach", 0.0), spring_compliance=None)
         return _Tension(held, scaled, Cohesive(problem, Approach(-here.level), loose=True)).let_go(
             here
         )
@@ -123,7 +125,7 @@ def _under_tension(task: Task) -> Followed:
 
 @dataclass(frozen=True)
 class _Tension:
-    task: Task
+    context: SolveContext
     scaled: ScaledScene
     curve: Cohesive
 
@@ -139,33 +141,33 @@ class _Tension:
             size,
         )
 
-    def _at(self, value: float) -> Task:
+    def _at(self, value: float) -> SolveContext:
         """Under a value of a load or of an approach."""
         held = self.curve.held
         name = "approach" if held.load is None else "load"
         return replace(
-            self.task,
-            scene=self.task.scene.under(name, value * held.unit(self.scaled.problem.units)),
-            give=None,
+            self.context,
+            scene=self.context.scene.under(name, value * held.unit(self.scaled.problem.units)),
+            spring_compliance=None,
         )
 
     def _pressed(self, value: float) -> Array:
         """Zones under tension in all of a period, or a guess of them."""
         problem, known = self.scaled.problem, self.curve.known
-        task = self._at(value)
+        context = self._at(value)
         if self.curve.held.yields:
             if known and len(known[-1].zones) and value < self._full[0] - self._full[1]:
                 return known[-1].zones
             # Short of full contact what the spring holds is about the load there.
-            scene = task.scene
+            scene = context.scene
             assert scene.period is not None and scene.law.bare is not None
-            full = FullLimit(scene.profile, scene.E_star, task.operator, scene.law.bare).pressure
-            task = replace(
-                task,
+            full = FullLimit(scene.profile, scene.E_star, context.operator, scene.law.bare).pressure
+            context = replace(
+                context,
                 scene=scene.under("load", (full * (1 - 1e-6) - scene.law.tension) * scene.period),
             )
         try:
-            zones = cohesive_branch.under_all(task, problem)
+            zones = cohesive_branch.under_all(context, problem)
         except (Lost, OutOfRange):
             return np.zeros((0, 2))
         return np.zeros((0, 2)) if zones is None else zones
@@ -175,18 +177,18 @@ class _Tension:
         """(value of the control from which surfaces under tension everywhere are closed, what such
         values are counted in).
         """
-        scene, held, units = self.task.scene, self.curve.held, self.scaled.problem.units
+        scene, held, units = self.context.scene, self.curve.held, self.scaled.problem.units
         period, law = scene.period, scene.law
         if period is None:
             return math.inf, 0.0
         assert law.bare is not None
-        full = FullLimit(scene.profile, scene.E_star, self.task.operator, law.bare).pressure
+        full = FullLimit(scene.profile, scene.E_star, self.context.operator, law.bare).pressure
         if not math.isfinite(full):
             return math.inf, 0.0
         load = (full - law.tension) * period
         if held.load is not None:
             return load / units.load, full * period / units.load
-        base = 2 * (self.task.operator.compression or 0.0) / scene.E_star / period
+        base = 2 * (self.context.operator.compression or 0.0) / scene.E_star / period
         give = (held.yields or 0.0) * units.height / units.load
         if base + give == 0.0:
             return math.inf, 0.0

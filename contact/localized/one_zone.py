@@ -22,7 +22,7 @@ from contact.formulation.controls import Control, HalfWidth, Load, Width
 from contact.formulation.problem import Problem
 from contact.localized.derivatives import At, Rates, table_of
 from contact.model.interactions.isolated import Isolated
-from contact.search.topology.missed import EXACT
+from contact.search.topology.failure import EXACT
 from contact.verify.error import SolvedZones
 from sie import Array, record
 

@@ -22,15 +22,15 @@ from contact.formulation.controls import Control, Load
 from contact.formulation.problem import Problem
 from contact.localized.derivatives import At, Rates, aside, spread, table_of, width_of
 from contact.model.interactions.isolated import Isolated
+from contact.search.context import SolveContext
 from contact.search.grid.centring import Unrest
-from contact.search.grid.coarse import grid_height
+from contact.search.grid.nested_grids import grid_height
 from contact.search.grid.scaling import ScaledScene
 from contact.search.grid.strip_at_rest import ROUGHLY, AtCentre, StripsOnGrids
-from contact.search.task import Task
-from contact.search.topology.by_pressure import ByPressure
-from contact.search.topology.loop import Newton, refine_topology
-from contact.search.topology.missed import NOT_MINE, Missed
-from contact.search.ways.guesses import INSTEAD, no_rest
+from contact.search.strategies.guesses import INSTEAD, no_rest
+from contact.search.topology.failure import NOT_APPLICABLE, Failure
+from contact.search.topology.loop import NewtonSettings, refine_topology
+from contact.search.topology.pressure_form import PressureForm
 from contact.verify.error import SolvedZones
 from sie import Array
 
@@ -54,8 +54,13 @@ class ClosureOptions:
 class SeveralZones:
     """The search for the nominal pressure; `strip` solves a strip under a given nominal pressure."""
 
-    def __init__(self, task: Task, scaled: ScaledScene, strip: Strip) -> None:
-        self.task, self.scaled, self.strip, self.options = task, scaled, strip, ClosureOptions()
+    def __init__(self, context: SolveContext, scaled: ScaledScene, strip: Strip) -> None:
+        self.context, self.scaled, self.strip, self.options = (
+            context,
+            scaled,
+            strip,
+            ClosureOptions(),
+        )
         assert scaled.problem.period is not None
         self.period = scaled.problem.period
 
@@ -72,7 +77,7 @@ class SeveralZones:
             rates = Rates(at)
             miss = width_of(at.strip) - width_of(at.alone)
             step = self._step(rates, miss)
-            if float(rates.of_ends(step).max()) <= self.task.tolerance:
+            if float(rates.of_ends(step).max()) <= self.context.tolerance:
                 off = np.abs(step) + np.abs(self._step(rates, self._width_error(at)))
                 return self._solved(at, rates, rates.of_ends(self.options.margin * off))
             asked[miss < 0.0] = abs(step[1])
@@ -94,7 +99,7 @@ class SeveralZones:
             pressure = there
         assert at is not None
         reason = f"the nominal pressure of the first-order closure did not settle; {INSTEAD}"
-        raise self.task.error(Missed(reason, at.strip.free), at.strip.fields.problem)
+        raise self.context.error(Failure(reason, at.strip.free), at.strip.fields.problem)
 
     def _step(self, rates: Rates, miss: float) -> Array:
         """Newton's step of (centre, nominal pressure, load) that adds -miss to W - W0."""
@@ -133,7 +138,7 @@ class SeveralZones:
         """Both contacts under a nominal pressure."""
         strip = self.strip(self.scaled.problem.with_amplitude(pressure), self.scaled.control, start)
         centre = strip.fields.problem.centre
-        with self.task.plan.timed("isolated reference"):
+        with self.context.plan.timed("isolated reference"):
             alone = self._alone(centre, pressure * self.period, last)
         return At(np.array([centre, pressure, strip.fields.density.total]), strip, alone)
 
@@ -149,21 +154,21 @@ class SeveralZones:
         starts = [partial(self._from_grid, problem, load)]
         if last is not None:
             starts.insert(0, partial(_moved, last, problem))
-        missed = NOT_MINE
+        missed = NOT_APPLICABLE
         for start in starts:
             found = refine_topology(
-                ByPressure(problem),
+                PressureForm(problem),
                 Load(load),
                 start(),
-                Newton(self.task.tolerance),
-                self.task.progress,
-                timed=self.task.plan.timed,
+                NewtonSettings(self.context.tolerance),
+                self.context.progress,
+                timed=self.context.plan.timed,
             )
             if isinstance(found, SolvedZones):
                 return found
             missed = found
         reason = f"the profile alone, which the first-order closure refers to: {missed.reason}; {INSTEAD}"
-        raise self.task.error(replace(missed, reason=reason), problem)
+        raise self.context.error(replace(missed, reason=reason), problem)
 
     def _from_grid(self, problem: Problem, load: float) -> Array:
         strips: StripsOnGrids[AtCentre] = StripsOnGrids(self.scaled.problem, load)

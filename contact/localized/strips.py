@@ -17,14 +17,14 @@ from contact.localized.derivatives import table_of
 from contact.localized.one_zone import FirstOrder
 from contact.localized.several_zones import SeveralZones
 from contact.model.interactions.periodic import Periodic
+from contact.search.context import SolveContext
 from contact.search.grid.centring import Unrest
 from contact.search.grid.proposals import about, proposed
 from contact.search.grid.scaling import ScaledScene
-from contact.search.task import Task
-from contact.search.topology.by_pressure import ByPressure
-from contact.search.topology.loop import Newton, refine_topology
-from contact.search.topology.missed import EXACT, Missed, attempted
-from contact.search.ways.guesses import from_grid, no_rest, search
+from contact.search.strategies.guesses import from_grid, no_rest, search
+from contact.search.topology.failure import EXACT, Failure, attempted
+from contact.search.topology.loop import NewtonSettings, refine_topology
+from contact.search.topology.pressure_form import PressureForm
 from contact.verify.error import SolvedZones
 from sie import Array, record
 
@@ -50,13 +50,13 @@ class _Centring:
     table: Array
 
 
-def centred(task: Task, scaled: ScaledScene, start: Array | None) -> SolvedZones:
+def centred(context: SolveContext, scaled: ScaledScene, start: Array | None) -> SolvedZones:
     """Zones of a strip that is centred on them: secants on the centre, under which zones are taken
     as they are, and a look at the signs where it stays.
     """
     if start is not None:
         scaled = replace(scaled, problem=about(scaled.problem, start))
-    found = _in_strip(task, scaled, start)
+    found = _in_strip(context, scaled, start)
     certified, before, moved = True, None, math.inf
     # How far ends move with what their middle is off the centre.
     follows = 1.0
@@ -68,14 +68,15 @@ def centred(task: Task, scaled: ScaledScene, start: Array | None) -> SolvedZones
         miss = 0.0 if zones.symmetric else 0.5 * float(zones.a[0] + zones.b[-1]) - centre
         # Near the digits of the zones the centre no longer comes nearer.
         if (
-            abs(miss) * max(follows, 1.0) <= 0.1 * task.tolerance * width + np.spacing(abs(centre))
+            abs(miss) * max(follows, 1.0)
+            <= 0.1 * context.tolerance * width + np.spacing(abs(centre))
             or moved / 4 < abs(miss) < 1e-7 * width
         ):
             if certified:
                 found = replace(found, off=found.off + abs(miss) * follows / width)
-                return _with_longer_series(task, scaled, found)
+                return _with_longer_series(context, scaled, found)
             found, certified, before, moved = (
-                _in_strip(task, replace(scaled, problem=problem), zones.table),
+                _in_strip(context, replace(scaled, problem=problem), zones.table),
                 True,
                 None,
                 math.inf,
@@ -97,16 +98,19 @@ def centred(task: Task, scaled: ScaledScene, start: Array | None) -> SolvedZones
                 (centre - before.centre) / (before.miss - miss)
             )
         before = _Centring(centre, miss, zones.table)
-        found, certified = _moved(task, scaled, found, step, rate)
+        found, certified = _moved(context, scaled, found, step, rate)
         changed += certified
         if changed > _CHANGES:
             raise no_rest(problem, scaled.control, Unrest.LOST)
-    raise task.error(
-        Missed(f"the centre of the strip did not settle; {EXACT}", found.free), found.fields.problem
+    raise context.error(
+        Failure(f"the centre of the strip did not settle; {EXACT}", found.free),
+        found.fields.problem,
     )
 
 
-def _with_longer_series(task: Task, scaled: ScaledScene, found: SolvedZones) -> SolvedZones:
+def _with_longer_series(
+    context: SolveContext, scaled: ScaledScene, found: SolvedZones
+) -> SolvedZones:
     """Where the series of the column is cut short, as it is so near to the border of a strip: under
     a load the nominal pressure is known, and with that a part of the right side, which has as many
     modes as it takes.
@@ -118,18 +122,18 @@ def _with_longer_series(task: Task, scaled: ScaledScene, found: SolvedZones) -> 
         return replace(
             found, fields=replace(found.fields, amplitude_rate=1 / problem.repeat_length)
         )
-    if load is None or float(found.fields.state.end_truncation.max()) <= task.tol:
+    if load is None or float(found.fields.state.end_truncation.max()) <= context.tol:
         return found
     given = replace(scaled, problem=problem.with_amplitude(load / problem.repeat_length))
-    longer = attempted(lambda: centred(task, given, found.free.density.zones.table))
-    if isinstance(longer, Missed):
-        task.left("the nominal pressure as given", longer)
+    longer = attempted(lambda: centred(context, given, found.free.density.zones.table))
+    if isinstance(longer, Failure):
+        context.record_failure("the nominal pressure as given", longer)
         return found
     return longer
 
 
 def _moved(
-    task: Task, scaled: ScaledScene, found: SolvedZones, step: float, rate: Array | None
+    context: SolveContext, scaled: ScaledScene, found: SolvedZones, step: float, rate: Array | None
 ) -> tuple[SolvedZones, bool]:
     """(zones after a step of the centre, or after a shorter one that they follow, whether their
     signs were looked at). rate: of the zones with the centre, where it is known.
@@ -141,65 +145,67 @@ def _moved(
             table if rate is None else table + step * rate,
         )
         moved = refine_topology(
-            ByPressure(there),
+            PressureForm(there),
             scaled.control,
             expected,
-            Newton(task.tolerance, near=True),
+            NewtonSettings(context.tolerance, abandon_if_far=True),
             formal=True,
         )
         if isinstance(moved, SolvedZones):
             return moved, False
-        again = attempted(partial(from_grid, task, replace(scaled, problem=there), held=True))
+        again = attempted(partial(from_grid, context, replace(scaled, problem=there), held=True))
         if isinstance(again, SolvedZones):
             return again, True
         step *= 0.25
-    raise task.error(
-        Missed(f"the zones do not follow the centre of the strip; {EXACT}", found.free), problem
+    raise context.error(
+        Failure(f"the zones do not follow the centre of the strip; {EXACT}", found.free), problem
     )
 
 
-def _in_strip(task: Task, scaled: ScaledScene, start: Array | None) -> SolvedZones:
+def _in_strip(context: SolveContext, scaled: ScaledScene, start: Array | None) -> SolvedZones:
     """Zones of a strip where it is."""
-    found = search(task, scaled, start)
+    found = search(context, scaled, start)
     assert isinstance(found, SolvedZones)  # a strip has no full contact to be near to
     return found
 
 
-def first_order(task: Task, scaled: ScaledScene, found: SolvedZones | None = None) -> SolvedZones:
+def first_order(
+    context: SolveContext, scaled: ScaledScene, found: SolvedZones | None = None
+) -> SolvedZones:
     """Closure by the isolated load of the same total width; `found`: the same less tightly."""
 
     def strip(problem: Problem, control: Control, start: Array | None) -> SolvedZones:
-        return centred(task, replace(scaled, problem=problem, control=control), start)
+        return centred(context, replace(scaled, problem=problem, control=control), start)
 
-    alone = partial(_reference, task)
+    alone = partial(_reference, context)
     if scaled.control.half_width is not None:
         guess = 2 * scaled.control.half_width
-    elif task.single:
+    elif context.single:
         guess = 2 * guess_half_width(scaled.problem, scaled.control)
     else:
-        several = SeveralZones(task, scaled, strip)
+        several = SeveralZones(context, scaled, strip)
         if found is not None:
             pressure = found.fields.problem.amplitude
             assert pressure is not None
             return several.found(pressure, found.free.density.zones.table)
-        with task.plan.timed("coarse search"):
+        with context.plan.timed("coarse search"):
             pressure = _about_load(scaled) / scaled.problem.repeat_length
         zones = table_of(strip(scaled.problem.with_amplitude(pressure), scaled.control, None))
         if not _is_asperity(scaled.problem, zones):
             return several.found(pressure, zones)
         one = FirstOrder(scaled.problem, strip, alone, zones)
-        with task.plan.timed("isolated reference"):
-            outcome: SolvedZones | Missed = attempted(
+        with context.plan.timed("isolated reference"):
+            outcome: SolvedZones | Failure = attempted(
                 lambda: one.found(scaled.control, float(np.ptp(zones)))
             )
-        if not isinstance(outcome, Missed):
+        if not isinstance(outcome, Failure):
             return outcome
         if isinstance(outcome.refusal, OutOfRange):
             raise outcome.refusal
         # Other zones may come into contact; the width is then that of several.
-        task.left("one zone by its width", outcome)
+        context.record_failure("one zone by its width", outcome)
         return several.found(pressure, zones)
-    with task.plan.timed("isolated reference"):
+    with context.plan.timed("isolated reference"):
         return FirstOrder(scaled.problem, strip, alone, None).found(scaled.control, guess)
 
 
@@ -223,7 +229,9 @@ def _about_load(scaled: ScaledScene) -> float:
     return proposed(scaled, exact, control, None).load / problem.units.load
 
 
-def _reference(task: Task, problem: Problem, control: Control, start: Array | None) -> SolvedZones:
+def _reference(
+    context: SolveContext, problem: Problem, control: Control, start: Array | None
+) -> SolvedZones:
     """The isolated problem of the same total width, as a formal solution: it is not asked to be a
     contact.
     """
@@ -234,11 +242,11 @@ def _reference(task: Task, problem: Problem, control: Control, start: Array | No
     if len(start) > 1 or abs(middle) > 0.25 * float(start[0, 1] - start[0, 0]):
         problem = problem.about(middle)
     found = refine_topology(
-        ByPressure(problem), control, start, Newton(task.tolerance), formal=True
+        PressureForm(problem), control, start, NewtonSettings(context.tolerance), formal=True
     )
-    if isinstance(found, Missed):
-        raise task.error(
-            Missed(
+    if isinstance(found, Failure):
+        raise context.error(
+            Failure(
                 f"the isolated reference of the first-order closure was not found: {found.reason}; {EXACT}",
                 found.free,
             ),

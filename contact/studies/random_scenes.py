@@ -29,8 +29,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 import contact
-from contact.search.grid.coarse import grid_height, propose
 from contact.search.grid.conjugate_gradient import Response
+from contact.search.grid.nested_grids import grid_height, propose
 from contact.studies import grid_judge
 from contact.studies.scene_families import FAMILIES, OWN_MODELS, with_counter_body, with_own_model
 

@@ -28,8 +28,8 @@ from contact.model.checks import finite_array, positive
 from contact.model.scene import Scene
 from contact.model.units import quantity
 from contact.runtime import one_blas_thread
+from contact.search.context import SolveContext
 from contact.search.grid.tilt import known_part
-from contact.search.task import Task
 from contact.search.topology.loop import Progress
 from contact.solution import assemble
 from contact.solution.model_warnings import curve_warnings
@@ -38,7 +38,7 @@ from contact.solution.plotting import panels
 from contact.solution.quantities import Energy
 from contact.solution.sampling import surfaces
 from contact.solution.solution import Solution
-from contact.solver import solved_at, task_of
+from contact.solver import context_of, solved_at
 from contact.sweeps.path_plot import draw_curve, draw_surfaces
 from contact.sweeps.path_table import Event
 from contact.sweeps.paths import Path
@@ -357,8 +357,8 @@ class _Run:
 
     def __init__(self, scene: Scene, control: str, tol: float, give: float | None) -> None:
         self.scene, self.control, self.tol = scene, control, tol
-        self.task = replace(task_of(scene, tol), give=give)
-        self.by = followed(self.task)
+        self.context = replace(context_of(scene, tol), spring_compliance=give)
+        self.by = followed(self.context)
         self.curve = self.by.law.curve
         self.problem = self.curve.problem
         self.history = History(self.by.law, self.note)
@@ -398,9 +398,9 @@ class _Run:
         """Approaches that no equilibrium has."""
         if (
             self.control != "approach"
-            or self.task.give is not None
+            or self.context.spring_compliance is not None
             or self.scene.period is None
-            or self.task.operator.compression
+            or self.context.operator.compression
         ):
             return
         highest = assemble.mean_height(self.scene)
@@ -417,7 +417,7 @@ class _Run:
         scaled, first = value / self.unit, self.by.law.first
         if scaled < min(first, 0.0) or value < 0.0 == first:
             return Standing(scaled)
-        if self.task.give is not None or value < 0.0:
+        if self.context.spring_compliance is not None or value < 0.0:
             # The contact without adhesion under an approach of the far end need not lie within.
             *_, found = self.history.to(Standing(min(-1.0, 2.0 * first)), scaled)
             assert isinstance(found, Standing)
@@ -429,44 +429,44 @@ class _Run:
         scene = self.scene.under(self.control, value)
         way = "advancing" if self.rises else "receding"
         told = f"{way}, {'raised' if self.rises else 'lowered'} from {self.control} {before * self.unit:.6g}"
-        task = replace(self.task, scene=scene, plan=plan(scene), branch=way)
+        context = replace(self.context, scene=scene, plan=plan(scene), branch=way)
         if here.point is None:
-            return self._without_zones(task, here)
+            return self._without_zones(context, here)
         fields = self.by.fields(here.point)
         if isinstance(fields, LooseFields):
             assert isinstance(here.point, CohesivePoint)
-            return separated_solution(task.scene, fields, here.point, task.plan, way)
-        solution = solved_at(task, self.by.outcome(task, here.point), told)
+            return separated_solution(context.scene, fields, here.point, context.plan, way)
+        solution = solved_at(context, self.by.outcome(context, here.point), told)
         return (
             solution
-            if task.give is None
+            if context.spring_compliance is None
             else replace(solution, scene=self.scene.under("load", solution.load))
         )
 
-    def _without_zones(self, task: Task, here: Standing) -> Solution:
+    def _without_zones(self, context: SolveContext, here: Standing) -> Solution:
         held, units = self.curve.held, self.problem.units
         if here.closed:
-            mean_pressure = closed(task).mean_pressure
+            mean_pressure = closed(context).mean_pressure
             scene = (
-                task.scene
-                if task.give is None
+                context.scene
+                if context.spring_compliance is None
                 else self.scene.under("load", self._closed_load(here.value))
             )
             return assemble.full_contact_solution(
-                scene, task.full, mean_pressure, task.plan, task.tol, task.branch
+                scene, context.full, mean_pressure, context.plan, context.tol, context.branch
             )
         return assemble.apart_solution(
-            task.scene,
+            context.scene,
             self.problem,
             None if held.yields is None else here.value * units.height,
-            task.plan,
+            context.plan,
         )
 
     def _closed_load(self, value: float) -> float:
         """Of surfaces closed altogether [N/m]."""
         assert self.scene.period is not None
         scene = self.scene.under(self.control, value * self.unit)
-        return closed(replace(self.task, scene=scene)).mean_pressure * self.scene.period
+        return closed(replace(self.context, scene=scene)).mean_pressure * self.scene.period
 
     def event(self, jump: Jump) -> AdhesiveEvent:
         units = self.problem.units
@@ -528,7 +528,7 @@ class _Run:
             full = FullFields(
                 assemble.period_problem(self.scene),
                 load / self.scene.period,
-                self.task.full.relief,
+                self.context.full.relief,
                 assemble.mean_height(self.scene),
             )
             return load, full.approach, self._energy(full, self.scene.period), none

@@ -3,8 +3,8 @@
 from contact.closed.solve import all_directly
 from contact.model.scene import Scene
 from contact.runtime import one_blas_thread
-from contact.search.task import Shared
-from contact.search.topology.carried import Passed
+from contact.search.context import SceneCache
+from contact.search.topology.extrapolation import CurvePoint
 from contact.search.topology.loop import Progress
 from contact.solution.solution import Solution
 from contact.solver import solved_along
@@ -25,8 +25,8 @@ class Curve:
         self, scene: Scene, control: str, tol: float, progress: Progress | None = None
     ) -> None:
         self.scene, self.control, self.tol, self.progress = scene, control, tol, progress
-        self.shared = Shared(scene)
-        self.last: tuple[Passed, ...] = ()
+        self.cache = SceneCache(scene)
+        self.last: tuple[CurvePoint, ...] = ()
         self.known: dict[float, Solution] = {}
 
     def look_at(self, values: Array) -> None:
@@ -42,16 +42,16 @@ class Curve:
     def at(self, value: float) -> Solution:
         """The next solution, from the last ones."""
         solution = self.known.get(value) or self.beside(value, self.last)
-        self.last = (*self.last, Passed(solution))[-_MOST:]
+        self.last = (*self.last, CurvePoint(solution))[-_MOST:]
         return solution
 
-    def beside(self, value: float, known: tuple[Passed, ...], least: float = 0.0) -> Solution:
+    def beside(self, value: float, known: tuple[CurvePoint, ...], least: float = 0.0) -> Solution:
         """The solution at a value from known ones, the nearest last; to a tolerance of no less than
         that.
         """
         with one_blas_thread():
             return solved_along(
-                self._scene(value), max(self.tol, least), self.progress, self.shared, known
+                self._scene(value), max(self.tol, least), self.progress, self.cache, known
             )
 
     def _scene(self, value: float) -> Scene:

@@ -27,12 +27,12 @@ from contact.errors import NotConverged, OutOfRange, unwarned, warn
 from contact.formulation.roots import maximum, smooth_root
 from contact.formulation.tables import centred_on, gaps_between
 from contact.model.scene import Scene
-from contact.search.topology.by_gaps import ByGaps
-from contact.search.topology.by_pressure import ByPressure
-from contact.search.topology.carried import Passed
 from contact.search.topology.changes import Change, changes
+from contact.search.topology.extrapolation import CurvePoint
+from contact.search.topology.failure import WrongTopology
+from contact.search.topology.gap_form import GapForm
 from contact.search.topology.loop import Progress
-from contact.search.topology.missed import WrongTopology
+from contact.search.topology.pressure_form import PressureForm
 from contact.solution.export import new_file
 from contact.solution.model_warnings import curve_warnings
 from contact.solution.solution import Solution
@@ -190,7 +190,7 @@ class _Path:
         tolerance, and still serve.
         """
         try:
-            return self.curve.beside(load, (Passed(near),), _ON_THE_WAY)
+            return self.curve.beside(load, (CurvePoint(near),), _ON_THE_WAY)
         except NotConverged as failure:
             if (
                 isinstance(failure.best, Solution)
@@ -251,7 +251,7 @@ class _Path:
     def _to_full(self, low: Solution, full: Solution) -> list[Event]:
         """The events up to full contact."""
         assert low.scene.period is not None
-        load = self.curve.shared.full.relieved * low.scene.period
+        load = self.curve.cache.full.relieved * low.scene.period
         # Other gaps close before the last one does.
         last = self.on_the_way(max(low.load, load * (1 - _BEFORE_FULL)), low)
         return [*self._events(low, last), *_full_event(load, full, last)]
@@ -338,9 +338,9 @@ class _Condition:
     def __init__(self, fields: Any, change: Change) -> None:
         self.problem, self.of_gap = fields.problem, change.of_gap
         self.form = (
-            ByPressure(self.problem)
+            PressureForm(self.problem)
             if fields.relief is None
-            else ByGaps(self.problem, fields.relief)
+            else GapForm(self.problem, fields.relief)
         )
         # Of the loads at which it was evaluated, and of one right beside the first: the zones (or
         # gaps) found there.

@@ -9,9 +9,9 @@ import contact
 import sie
 from contact import solver
 from contact.search.grid.scaling import scaled_scene
-from contact.search.topology.by_pressure import ByPressure
-from contact.search.topology.loop import Newton, refine_topology
-from contact.search.ways.by_load import approach, contact_fraction, nearer
+from contact.search.strategies.load_search import approach, contact_fraction, nearer
+from contact.search.topology.loop import NewtonSettings, refine_topology
+from contact.search.topology.pressure_form import PressureForm
 
 TIPS = contact.Fourier(1e-4, [-1e-6, -0.3e-6, 0.2e-6], [0.1e-6, 0.25e-6, 0.0])
 
@@ -70,7 +70,9 @@ def test_a_contact_fraction_beside_a_solution_needs_no_grid(loads, monkeypatch):
         )
     )
     loads.clear()
-    monkeypatch.setattr("contact.search.ways.guesses.proposed", lambda *_: pytest.fail("a grid"))
+    monkeypatch.setattr(
+        "contact.search.strategies.guesses.proposed", lambda *_: pytest.fail("a grid")
+    )
     beside = contact.solve(scene(honed(120), contact_fraction=0.305), near=first)
     assert beside.contact_fraction == pytest.approx(0.305, rel=1e-9) and len(loads) <= 2
 
@@ -163,15 +165,15 @@ def test_a_gap_that_keeps_asking_to_close_has_closed_however_narrow_it_was_to_be
     monkeypatch.setattr(sie, "find_ends", counted)
     wave = scaled_scene(scene(contact.Sinusoid(1e-6, 1.0), mean_pressure=1e5), False)
     alone = refine_topology(
-        ByPressure(wave.problem), wave.control, np.array([[-0.3, 0.3]]), Newton(1e-9)
+        PressureForm(wave.problem), wave.control, np.array([[-0.3, 0.3]]), NewtonSettings(1e-9)
     )
     steps.clear()
     (a, b), off = alone.free.density.zones.table[0], 0.02
     found = refine_topology(
-        ByPressure(wave.problem),
+        PressureForm(wave.problem),
         wave.control,
         np.array([[a - off, -gap], [gap, b + off]]),
-        Newton(1e-9),
+        NewtonSettings(1e-9),
     )
     assert len(found.free.density.zones) == 1 and sum(steps) <= 6
 
@@ -183,7 +185,7 @@ def test_a_contact_fraction_of_a_rough_trace_takes_no_solution_under_another_loa
     def refused(*_):
         raise AssertionError("a load on the way was solved")
 
-    monkeypatch.setattr("contact.search.ways.loads._on_the_way", refused)
+    monkeypatch.setattr("contact.search.strategies.load_controls._on_the_way", refused)
     solution = contact.solve(
         contact.Scene(trace, 1.0, contact.Periodic(), contact_fraction=0.3), tol=1e-6
     )

@@ -11,8 +11,8 @@ import contact
 from contact.formulation.controls import Load
 from contact.formulation.fields import ZoneFields
 from contact.reference.inverse import design
-from contact.search.topology.by_pressure import ByPressure
-from contact.search.topology.loop import Newton, refine_topology
+from contact.search.topology.loop import NewtonSettings, refine_topology
+from contact.search.topology.pressure_form import PressureForm
 from contact.studies.bench.formulations import scaled
 from contact.verify.certificate import certify
 
@@ -27,10 +27,10 @@ def certificate_of(zones):
     problem = scaled(contact.Scene(EXACT.profile, 1.0, contact.Periodic(), load=1e-3))
     load = 1e-3 / problem.units.load
     found = refine_topology(
-        ByPressure(problem),
+        PressureForm(problem),
         Load(load),
         problem.units.scaled(np.array(zones)),
-        Newton(1e-12),
+        NewtonSettings(1e-12),
         formal=True,
     )
     return certify(found.fields, load), problem.units

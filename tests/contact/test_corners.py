@@ -351,7 +351,7 @@ class TestMeasuredProfiles:
         profile = contact.Sampled(x, heights, period=1.0)
         full = solve(profile, contact.Periodic(), contact_fraction=1.0)
         by_gaps = solve(profile, contact.Periodic(), tol=1e-8, load=0.75 * full.load)
-        monkeypatch.setattr("contact.search.ways.gaps._NEARLY_FULL", 2.0)
+        monkeypatch.setattr("contact.search.strategies.gaps._NEARLY_FULL", 2.0)
         by_zones = solve(profile, contact.Periodic(), tol=1e-7, load=0.75 * full.load)
         assert by_gaps.certificate.note == "solved by its gaps" and by_zones.certificate.note == ""
         assert by_zones.zones == pytest.approx(by_gaps.zones, abs=1e-7)

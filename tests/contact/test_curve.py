@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 import contact
-import contact.search.grid.coarse
-import contact.search.task
-import contact.search.ways.guesses
+import contact.search.context
+import contact.search.grid.nested_grids
+import contact.search.strategies.guesses
 import sie.free_ends.newton
 from contact.search import refine
-from contact.search.topology.by_pressure import ByPressure
-from contact.search.topology.carried import Passed, carried
+from contact.search.topology.extrapolation import CurvePoint, carried
+from contact.search.topology.pressure_form import PressureForm
 from contact.studies.trace_kinds import drawn
 from contact.verify.certificate import certify
 
@@ -48,8 +48,8 @@ def counted(monkeypatch):
 
         monkeypatch.setattr(module, name, call)
 
-    counting(contact.search.ways.guesses, "from_grid", "grids")
-    counting(contact.search.task, "FullLimit", "limits")
+    counting(contact.search.strategies.guesses, "from_grid", "grids")
+    counting(contact.search.context, "FullLimit", "limits")
     return count
 
 
@@ -135,13 +135,13 @@ def test_a_curve_searches_one_grid_and_looks_for_full_contact_once(counted):
 
 
 def test_zones_that_come_and_go_at_close_loads_ask_for_no_grid_but_the_first(monkeypatch):
-    asked, real = [], contact.search.ways.guesses.proposed
+    asked, real = [], contact.search.strategies.guesses.proposed
 
     def proposed(*arguments, **options):
         asked.append(arguments)
         return real(*arguments, **options)
 
-    monkeypatch.setattr(contact.search.ways.guesses, "proposed", proposed)
+    monkeypatch.setattr(contact.search.strategies.guesses, "proposed", proposed)
     random, k = np.random.default_rng(3), np.arange(1, 25)
     profile = contact.Fourier(1.0, *(1e-3 * k**-1.3 * random.normal(size=24) for _ in range(2)))
     along = contact.solve_many(
@@ -168,7 +168,7 @@ def test_values_and_controls_that_are_none_are_refused_by_name(values, control):
 def test_the_certificate_sees_a_second_touch_right_beside_an_end_that_is_about_to_move_far():
     load = 0.0010874649540675919
     problem = contact.solve(scene(BUMPY, load=load)).fields.problem
-    fields = ByPressure(problem).formal(
+    fields = PressureForm(problem).formal(
         load / problem.units.load, np.array([[-0.0842, 0.0234]]), 1e-10
     )
     beside = fields.density.zones.a[0] - np.linspace(0, 0.01, 101)
@@ -177,7 +177,7 @@ def test_the_certificate_sees_a_second_touch_right_beside_an_end_that_is_about_t
 
 
 def passed(profile, *loads):
-    return tuple(Passed(contact.solve(scene(profile, load=load), tol=1e-10)) for load in loads)
+    return tuple(CurvePoint(contact.solve(scene(profile, load=load), tol=1e-10)) for load in loads)
 
 
 @pytest.mark.parametrize(("known", "order"), [(1, 2), (2, 4)])
@@ -235,7 +235,7 @@ def test_along_a_curve_grids_have_fewer_points_and_solutions_are_fewer_than_from
     monkeypatch,
 ):
     count = {"points": 0, "solves": 0}
-    grid, state = contact.search.grid.coarse.solve_grid, sie.free_ends.newton._state
+    grid, state = contact.search.grid.nested_grids.solve_grid, sie.free_ends.newton._state
 
     def gridded(f, *arguments, **options):
         count["points"] += len(f)
@@ -245,7 +245,7 @@ def test_along_a_curve_grids_have_fewer_points_and_solutions_are_fewer_than_from
         count["solves"] += 1
         return state(*arguments)
 
-    monkeypatch.setattr(contact.search.grid.coarse, "solve_grid", gridded)
+    monkeypatch.setattr(contact.search.grid.nested_grids, "solve_grid", gridded)
     monkeypatch.setattr(sie.free_ends.newton, "_state", solved)
     loads = np.geomspace(0.02, 0.04, 6) * full_load(TRACE)
     contact.solve_many(scene(TRACE), loads)
@@ -296,9 +296,13 @@ def test_narrow_gaps_that_become_slits_of_wide_zones_or_cease_to_be_do_not_stop_
 def test_what_a_solution_near_by_leads_to_too_roughly_is_looked_for_from_nothing(near, monkeypatch):
     real = refine._as_told
 
-    def off(task, found, again):
-        outcome = real(task, found, again)
-        return dataclasses.replace(outcome, off=1e-6) if task.along or task.near else outcome
+    def off(context, found, again):
+        outcome = real(context, found, again)
+        return (
+            dataclasses.replace(outcome, off=1e-6)
+            if context.previous or context.warm_start
+            else outcome
+        )
 
     monkeypatch.setattr(refine, "_as_told", off)
     loads = full_load(ROUGH) * np.array([0.2, 0.25])

@@ -74,7 +74,7 @@ def test_gaps_and_zones_give_the_same_contact(seed, monkeypatch):
     design = random_problem(np.random.default_rng(seed), zones=4, period=1.0, fraction=0.8)
     scene = contact.Scene(design.profile, 1.0, contact.Periodic(), load=design.load)
     by_gaps = contact.solve(scene)
-    monkeypatch.setattr("contact.search.ways.gaps._NEARLY_FULL", 2.0)
+    monkeypatch.setattr("contact.search.strategies.gaps._NEARLY_FULL", 2.0)
     by_zones = contact.solve(scene)
     assert (by_gaps.certificate.note, by_zones.certificate.note) == ("solved by its gaps", "")
     assert by_gaps.zones == pytest.approx(design.zones, abs=1e-9)

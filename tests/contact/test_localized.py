@@ -17,10 +17,10 @@ from contact.formulation.controls import Width
 from contact.localized.one_zone import FirstOrder
 from contact.reference import exact
 from contact.reference.inverse import design
+from contact.search.context import SolveContext
 from contact.search.grid.centring import Unrest, settled
-from contact.search.grid.coarse import grid_height
+from contact.search.grid.nested_grids import grid_height
 from contact.search.grid.strip_at_rest import StripsOnGrids
-from contact.search.task import Task
 from contact.studies import random_scenes
 from contact.studies.trace_kinds import drawn
 from tests.contact.judge import relative, solve, true_error
@@ -328,7 +328,7 @@ class TestLimits:
         zone = solve(WAVE, model, load=loads[2] + 0.5 * decade, tol=1e-6).zones[0]
         assert 0.5 - np.abs(zone) == pytest.approx(10**-4.5, rel=0.02)
         # ... and tells at once where the gap would be narrower than modes tell.
-        monkeypatch.setattr(Task, "refine_topology", None)
+        monkeypatch.setattr(SolveContext, "refine_topology", None)
         with pytest.raises(contact.OutOfRange, match=r"border it nears.*Periodic\(\)"):
             solve(WAVE, model, load=loads[2] + 2.0 * decade)
 

@@ -11,9 +11,9 @@ import pytest
 import contact
 import sie
 from contact.reference.exact import Westergaard
-from contact.search.grid import coarse
+from contact.search.grid import nested_grids
+from contact.search.strategies import guesses
 from contact.search.topology import loop
-from contact.search.ways import guesses
 from sie.collocation import fixed as engine
 from sie.collocation.iterative import Iterative, IterativeSystem
 from sie.slits import merged as cuts
@@ -235,11 +235,13 @@ def test_a_shape_of_very_many_features_has_half_as_fine_a_grid(monkeypatch):
             np.cos(2 * np.pi * np.arange(64) / 64), influence.periodic(64, 1 / 64, 1.0), load=0.1
         )
 
-    once = coarse.solve_grid
-    monkeypatch.setattr(coarse, "solve_grid", sized)
-    monkeypatch.setattr(coarse, "_refine", lambda p, periodic: p)
+    once = nested_grids.solve_grid
+    monkeypatch.setattr(nested_grids, "solve_grid", sized)
+    monkeypatch.setattr(nested_grids, "_refine", lambda p, periodic: p)
     for features in (2**14, 2**15, 2**16):
-        coarse.propose(np.cos, (0.0, 1.0), coarse.Response(1.0), load=0.1, resolution=1 / features)
+        nested_grids.propose(
+            np.cos, (0.0, 1.0), nested_grids.Response(1.0), load=0.1, resolution=1 / features
+        )
     assert [n for n, after in zip(sizes, [*sizes[1:], 64], strict=True) if after <= n] == [
         2**18,
         2**19,
@@ -315,7 +317,7 @@ def test_a_finer_grid_begins_without_the_cells_beyond_an_end():
         p = np.maximum(np.cos(2 * np.pi * x) ** 2 - np.sin(2 * np.pi * 0.21) ** 2, 0.0) ** 0.5
         counts.append(np.count_nonzero(p))
         if n == 256:
-            finer = coarse._refine(p, True)
+            finer = nested_grids._refine(p, True)
     assert abs(np.count_nonzero(finer) - counts[1]) <= 4
     assert finer.sum() / 2 == pytest.approx(p.sum() / 2, rel=0.01)
 

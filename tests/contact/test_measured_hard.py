@@ -49,7 +49,7 @@ def test_zones_and_gaps_of_a_trace_are_the_same_contact(monkeypatch):
     scene = contact.Scene(profile, 1.0, contact.Periodic(), mean_pressure=load)
     found = []
     for nearly_full in (0.999, 0.01):
-        monkeypatch.setattr("contact.search.ways.gaps._NEARLY_FULL", nearly_full)
+        monkeypatch.setattr("contact.search.strategies.gaps._NEARLY_FULL", nearly_full)
         found.append(contact.solve(scene))
     zones, gaps = found
     assert (

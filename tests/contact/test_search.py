@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 import contact
 from contact import inverse
 from contact.errors import OutOfRange
-from contact.search.grid import coarse, proposals
-from contact.search.grid.coarse import NARROW, find_window, narrowest, propose, zones_of
+from contact.search.grid import nested_grids, proposals
 from contact.search.grid.conjugate_gradient import GridState, Influence, Response, solve_grid
+from contact.search.grid.nested_grids import NARROW, find_window, narrowest, propose, zones_of
 from contact.search.grid.scaling import scaled_scene
 from contact.search.topology.intervals import merged
 from contact.studies.trace_kinds import drawn
@@ -36,7 +36,7 @@ def nested(monkeypatch: pytest.MonkeyPatch) -> list[GridState]:
         found.append(solve_grid(*arguments, **options))
         return found[-1]
 
-    monkeypatch.setattr(coarse, "solve_grid", kept)
+    monkeypatch.setattr(nested_grids, "solve_grid", kept)
     return found
 
 
@@ -437,9 +437,9 @@ def test_on_a_flat_below_needles_ends_move_by_more_than_a_cell_in_a_linear_solve
 def test_where_the_width_jumps_with_the_load_the_nearest_of_the_fine_grids_is_proposed(
     seed: int, fraction: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    fine: list[coarse.Proposal] = []
+    fine: list[nested_grids.Proposal] = []
 
-    def kept(*arguments: Any, **options: Any) -> coarse.Proposal:
+    def kept(*arguments: Any, **options: Any) -> nested_grids.Proposal:
         found = proposed(*arguments, **options)
         if arguments[3] is None:  # as many points as the profile asks for
             fine.append(found)

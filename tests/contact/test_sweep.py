@@ -144,9 +144,9 @@ def test_a_unit_is_told_where_a_profile_of_one_s_own_declares_it():
 
 def test_along_a_control_points_share_one_search(monkeypatch):
     searches = []
-    real = contact.sweeps.curve.Shared
+    real = contact.sweeps.curve.SceneCache
     monkeypatch.setattr(
-        "contact.sweeps.curve.Shared", lambda scene: searches.append(1) or real(scene)
+        "contact.sweeps.curve.SceneCache", lambda scene: searches.append(1) or real(scene)
     )
     contact.sweep(
         WAVE,

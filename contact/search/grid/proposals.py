@@ -14,8 +14,8 @@ from contact.formulation.problem import Problem
 from contact.formulation.tables import ascending, centred_on, gaps_between
 from contact.model.interactions.periodic import Periodic
 from contact.model.profiles.derive import detail_of
-from contact.search.grid.coarse import Proposal, grid_height, propose
 from contact.search.grid.conjugate_gradient import Response
+from contact.search.grid.nested_grids import Proposal, grid_height, propose
 from contact.search.grid.scaling import ScaledScene
 from sie import Array
 

@@ -23,7 +23,7 @@ from contact.model.controls import Quantity
 from contact.model.profiles.base import Profile
 from contact.model.profiles.tilted import Tilted
 from contact.model.scene import Scene
-from contact.search.grid.coarse import NoWindow, find_window, grid_height
+from contact.search.grid.nested_grids import NoWindow, find_window, grid_height
 from contact.search.grid.tilt import (
     Window,
     held_by,

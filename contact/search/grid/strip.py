@@ -23,8 +23,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from contact.search.grid.coarse import propose
 from contact.search.grid.conjugate_gradient import GridState, Response
+from contact.search.grid.nested_grids import propose
 from sie import Array, record
 
 

@@ -14,8 +14,8 @@ import numpy as np
 
 from contact.formulation.problem import Problem
 from contact.search.grid.centring import Unrest, rests, settled
-from contact.search.grid.coarse import grid_height
 from contact.search.grid.conjugate_gradient import Response
+from contact.search.grid.nested_grids import grid_height
 from contact.search.grid.strip import StripContact, StripGrid
 from sie import Array, record
 

@@ -16,8 +16,8 @@ from contact.errors import OutOfRange
 from contact.model.profiles.base import Profile
 from contact.model.profiles.tilted import Tilted
 from contact.model.scene import Scene
-from contact.search.grid.coarse import find_window, grid_height, propose
 from contact.search.grid.conjugate_gradient import Response
+from contact.search.grid.nested_grids import find_window, grid_height, propose
 from contact.search.grid.tilt_rate import AtTilt, balanced
 from sie import Array
 

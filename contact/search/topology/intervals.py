@@ -5,7 +5,7 @@ merged, overlapping ones united.
 import numpy as np
 
 from contact.formulation import tables
-from contact.search.topology.missed import WrongTopology
+from contact.search.topology.failure import WrongTopology
 from sie import Array, Index
 
 

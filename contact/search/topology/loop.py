@@ -23,8 +23,8 @@ from contact.errors import ContactError, SceneError
 from contact.formulation import height_rounding
 from contact.formulation.controls import Control
 from contact.formulation.problem import Problem
+from contact.search.topology.failure import Failure, WrongTopology, same
 from contact.search.topology.intervals import merged
-from contact.search.topology.missed import Missed, WrongTopology, same
 from contact.verify.certificate import NOT_CHECKED, Certificate, Solved
 from sie import Array, Mask, record
 
@@ -63,8 +63,8 @@ _BESIDE = 2
 
 class Formulation(Protocol[Kind]):
     """What is unknown, and on which intervals: the pressure on zones
-    (contact.search.topology.by_pressure), or the slope of the gap on gaps
-    (contact.search.topology.by_gaps). what: "zone" or "gap".
+    (contact.search.topology.pressure_form), or the slope of the gap on gaps
+    (contact.search.topology.gap_form). what: "zone" or "gap".
     """
 
     @property
@@ -78,7 +78,7 @@ class Formulation(Protocol[Kind]):
         those of a contact.
         """
 
-    def moved(self, control: Control, zones: sie.Zones, how: Newton) -> sie.Free:
+    def moved(self, control: Control, zones: sie.Zones, how: NewtonSettings) -> sie.Free:
         """Newton on their ends."""
 
     def refuse(self, table: Array, free: sie.Free) -> None:
@@ -115,26 +115,27 @@ class Formulation(Protocol[Kind]):
 
 
 @record
-class Newton:
-    """tolerance: of the ends. value: a first guess of the load, or of the mean pressure, that is
-    unknown under the control. steps: at the most. near: given up as soon as the intervals turn out
-    to be far from the solution, or not as many. off: what the ends are off by at first, over the
-    widths, as far as that is known. like: a solution on about the same intervals, with as many
-    modes to begin with, or what it has left to the next one. few: part of all ends that need not be
-    known, after so many `patient` steps. drops: some of the intervals may not be there, and are
-    left out, or be one with the next. decay: asked of the coefficients over the largest; None: what
-    goes with the tolerance.
+class NewtonSettings:
+    """How Newton's method finds the ends of the intervals.
+
+    tolerance: of the ends. load_guess: the load, or the mean pressure, where the control does not
+    give it. max_steps: 0 leaves it to the formulation. abandon_if_far: give up as soon as the
+    intervals turn out to be far from the solution, or not as many. initial_error: of the ends, over
+    the widths of their intervals, as far as it is known. modes_like: a solution on about the same
+    intervals, whose numbers of modes are the first ones. unresolved_fraction: the part of all ends
+    that may stay unknown, after `patience` steps. allow_loss: intervals may vanish or merge.
+    decay: wanted of the coefficients, over the largest; None: what goes with the tolerance.
     """
 
     tolerance: float
-    value: float = 0.0
-    steps: int = 0
-    near: bool = False
-    off: float = 1.0
-    like: Any = None
-    few: float = 0.0
-    patient: int = 0
-    drops: bool = False
+    load_guess: float = 0.0
+    max_steps: int = 0
+    abandon_if_far: bool = False
+    initial_error: float = 1.0
+    modes_like: Any = None
+    unresolved_fraction: float = 0.0
+    patience: int = 0
+    allow_loss: bool = False
     decay: float | None = None
 
     def ends(
@@ -147,13 +148,13 @@ class Newton:
             equation,
             zones,
             self.tolerance,
-            self.steps or most_steps,
-            value=self.value,
-            near=self.near,
-            off=self.off,
-            few=self.few,
-            patient=self.patient,
-            drops=self.drops,
+            self.max_steps or most_steps,
+            value=self.load_guess,
+            near=self.abandon_if_far,
+            off=self.initial_error,
+            few=self.unresolved_fraction,
+            patient=self.patience,
+            drops=self.allow_loss,
             **own,
         )
 
@@ -162,12 +163,12 @@ def refine_topology(
     form: Formulation[Kind],
     control: Control,
     table: Array,
-    newton: Newton,
+    newton: NewtonSettings,
     progress: Progress | None = None,
     formal: bool = False,
     timed: Timed = nullcontext,
     rounds: int = ROUNDS,
-) -> Kind | Missed:
+) -> Kind | Failure:
     """From proposed intervals (n, 2) to intervals that pass the certificate, or why they do not
     lead to any.
 
@@ -184,7 +185,7 @@ def refine_topology(
             slight = slight or found
     except WrongTopology as wrong:
         if slight is None:
-            return wrong.missed
+            return wrong.failure
     assert slight is not None
     # Rounding does not let it be told either.
     return replace(slight, certificate=replace(slight.certificate, undecided=True))
@@ -194,7 +195,7 @@ def _rounds(
     form: Formulation[Kind],
     control: Control,
     table: Array,
-    newton: Newton,
+    newton: NewtonSettings,
     progress: Progress | None,
     formal: bool,
     timed: Timed,
@@ -206,9 +207,17 @@ def _rounds(
     free: sie.Free | None = None
     tried: list[tuple[float, Array]] = []
     wanted = newton.tolerance
-    if len(table) >= MANY and newton.off >= 1.0 and not (formal or newton.near or newton.steps):
+    if (
+        len(table) >= MANY
+        and newton.initial_error >= 1.0
+        and not (formal or newton.abandon_if_far or newton.max_steps)
+    ):
         newton = replace(
-            newton, tolerance=max(wanted, LOOSELY), few=UNKNOWN, patient=PATIENT, drops=True
+            newton,
+            tolerance=max(wanted, LOOSELY),
+            unresolved_fraction=UNKNOWN,
+            patience=PATIENT,
+            allow_loss=True,
         )
     done, left_out, failed = 0, 0, np.inf
     while done < rounds:
@@ -219,9 +228,12 @@ def _rounds(
         before = None if free is None or free.state.iterated else free
         free = None
         free = _ended(form, control, table, newton, before)
-        left = free.state.sizes if free.state.iterated else newton.like
+        left = free.state.sizes if free.state.iterated else newton.modes_like
         newton = replace(
-            newton, value=newton.value if free.value is None else free.value, off=1.0, like=left
+            newton,
+            load_guess=newton.load_guess if free.value is None else free.value,
+            initial_error=1.0,
+            modes_like=left,
         )
         ended = free.density.zones.table
         if len(free.lost) or len(free.met):
@@ -230,15 +242,15 @@ def _rounds(
                 if len(free.lost)
                 else merged(ended, free.met, form.problem.period)
             )
-            if newton.few and left_out < LEFT_OUT:
+            if newton.unresolved_fraction and left_out < LEFT_OUT:
                 # Of very many some are always about to be lost: no round of its own.
                 done, left_out, newton = (
                     done - 1,
                     left_out + 1,
-                    replace(newton, patient=max(newton.patient - len(free.trace), 0)),
+                    replace(newton, patience=max(newton.patience - len(free.trace), 0)),
                 )
             continue
-        if not free.converged and not newton.drops:
+        if not free.converged and not newton.allow_loss:
             told = f"the {form.what} ends did not settle"
             raise WrongTopology(f"{told}: {free.reason}" if free.unresolved else told, free)
         fields = form.fields(control, free, newton.tolerance)
@@ -246,7 +258,9 @@ def _rounds(
             yield form.solved(free, fields, NOT_CHECKED, done, control, newton.tolerance)
             return
         with timed("certificate"):
-            loosely = newton.tolerance > wanted and not (free.converged and newton.few == 0.0)
+            loosely = newton.tolerance > wanted and not (
+                free.converged and newton.unresolved_fraction == 0.0
+            )
             certificate = form.certificate(fields, control, UNKNOWN if loosely else 0.0)
         if newton.tolerance > wanted:
             table, newton, failed = _loosely(
@@ -256,15 +270,21 @@ def _rounds(
             # Where signs fail tells which ones are missing.
             missing = not certificate.holds
             table = form.corrected(free.density.zones, certificate) if missing else ended
-            newton = replace(newton, drops=missing)
+            newton = replace(newton, allow_loss=missing)
         elif certificate.holds:
             yield form.solved(free, fields, certificate, done, control, newton.tolerance)
-            table, newton = ended, replace(newton, tolerance=TIGHT, near=False)
+            table, newton = ended, replace(newton, tolerance=TIGHT, abandon_if_far=False)
         else:
             # What bears so little that signs tell it at last would be lost in rougher solutions.
             known = newton.tolerance if free.state.iterated else 1.0
             table, newton = _again(
-                form, control, free, fields.state, certificate, replace(newton, off=known), tried
+                form,
+                control,
+                free,
+                fields.state,
+                certificate,
+                replace(newton, initial_error=known),
+                tried,
             )
         del fields, certificate
     raise WrongTopology(f"the number of {form.what}s did not settle", free)
@@ -275,10 +295,10 @@ def _loosely(
     free: sie.Free,
     state: sie.AnyState,
     certificate: Certificate,
-    newton: Newton,
+    newton: NewtonSettings,
     wanted: float,
     failed: float,
-) -> tuple[Array, Newton, float]:
+) -> tuple[Array, NewtonSettings, float]:
     """Where to go on from ends that are known to a part of their widths, and how many signs have
     failed: loosely where many intervals are put right, or else to the wanted tolerance, once more
     closely where others were before. What may be their error is left as it is. failed: signs that
@@ -292,19 +312,28 @@ def _loosely(
     )
     put_right = len(certificate.negative) + len(certificate.overlaps)
     zones = free.next_zones
-    if newton.few and (SURE < put_right <= FEWER * failed or put_right > FEW * len(zones)):
-        newton = replace(newton, patient=PATIENT)
+    if newton.unresolved_fraction and (
+        SURE < put_right <= FEWER * failed or put_right > FEW * len(zones)
+    ):
+        newton = replace(newton, patience=PATIENT)
     else:
-        closely = newton.few and put_right > 0 and np.isfinite(failed)
-        known = 1.0 if newton.few or not free.converged else newton.tolerance
+        closely = newton.unresolved_fraction and put_right > 0 and np.isfinite(failed)
+        known = 1.0 if newton.unresolved_fraction or not free.converged else newton.tolerance
         newton = replace(
-            newton, tolerance=max(CLOSELY, wanted) if closely else wanted, few=0.0, off=known
+            newton,
+            tolerance=max(CLOSELY, wanted) if closely else wanted,
+            unresolved_fraction=0.0,
+            initial_error=known,
         )
     return form.corrected(zones, certificate) if put_right else zones.table, newton, put_right
 
 
 def _ended(
-    form: Formulation[Kind], control: Control, table: Array, newton: Newton, before: sie.Free | None
+    form: Formulation[Kind],
+    control: Control,
+    table: Array,
+    newton: NewtonSettings,
+    before: sie.Free | None,
 ) -> sie.Free:
     """Newton from a table; WrongTopology where that leads nowhere. before: the last Newton result."""
     if len(table) and not (np.all(np.isfinite(table)) and np.all(np.diff(table.ravel()) > 0)):
@@ -324,7 +353,7 @@ def _ended(
         )
         raise SceneError(reason) from fault
     form.refuse(table, free)
-    if newton.near and not free.converged:
+    if newton.abandon_if_far and not free.converged:
         raise WrongTopology(f"the {form.what}s are not near those of the solution", free)
     return free
 
@@ -335,9 +364,9 @@ def _again(
     free: sie.Free,
     state: sie.AnyState,
     certificate: Certificate,
-    newton: Newton,
+    newton: NewtonSettings,
     tried: list[tuple[float, Array]],
-) -> tuple[Array, Newton]:
+) -> tuple[Array, NewtonSettings]:
     """Where to begin once more, and how, after signs have failed. state: see `off`; tried:
     tolerances and intervals at which they did so before.
     """
@@ -349,7 +378,7 @@ def _again(
         raise WrongTopology("pressure or gap change sign", free)
     if newton.tolerance > TIGHT and _is_error(free, state, certificate):
         return ended, tighter
-    if newton.near:
+    if newton.abandon_if_far:
         raise WrongTopology(certificate.note or f"there are other {form.what}s than these", free)
     table = form.corrected(free.density.zones, certificate)
     if any(same(ended, before) for at, before in tried if at == newton.tolerance):

@@ -27,9 +27,9 @@ from contact.formulation.relief import Relief, ScaledRelief
 from contact.formulation.tables import begun_from, gaps_between
 from contact.formulation.units import Units
 from contact.model.scene import Scene
-from contact.search.topology import by_gaps, by_pressure
-from contact.search.topology.loop import Newton, refine_topology
-from contact.search.topology.missed import Missed
+from contact.search.topology import gap_form, pressure_form
+from contact.search.topology.failure import Failure
+from contact.search.topology.loop import NewtonSettings, refine_topology
 from contact.solver import solve
 from contact.verify.error import SolvedZones
 
@@ -116,11 +116,11 @@ def solved_by_gaps(scene: Scene) -> Formulated:
 
     relief = ScaledRelief.of(Relief(scene.profile, scene.operator), problem)
     mean = _mean_pressure(scene) / units.pressure
-    form = by_gaps.ByGaps(problem, relief)
+    form = gap_form.GapForm(problem, relief)
     found = refine_topology(
-        form, Load(mean * problem.period), gaps, Newton(_TOLERANCE), formal=True
+        form, Load(mean * problem.period), gaps, NewtonSettings(_TOLERANCE), formal=True
     )
-    if isinstance(found, Missed):
+    if isinstance(found, Failure):
         raise NotConverged("the gaps' formulation does not converge from these zones")
     fields = found.fields
     zones, order = _in_cell(np.asarray(units.x(fields.zones)), scene)
@@ -148,7 +148,9 @@ def solved_by_zones(scene: Scene) -> Formulated:
     start = np.roll(start, -turn, axis=0)
     start = start + np.where(start[:, :1] < start[0, 0], problem.period, 0.0)
     load = _mean_pressure(scene) * problem.period * units.length / units.load
-    found = refine_topology(by_pressure.ByPressure(problem), Load(load), start, Newton(_TOLERANCE))
+    found = refine_topology(
+        pressure_form.PressureForm(problem), Load(load), start, NewtonSettings(_TOLERANCE)
+    )
     assert isinstance(found, SolvedZones)
     zones, order = _in_cell(np.asarray(units.x(found.free.density.zones.table)), scene)
     return Formulated(found.fields, zones, order, found.error)

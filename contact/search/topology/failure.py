@@ -17,26 +17,26 @@ EXACT = "interaction = Periodic() needs no strip"
 
 class WrongTopology(Exception):
     """Corrections do not lead to zones that pass; free: the last Newton result. Within a search
-    only: it hands out a Missed.
+    only: it hands out a Failure.
     """
 
-    def __init__(self, message: str, free: sie.Free | None, beyond: bool = False) -> None:
+    def __init__(self, message: str, free: sie.Free | None, at_border: bool = False) -> None:
         super().__init__(message)
-        self.missed = Missed(message, free, beyond)
+        self.failure = Failure(message, free, at_border)
 
 
 @record
-class Missed:
-    """reason: in words. free: the last Newton result. beyond: a zone reached the border of what is
+class Failure:
+    """reason: in words. free: the last Newton result. at_border: a zone reached the border of what is
     known of the profile. refusal: what is raised if no other way leads on.
     """
 
     reason: str
     free: sie.Free | None = None
-    beyond: bool = False
+    at_border: bool = False
     refusal: OutOfRange | NotConverged | None = None
 
-    def same(self, other: Missed) -> bool:
+    def same(self, other: Failure) -> bool:
         """Whether two searches ended in the same way with the same zones."""
         if self.reason != other.reason or self.free is None or other.free is None:
             return False
@@ -48,15 +48,15 @@ class Missed:
         return self.free is not None and self.free.unresolved
 
 
-NOT_MINE = Missed("not a scene for this way")
+NOT_APPLICABLE = Failure("not a scene for this way")
 
 
 def attempted(way: Callable[[], Any]) -> Any:
-    """What a way leads to where others are left: its outcome, or a Missed, where it refuses too."""
+    """What a way leads to where others are left: its outcome, or a Failure, where it refuses too."""
     try:
         return way()
     except (OutOfRange, NotConverged) as refusal:
-        return Missed(str(refusal), refusal=refusal)
+        return Failure(str(refusal), refusal=refusal)
 
 
 def same(table: Array, other: Array) -> bool:

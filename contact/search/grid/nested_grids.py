@@ -410,7 +410,7 @@ class _Window:
     def at_level(
         self, level: float, window: tuple[float, float], load: float
     ) -> tuple[float, float]:
-        """The level is concave in the load up to its maximum: Newton for the load, to a tenth,
+        """The level is concave in the load up to its maximum: NewtonSettings for the load, to a tenth,
         bracketed.
         """
         low, high = 0.0, np.inf

@@ -26,11 +26,11 @@ from contact.formulation.units import Units
 from contact.model.controls import Quantity
 from contact.model.operator import Operator
 from contact.model.scene import Scene
-from contact.search.topology.by_pressure import ByPressure
-from contact.search.topology.carried import Passed
-from contact.search.topology.first_gaps import FirstGaps
-from contact.search.topology.loop import ROUNDS, Newton, Progress, refine_topology
-from contact.search.topology.missed import Missed
+from contact.search.topology.extrapolation import CurvePoint
+from contact.search.topology.failure import Failure
+from contact.search.topology.gap_guesses import GapGuesses
+from contact.search.topology.loop import ROUNDS, NewtonSettings, Progress, refine_topology
+from contact.search.topology.pressure_form import PressureForm
 from contact.solution.assemble import in_cell, profile_fault
 from contact.solution.plan import Plan, plan, starts_from_one_zone
 from contact.solution.solution import Solution
@@ -39,7 +39,7 @@ from contact.verify.error import SolvedZones
 from sie import Array, record
 
 
-class Shared(sie.Kept):
+class SceneCache(sie.Kept):
     """Of a scene whatever its control is. single: the contact begins as one zone about x = 0; full:
     where full contact begins.
     """
@@ -47,7 +47,7 @@ class Shared(sie.Kept):
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
 
-    def of(self, scene: Scene) -> Shared:
+    def of(self, scene: Scene) -> SceneCache:
         """The same for a scene that differs in its control alone."""
         own = self.scene
         same = (
@@ -56,7 +56,9 @@ class Shared(sie.Kept):
             and scene.substrate is own.substrate
         )
         return (
-            self if same and scene.law is own.law and scene.E_star == own.E_star else Shared(scene)
+            self
+            if same and scene.law is own.law and scene.E_star == own.E_star
+            else SceneCache(scene)
         )
 
     @cached_property
@@ -75,45 +77,47 @@ class Shared(sie.Kept):
         """R in the units of a problem: the same samples for all problems in the same units."""
         return self.first_gaps(problem).relief
 
-    def first_gaps(self, problem: Problem) -> FirstGaps:
+    def first_gaps(self, problem: Problem) -> GapGuesses:
         """First guesses of the gaps, likewise."""
         key = problem.units, problem.centre
         if key not in self._first_gaps:
-            self._first_gaps[key] = FirstGaps(ScaledRelief.of(self.full.relief, problem))
+            self._first_gaps[key] = GapGuesses(ScaledRelief.of(self.full.relief, problem))
         return self._first_gaps[key]
 
     @cached_property
-    def _first_gaps(self) -> dict[tuple[Units, float], FirstGaps]:
+    def _first_gaps(self) -> dict[tuple[Units, float], GapGuesses]:
         return {}
 
 
 # Solves a scene: (scene, tol, progress, near, what it has in common with others).
-Solver = Callable[[Scene, float, Progress | None, Solution | None, Shared], Solution]
+Solver = Callable[[Scene, float, Progress | None, Solution | None, SceneCache], Solution]
 
 # The smallest tolerance that is asked of the engine.
 LEAST = 2e-15
 
 
 @record
-class Task:
-    """One solve. branch: which of several equilibria; tolerance: of the ends and of the density;
-    shared: what it has in common with others of the scene; near: a solution of the same profile and
-    model; solver: of other scenes on the way to this one; along: the last solutions of the scene on
-    a curve of its control's values, the nearest last; give: of a spring, whose far end the scene's
-    approach is then [m per N/m].
+class SolveContext:
+    """Everything that one solve needs to know.
+
+    tol: the wanted error. tolerance: of the ends and of the density. cache: what scenes of the same
+    profile and model share. solver: solves other scenes on the way to this one. warm_start: a
+    solution of the same profile and model. previous: the last points of a curve of values of the
+    control, the nearest one last. branch: which of several equilibria is wanted.
+    spring_compliance: of a spring between the body and the prescribed approach [m per N/m].
     """
 
     scene: Scene
     tol: float
     plan: Plan
-    shared: Shared
+    cache: SceneCache
     tolerance: float
     solver: Solver
     progress: Progress | None = None
-    near: Solution | None = None
+    warm_start: Solution | None = None
     branch: str = "advancing"
-    along: tuple[Passed, ...] = ()
-    give: float | None = None
+    previous: tuple[CurvePoint, ...] = ()
+    spring_compliance: float | None = None
 
     @classmethod
     def of(
@@ -121,64 +125,77 @@ class Task:
         scene: Scene,
         tol: float,
         progress: Progress | None,
-        near: Solution | None,
+        warm_start: Solution | None,
         solver: Solver,
-        shared: Shared,
+        cache: SceneCache,
         branch: str = "advancing",
-    ) -> Task:
+    ) -> SolveContext:
         return cls(
-            scene, tol, plan(scene), shared, max(0.1 * tol, LEAST), solver, progress, near, branch
+            scene,
+            tol,
+            plan(scene),
+            cache,
+            max(0.1 * tol, LEAST),
+            solver,
+            progress,
+            warm_start,
+            branch,
         )
 
-    def under(
+    def solve_scene(
         self,
         scene: Scene,
         tol: float,
-        near: Solution | None = None,
+        warm_start: Solution | None = None,
         progress: Progress | None = None,
     ) -> Solution:
         """The solution of another scene on the way to this one."""
-        return self.solver(scene, tol, progress, near, self.shared.of(scene))
+        return self.solver(scene, tol, progress, warm_start, self.cache.of(scene))
 
     @property
     def operator(self) -> Operator:
-        return self.shared.operator
+        return self.cache.operator
 
     @property
     def full(self) -> FullLimit:
         """Where full contact begins."""
-        return self.shared.full
+        return self.cache.full
 
     @property
     def single(self) -> bool:
         """Whether the contact begins as one zone about x = 0."""
-        return self.shared.single
+        return self.cache.single
 
     @property
     def follows_branch(self) -> bool:
         """Whether there are several equilibria, of which a branch is followed."""
         return self.scene.law.bare is not None and self.scene.held(Quantity.HALF_WIDTH) is None
 
-    def beside(self, near: Solution | None) -> Task:
-        return replace(self, near=near)
+    def with_warm_start(self, solution: Solution | None) -> SolveContext:
+        return replace(self, warm_start=solution)
 
     def control(self, problem: Problem) -> Control:
         """The scene's own control, scaled."""
         control, units = scaled_control(self.scene, problem.units), problem.units
         return (
             control
-            if self.give is None
-            else Machine(control.value, self.give * units.load / units.height)
+            if self.spring_compliance is None
+            else Machine(control.value, self.spring_compliance * units.load / units.height)
         )
 
     def refine_topology(
-        self, problem: Problem, control: Control, table: Array, rounds: int = ROUNDS, **how: Any
-    ) -> SolvedZones | Missed:
-        """Zones that pass, from proposed ones. how: of `Newton`, beside its tolerance."""
-        newton = Newton(self.tolerance, **how)
+        self,
+        problem: Problem,
+        control: Control,
+        table: Array,
+        rounds: int = ROUNDS,
+        **settings: Any,
+    ) -> SolvedZones | Failure:
+        """Zones that pass, from proposed ones. settings: of `NewtonSettings`, but for the tolerance."""
+        newton = NewtonSettings(self.tolerance, **settings)
         # Given ends are not searched for.
         with self.plan.timed("zone ends") if self.plan["zone ends"].used else nullcontext():
-            form = ByPressure(problem)
+            form = PressureForm(problem)
             return refine_topology(
                 form,
                 control,
@@ -189,22 +206,22 @@ class Task:
                 rounds=rounds,
             )
 
-    def left(self, way: str, missed: Missed) -> None:
+    def record_failure(self, strategy: str, failure: Failure) -> None:
         """Say in the plan what was tried and why it led to nothing."""
-        self.plan.tried.append(f"{way}: {missed.reason}")
+        self.plan.tried.append(f"{strategy}: {failure.reason}")
 
-    def error(self, missed: Missed, problem: Problem) -> ContactError:
+    def error(self, failure: Failure, problem: Problem) -> ContactError:
         """What is raised where no other way is left."""
-        if missed.beyond:
-            return OutOfRange(missed.reason)
-        free = missed.free
+        if failure.at_border:
+            return OutOfRange(failure.reason)
+        free = failure.free
         if free is None:
-            return NotConverged(f"not converged: {missed.reason}{profile_fault(self.scene)}")
+            return NotConverged(f"not converged: {failure.reason}{profile_fault(self.scene)}")
         rounded = height_rounding.told(problem, free.density.zones.table)
         if rounded:
             return SceneError(rounded, "profile", self.scene.profile)
         table = in_cell(self.scene, np.asarray(problem.units.x(free.density.zones.table)))
-        certificate = replace(NOT_CHECKED, holds=False, note=missed.reason)
+        certificate = replace(NOT_CHECKED, holds=False, note=failure.reason)
         best = Solution(
             self.scene,
             table,
@@ -215,5 +232,5 @@ class Task:
             free.trace,
         )
         return NotConverged(
-            f"not converged: {missed.reason}{profile_fault(self.scene, table)}", free.trace, best
+            f"not converged: {failure.reason}{profile_fault(self.scene, table)}", free.trace, best
         )

@@ -13,9 +13,9 @@ from contact.formulation.controls import Control, Load
 from contact.formulation.fields import ZoneFields
 from contact.formulation.problem import Problem
 from contact.formulation.tables import parted_at_wide
+from contact.search.topology.failure import EXACT, WrongTopology
 from contact.search.topology.intervals import united, without
-from contact.search.topology.loop import Newton, off
-from contact.search.topology.missed import EXACT, WrongTopology
+from contact.search.topology.loop import NewtonSettings, off
 from contact.verify.certificate import Certificate, Solved, certify
 from contact.verify.error import SolvedZones, too_thin
 from sie import Array, record, wrapped
@@ -28,7 +28,7 @@ _AT_CORNER = 0.1
 
 
 @record
-class ByPressure:
+class PressureForm:
     """A scaled problem by its zones."""
 
     problem: Problem
@@ -40,7 +40,7 @@ class ByPressure:
             raise WrongTopology("all zones vanished", None)
         _within_strip(self.problem, table)
         if thin := too_thin(self.problem, table):
-            raise WrongTopology(thin, None, beyond=True)
+            raise WrongTopology(thin, None, at_border=True)
         return kinds(self.problem, control, table)
 
     def begun(self, table: Array) -> Array:
@@ -60,7 +60,7 @@ class ByPressure:
             return table
         return parted_at_wide(table, problem.period)
 
-    def moved(self, control: Control, zones: sie.Zones, how: Newton) -> sie.Free:
+    def moved(self, control: Control, zones: sie.Zones, how: NewtonSettings) -> sie.Free:
         problem = self.problem
         return how.ends(
             problem.equation(control),
@@ -69,7 +69,7 @@ class ByPressure:
             limits=problem.corners,
             limited=problem.end,
             decay=how.decay,
-            like=how.like,
+            like=how.modes_like,
         )
 
     def formal(
@@ -228,7 +228,7 @@ def _within_strip(problem: Problem, table: Array) -> None:
     if problem.interaction.strip and problem.period is not None and not problem.reference:
         if float(np.abs(table - problem.centre).max()) >= 0.5 * problem.period:
             raise WrongTopology(
-                f"a contact zone reaches the border of the strip; {EXACT}", None, beyond=True
+                f"a contact zone reaches the border of the strip; {EXACT}", None, at_border=True
             )
 
 
@@ -238,7 +238,7 @@ def _within_borders(problem: Problem, zones: sie.Zones) -> None:
         raise WrongTopology(
             "a contact zone reaches the border of the part of the profile that is known",
             None,
-            beyond=True,
+            at_border=True,
         )
     if problem.period is not None and zones.b[-1] - zones.a[0] >= problem.period:
         raise WrongTopology("the zones fill the period", None)

@@ -15,9 +15,9 @@ from contact.formulation.fields import mean_shape
 from contact.formulation.gaps import GapFields
 from contact.formulation.problem import Problem, minus_one
 from contact.formulation.relief import ScaledRelief, height_noise
+from contact.search.topology.failure import WrongTopology
 from contact.search.topology.intervals import united, without
-from contact.search.topology.loop import Newton
-from contact.search.topology.missed import WrongTopology
+from contact.search.topology.loop import NewtonSettings
 from contact.verify.certificate import Certificate, Solved
 from contact.verify.error import SolvedGaps
 from contact.verify.gap_certificate import certify_gaps
@@ -25,7 +25,7 @@ from sie import Array, record
 
 
 @record
-class ByGaps:
+class GapForm:
     """A scaled problem by its gaps. relief: the pressure of full contact but for its mean.
     most_steps: from the first guess of gaps a few are enough, or it is no problem for gaps.
     """
@@ -61,7 +61,7 @@ class ByGaps:
             )
         return sie.Zones.of(table)
 
-    def moved(self, control: Control, zones: sie.Zones, how: Newton) -> sie.Free:
+    def moved(self, control: Control, zones: sie.Zones, how: NewtonSettings) -> sie.Free:
         return how.ends(self.equation(control), zones, self.most_steps, signs=(1.0, -1.0))
 
     def formal(

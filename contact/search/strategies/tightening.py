@@ -5,8 +5,8 @@ one.
 from collections.abc import Callable
 from typing import TypeVar
 
-from contact.search.task import LEAST, Task
-from contact.search.topology.missed import Missed
+from contact.search.context import LEAST, SolveContext
+from contact.search.topology.failure import Failure
 from contact.verify.certificate import Solved
 
 Kind = TypeVar("Kind", bound=Solved)
@@ -18,10 +18,10 @@ _USELESS = 0.5
 
 
 def tightened(
-    task: Task,
+    context: SolveContext,
     found: Kind,
     tolerance: float,
-    again: Callable[[Kind, float], Kind | Missed],
+    again: Callable[[Kind, float], Kind | Failure],
     at_rest: Callable[[Kind, float], bool],
 ) -> Kind:
     """The best of what was found. again: from what was found, to a tolerance; at_rest: whether
@@ -30,12 +30,12 @@ def tightened(
     """
     useless = False
     for _ in range(_TIMES):
-        if found.error <= task.tol or tolerance <= LEAST or at_rest(found, tolerance):
+        if found.error <= context.tol or tolerance <= LEAST or at_rest(found, tolerance):
             break
-        tolerance = LEAST if useless else max(LEAST, 0.05 * tolerance * task.tol / found.error)
+        tolerance = LEAST if useless else max(LEAST, 0.05 * tolerance * context.tol / found.error)
         better = again(found, tolerance)
-        if isinstance(better, Missed):
-            task.left("a smaller inner tolerance", better)
+        if isinstance(better, Failure):
+            context.record_failure("a smaller inner tolerance", better)
             break
         useless = better.error > _USELESS * found.error
         found = better if better.error < found.error else found

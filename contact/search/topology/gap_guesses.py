@@ -10,8 +10,8 @@ from contact.formulation.full_contact import NARROWEST
 from contact.formulation.relief import ScaledRelief
 from contact.formulation.roots import maximum
 from contact.formulation.tables import runs_of
+from contact.search.topology.failure import WrongTopology
 from contact.search.topology.intervals import united
-from contact.search.topology.missed import WrongTopology
 from sie import Array, Index, Mask, record
 
 # Gaps over kinks that are this many samples narrow are placed by their closed form.
@@ -19,7 +19,7 @@ _UNSEEN = 4
 
 
 @record
-class FirstGaps:
+class GapGuesses:
     """First guesses: where samples of R exceed the mean pressure."""
 
     relief: ScaledRelief

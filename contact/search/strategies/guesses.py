@@ -18,21 +18,26 @@ from contact.closed.half_width import guess_half_width, single_branch, widest
 from contact.errors import ContactError, OutOfRange
 from contact.formulation.controls import Control
 from contact.formulation.problem import Problem
+from contact.search.context import SolveContext
 from contact.search.grid.centring import Unrest
-from contact.search.grid.coarse import MOST_POINTS, Proposal
+from contact.search.grid.nested_grids import MOST_POINTS, Proposal
 from contact.search.grid.proposals import about, placed, proposed
 from contact.search.grid.scaling import ScaledScene
 from contact.search.grid.tilt import known_part
-from contact.search.task import Task
-from contact.search.topology.missed import EXACT, NOT_MINE, Missed
-from contact.search.ways.full_contact import Full, full_under, no_inverse, refuse_full_approach
-from contact.search.ways.gaps import by_gaps, worth_gaps
-from contact.search.ways.loads import by_fraction
+from contact.search.strategies.full_contact import (
+    Full,
+    full_under,
+    no_inverse,
+    refuse_full_approach,
+)
+from contact.search.strategies.gaps import by_gaps, worth_gaps
+from contact.search.strategies.load_controls import by_fraction
+from contact.search.topology.failure import EXACT, NOT_APPLICABLE, Failure
 from contact.verify.error import SolvedGaps, SolvedZones
 from sie import Array
 
 Outcome: TypeAlias = SolvedZones | SolvedGaps | Full
-Guess = Callable[[Task, ScaledScene, Array | None], Outcome | Missed]
+Guess = Callable[[SolveContext, ScaledScene, Array | None], Outcome | Failure]
 
 # Finest coarse grid; a scene whose zones are narrower needs more than a grid to find them.
 _MOST_POINTS = 2**17
@@ -53,109 +58,111 @@ _AT_STRIP = (
 )
 
 
-def search(task: Task, scaled: ScaledScene, start: Array | None = None) -> Outcome:
+def search(context: SolveContext, scaled: ScaledScene, start: Array | None = None) -> Outcome:
     """The contact from the first guess that leads on. start: scaled zones of a solution near by."""
-    if scaled.control.approach is not None and (full := full_under(task, scaled.control)):
+    if scaled.control.approach is not None and (full := full_under(context, scaled.control)):
         return full
-    refuse_full_approach(task, scaled.problem, scaled.control)
+    refuse_full_approach(context, scaled.problem, scaled.control)
     # A width that a closure looks at on its way is none of the scene's.
-    if task.scene.given_fraction is not None and not task.single:
-        return by_fraction(task, scaled)
+    if context.scene.given_fraction is not None and not context.single:
+        return by_fraction(context, scaled)
     for name, guess in GUESSES:
-        outcome = guess(task, scaled, start)
-        if not isinstance(outcome, Missed):
+        outcome = guess(context, scaled, start)
+        if not isinstance(outcome, Failure):
             return outcome
-        if outcome is not NOT_MINE:
-            task.left(name, outcome)
+        if outcome is not NOT_APPLICABLE:
+            context.record_failure(name, outcome)
     if scaled.control.width is None:
-        return from_grid(task, scaled)
-    if task.scene.given_fraction is None:
-        raise task.error(
-            Missed("zones of the total width that the closure asks for were not found"),
+        return from_grid(context, scaled)
+    if context.scene.given_fraction is None:
+        raise context.error(
+            Failure("zones of the total width that the closure asks for were not found"),
             scaled.problem,
         )
-    return by_fraction(task, scaled)
+    return by_fraction(context, scaled)
 
 
-def _near_by(task: Task, scaled: ScaledScene, start: Array | None) -> Outcome | Missed:
+def _near_by(context: SolveContext, scaled: ScaledScene, start: Array | None) -> Outcome | Failure:
     """Zones of a solution, given up as soon as they turn out to be far off: from there the way may
     be longer than from scratch.
     """
     if start is None:
-        return NOT_MINE
+        return NOT_APPLICABLE
     problem, control = scaled.problem, scaled.control
     width = float((start[:, 1] - start[:, 0]).sum())
-    if worth_gaps(task, problem, width):
-        return by_gaps(task, problem, control, width, start, near=True)
-    found = task.refine_topology(problem, control, start, near=True)
-    if isinstance(found, Missed) and found.beyond:
-        raise task.error(found, problem)
+    if worth_gaps(context, problem, width):
+        return by_gaps(context, problem, control, width, start, abandon_if_far=True)
+    found = context.refine_topology(problem, control, start, abandon_if_far=True)
+    if isinstance(found, Failure) and found.at_border:
+        raise context.error(found, problem)
     return found
 
 
-def _given(task: Task, scaled: ScaledScene, start: Array | None) -> Outcome | Missed:
+def _given(context: SolveContext, scaled: ScaledScene, start: Array | None) -> Outcome | Failure:
     """The one zone of a given half width."""
     a = scaled.control.half_width
     if a is None:
-        return NOT_MINE
-    found = task.refine_topology(scaled.problem, scaled.control, np.array([[-a, a]]))
-    if isinstance(found, Missed):
-        if found.beyond:
-            raise task.error(found, scaled.problem)
+        return NOT_APPLICABLE
+    found = context.refine_topology(scaled.problem, scaled.control, np.array([[-a, a]]))
+    if isinstance(found, Failure):
+        if found.at_border:
+            raise context.error(found, scaled.problem)
         raise OutOfRange(
             f"one zone of this half width carries no pressure that is positive everywhere: {found.reason}"
         )
     return found
 
 
-def _one_zone(task: Task, scaled: ScaledScene, start: Array | None) -> Outcome | Missed:
+def _one_zone(context: SolveContext, scaled: ScaledScene, start: Array | None) -> Outcome | Failure:
     """One zone about the tip of a symmetric asperity; full contact, or its gaps, where that would
     be wide.
     """
     problem, control = scaled.problem, scaled.control
-    if not task.single or problem.amplitude is not None:
-        return NOT_MINE
-    with task.plan.timed("zone ends"):
+    if not context.single or problem.amplitude is not None:
+        return NOT_APPLICABLE
+    with context.plan.timed("zone ends"):
         guess = guess_half_width(problem, control)
     # Only wide zones can be near full contact, and only then is it worth finding out where it
     # begins.
     if (
         problem.period is not None
         and guess > 0.25 * problem.period
-        and (full := full_under(task, control))
+        and (full := full_under(context, control))
     ):
         return full
-    if worth_gaps(task, problem, 2 * guess):
-        found_by_gaps = by_gaps(task, problem, control, 2 * guess)
+    if worth_gaps(context, problem, 2 * guess):
+        found_by_gaps = by_gaps(context, problem, control, 2 * guess)
         if isinstance(found_by_gaps, SolvedGaps):
             return found_by_gaps
-        task.left("gaps of one zone", found_by_gaps)
-        if full := full_under(task, control, but_for_kinks=True):
+        context.record_failure("gaps of one zone", found_by_gaps)
+        if full := full_under(context, control, but_for_kinks=True):
             return full
     by_branch = control.load is not None or control.approach is not None
     told = by_branch and problem.interaction.neighbours and guess > _WIDEST * widest(problem)
     if told:
         # A first guess knows of full contact, which such a strip never comes to: the branch tells
         # the width, or that there is none.
-        guess = _on_branch(task, problem, control)
-    found = task.refine_topology(problem, control, np.array([[-guess, guess]]))
+        guess = _on_branch(context, problem, control)
+    found = context.refine_topology(problem, control, np.array([[-guess, guess]]))
     if isinstance(found, SolvedZones) or not by_branch:
         return found
-    if found.beyond:
-        raise task.error(found, problem)
-    if task.scene.interaction.exact and (task.operator.is_periodic or not task.operator.is_plain):
+    if found.at_border:
+        raise context.error(found, problem)
+    if context.scene.interaction.exact and (
+        context.operator.is_periodic or not context.operator.is_plain
+    ):
         return found
     if not told:
-        _on_branch(task, problem, control)
+        _on_branch(context, problem, control)
     return found
 
 
-def _on_branch(task: Task, problem: Problem, control: Control) -> float:
+def _on_branch(context: SolveContext, problem: Problem, control: Control) -> float:
     """About the half width of one zone under a control, along the branch from zero load: there the
     controlled quantity grows with the width up to its maximum, or in a strip with neighbours to its
     border, as the logarithm of the gap there. Raises OutOfRange beyond.
     """
-    with task.plan.timed("zone ends"):
+    with context.plan.timed("zone ends"):
         half_widths, values = single_branch(problem, control)
     highest, units = float(values[-1]), problem.units
     if control.value <= highest:
@@ -176,22 +183,22 @@ def _on_branch(task: Task, problem: Problem, control: Control) -> float:
             f"{told} is more than one zone carries in its strip, whose border it nears: {at_most}; {EXACT}"
         )
     raise OutOfRange(
-        f"{told} is beyond the largest that {task.scene.interaction.name} carries on the branch from zero load, {at_most}"
+        f"{told} is beyond the largest that {context.scene.interaction.name} carries on the branch from zero load, {at_most}"
     )
 
 
 def from_grid(
-    task: Task,
+    context: SolveContext,
     scaled: ScaledScene,
     held: bool = False,
     points: int | None = None,
-    drops: bool = False,
+    allow_loss: bool = False,
 ) -> Outcome:
     """Zones from a coarse grid, refined until Newton and the certificate agree with it. held: a
     strip stays where it is; points: of the first grid, if not as many as the profile asks for;
-    drops: see `Newton`.
+    allow_loss: see `NewtonSettings`.
     """
-    problem, control, plan = scaled.problem, scaled.control, task.plan
+    problem, control, plan = scaled.problem, scaled.control, context.plan
     part = plan["coarse search"]
     part.used, part.reason = (
         True,
@@ -200,14 +207,14 @@ def from_grid(
     if control.load is not None and not control.load > 0.0:
         # A grid is pressed together without tension.
         raise OutOfRange(
-            f"{control.told(problem.units)}: the law {task.scene.law.name} has no `bare` law to begin from, "
+            f"{control.told(problem.units)}: the law {context.scene.law.name} has no `bare` law to begin from, "
             "and without one zones are looked for under loads above 0 only: give a half width"
         )
-    failure: Missed | None = None
+    failure: Failure | None = None
     most, touched, widened, full, width = _MOST_POINTS, False, 0, False, 0.0
     while points is None or points <= most:
-        if task.progress is not None:
-            task.progress("coarse grid", 0, None)
+        if context.progress is not None:
+            context.progress("coarse grid", 0, None)
         with plan.timed("coarse search"):
             # Its pressures and gaps, of very many points, have told what they tell.
             proposal = replace(proposed(scaled, problem, control, points, held=held), grid=None)
@@ -217,9 +224,9 @@ def from_grid(
         part.detail = f"{points} points, {len(proposal.zones)} zones proposed"
         if proposal.unrest is not None:
             raise no_rest(problem, control, proposal.unrest)
-        if proposal.touches_border and task.scene.profile.support is None:
+        if proposal.touches_border and context.scene.profile.support is None:
             if touched or 4 * points > most:
-                wider = None if widened == _WIDENINGS else _wider(task, scaled)
+                wider = None if widened == _WIDENINGS else _wider(context, scaled)
                 if wider is None:
                     raise OutOfRange(_AT_STRIP if problem.interaction.strip else _AT_BORDER)
                 scaled, touched, widened, points = wider, False, widened + 1, None
@@ -228,11 +235,11 @@ def from_grid(
             touched, points = True, 4 * points
             continue
         width = proposal.width / problem.units.length
-        found = _from_proposal(task, problem, control, proposal, held, drops)
-        if not isinstance(found, Missed):
+        found = _from_proposal(context, problem, control, proposal, held, allow_loss)
+        if not isinstance(found, Failure):
             return found
-        if found is not NOT_MINE:
-            task.left(f"zones of a grid of {points} points", found)
+        if found is not NOT_APPLICABLE:
+            context.record_failure(f"zones of a grid of {points} points", found)
             again = failure is not None and found.same(failure)
             failure = found
             # Where modes do not show what a grid as fine as this one leads to, they do not show
@@ -240,7 +247,7 @@ def from_grid(
             if again or found.unresolved and points >= _MOST_POINTS:
                 break
         points *= 4
-    raise _not_found(task, problem, failure, width, points, full)
+    raise _not_found(context, problem, failure, width, points, full)
 
 
 def no_rest(problem: Problem, control: Control, why: Unrest) -> OutOfRange:
@@ -255,67 +262,72 @@ def no_rest(problem: Problem, control: Control, why: Unrest) -> OutOfRange:
     )
 
 
-def _wider(task: Task, scaled: ScaledScene) -> ScaledScene | None:
+def _wider(context: SolveContext, scaled: ScaledScene) -> ScaledScene | None:
     """A wider window: few points of the first one may have missed zones beside it. None where the
     window is all that is known, or all that there is.
     """
-    (lo, hi), known = scaled.cell, known_part(task.scene.profile) or (-math.inf, math.inf)
+    (lo, hi), known = scaled.cell, known_part(context.scene.profile) or (-math.inf, math.inf)
     cell = max(known[0], lo - 0.5 * (hi - lo)), min(known[1], hi + 0.5 * (hi - lo))
     return None if cell == scaled.cell else replace(scaled, cell=cell)
 
 
 def _not_found(
-    task: Task,
+    context: SolveContext,
     problem: Problem,
-    failure: Missed | None,
+    failure: Failure | None,
     width: float,
     points: int | None,
     full: bool,
 ) -> ContactError:
     """What to say where no grid leads to the contact. width, points, full: of the finest grid."""
-    if full and task.operator.is_periodic and not task.operator.has_inverse:
+    if full and context.operator.is_periodic and not context.operator.has_inverse:
         return OutOfRange(
             no_inverse(
-                task, f"in full contact, or nearer to it than a grid of {points} points tells"
+                context, f"in full contact, or nearer to it than a grid of {points} points tells"
             )
         )
     narrow = "the gaps are narrower than the finest grid tells from full contact"
     if not (full or width):
-        return task.error(
-            failure or Missed("the contact is narrower than the finest grid tells; give a load"),
+        return context.error(
+            failure or Failure("the contact is narrower than the finest grid tells; give a load"),
             problem,
         )
-    if task.operator.is_periodic and not task.operator.has_inverse:
+    if context.operator.is_periodic and not context.operator.has_inverse:
         narrow += "; the gaps themselves are solved for where the model declares its symbol"
         if failure is not None and width > _ALMOST_FULL * (problem.period or math.inf):
-            failure = Missed(f"{failure.reason}, and {narrow}", failure.free)
-    return task.error(failure or Missed(narrow), problem)
+            failure = Failure(f"{failure.reason}, and {narrow}", failure.free)
+    return context.error(failure or Failure(narrow), problem)
 
 
 def _from_proposal(
-    task: Task, problem: Problem, control: Control, proposal: Proposal, held: bool, drops: bool
-) -> Outcome | Missed:
+    context: SolveContext,
+    problem: Problem,
+    control: Control,
+    proposal: Proposal,
+    held: bool,
+    allow_loss: bool,
+) -> Outcome | Failure:
     """The contact from the zones that a grid proposes: full, by its gaps, or by its zones."""
     width = proposal.width / problem.units.length
     if (
         problem.period is not None
         and width > 0.4 * problem.period
-        and (known := full_under(task, control))
+        and (known := full_under(context, control))
     ):
         return known
     # A symmetric strip stays about the origin, or half a period from it.
     stays = proposal.in_strip and not problem.profile.symmetric
     table = problem.units.scaled(proposal.zones) if stays else placed(problem, proposal.zones)
-    found_by_gaps = by_gaps(task, problem, control, width, table, drops=drops)
+    found_by_gaps = by_gaps(context, problem, control, width, table, allow_loss=allow_loss)
     if isinstance(found_by_gaps, SolvedGaps):
         return found_by_gaps
     if proposal.full or not len(proposal.zones):
-        return full_under(task, control, but_for_kinks=True) or NOT_MINE
-    found = task.refine_topology(
-        problem if held else about(problem, table), control, table, drops=drops
+        return full_under(context, control, but_for_kinks=True) or NOT_APPLICABLE
+    found = context.refine_topology(
+        problem if held else about(problem, table), control, table, allow_loss=allow_loss
     )
-    if isinstance(found, Missed) and found.beyond:
-        raise task.error(found, problem)
+    if isinstance(found, Failure) and found.at_border:
+        raise context.error(found, problem)
     return found
 
 

@@ -37,7 +37,7 @@ _CLEAR = 0.4
 
 
 @record
-class Passed(sie.Kept):
+class CurvePoint(sie.Kept):
     """A solution on the curve, with what its ends do as the control goes on."""
 
     solution: Solution
@@ -117,7 +117,7 @@ class Motion:
         return cls(table, values, rates)
 
 
-def carried(along: tuple[Passed, ...], at: float) -> tuple[Array, int]:
+def carried(along: tuple[CurvePoint, ...], at: float) -> tuple[Array, int]:
     """(scaled zones (n, 2) where the logarithm of the control's value is `at`, none where they fill
     the period; how many come and go on the way, about).
     """
@@ -133,7 +133,7 @@ def carried(along: tuple[Passed, ...], at: float) -> tuple[Array, int]:
     return more, changes + len(more) - len(zones)
 
 
-def _alike(along: tuple[Passed, ...]) -> list[Passed]:
+def _alike(along: tuple[CurvePoint, ...]) -> list[CurvePoint]:
     """The last ones in the same units, each at a value of its own, the nearest first."""
     last, known = along[-1], [along[-1]]
     for one in reversed(along[:-1]):
@@ -213,7 +213,7 @@ def _partners(table: Array, other: Array, period: float | None) -> tuple[Index, 
     )
 
 
-def _joined(last: Passed, own: Array, between: Array) -> tuple[Array, int]:
+def _joined(last: CurvePoint, own: Array, between: Array) -> tuple[Array, int]:
     """(zones by the ends of zones and gaps (2, n) that are carried on, of each end by the narrower
     one; how many of these are gone, or in doubt).
     """
@@ -259,7 +259,7 @@ def _kept(left: Array, right: Array, lost: Mask, closed: Mask, period: float | N
     return united(zones)
 
 
-def _with_new(zones: Array, last: Passed, away: float) -> Array:
+def _with_new(zones: Array, last: CurvePoint, away: float) -> Array:
     """Zones, and new ones where the gap is carried on to below zero."""
     place, value, bend = last.lowest.T
     change = away * last.rates[1]

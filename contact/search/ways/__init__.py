@@ -1,1 +1,0 @@
-"""A task in, its contact out, or why this way to it was left: one way a file."""
