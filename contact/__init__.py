@@ -1,10 +1,8 @@
-"""Plane elastic contact solved exactly: zones, pressure and gap of rough and textured profiles,
-with a stated error.
-"""
+"""Plane elastic contact of rough and textured profiles, solved exactly and with a stated error."""
 
 from typing import TYPE_CHECKING, Any
 
-# First: a command may be interrupted while the rest is imported.
+# This import comes first: it handles an interrupt of the user during the other imports.
 from contact import interrupts  # noqa: F401  isort: skip
 from contact.extras import require, version
 from sie import uncollected
@@ -62,32 +60,32 @@ if TYPE_CHECKING:
     from contact.explorer.explore import explore
     from contact.model.scene_file import load_scene
     from contact.sweeps.adhesive import AdhesiveEvent, AdhesivePath
-    from contact.sweeps.many import solve_many
     from contact.sweeps.path import path
     from contact.sweeps.path_table import Event
     from contact.sweeps.paths import Path
+    from contact.sweeps.solve_many import solve_many
     from contact.sweeps.sweep.run import sweep
 
-# What a single solve does not need is loaded when it is asked for. The imports above, for readers
-# and type checkers, say the same.
+# Modules that a single solve does not need are imported at first use. The imports above state the
+# same for readers and type checkers.
 _HOMES = {
     "contact.explorer.explore": "explore",
     "contact.model.scene_file": "load_scene",
     "contact.sweeps.adhesive": "AdhesiveEvent AdhesivePath",
-    "contact.sweeps.many": "solve_many",
+    "contact.sweeps.solve_many": "solve_many",
     "contact.sweeps.path": "path",
     "contact.sweeps.path_table": "Event",
     "contact.sweeps.paths": "Path",
     "contact.sweeps.sweep.run": "sweep",
 }
 _HOME = {name: module for module, names in _HOMES.items() for name in names.split()}
-# As `contact.testing` after `import contact`.
+# Submodules that are attributes of `contact` without an import of their own.
 _MODULES = ("axisymmetric", "exact", "inverse", "paper", "testing")
 
-if not TYPE_CHECKING:  # to a type checker, a name that is not among these is none
+if not TYPE_CHECKING:  # so that a type checker still reports unknown names
 
     def __getattr__(name: str) -> Any:
-        if name == "__version__":  # what is installed says it, and saying it takes time
+        if name == "__version__":  # read from the installed package, which takes time
             return version()
         if name in _MODULES:
             return require(f"contact.{name}")

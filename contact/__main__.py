@@ -1,6 +1,4 @@
-"""`python -m contact`, and the console script: the command line, or one line that says what it
-lacks.
-"""
+"""`python -m contact` and the console script: the command line, or the name of a missing package."""
 
 import sys
 
@@ -10,9 +8,7 @@ from contact.extras import require
 
 
 def main() -> None:
-    """Run the command line; its packages are an extra, and without them this is the only place that
-    can say so.
-    """
+    """Run the command line; without its packages, print their names and exit with status 2."""
     interrupts.install()
     try:
         try:

@@ -1,10 +1,9 @@
-"""Ctrl-C in a command: one line and status 130, from the first module that is imported to the last
-line that is printed.
+"""Ctrl-C in a command: it prints one line and exits with status 130, at any moment of its run.
 
-While modules are imported KeyboardInterrupt is of no use: nothing is there yet to catch it, and
-what it breaks off, half imported, may answer with another error or go on without it. There the
-process ends at once; nothing has been computed or written by then. Only commands are handled so:
-who imports `contact` keeps the signals as they are.
+During an import, KeyboardInterrupt does not work: no code catches it yet, and a half-imported
+module may raise another error or ignore it. There the process ends at once; nothing has been
+computed or written by then. Only the commands are handled this way: a program that imports
+`contact` keeps its own signal handlers.
 """
 
 import os
@@ -18,18 +17,16 @@ _started = False
 
 
 def is_command() -> bool:
-    """Whether this process is the command `contact` or `python -m contact`, told while the package
-    is being imported.
-    """
+    """Whether this process is the command `contact` or `python -m contact`."""
     name = os.path.basename(sys.argv[0]) if sys.argv else ""
-    if name == "-m":  # where `python -m` still looks for the module
+    if name == "-m":  # `python -m` has not replaced it by the module's file yet
         given = sys.orig_argv
         return any(pair == ("-m", "contact") for pair in zip(given[1:], given[2:], strict=False))
     return name.removesuffix(".exe").removesuffix("-script.py") == "contact"
 
 
 def install() -> None:
-    """Take Ctrl-C, unless it is ignored, as in a job in the background, or someone else's."""
+    """Handle Ctrl-C here, unless it is ignored (background jobs) or has another handler."""
     try:
         if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
             signal.signal(signal.SIGINT, _interrupted)
@@ -38,13 +35,13 @@ def install() -> None:
 
 
 def started(now: bool = True) -> None:
-    """From now on, or no longer, there is something that catches KeyboardInterrupt."""
+    """Declare that the command line now catches KeyboardInterrupt (or, with False, no longer)."""
     global _started
     _started = now
 
 
 def stop() -> None:
-    """End the process."""
+    """Print one line and end the process with status 130."""
     try:
         # A progress bar may have hidden the cursor.
         os.write(
@@ -56,7 +53,7 @@ def stop() -> None:
 
 
 def importing(frame: FrameType | None) -> bool:
-    """Whether the code that was broken off imports a module."""
+    """Whether the interrupted code was importing a module."""
     while frame is not None:
         if frame.f_code.co_filename.startswith("<frozen importlib"):
             return True

@@ -1,9 +1,11 @@
-"""The command line: `contact solve | plan | compare | path | sweep | explore | trace | figures |
-bench | stability`, and lists of what a scene may name, `contact profiles | interactions |
+"""The command line.
+
+Commands: `contact solve | plan | compare | path | sweep | explore | trace | figures | bench |
+stability`, and lists of the names that a scene may use: `contact profiles | interactions |
 substrates | laws | controls`.
 
-Exit status 0: solved; 2: bad input or out of range; 3: not converged; 130: interrupted. For all but
-0 stderr has one line, after a line for each warning.
+Exit status 0: solved; 2: bad input or out of range; 3: not converged; 130: interrupted. Every
+status but 0 prints one line on stderr, after one line for each warning.
 """
 
 import inspect
@@ -64,14 +66,12 @@ BAD_INPUT = 2
 NOT_CONVERGED = 3
 INTERRUPTED = interrupts.STATUS
 
-# A table of more zones than this is for a file.
+# Further zones are not printed; --csv writes them.
 _ZONES_SHOWN = 20
 
 
 class Commands(click.Group):
-    """A click group that ends every error of the package and of usage in its exit status and one
-    line.
-    """
+    """A click group that turns every error into an exit status and one line on stderr."""
 
     def main(self, *args: Any, standalone_mode: bool = True, **extra: Any) -> Any:
         run: Callable[..., Any] = super().main
@@ -79,25 +79,22 @@ class Commands(click.Group):
             return run(*args, standalone_mode=False, **extra)
         try:
             with warnings.catch_warnings():
-                # Each as one line, without its place in the code, and every one of the model's:
-                # after what Python's own options ask.
+                # All warnings of the model are printed, one line each, unless Python's own options
+                # say otherwise.
                 warnings.filterwarnings("always", category=ModelWarning, append=True)
                 warnings.showwarning = _show_warning
                 status = run(*args, standalone_mode=False, **extra)
         except NotConverged as error:
             _stop(NOT_CONVERGED, str(error))
         except BrokenPipeError:
-            # The reader of the pipe has seen enough; Python's own flush at exit must not complain
-            # either.
+            # The reader has closed the pipe. Without a new stdout, Python's flush at exit would
+            # print an error.
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             sys.exit(1)
         except click.ClickException as error:
             _stop(BAD_INPUT, error.format_message())
-        except (
-            ContactError,
-            OSError,
-            ModelWarning,
-        ) as error:  # warnings where PYTHONWARNINGS makes errors of them
+        except (ContactError, OSError, ModelWarning) as error:
+            # A ModelWarning arrives here if PYTHONWARNINGS turns warnings into errors.
             _stop(BAD_INPUT, str(error))
         except click.Abort:
             _stop(INTERRUPTED, "interrupted")
@@ -120,7 +117,8 @@ def _say_version(context: click.Context, _: click.Parameter, asked: bool) -> Non
     others = ", ".join(owners())
     if others:
         click.echo(
-            f"contact: warning: {others} is imported as `contact` too: keep one of them in an environment",
+            f"contact: warning: {others} is imported as `contact` too: "
+            "keep one of them in an environment",
             err=True,
         )
     context.exit()
@@ -147,8 +145,8 @@ def main(context: click.Context) -> None:
     Exit status: 0 solved; 1 the reader of a pipe left; 2 bad input or out of range; 3 not
     converged; 130 interrupted.
     """
-    if told := other_package():
-        click.echo(f"contact: warning: {told}", err=True)
+    if warning := other_package():
+        click.echo(f"contact: warning: {warning}", err=True)
     if context.invoked_subcommand is None:
         click.echo(context.get_help())
 
@@ -233,12 +231,12 @@ def plan_command(scene: Path, run: bool, tol: float) -> None:
     """
     problem = scene_of(scene)
     if not run:
-        show_table("plan", ("part", "used", "reason", "detail"), map(_said, plan(problem).parts))
+        show_table("plan", ("part", "used", "reason", "detail"), map(_cells, plan(problem).parts))
         return
     with Progress() as progress:
         done = solve(problem, tol=tol, progress=progress).plan
     show_profile(problem.profile)
-    timed = [(*_said(part), *_took(part.seconds, done.share(part))) for part in done.parts]
+    timed = [(*_cells(part), *_time(part.seconds, done.share(part))) for part in done.parts]
     show_table("plan", ("part", "used", "reason", "detail", "time", "share"), timed, numeric=(4, 5))
     sizes = [(name.replace("_", " "), str(count)) for name, count in done.counts.items()]
     show_table(
@@ -249,11 +247,11 @@ def plan_command(scene: Path, run: bool, tol: float) -> None:
     )
 
 
-def _said(part: Part) -> tuple[str, str, str, str]:
+def _cells(part: Part) -> tuple[str, str, str, str]:
     return part.name, "yes" if part.used else "no", part.reason, part.detail
 
 
-def _took(seconds: float | None, share: float | None) -> tuple[str, str]:
+def _time(seconds: float | None, share: float | None) -> tuple[str, str]:
     return (
         ("", "")
         if seconds is None or share is None
@@ -289,7 +287,7 @@ def compare_command(scene: Path, figure: Path | None, tol: float) -> None:
         failures = [attempt.refusal for attempt in attempts if attempt.refusal is not None]
         raise next((error for error in failures if isinstance(error, NotConverged)), failures[-1])
     outputs.write(attempts)
-    outputs.tell()
+    outputs.report()
 
 
 main.add_command(path_command)
@@ -370,13 +368,13 @@ def stability_command(quick: bool, out: Path | None) -> None:
 def _listed(
     kind: str, known: Callable[[], Mapping[str, Any]], what: str, second: str = "parameters"
 ) -> None:
-    """The command that lists what a scene file can name of one kind."""
+    """Add the command that lists the names of one kind for scene files."""
 
     @main.command(kind, help=f"List the {what} a scene file can name.")
     def list_command() -> None:
-        told = _parameters if second == "parameters" else attrgetter(second)
+        describe = _parameters if second == "parameters" else attrgetter(second)
         rows = [
-            (name, told(cls), ", ".join(getattr(cls, "allows", ())), _description(cls))
+            (name, describe(cls), ", ".join(getattr(cls, "allows", ())), _description(cls))
             for name, cls in known().items()
         ]
         heads = ("shape" if kind == "profiles" else "name", second, "controls", "what it is")
@@ -427,7 +425,7 @@ def _show_solution(solution: Solution, seconds: float) -> None:
     show_table(
         "checked",
         ("what", "value"),
-        [(k.replace("_", " "), _told(v)) for k, v in checks if v != ""],
+        [(k.replace("_", " "), _entry(v)) for k, v in checks if v != ""],
     )
     rows = export.zone_table(solution)
     if not rows:
@@ -445,10 +443,10 @@ def _show_solution(solution: Solution, seconds: float) -> None:
         click.echo(f"{len(rows) - _ZONES_SHOWN} more zones: --csv writes them all")
 
 
-def _told(value: Any) -> str:
-    """One entry of a certificate."""
+def _entry(value: Any) -> str:
+    """One entry of a certificate as text."""
     if isinstance(value, Mapping):
-        return ", ".join(f"{name} {_told(item)}" for name, item in value.items())
+        return ", ".join(f"{name} {_entry(item)}" for name, item in value.items())
     if isinstance(value, (bool, np.bool_)):
         return "yes" if value else "no"
     if isinstance(value, float):
@@ -457,12 +455,12 @@ def _told(value: Any) -> str:
 
 
 def _parameters(cls: Any) -> str:
-    """The arguments of a class as a scene file gives them: those with a default show it."""
-    told = _arguments(cls)
+    """The parameters of a class as a scene file gives them, with their defaults."""
+    text = _arguments(cls)
     return (
-        f"{told}; or file, {_arguments(cls.from_file, but='path')}"
+        f"{text}; or file, {_arguments(cls.from_file, but='path')}"
         if hasattr(cls, "from_file")
-        else told
+        else text
     )
 
 

@@ -1,6 +1,7 @@
-"""What several commands have in common: how a scene is named, options, the files that they are
-asked to write (what cannot be written is refused before any work is done), and many values in few
-words: A:B:N, A:B:N:log, or values with commas between them.
+"""Parts that several commands share: the scene argument, options, output files, lists of values.
+
+An output file that cannot be written is refused before any work is done. A list of values is
+written A:B:N, A:B:N:log, or as numbers with commas between.
 """
 
 import json
@@ -30,16 +31,17 @@ TOL = click.option(
 
 
 def scene_of(name: Path) -> Scene:
-    """The scene of a file, or of what comes in on standard input; files it names are looked for
-    from the working folder then.
+    """The scene of a file, or of standard input if the name is "-".
+
+    A scene from standard input names its files relative to the working folder.
     """
     if str(name) != "-":
         return load_scene(name)
-    # None where it was closed.
+    # sys.stdin is None if it was closed.
     return read_scene(b"" if sys.stdin is None else sys.stdin.buffer.read(), "standard input")
 
 
-# Of what is made, a file, and whether that may be written over.
+# A function of the result, the file, and whether an existing file may be replaced.
 Write = Callable[[Any, Path, bool], Any]
 OVERWRITE = click.option(
     "--overwrite",
@@ -49,9 +51,7 @@ OVERWRITE = click.option(
 
 
 def checked(option: str, path: Path, endings: Iterable[str], overwrite: bool = False) -> None:
-    """That a file of that name can be written; one that is there, only where it may be written
-    over.
-    """
+    """Raise SceneError if a file of that name cannot be written, or exists without `overwrite`."""
     if path.suffix.lower() not in endings:
         raise SceneError.of(
             option, str(path), f"a file name that ends in {', '.join(sorted(endings))}"
@@ -65,8 +65,9 @@ def checked(option: str, path: Path, endings: Iterable[str], overwrite: bool = F
 
 
 class Outputs:
-    """The files that a command is asked for, and how each is written; what cannot be written is
-    refused before any work is done.
+    """The output files of a command, with a function that writes each.
+
+    A file that cannot be written is refused when it is added, before any work is done.
     """
 
     def __init__(self, overwrite: bool = False) -> None:
@@ -74,7 +75,7 @@ class Outputs:
         self._writers: dict[Path, Write] = {}
 
     def add(self, option: str, path: Path | None, writers: Mapping[str, Write]) -> None:
-        """By the endings of its name; None: none is asked for."""
+        """Add a file, written by the function for its ending; None adds nothing."""
         if path is None:
             return
         if path in self._writers:
@@ -83,9 +84,7 @@ class Outputs:
         self._writers[path] = writers[path.suffix.lower()]
 
     def add_figure(self, path: Path | None, drawn: Callable[[Any], Any]) -> None:
-        """A picture of what is made; one that is there is drawn anew, as it holds nothing that is
-        not drawn again.
-        """
+        """Add a picture; an existing picture is always replaced, since it can be drawn again."""
         if path is not None:
             known = require(
                 "matplotlib.backends.backend_agg"
@@ -98,27 +97,28 @@ class Outputs:
             write(made, path, self._overwrite)
 
     def finish(self, made: Any, as_json: bool, quiet: bool, show: Callable[[], None]) -> None:
-        """What was made, in the files; and on stdout as JSON, or in tables, unless nothing is to be
-        printed.
-        """
+        """Write the files, then print the result as JSON or as tables, unless `quiet`."""
         self.write(made)
         if as_json:
             click.echo(json.dumps(made.to_dict(), allow_nan=False))
         elif not quiet:
             show()
-            self.tell()
+            self.report()
 
-    def tell(self, err: bool = False) -> None:
+    def report(self, err: bool = False) -> None:
+        """Print the names of the written files."""
         for path in self._writers:
             click.echo(f"written: {path}", err=err)
 
 
-_MOST = 100_000
+# More values than this are a typing error.
+_MAX_VALUES = 100_000
 
 
 def values_of(option: str, text: str) -> Array:
-    """N even values from A to B, evenly spaced in their logarithm with `:log`; both ends are among
-    them.
+    """The values of A:B:N (even), A:B:N:log (even in the logarithm) or of numbers with commas.
+
+    A and B are among the values.
     """
     try:
         values = (
@@ -129,27 +129,29 @@ def values_of(option: str, text: str) -> Array:
     except ValueError:
         values = np.zeros(0)
     if not values.size or not np.isfinite(values).all():
-        many = f"N a whole number from 2 to {_MOST}"
-        allowed = f"A:B:N or A:B:N:log, such as 1e3:1e6:20:log ({many}; with log A and B above 0), or numbers with commas between"
+        count = f"N a whole number from 2 to {_MAX_VALUES}"
+        allowed = (
+            f"A:B:N or A:B:N:log, such as 1e3:1e6:20:log ({count}; with log A and B above 0), "
+            "or numbers with commas between"
+        )
         raise SceneError.of(option, text, allowed)
     return values
 
 
 def _between(parts: list[str]) -> Array:
-    """Of the parts between colons; none where they make no sense."""
+    """The values of a range given by its parts; none if the parts are invalid."""
     logarithmic = len(parts) == 4 and parts[3] == "log"
     first, last, count = float(parts[0]), float(parts[1]), int(parts[2]) if len(parts) > 2 else 0
     if (
         (len(parts) != 3 and not logarithmic)
-        or not 2 <= count <= _MOST
+        or not 2 <= count <= _MAX_VALUES
         or first == last
         or not isfinite(last - first)
     ):
         return np.zeros(0)
     if logarithmic and (first <= 0 or last <= 0):
         return np.zeros(0)
-    # 0.3, and not 0.30000000000000004: values that are read again, and written by hand, are the
-    # same.
+    # Rounded to 15 digits, so that 0.3 compares equal to a 0.3 written by hand.
     return np.array(
         [
             float(f"{value:.15g}")

@@ -1,6 +1,4 @@
-"""`contact path SCENE --loads A:B:N`: a scene at many loads, up and down, with the loads at which
-zones come, go and merge.
-"""
+"""`contact path SCENE --loads A:B:N`: a scene at many loads, with the events between them."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -15,14 +13,14 @@ from contact.model.scene import Scene
 from contact.model.units import headed, quantity
 from contact.solution.terminal import Progress, show_columns
 from contact.sweeps.adhesive import AdhesivePath
-from contact.sweeps.many import solve_many
 from contact.sweeps.path import path
 from contact.sweeps.path_table import columns
 from contact.sweeps.paths import Path as LoadPath
 from contact.sweeps.points import NUMBERS
+from contact.sweeps.solve_many import solve_many
 from sie import Array
 
-# Columns of the table, with digits: what an 80-column screen holds.
+# Columns of the table with their digits; together they fit on 80 columns.
 _SHOWN = {
     "load": 4,
     "mean_pressure": 4,
@@ -151,7 +149,7 @@ def path_command(
                     stiffness=stiffness,
                 )
     except SceneError as error:
-        # By the names that the command has for what the functions are given.
+        # The message names the option of the command instead of the function's parameter.
         if error.allowed is None or error.field not in ("values", "control", "stiffness"):
             raise
         if error.field == "stiffness":
@@ -166,18 +164,14 @@ def _values(scene: Scene, given: Mapping[str, str | None], back: bool) -> tuple[
     names = [name for name, text in given.items() if text is not None]
     if len(names) != 1:
         if names:
-            raise SceneError(
-                f"{' and '.join(f'--{name}' for name in names)} are given together: give one of them",
-                names[0],
-            )
-        raise SceneError(
-            f"--loads is missing, or one of {', '.join(f'--{name}' for name in given if name != 'loads')}",
-            "loads",
-        )
+            together = " and ".join(f"--{name}" for name in names)
+            raise SceneError(f"{together} are given together: give one of them", names[0])
+        others = ", ".join(f"--{name}" for name in given if name != "loads")
+        raise SceneError(f"--loads is missing, or one of {others}", "loads")
     text = given[names[0]] or ""
     values = values_of(f"--{names[0]}", text)
     if not scene.law.pulls:
-        # Without tension nothing touches under no load.
+        # Without adhesion there is no contact at zero load.
         values = values[values != 0]
         if not values.size:
             raise SceneError.of(f"--{names[0]}", text, "at least one value other than 0")
@@ -204,22 +198,20 @@ def _show(found: LoadPath) -> None:
 def _show_events(found: LoadPath) -> None:
     events = found.events
     numbers: list[tuple[str, list[float | None], str, int]] = [
-        ("load", [event.load for event in events], "N/m", 10), ("position", [event.position for event in events], "m", 10),
-    ]  # fmt: skip
+        ("load", [event.load for event in events], "N/m", 10),
+        ("position", [event.position for event in events], "m", 10),
+    ]
     if isinstance(found, AdhesivePath):
         numbers.append(
             ("energy lost", [getattr(event, "lost", None) for event in events], "J/m", 6)
         )
-    told = [
-        (head.replace("\n", " "), cells) for head, cells in (headed(*given) for given in numbers)
-    ]
-    told = [
+    cells = [(head.replace("\n", " "), text) for head, text in (headed(*n) for n in numbers)]
+    table = [
         ("event", [event.kind for event in events]),
-        *told,
+        *cells,
         ("zones", [event.change() for event in events]),
     ]
-    show_columns("events, in the order of the path", told, words=(0, len(told) - 1))
+    show_columns("events, in the order of the path", table, words=(0, len(table) - 1))
     if isinstance(found, AdhesivePath) and found.dissipated is not None:
-        click.echo(
-            f"lost in all: {quantity(found.dissipated, 'J/m')}; work of the load: {quantity(found.work, 'J/m')}"
-        )
+        work = quantity(found.work, "J/m")
+        click.echo(f"lost in all: {quantity(found.dissipated, 'J/m')}; work of the load: {work}")

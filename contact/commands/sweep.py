@@ -1,5 +1,6 @@
-"""`contact sweep SCENE --vary KEY=A:B:N --out OUT.nc`: a scene over a grid of values, on this
-machine or on a cluster, gone on with.
+"""`contact sweep SCENE --vary KEY=A:B:N --out OUT.nc`: a scene on a grid of values.
+
+It runs on this machine or on a cluster, and continues an existing file.
 """
 
 import time
@@ -28,7 +29,8 @@ from contact.sweeps.sweep.run import sweep
     multiple=True,
     required=True,
     metavar="KEY=A:B:N[:log]",
-    help="Values of TABLE.KEY of the scene: N from A to B, or with commas between. May be given again, for other keys.",
+    help="Values of TABLE.KEY of the scene: N from A to B, or with commas between. "
+    "May be given again, for other keys.",
 )
 @click.option(
     "--out",
@@ -54,7 +56,8 @@ from contact.sweeps.sweep.run import sweep
     type=click.Choice(BRANCHES),
     default=BRANCHES[0],
     show_default=True,
-    help="Of several equilibria under adhesion: by raising, or by lowering the control. --vary branch=advancing,receding: both.",
+    help="Of several equilibria under adhesion: by raising, or by lowering the control. "
+    "--vary branch=advancing,receding: both.",
 )
 @click.option("--overwrite", is_flag=True, help="Write over OUT.nc, and solve all anew.")
 @QUIET
@@ -149,7 +152,7 @@ def _show(table: Any, seconds: float) -> None:
 
 
 def _span(values: Any, unit: str) -> str:
-    """The least and the greatest, in one unit; words as they are; nothing where there is nothing."""
+    """The least and the greatest value in one unit; words as they are; "" without values."""
     flat = np.ravel(values)
     if flat.dtype.kind not in "iuf":
         return ", ".join(str(value) for value in flat)
@@ -164,7 +167,7 @@ def _span(values: Any, unit: str) -> str:
 
 
 def _stop_where_nothing_is_solved(table: Any) -> None:
-    """End as `contact solve` of a point would, where all have failed."""
+    """Raise the error of the first point if all points have failed."""
     if not bool(table["failed"].all()):
         return
     reasons = [str(reason) for reason in np.ravel(table["reason"].values)]

@@ -1,8 +1,8 @@
-"""`contact trace FILE`: what is read in a file, its roughness and its preparation, and a scene file
-to start from.
+"""`contact trace FILE`: a measured trace with its roughness and preparation, and a first scene
+file.
 
-Its picture: the points as read, after each step and as they are solved; how often heights occur;
-the power spectrum.
+Its picture shows the points as read, after each step and as they are solved, the distribution of
+heights, and the power spectrum.
 """
 
 import json
@@ -26,14 +26,15 @@ from contact.solution.plotting import new_figure
 from contact.solution.terminal import show_table
 from sie import Array
 
-# Of the scene that is written: steel on a rigid flat, at a light load.
-_MODULUS = 210e9
-_POISSON = 0.3
-_LIGHT = 0.01  # mean pressure over E* times the rms slope
+# The scene that is written: steel on a rigid flat.
+_STEEL_MODULUS = 210e9  # [Pa]
+_STEEL_POISSON_RATIO = 0.3
+# A light load: the mean pressure over E* times the rms slope.
+_LIGHT_LOAD = 0.01
 
 
 def _number(text: str) -> Any:
-    """What a TOML value of that text is: true, a number, else the text."""
+    """The TOML value of a text: true or false, a number, or the text itself."""
     if text.lower() in ("true", "false"):
         return text.lower() == "true"
     for kind in (int, float):
@@ -58,7 +59,7 @@ def _line(text: str) -> Any:
     return parts[0] if len(parts) == 1 else [parts[:2], parts[2:]]
 
 
-# Keys of [profile] as options: how their text is read, and what they are.
+# Keys of [profile] as options: the parser of their text, its name, and a description.
 KEYS: dict[str, tuple[Callable[[str], Any], str, str]] = {
     "columns": (_list, "X,Z", "Columns of positions and heights: numbers from 0, or names."),
     "units": (_one_or_two, "U[,U]", "Unit of the file, or two: of positions, of heights."),
@@ -130,7 +131,7 @@ def trace_command(
         path.write_text(
             starting_scene(file, path.parent, keys, measured, read.period), encoding="utf-8"
         )
-        # What was written must be a scene.
+        # Raises SceneError if the file is not a valid scene.
         load_scene(path)
 
     outputs = Outputs(overwrite)
@@ -152,11 +153,11 @@ def trace_command(
     else:
         show_trace(f"trace {file.name}", measured, trace.history)
     outputs.write(profile)
-    outputs.tell(err=as_json)
+    outputs.report(err=as_json)
 
 
 def show_trace(title: str, measured: Roughness, history: tuple[str, ...]) -> None:
-    """Numbers of a trace, and its preparation."""
+    """Print the numbers of a trace and its preparation."""
     pitch = quantity(measured.pitch, "m")
     rows = [
         ("points", str(measured.points)),
@@ -174,13 +175,12 @@ def show_trace(title: str, measured: Roughness, history: tuple[str, ...]) -> Non
 
 
 def show_profile(profile: Profile) -> None:
-    """The same of a scene's profile, where it is one that was read from a file; of two bodies what
-    each is, and how they stand.
-    """
+    """Print the traces of a scene's profile that were read from a file, and its two bodies if any."""
     pair = len(profile.bodies) > 1
     if pair:
         rows = [
-            (place, str(table["shape"]), _told(table)) for place, table in profile.tables().items()
+            (place, str(table["shape"]), _parameters(table))
+            for place, table in profile.tables().items()
         ]
         show_table(
             "two bodies",
@@ -196,8 +196,8 @@ def show_profile(profile: Profile) -> None:
             )
 
 
-def _told(table: Mapping[str, Any]) -> str:
-    """Parameters of a body; lists of numbers by how many they are."""
+def _parameters(table: Mapping[str, Any]) -> str:
+    """The parameters of a body as text; of a list, only its length."""
     given = {key: value for key, value in table.items() if key != "shape" and value is not None}
     return ", ".join(
         f"{key} {len(value)} numbers" if np.ndim(value) else f"{key} = {value}"
@@ -206,7 +206,7 @@ def _told(table: Mapping[str, Any]) -> str:
 
 
 def _together(profile: Profile) -> str:
-    """Over which length two bodies are one surface."""
+    """The common period of two bodies, or the interval on which they face each other."""
     if profile.period is not None:
         cells = [
             f"{round(profile.period / body.period)} of {place}"
@@ -223,9 +223,9 @@ def _together(profile: Profile) -> str:
 def starting_scene(
     file: Path, folder: Path, keys: Mapping[str, Any], measured: Roughness, period: float | None
 ) -> str:
-    """A scene file: the trace on a rigid flat, light load."""
-    modulus = _MODULUS / (1 - _POISSON**2)
-    pressure = _LIGHT * modulus * measured.rms_slope
+    """The text of a scene file: the trace on a rigid flat under a light load."""
+    modulus = _STEEL_MODULUS / (1 - _STEEL_POISSON_RATIO**2)
+    pressure = _LIGHT_LOAD * modulus * measured.rms_slope
     name = Path(os.path.relpath(file, folder)).as_posix()
     lines = [
         "[profile]",
@@ -236,12 +236,12 @@ def starting_scene(
     lines += [
         "",
         "[material]              # steel; the counter-face is rigid: E2 and nu2 are left out",
-        f"E1 = {_MODULUS / 1e9:g}e9",
+        f"E1 = {_STEEL_MODULUS / 1e9:g}e9",
     ]
-    lines += [f"nu1 = {_POISSON}", "", "[interaction]"]
-    told = f"# {_LIGHT:g} E* times the rms slope, {measured.rms_slope:.4g}"
+    lines += [f"nu1 = {_STEEL_POISSON_RATIO}", "", "[interaction]"]
+    comment = f"# {_LIGHT_LOAD:g} E* times the rms slope, {measured.rms_slope:.4g}"
     if period is not None:
-        lines += ['model = "periodic"', "", "[control]", told, f"mean_pressure = {pressure:.4g}"]
+        lines += ['model = "periodic"', "", "[control]", comment, f"mean_pressure = {pressure:.4g}"]
     else:
         lines += [
             'model = "isolated"         # no period is given: the trace just ends',
@@ -249,7 +249,7 @@ def starting_scene(
             "[control]",
         ]
         lines += [
-            f"{told}, over a thousandth of its length [N/m]",
+            f"{comment}, over a thousandth of its length [N/m]",
             f"load = {1e-3 * pressure * measured.length:.4g}",
         ]
     return "\n".join(lines) + "\n"
@@ -258,13 +258,13 @@ def starting_scene(
 _BEFORE = "#9a9a9a"
 _AFTER = "#1f5a92"
 _LOST = "#b3261e"
-_LONGEST = 90  # letters of a title
+_MAX_TITLE_LENGTH = 90
 
 
 def plot_trace(
     trace: Trace, measured: Roughness, spectrum: tuple[Array, Array], heights: tuple[Array, Array]
 ) -> Any:
-    """A matplotlib Figure: a row for each step, and below heights and spectrum of the last."""
+    """A matplotlib figure: one row per step; below, heights and spectrum of the last step."""
     stages = list(trace.stages)
     figure = new_figure(9.0, 1.7 * len(stages) + 3.0)
     grid = figure.add_gridspec(len(stages) + 1, 2, height_ratios=[1.0] * len(stages) + [1.7])
@@ -278,9 +278,9 @@ def plot_trace(
         )
         for at in x[~np.isfinite(height)]:
             axes.axvline(along * at, color=_LOST, lw=0.5, alpha=0.5)
-        axes.set_title(
-            name if len(name) <= _LONGEST else name[: _LONGEST - 3] + "...", fontsize=8, loc="left"
-        )
+        if len(name) > _MAX_TITLE_LENGTH:
+            name = name[: _MAX_TITLE_LENGTH - 3] + "..."
+        axes.set_title(name, fontsize=8, loc="left")
         axes.set_ylabel(f"height [{up_unit}m]", fontsize=8)
         axes.tick_params(labelsize=8)
         axes.margins(x=0.0)

@@ -1,3 +1,4 @@
-"""A page with sliders: a scene comes in; surfaces, pressure, load curve, stated error and its text
-go out, on this machine alone.
+"""A page with sliders for a scene, served to this machine only.
+
+It shows the surfaces, the pressure, the load curve, the stated error and the scene file.
 """

@@ -20,16 +20,15 @@ ADDRESS = "127.0.0.1"
 
 
 def explore(scene: Scene | str | PathLike[str] | None = None, tol: float = 1e-8) -> Any:
-    """A scene with sliders: surfaces, zones, pressure and load curve redrawn as it is turned, with
-    the stated error and its text.
+    """A page with sliders for a scene: surfaces, zones, pressure, load curve and stated error.
 
-    In a notebook the object shows itself; elsewhere its `show()` opens a browser, and `contact
-    explore SCENE` serves the same page. Needs the extra `explore`.
+    A notebook displays the returned object; elsewhere its `show()` opens a browser, and `contact
+    explore SCENE` serves the same page. It needs the extra `explore`.
 
     Parameters
     ----------
     scene : Scene, str, path or None
-        What is pressed, or the name of a scene file; None: a wave.
+        The scene or the name of a scene file; None: a sine wave.
     tol : float
         Largest stated error of each frame.
 
@@ -40,21 +39,22 @@ def explore(scene: Scene | str | PathLike[str] | None = None, tol: float = 1e-8)
     Raises
     ------
     SceneError
-        If the scene cannot be read. What goes wrong later is shown on the page.
+        If the scene cannot be read. Later errors are shown on the page.
     MissingExtra
         If Panel is not installed.
 
     Examples
     --------
     >>> import contact
-    >>> wave = contact.Scene(contact.Sinusoid(1e-6, 1e-4), 1e11, contact.Periodic(), mean_pressure=1e9)
+    >>> profile = contact.Sinusoid(1e-6, 1e-4)
+    >>> wave = contact.Scene(profile, 1e11, contact.Periodic(), mean_pressure=1e9)
     >>> page = contact.explore(wave)
     >>> type(page).__name__
     'Row'
     """
     page = require("contact.explorer.page")
     given = _given(scene)
-    # In a notebook: what the page needs comes with it, and from nowhere else.
+    # In a notebook the page brings its own scripts and loads none from the network.
     require("panel").extension(inline=True)
     return page.Explorer(given[0], tolerance(tol), *given[1:]).layout
 
@@ -66,11 +66,10 @@ def serve(
     ready: Callable[[str], None],
     show: bool,
 ) -> None:
-    """Serve the page on this machine alone until it is interrupted; each tab has a scene of its
-    own.
+    """Serve the page to this machine only, until it is interrupted; each tab has its own scene.
 
-    port None: one that is free; ready: called with the page's address once it answers; show:
-    whether a browser is opened.
+    port: None for a free one; ready: called with the page's address once it answers; show: whether
+    a browser is opened.
     """
     page, panel = require("contact.explorer.page"), require("panel")
     given, tol = _given(scene), tolerance(tol)
@@ -79,7 +78,7 @@ def serve(
         return page.Explorer(given[0], tol, *given[1:]).layout
 
     port = port or _free()
-    # No page from elsewhere may speak to it.
+    # Pages from other addresses may not connect.
     origins = [f"{ADDRESS}:{port}", f"localhost:{port}"]
     try:
         server = panel.serve(
@@ -96,7 +95,7 @@ def serve(
         raise SceneError.of(
             "port", port, f"one that is free ({error.strerror or error})"
         ) from error
-    # That a tab was closed is no news.
+    # Bokeh would log every closed tab.
     logging.getLogger("bokeh").setLevel(logging.ERROR)
     server.start()
     address = f"http://{ADDRESS}:{port}/"
@@ -110,14 +109,14 @@ def serve(
 
 
 def _free() -> int:
-    """A port of this machine that nothing listens at."""
+    """A free port of this machine."""
     with socket.socket() as probe:
         probe.bind((ADDRESS, 0))
         return int(probe.getsockname()[1])
 
 
 def _given(scene: Any) -> tuple[Scene, dict[str, Any] | None, Path]:
-    """The scene, its tables as written, and the folder that names of files count from."""
+    """The scene, the tables of its file (None without one), and the folder of its files."""
     if scene is None:
         scene = Scene(Sinusoid(1e-6, 1e-4), 1.1e11, Periodic(), mean_pressure=1.7e9)
     if isinstance(scene, Scene):

@@ -1,6 +1,6 @@
-"""One frame of the page: a scene is solved, and what is drawn and said of it comes out; or a
-message, where it cannot be. Its load curve comes a point at a time, so that the page goes on
-answering while it is drawn.
+"""One frame of the page: the solution of a scene as numbers and curves, or an error message.
+
+The load curve is computed one point at a time, so that the page stays responsive.
 """
 
 import time
@@ -27,17 +27,30 @@ from contact.solver import solve
 from contact.sweeps.curve import Curve
 from sie import Array
 
-POINTS = 4000  # of a stretch: a few on each pixel column of a screen
-FEW = 500  # while a hand moves: one on every second column, and those at the ends of the zones
-_FLANK = 0.6  # how far beyond the rest a body without end is drawn
+
+@dataclass(frozen=True)
+class FrameOptions:
+    """The resolution of a frame."""
+
+    # Points of each curve: a few per pixel column of a screen.
+    points: int = 4000
+    # Points while a slider moves: one per second pixel column, and those at the zones' ends.
+    points_while_moving: int = 500
+    # A body with vertical walls is drawn up to this part of the range beyond the rest.
+    wall_height: float = 0.6
+    # Values of the control on the load curve.
+    curve_points: int = 33
+
+
+OPTIONS = FrameOptions()
 
 
 @dataclass(frozen=True)
 class Frame:
-    """What is drawn of a solution, in the units of its names.
+    """The curves of a solution, in the units given by `names`.
 
-    fields: rows of x, heights of the body, of the deformed surface, of both where they touch, and
-    pressure; zones: rows of ends; names: of x, heights and pressure.
+    fields: rows of x, heights of the body, heights of the deformed surface, heights in contact, and
+    pressure; zones: rows of ends; names: labels of x, height and pressure.
     """
 
     solution: Solution
@@ -48,29 +61,27 @@ class Frame:
 
 
 def solved(
-    scene: Scene, tol: float, near: Solution | None, branch: str, points: int = POINTS
+    scene: Scene, tol: float, previous: Solution | None, branch: str, points: int = OPTIONS.points
 ) -> Frame:
-    """The frame of a scene. near: the last solution, from whose zones the search starts where they
-    are of the same shape.
+    """The frame of a scene.
+
+    The search starts from the previous solution if only the control has changed.
     """
     start = time.perf_counter()
-    alike = near is not None and all(
-        getattr(near.scene, part) == getattr(scene, part) for part in _PARTS
+    same_parts = previous is not None and all(
+        getattr(previous.scene, part) == getattr(scene, part) for part in _PARTS
     )
     with unwarned():
-        solution = solve(
-            scene, tol=tol, near=near if alike and not scene.law.pulls else None, branch=branch
-        )
+        warm_start = previous if same_parts and not scene.law.pulls else None
+        solution = solve(scene, tol=tol, near=warm_start, branch=branch)
     return drawn(solution, time.perf_counter() - start, points)
 
 
 _PARTS = ("profile", "interaction", "substrate", "law")
 
 
-def drawn(solution: Solution, seconds: float, points: int = POINTS) -> Frame:
-    """The fields of a solution, where straight lines between the places show them, as far as so
-    many do.
-    """
+def drawn(solution: Solution, seconds: float, points: int = OPTIONS.points) -> Frame:
+    """The curves of a solution with about the given number of points."""
     lo, hi = window(solution)
     x = positions(solution, lo, hi, points)
     surface, body = surfaces(solution, x)
@@ -81,11 +92,9 @@ def drawn(solution: Solution, seconds: float, points: int = POINTS) -> Frame:
         min(surface[below].min(), body[seen].min()),
         max(surface[below].max(), body[seen].max()),
     )
-    # A body with sharp corners goes on without end beside them.
-    body, surface = (
-        np.where(seen, body, high + _FLANK * (high - low)),
-        np.where(below, surface, low - _FLANK * (high - low)),
-    )
+    # A flat punch is infinitely high outside its corners: its walls are drawn with a finite height.
+    wall = OPTIONS.wall_height * (high - low)
+    body, surface = np.where(seen, body, high + wall), np.where(below, surface, low - wall)
     along, up = (
         prefix(max(abs(lo), abs(hi))),
         prefix(max(high - low, 1e-3 * max(abs(low), abs(high)))),
@@ -94,7 +103,7 @@ def drawn(solution: Solution, seconds: float, points: int = POINTS) -> Frame:
     push = prefix(
         float(np.max(np.abs(pressure[np.isfinite(pressure)]), initial=0.0)) if top <= 0 else top
     )
-    # Where it is infinite, at corners and under adhesion, the line is cut.
+    # The pressure is infinite at corners and under adhesion; its curve is cut off there.
     shown = np.clip(
         np.nan_to_num(pressure, nan=0.0, posinf=2 * top, neginf=-2 * top),
         -1.5 * abs(top),
@@ -109,10 +118,10 @@ def drawn(solution: Solution, seconds: float, points: int = POINTS) -> Frame:
 
 
 def numbers(frame: Frame) -> list[tuple[str, str]]:
-    """What is said of a solution, by name."""
+    """Names and values of a solution's numbers as text."""
     solution = frame.solution
     zones = len(solution.zones)
-    said = [
+    rows = [
         ("stated error, at most", f"{solution.error:.1e}"),
         (
             "certificate",
@@ -135,23 +144,27 @@ def numbers(frame: Frame) -> list[tuple[str, str]]:
         ),
         ("solved in", quantity(frame.seconds, "s", 3)),
     ]
-    return [(name, value) for name, value in said if value]
+    return [(name, value) for name, value in rows if value]
 
 
-def told(error: Exception) -> str:
-    """What is shown in place of a solution."""
+def message(error: Exception) -> str:
+    """The text shown in place of a solution."""
     if isinstance(error, NotConverged) and isinstance(error.best, Solution):
-        return f"{error}. The best that was reached has a stated error of {error.best.error:.1e}; it is not drawn."
+        return (
+            f"{error}. The best that was reached has a stated error of {error.best.error:.1e}; "
+            "it is not drawn."
+        )
     if isinstance(error, ContactError):
         return str(error)
-    return f"a fault of the program, not of the scene ({type(error).__name__}: {' '.join(str(error).split())})"
+    text = " ".join(str(error).split())
+    return f"a fault of the program, not of the scene ({type(error).__name__}: {text})"
 
 
 def place_on_curve(solution: Any) -> tuple[float, float, tuple[str, str], tuple[str, str]]:
-    """Where a solution stands on its load curve: across, up, and for both what it is and its unit.
+    """A solution's point on the load curve: abscissa, ordinate, and for both (name, unit).
 
-    Across the approach, or where there is none the width in contact; up the mean pressure, or where
-    there is none the load.
+    The abscissa is the approach, or the width in contact if there is no approach. The ordinate is
+    the mean pressure, or the load without a period.
     """
     up = (
         (solution.load, ("load", "N/m"))
@@ -163,18 +176,12 @@ def place_on_curve(solution: Any) -> tuple[float, float, tuple[str, str], tuple[
     return float(np.sum(solution.zone_widths)), float(up[0]), ("width of the zones", "m"), up[1]
 
 
-_VALUES = 33
-
-
-def along(scene: Scene, control: Handle, tol: float, branch: str) -> Iterator[Solution]:
-    """Solutions of a scene all along its control, upwards; values that have none are left out."""
+def load_curve(scene: Scene, control: Handle, tol: float, branch: str) -> Iterator[Solution]:
+    """Solutions at rising values of the control; values without a solution are left out."""
     name = scene.control[0]
-    values = (
-        np.geomspace(control.low, control.high, _VALUES)
-        if control.log
-        else np.linspace(control.low, control.high, _VALUES)
-    )
-    # Under a law that pulls the branch matters, which each is solved on by itself.
+    spaced = np.geomspace if control.log else np.linspace
+    values = spaced(control.low, control.high, OPTIONS.curve_points)
+    # Under adhesion each value is solved by itself, on the chosen branch.
     curve = None if scene.law.pulls else Curve(scene, name, tol)
     for value in values:
         try:

@@ -1,9 +1,9 @@
-"""What can be turned of a scene: its control, the numbers of its parts, the size of its shape, and
-how many points a shape is read at.
+"""The sliders of a scene: its control, the numbers of its parts, and the size of its shape.
 
-Nothing here knows a profile, a law or a body by name. A number of a part is a handle of its own.
-Lists of numbers are handled together: the lists that make all heights larger when they grow are the
-amplitude, those that make the shape longer its length; which these are is tried out.
+Nothing here knows a profile, a law or a substrate by name. Each number of a part has a slider of
+its own. Lists of numbers are scaled together: the lists that scale all heights are the amplitude,
+those that scale the x axis are the length. They are found by trial. A further slider replaces the
+shape by a number of samples.
 """
 
 import math
@@ -22,24 +22,37 @@ from contact.model.scene import Scene
 from contact.solution.solution import Solution
 from contact.sweeps.sweep.keys import MODULUS, varied
 
-UNITS = {
-    **TURNING, "E_star": "Pa", "amplitude": "m", "period": "m", "length": "m", "radius": "m", "spacing": "m", "width": "m",
-    "thickness": "m", "height": "m", "work": "J/m²", "datum": "m", "shift": "m",
-}  # fmt: skip
-# How far a number goes either way: a control much lower than higher, as contact soon is full.
-_CONTROL = (1e-3, 10.0)
-_NUMBER = (0.1, 10.0)
-_SAMPLES = (8, 1024)
-_PLACES = 33  # where it is tried out what lists of numbers do
-_SAME = 1e-9
-_HALVINGS = 12
+_LENGTHS = "amplitude period length radius spacing width thickness height datum shift".split()
+UNITS = {**TURNING, **dict.fromkeys(_LENGTHS, "m"), "E_star": "Pa", "work": "J/m²"}
+
+
+@dataclass(frozen=True)
+class HandleOptions:
+    """Ranges of the sliders, and the trials that find what a list of numbers does."""
+
+    # A control goes from and to these multiples of its value: far down, since contact soon is full.
+    control_range: tuple[float, float] = (1e-3, 10.0)
+    # The same for the other numbers.
+    number_range: tuple[float, float] = (0.1, 10.0)
+    # The smallest and the largest number of samples.
+    samples: tuple[int, int] = (8, 1024)
+    # Places at which heights are compared in a trial.
+    trial_points: int = 33
+    # Relative difference up to which two shapes are the same: round-off of the heights.
+    same_shape: float = 1e-9
+    # Bisections for the largest allowed value: 12 halve the range to a part in 4,000.
+    bisections: int = 12
+
+
+_OPTIONS = HandleOptions()
 
 
 @dataclass(frozen=True)
 class Handle:
-    """One number that can be turned, from low to high; `at(scene, value)` is the scene with it.
+    """A number of a scene with its range; `at(scene, value)` is the scene with another value.
 
-    log: by equal factors. whole: whole numbers, of which 0 means as it is.
+    log: whether the slider is logarithmic. whole: whether values are integers, with 0 for "as it
+    is".
     """
 
     name: str
@@ -53,8 +66,9 @@ class Handle:
 
 
 def handles(scene: Scene, solution: Solution | None = None) -> tuple[Handle, ...]:
-    """What can be turned of a scene, its control first, in the order in which it is to be applied.
-    solution: of it, where there is one.
+    """The handles of a scene, its control first, in the order in which they are to be applied.
+
+    solution: the scene's solution if it is known; its pull-off sets the range of the control.
     """
     unit = str(scene.control_object.unit)
     found = [replace(_control(scene, solution), unit="" if unit == "1" else unit)]
@@ -78,17 +92,17 @@ def handles(scene: Scene, solution: Solution | None = None) -> tuple[Handle, ...
 
 
 def _named_apart(found: list[Handle]) -> tuple[Handle, ...]:
-    """Numbers of two parts may have one name."""
+    """The handles with equal names numbered."""
     names = [handle.name for handle in found]
-    told = [
+    numbered = [
         f"{name} {names[: place + 1].count(name)}" if names.count(name) > 1 else name
         for place, name in enumerate(names)
     ]
-    return tuple(replace(handle, name=name) for handle, name in zip(found, told, strict=True))
+    return tuple(replace(handle, name=name) for handle, name in zip(found, numbered, strict=True))
 
 
 def turned(scene: Scene, moved: Mapping[str, float], known: tuple[Handle, ...]) -> Scene:
-    """The scene with the handles that were moved where they are now."""
+    """The scene with the values of the handles that were moved."""
     for handle in known:
         if handle.name in moved and moved[handle.name] != handle.value:
             scene = handle.at(scene, moved[handle.name])
@@ -96,15 +110,15 @@ def turned(scene: Scene, moved: Mapping[str, float], known: tuple[Handle, ...]) 
 
 
 def _between(key: str, value: float, low: float, high: float, log: bool = False) -> Handle:
-    """The number of a scene that has a key (`contact.sweeps.sweep.keys`)."""
+    """A handle for the number with a key (`contact.sweeps.sweep.keys`)."""
     name = key.rpartition(".")[2]
     return Handle(
         name, UNITS.get(name, ""), value, low, high, lambda now, to: varied(now, {key: to}), log
     )
 
 
-def _times(key: str, value: float, reach: tuple[float, float] = _NUMBER) -> Handle:
-    """One above zero."""
+def _times(key: str, value: float, reach: tuple[float, float] = _OPTIONS.number_range) -> Handle:
+    """A logarithmic handle for a positive number."""
     return _between(key, value, reach[0] * value, reach[1] * value, log=True)
 
 
@@ -114,17 +128,18 @@ def _control(scene: Scene, solution: Solution | None) -> Handle:
     if held is not None and held.quantity is Quantity.WIDTH:
         return _between(key, value, min(0.005, value), 1.0)
     if scene.law.pulls and scene.control_object.signed(scene):
-        off = solution.pull_off if solution is not None and scene.law.bare is not None else None
-        pull = getattr(off, name, None) if off is not None else None
+        known = solution is not None and scene.law.bare is not None
+        pull_off = solution.pull_off if solution is not None and known else None
+        pull = getattr(pull_off, name, None) if pull_off is not None else None
         reach = max(abs(value), abs(pull or 0.0)) or scene.E_star * 1e-6
         return _between(key, value, -1.2 * reach, 4 * reach)
     if value <= 0:
         return _between(key, value, -4 * abs(value) or -1.0, 4 * abs(value) or 1.0)
-    return _times(key, value, _CONTROL)
+    return _times(key, value, _OPTIONS.control_range)
 
 
 def _numbers(scene: Scene, place: str) -> list[Handle]:
-    """Positive numbers that a part was made of."""
+    """Handles for the positive parameters of a part."""
     numbers = {
         name: value
         for name, value in parameters(getattr(scene, place)).items()
@@ -134,48 +149,44 @@ def _numbers(scene: Scene, place: str) -> list[Handle]:
 
 
 def _allowed(scene: Scene, handle: Handle) -> Handle:
-    """Reaching no higher than a scene may be made with."""
+    """The handle with its range cut at the largest value that makes a valid scene."""
 
-    def taken(value: float) -> bool:
+    def valid(value: float) -> bool:
         try:
             return handle.at(scene, value) is not None
         except ContactError:
             return False
 
     high = handle.high
-    if not taken(high):
+    if not valid(high):
         low = handle.value
-        for _ in range(_HALVINGS):
+        for _ in range(_OPTIONS.bisections):
             middle = 0.5 * (low + high)
-            low, high = (middle, high) if taken(middle) else (low, middle)
-        high = max(low, handle.value * (1 + _SAME))
+            low, high = (middle, high) if valid(middle) else (low, middle)
+        high = max(low, handle.value * (1 + _OPTIONS.same_shape))
     return replace(handle, high=high)
 
 
-# shapes
-# ---------------------------------------------------------------------------------------------------------------
 def _stands(profile: Profile) -> list[Handle]:
-    """Lengths that tell how one of two bodies stands to the other: half of what there is of them to
-    either side.
-    """
+    """Handles for the position of one of two bodies: up to half its length to either side."""
     found = []
     for place, table in profile.tables().items():
         body = profile.bodies[place]
         own, (lo, hi) = body.tables()["profile"], body.known or profile.known or (-0.5, 0.5)
-        stands = {
+        positions = {
             name: value
             for name, value in table.items()
             if name not in own and isinstance(value, float)
         }
         found += [
             _between(f"{place}.{name}", value, value - 0.5 * (hi - lo), value + 0.5 * (hi - lo))
-            for name, value in stands.items()
+            for name, value in positions.items()
         ]
     return found
 
 
 def _shape(scene: Scene, place: str) -> list[Handle]:
-    """Positive numbers of the profile of a body, and what its lists of numbers do together."""
+    """Handles for the positive numbers of a body's profile, and for its amplitude and length."""
     profile = scene.profile.bodies[place]
     given = {name: value for name, value in profile.parameters().items() if value is not None}
     lists = [name for name, value in given.items() if np.ndim(value) == 1 and np.size(value)]
@@ -190,7 +201,7 @@ def _shape(scene: Scene, place: str) -> list[Handle]:
     lengths = [name for name in given if name not in high and (name in lists or name == "period")]
     long = _together(profile, given, lengths, lengths=2.0) if lists else ()
     if scene.profile.period is not None and len(scene.profile.bodies) > 1:
-        # Of two bodies that repeat together neither is stretched alone.
+        # Two bodies with a common period cannot be stretched one by one.
         given.pop("period", None)
     elif long:
         reach = profile.period or float(np.ptp(given[next(name for name in long if name in lists)]))
@@ -206,7 +217,7 @@ def _shape(scene: Scene, place: str) -> list[Handle]:
 
 
 def _scale(place: str, name: str, size: float, parameters: tuple[str, ...]) -> Handle:
-    """Several parameters of a body at once."""
+    """A handle that scales several parameters of a body together."""
 
     def at(now: Scene, to: float) -> Scene:
         given = now.profile.bodies[place].parameters()
@@ -226,9 +237,9 @@ def _together(
     heights: float = 1.0,
     lengths: float = 1.0,
 ) -> tuple[str, ...]:
-    """The fewest parameters that multiply heights and lengths so when all are doubled."""
+    """The smallest set of parameters whose doubling scales heights and lengths by given factors."""
     lo, hi = profile.known or (-0.5, 0.5)
-    x = lo + (hi - lo) * (np.arange(_PLACES) + 0.3) / _PLACES
+    x = lo + (hi - lo) * (np.arange(_OPTIONS.trial_points) + 0.3) / _OPTIONS.trial_points
     height = heights * np.asarray(profile.height(x))
     for count in range(1, len(names) + 1):
         for chosen in combinations(names, count):
@@ -236,7 +247,7 @@ def _together(
                 other = type(profile)(
                     **{**given, **{name: _scaled(given[name], 2.0) for name in chosen}}
                 )
-            except Exception:  # whatever an author's class raises: these are not for doubling
+            except Exception:  # a user's class may raise anything for doubled parameters
                 continue
             if _alike(height, np.asarray(other.height(lengths * x))):
                 return chosen
@@ -244,21 +255,24 @@ def _together(
 
 
 def _alike(a: Any, b: Any) -> bool:
-    """But for a constant."""
+    """Whether two arrays are equal up to a constant."""
     away = (a - a[0]) - (b - b[0])
-    return bool(np.isfinite(away).all() and np.max(np.abs(away)) <= _SAME * np.ptp(a))
+    limit = _OPTIONS.same_shape * np.ptp(a)
+    return bool(np.isfinite(away).all() and np.max(np.abs(away)) <= limit)
 
 
 def _depth(profile: Profile) -> float:
-    """From the highest to the lowest place."""
+    """The range of the heights, to four digits."""
     lo, hi = profile.known or (-0.5, 0.5)
     height = np.asarray(profile.height(np.linspace(lo, hi, 2001)))
     return float(f"{np.ptp(height):.4g}")
 
 
 def _samples(profile: Profile) -> list[Handle]:
-    """A shape read at so many even places, with the spline of measured points through them: what a
-    coarser instrument would see.
+    """A handle that replaces a shape by a spline through a number of evenly spaced samples.
+
+    It shows what a coarser instrument would measure. Empty for shapes that are not known
+    everywhere.
     """
     if profile.support is not None or profile.known is None or len(profile.bodies) > 1:
         return []
@@ -270,18 +284,12 @@ def _samples(profile: Profile) -> list[Handle]:
         trace = PROFILES.find("sampled")(x, -np.asarray(shape.height(x)), shape.period)
         return replace(now, profile=trace)
 
-    points = next(
-        (
-            len(value)
-            for value in profile.parameters().values()
-            if np.ndim(value) == 1 and len(value) > _SAMPLES[0]
-        ),
-        0,
-    )
-    high = max(_SAMPLES[1], points)
-    return [Handle("samples", "", 0.0, _SAMPLES[0] - 1, high, at, log=True, whole=True)]
+    fewest, most = _OPTIONS.samples
+    lengths = (len(value) for value in profile.parameters().values() if np.ndim(value) == 1)
+    high = max(most, next((length for length in lengths if length > fewest), 0))
+    return [Handle("samples", "", 0.0, fewest - 1, high, at, log=True, whole=True)]
 
 
 def rounded(value: float) -> float:
-    """A number that a hand has turned to, with the digits it can mean."""
+    """A slider's value rounded to four digits, the resolution of the slider."""
     return float(f"{value:.4g}") if math.isfinite(value) else value

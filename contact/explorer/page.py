@@ -1,28 +1,28 @@
-"""The page itself: sliders, pictures, numbers and text, by Panel.
+"""The page: sliders, pictures, numbers and the scene file, built with Panel.
 
-A slider that is dragged sends more values than can be solved: what came last when a frame is done
-is the next frame. All that a browser loads comes from the page's own server.
+A dragged slider sends more values than can be solved: when a frame is done, the latest values make
+the next one. The browser loads everything from the page's own server.
 """
 
 import math
 import time
 import tomllib
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from contact.errors import ContactError, SceneError
 from contact.explorer.frame import (
-    FEW,
-    POINTS,
+    OPTIONS,
     Frame,
-    along,
     drawn,
+    load_curve,
+    message,
     numbers,
     place_on_curve,
     same_curve,
     solved,
-    told,
 )
 from contact.explorer.handles import Handle, handles, rounded, turned
 from contact.extras import require
@@ -31,20 +31,34 @@ from contact.model.scene_file import scene_from_tables, to_toml
 from contact.model.units import prefix
 from contact.solution.solution import Solution
 
-_DECADE = 0.01  # step of a slider by equal factors, in powers of ten
-_STEPS = 400
-_NEXT = 5  # ms from one thing to do to the next, so that what the page sends comes between
-_REST = 300  # ms without a change before the load curve is drawn
-_DEAR = 0.3  # s: the curve of a scene that takes longer is not drawn unasked
-_LONGEST = 20_000  # letters of a text that is shown
 
-# Text of a slider: the number with a prefix before its unit.
+@dataclass(frozen=True)
+class PageOptions:
+    """Steps of the sliders, and times of the page."""
+
+    # Step of a logarithmic slider, in powers of ten.
+    log_step: float = 0.01
+    # Number of steps of a linear slider.
+    linear_steps: int = 400
+    # Pause between two tasks [ms], in which events of the browser are handled.
+    pause: int = 5
+    # Time without a change after which the page is completed with text and load curve [ms].
+    settling_time: int = 300
+    # The load curve of a scene that takes longer than this to solve [s] is drawn on demand only.
+    max_seconds_of_curve: float = 0.3
+    # Longer scene files are not shown [characters].
+    max_text: int = 20_000
+
+
+_PAGE = PageOptions()
+
+# JavaScript for the text of a slider: the number with an SI prefix before its unit.
 _READOUT = """
 const value = log ? Math.pow(10, tick) : tick;
 if (whole) return value < least ? 'as it is' : value.toFixed(0);
 if (value == 0 || unit == '') return value.toPrecision(4).replace(/\\.?0+$/, '') + ' ' + unit;
 const power = Math.max(-12, Math.min(12, 3 * Math.floor(Math.log10(Math.abs(value)) / 3 + 1e-9)));
-const letter = {'-12': 'p', '-9': 'n', '-6': 'µ', '-3': 'm', '0': '', '3': 'k', '6': 'M', '9': 'G', '12': 'T'}[power];
+const letter = 'pnµm kMGT'[power / 3 + 4].trim();
 return (value / Math.pow(10, power)).toPrecision(4) + ' ' + letter + unit;
 """
 
@@ -63,15 +77,15 @@ class Explorer:
         self.tol, self.directory = tol, directory
         self.frame: Frame | None = None
         self.moved: dict[str, float] = {}
-        # A frame is to come; what follows once the hand is at rest is to come, and when.
+        # Whether a frame, the completion of the page, and a load curve are due.
         self._due = self._waits = self._curve_is_due = False
         self._rest_at = 0.0
         self._walk: Iterator[Solution] | None = None
         self._make()
         self._begin(scene, tables)
 
-    # what stands on the page
-    # --------------------------------------------------------------------------------------------
+    # The elements of the page.
+
     def _make(self) -> None:
         pn = self.pn
         self.sliders, self.pictures = (
@@ -109,10 +123,10 @@ class Explorer:
             sizing_mode="stretch_width",
         )
 
-    # a scene
-    # ------------------------------------------------------------------------------------------------------------
+    # The scene.
+
     def _begin(self, scene: Scene, tables: Mapping[str, Any] | None) -> None:
-        """A new scene: its sliders, and its first frame. tables: of its file, as they were written."""
+        """Start a new scene with its sliders and first frame; tables: those of its file."""
         self.base, self.tables = scene, tables or {}
         self.moved, self.known, self.frame = {}, handles(scene), None
         self.branch.visible = scene.law.pulls
@@ -122,11 +136,13 @@ class Explorer:
         self.sliders.objects = [self._slider(handle) for handle in self.known]
 
     def _slider(self, handle: Handle) -> Any:
-        # What is as it is stands at the low end.
-        value = handle.low if handle.whole else handle.value
-        low, high, start, step = handle.low, handle.high, value, (handle.high - handle.low) / _STEPS
+        # A handle of integers starts at its low end, which means "as it is".
+        start = handle.low if handle.whole else handle.value
+        low, high = handle.low, handle.high
+        step = (high - low) / _PAGE.linear_steps
         if handle.log:
-            low, high, start, step = math.log10(low), math.log10(high), math.log10(value), _DECADE
+            low, high, start = math.log10(low), math.log10(high), math.log10(start)
+            step = _PAGE.log_step
         args = {
             "log": handle.log,
             "whole": handle.whole,
@@ -135,12 +151,17 @@ class Explorer:
         }
         readout = self.models.CustomJSTickFormatter(args=args, code=_READOUT)
         slider = self.pn.widgets.FloatSlider(
-            label=handle.name.replace("_star", "*").replace("_", " "), start=low, end=high, step=step, value=start, format=readout,
-            tooltips=False, sizing_mode="stretch_width",
-        )  # fmt: skip
+            label=handle.name.replace("_star", "*").replace("_", " "),
+            start=low,
+            end=high,
+            step=step,
+            value=start,
+            format=readout,
+            tooltips=False,
+            sizing_mode="stretch_width",
+        )
 
-        # Panel waits so many ms for further values, 50 of its own: here a frame waits for the last
-        # one itself
+        # Panel would wait 50 ms for further values; this page does its own waiting.
         slider._debounce = 0
 
         def move(event: Any) -> None:
@@ -162,7 +183,7 @@ class Explorer:
         return rounded(value)
 
     def _read(self) -> None:
-        """The text as it stands is the new scene."""
+        """Start the scene of the text area."""
         try:
             tables = tomllib.loads(self.text.value or "")
             scene = scene_from_tables(tables, self.directory)
@@ -173,18 +194,16 @@ class Explorer:
             return
         self._begin(scene, tables)
 
-    # frames
-    # -------------------------------------------------------------------------------------------------------------
+    # Frames.
+
     def _change(self) -> None:
-        """Something was moved: a frame is due."""
+        """Schedule a frame after a change."""
         if not self._due:
             self._due = True
             self._soon(self._show)
 
-    def _soon(self, do: Callable[[], None], after: int = _NEXT) -> None:
-        """After what the browser has sent meanwhile; at once where there is no server, as in tests
-        and notebooks.
-        """
+    def _soon(self, do: Callable[[], None], after: int = _PAGE.pause) -> None:
+        """Call a function after a pause for the browser's events; without a server, at once."""
         if self._is_served:
             self.pn.state.curdoc.add_timeout_callback(do, after)
         else:
@@ -196,7 +215,7 @@ class Explorer:
         return document is not None and document.session_context is not None
 
     def _show(self) -> None:
-        """The frame of the scene as it stands; all of it reaches the browser in one message."""
+        """Show the frame of the present scene; it reaches the browser in one message."""
         self._due = False
         with self.pn.io.hold():
             self._show_all()
@@ -210,7 +229,7 @@ class Explorer:
                 self.tol,
                 last.solution if last else None,
                 self.branch.value,
-                FEW if self._is_served else POINTS,
+                OPTIONS.points_while_moving if self._is_served else OPTIONS.points,
             )
             if (
                 last is None
@@ -219,21 +238,17 @@ class Explorer:
             ):
                 self._forget_curve()
             self._paint(self.frame)
-        except (
-            Exception
-        ) as error:  # a page shows no traceback; what is no fault of the scene is told as such
-            self._refuse(told(error))
+        except Exception as error:  # the page shows every error as a message
+            self._refuse(message(error))
             return
         self.pictures.refused = ""
-        self._rest_at = time.monotonic() + 1e-3 * _REST
+        self._rest_at = time.monotonic() + 1e-3 * _PAGE.settling_time
         if not self._waits:
             self._waits = True
-            self._soon(self._settle, _REST)
+            self._soon(self._settle, _PAGE.settling_time)
 
     def _settle(self) -> None:
-        """What the eye looks for once the hand is at rest: the last numbers, all places of the
-        fields, the text, the load curve.
-        """
+        """Complete the page after the last change: finer curves, the text, the load curve."""
         left = self._rest_at - time.monotonic()
         if left > 0 and self._is_served:
             self._soon(self._settle, 1 + int(1e3 * left))
@@ -247,7 +262,7 @@ class Explorer:
                 self._paint(self.frame)
             self._write(self.frame.solution.scene)
             if self._curve_is_due:
-                self.draw.visible = self.frame.seconds > _DEAR
+                self.draw.visible = self.frame.seconds > _PAGE.max_seconds_of_curve
                 if not self.draw.visible:
                     self._start_curve()
 
@@ -263,19 +278,22 @@ class Explorer:
         across, up, (name, unit), (what, whose) = place_on_curve(frame.solution)
         curve = self.pictures.curve
         if not curve["points"][0]:
-            # The scales of the curve stay while it does.
+            # The units of an existing curve are kept.
             self._across, self._up = prefix(abs(across)), prefix(abs(up))
             names = [f"{name} [{self._across[1]}{unit}]", f"{what} [{self._up[1]}{whose}]"]
             if names != curve["names"]:
                 self.pictures.curve = {"points": [[], []], "names": names}
         self.pictures.frame = {
-            "fields": frame.fields, "zones": frame.zones.ravel(), "names": list(frame.names),
+            "fields": frame.fields,
+            "zones": frame.zones.ravel(),
+            "names": list(frame.names),
             "here": [across * self._across[0], up * self._up[0]],
-            "numbers": [list(said) for said in numbers(frame)], "warnings": list(frame.solution.warnings),
-        }  # fmt: skip
+            "numbers": [list(row) for row in numbers(frame)],
+            "warnings": list(frame.solution.warnings),
+        }
 
     def _write(self, scene: Scene) -> None:
-        """The text of the scene; of a trace that is as its file has it, the file's name."""
+        """Show the scene file; an unchanged trace is given by the name of its file."""
         try:
             read = self.base.profile.bodies
             as_read = [
@@ -286,16 +304,18 @@ class Explorer:
             text = to_toml(scene, {place: self.tables[place] for place in as_read})
         except SceneError as error:
             text = f"# {error}\n"
-        if len(text) > _LONGEST:
-            text = f"# {len(text):,} letters, most of them of points: save them to a file that [profile] names\n"
+        if len(text) > _PAGE.max_text:
+            text = (
+                f"# {len(text):,} letters, most of them of points: "
+                "save them to a file that [profile] names\n"
+            )
         self.text.value = text
 
-    # the load curve
-    # -----------------------------------------------------------------------------------------------------
+    # The load curve.
     _of_curve = ""
 
     def _forget_curve(self) -> None:
-        """What was drawn is of another scene."""
+        """Remove the load curve of another scene."""
         self._walk, self._curve_is_due = None, True
         self._of_curve = self.branch.value
         if self.pictures.curve["points"][0]:
@@ -304,13 +324,13 @@ class Explorer:
     def _start_curve(self) -> None:
         if self.frame is not None:
             self.draw.visible = self._curve_is_due = False
-            self._walk = walk = along(
+            self._walk = walk = load_curve(
                 self.frame.solution.scene, self.known[0], self.tol, self.branch.value
             )
             self._soon(lambda: self._step(walk))
 
     def _step(self, walk: Iterator[Solution]) -> None:
-        """One more point, unless the scene has changed; where frames are due, these first."""
+        """Add one point to the load curve, unless the scene has changed or a frame is due."""
         if walk is not self._walk:
             return
         here = None if self._due else next(walk, None)

@@ -1,6 +1,4 @@
-"""Numbers and pictures of a frame, and the load curve: what a browser is sent of them. It draws
-them by pictures.js.
-"""
+"""The data of a frame and of the load curve as sent to the browser, where pictures.js draws them."""
 
 from pathlib import Path
 from typing import Any
@@ -9,8 +7,10 @@ import param
 from panel.custom import JSComponent
 
 _STYLE = """
-.head { position: sticky; top: 0; background: white; z-index: 5; padding-left: 80px; font: 14px sans-serif; }
-dl { display: grid; grid-template-columns: repeat(5, 1fr); gap: 6px 14px; margin: 4px 0; contain: content; }
+.head { position: sticky; top: 0; background: white; z-index: 5; padding-left: 80px; }
+.head { font: 14px sans-serif; }
+dl { display: grid; grid-template-columns: repeat(5, 1fr); gap: 6px 14px; }
+dl { margin: 4px 0; contain: content; }
 dl > div:first-child { font-weight: bold; }
 dl.old { color: #999999; }
 dt { font-size: 12px; color: #666666; white-space: nowrap; }
@@ -23,8 +23,10 @@ canvas { display: block; width: 100%; height: 750px; touch-action: pan-y; }
 
 
 class Pictures(JSComponent):  # type: ignore[misc]
-    """frame: see `Frame.shown`; curve: across and up of its points, and their names; refused: why
-    there is no frame of what was asked.
+    """The component that draws a frame.
+
+    frame: numbers and curves (`Explorer._paint`); curve: abscissas and ordinates of the load curve,
+    and their names; refused: the reason why the scene has no frame, or "".
     """
 
     frame = param.Dict(default={})

@@ -1,9 +1,8 @@
-"""One scene under each interaction model, at the same control.
+"""One scene solved under each interaction model, at the same value of its control.
 
-The models are the paper's isolated contact and its localization principle with both closures, the
-same principle with m neighbours on each side kept explicitly, the scene's own where it is another,
-and the exact periodic contact, in that order. One that has no solution says why and does not stop
-the rest.
+The models, in order: isolated contact; the localization principle with its two closures; the same
+with m explicit neighbours on each side; the scene's own model, if it is none of these; and the
+exact periodic contact. A model without a solution gives its reason; the others are still solved.
 """
 
 import time
@@ -28,23 +27,30 @@ Column = tuple[str, list[str]]
 
 NEIGHBOURS = (1, 2, 4, 8)
 
-# A table of more zones than this is for a file.
-_ZONES_SHOWN = 4
-# So many zones' ends stand side by side on 80 columns.
-_ZONES_ABREAST = 2
-
-# Of which it is told how far they are from the exact ones.
+# The quantities whose difference from the exact model is shown.
 _NUMBERS = ("load", "max_pressure", "total_width")
-# A relative difference of rounding.
-_NOTHING = 1e-13
-
-# Normalised positions in a zone at which pressures are compared: inside, closer at the ends.
+# Normalised positions in a zone at which pressures are compared: the Chebyshev points.
 _T = np.cos((np.arange(41) + 0.5) * np.pi / 41)
 
 
 @dataclass(frozen=True)
+class TableLimits:
+    """What fits on a terminal of 80 columns."""
+
+    # The ends of further zones are left out: they are for a file.
+    zones_shown: int = 4
+    # Zones whose two ends stand side by side in one table.
+    zones_abreast: int = 2
+    # Relative differences below this are round-off of the solutions and are printed as 0.
+    round_off: float = 1e-13
+
+
+_LIMITS = TableLimits()
+
+
+@dataclass(frozen=True)
 class Attempt:
-    """What one model made of the scene: a solution, or the error that says why there is none."""
+    """The result of one model: a solution, or the error that says why there is none."""
 
     name: str
     solution: Solution | None
@@ -53,7 +59,7 @@ class Attempt:
 
 
 def compare(scene: Scene, tol: float = 1e-8, progress: Report | None = None) -> list[Attempt]:
-    """Solve the scene under every model; the exact one comes last."""
+    """The results of all models; the exact one comes last."""
     if not isinstance(scene, Scene):
         raise SceneError.of("scene", scene, "a contact.Scene")
     models = _models(scene.interaction)
@@ -70,13 +76,11 @@ def compare(scene: Scene, tol: float = 1e-8, progress: Report | None = None) -> 
 
 
 def difference(attempt: Attempt, exact: Attempt, quantity: str) -> float | None:
-    """How far a positive quantity is from the exact model's, relative to it; None where there is no
-    such number.
-    """
+    """Relative difference of a positive quantity from the exact model's; None if undefined."""
     if attempt.solution is None or exact.solution is None:
         return None
-    tell = total_width if quantity == "total_width" else attrgetter(quantity)
-    value, reference = tell(attempt.solution), tell(exact.solution)
+    measure = total_width if quantity == "total_width" else attrgetter(quantity)
+    value, reference = measure(attempt.solution), measure(exact.solution)
     if (
         value is None
         or reference is None
@@ -88,9 +92,7 @@ def difference(attempt: Attempt, exact: Attempt, quantity: str) -> float | None:
 
 
 def ends_apart(attempt: Attempt, exact: Attempt) -> float | None:
-    """The largest distance of a zone's end from the exact model's, over that zone's width; None if
-    the zones are others.
-    """
+    """Largest error of a zone's end over the zone's width; None if the zones differ in number."""
     if attempt.solution is None or exact.solution is None:
         return None
     ours, zones = attempt.solution.zones, exact.solution.zones
@@ -100,8 +102,10 @@ def ends_apart(attempt: Attempt, exact: Attempt) -> float | None:
 
 
 def pressure_apart(attempt: Attempt, exact: Attempt) -> float | None:
-    """The largest difference of pressure at equal normalised positions in corresponding zones, over
-    the exact peak (over the mean on the zones where the peak is infinite).
+    """Largest pressure difference at equal normalised positions, over the exact peak.
+
+    Where the peak is infinite, the mean pressure on the zones takes its place. None if the zones
+    differ in number.
     """
     if ends_apart(attempt, exact) is None:
         return None
@@ -118,14 +122,15 @@ def pressure_apart(attempt: Attempt, exact: Attempt) -> float | None:
 
 
 def tables(attempts: list[Attempt]) -> Iterator[tuple[str, list[Column]]]:
-    """(title, columns) of what the models give, how far that is from the exact one, and the ends of
-    the first zones; a line for each model, none wider than 80 columns.
+    """Tables as (title, columns): results, differences from the exact model, first zone ends.
+
+    Each has one line per model and is at most 80 columns wide.
     """
     exact, models = attempts[-1], ("model", [a.name for a in attempts])
 
-    def column(name: str, unit: str, tell: Callable[[Solution], float | None]) -> Column:
+    def column(name: str, unit: str, measure: Callable[[Solution], float | None]) -> Column:
         return headed(
-            name, [None if a.solution is None else tell(a.solution) for a in attempts], unit
+            name, [None if a.solution is None else measure(a.solution) for a in attempts], unit
         )
 
     zones = [None if a.solution is None else len(a.solution.zones) for a in attempts]
@@ -159,14 +164,16 @@ def tables(attempts: list[Attempt]) -> Iterator[tuple[str, list[Column]]]:
     )
     ends = [
         column(f"zone {zone + 1}\n{side}", "m", _end(zone, place))
-        for zone in range(min(max(count or 0 for count in zones), _ZONES_SHOWN)) for place, side in enumerate(("left", "right"))
-    ]  # fmt: skip
-    for first in range(0, len(ends), 2 * _ZONES_ABREAST):
-        yield "zone ends", [models, *ends[first : first + 2 * _ZONES_ABREAST]]
+        for zone in range(min(max(count or 0 for count in zones), _LIMITS.zones_shown))
+        for place, side in enumerate(("left", "right"))
+    ]
+    abreast = 2 * _LIMITS.zones_abreast
+    for first in range(0, len(ends), abreast):
+        yield "zone ends", [models, *ends[first : first + abreast]]
 
 
 def refusals(attempts: list[Attempt]) -> list[str]:
-    """A line for each reason why models have no solution, with the names of those it holds for."""
+    """One line per reason for a missing solution, with the names of its models."""
     reasons: dict[str, list[str]] = {}
     for attempt in attempts:
         if attempt.refusal is not None:
@@ -181,11 +188,11 @@ def _end(zone: int, place: int) -> Callable[[Solution], float | None]:
 def _percent(value: float | None, form: str = ".3g") -> str:
     if value is None:
         return "-"
-    return "0" if abs(value) < _NOTHING else f"{100.0 * value:{form}}"
+    return "0" if abs(value) < _LIMITS.round_off else f"{100.0 * value:{form}}"
 
 
 def _models(own: Interaction) -> dict[str, Interaction]:
-    """The models by the name they have in the table."""
+    """The models by their names in the table."""
     models = {
         "isolated": own if own.name == "isolated" else interaction("isolated"),
         "first-order": interaction("localized", closure="first-order"),
@@ -210,8 +217,9 @@ def _attempt(name: str, scene: Scene, model: Interaction, tol: float) -> Attempt
 
 
 def _under(scene: Scene, model: Interaction) -> Scene:
-    """The scene under another model; a mean pressure it does not take as control is given as the
-    load it means.
+    """The scene under another model.
+
+    A model that does not accept a mean pressure gets the load per period that it stands for.
     """
     if (
         scene.mean_pressure is None

@@ -1,10 +1,10 @@
-"""One figure of a comparison: the exact pressure, how far that of each model is from it, and how
-long each took.
+"""One figure of a comparison: exact pressure, difference of each model from it, and solve times.
 
-The models' pressures lie on each other where they are of any use, so what is drawn of them is the
-difference, on a logarithmic axis.
+The pressures of useful models lie on each other, so their differences are drawn, on a logarithmic
+axis.
 """
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -26,19 +26,25 @@ _COLOURS = (
     "#3d7a4a",
     "#111111",
 )
-_POINTS = 4000
 
-# Zones narrower than this part of the stretch cannot be told apart: only the surroundings of the
-# highest are drawn.
-_READABLE = 0.04
 
-# What counts as no difference: the solutions' own errors are of this size, and zero has no place on
-# a logarithmic axis.
-_FLOOR = 1e-10
+@dataclass(frozen=True)
+class ComparisonPlotOptions:
+    """The look of the figure of a comparison."""
+
+    # Points of each pressure curve.
+    points: int = 4000
+    # If all zones are narrower than this part of the view, only the zone of the peak is drawn.
+    min_visible_width: float = 0.04
+    # Smaller differences are within the solutions' own errors and are not drawn.
+    min_difference: float = 1e-10
+
+
+_OPTIONS = ComparisonPlotOptions()
 
 
 def plot_comparison(attempts: list[Attempt]) -> Any:
-    """A matplotlib Figure: the exact pressure, differences from it, and below them errors and
+    """A matplotlib figure: the exact pressure, differences from it, and below them errors and
     times.
     """
     figure = new_figure(8.4, 9.0)
@@ -51,7 +57,7 @@ def plot_comparison(attempts: list[Attempt]) -> Any:
     }
     exact = attempts[-1].solution
     if exact is None:
-        # Nothing to differ from: the pressures themselves.
+        # Without an exact solution the pressures themselves are drawn.
         _draw_pressures(
             top, {a.name: a.solution for a in attempts if a.solution is not None}, colours
         )
@@ -83,7 +89,7 @@ def _draw_pressures(axes: Any, solved: dict[str, Solution], colours: dict[str, s
     highest = max(map(top_pressure, solved.values()))
     up, unit = prefix(highest)
     for name, solution in solved.items():
-        x = positions(solution, lo, hi, _POINTS)
+        x = positions(solution, lo, hi, _OPTIONS.points)
         p = np.minimum(solution.pressure(x), 2.0 * highest)
         axes.plot(x * along, p * up, label=name, color=colours[name], linewidth=1.4)
     axes.set_ylim(0.0, 1.08 * highest * up)
@@ -94,19 +100,20 @@ def _draw_pressures(axes: Any, solved: dict[str, Solution], colours: dict[str, s
 def _draw_differences(
     axes: Any, attempts: list[Attempt], exact: Solution, colours: dict[str, str]
 ) -> None:
-    """|p - exact p| over the peak, on the positions of both."""
+    """Draw |p - exact p| over the exact peak, at the sample points of both."""
     lo, hi = _stretch(exact)
     along, scale = _scale_positions(axes, lo, hi), top_pressure(exact)
     for attempt in attempts:
         if attempt.solution is None:
             continue
         x = np.union1d(
-            positions(exact, lo, hi, _POINTS), positions(attempt.solution, lo, hi, _POINTS)
+            positions(exact, lo, hi, _OPTIONS.points),
+            positions(attempt.solution, lo, hi, _OPTIONS.points),
         )
         with np.errstate(invalid="ignore"):
             apart = np.abs(attempt.solution.pressure(x) - exact.pressure(x)) / scale
-        # Where neither is in contact there is no difference, and no place for it on this axis.
-        shown = np.where(np.isfinite(apart) & (apart > _FLOOR), apart, np.nan)
+        # Zero differences have no place on a logarithmic axis.
+        shown = np.where(np.isfinite(apart) & (apart > _OPTIONS.min_difference), apart, np.nan)
         if np.isfinite(shown).any():
             axes.plot(
                 x * along, shown, label=attempt.name, color=colours[attempt.name], linewidth=1.1
@@ -142,13 +149,12 @@ def _name_lines(axes: Any) -> None:
 
 
 def _stretch(solution: Solution) -> tuple[float, float]:
-    """The period, or the surroundings of the highest pressure where its zone would not be seen on
-    it.
-    """
+    """The interval to draw: the period, or the surroundings of the peak if its zone is too narrow."""
     lo, hi = window(solution)
-    if len(solution.zones) == 0 or np.max(solution.zone_widths) >= _READABLE * (hi - lo):
+    visible = _OPTIONS.min_visible_width * (hi - lo)
+    if len(solution.zones) == 0 or np.max(solution.zone_widths) >= visible:
         return lo, hi
-    x = positions(solution, lo, hi, _POINTS)
+    x = positions(solution, lo, hi, _OPTIONS.points)
     centre = peak_position(solution, x, solution.pressure(x))
     own = float(solution.zone_widths[np.argmin(np.abs(solution.zones.mean(axis=1) - centre))])
     return max(lo, centre - own), min(hi, centre + own)
@@ -163,7 +169,8 @@ def _draw_errors(axes: Any, attempts: list[Attempt]) -> None:
         "pressure": [pressure_apart(a, exact) for a in attempts[:-1]],
     }
     for (label, values), marker in zip(lines.items(), "osd^", strict=True):
-        shown = [np.nan if v is None or abs(v) < _FLOOR else abs(v) for v in values]
+        least = _OPTIONS.min_difference
+        shown = [np.nan if v is None or abs(v) < least else abs(v) for v in values]
         if np.isfinite(shown).any():
             axes.plot(
                 range(len(names)), shown, marker=marker, label=label, linewidth=1.0, markersize=5

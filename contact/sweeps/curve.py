@@ -1,4 +1,4 @@
-"""A curve: one scene at many values of one control, each solution from the last ones."""
+"""A curve: one scene at many values of one control, each solve warm-started from earlier ones."""
 
 from contact.closed.solve import all_directly
 from contact.model.scene import Scene
@@ -10,15 +10,15 @@ from contact.solution.solution import Solution
 from contact.solver import solved_along
 from sie import Array
 
-# Zones are carried on from so many solutions.
-_MOST = 2
+# The next solution is extrapolated from this many previous ones: a secant predictor needs two.
+_PREDICTOR_POINTS = 2
 
 
 class Curve:
-    """Solves one scene at one value after another of a control, with what these have in common
-    found once.
+    """Solves one scene at one value of a control after another.
 
-    A list of the last solutions is kept, from which the next one starts.
+    Everything that does not depend on the value is computed once. The last solutions are kept as
+    the start of the next one.
     """
 
     def __init__(
@@ -26,11 +26,11 @@ class Curve:
     ) -> None:
         self.scene, self.control, self.tol, self.progress = scene, control, tol, progress
         self.cache = SceneCache(scene)
-        self.last: tuple[CurvePoint, ...] = ()
+        self.previous: tuple[CurvePoint, ...] = ()
         self.known: dict[float, Solution] = {}
 
-    def look_at(self, values: Array) -> None:
-        """Solve those of the values at once that need no coupled system."""
+    def solve_in_closed_form(self, values: Array) -> None:
+        """Solve, all at once, the values whose contact is one zone in closed form, and keep them."""
         scenes = [self._scene(float(value)) for value in values]
         found = all_directly(scenes, self.tol)
         self.known = {
@@ -40,18 +40,21 @@ class Curve:
         }
 
     def at(self, value: float) -> Solution:
-        """The next solution, from the last ones."""
-        solution = self.known.get(value) or self.beside(value, self.last)
-        self.last = (*self.last, CurvePoint(solution))[-_MOST:]
+        """The solution at the next value, started from the previous solutions."""
+        solution = self.known.get(value) or self.from_previous(value, self.previous)
+        self.previous = (*self.previous, CurvePoint(solution))[-_PREDICTOR_POINTS:]
         return solution
 
-    def beside(self, value: float, known: tuple[CurvePoint, ...], least: float = 0.0) -> Solution:
-        """The solution at a value from known ones, the nearest last; to a tolerance of no less than
-        that.
+    def from_previous(
+        self, value: float, previous: tuple[CurvePoint, ...], min_tol: float = 0.0
+    ) -> Solution:
+        """The solution at a value, started from given ones (the nearest last).
+
+        The tolerance is that of the curve, or `min_tol` if that is larger.
         """
         with one_blas_thread():
             return solved_along(
-                self._scene(value), max(self.tol, least), self.progress, self.cache, known
+                self._scene(value), max(self.tol, min_tol), self.progress, self.cache, previous
             )
 
     def _scene(self, value: float) -> Scene:

@@ -1,4 +1,4 @@
-"""`contact.path`: one scene along a list of values of its control, with what happens between them."""
+"""`contact.path`: one scene along a list of values of its control, with all events between them."""
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,22 +20,22 @@ def path(
     control: str | None = None,
     stiffness: float | None = None,
 ) -> Path:
-    """Solve a scene along values of a control, each from the last, with all events between them.
+    """Solve a scene along values of a control and locate all events between them.
 
-    The scene's own control is replaced by each value in turn; its tilt or its moment stays.
-    Frictionless contact grows with the load, and the values are loads. Under adhesion the way
-    matters: values may rise and fall, and what snaps in, together or apart is told where it does,
-    with the energy that it loses (`contact.AdhesivePath`, docs/adhesion.md).
+    Each value replaces the scene's own control in turn; a tilt or moment stays. Without adhesion,
+    contact grows with the load and the values are loads. With adhesion the result depends on the
+    order: values may rise and fall, and each jump is located, with the energy it dissipates
+    (`contact.AdhesivePath`, docs/adhesion.md).
 
     Parameters
     ----------
     scene : Scene
-        What is pressed, under any control.
+        The scene. The value of its own control is not used.
     values : array_like
-        One or more, (n,), in any order, of the control: loads [N/m] (per period where there is
-        one), mean pressures [Pa] or approaches [m]. Positive without adhesion. With it a path
-        begins with the surfaces apart where its first value is negative, else with the contact that
-        is reached from first touch by raising the control.
+        Values of the control, shape (n,), in any order: loads [N/m] (per period for periodic
+        scenes), mean pressures [Pa] or approaches [m]. Without adhesion they are positive. With
+        adhesion, a path whose first value is negative begins with the surfaces apart; any other
+        begins with the contact reached from first touch by raising the control.
     tol : float
         Largest stated error of each solution.
     progress : callable or None
@@ -44,9 +44,9 @@ def path(
         "load", "mean_pressure" or, with adhesion, "approach"; None: the load, or the approach where
         a stiffness is given.
     stiffness : float or None
-        Of a spring between the body and what moves it [N/m^2] (per unit thickness, and period where
-        there is one): the approaches are then those of its far end, which the contact's own stay
-        behind by load/stiffness. None: nothing gives way.
+        Stiffness of a spring between the body and the machine [N/m^2] (per unit thickness, and per
+        period for periodic scenes). The approaches are then those of the spring's far end; the
+        contact's own approach is smaller by load/stiffness. None: a rigid machine.
 
     Returns
     -------
@@ -56,8 +56,8 @@ def path(
     Raises
     ------
     SceneError, OutOfRange, NotConverged
-        As `contact.solve`; SceneError also if the law is one whose path is not followed, or the
-        control is none of its.
+        As `contact.solve`; SceneError also for a law whose path cannot be followed, or for a
+        control that the path does not accept.
 
     Examples
     --------
@@ -67,9 +67,10 @@ def path(
     >>> [event.kind for event in found.events], len(found.solutions)
     (['full'], 3)
 
-    A soft spring lets go sooner than a stiff one.
+    With a softer spring, pull-off comes at a larger approach.
 
-    >>> rubber = contact.Scene(contact.Parabola(1e-3), 1e6, contact.Isolated(datum=1e-2), law=contact.JKR(0.05), load=0.0)
+    >>> datum, adhesive = contact.Isolated(datum=1e-2), contact.JKR(0.05)
+    >>> rubber = contact.Scene(contact.Parabola(1e-3), 1e6, datum, law=adhesive, load=0.0)
     >>> ends = [contact.path(rubber, [0.0, -3e-3], stiffness=k).events[-1] for k in (1e3, 1e6)]
     >>> [event.kind for event in ends], ends[0].approach > ends[1].approach
     (['pull-off', 'pull-off'], True)

@@ -1,18 +1,15 @@
-"""One figure of a load path: contact and approach over the load, with the events marked.
+"""Figures of load paths.
 
-Contact is the contact fraction, or the width in contact where there is no period. Events are lines
-at their own loads, and marks on the curve as it is drawn. What is drawn of a load that falls is
-broken: without adhesion it lies on what is drawn of a rising one.
+Without adhesion: contact and approach over the load. Contact is the contact fraction, or the width
+in contact without a period. Events are vertical lines and marks on the curve. A falling load is
+drawn dashed, since its curve lies on that of the rising load.
 
-Of surfaces that adhere it is load over approach, up and down with its jumps, and the surfaces as
-they come apart.
-
-The curve goes through what was followed, solved or not; jumps are dotted, from where the contact
-was to where it came to rest. Without an approach, contact is drawn in its place. The surfaces are
-those just before pull-off, or, of a path without it, those of its last value.
+With adhesion: load over approach, with dotted jumps, and the surfaces just before pull-off (at the
+last value if there is no pull-off). Without an approach, the abscissa is the contact.
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -28,7 +25,7 @@ _FRACTION = "contact fraction"
 
 _CURVE = "#1f5a92"
 _EVENT = "#555555"
-# Colours and marks of the kinds of events; others, of someone's own, are drawn as circles.
+# Colour and mark of each kind of event; an unknown kind is drawn as a circle.
 _MARKS = {
     "birth": ("#3d7a4a", "^"),
     "death": ("#3d7a4a", "v"),
@@ -36,17 +33,26 @@ _MARKS = {
     "split": ("#b3261e", "s"),
     "full": ("#111111", "*"),
 }
-# A path most of whose loads are below this part of the highest is drawn over the logarithm of the
-# load.
-_MOSTLY_LOW = 0.1
-# Lines of more events than this would be all that is seen.
-_LINES = 40
+
+
+@dataclass(frozen=True)
+class PlotOptions:
+    """When a figure changes its form; these only affect the look."""
+
+    # The load axis is logarithmic if the median load is below this part of the largest.
+    log_axis_below: float = 0.1
+    # With more events (or points) than this, vertical lines (dots) are left out.
+    max_marks: int = 40
+    # The picture of surfaces reaches this many ranges of the deformed surface above its lowest
+    # point.
+    shown_range: float = 3.0
+
+
+_OPTIONS = PlotOptions()
 
 
 def plot_path(solutions: Sequence[Solution], passed: Passed, ax: Any = None) -> Any:
-    """A matplotlib Figure: contact over the load, and where there is one the approach over the
-    load.
-    """
+    """A matplotlib figure: contact over the load and, if it is defined, approach over the load."""
     table = {name: np.array(values, dtype=float) for name, values in columns(solutions).items()}
     fraction, width = table["contact_fraction"], table["total_width"]
     curves = [
@@ -65,7 +71,7 @@ def plot_path(solutions: Sequence[Solution], passed: Passed, ax: Any = None) -> 
 def _draw(axes: Any, loads: Array, passed: Passed, label: str, values: Array, unit: str) -> None:
     along, along_letter = prefix(float(np.abs(loads).max()))
     up, letter = prefix(float(np.abs(values).max())) if unit else (1.0, "")
-    if np.all(loads > 0) and np.median(loads) < _MOSTLY_LOW * loads.max():
+    if np.all(loads > 0) and np.median(loads) < _OPTIONS.log_axis_below * loads.max():
         axes.set_xscale("log")
         if np.all(values > 0):
             axes.set_yscale("log")
@@ -77,16 +83,16 @@ def _draw(axes: Any, loads: Array, passed: Passed, label: str, values: Array, un
             color=_CURVE,
             linewidth=1.4,
             linestyle="-" if rising else (0, (4, 2)),
-            marker="." if end - start <= _LINES else None,
+            marker="." if end - start <= _OPTIONS.max_marks else None,
             markersize=4,
             label="load rising" if rising else "load falling",
         )
     events = [(event, k) for k, since in enumerate(passed) for event in since]
     for event, k in events:
         colour, mark = _MARKS.get(event.kind, (_EVENT, "o"))
-        if len(events) <= _LINES:
+        if len(events) <= _OPTIONS.max_marks:
             axes.axvline(event.load * along, color=colour, linewidth=0.6, alpha=0.45, zorder=0)
-        # Hollow where the load falls: the same states on the way up stay seen.
+        # Marks of a falling load are hollow, so that those of the rising load stay visible.
         face = colour if loads[k] >= loads[k - 1] else "none"
         style = {
             "linestyle": "none",
@@ -109,7 +115,7 @@ def _draw(axes: Any, loads: Array, passed: Passed, label: str, values: Array, un
 def _vertices(
     loads: Array, values: Array, passed: Passed, known: dict[str, float]
 ) -> tuple[Array, Array]:
-    """The points of the curve, and the events at which its value is known by their kind."""
+    """Loads and values of the curve's points, including events whose value is known."""
     points: list[tuple[float, float]] = []
     for load, value, since in zip(loads, values, passed, strict=True):
         points += [(event.load, known[event.kind]) for event in since if event.kind in known]
@@ -119,7 +125,7 @@ def _vertices(
 
 
 def _on_line(axes: Any, load: float, x: Array, y: Array) -> float:
-    """Where the line through points is at a load, as it is drawn."""
+    """The value at a load on the line through points, as drawn on the axes."""
     order = np.argsort(x, kind="stable")
     to_x: Any = np.log if axes.get_xscale() == "log" else np.asarray
     to_y, back = (np.log, np.exp) if axes.get_yscale() == "log" else (np.asarray, np.asarray)
@@ -127,9 +133,7 @@ def _on_line(axes: Any, load: float, x: Array, y: Array) -> float:
 
 
 def _runs(loads: Array) -> list[tuple[int, int, bool]]:
-    """(first, behind the last, whether the load rises) of each stretch of the path that goes one
-    way; neighbours share their ends.
-    """
+    """(start, stop, rising) of each monotone part of the path; neighbours share their end points."""
     runs: list[tuple[int, int, bool]] = []
     start = 0
     for k in range(1, len(loads)):
@@ -143,9 +147,7 @@ _UP = "#1f5a92"
 _DOWN = "#b3261e"
 _BODY = "#7a7a7a"
 _CONTACT = "#b3261e"
-# Of the heights of the deformed surface, what is shown above its lowest place.
-_SHOWN = 3.0
-_OF_JUMPS = {
+_JUMP_MARKS = {
     "jump-in": ">",
     "birth": "^",
     "merge": "D",
@@ -164,9 +166,10 @@ def draw_curve(
     jumps: Sequence[tuple[str, float, float, float, float]],
     label: str,
 ) -> None:
-    """across [m], load: (n,) of what was followed, nan where a jump breaks it; rises: whether the
-    control did, (n,); jumps: (kind, across and load before, across and load after); label: of what
-    is across.
+    """Draw load over the abscissa `across`, with its jumps.
+
+    across [m] and load: (n,), nan at jumps; rises: whether the control rises, (n,); jumps: (kind,
+    abscissa and load before, abscissa and load after); label: of the abscissa.
     """
     x, along = prefix(
         float(np.nanmax(np.abs([*across, *(a for _, *both in jumps for a in both[::2]), 0.0])))
@@ -178,7 +181,7 @@ def draw_curve(
         (True, _UP, "-", "rising"),
         (False, _DOWN, (0, (5, 2)), "falling"),
     ):
-        # Where the sense changes, both have the point.
+        # A point at which the direction changes belongs to both curves.
         mine = (rises == rising) | (np.append(rises[1:], rises[-1]) == rising)
         axes.plot(
             np.where(mine, across, np.nan) * x,
@@ -200,7 +203,7 @@ def draw_curve(
             before * x,
             load_before * y,
             color="black",
-            marker=_OF_JUMPS.get(kind, "o"),
+            marker=_JUMP_MARKS.get(kind, "o"),
             markersize=5,
             linestyle="none",
             label=kind,
@@ -212,7 +215,7 @@ def draw_curve(
 def draw_surfaces(
     axes: Any, title: str, places: Array, surface: Array, body: Array, zones: Array
 ) -> None:
-    """places, surface, body: (m,) [m], of what the title says; zones: (k, 2) [m]."""
+    """Draw the profile and the deformed surface, (m,) [m] each, with the zones (k, 2) [m] marked."""
     along, letter = prefix(float(np.abs(places).max()))
     heights = np.concatenate((surface, body))
     up, high = prefix(float(np.abs(heights[np.isfinite(heights)]).max(initial=0.0)))
@@ -226,9 +229,9 @@ def draw_surfaces(
         linewidth=2.6,
         label="contact",
     )
-    # So that the neck is seen, and not the height of the body beside it.
+    # The view is limited to the deformed surface: the body may be much higher.
     low, span = float(surface.min()), float(np.ptp(surface))
     if span > 0.0:
-        axes.set_ylim((low - 0.2 * span) * up, (low + _SHOWN * span) * up)
+        axes.set_ylim((low - 0.2 * span) * up, (low + _OPTIONS.shown_range * span) * up)
     axes.set_title(title, fontsize=9)
     finish(axes, f"$x$ [{letter}m]", f"height [{high}m]")

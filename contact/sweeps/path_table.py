@@ -1,6 +1,4 @@
-"""A load path as data: a row for each load, and the events since the one before; plain types and
-CSV, in SI units.
-"""
+"""A load path as plain data and as CSV, in SI units: one row per load, with its events."""
 
 import dataclasses
 from collections.abc import Sequence
@@ -27,8 +25,8 @@ class Event:
     position : float
         Where on the profile [m].
     before, after : ndarray
-        The zones [m], (n, 2), just before and just after in the direction of the path; full contact
-        has none.
+        The zones [m], (n, 2), just before and just after the event along the path; (0, 2) in full
+        contact.
 
     Examples
     --------
@@ -46,7 +44,7 @@ class Event:
     after: Array
 
     def change(self) -> str:
-        """How many zones there are before and after it, in words."""
+        """The number of zones before and after the event, in words."""
         return f"{len(self.before) or 'full contact'} to {len(self.after) or 'full contact'}"
 
 
@@ -54,16 +52,16 @@ Passed = Sequence[Sequence[Event]]
 
 
 def columns(solutions: Sequence[Solution]) -> dict[str, list[float]]:
-    """A list for each of NUMBERS, nan for what the scene does not define."""
+    """One list per name of NUMBERS; nan for quantities that the scene does not define."""
     rows = [numbers(solution) for solution in solutions]
     return {name: [row[name] for row in rows] for name in NUMBERS}
 
 
 def to_dict(solutions: Sequence[Solution], passed: Passed) -> dict[str, Any]:
-    """Columns, events, scene and units; None for what is not defined, or infinite."""
+    """Columns, events, scene and units in plain types; None for undefined or infinite values."""
     scene = solutions[0].scene
     events = [{**_event(e), "point": point} for point, since in enumerate(passed) for e in since]
-    told: dict[str, Any] = plain(
+    data: dict[str, Any] = plain(
         {
             "points": columns(solutions),
             "events": events,
@@ -76,28 +74,29 @@ def to_dict(solutions: Sequence[Solution], passed: Passed) -> dict[str, Any]:
             "version": version(),
         }
     )
-    return told
+    return data
 
 
 def _event(event: Event) -> dict[str, Any]:
-    """All that an event says, of its zones how many they are."""
-    said = {
+    """The fields of an event, with the zones before and after given as counts."""
+    fields = {
         field.name: getattr(event, field.name) for field in dataclasses.fields(event) if field.repr
     }
-    zones = {f"zones_{when}": len(said.pop(when)) for when in ("before", "after")}
-    return {**said, **zones}
+    zones = {f"zones_{when}": len(fields.pop(when)) for when in ("before", "after")}
+    return {**fields, **zones}
 
 
 def to_csv(solutions: Sequence[Solution], passed: Passed) -> str:
-    """A row a load, in full precision, `nan` for what is not defined; `events` since the row before
-    are kind, load and position each.
+    """One row per load in full precision, `nan` for undefined values.
+
+    The column `events` lists the events since the previous row as kind, load and position.
     """
-    told = [
+    events = [
         "; ".join(f"{e.kind} {float(e.load)!r} {float(e.position)!r}" for e in since)
         for since in passed
     ]
     rows = [
         (*numbers(solution).values(), since)
-        for solution, since in zip(solutions, told, strict=True)
+        for solution, since in zip(solutions, events, strict=True)
     ]
     return csv_of((*NUMBERS, "events"), rows)

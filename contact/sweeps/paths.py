@@ -1,19 +1,18 @@
-"""Load paths: solutions at a list of loads, and the events between them at which the number of
-zones changes.
+"""Load paths: solutions at a list of loads, and the events between them.
 
-Frictionless contact grows with the load: every zone at a load lies inside one at a higher load. So
-between two loads a zone is born where the higher one has none below it, and zones merge where it
-has several. Each event is found on its own condition, with the topology held fixed and the signs
-free:
+An event is a change of the number of zones. Frictionless contact grows with the load: every zone at
+a load lies inside a zone at any higher load. So a zone of the higher load that contains none of the
+lower one was born in between, and one that contains several was merged from them. Each event is
+located by a condition of its own, with the number of zones fixed and the signs not checked:
 
     birth (death)   the least gap at the place of the new zone is zero, without that zone,
     merge (split)   the least pressure between the two zones is zero, with the two already one,
     full            the least pressure of full contact is zero (contact.formulation.full_contact).
 
-Names are given for a growing load; for a falling one the same event is a death or a split. At a
-given moment the body turns as the load grows, and may lift off again on one side: there deaths and
-splits are looked for as well, and so they are where the body is not a half-plane, on which alone
-contact is known to grow with the load.
+The names hold for a rising load; for a falling load the same event is a death or a split. Deaths
+and splits under a rising load are looked for in two cases. At a given moment the body turns as the
+load grows and may lift off on one side. On bodies other than the half-plane, contact is not known
+to grow.
 """
 
 import json
@@ -38,41 +37,52 @@ from contact.solution.model_warnings import curve_warnings
 from contact.solution.solution import Solution
 from contact.sweeps import path_table
 from contact.sweeps.curve import Curve
-from contact.sweeps.hidden import ends_and_rates, may_hide
+from contact.sweeps.hidden_events import ends_and_rates, may_hide
 from contact.sweeps.path_plot import plot_path
 from contact.sweeps.path_table import Event
 from sie import Array, nearest_image
 
-# Loads closer than this part of themselves are one: events within it are reported at their own
-# loads but not separated.
-_CLOSE = 1e-7
-# Between loads closer than this part of themselves nothing is looked for that both leave unseen.
-_SEEN = 1e-3
-# Loads over one another from which on the rates of the ends at both tell nothing.
-_FAR = 1.3
-# Parts of its loads by which an event may lie beyond two that are as good as one.
-_BEYOND = (1e-6, 1e-5, 1e-4)
-# Of ends and of coefficients on the way to an event: pressure and gap away from an end that is off
-# change by the square of that.
-_ENDS = 1e-7
-_DECAY = 1e-14
-# Of a load, how far beside it the rates of the ends are as good as a second state.
-_RIGHT_BESIDE = 1e-4
-# Of a state from which others start: these of the nearest loads.
-_THROUGH = 4
-# Zooms to a least gap or pressure, the place of which is about known.
-_ZOOMS = 5
-# Tolerance of states between two loads; an error with which they still tell which zones there are.
-_ON_THE_WAY = 1e-6
-_USEFUL = 1e-3
-# Where the last gap but one has closed, as a rule: this far below the load of full contact.
-_BEFORE_FULL = 1e-7
-# Of the way from an event to the solution that tells where it is: how much farther one looks to
-# have it behind.
-_MARGIN = 0.1
-# Of the narrower of two zones, what they share where one becomes the other: ends beside narrow gaps
-# may overlap by rounding.
-_SHARED = 1e-3
+
+@dataclass(frozen=True)
+class PathOptions:
+    """Numbers of the search for events between two loads; loads are compared relative to
+    themselves.
+    """
+
+    # Events closer than this are not separated by a solve between them.
+    same_load: float = 1e-7
+    # Between loads closer than this, no hidden birth with merging is looked for.
+    min_step_with_hidden_events: float = 1e-3
+    # Above this ratio of two loads, the rates of the ends at both do not predict the motion.
+    max_step_for_rates: float = 1.3
+    # Relative distances beyond two equal loads at which an event's condition is tried: certified
+    # signs may be wrong by their round-off.
+    retries_beyond: tuple[float, ...] = (1e-6, 1e-5, 1e-4)
+    # Tolerance of ends in a condition. An error of an end changes pressure and gap away from it by
+    # its square.
+    end_tolerance: float = 1e-7
+    # Truncation of the series in a condition: the square of `end_tolerance`.
+    truncation: float = 1e-14
+    # Relative load step over which the ends' rates replace a second solution.
+    rate_step: float = 1e-4
+    # The ends are extrapolated by the polynomial through this many nearest loads.
+    interpolation_points: int = 4
+    # Fourfold refinements of a minimum that starts from 33 samples: 8 * 4^5 points per event.
+    minimum_refinements: int = 5
+    # Tolerance of the solutions between two loads.
+    tol_between: float = 1e-6
+    # A solution between two loads that misses `tol_between` still counts the zones below this
+    # error.
+    max_error_between: float = 1e-3
+    # An event is bracketed by a point this part of the predicted distance beyond it.
+    bracket_margin: float = 0.1
+    # Two zones are the same if they share this part of the narrower: ends beside narrow gaps may
+    # overlap by round-off.
+    min_overlap: float = 1e-3
+
+
+_OPTIONS = PathOptions()
+# Names of events for a falling load.
 _REVERSED = {"birth": "death", "merge": "split", "full": "full", "death": "birth", "split": "merge"}
 
 
@@ -85,7 +95,7 @@ class Path:
     solutions : tuple of Solution
         One for each load.
     passed : tuple of tuple of Event
-        For each load the changes of the number of zones since the load before, in order.
+        For each load, the events since the previous load, in order.
 
     Examples
     --------
@@ -110,13 +120,12 @@ class Path:
         return np.array([solution.load for solution in self.solutions])
 
     def plot(self, ax: Any = None) -> Any:
-        """Contact and approach over the load, with the events marked: a matplotlib figure of its
-        own, or of the axes given.
+        """Draw contact and approach over the load, with the events marked.
 
         Parameters
         ----------
         ax : matplotlib Axes, or two of them, or None
-            Where contact over the load is drawn, and approach over the load; None: in a new figure.
+            Axes for contact, and for the approach; None: a new figure.
 
         Returns
         -------
@@ -127,23 +136,21 @@ class Path:
         MissingExtra
             Without matplotlib.
         SceneError
-            If `ax` is no axes, or two of them where the scene has no approach.
+            If `ax` is not an axes object, or two are given and the scene has no approach.
         """
         return plot_path(self.solutions, self.passed, ax)
 
     def to_dict(self) -> dict[str, Any]:
-        """Numbers of each load, events, scene and units in plain types; None for what is infinite
-        or undefined.
-        """
+        """Numbers of each load, events, scene and units; None for infinite or undefined values."""
         return path_table.to_dict(self.solutions, self.passed)
 
     def save(self, path: str | PathLike[str], overwrite: bool = False) -> None:
-        """Write a row for each load as CSV, or all of `to_dict` as JSON: .csv or .json says which.
+        """Write one row per load to a .csv file, or `to_dict` to a .json file.
 
         Raises
         ------
         SceneError
-            If the name ends otherwise, or the file is there and `overwrite` is not given.
+            For another ending, or if the file exists and `overwrite` is not given.
         """
         file = new_file(path, overwrite, (".csv", ".json"))
         csv = file.suffix.lower() == ".csv"
@@ -156,9 +163,9 @@ class Path:
 
 
 def growing_path(scene: Scene, values: Array, tol: float, progress: Progress | None) -> Path:
-    """Along loads [N/m], under a law by which contact only grows with the load; see `contact.path`."""
+    """The path along loads [N/m] of a law whose contact grows with the load; see `contact.path`."""
     run = _Path(scene, tol, progress)
-    run.curve.look_at(values)
+    run.curve.solve_in_closed_form(values)
     solutions: list[Solution] = []
     passed: list[tuple[Event, ...]] = []
     with unwarned():
@@ -171,37 +178,40 @@ def growing_path(scene: Scene, values: Array, tol: float, progress: Progress | N
                 raise OutOfRange(f"at the load {load:.6g} N/m: {error}") from error
             passed.append(tuple(run.between(solutions[-1], here)) if solutions else ())
             solutions.append(here)
-    # Of the highest load, where slopes and pressures are; of the line that called `contact.path`.
+    # One warning for the highest load (slopes and pressures are largest there), attributed to the
+    # caller of `contact.path`.
     warn(curve_warnings(solutions), stacklevel=4)
     return Path(tuple(solutions), tuple(passed))
 
 
 class _Path:
-    def __init__(self, scene: Scene, tol: float, progress: Progress | None = None) -> None:
-        self.scene, self.curve, self.progress, self.found = (
-            scene,
-            Curve(scene, "load", tol),
-            progress,
-            0,
-        )
+    """The search for events along one path."""
 
-    def on_the_way(self, load: float, near: Solution) -> Solution:
-        """A state between two loads: close to an event a zone or gap may be too narrow for the
-        tolerance, and still serve.
+    def __init__(self, scene: Scene, tol: float, progress: Progress | None = None) -> None:
+        self.scene = scene
+        self.curve = Curve(scene, "load", tol)
+        self.progress = progress
+        self.events_found = 0
+
+    def intermediate(self, load: float, start: Solution) -> Solution:
+        """A solution between two loads, good enough to count its zones.
+
+        Close to an event, a zone or gap may be too narrow for the tolerance; the best state is then
+        used if its signs hold.
         """
         try:
-            return self.curve.beside(load, (CurvePoint(near),), _ON_THE_WAY)
+            return self.curve.from_previous(load, (CurvePoint(start),), _OPTIONS.tol_between)
         except NotConverged as failure:
             if (
                 isinstance(failure.best, Solution)
                 and failure.best.certificate.holds
-                and failure.best.error < _USEFUL
+                and failure.best.error < _OPTIONS.max_error_between
             ):
                 return failure.best
             raise
 
     def between(self, first: Solution, last: Solution) -> list[Event]:
-        """The events on the way from one solution to the next."""
+        """The events between two solutions, in the order of the path."""
         rising = last.load >= first.load
         low, high = (first, last) if rising else (last, first)
         events = sorted(self._events(low, high), key=lambda event: event.load)
@@ -221,54 +231,56 @@ class _Path:
             high.zones,
             low.scene.period,
             low.scene.operator.is_plain and not turns,
-            _SHARED,
+            _OPTIONS.min_overlap,
         )
-        apart = high.load - low.load > _CLOSE * high.load
-        hides = high.load > _FAR * low.load or (
-            high.load - low.load > _SEEN * high.load and may_hide(low, high)
+        step = (high.load - low.load) / high.load
+        apart = step > _OPTIONS.same_load
+        hides = high.load > _OPTIONS.max_step_for_rates * low.load or (
+            step > _OPTIONS.min_step_with_hidden_events and may_hide(low, high)
         )
         if not found and not hides:
             return []
         if apart and (hides or len(found) > 1):
-            middle = self.on_the_way(float(np.sqrt(low.load * high.load)), low)
+            middle = self.intermediate(float(np.sqrt(low.load * high.load)), low)
             return self._events(low, middle) + self._events(middle, high)
         events = []
         for change in found:
-            event = self._event(change, low, high, beyond=() if apart else _BEYOND)
+            event = self._event(change, low, high, beyond=() if apart else _OPTIONS.retries_beyond)
             if event is None and apart:
-                middle = self.on_the_way(0.5 * (low.load + high.load), low)
+                middle = self.intermediate(0.5 * (low.load + high.load), low)
                 return self._events(low, middle) + self._events(middle, high)
             if event is None:
                 raise NotConverged(
-                    f"the {change.kind} between loads {low.load:.17g} and {high.load:.17g} was not located"
+                    f"the {change.kind} between loads {low.load:.17g} and {high.load:.17g} "
+                    "was not located"
                 )
             events.append(event)
-            self.found += 1
+            self.events_found += 1
             if self.progress is not None:
-                self.progress("events", self.found, None)
+                self.progress("events", self.events_found, None)
         return events
 
     def _to_full(self, low: Solution, full: Solution) -> list[Event]:
-        """The events up to full contact."""
+        """The events up to full contact, where the last gap closes."""
         assert low.scene.period is not None
         load = self.curve.cache.full.relieved * low.scene.period
-        # Other gaps close before the last one does.
-        last = self.on_the_way(max(low.load, load * (1 - _BEFORE_FULL)), low)
+        # All gaps but the last are closed there.
+        last = self.intermediate(max(low.load, load * (1 - _OPTIONS.same_load)), low)
         return [*self._events(low, last), *_full_event(load, full, last)]
 
     def _event(
         self, change: Change, low: Solution, high: Solution, beyond: tuple[float, ...] = ()
     ) -> Event | None:
-        """The event of one change; None if its condition does not change sign between the two
-        loads, nor where it is looked for beyond them, by these parts of the loads: signs within
-        their rounding pass a certificate on either side of the event.
+        """The event of one change; None if its condition has no change of sign.
+
+        The condition is evaluated at both loads, and beyond them by the relative distances
+        `beyond`: near an event the certificate accepts signs that are wrong by round-off.
         """
         side, other = (low, high) if change.ahead else (high, low)
         condition = _Condition(side.fields, change)
         load = condition.problem.units.load
         try:
-            # Each state starts from the zones of the last: close to a zero its sign may depend on
-            # the way there.
+            # Each state starts from the zones of the previous one.
             known = {side.fields.load / load: condition.of(side.fields)}
             tried: list[tuple[float, ...]] = [
                 (low.load * (1 - part), high.load * (1 + part)) for part in (0.0, *beyond)
@@ -290,16 +302,15 @@ class _Path:
 
 
 def _just_beyond(change: Change, side: Solution, other: Solution) -> float | None:
-    """A load a little beyond the event, seen from the solution that the condition begins with; None
-    where the other one does not tell.
+    """A load a little beyond the event, predicted from the solution on its other side, or None.
 
-    It tells when nothing is left of its zone that is born, or of its gap that closes: squared
-    widths go evenly with the logarithm of the load.
+    The square of the width of a zone (a gap) is linear in the logarithm of the load as the zone
+    appears (the gap closes). Its rate gives the load at which the width is zero.
     """
-    told, period = ends_and_rates(other), other.scene.period
-    if told is None:
+    found, period = ends_and_rates(other), other.scene.period
+    if found is None:
         return None
-    table, outward = told
+    table, outward = found
     grows = outward.sum(axis=1)
     if not change.of_gap:
         table, grows = gaps_between(table, period), -outward[:, 1] - np.roll(outward[:, 0], -1)
@@ -309,13 +320,14 @@ def _just_beyond(change: Change, side: Solution, other: Solution) -> float | Non
     (a, b), grows = table[k], grows[k]
     if grows == 0.0:
         return None
-    load = other.load * float(np.exp((_MARGIN - 1.0) * (b - a) / (2 * grows)))
+    load = other.load * float(np.exp((_OPTIONS.bracket_margin - 1.0) * (b - a) / (2 * grows)))
     return load if min(side.load, other.load) < load < max(side.load, other.load) else None
 
 
 class _Condition:
-    """A function of the scaled load that is zero at the event; `position` [m] is where it was last
-    evaluated.
+    """The condition of an event: a function of the scaled load that is zero at the event.
+
+    `position` [m] is the place of the least gap or pressure of the last evaluation.
     """
 
     position = 0.0
@@ -324,13 +336,17 @@ class _Condition:
         return self.of(self.formal(load))
 
     def of(self, fields: Any) -> float:
-        """Of a state with the zones that the condition is about: the least gap about the place
-        where the higher load has a zone of its own, or the least pressure between two zones that
-        have become one.
+        """The condition's value for fields with its number of zones.
+
+        It is the least gap around a zone to be born, or the least pressure between two zones that
+        have merged.
         """
         function = fields.formal_gap if self.of_gap else fields.formal_pressure
         place, value = maximum(
-            lambda x: -function(x), np.linspace(*self.where, 33), levels=_ZOOMS, peaks=1
+            lambda x: -function(x),
+            np.linspace(*self.where, 33),
+            levels=_OPTIONS.minimum_refinements,
+            peaks=1,
         )
         self.position = float(self.problem.profile.wrap(self.problem.units.x(np.array(place))))
         return -value
@@ -342,20 +358,21 @@ class _Condition:
             if fields.relief is None
             else GapForm(self.problem, fields.relief)
         )
-        # Of the loads at which it was evaluated, and of one right beside the first: the zones (or
-        # gaps) found there.
+        # Zones (or gaps) by load: of each evaluation, and of a load next to the first by its rates.
         load, table = fields.load / fields.problem.units.load, fields.density.zones.table
         self.tables: dict[float, Array] = {
             load: table,
-            load * (1 + _RIGHT_BESIDE): table + _RIGHT_BESIDE * _moving(fields),
+            load * (1 + _OPTIONS.rate_step): table + _OPTIONS.rate_step * _moving(fields),
         }
         self.where = _scaled(fields, change.where)
 
     def start(self, load: float) -> Array:
-        """Zones to begin with: by the polynomial through those of the nearest loads, where that
-        keeps them and their gaps about as wide.
+        """Zones to start from: the polynomial through those of the nearest loads.
+
+        If that changes some zone or gap by more than a factor of two, the nearest zones are used.
         """
-        nearest = sorted(self.tables, key=lambda known: abs(known - load))[:_THROUGH]
+        by_distance = sorted(self.tables, key=lambda known: abs(known - load))
+        nearest = by_distance[: _OPTIONS.interpolation_points]
         first = self.tables[nearest[0]]
         others = [
             [(load - other) / (at - other) for other in nearest if other != at] for at in nearest
@@ -369,16 +386,19 @@ class _Condition:
         return np.asarray(table) if np.all((grown > 0.5) & (grown < 2.0)) else first
 
     def formal(self, load: float) -> Any:
-        """Fields with this number of zones, or of gaps, at a load, whatever the signs; later calls
-        start from these.
+        """Fields with this number of zones (or gaps) at a load; their signs may be wrong.
+
+        Later calls start from them.
         """
-        fields = self.form.formal(load, self.start(load), _ENDS, _DECAY)
+        fields = self.form.formal(
+            load, self.start(load), _OPTIONS.end_tolerance, _OPTIONS.truncation
+        )
         self.tables[load] = fields.density.zones.table
         return fields
 
 
 def _moving(fields: Any) -> Array:
-    """How far the ends of a state's zones, or gaps, move with the logarithm of the load (n, 2)."""
+    """Rates of the ends of a state's zones (or gaps) per unit of log load, scaled, (n, 2)."""
     outward = fields.spreading / fields.problem.units.length
     if fields.relief is None:
         return np.asarray(outward * (-1, 1))
@@ -386,7 +406,7 @@ def _moving(fields: Any) -> Array:
 
 
 def _scaled(fields: Any, places: tuple[float, float]) -> tuple[float, float]:
-    """Two places in the scaled period in which the fields' own zones stand."""
+    """Two places in scaled coordinates, in the same period as the fields' zones."""
     zones, problem = fields.density.zones, fields.problem
     middle = 0.5 * float(zones.a[0] + zones.b[-1])
     a, b = centred_on(np.array([problem.units.scaled(np.array(places))]), middle, problem.period)[
@@ -396,7 +416,10 @@ def _scaled(fields: Any, places: tuple[float, float]) -> tuple[float, float]:
 
 
 def _full_event(load: float, full: Solution, low: Solution) -> list[Event]:
-    """The closing of the last gap, but that of one over a kink, which never does."""
+    """The event at which the last gap closes; none if it lies over a concave kink.
+
+    The pressure at such a kink is minus infinity in full contact, so the gap never closes.
+    """
     gaps = gaps_between(low.zones, low.scene.period)
     first, last = gaps[np.argmax(np.diff(gaps)[:, 0])].tolist()
     kinks = low.scene.profile.kinks

@@ -1,10 +1,10 @@
-"""What a solution is as one point of a curve: its numbers by name, each in its SI unit."""
+"""A solution as one point of a curve: its numbers by name, in SI units."""
 
 from math import nan
 
 from contact.solution.solution import Solution
 
-# Name: (unit, what it is).
+# Name: (unit, description).
 NUMBERS = {
     "load": ("N/m", "load, per period where there is one"),
     "mean_pressure": ("Pa", "load over the period"),
@@ -20,9 +20,7 @@ NUMBERS = {
 
 
 def numbers(solution: Solution) -> dict[str, float]:
-    """All of them, nan for what the scene does not define; inf where a pressure, or the stiffness
-    of full contact, is infinite.
-    """
+    """All of NUMBERS; nan for undefined ones, inf for an infinite pressure or stiffness."""
     own = {"total_width": total_width(solution), "zone_count": len(solution.zones)}
     values = {name: own[name] if name in own else getattr(solution, name) for name in NUMBERS}
     return {
@@ -32,7 +30,7 @@ def numbers(solution: Solution) -> dict[str, float]:
 
 
 def total_width(solution: Solution) -> float:
-    """Length in contact: of all zones, or the period at full contact; 0 of surfaces apart."""
+    """Width in contact [m]: the sum over the zones, the period in full contact, 0 without contact."""
     if len(solution.zones) == 0:
         return (solution.contact_fraction or 0.0) * (solution.scene.period or 0.0)
     return float(solution.zone_widths.sum())

@@ -107,7 +107,7 @@ class TestProcesses:
                 contact.solve_many(lone, [1e-3, 1.1e-3, 1.0, 1.1], workers=workers)
 
     def test_none_is_started_for_what_is_known_at_once(self, monkeypatch):
-        monkeypatch.setattr("contact.sweeps.many.solved_in_processes", None)
+        monkeypatch.setattr("contact.sweeps.solve_many.solved_in_processes", None)
         found = contact.solve_many(
             scene(contact.Sinusoid(1e-2, 1.0)), [1e-3, 2e-3, 3e-3, 4e-3], workers=2
         )

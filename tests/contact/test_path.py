@@ -65,7 +65,7 @@ def test_the_number_of_zones_is_that_of_the_events_passed():
 
 
 def test_events_take_three_states_each_and_few_loads_between(monkeypatch):
-    count = {"formal": 0, "on_the_way": 0}
+    count = {"formal": 0, "intermediate": 0}
 
     def counting(of, name):
         real = getattr(of, name)
@@ -77,13 +77,13 @@ def test_events_take_three_states_each_and_few_loads_between(monkeypatch):
         monkeypatch.setattr(of, name, call)
 
     counting(paths._Condition, "formal")
-    counting(paths._Path, "on_the_way")
+    counting(paths._Path, "intermediate")
     random, k = np.random.default_rng(3), np.arange(1, 25)
     profile = contact.Fourier(1.0, *(1e-3 * k**-1.3 * random.normal(size=24) for _ in range(2)))
     full = contact.solve(contact.Scene(profile, 1.0, contact.Periodic(), contact_fraction=1.0)).load
     found = path(scene(profile, contact.Periodic()), full * 0.3 * 1.06 ** np.array([-17.0, -11.0]))
     assert [event.kind for event in found.events] == ["birth", "merge", "birth", "birth"]
-    assert count["formal"] <= 13 and count["on_the_way"] <= 30
+    assert count["formal"] <= 13 and count["intermediate"] <= 30
 
 
 def test_just_beside_a_birth_the_solver_finds_the_zones_it_predicts():

@@ -15,7 +15,7 @@ from contact.model.units import quantity
 from contact.studies.bench import clock
 from contact.studies.bench.cases import PERIOD, rough_profile
 from contact.studies.bench.report import Table
-from contact.sweeps.many import solve_many
+from contact.sweeps.solve_many import solve_many
 
 Array = NDArray[np.float64]
 

@@ -1,3 +1,1 @@
-"""A scene over a grid of values of its parameters: a scene and lists of values come in, a table of
-numbers on that grid goes out.
-"""
+"""A scene solved on a grid of values of its parameters; the result is a table of numbers."""

@@ -1,7 +1,7 @@
-"""Points of a grid that are solved together: along the control of one scene they share work, as
-those of `contact.solve_many` do.
+"""Chunks: points of a grid that are solved together in one process.
 
-In another process, or on another machine, a scene arrives as bytes.
+Points along a control of one scene share work, as in `contact.solve_many`. Another process or
+machine receives the scene as bytes.
 """
 
 import itertools
@@ -26,25 +26,36 @@ from contact.sweeps.points import NUMBERS, numbers
 from contact.sweeps.sweep.keys import BRANCH, BRANCHES, Axis, Value, varied
 from sie import Array, Mask
 
-# Numbers by name, `failed`, `reason` and `warning`; of chunks as a whole, `solution`, or `raised`.
+# Numbers by name, `failed`, `reason` and `warning`. For a chunk of whole solutions it holds
+# `solution` or `raised` instead.
 Row = dict[str, Any]
 Rows = list[tuple[int, Row]]
 
-# For each that solves there are so many chunks: the last ones end about together.
-_EACH = 4
-# A curve of fewer points is hardly one: the first of each costs a search.
-_SHORTEST = 6
-# So much is lost where a process ends, or the sweep is broken off [s].
-_SECONDS = 20.0
-# Where solutions themselves are handed in: what follows has a search to make again.
-_SECONDS_WHOLE = 60.0
+
+@dataclass(frozen=True)
+class ChunkOptions:
+    """The size of chunks; times depend on them only weakly."""
+
+    # Chunks per process, so that all processes end at about the same time.
+    per_process: int = 4
+    # Points of a chunk at least: the first point of each costs a search for its zones.
+    min_points: int = 6
+    # A process sends its rows at least this often [s]: the most that is lost if it dies.
+    seconds: float = 20.0
+    # The same for whole solutions, which are larger [s].
+    seconds_of_solutions: float = 60.0
+
+
+_OPTIONS = ChunkOptions()
 
 
 @dataclass(frozen=True)
 class Chunk:
-    """Places in the grid, in the order in which they are solved, and what is set at each;
-    `control`: what goes along them, if any does; `seconds`: after which what is solved is handed
-    in; `whole`: whether that is the solutions themselves.
+    """Points of a grid in the order in which they are solved.
+
+    places: flat indices of the points; settings: the values set at each; control: the control that
+    varies along them, or ""; seconds: the time after which finished rows are sent; whole: whether
+    rows hold the solutions themselves.
     """
 
     places: tuple[int, ...]
@@ -55,19 +66,21 @@ class Chunk:
 
     @classmethod
     def of_curve(cls, control: str, places: Sequence[int], values: Array) -> "Chunk":
-        """Solutions themselves, at some of the values of a control."""
+        """A chunk of whole solutions at some of the values of a control."""
         settings: list[dict[str, Value]] = [
             {BRANCH: BRANCHES[0], f"control.{control}": float(values[place])} for place in places
         ]
-        return cls(tuple(places), tuple(settings), control, _SECONDS_WHOLE, whole=True)
+        return cls(
+            tuple(places), tuple(settings), control, _OPTIONS.seconds_of_solutions, whole=True
+        )
 
     def singly(self) -> "Iterator[Chunk]":
-        """Its points, each a chunk."""
+        """Its points, each as a chunk of its own."""
         for place, setting in zip(self.places, self.settings, strict=True):
             yield replace(self, places=(place,), settings=(setting,))
 
     def without(self, rows: Rows) -> "list[Chunk]":
-        """What is left when its first rows are there: one chunk, or none."""
+        """A list with the chunk of the points after the first `rows`; empty if none is left."""
         done = len(rows)
         return (
             [replace(self, places=self.places[done:], settings=self.settings[done:])]
@@ -79,8 +92,10 @@ class Chunk:
 def chunks_of(
     axes: Sequence[Axis], wanted: Mask, solvers: int | None, branch: str = BRANCHES[0]
 ) -> list[Chunk]:
-    """What is wanted of the grid (flat), cut for so many solvers; None: each curve is one chunk.
-    branch: where it is not varied.
+    """The wanted points of the grid as chunks for a number of processes.
+
+    wanted: flat mask; solvers: number of processes, None: one chunk per curve; branch: the branch
+    if it is not varied.
     """
     at = next((place for place, axis in enumerate(axes) if axis.control), None)
     control = "" if at is None else axes[at].control
@@ -94,7 +109,7 @@ def chunks_of(
     most = (
         wanted.size
         if solvers is None
-        else max(_SHORTEST, ceil(int(wanted.sum()) / (_EACH * solvers)))
+        else max(_OPTIONS.min_points, ceil(int(wanted.sum()) / (_OPTIONS.per_process * solvers)))
     )
     points = itertools.product(*(axis.values for axis in axes))
     settings: list[dict[str, Value]] = [
@@ -104,19 +119,16 @@ def chunks_of(
     found = []
     for line in lines:
         places = [int(place) for place in line if wanted[place]]
-        # As even as can be.
         for part in np.array_split(places, ceil(len(places) / most)) if places else ():
-            found.append(
-                Chunk(
-                    tuple(int(p) for p in part), tuple(settings[p] for p in part), control, _SECONDS
-                )
-            )
+            values = tuple(settings[p] for p in part)
+            found.append(Chunk(tuple(int(p) for p in part), values, control, _OPTIONS.seconds))
     return found
 
 
 def solve_chunk(scene: Scene, chunk: Chunk, tol: float) -> Rows:
-    """Its rows, the first and as many as its seconds allow from there; whatever goes wrong at a
-    point is that point's.
+    """The first row of a chunk and as many more as its seconds allow.
+
+    An error at one point becomes the row of that point.
     """
     coming = solved(scene, chunk, tol)
     rows = [next(coming)]
@@ -127,7 +139,7 @@ def solve_chunk(scene: Scene, chunk: Chunk, tol: float) -> Rows:
 
 
 def solved(scene: Scene, chunk: Chunk, tol: float) -> Iterator[tuple[int, Row]]:
-    """The same, one after another."""
+    """(place, row) of all points of a chunk, one after another."""
     curve = _curve(scene, chunk, tol)
     for place, setting in zip(chunk.places, chunk.settings, strict=True):
         try:
@@ -140,8 +152,7 @@ def solved(scene: Scene, chunk: Chunk, tol: float) -> Iterator[tuple[int, Row]]:
                 )
                 row = {"solution": solution} if chunk.whole else _row(solution)
         except Exception as error:
-            # Errors of the package, and those of a user's own profile: the other points are none
-            # the worse for it.
+            # Any error, also one of a user's own profile, fails this point only.
             row = (
                 {"raised": error}
                 if chunk.whole
@@ -151,21 +162,23 @@ def solved(scene: Scene, chunk: Chunk, tol: float) -> Iterator[tuple[int, Row]]:
 
 
 def _curve(scene: Scene, chunk: Chunk, tol: float) -> Curve | None:
-    """The curve that the points are on, with what can be solved of them at once; None without a
-    control, off the branch that curves are of, or without any scene.
+    """The curve through the points of a chunk, or None.
+
+    It is None if no control varies, if the branch is not the default one, or if no point is a valid
+    scene. Points with a closed form are solved here.
     """
     if not chunk.control or any(setting[BRANCH] != BRANCHES[0] for setting in chunk.settings):
         return None
     known: list[Scene] = []
     for setting in chunk.settings:
-        # What is wrong with a point is told where that one is solved.
+        # The error of an invalid point is reported when that point is solved.
         with suppress(Exception):
             known.append(varied(scene, setting))
     if not known:
         return None
     curve = Curve(known[0], chunk.control, tol)
     with suppress(Exception), unwarned():
-        curve.look_at(np.array([here.control[1] for here in known]))
+        curve.solve_in_closed_form(np.array([here.control[1] for here in known]))
     return curve
 
 
@@ -184,26 +197,31 @@ def _row(solution: Solution) -> Row:
 
 
 def solve_sent(given: bytes, chunk: Chunk, tol: float) -> Rows:
-    """The rows of a chunk of a scene that was sent."""
+    """The rows of a chunk, for a scene received as bytes."""
     return solve_chunk(_received(given), chunk, tol)
 
 
 def cannot_receive(given: bytes, here: str) -> str:
-    """Why it is of no use where it arrives, as the end of a sentence; empty where it is. here: the
-    version of this package that sent it.
+    """The reason why this process cannot use a scene sent to it, as the end of a sentence; or "".
+
+    here: the version of this package in the sending process.
     """
     if version() != here:
         return f"have sie-contact {version()}, and not {here}"
     try:
         _received(given)
     except Exception as error:
-        return f"cannot make the scene ({type(error).__name__}: {error}): what it is made of belongs in a module that they can import"
+        return (
+            f"cannot make the scene ({type(error).__name__}: {error}): "
+            "what it is made of belongs in a module that they can import"
+        )
     return ""
 
 
 class Question:
-    """Asks `cannot_receive` where it is unpickled, for places of which it is not known whether they
-    have this package at all.
+    """An object that becomes the result of `cannot_receive` when it is unpickled.
+
+    It works on machines that may not have this package at all.
     """
 
     def __init__(self, given: bytes) -> None:

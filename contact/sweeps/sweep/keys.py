@@ -1,5 +1,5 @@
-"""What of a scene can be varied: the keys of its tables, as a scene file has them, `TABLE.KEY`, and
-the scene with other values of them.
+"""The keys of a scene that a sweep can vary, `TABLE.KEY` as in scene files, and scenes with new
+values.
 """
 
 from collections.abc import Mapping, Sequence
@@ -16,17 +16,17 @@ from contact.model.scene import Scene
 
 Value = float | int | str
 
-# Besides the profile, which may have two tables.
+# The parts of a scene that have one table each; the profile may have two.
 PARTS = ("interaction", "substrate", "law")
 MODULUS = "material.E_star"
-# No key of a scene file: which of several equilibria a scene has is said of its solution.
+# The branch is not a key of scene files: it chooses among several equilibria of one scene.
 BRANCH = "branch"
 BRANCHES = ("advancing", "receding")
 
 
 @dataclass(frozen=True)
 class Axis:
-    """One key, its values in the order in which they were given, and their unit where it is known."""
+    """One key of a grid with its values in the given order, and their unit if it is known."""
 
     key: str
     values: tuple[Value, ...]
@@ -34,18 +34,19 @@ class Axis:
 
     @property
     def control(self) -> str:
-        """The control that it is, or nothing."""
+        """The name of the control, or "" for another key."""
         table, _, name = self.key.partition(".")
         return name if table == "control" and name not in TURNING else ""
 
 
 def axes_of(scene: Scene, over: Mapping[str, Any]) -> tuple[Axis, ...]:
-    """The axes of a grid, checked: known keys, values that are distinct, and at most one control."""
+    """The axes of a grid; refuses unknown keys, repeated values, and more than one control."""
     if not isinstance(over, Mapping) or not over:
         raise SceneError.of(
             "over",
             over,
-            "a mapping of one or more keys, such as 'control.load' or 'profile.amplitude', to their values",
+            "a mapping of one or more keys, such as 'control.load' or 'profile.amplitude', "
+            "to their values",
         )
     known = keys_of(scene)
     for key in over:
@@ -68,7 +69,7 @@ def axes_of(scene: Scene, over: Mapping[str, Any]) -> tuple[Axis, ...]:
 
 
 def keys_of(scene: Scene) -> dict[str, Any]:
-    """Keys that can be varied, with their present values: all of the scene that is not an array."""
+    """Keys that can be varied, with their present values: everything that is not an array."""
     known: dict[str, Any] = {MODULUS: scene.E_star}
     for table, values in tables(scene).items():
         for name, value in values.items():
@@ -85,19 +86,19 @@ def keys_of(scene: Scene) -> dict[str, Any]:
 
 
 def tables(scene: Scene) -> dict[str, dict[str, Any]]:
-    """What the parts of a scene are made of, by table and name."""
+    """The parameters of the parts of a scene, by table and name."""
     shapes = {
-        table: {name: value for name, value in told.items() if name != "shape"}
-        for table, told in scene.profile.tables().items()
+        table: {name: value for name, value in values.items() if name != "shape"}
+        for table, values in scene.profile.tables().items()
     }
-    # Of traces also by what their points were prepared: a period is among the others' keys already.
+    # Traces also have the parameters of their preparation.
     for table, body in scene.profile.bodies.items():
         shapes[table] = {**body.preparation, **shapes[table]}
     return shapes | {table: parameters(getattr(scene, table)) for table in PARTS}
 
 
 def varied(scene: Scene, settings: Mapping[str, Value]) -> Scene:
-    """The scene with other values; a control replaces the one that it has."""
+    """The scene with other values; a control replaces the present one."""
     changed: dict[str, Any] = {}
     others: dict[str, dict[str, Value]] = {}
     for key, value in settings.items():
@@ -114,7 +115,7 @@ def varied(scene: Scene, settings: Mapping[str, Value]) -> Scene:
             )
         else:
             others.setdefault(table, {})[name] = value
-    # All values of a part at once: one by one they might not go together.
+    # All values of a part are set at once: one by one they might contradict each other.
     for table in PARTS:
         if table in others:
             changed[table] = remade(getattr(scene, table), others[table])
@@ -124,7 +125,10 @@ def varied(scene: Scene, settings: Mapping[str, Value]) -> Scene:
 
 
 def _values(key: str, given: Any, present: Any) -> tuple[Value, ...]:
-    """Numbers or words, one or more, none twice; whole numbers where the parameter is one."""
+    """The values of a key: at least one, all distinct, all numbers or all words.
+
+    They are integers if the parameter is an integer.
+    """
     allowed = "a list of distinct finite numbers, or of distinct words"
     if (
         isinstance(given, str)
@@ -155,7 +159,7 @@ def _value(value: Any, whole: bool) -> Value | None:
 
 
 def _unit(scene: Scene, key: str) -> str:
-    """As the class declares it; empty where it does not."""
+    """The unit of a key as its class declares it, or ""."""
     table, _, name = key.partition(".")
     if key == BRANCH:
         return ""

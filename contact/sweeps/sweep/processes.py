@@ -1,12 +1,11 @@
-"""Chunks solved in this process, in others of this machine, or by the workers of a Dask scheduler
-(the extra `cluster`).
+"""Chunks solved in this process, in other processes, or by the workers of a Dask scheduler.
 
-A process that ends on the way, killed or out of memory, loses nothing but its time: what ran when
-it ended is solved again, point by point, and a point that ends its process once more is a failed
-one. Where others cannot be started, this one solves.
+If a process dies (killed, or out of memory), its chunk is solved again point by point; a point that
+kills its process a second time is marked as failed. If other processes cannot be started, this one
+solves everything.
 
-A worker of a scheduler that is lost on the way loses nothing: the scheduler gives what it ran to
-another. Workers may come and go at any time.
+If a worker of a scheduler is lost, the scheduler gives its chunk to another one. Workers may come
+and go at any time. The scheduler needs the extra `cluster`.
 """
 
 import multiprocessing
@@ -39,17 +38,17 @@ from contact.sweeps.sweep.chunks import (
 )
 
 _ENDED = "the process that solved it ended, killed or out of memory"
-# Each process has one thread: as many as there are processors would get in one another's way.
+# Each process runs with one thread of the linear algebra libraries.
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 
 def processors() -> int:
-    """How many this process may use."""
+    """The number of processors that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def solved_here(scene: Scene, chunks: Sequence[Chunk], tol: float) -> Generator[Rows]:
-    """Rows as they come, one by one."""
+    """Rows solved in this process, one by one."""
     for chunk in chunks:
         for row in solved(scene, chunk, tol):
             yield [row]
@@ -58,7 +57,7 @@ def solved_here(scene: Scene, chunks: Sequence[Chunk], tol: float) -> Generator[
 def solved_in_processes(
     scene: Scene, chunks: Sequence[Chunk], tol: float, workers: int
 ) -> Generator[Rows]:
-    """Rows of chunks as these are done, in any order."""
+    """Rows solved in several processes, in any order."""
     _not_in_a_copy_of_the_script()
     waiting = deque(chunks)
     while waiting:
@@ -78,7 +77,7 @@ def solved_in_processes(
                         running[_submitted(pool, solve_sent, given, waiting[0], tol)] = waiting[0]
                         waiting.popleft()
                     done = wait(running, return_when=FIRST_COMPLETED).done
-                    # What is solved first: one that is not may tell of a process that has ended.
+                    # Finished chunks come first: a failed one may mean that a process has died.
                     for future in sorted(done, key=lambda future: future.exception() is not None):
                         if why := _not_sent_back(future):
                             break
@@ -100,7 +99,10 @@ def solved_in_processes(
 
 
 def _not_sent_back(future: Future[Rows]) -> str:
-    """Why a process cannot send its solutions back (an author's class cannot be pickled), or empty."""
+    """The reason why a process cannot send its solutions back, or "".
+
+    It is a class of the user's that cannot be pickled.
+    """
     error = future.exception()
     lost = isinstance(error, pickle.PicklingError) or (
         isinstance(error, (AttributeError, TypeError)) and "pickle" in str(error)
@@ -109,7 +111,7 @@ def _not_sent_back(future: Future[Rows]) -> str:
 
 
 def _sent(pool: ProcessPoolExecutor, scene: Scene) -> tuple[bytes, str]:
-    """The scene for other processes, and why there it is of no use."""
+    """The scene as bytes, and the reason why other processes cannot use it, or ""."""
     script = getattr(sys.modules["__main__"], "__file__", None)
     if script is not None and not os.path.exists(script):
         return b"", f"import the script first, and {script} is no file"
@@ -121,12 +123,13 @@ def _sent(pool: ProcessPoolExecutor, scene: Scene) -> tuple[bytes, str]:
         return given, str(_submitted(pool, cannot_receive, given, version()).result())
     except BrokenProcessPool:
         return given, (
-            "cannot be started: they import the script first, in which what calls contact belongs under "
-            "`if __name__ == '__main__':`"
+            "cannot be started: they import the script first, in which what calls contact belongs "
+            "under `if __name__ == '__main__':`"
         )
 
 
 def _point_by_point(given: bytes, lost: Sequence[Chunk], tol: float) -> Generator[Rows]:
+    """Rows of the chunks of a dead process, one point at a time in a process of its own."""
     points = deque(point for chunk in lost for point in chunk.singly())
     while points:
         with _pool(1) as pool:
@@ -141,7 +144,7 @@ def _point_by_point(given: bytes, lost: Sequence[Chunk], tol: float) -> Generato
 
 @contextmanager
 def _pool(workers: int) -> Iterator[ProcessPoolExecutor]:
-    """Processes that end when they are no longer needed, whatever the reason."""
+    """A pool of processes that end with the `with` block, also after an exception."""
     others = set(multiprocessing.active_children())
     pool = ProcessPoolExecutor(
         workers, multiprocessing.get_context("spawn"), initializer=_end_with_parent
@@ -157,7 +160,7 @@ def _pool(workers: int) -> Iterator[ProcessPoolExecutor]:
 
 
 def _submitted(pool: ProcessPoolExecutor, *call: object) -> Future[Rows]:
-    """A process that is started for it has one thread, and leaves Ctrl-C to this one."""
+    """A submitted call; a process started for it has one thread and ignores Ctrl-C."""
     unset = [name for name in _THREADS if name not in os.environ]
     os.environ.update(dict.fromkeys(unset, "1"))
     handler = (
@@ -175,7 +178,7 @@ def _submitted(pool: ProcessPoolExecutor, *call: object) -> Future[Rows]:
 
 
 def _end_with_parent() -> None:
-    """In another process: none is left behind where this one is killed."""
+    """Make a worker process exit when its parent is killed."""
     parent = multiprocessing.parent_process()
 
     def watch() -> None:
@@ -187,8 +190,9 @@ def _end_with_parent() -> None:
 
 
 def _not_in_a_copy_of_the_script() -> None:
-    """End this process, silently, where it is one that was started to solve and imports the script
-    that started it.
+    """Exit silently in a worker process that is still importing the script that started it.
+
+    Without this, a script without `if __name__ == "__main__":` would start processes without end.
     """
     frame = sys._getframe()
     while frame.f_back is not None:
@@ -197,13 +201,14 @@ def _not_in_a_copy_of_the_script() -> None:
             raise SystemExit(1)
 
 
-_PATIENCE = "10s"
-# Work is cut for so many at the least.
-_EXPECTED = 16
+# Time granted to a scheduler to answer.
+_CONNECTION_TIMEOUT = "10s"
+# Chunks are cut for at least this many workers, since more may join later.
+_EXPECTED_WORKERS = 16
 
 
 class Cluster:
-    """A scheduler, by its address or as a dask.distributed.Client, which stays the caller's."""
+    """A Dask scheduler, given by its address or as a client; a client is not closed."""
 
     def __init__(self, scheduler: Any, progress: Progress | None) -> None:
         self._distributed = require("distributed")
@@ -216,11 +221,13 @@ class Cluster:
             )
         try:
             self._client = (
-                self._distributed.Client(scheduler, timeout=_PATIENCE, set_as_default=False)
+                self._distributed.Client(
+                    scheduler, timeout=_CONNECTION_TIMEOUT, set_as_default=False
+                )
                 if self._own
                 else scheduler
             )
-        except Exception as error:  # whatever a connection fails of
+        except Exception as error:  # any failure of the connection
             why = " ".join(str(error).split()) or type(error).__name__
             allowed = (
                 f"the address of a Dask scheduler that answers, such as tcp://host:8786 ({why})"
@@ -233,22 +240,22 @@ class Cluster:
 
     @property
     def solvers(self) -> int:
-        """Threads of the workers that are there now, and some for those to come."""
-        return max(_EXPECTED, sum(self._client.ncores().values()))
+        """The number of workers' threads to cut chunks for."""
+        return max(_EXPECTED_WORKERS, sum(self._client.ncores().values()))
 
     def solved(self, scene: Scene, chunks: Sequence[Chunk], tol: float) -> Generator[Rows]:
-        """Rows of chunks as these are done, in any order."""
+        """Rows solved by the workers, in any order."""
         client = self._client
-        # By value what no module holds, as the classes of a script.
+        # cloudpickle sends classes of the user's script by value.
         scene_sent = require("cloudpickle").dumps(scene)
         self._ask(scene_sent)
-        # A task of its own: sent once, and made again where the worker that keeps it is lost.
+        # The scene is a task of its own: it is sent once, and again if its worker is lost.
         given = client.submit(_same, scene_sent, pure=False)
         running = {
             client.submit(solve_sent, given, chunk, tol, pure=False): chunk for chunk in chunks
         }
         try:
-            # Fetched as they are done: a worker that is lost later takes no results with it.
+            # Results are fetched at once, so that a worker lost later takes none with it.
             done = self._distributed.as_completed(
                 list(running), loop=client.loop, with_results=True, raise_errors=False
             )
@@ -264,8 +271,9 @@ class Cluster:
             client.cancel(list(running))
 
     def _ask(self, given: bytes) -> None:
-        """Whether the workers have what the scene needs: one that cannot import it would end, and
-        the sweep wait for others.
+        """Raise ContactError if a worker cannot import what the scene needs.
+
+        Without this check such a worker would die and the sweep would wait for others.
         """
         answers = self._client.run(pickle.loads, pickle.dumps(Question(given)), on_error="return")
         for worker, answer in answers.items():
@@ -278,8 +286,9 @@ class Cluster:
                 raise ContactError(f"the workers of the scheduler {why} (asked: {worker})")
 
     def _checked(self, future: Any, rows: Rows, chunk: Chunk) -> Rows:
-        """The rows, or those of points that cannot be solved; an error where the cluster is at
-        fault.
+        """The rows of a finished task, or rows of failures if it killed its workers.
+
+        Raises ContactError if the cluster itself failed.
         """
         if future.status == "finished":
             return rows

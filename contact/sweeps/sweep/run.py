@@ -4,6 +4,7 @@ import itertools
 import time
 from collections.abc import Generator, Mapping, Sequence
 from contextlib import closing, nullcontext
+from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -23,10 +24,18 @@ from contact.sweeps.sweep.processes import Cluster, processors, solved_here, sol
 from contact.sweeps.sweep.table import Table, alone
 from sie import Mask
 
-# What is solved is written this often [s], or where writing takes long, so many times what it
-# takes.
-_OFTEN = 2.0
-_SHARE = 10.0
+
+@dataclass(frozen=True)
+class SavingOptions:
+    """How often the table is written while a sweep runs."""
+
+    # Time between two writes [s].
+    interval: float = 2.0
+    # The interval is at least this many times the time of one write.
+    write_times: float = 10.0
+
+
+_SAVING = SavingOptions()
 
 
 def sweep(
@@ -42,35 +51,34 @@ def sweep(
     branch: str = BRANCHES[0],
     progress: Progress | None = None,
 ) -> Any:
-    """Solve a scene over a grid of values of its parameters, in processes of this machine or on a
-    cluster.
+    """Solve a scene on a grid of values of its parameters, in several processes or on a cluster.
 
-    Points along a control of one scene share work, as those of `contact.solve_many` do. A point
-    that fails is told as failed, and costs the others nothing. With `out` what is solved is kept in
-    a file as it comes, and what is in the file is not solved again.
+    Points along a control of one scene share work, as in `contact.solve_many`. A point that fails
+    is marked as failed; the others are solved. With `out`, finished points are written to a file
+    while the sweep runs, and points already in the file are not solved again.
 
     Parameters
     ----------
     scene : Scene
-        What is pressed.
+        The scene.
     over : mapping
         Keys of the scene's tables, as a scene file has them ("control.mean_pressure",
         "profile.amplitude", "material.E_star", "substrate.thickness", ...), to lists of values
         (numbers, or words where the parameter is one). A control replaces the scene's own.
     scheduler : str, dask.distributed.Client or None
-        Address of a Dask scheduler whose workers solve; None: processes of this machine.
+        Address (or client) of a Dask scheduler; None: processes of this machine.
     tol : float
         Largest stated error of each solution.
     workers : int or None
-        Processes of this machine: as many as there are processors if None; 1: none but this one.
+        Number of processes; None: one per processor; 1: this process only.
     out : str, path or None
-        A netCDF file (.nc) that is written, or gone on with if it is there, by one sweep at a time.
+        A netCDF file (.nc) to write; an existing one is continued. One sweep at a time may use it.
     overwrite : bool
-        Whether a file that is there is written over, and all is solved anew.
+        Whether an existing file is replaced and every point is solved anew.
     retry : bool
-        Whether points that failed, as the file says, are tried again.
+        Whether points marked as failed in the file are tried again.
     branch : str
-        Which of several equilibria is meant, as of `contact.solve`, where `over` does not vary it.
+        The branch of equilibria, as for `contact.solve`, unless `over` varies it.
     progress : callable or None
         Called with ("points", done, total).
 
@@ -85,16 +93,15 @@ def sweep(
     Raises
     ------
     SceneError
-        If a key or a value is none of the scene's, nothing answers at the scheduler's address, or
-        the file is of another scene, has points that are not asked for, or is being written by
-        another sweep.
+        If a key or value is not valid for the scene, if the scheduler does not answer, or if the
+        file belongs to another scene, has other points, or is in use by another sweep.
     MissingExtra
         Without xarray, or with a scheduler without Dask.
 
     Warns
     -----
     ModelWarning
-        If points failed, or the model hardly covers some.
+        If points failed, or if the model is doubtful at some of them.
 
     Examples
     --------
@@ -143,9 +150,9 @@ def sweep(
 def _solving(
     scene: Scene, table: Table, cluster: Cluster | None, solvers: int, retry: bool
 ) -> Generator[Rows]:
-    """Rows of what is not solved yet."""
+    """Rows of the points that are not solved yet."""
     wanted = _wanted(table, retry)
-    # In this process alone rows come one by one, and nothing is gained by cutting curves.
+    # A single process sends rows one by one, so curves need not be cut.
     chunks = chunks_of(
         table.axes, wanted, solvers if cluster or solvers > 1 else None, table.branch
     )
@@ -164,8 +171,8 @@ def _wanted(table: Table, retry: bool) -> Mask:
 def _fill(
     table: Table, path: Path | None, solving: Generator[Rows], progress: Progress | None, done: int
 ) -> None:
-    """Put rows into the table as they come, and the table into the file, whatever breaks it off."""
-    due = time.monotonic() + _OFTEN
+    """Put rows into the table and save it now and then, also when an exception ends the sweep."""
+    due = time.monotonic() + _SAVING.interval
     try:
         with closing(solving):
             for rows in solving:
@@ -176,14 +183,15 @@ def _fill(
                 if path is not None and time.monotonic() > due:
                     start = time.monotonic()
                     table.save(path)
-                    due = time.monotonic() + max(_OFTEN, _SHARE * (time.monotonic() - start))
+                    end = time.monotonic()
+                    due = end + max(_SAVING.interval, _SAVING.write_times * (end - start))
     finally:
         if path is not None:
             table.save(path)
 
 
 def _check_values(scene: Scene, axes: Sequence[Axis]) -> None:
-    """Refuse a value that makes no scene with any of the others."""
+    """Raise SceneError for a value that makes no valid scene with any of the other axes' values."""
     for number, axis in enumerate(axes):
         for value in axis.values:
             first: SceneError | None = None
@@ -204,7 +212,8 @@ def _check_values(scene: Scene, axes: Sequence[Axis]) -> None:
 
 
 def _checked(out: str | PathLike[str]) -> Path:
-    # One that is there is gone on with, if it is not written over.
+    """The path of the netCDF file, after a check of its name and of the needed packages."""
+    # An existing file is continued, so `overwrite` is not asked here.
     path = new_file(out, True, (".nc",), "out")
     for needed in ("h5netcdf", "h5py", "filelock"):
         require(needed)
@@ -212,10 +221,11 @@ def _checked(out: str | PathLike[str]) -> Path:
 
 
 def _tell(table: Table) -> None:
-    """One warning for all that failed, and one for all that the model hardly covers."""
+    """Warn once about all failed points, and once about all points with a doubtful model."""
     failed, odd = np.flatnonzero(table.failed), np.flatnonzero(table.words["warning"] != "")
     lines = [
-        f"{len(places)} of {table.size} points {what}: at {table.point(places[0])}: {table.words[word][places[0]]}"
+        f"{len(places)} of {table.size} points {what}: "
+        f"at {table.point(places[0])}: {table.words[word][places[0]]}"
         for places, word, what in (
             (failed, "reason", "failed"),
             (odd, "warning", "are hardly covered by the model"),

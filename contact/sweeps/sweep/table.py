@@ -1,7 +1,7 @@
-"""The table of a sweep: numbers over the grid, what failed and why; as an xarray.Dataset, and in a
-netCDF file that can be gone on with.
+"""The table of a sweep: numbers on the grid, and the reasons of failed points.
 
-One sweep at a time writes a file: two would each write over what the other has solved.
+It can be had as an xarray.Dataset and is stored in a netCDF file that a later sweep can continue.
+Only one sweep at a time may use a file: two would overwrite each other's results.
 """
 
 import hashlib
@@ -26,18 +26,18 @@ from contact.sweeps.sweep.keys import tables as tables_of
 from sie import Mask
 
 _WORDS = {"reason": "why a point failed", "warning": "what the model hardly covers"}
-# Of an array: what is told of it as it is; a longer one by its shape and its sum.
-_LONGEST = 64
+# Arrays with more elements are described by their shape and hash.
+_MAX_ARRAY_SIZE = 64
 
 
 class Table:
-    """Numbers of all points, flat; what is not solved yet is nan."""
+    """Results of all points as flat arrays; nan for points that are not solved yet."""
 
     def __init__(
         self, scene: Scene, axes: Sequence[Axis], tol: float, branch: str = BRANCHES[0]
     ) -> None:
         self.axes, self.tol, self.branch = tuple(axes), tol, branch
-        self.scene = told(scene, {axis.key for axis in axes})
+        self.scene = description(scene, {axis.key for axis in axes})
         if branch != BRANCHES[0] and not any(axis.key == BRANCH for axis in axes):
             self.scene["control"][BRANCH] = branch
         self.shape = tuple(len(axis.values) for axis in axes)
@@ -52,7 +52,7 @@ class Table:
 
     @property
     def solved(self) -> Mask:
-        """Points whose stated error is within the tolerance."""
+        """Mask of the points whose stated error is within the tolerance."""
         with np.errstate(invalid="ignore"):
             return np.asarray(self.numbers["error"] <= self.tol)
 
@@ -63,14 +63,14 @@ class Table:
             self.failed[place] = row["failed"]
 
     def point(self, place: int) -> str:
-        """A point in words."""
+        """The values of one point in words."""
         index = np.unravel_index(place, self.shape)
         return ", ".join(
             f"{axis.key} = {axis.values[i]}" for axis, i in zip(self.axes, index, strict=True)
         )
 
     def to_dataset(self) -> Any:
-        """On the grid, with units."""
+        """The results on the grid, with units."""
         dims = [axis.key for axis in self.axes]
         data: dict[str, Any] = {
             name: (
@@ -103,20 +103,16 @@ class Table:
         return require("xarray").Dataset(data, coords=coordinates, attrs=attributes)
 
     def save(self, path: Path) -> None:
-        """Write the file anew, in one step: who reads it, or goes on with it, never sees half of
-        it.
-        """
-        beside = path.with_name(f".{path.name}.{os.getpid()}")
+        """Replace the file in one step, so that no reader sees a half-written one."""
+        temporary = path.with_name(f".{path.name}.{os.getpid()}")
         try:
-            self.to_dataset().to_netcdf(beside, engine="h5netcdf")
-            os.replace(beside, path)
+            self.to_dataset().to_netcdf(temporary, engine="h5netcdf")
+            os.replace(temporary, path)
         finally:
-            beside.unlink(missing_ok=True)
+            temporary.unlink(missing_ok=True)
 
     def take_over(self, path: Path) -> None:
-        """What is in the file, which must be of the same scene and keys, and have no point that is
-        not asked for.
-        """
+        """Read the results of a file; SceneError unless its scene, keys and points fit this grid."""
         known = _read(path)
         dims = [axis.key for axis in self.axes]
         if sorted(map(str, known.dims)) != sorted(dims):
@@ -152,7 +148,10 @@ class Table:
                     )
 
     def _other(self, path: Path, there: str, here: str) -> SceneError:
-        allowed = f"of this scene and grid: its points are {there}, {here}; name another file, or have this one written over"
+        allowed = (
+            f"of this scene and grid: its points are {there}, {here}; "
+            "name another file, or have this one written over"
+        )
         return SceneError.of("out", str(path), allowed)
 
 
@@ -176,10 +175,8 @@ def _read(path: Path) -> Any:
     return known
 
 
-def told(scene: Scene, but: set[str]) -> dict[str, dict[str, Any]]:
-    """The tables of a scene, without the keys that are varied; long arrays by their shape and their
-    sum.
-    """
+def description(scene: Scene, but: set[str]) -> dict[str, dict[str, Any]]:
+    """The tables of a scene without the keys `but`; long arrays as shape and hash."""
     tables: dict[str, dict[str, Any]] = {"material": {"E_star": scene.E_star}}
     for table, values in tables_of(scene).items():
         body = scene.profile.bodies.get(table)
@@ -187,8 +184,8 @@ def told(scene: Scene, but: set[str]) -> dict[str, dict[str, Any]]:
         name = {"model" if body is None else "shape": part.name or type(part).__qualname__}
         if body is not None:
             prepared = {f"{table}.{key}" for key in body.preparation}
-            # Where it is varied how a trace is prepared, it is known by what was read, and else by
-            # what has become of that.
+            # If the preparation of a trace is varied, the raw points identify it; otherwise the
+            # prepared ones do.
             hidden = (
                 set()
                 if prepared & but - {f"{table}.period"}
@@ -211,9 +208,10 @@ def told(scene: Scene, but: set[str]) -> dict[str, dict[str, Any]]:
 
 def _short(value: Any) -> Any:
     if callable(value):
-        # By its name: where it is in memory is no part of the scene.
-        return f"{getattr(value, '__module__', '')}.{getattr(value, '__qualname__', type(value).__qualname__)}"
-    if np.size(value) <= _LONGEST:
+        # A function is described by its name, since its address changes from run to run.
+        name = getattr(value, "__qualname__", type(value).__qualname__)
+        return f"{getattr(value, '__module__', '')}.{name}"
+    if np.size(value) <= _MAX_ARRAY_SIZE:
         return plain(value)
     array = np.ascontiguousarray(value)
     data = array.tobytes() if array.dtype.kind in "biufc" else repr(array.tolist()).encode()
@@ -222,12 +220,12 @@ def _short(value: Any) -> Any:
 
 @contextmanager
 def alone(path: Path) -> Iterator[None]:
-    """Hold the file of a name against other sweeps, of this process, of this machine or, where file
-    systems tell, of others; SceneError where one holds it already.
+    """Lock a file against other sweeps; SceneError if another one has locked it.
 
-    The system lets go of what a process holds when that ends, however it ends.
+    The operating system releases the lock when the process ends, however it ends. Other machines
+    see the lock if their file system supports it.
     """
-    # Whatever name a file goes by, its lock has one.
+    # All names of one file (links) share one lock.
     real = path.resolve()
     if not os.access(real.parent, os.W_OK):
         raise SceneError.of("out", str(path), "a file in a folder that can be written to")
@@ -244,8 +242,8 @@ def alone(path: Path) -> Iterator[None]:
     try:
         yield
     finally:
-        # Taken away while it is held: who has opened it meanwhile sees that it is gone, and makes a
-        # new one.
+        # The lock file is removed before its release: a process that has opened it meanwhile
+        # notices and creates a new one.
         with suppress(OSError):
             os.unlink(lock.lock_file)
         lock.release()

@@ -1,4 +1,4 @@
-"""`contact.solve_many`: a curve of solutions, in this process or in several."""
+"""`contact.solve_many`: one scene at many values of a control, in one or several processes."""
 
 from collections.abc import Iterator
 from contextlib import closing
@@ -30,28 +30,28 @@ def solve_many(
     *,
     workers: int | None = 1,
 ) -> list[Solution]:
-    """Solve a scene at many values of one control, each from the zones of its neighbours.
+    """Solve a scene at many values of one control, each started from its neighbours.
 
-    The answers are those of `contact.solve`, each with its own stated error and certificate; what
-    the solves have in common is found once. Where the number of zones changes, and at which load,
-    is told by `contact.path`.
+    Each answer is that of `contact.solve`, with its own stated error and certificate. Work that the
+    solves share is done once. For the loads at which the number of zones changes, use
+    `contact.path`.
 
     Parameters
     ----------
     scene : Scene
-        What is pressed, under any control.
+        The scene. The value of its own control is not used.
     values : array_like
-        Of the control, in its unit, (n,), in any order.
+        Values of the control in its unit, shape (n,), in any order.
     control : str or None
-        Whose values they are: a name of `contact.controls()`; None: that of the scene.
+        A name from `contact.controls()`; None: the scene's own control.
     tol : float
         Largest stated error of each solution.
     progress : callable or None
         Called with (stage, done, total or None).
     workers : int or None
-        Processes of this machine that solve what takes a search, which pay where that takes many
-        seconds; 1: none but this one; None: as many as there are processors. A script that asks for
-        more than one has its calls under `if __name__ == "__main__":`.
+        Number of processes; 1: this one only; None: one per processor. Several processes pay when
+        the solves take many seconds. A script that asks for more than one must call this function
+        under `if __name__ == "__main__":`.
 
     Returns
     -------
@@ -66,12 +66,14 @@ def solve_many(
     Warns
     -----
     RuntimeWarning
-        Where other processes cannot be started or sent the scene; this one solves.
+        If other processes cannot be started or cannot receive the scene. This process then solves
+        all values.
 
     Examples
     --------
     >>> import contact
-    >>> wave = contact.Scene(contact.Sinusoid(1e-6, 1e-4), 1e9, contact.Periodic(), contact_fraction=0.5)
+    >>> profile = contact.Sinusoid(amplitude=1e-6, period=1e-4)
+    >>> wave = contact.Scene(profile, 1e9, contact.Periodic(), contact_fraction=0.5)
     >>> [round(s.contact_fraction, 6) for s in contact.solve_many(wave, [0.6, 0.2, 0.4])]
     [0.6, 0.2, 0.4]
     >>> [s.certificate.holds for s in contact.solve_many(wave, [1e2, 1e3], "load")]
@@ -84,7 +86,7 @@ def solve_many(
     given = finite_array("values", values)
     several = workers is None or integer("workers", workers, 1) > 1
     curve = Curve(scene, name, tolerance(tol), progress)
-    curve.look_at(given)
+    curve.solve_in_closed_form(given)
     found: dict[int, Solution] = {}
     with unwarned():
         if several:
@@ -92,13 +94,13 @@ def solve_many(
                 found[place] = solution
                 if progress is not None:
                     progress(name, len(found), len(given))
-        # What is left, if anything is.
+        # The values that no other process has solved, in ascending order.
         for place in np.argsort(given, kind="stable"):
             if int(place) not in found:
                 if progress is not None:
                     progress(name, len(found), len(given))
                 found[int(place)] = curve.at(float(given[place]))
-    # Of the highest load, where slopes and pressures are.
+    # One warning for the whole curve, for its highest load: slopes and pressures are largest there.
     warn(curve_warnings(found.values()))
     return [found[k] for k in range(len(given))]
 
@@ -106,7 +108,7 @@ def solve_many(
 def _in_processes(
     curve: Curve, values: Array, workers: int | None
 ) -> Iterator[tuple[int, Solution]]:
-    """Solutions by place, in any order, of the values that are not known at once."""
+    """(index, solution) of the values without a closed form, in any order."""
     left = [
         int(place)
         for place in np.argsort(values, kind="stable")
@@ -114,10 +116,11 @@ def _in_processes(
     ]
     solvers = min(workers or processors(), len(left) // 2)
     if solvers > 1:
-        # Each goes all along the curve: none searches from nothing on the way, and all take about
-        # as long.
+        # Every process gets every n-th value, so that each has neighbours to start from and all
+        # take about the same time.
         chunks = [
-            Chunk.of_curve(curve.control, left[first::solvers], values) for first in range(solvers)
+            Chunk.curve_warnings(curve.control, left[first::solvers], values)
+            for first in range(solvers)
         ]
         with closing(solved_in_processes(curve.scene, chunks, curve.tol, solvers)) as coming:
             for place, row in chain.from_iterable(coming):

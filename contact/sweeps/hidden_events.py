@@ -1,0 +1,84 @@
+"""A test for events that two loads with the same number of zones may hide between them.
+
+A zone may be born and merge with a neighbour between two loads. The numbers of zones at both loads
+do not show it. While the zones stay the same, their ends move smoothly, at rates known at both
+loads. When two zones merge, an end jumps. So the distance that an end has moved is compared with
+the trapezoidal rule for its rate; a disagreement asks for a load in between.
+
+Next to a narrow zone or gap an end moves like the square root of the distance to the load of its
+birth or closure. Its rate times the width of that zone or gap varies slowly, and is used instead.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from contact.formulation.fields import ZoneFields
+from contact.formulation.gaps import GapFields
+from contact.formulation.tables import room_beside
+from contact.solution.solution import Solution
+from sie import Array
+
+
+@dataclass(frozen=True)
+class HiddenEventOptions:
+    """When the motion of an end disagrees with its rates."""
+
+    # Relative error of the trapezoidal rule above which a jump is possible. Smooth ends leave
+    # several times less between loads that differ by less than a third.
+    max_trapezoid_error: float = 0.1
+    # Ratio of the two rates above which their mean is no prediction.
+    max_rate_ratio: float = 1.5
+    # Motions below this part of the zone's width cannot contain a zone: it would be round-off.
+    min_motion: float = 1e-6
+
+
+_OPTIONS = HiddenEventOptions()
+
+
+def may_hide(low: Solution, high: Solution) -> bool:
+    """Whether some end of a zone moved further between two loads than its rates explain."""
+    before, after = ends_and_rates(low), ends_and_rates(high)
+    if before is None or after is None or low.load >= high.load:
+        return False
+    (old, old_rates), (new, new_rates) = before, after
+    period = low.scene.period
+    step = np.log(high.load / low.load)
+    old_widths, new_widths = room_beside(old, period), room_beside(new, period)
+    for k, (a, b) in enumerate(new):
+        middles = old.mean(axis=1)
+        turn = np.zeros(len(old)) if period is None else np.ceil((a - middles) / period) * period
+        inside = (
+            np.flatnonzero(middles + turn <= b)
+            if period is not None
+            else np.flatnonzero((middles >= a) & (middles <= b))
+        )
+        if len(inside) != 1:
+            continue
+        (i,) = inside
+        motion = np.array([old[i, 0] + turn[i] - a, b - old[i, 1] - turn[i]])
+        mean = 0.5 * (old_widths[i] + new_widths[k])
+        first, last = old_rates[i] * (old_widths[i] / mean), new_rates[k] * (new_widths[k] / mean)
+        slow, fast = (
+            np.minimum(np.abs(first), np.abs(last)),
+            np.maximum(np.abs(first), np.abs(last)),
+        )
+        distance = np.abs(motion)
+        error = np.abs(motion - 0.5 * step * (first + last))
+        unexplained = (error > _OPTIONS.max_trapezoid_error * distance) | (
+            fast > _OPTIONS.max_rate_ratio * slow
+        )
+        if np.any(unexplained & (distance > _OPTIONS.min_motion * (b - a))):
+            return True
+    return False
+
+
+def ends_and_rates(solution: Solution) -> tuple[Array, Array] | None:
+    """(zones, outward motion of their ends per unit of log load), both (n, 2) [m].
+
+    None in full contact.
+    """
+    fields = solution.fields
+    if not isinstance(fields, ZoneFields | GapFields):
+        return None
+    return fields.zone_table, fields.spreading
