@@ -119,8 +119,7 @@ def _in_processes(
         # Every process gets every n-th value, so that each has neighbours to start from and all
         # take about the same time.
         chunks = [
-            Chunk.of_curve(curve.control, left[first::solvers], values)
-            for first in range(solvers)
+            Chunk.of_curve(curve.control, left[first::solvers], values) for first in range(solvers)
         ]
         with closing(solved_in_processes(curve.scene, chunks, curve.tol, solvers)) as coming:
             for place, row in chain.from_iterable(coming):
