@@ -24,7 +24,8 @@ EPS = 2.2e-16
 # nowhere.
 SAFETY = 4.0
 # To what the answer to a truncation is found by iteration, relative.
-_LOOSE = 0.1
+_LOOSE = 1e-2
+_ITERATED_SAMPLES = 4
 # How often rows are shaken, and angles of each zone at which the density is looked at.
 _SHAKEN = 12
 _ANGLES = 24
@@ -142,9 +143,12 @@ def truncation_through_rows(state: Solved, missing: Array, low: Array) -> Array:
     """
     solver = state.direct
     if solver is None:
-        change = np.abs(_iterated_truncation(state, missing))
+        padded = state.system.layout.padded
+        changes = [
+            np.abs(padded(one)).sum(axis=1) for one in _iterated_changes(state, missing, low)
+        ]
         return np.asarray(
-            edge_scale(state.density.zones.half) * change.sum(axis=1) * np.ones((2, 1))
+            edge_scale(state.density.zones.half) * np.max(changes, axis=0) * np.ones((2, 1))
         )
     if _stands_alone(state):
         return np.zeros((2, len(state.density.zones)))
@@ -164,34 +168,47 @@ def _row_truncation(state: Solved, solver: Factored, missing: Array, low: Array)
     system = state.system
     layout, solved = system.layout, system.zones.solved
     out = np.abs(solver.last) @ np.where(layout.m[solved] > 0, missing[solved], 0.0)
-    rows = system.diagonal
-    zone = np.searchsorted(layout.offset, rows, side="right") - 1
-    mode = rows - layout.offset[zone] - 1
-    some = np.flatnonzero(mode < low.shape[1])
-    out[some] += low[np.searchsorted(solved, zone[some]), mode[some]]
+    some, of_low = _low_rows(state, low)
+    out[some] += of_low
     return np.asarray(out)
 
 
-def _iterated_truncation(state: Solved, missing: Array) -> Array:
-    """Coefficients (zones, modes) that answer a truncation of all rows by chance, found by a loose
-    iteration.
+def _iterated_changes(state: Solved, missing: Array, low: Array) -> list[Array]:
+    """Unknowns that answer errors of the rows at random, `_ITERATED_SAMPLES` of them, by iteration.
 
-    What zones lack acts on the ends and on other zones as their last coefficients do, but on their
-    own rows by chance: else the answer would be these coefficients, and nothing elsewhere.
+    The errors of the rows are those of `_row_truncation`, the rounding of their terms, and what the
+    iteration has left of the totals. Each row has a random sign of its own: with one for each
+    unknown, the answer would be these unknowns, and nothing elsewhere.
     """
-    iteration, layout, zones = state.iteration, state.system.layout, state.density.zones
+    iteration, symmetry = state.iteration, state.symmetry
     assert iteration is not None
-    last, shaken = state.system.last_unknowns, np.zeros(state.symmetry.size)
-    missing = np.where(layout.m[zones.solved] > 0, missing[zones.solved], 0.0)
-    shaken[last], own = missing * np.random.default_rng(0).choice([-1.0, 1.0], (2, len(missing)))
-    right, left_over = iteration.rows(shaken, rough=True), iteration.error
-    own_row = np.isin(state.symmetry.position(state.system.diagonal), last)
-    right[: len(own_row)][own_row] = (
-        own[missing > 0.0] if own_row.sum() == (missing > 0.0).sum() else 0.0
-    )
-    answer = state.symmetry.unfold(iteration(right, None, _LOOSE))
-    iteration.error = left_over
-    return layout.padded(answer)
+    chance, last, stated = np.random.default_rng(0), state.system.last_unknowns, iteration.error
+    solved = state.density.zones.solved
+    changes = []
+    for _ in range(_ITERATED_SAMPLES):
+        wrong = EPS * state.folded_unknowns * chance.standard_normal(symmetry.size)
+        lacking = np.where(state.system.layout.m[solved] > 0, missing[solved], 0.0)
+        wrong[last] += lacking * chance.choice([-1.0, 1.0], len(last))
+        wrong[iteration.preconditioner.first] += state.linear_error[solved] * chance.choice(
+            [-1.0, 1.0], len(last)
+        )
+        rows = np.abs(iteration.rows(wrong, rough=True))
+        some, of_low = _low_rows(state, low)
+        rows[some] += of_low
+        right = rows * chance.choice([-1.0, 1.0], len(rows))
+        changes.append(symmetry.unfold(iteration(right, None, _LOOSE)))
+    iteration.error = stated
+    return changes
+
+
+def _low_rows(state: Solved, low: Array) -> tuple[Array, Array]:
+    """(rows of the lowest modes, errors of them by the residual's): see `_row_truncation`."""
+    layout, solved = state.system.layout, state.system.zones.solved
+    rows = state.system.diagonal
+    zone = np.searchsorted(layout.offset, rows, side="right") - 1
+    mode = rows - layout.offset[zone] - 1
+    some = np.flatnonzero(mode < low.shape[1])
+    return some, low[np.searchsorted(solved, zone[some]), mode[some]]
 
 
 def _of_rows(state: Solved, solver: Factored) -> tuple[Array, Array]:
@@ -218,8 +235,8 @@ def density_rounding(state: Solved, missing: Array, low: Array) -> Array:
     if _stands_alone(state):
         return np.zeros(len(zones))
     if solver is None:
-        return _of_levels(state) / edge_scale(zones.half) + SAFETY * _largest(
-            _iterated_truncation(state, missing)
+        return _of_levels(state) / edge_scale(zones.half) + density_changes(
+            state, _iterated_changes(state, missing, low)
         )
     chance = np.random.default_rng(0)
     rounding, levels = _of_rows(state, solver)

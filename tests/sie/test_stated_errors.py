@@ -19,8 +19,21 @@ def test_of_a_designed_problem_no_error_is_above_the_stated_one(seed: int) -> No
     assert max(one.ratio, one.zone_ratio) <= 1.0, one
 
 
+@pytest.mark.parametrize("iterated", [True, False])
+@pytest.mark.parametrize(
+    "seed, tol", [(7, 1e-10), (197, 1e-6), (2287, 1e-10), (5139, 1e-10), (5311, 1e-10)]
+)
+def test_errors_enlarged_by_the_conditions_are_stated_by_a_matrix_and_by_iteration(
+    monkeypatch: pytest.MonkeyPatch, seed: int, tol: float, iterated: bool
+) -> None:
+    """Faint zones beside strong ones: the errors of all rows reach them through the conditions."""
+    monkeypatch.setattr("sie.collocation.fixed.MANY_UNKNOWNS", 600 if iterated else 10**9)
+    one = judged(seed, tol)
+    assert one.fault != "exception", one.told
+    assert max(one.ratio, one.zone_ratio) <= 1.0, one
+
+
 @pytest.mark.slow
-# Known: seed 197 at 1e-6 states a third of the error of one faint zone under other roundings.
 @pytest.mark.parametrize("first", range(100, 200, 20))
 @pytest.mark.parametrize("tol", [1e-6, 1e-12])
 def test_of_designed_problems_no_error_is_above_the_stated_one_at_other_tolerances(
@@ -29,8 +42,7 @@ def test_of_designed_problems_no_error_is_above_the_stated_one_at_other_toleranc
     found = [
         (seed, one)
         for seed in range(first, first + 20)
-        if (seed, tol) != (197, 1e-6)
-        and (one := judged(seed, tol)).fault in ("dishonest", "exception")
+        if (one := judged(seed, tol)).fault in ("dishonest", "exception")
     ]
     assert not found
 
