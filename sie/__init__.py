@@ -4,14 +4,16 @@ unknown ends.
 
 from typing import TYPE_CHECKING, Any
 
-from sie.fast import lazy
+from sie.trees import lazy
 
 if TYPE_CHECKING:
     from sie.basis.data import Array, Complex, Index, Kept, Mask, nearest_image, record, wrapped
     from sie.basis.kernels import Kernel, Smooth, cauchy, hilbert, images
     from sie.basis.zones import BOUNDED, FREE, SINGULAR, End, Zones, free_with_intensity
-    from sie.collocation.fixed import SingularSystem, State, solve_fixed
     from sie.density.density import Density
+    from sie.ends.motions import EndRates, end_motions, end_rates
+    from sie.ends.newton import Free, find_ends
+    from sie.ends.sources import Answers, answers
     from sie.equation.conditions import (
         Amplitude,
         Condition,
@@ -27,15 +29,14 @@ if TYPE_CHECKING:
     )
     from sie.equation.equation import CountError, Equation
     from sie.equation.forcing import Forcing, Jumps, Resolution
-    from sie.fast.lazy import uncollected
-    from sie.fast.piecewise import PiecewiseTransform
-    from sie.free_ends.motions import EndRates, end_motions, end_rates
-    from sie.free_ends.newton import Free, find_ends
-    from sie.free_ends.sources import Answers, answers
     from sie.jumps.poles import AlgebraicPoints
     from sie.slits.density import SlitDensity
     from sie.slits.system import AnyDensity, AnyState, solve_zones
     from sie.solver import NotConverged, Solution, solve
+    from sie.states.solve import SingularSystem, solve_fixed
+    from sie.states.state import State
+    from sie.trees.lazy import uncollected
+    from sie.trees.piecewise import PiecewiseTransform
 
 __all__ = [
     "AlgebraicPoints",
@@ -102,16 +103,17 @@ _HOMES = {
     "sie.basis.data": "Array Complex Index Kept Mask nearest_image record wrapped",
     "sie.basis.kernels": "Kernel Smooth cauchy hilbert images",
     "sie.basis.zones": "BOUNDED FREE SINGULAR End Zones free_with_intensity",
-    "sie.collocation.fixed": "SingularSystem State solve_fixed",
+    "sie.states.solve": "SingularSystem solve_fixed",
+    "sie.states.state": "State",
     "sie.density.density": "Density",
     "sie.equation.conditions": "Amplitude Condition EqualPotential Level Rows Total TotalWidth Weighted ZoneMoments ZoneTotals moment",
     "sie.equation.equation": "CountError Equation",
     "sie.equation.forcing": "Forcing Jumps Resolution",
-    "sie.fast.lazy": "uncollected",
-    "sie.fast.piecewise": "PiecewiseTransform",
-    "sie.free_ends.motions": "EndRates end_motions end_rates",
-    "sie.free_ends.newton": "Free find_ends",
-    "sie.free_ends.sources": "Answers answers",
+    "sie.trees.lazy": "uncollected",
+    "sie.trees.piecewise": "PiecewiseTransform",
+    "sie.ends.motions": "EndRates end_motions end_rates",
+    "sie.ends.newton": "Free find_ends",
+    "sie.ends.sources": "Answers answers",
     "sie.jumps.poles": "AlgebraicPoints",
     "sie.slits.density": "SlitDensity",
     "sie.slits.system": "AnyDensity AnyState solve_zones",

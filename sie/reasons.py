@@ -9,10 +9,10 @@ import math
 import numpy as np
 
 from sie.basis.data import record
-from sie.collocation import modes
-from sie.collocation.fixed import LOOKS, THETA, State
-from sie.free_ends.newton import Free
+from sie.dense import modes
+from sie.ends.newton import Free
 from sie.slits.system import AnyState, SlitState
+from sie.states.state import LOOKS, THETA, State
 
 _EPS = float(np.finfo(float).eps)
 # A residual below so many units in the last digit of the terms that it is the difference of is

@@ -12,11 +12,11 @@ from sie import reasons
 from sie.basis import inputs
 from sie.basis.data import Array
 from sie.basis.zones import Zones
-from sie.collocation import modes
-from sie.collocation.fixed import SingularSystem
+from sie.dense import modes
+from sie.ends.newton import Free, find_ends
 from sie.equation.equation import Equation
-from sie.free_ends.newton import Free, find_ends
 from sie.slits.system import AnyDensity, AnyState, solve_zones
+from sie.states.solve import SingularSystem
 
 _EPS = float(np.finfo(float).eps)
 # What the coefficients are asked for at least, over the tolerance; and what the ends are asked for

@@ -20,7 +20,7 @@ ROOT = Path(__file__).parents[1]
 # From the ground up: what stands in a room, or in a file beside the rooms, imports from its own
 # room and those to its left only.
 ORDER = {
-    "sie": "basis fast jumps equation density collocation slits free_ends reasons solver __init__",
+    "sie": "basis trees jumps equation density dense fast states slits ends reasons solver __init__",
     "contact": """
         errors interrupts extras runtime model jump_checks testing reference exact inverse axisymmetric
         formulation verify solution closed search localized adhesion solver sweeps explorer __init__ paper studies commands __main__
@@ -28,7 +28,7 @@ ORDER = {
     "contact.search": "topology grid context feasibility strategies find refine __init__",
 }
 # The only files that import by name: what is heavy, where a scene needs it.
-ON_DEMAND = {"contact.extras", "sie.fast.lazy"}
+ON_DEMAND = {"contact.extras", "sie.trees.lazy"}
 HEAVY = (
     "numba",
     "matplotlib",
@@ -256,7 +256,7 @@ def test_a_wave_is_solved_without_the_search_for_ends() -> None:
     scene = (
         "contact.Scene(contact.Sinusoid(1e-6, 1e-4), 1e11, contact.Periodic(), mean_pressure=1e8)"
     )
-    engine = ("sie.solver", "sie.collocation.fixed", "sie.free_ends.newton", "sie.slits.system")
+    engine = ("sie.solver", "sie.states.solve", "sie.ends.newton", "sie.slits.system")
     assert loaded_after(f"import contact; contact.solve({scene}).gap(0.0)", engine)
     assert loaded_after(f"import contact; contact.solve({scene}).max_pressure", engine) == set()
 

@@ -13,7 +13,7 @@ from sie.basis.data import Array, Mask, by_rows
 from sie.density.plane import Plane
 from sie.density.series import CHUNK, Series, from_zones, regular_at
 from sie.density.treecode import Treecode
-from sie.fast.far import reaches
+from sie.trees.far import reaches
 
 # From this number of (point, source) pairs on, far sources are summed fast; all that follow are,
 # once their series are at hand.

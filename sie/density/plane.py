@@ -36,9 +36,9 @@ from sie.basis.interval import (
 from sie.basis.kernels import Regular
 from sie.basis.sums import Grouped, pair_blocks
 from sie.density.series import Series, by_quadrature
-from sie.fast.far import Nested
-from sie.fast.tree import SEPARATION, TERMS, Tree
 from sie.jumps.forcing import ForcingJumps
+from sie.trees.far import Nested
+from sie.trees.tree import SEPARATION, TERMS, Tree
 
 # InPlane with a rho below this, a node is its first TERMS moments; jumps are their first
 # coefficients below the other one.

@@ -19,9 +19,9 @@ from sie.basis.kernels import Kernel, Regular, regular_size
 from sie.basis.lag_table import regular_values
 from sie.basis.zones import Zones
 from sie.density.located import Located
-from sie.fast.panels import Panels, panels_over
-from sie.fast.skeleton import Skeleton
 from sie.jumps.forcing import ForcingJumps
+from sie.trees.panels import Panels, panels_over
+from sie.trees.skeleton import Skeleton
 
 # Distance from a singular end, over the half width, within which errors of the density are not
 # asked for.

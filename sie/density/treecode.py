@@ -16,9 +16,9 @@ from sie.basis.sums import stretches
 from sie.basis.zones import Zones
 from sie.density.plane import Plane
 from sie.density.series import Series, from_zones
-from sie.fast.far import FarSum, Nested
-from sie.fast.piecewise import clenshaw
-from sie.fast.tree import TERMS, Tree
+from sie.trees.far import FarSum, Nested
+from sie.trees.piecewise import clenshaw
+from sie.trees.tree import TERMS, Tree
 
 # Largest number of (point, near zone) pairs handled at once.
 _BLOCK = 400_000

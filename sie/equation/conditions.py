@@ -1,7 +1,7 @@
 """Side conditions: linear statements about the density, one object each.
 
 A condition turns itself into rows over the unknown coefficients with the help of a `Rows` object
-(see `collocation.system`), which knows how total, potential, weighted integral and edge intensity
+(see `sie.dense.system`), which knows how total, potential, weighted integral and edge intensity
 of each zone depend on them. A new condition is one class with `count` and `rows`.
 """
 

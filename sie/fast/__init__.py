@@ -1,3 +1,1 @@
-"""Sums over very many intervals in linear time: a tree and series of far ones, GMRES, and an
-approximate inverse.
-"""
+"""The equation of many zones without its matrix: fast sums over trees, and preconditioned GMRES."""

@@ -18,8 +18,8 @@ from sie.basis.data import Array, Index, Kept, Mask, legendre, record
 from sie.basis.interval import Complex, InPlane, Outside, What, of_t, sides
 from sie.basis.kernels import cauchy
 from sie.basis.sums import pair_blocks, waves
-from sie.fast.piecewise import PiecewiseTransform
-from sie.fast.tree import TERMS
+from sie.trees.piecewise import PiecewiseTransform
+from sie.trees.tree import TERMS
 
 # From this number of jumps on: below, their powers lose few digits, and the closed forms of all of
 # them are as fast.

@@ -28,8 +28,8 @@ from sie.basis import chebyshev
 from sie.basis.data import Array, Kept, legendre, record
 from sie.basis.interval import Complex, InPlane, What, sides, theta
 from sie.basis.sums import pair_blocks, waves
-from sie.fast.piecewise import clenshaw
 from sie.jumps.local_spline import NEAREST, LocalSpline, same_jumps
+from sie.trees.piecewise import clenshaw
 
 # Moments of a panel: it is seen from no nearer than twice its half width beyond its middle.
 _TERMS = 24

@@ -13,7 +13,7 @@ import numpy as np
 
 from sie.basis.data import Array, Index, Kept, Mask, lost, record, wrapped
 from sie.basis.zones import Zones
-from sie.collocation.modes import gaps
+from sie.dense.modes import gaps
 from sie.equation.conditions import BUILT_IN, Condition, ZoneTotals
 from sie.equation.equation import Equation
 

@@ -23,7 +23,7 @@ import numpy as np
 from sie.basis import chebyshev
 from sie.basis.data import Array, Index, Kept, Mask, record
 from sie.basis.interval import Outside, fall, theta, transform_of
-from sie.collocation.factored import Factored
+from sie.dense.lu import Factored
 from sie.jumps.forcing import ForcingJumps
 from sie.jumps.formulas import HIGHEST
 from sie.slits.kinks import SlitKink

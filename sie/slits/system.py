@@ -16,18 +16,19 @@ from scipy.linalg import norm
 from sie.basis.data import Array, Index, Kept, record, row_sizes, widened
 from sie.basis.interval import edge_scale, sides
 from sie.basis.zones import Zones
-from sie.collocation import fixed
-from sie.collocation.fixed import SingularSystem, State
-from sie.collocation.rounding import density_rounding, truncation_through_rows
-from sie.collocation.solved import Answered, Carried, Sizes, Solver, density_of
-from sie.collocation.system import System
+from sie.dense.system import System
 from sie.density.density import Density
 from sie.equation.conditions import Linear, Trial, asked
 from sie.equation.equation import Equation
-from sie.fast.krylov import gmres
 from sie.slits.density import SlitDensity
 from sie.slits.merged import Merged, merge
 from sie.slits.slits import TOLD, Slits
+from sie.states.base import Answered, Solver, density_of
+from sie.states.rounding import density_rounding, truncation_through_rows
+from sie.states.sizes import Carried, Sizes, first_sizes
+from sie.states.solve import SingularSystem, more_modes, solve_fixed
+from sie.states.state import LOOKS, THETA, State, beside_ends, field_tails, residual_errors
+from sie.trees.krylov import gmres
 
 # Solutions by GMRES, the second of what rounding has left of the first.
 _CORRECTIONS = 2
@@ -249,7 +250,7 @@ class SlitSystem(Kept):
 
     def tails(self, wide: State, d: tuple[Array, ...]) -> Array:
         """See `State.tails`, of what stands in the rows beside s."""
-        return fixed.field_tails(
+        return field_tails(
             self.system, wide.unknowns - self._among_unknowns(self.told(d, False)), wide.density
         )
 
@@ -368,7 +369,7 @@ class SlitState(Answered):
     @cached_property
     def _neglected(self) -> Array:
         """Sum of the coefficients that each wide zone neglects, as in `State`."""
-        beside = fixed.beside_ends(self.whole.kept, self._wide_residuals)
+        beside = beside_ends(self.whole.kept, self._wide_residuals)
         return np.asarray(np.minimum(self.whole.left_out, 10 * np.maximum(self._residual, beside)))
 
     @cached_property
@@ -393,15 +394,15 @@ class SlitState(Answered):
         """Residual of the equation times the wide zone's sqrt(1 - t^2) at a few points of each
         piece.
         """
-        zones, t = self.density.zones, np.cos(fixed.THETA)
+        zones, t = self.density.zones, np.cos(THETA)
         x = (zones.middle[:, None] + zones.half[:, None] * t).ravel()
         value = self.density.transform(x) - self.right_side(x)
-        return np.asarray(value.reshape(-1, fixed.LOOKS) * self._wide_sines)
+        return np.asarray(value.reshape(-1, LOOKS) * self._wide_sines)
 
     @cached_property
     def _wide_sines(self) -> Array:
         """sqrt(1 - t^2) of the wide zone at a few points of each piece (n, LOOKS)."""
-        zones, merged, t = self.density.zones, self.merged, np.cos(fixed.THETA)
+        zones, merged, t = self.density.zones, self.merged, np.cos(THETA)
         left = merged.start[:, None] + (zones.half[:, None] * (1 + t))
         right = merged.rest[:, None] + (zones.half[:, None] * (1 - t))
         return np.asarray(np.sqrt(left * right) / merged.wide.half[merged.piece_zone][:, None])
@@ -435,16 +436,14 @@ class SlitState(Answered):
     @cached_property
     def zone_sizes(self) -> Array:
         """The largest of the density times sqrt(1 - t^2) on each piece (n,)."""
-        left, right = sides(fixed.THETA)
+        left, right = sides(THETA)
         piece = np.arange(len(self.density.zones))[:, None]
-        return np.asarray(
-            np.abs(self.density.at(piece, left, right) * np.sin(fixed.THETA)).max(axis=1)
-        )
+        return np.asarray(np.abs(self.density.at(piece, left, right) * np.sin(THETA)).max(axis=1))
 
     @cached_property
     def _sines(self) -> Array:
         """sqrt(1 - t^2) of each piece over that of its wide zone, at a few points (n, LOOKS)."""
-        return np.asarray(np.sin(fixed.THETA) / self._wide_sines)
+        return np.asarray(np.sin(THETA) / self._wide_sines)
 
     def _errors_over(self, sizes: Array) -> Array:
         """Error of the density on each piece, times the wide zone's sqrt(1 - t^2), over these sizes
@@ -460,9 +459,7 @@ class SlitState(Answered):
             + self.rest * self.size
         )
         alone, rounding = np.bincount(zone)[zone] == 1, wide.jumps_rounding[zone]
-        seen = fixed.residual_errors(
-            self._residuals, sizes, wide.system.layout.m[zone], rounding, alone
-        )
+        seen = residual_errors(self._residuals, sizes, wide.system.layout.m[zone], rounding, alone)
         return np.asarray(of_wide[zone] / sizes + seen)
 
     @cached_property
@@ -518,13 +515,13 @@ def solve_zones(
     [0.5, 0.5]
     """
     equation.check_count(zones)
-    sizes = fixed.first_sizes(equation, zones, tolerance) if sizes is None else sizes
+    sizes = first_sizes(equation, zones, tolerance) if sizes is None else sizes
     found = merge(equation, zones, sizes.joined)
     if found is None:
-        return fixed.solve_fixed(equation, zones, tolerance, sizes)
+        return solve_fixed(equation, zones, tolerance, sizes)
     sizes.joined, inner = found.slit_after >= 0, sizes.wide
     if inner is None or len(inner.own) != len(found.wide):
-        inner = fixed.first_sizes(equation, found.wide)
+        inner = first_sizes(equation, found.wide)
     inner.carried = sizes.carried
     # By iteration the wide zones alone are no more than a start.
     inner.linear = sizes.linear if equation.grows else max(sizes.linear, _START)
@@ -537,19 +534,19 @@ def solve_zones(
     )
     while True:
         before = inner.iterations
-        state = fixed.solve_fixed(equation, found.wide, tolerance, inner)
+        state = solve_fixed(equation, found.wide, tolerance, inner)
         slit_system = SlitSystem(found, state, sizes.linear)
         try:
             folded, series, rest = slit_system.solve()
         except SlitsNotConverged:
-            return fixed.solve_fixed(equation, zones, tolerance, sizes)
+            return solve_fixed(equation, zones, tolerance, sizes)
         if state.iteration is not None:
             more = state.iteration.iterations - (inner.iterations - before)
             inner.iterations += more
             inner.kernel_evaluations += more * state.iteration.system.sums.size
         wide, density = slit_system.density(folded, series)
         # What the slits do through a smooth part of the kernel may take more modes than there are.
-        least = fixed.more_modes(wide, slit_system.tails(wide, series), tolerance)
+        least = more_modes(wide, slit_system.tails(wide, series), tolerance)
         if least is None:
             break
         inner.least = least
@@ -569,6 +566,6 @@ def solve_zones(
     ):
         # A jump of a derivative that is not declared lies between zones by themselves, but within a
         # wide one.
-        separate = fixed.solve_fixed(equation, zones, tolerance, sizes)
+        separate = solve_fixed(equation, zones, tolerance, sizes)
         return separate if separate.density_error < found_state.density_error else found_state
     return found_state

@@ -9,7 +9,7 @@ import contact
 import contact.search.context
 import contact.search.grid.nested_grids
 import contact.search.strategies.guesses
-import sie.free_ends.newton
+import sie.ends.newton
 from contact.search import refine
 from contact.search.topology.extrapolation import CurvePoint, carried
 from contact.search.topology.pressure_form import PressureForm
@@ -235,7 +235,7 @@ def test_along_a_curve_grids_have_fewer_points_and_solutions_are_fewer_than_from
     monkeypatch,
 ):
     count = {"points": 0, "solves": 0}
-    grid, state = contact.search.grid.nested_grids.solve_grid, sie.free_ends.newton._state
+    grid, state = contact.search.grid.nested_grids.solve_grid, sie.ends.newton._state
 
     def gridded(f, *arguments, **options):
         count["points"] += len(f)
@@ -246,7 +246,7 @@ def test_along_a_curve_grids_have_fewer_points_and_solutions_are_fewer_than_from
         return state(*arguments)
 
     monkeypatch.setattr(contact.search.grid.nested_grids, "solve_grid", gridded)
-    monkeypatch.setattr(sie.free_ends.newton, "_state", solved)
+    monkeypatch.setattr(sie.ends.newton, "_state", solved)
     loads = np.geomspace(0.02, 0.04, 6) * full_load(TRACE)
     contact.solve_many(scene(TRACE), loads)
     together, count = dict(count), count
@@ -261,7 +261,7 @@ def test_a_few_loads_far_apart_take_no_more_than_twice_the_solutions_of_searches
     monkeypatch,
 ):
     """Where a grid takes no time, zones that are carried far are not put right again and again."""
-    count, state = [0], sie.free_ends.newton._state
+    count, state = [0], sie.ends.newton._state
 
     def solved(*arguments):
         count[0] += 1
@@ -269,7 +269,7 @@ def test_a_few_loads_far_apart_take_no_more_than_twice_the_solutions_of_searches
 
     profile = drawn(np.random.default_rng(3), "honed", 300)
     loads = np.geomspace(1e-3, 0.7, 12) * full_load(profile)
-    monkeypatch.setattr(sie.free_ends.newton, "_state", solved)
+    monkeypatch.setattr(sie.ends.newton, "_state", solved)
     contact.solve_many(scene(profile), loads)
     together, count[0] = count[0], 0
     for load in loads:

@@ -14,9 +14,10 @@ from contact.reference.exact import Westergaard
 from contact.search.grid import nested_grids
 from contact.search.strategies import guesses
 from contact.search.topology import loop
-from sie.collocation import fixed as engine
-from sie.collocation.iterative import Iterative, IterativeSystem
+from sie.fast.iteration import Iterative
+from sie.fast.system import IterativeSystem
 from sie.slits import merged as cuts
+from sie.states import solve as engine
 
 T = np.array([-0.99, -0.6, 0.0, 0.4, 0.95])
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import contact
-import sie.free_ends.newton
+import sie.ends.newton
 from contact import path
 
 ROUGH = contact.Fourier(1.0, [-0.01, 0.004, 0.002], [0.003, -0.002, 0.004])
@@ -25,13 +25,13 @@ def full_load(profile):
 def steps(monkeypatch):
     """Counts Newton's steps."""
     count = [0]
-    real = sie.free_ends.newton.solve_zones
+    real = sie.ends.newton.solve_zones
 
     def counted(*arguments, **options):
         count[0] += 1
         return real(*arguments, **options)
 
-    monkeypatch.setattr(sie.free_ends.newton, "solve_zones", counted)
+    monkeypatch.setattr(sie.ends.newton, "solve_zones", counted)
 
     def of(call):
         count[0] = 0

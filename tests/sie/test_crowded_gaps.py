@@ -36,7 +36,7 @@ def crowded() -> sie.Equation:
 
 @pytest.fixture
 def state(monkeypatch) -> sie.State:
-    monkeypatch.setattr("sie.collocation.fixed.MANY_UNKNOWNS", 1)
+    monkeypatch.setattr("sie.states.solve.MANY_UNKNOWNS", 1)
     return sie.solve_fixed(crowded(), ZONES, 1e-11)
 
 
@@ -47,8 +47,8 @@ def test_the_unknowns_are_of_the_size_of_the_density_and_it_is_the_one_that_its_
     values = [state.density.at_t(zone, t) for zone in range(3)]
     assert state.iterated and np.abs(state.density.coefficients).max() > 1e3 * np.abs(values).max()
     assert np.abs(state.unknowns).max() < np.abs(values).max()
-    monkeypatch.setattr("sie.collocation.system.many_jumps", lambda *_: np.zeros(0, dtype=np.intp))
-    monkeypatch.setattr("sie.collocation.fixed.MANY_UNKNOWNS", 10**6)
+    monkeypatch.setattr("sie.dense.system.many_jumps", lambda *_: np.zeros(0, dtype=np.intp))
+    monkeypatch.setattr("sie.states.solve.MANY_UNKNOWNS", 10**6)
     parts = sie.solve_fixed(crowded(), ZONES, 1e-11)
     assert np.abs(parts.unknowns).max() > 1e3 * np.abs(values).max()
     assert values == pytest.approx(

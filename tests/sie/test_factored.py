@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sie.collocation.factored import Factored
+from sie.dense.lu import Factored
 
 
 @pytest.mark.parametrize("size, columns", [(7, 3), (64, 8), (64, 40), (5, 0)])

@@ -9,17 +9,17 @@ import numpy as np
 import pytest
 
 import sie
-from sie.collocation import modes
-from sie.collocation.iterative import IterativeSystem
-from sie.collocation.system import MirrorSymmetry, System
-from sie.collocation.zone_sums import Nested, ZoneSums
+from sie.dense import modes
+from sie.dense.system import MirrorSymmetry, System
 from sie.density.treecode import Treecode
-from sie.fast.far import ROUGH, FarSum
-from sie.fast.hierarchical import Inverse, cross
-from sie.fast.krylov import gmres
-from sie.fast.tree import SEPARATION, TERMS, Tree, interactions
-from sie.free_ends import newton
+from sie.ends import newton
+from sie.fast.system import IterativeSystem
+from sie.fast.zone_sums import Nested, ZoneSums
 from sie.jumps.forcing import ForcingJumps
+from sie.trees.far import ROUGH, FarSum
+from sie.trees.hierarchical import Inverse, cross
+from sie.trees.krylov import gmres
+from sie.trees.tree import SEPARATION, TERMS, Tree, interactions
 
 KERNELS = {"line": sie.cauchy(), "period": sie.hilbert(1.0), "images": sie.images(1.2, 2)}
 

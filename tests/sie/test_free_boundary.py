@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import sie
-from sie.free_ends.newton import INWARD, OUTWARD, _bordered
-from sie.free_ends.progress import Progress
+from sie.ends.newton import INWARD, OUTWARD, _bordered
+from sie.ends.progress import Progress
 from tests.sie import exact
 
 T = np.cos(np.pi * np.arange(1, 39) / 39)

@@ -8,9 +8,9 @@ import pytest
 
 import sie
 from contact.reference.inverse import random_problem
-from sie.collocation import modes
-from sie.collocation.modes import conformal_radius, felt
-from sie.free_ends import newton as free_boundary
+from sie.dense import modes
+from sie.dense.modes import conformal_radius, felt
+from sie.ends import newton as free_boundary
 from sie.jumps.forcing import ForcingJumps
 
 

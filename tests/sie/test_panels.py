@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 import sie
-from sie.collocation import fixed
-from sie.fast.panels import Spread, panels_of, panels_over
-from sie.fast.skeleton import Skeleton
+from sie.states import solve as fixed
+from sie.trees.panels import Spread, panels_of, panels_over
+from sie.trees.skeleton import Skeleton
 
 FEW = np.array([[-1.0, -0.5], [-0.2, 0.3], [0.35, 1.0]])
 PERIOD = 2.5
@@ -193,10 +193,10 @@ def test_a_kernel_is_asked_no_more_often_for_points_that_lie_farther_apart():
 )
 def test_a_kernel_of_both_places_is_of_low_rank_over_many_zones(of, monkeypatch):
     zones, x = sie.Zones.of(scattered(34)), np.linspace(-1.1, 1.1, 201)
-    monkeypatch.setattr("sie.fast.panels._ZONES", 1000)
+    monkeypatch.setattr("sie.trees.panels._ZONES", 1000)
     direct = sie.solve_fixed(equation(of), zones)
     assert not direct.iterated
-    monkeypatch.setattr("sie.fast.panels._ZONES", 32)
+    monkeypatch.setattr("sie.trees.panels._ZONES", 32)
     monkeypatch.setattr(fixed, "MANY_UNKNOWNS", 50)
     by_sums = sie.solve_fixed(equation(of), zones)
     assert by_sums.iterated

@@ -9,7 +9,7 @@ import pytest
 
 import sie
 from contact.reference.inverse import design
-from sie.collocation.iterative import Iterative
+from sie.fast.iteration import Iterative
 from sie.slits.merged import merge
 from sie.slits.slits import off_slit
 from sie.slits.system import SlitState, solve_zones
@@ -329,7 +329,7 @@ def test_a_solution_with_more_modes_starts_from_what_slits_bend_beyond_those_of_
     monkeypatch,
 ):
     """They bend their zone far beyond what the distance of other zones asks for."""
-    monkeypatch.setattr("sie.collocation.fixed.MANY_UNKNOWNS", 10)
+    monkeypatch.setattr("sie.states.solve.MANY_UNKNOWNS", 10)
     problem, zones = many(3e-4, 3e-4)
     few, more = (solve_zones(problem, zones, tolerance) for tolerance in (1e-5, 1e-12))
     start, found = few.sizes.carried.near(more.whole.system), more.whole.folded_unknowns
@@ -340,7 +340,7 @@ def test_many_zones_by_fast_sums_have_the_same_slits(monkeypatch):
     """Without a matrix, from the same profile and zones."""
     problem, zones = many(1e-5, 1e-6)
     direct = solve_zones(problem, zones)
-    monkeypatch.setattr("sie.collocation.fixed.MANY_UNKNOWNS", 10)
+    monkeypatch.setattr("sie.states.solve.MANY_UNKNOWNS", 10)
     iterated = solve_zones(problem, zones)
     assert isinstance(iterated.solver, Iterative) and not isinstance(direct.solver, Iterative)
     size = np.abs(direct.density.coefficients).max()
@@ -367,7 +367,7 @@ def test_zones_far_from_the_origin_keep_the_digits_that_their_places_lose(
     """Moved by 4096 a zone of 1e-7 is told by its place to 1e-5 of it: what that has cut off is
     kept, in slits and in far sums too.
     """
-    monkeypatch.setattr("sie.collocation.fixed.MANY_UNKNOWNS", most)
+    monkeypatch.setattr("sie.states.solve.MANY_UNKNOWNS", most)
     table = np.cumsum(np.random.default_rng(3).uniform(0.5, 1.5, 48)).reshape(24, 2) / 60
     table[5, 0], table[17, 0], table[9, 1] = (
         table[4, 1] + 1e-5,

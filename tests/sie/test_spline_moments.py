@@ -8,10 +8,10 @@ import pytest
 from scipy.interpolate import CubicSpline
 
 import sie
-from sie.collocation import modes
-from sie.collocation import spline_moments as module
-from sie.collocation.spline_moments import coefficients, many_jumps, rule
-from sie.collocation.system import System
+from sie.dense import modes
+from sie.dense import spline_moments as module
+from sie.dense.spline_moments import coefficients, many_jumps, rule
+from sie.dense.system import System
 
 ZONES = sie.Zones.of(np.array([[-0.83, -0.1], [0.01, 0.7]]))
 M = np.array([12, 20])

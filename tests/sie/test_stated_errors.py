@@ -27,7 +27,7 @@ def test_errors_enlarged_by_the_conditions_are_stated_by_a_matrix_and_by_iterati
     monkeypatch: pytest.MonkeyPatch, seed: int, tol: float, iterated: bool
 ) -> None:
     """Faint zones beside strong ones: the errors of all rows reach them through the conditions."""
-    monkeypatch.setattr("sie.collocation.fixed.MANY_UNKNOWNS", 600 if iterated else 10**9)
+    monkeypatch.setattr("sie.states.solve.MANY_UNKNOWNS", 600 if iterated else 10**9)
     one = judged(seed, tol)
     assert one.fault != "exception", one.told
     assert max(one.ratio, one.zone_ratio) <= 1.0, one

@@ -22,14 +22,14 @@ from sie.basis.interval import Outside, edge_scale, mean_potential
 from sie.basis.kernels import Kernel, regular_size
 from sie.basis.lag_table import regular_values
 from sie.basis.zones import Zones
-from sie.collocation.spline_moments import coefficients as coefficients_between
-from sie.collocation.spline_moments import many_jumps
+from sie.dense.spline_moments import coefficients as coefficients_between
+from sie.dense.spline_moments import many_jumps
 from sie.density.series import moments_of
 from sie.equation.conditions import Linear, Rows, asked, speaks_of_levels
 from sie.equation.equation import Equation
-from sie.fast.panels import Panels, panels_over
-from sie.fast.skeleton import Skeleton
 from sie.jumps.forcing import ForcingJumps
+from sie.trees.panels import Panels, panels_over
+from sie.trees.skeleton import Skeleton
 
 # Pairs of points and nodes handled at once: 30 MB of values.
 _PAIRS = 2**22

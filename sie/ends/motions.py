@@ -36,11 +36,13 @@ from scipy.linalg import norm
 
 from sie.basis.data import Array, record
 from sie.basis.interval import edge_scale
-from sie.collocation.factored import Factored
-from sie.collocation.fixed import SingularSystem, State, rows_of
-from sie.collocation.iterative import Applied, Iterative, IterativeSystem
-from sie.collocation.system import condition_rows
-from sie.fast.krylov import gmres
+from sie.dense.lu import Factored
+from sie.dense.system import condition_rows
+from sie.fast.iteration import Iterative
+from sie.fast.system import Applied, IterativeSystem
+from sie.states.solve import SingularSystem, rows_of
+from sie.states.state import State
+from sie.trees.krylov import gmres
 
 
 @record

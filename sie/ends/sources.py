@@ -16,8 +16,8 @@ import numpy as np
 
 from sie.basis.data import Array, Index, numbered
 from sie.basis.interval import edge_scale
-from sie.collocation.fixed import State
-from sie.collocation.system import Places, fields, outside
+from sie.dense.system import Places, fields, outside
+from sie.states.state import State
 
 # A power of rho below this is nothing.
 _NOTHING = 1e-18

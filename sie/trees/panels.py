@@ -26,7 +26,7 @@ from sie.basis import chebyshev
 from sie.basis.data import Array, Complex, Index, Kept, by_rows, record
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
-from sie.fast.skeleton import Skeleton, skeleton_of
+from sie.trees.skeleton import Skeleton, skeleton_of
 
 Function = Callable[[Array, Array], Array]
 

@@ -18,16 +18,17 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from sie.basis.data import Array, Index, Mask, record
 from sie.basis.zones import FREE, SINGULAR, End, Zones
-from sie.collocation import modes
-from sie.collocation.fixed import SingularSystem, State, first_sizes, sizes_like
-from sie.collocation.iterative import Iterative
-from sie.collocation.rounding import density_changes
-from sie.collocation.solved import Sizes
+from sie.dense import modes
+from sie.ends.motions import STEP, DirectMotions, IteratedMotions, motions_of
+from sie.ends.near_steps import bent_steps, corner_distances, gap_steps, tips_between
+from sie.ends.progress import Motion, Progress, Rest, Step, Turn
 from sie.equation.equation import Equation
-from sie.free_ends.motions import STEP, DirectMotions, IteratedMotions, motions_of
-from sie.free_ends.near_steps import bent_steps, corner_distances, gap_steps, tips_between
-from sie.free_ends.progress import Motion, Progress, Rest, Step, Turn
+from sie.fast.iteration import Iterative
 from sie.slits.system import AnyDensity, AnyState, solve_zones
+from sie.states.rounding import density_changes
+from sie.states.sizes import Sizes, first_sizes, sizes_like
+from sie.states.solve import SingularSystem
+from sie.states.state import State
 
 # A step moves an end by at most these parts of its zone's width and of the gap beside it.
 INWARD = 0.3

@@ -20,8 +20,8 @@ from sie.basis import chebyshev
 from sie.basis.data import Array, Index, by_rows
 from sie.basis.interval import Outside
 from sie.basis.kernels import Kernel
-from sie.fast.far import FarSum, Nested
-from sie.fast.tree import SEPARATION, TERMS, Tree
+from sie.trees.far import FarSum, Nested
+from sie.trees.tree import SEPARATION, TERMS, Tree
 
 # Jumps nearer to a cell than this part of its length are closed forms: series of TERMS terms hold
 # what the others do.

@@ -15,8 +15,8 @@ from sie.basis.data import Array, lost, record, widened
 from sie.basis.interval import Outside
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
-from sie.fast.panels import panels_over
-from sie.fast.tree import TERMS, Tree, interactions
+from sie.trees.panels import panels_over
+from sie.trees.tree import TERMS, Tree, interactions
 
 # Pairs handled at once: their powers stay in the cache.
 _BLOCK = 512

@@ -10,14 +10,14 @@ zone between heavy ones feels what the heights of all are known to.
 import numpy as np
 
 from sie.basis.chebyshev import bounded_part
-from sie.basis.data import Array, by_rows, root_of_squares
+from sie.basis.data import Array, Index, by_rows, root_of_squares
 from sie.basis.interval import edge_scale
 from sie.basis.zones import Zones
-from sie.collocation.factored import Factored
-from sie.collocation.modes import conformal_radius, gaps
-from sie.collocation.solved import Solved
+from sie.dense.lu import Factored
+from sie.dense.modes import conformal_radius, gaps
 from sie.equation.conditions import speaks_of_levels
 from sie.equation.equation import Forcing
+from sie.states.base import Solved
 
 EPS = 2.2e-16
 # The largest of some hundred roundings over their mean square: what is stated is to be exceeded
@@ -201,14 +201,14 @@ def _iterated_changes(state: Solved, missing: Array, low: Array) -> list[Array]:
     return changes
 
 
-def _low_rows(state: Solved, low: Array) -> tuple[Array, Array]:
+def _low_rows(state: Solved, low: Array) -> tuple[Index, Array]:
     """(rows of the lowest modes, errors of them by the residual's): see `_row_truncation`."""
     layout, solved = state.system.layout, state.system.zones.solved
     rows = state.system.diagonal
     zone = np.searchsorted(layout.offset, rows, side="right") - 1
     mode = rows - layout.offset[zone] - 1
     some = np.flatnonzero(mode < low.shape[1])
-    return some, low[np.searchsorted(solved, zone[some]), mode[some]]
+    return some, np.asarray(low[np.searchsorted(solved, zone[some]), mode[some]])
 
 
 def _of_rows(state: Solved, solver: Factored) -> tuple[Array, Array]:

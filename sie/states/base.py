@@ -10,149 +10,20 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
-from sie.basis import chebyshev
-from sie.basis.data import Array, Index, Kept, Mask, record, row_sizes, wrapped
-from sie.collocation import modes
-from sie.collocation.factored import Factored
-from sie.collocation.iterative import CoarseOperator, Iterative, IterativeSystem
-from sie.collocation.system import Layout, MirrorSymmetry, System
+from sie.basis.data import Array, Index, Kept, row_sizes
+from sie.dense import modes
+from sie.dense.lu import Factored
+from sie.dense.system import MirrorSymmetry, System
 from sie.density.density import Density
 from sie.equation.conditions import of_levels, speaks_of_levels
 from sie.equation.equation import Equation
+from sie.fast.iteration import Iterative
 from sie.jumps.forcing import ForcingJumps
+from sie.states.sizes import Sizes
 
 # With the last coupled coefficients above this part of the largest, zones lie too close to what is
 # singular beside them.
 UNRESOLVED = 1e-6
-
-
-@dataclass(eq=False)
-class Sizes:
-    """Modes to start from; kept from one solve to the next so that growth is paid for once.
-
-    primitive_rounding: of the right side's primitive, once it has been looked at. linear: tolerance
-    of solutions by iteration, relative; 0: as tight as rounding allows. rough: whether sums to 1e-7
-    will do for them. start: whether they are no more than a start, for which those of the last
-    solve will do. iterations: their number so far. value: of the open condition, if there is one,
-    with which these are found.
-    """
-
-    own: Index
-    least: int | Index
-    profile_evaluations: int = 0
-    kernel_evaluations: int = 0
-    solves: int = 0
-    linear: float = 0.0
-    rough: bool = False
-    start: bool = False
-    value: float = 0.0
-    iterations: int = 0
-    carried: Carried | None = None
-    primitive_rounding: float | None = None
-    growth: modes.Growth | None = None
-    wide: Sizes | None = None
-    """Those of the wide zones, where narrow gaps are slits."""
-    joined: Mask | None = None
-    """After which of the zones a narrow gap was a slit."""
-
-    def of(self, kept: Index) -> Sizes:
-        """Those of some of the zones."""
-        least = self.least if isinstance(self.least, int) else self.least[kept]
-        return replace(
-            self,
-            own=self.own[kept],
-            least=least,
-            wide=None,
-            joined=None if self.joined is None else self.joined[kept],
-        )
-
-
-@record
-class Carried:
-    """What a solve by iteration leaves to the next one, on zones most of which are about the same.
-
-    Where ends move by d, a density whose ends are about free changes by d^2 at fixed places: so do
-    the total of a zone and what the others do to it, while what the right side makes of its
-    coefficients is known on any zones.
-
-    coarse: inverse; middle, half: of the zones (n,); totals: of each, over pi (n,); field: what the
-    others do to each, coefficients of U_{k-1} at offset + k, k = 1 ... m (n,), and its own slits,
-    which bend it beyond the coupled modes too; amplitudes: of the columns.
-    """
-
-    coarse: CoarseOperator | None
-    middle: Array
-    half: Array
-    totals: Array
-    field: Array
-    layout: Layout
-    amplitudes: Array
-
-    @classmethod
-    def of(
-        cls, coarse: CoarseOperator | None, system: System, y: Array, slits: dict[int, Array]
-    ) -> Carried:
-        """slits: what those of zones that have some add to their coefficients."""
-        coupled, zones = system.layout, system.zones
-        m = coupled.m.copy()
-        for zone, s in slits.items():
-            m[zone] = max(m[zone], len(s) - 1)
-        layout, totals = Layout(m, 0), zones.half * (y[coupled.offset] + system.known[:, 0])
-        at = np.repeat(layout.offset - coupled.offset, coupled.m + 1) + np.arange(
-            coupled.coefficients
-        )
-        field = np.zeros(layout.size)
-        field[at] = (coupled.flat(system.lowest) + y)[: coupled.coefficients]
-        for zone, s in slits.items():
-            first = int(layout.offset[zone])
-            field[first + coupled.m[zone] + 1 : first + len(s)] = s[coupled.m[zone] + 1 :]
-        return cls(
-            coarse, zones.middle, zones.half, totals, field, layout, y[coupled.coefficients :]
-        )
-
-    def near(self, system: IterativeSystem) -> Array:
-        """Unknowns of another system to start from."""
-        zones, layout, period = system.zones, system.layout, system.equation.kernel.period
-        at = wrapped(zones.middle, float(self.middle[0] - self.half[0]), period)
-        place = self._place(at, zones.half)
-        y = -layout.flat(system.lowest)
-        modes_of = np.where(place >= 0, self.layout.m[place], 0)
-        for n in np.unique(modes_of):
-            group = np.flatnonzero(modes_of == n)
-            old, k = place[group], np.arange(1, n + 1)
-            shift, stretch = (
-                (at[group] - self.middle[old]) / self.half[old],
-                zones.half[group] / self.half[old],
-            )
-            moved = chebyshev.u_moved(self.field[self.layout.offset[old, None] + k], shift, stretch)
-            coupled = k <= layout.m[group, None]
-            y[(layout.offset[group, None] + k)[coupled]] += moved[coupled]
-        y[layout.offset] = self._totals(at, zones.half, place) / zones.half - system.known[:, 0]
-        y[layout.coefficients :] = self.amplitudes
-        return np.asarray(y[system.symmetry.keep])
-
-    def _place(self, middle: Array, half: Array) -> Index:
-        """Which of these each of other zones is, of about the same width; -1 where there is none."""
-        i = np.maximum(np.searchsorted(self.middle - self.half, middle, side="right") - 1, 0)
-        alike = (
-            (np.abs(middle - self.middle[i]) < self.half[i])
-            & (half < 2 * self.half[i])
-            & (2 * half > self.half[i])
-        )
-        return np.where(alike, i, -1)
-
-    def _totals(self, middle: Array, half: Array, place: Index) -> Array:
-        """Totals over pi: of zones that are none of these, of those in them."""
-        order = np.argsort(middle)
-        within = order[
-            np.maximum(np.searchsorted((middle - half)[order], self.middle, side="right") - 1, 0)
-        ]
-        within = np.where(np.abs(self.middle - middle[within]) < half[within], within, len(middle))
-        return np.where(
-            place >= 0,
-            self.totals[place],
-            np.bincount(within, self.totals, minlength=len(middle) + 1)[:-1],
-        )
 
 
 # What solves the assembled rows for further right sides: by their factors, or by iteration.

@@ -22,12 +22,12 @@ from sie.basis.data import Array, record
 from sie.basis.interval import Outside, fall
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
-from sie.collocation.system import Layout
-from sie.fast import lazy
-from sie.fast.far import FarSum, Nested
-from sie.fast.panels import Panels, panels_over
-from sie.fast.skeleton import Skeleton
-from sie.fast.tree import TERMS, Pairs, Tree
+from sie.dense.system import Layout
+from sie.trees import lazy
+from sie.trees.far import FarSum, Nested
+from sie.trees.panels import Panels, panels_over
+from sie.trees.skeleton import Skeleton
+from sie.trees.tree import TERMS, Pairs, Tree
 
 # Powers below e^-_VANISHED are left out of near sums.
 _VANISHED = 40.0

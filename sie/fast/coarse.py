@@ -1,0 +1,70 @@
+"""The coarse problem of the preconditioner: one unknown load for each zone."""
+
+import numpy as np
+
+from sie.basis.data import Array, Index
+from sie.basis.zones import Zones
+from sie.fast.system import IterativeSystem
+from sie.trees.hierarchical import Inverse
+
+# To what the coarse problem is inverted: below the bending that it leaves out.
+_COARSE = 1e-4
+# A coarse inverse is kept from one set of zones to the next while the ends of nearly all zones move
+# by less than this part of a width, and of the others by no more than the width.
+_KEPT = 0.1
+_NEARLY = 0.99
+
+
+class CoarseOperator:
+    """The coarse problem's matrix and its inverse: mean potential on each solved zone from each
+    c_0, less a constant times the total that makes it definite.
+    """
+
+    def __init__(self, zones: Zones, system: IterativeSystem) -> None:
+        self.zones, self.kernel = zones, system.equation.kernel
+        solved = zones.solved
+        self.springs = np.zeros(len(solved))
+        ends = np.array([0, len(solved) - 1])
+        w = zones.half[solved]
+        self.lowered = 0.0
+        self.lowered = 1.0 + float(
+            (
+                self.entries(ends[:, None], np.arange(len(solved))) / (w * system.multiplicity())
+            ).max()
+        )
+        self.springs = system.springs
+        self.inverse = Inverse(self.entries, 0, len(solved), _COARSE)
+
+    def entries(self, rows: Index, columns: Index) -> Array:
+        solved, count = self.zones.solved, len(self.zones)
+        i, j = solved[rows], solved[columns]
+        out = self._of(i, j)
+        if self.zones.symmetric:
+            mirror = count - 1 - j
+            out = out + np.where(mirror == j, 0.0, self._of(i, mirror))
+        return out + np.where(i == j, self.springs[rows], 0.0)
+
+    def _of(self, i: Index, j: Index) -> Array:
+        zones, kernel = self.zones, self.kernel
+        x, xi, w = zones.middle[i], zones.middle[j], zones.half[j]
+        # A punch raises log((d + sqrt(d^2 - w^2)) / 2) at the distance d, and log(w / 2) on itself:
+        # of all poles together one logarithm.
+        product, away = np.ones(np.broadcast(i, j).shape), x - xi
+        for shift in kernel.poles:
+            d = np.maximum(np.abs(away - shift), w)
+            product *= (0.5 / kernel.datum) * (d + np.sqrt((d - w) * (d + w)))
+        out = np.log(product)
+        if kernel.regular_potential is not None:
+            out += kernel.regular_potential(x, xi)
+        return np.asarray(w * (out - self.lowered))
+
+    def near(self, system: IterativeSystem) -> bool:
+        """Whether the zones of a system, and what it asks of them, are still about the same."""
+        zones = system.zones
+        if len(zones) != len(self.zones) or zones.symmetric != self.zones.symmetric:
+            return False
+        if np.any(np.abs(system.springs - self.springs) > _KEPT * np.abs(self.springs)):
+            return False
+        moved = np.maximum(np.abs(zones.a - self.zones.a), np.abs(zones.b - self.zones.b))
+        part = moved / (self.zones.b - self.zones.a)
+        return bool(part.max() <= 1.0 and np.mean(part <= _KEPT) >= _NEARLY)

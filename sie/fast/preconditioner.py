@@ -1,0 +1,128 @@
+"""Two-level preconditioner of the rows: the own part of each zone, and a coarse problem for the loads."""
+
+import numpy as np
+
+from sie.basis.data import Array
+from sie.basis.interval import edge_scale
+from sie.equation.conditions import by_zone, speaks_of_levels
+from sie.fast.coarse import CoarseOperator
+from sie.fast.system import Applied, IterativeSystem
+
+
+class TwoLevelPreconditioner:
+    """The preconditioner: -c_k from the rows of the equation, c_0 and the amplitudes from the side
+    conditions.
+
+    With level = G c_0 - (amplitudes' means) on every zone, G = C + constant, C the coarse operator:
+    c_0 = C^-1 (level + unknown constant + ...), and the few unknowns left come from the conditions
+    that are not asked of every zone. Where every zone has a held end, c_0 is what makes K vanish
+    there.
+    """
+
+    def __init__(self, system: IterativeSystem, coarse: CoarseOperator | None) -> None:
+        self.system, self.coarse = system, coarse
+        zones, conditions = system.zones, system.equation.conditions
+        counts = [c.count(zones) for c in conditions]
+        starts = np.concatenate(([0], np.cumsum(counts)))
+        kinds = [by_zone(c, zones) for c in conditions]
+        self.others = [k for k, kind in enumerate(kinds) if kind is None]
+        self.other_rows = np.concatenate(
+            [np.arange(starts[k], starts[k + 1]) for k in self.others]
+            or [np.zeros(0, dtype=np.intp)]
+        )
+        self.held = np.array(sum(zones.held, []), dtype=np.intp)
+        at = next((k for k, kind in enumerate(kinds) if kind is not None), None)
+        self.own, self.levels = system.of_zones, system.levelled
+        # What every zone has of its own: rows of one condition, or those of held ends, which come
+        # last.
+        self.rows = (
+            slice(int(starts[-1]), None)
+            if at is None
+            else slice(int(starts[at]), int(starts[at + 1]))
+        )
+        self.absolute = self.own is not None and not self.own.differences
+        # Of what is no level: the condition that is every zone's own.
+        self.closed = None if at is None or self.levels else conditions[at]
+        self.seen = any(speaks_of_levels(conditions[k], zones) for k in self.others)
+        layout, symmetry = system.layout, system.symmetry
+        self.first = symmetry.position(layout.offset[zones.solved])
+        self.rest = symmetry.position(system.diagonal)
+        self.amplitudes = symmetry.position(layout.coefficients + np.arange(layout.columns))
+        self._basis = self._responses()
+        self._small = np.zeros((self._basis.shape[1],) * 2)
+        for k, column in enumerate(self._basis.T):
+            self._small[:, k] = self._scalars(column)
+
+    def _responses(self) -> Array:
+        """Folded unknowns that a unit of the constant and of each amplitude bring along, in
+        columns.
+        """
+        system, with_constant = self.system, int(self.levels)
+        out = np.zeros((system.symmetry.size, system.layout.columns + with_constant))
+        if with_constant:
+            self._close(out[:, 0], np.ones(len(self.first)))
+        for k, column in enumerate(out.T[with_constant:]):
+            column[self.amplitudes[k]] = 1.0
+            column[self.rest] = -system.column_rows[k][system.kept]
+            self._close(
+                column, system.column_means[k] if self.levels else np.zeros(len(self.first))
+            )
+        return out
+
+    def _close(self, folded: Array, wanted: Array) -> None:
+        """Sets c_0 of every zone so that its level, or what else it has of its own, is as wanted."""
+        system = self.system
+        if self.levels:
+            assert self.coarse is not None
+            folded[self.first] = self.coarse.inverse(wanted)
+            return
+        view = Applied(system, system.symmetry.unfold(folded), np.zeros(0), np.zeros(0))
+        if self.own is not None and self.closed is not None:
+            folded[self.first] = (wanted - self.closed.rows(view)[0][:, 0]) / self.own.first
+            return
+        folded[self.first[self.held]] = (wanted - view.held()[0][:, 0]) / edge_scale(
+            system.zones.half[system.zones.solved[self.held]]
+        )
+
+    def _scalars(self, folded: Array) -> Array:
+        """The conditions that are single rows, and what ties the constant where levels are
+        absolute.
+        """
+        system = self.system
+        y = system.symmetry.unfold(folded)
+        view = system.applied(y)[1] if self.seen else Applied(system, y, np.zeros(0), np.zeros(0))
+        out = [
+            float(row)
+            for k in self.others
+            for row in system.equation.conditions[k].rows(view)[0][:, 0]
+        ]
+        if self.levels and self.absolute:
+            assert self.coarse is not None
+            solved = system.zones.solved
+            total = float((system.multiplicity() * system.zones.half[solved]) @ folded[self.first])
+            # What the constant stands for, from the basis' first unknown: put in by `__call__`.
+            out.append(self.coarse.lowered * total)
+        return np.array(out)
+
+    def __call__(self, right: Array) -> Array:
+        system = self.system
+        equations = len(self.rest)
+        conditions = right[equations:]
+        here = conditions[self.rows]
+        out = np.zeros(system.symmetry.size)
+        out[self.rest] = -right[:equations]
+        if self.own is not None and self.levels:
+            here = (
+                here / self.own.levels
+                if self.absolute
+                else np.concatenate(([0.0], np.cumsum(here / self.own.levels)))
+            )
+        self._close(out, here)
+        if self._basis.shape[1]:
+            small, wanted = self._small.copy(), conditions[self.other_rows]
+            missing = self._scalars(out)
+            if self.levels and self.absolute:
+                wanted = np.append(wanted, 0.0)
+                small[-1, 0] += 1.0
+            out += self._basis @ np.linalg.solve(small, wanted - missing)
+        return out

@@ -1,0 +1,359 @@
+"""Solve the equation on given zones: choose the modes, sample, assemble, one LU, and read off the
+ends.
+
+Many zones are not assembled: there fast sums and GMRES take the place of the matrix and its LU (see
+`iterative`).
+"""
+
+from dataclasses import replace
+
+import numpy as np
+from scipy.linalg import lapack
+
+from sie.basis import chebyshev
+from sie.basis.data import Array, Index, root_of_squares
+from sie.basis.zones import Zones
+from sie.dense import modes
+from sie.dense.lu import Factored
+from sie.dense.system import System, condition_rows
+from sie.equation.checks import look_at
+from sie.equation.equation import Equation
+from sie.fast.coarse import CoarseOperator
+from sie.fast.iteration import Iterative
+from sie.fast.system import IterativeSystem, unfit
+from sie.jumps.forcing import ForcingJumps
+from sie.states.base import Solver, coefficient_sizes, density_of
+from sie.states.sizes import Carried, Sizes, first_sizes
+from sie.states.state import State, field_tails
+
+# A reciprocal condition below this is rounding: the rows are of size one.
+_DEPENDENT = 1e-15
+# From this number of unknowns on, a matrix costs more than fast sums.
+MANY_UNKNOWNS = 600
+# Beyond this number a matrix and its factors take more than six gigabytes.
+MOST_UNKNOWNS = 20_000
+
+
+class SingularSystem(ArithmeticError):
+    """The assembled system has no unique solution: the side conditions depend on each other.
+
+    Examples
+    --------
+    >>> import numpy as np, sie
+    >>> twice = sie.Equation(sie.cauchy(), sie.Forcing(np.sin), (sie.Total(1.0), sie.Weighted(np.ones_like, 1.0)))
+    >>> try:
+    ...     sie.solve_fixed(twice, sie.Zones.of([[-2, -1], [1, 2]], sie.SINGULAR, sie.SINGULAR))
+    ... except sie.SingularSystem as error:
+    ...     print(error)
+    the system is singular: the side conditions depend on each other
+    """
+
+
+class TooLarge(SingularSystem):
+    """More unknowns than a matrix holds, of an equation that has no fast sums."""
+
+
+def solve_fixed(
+    equation: Equation,
+    zones: Zones,
+    tolerance: float = 1e-14,
+    sizes: Sizes | None = None,
+    largest: int | None = None,
+    direct: bool = False,
+) -> State:
+    """Solve on given zones, with singular ends allowed at moving ends (their intensity is what a
+    Newton step needs).
+
+    Parameters
+    ----------
+    equation : Equation
+    zones : Zones
+        Free ends are taken where they are.
+    tolerance : float
+        Coefficients are asked for until they have fallen to this part of the largest.
+    sizes : Sizes or None
+        Modes to start from, kept from one solve to the next.
+    largest : int or None
+        Modes of a zone at the most; None: 8192, or 32768 of one of few zones whose coefficients
+        have nearly fallen by then.
+    direct : bool
+        By a matrix, however many the unknowns are, up to what one may hold: where many right sides
+        are to come.
+
+    Returns
+    -------
+    State
+        The density, and what its error is made of.
+
+    Raises
+    ------
+    ValueError
+        For functions that do not return what the equation is about; `CountError` if conditions and
+        unknowns do not match.
+    SingularSystem
+        If the side conditions depend on each other, or something is not finite.
+
+    Examples
+    --------
+    >>> import numpy as np, sie
+    >>> punch = sie.Equation(sie.cauchy(), sie.Forcing(np.zeros_like), (sie.Total(np.pi),))
+    >>> float(sie.solve_fixed(punch, sie.Zones.of([[-1.0, 1.0]], sie.SINGULAR, sie.SINGULAR)).density(0.6).round(12))
+    1.25
+    """
+    equation.check_count(zones)
+    if sizes is None:
+        sizes = first_sizes(equation, zones, tolerance)
+    if sizes.solves == 0:
+        look_at(equation, zones)
+    kernel = equation.kernel
+    jumps = equation.forcing.jumps_within(zones, kernel)
+    samples = modes.sample(
+        equation.forcing,
+        zones,
+        jumps,
+        sizes.own,
+        tolerance,
+        modes.most_own(zones) if largest is None else largest,
+    )
+    sizes.own = samples.own
+    sizes.profile_evaluations += samples.evaluations
+    while True:
+        m = modes.coupled(zones, kernel, tolerance, sizes.least)
+        unknowns = int(np.sum(m + 1))
+        lacking = (
+            "a matrix is asked for"
+            if direct
+            else unfit(equation, zones)
+            if unknowns > MANY_UNKNOWNS
+            else "too few of them"
+        )
+        if lacking and unknowns > MOST_UNKNOWNS:
+            raise TooLarge(
+                f"{len(zones)} zones with {unknowns} unknowns are too many for a matrix, and for fast sums {lacking}"
+            )
+        state = (_solve_once if lacking else _solve_iterated)(
+            equation, zones, m, samples, jumps, sizes
+        )
+        more = more_modes(state, state.tails, tolerance)
+        if more is None:
+            return state
+        sizes.least = more
+
+
+def more_modes(state: State, tails: Array, tolerance: float) -> Index | None:
+    """Coupled modes to solve with again, where their tails show that they are too few; None where
+    they are enough, or need not tell.
+
+    Each zone by itself: what one asks for would cost all of them too much. An iteration leaves its
+    own error in all modes.
+    """
+    m, zones, panels = state.system.layout.m, state.system.zones, state.system.panels
+    kernel, sizes = state.equation.kernel, state.sizes
+    sizes.growth = (
+        modes.Growth.first(m, tails)
+        if sizes.growth is None
+        else sizes.growth.after(m, tails, sizes.own)
+    )
+    enough = max(modes.enough(kernel, tolerance), 10 * sizes.linear if state.iterated else 0.0)
+    few = (tails > np.maximum(enough, sizes.growth.floor)) & (m < modes.most(kernel))
+    if panels is not None and not any(
+        column.resolution.modes is None for column in state.equation.columns
+    ):
+        # Of the regular part nothing is left beyond these.
+        few &= m < panels.modes(zones.half)
+    if not state.equation.grows or not few.any():
+        return None
+    return np.where(
+        few, modes.COUPLED_SIZES[np.searchsorted(modes.COUPLED_SIZES[:-1], m, side="right")], m
+    )
+
+
+def _solve_once(
+    equation: Equation,
+    zones: Zones,
+    m: Index,
+    samples: modes.Samples,
+    jumps: ForcingJumps,
+    sizes: Sizes,
+) -> State:
+    system = System(equation, zones, m, samples.coefficients, jumps)
+    matrix, right, scale = _rows(equation, system)
+    if not all(np.all(np.isfinite(part)) for part in (samples.coefficients, right, matrix)):
+        raise SingularSystem(_not_finite(equation, system))
+    solver = Factored.of(matrix)
+    if (
+        _condition(solver, matrix) < _DEPENDENT
+        and _condition(Factored.of(rows := _even(matrix)), rows) < _DEPENDENT
+    ):
+        raise SingularSystem(_singular(equation))
+    folded = solver(right)
+    terms = np.hypot(root_of_squares(matrix, folded), right)
+    last = matrix[:, system.last_unknowns]
+    solver = replace(
+        solver,
+        size_of_rows=_size_of_rows(system, terms),
+        last=last,
+        rows=matrix if zones.follow_ends else None,
+    )
+    sizes.kernel_evaluations += matrix.size
+    return _state(system, solver, folded, matrix.shape[0] - len(scale), scale, samples, sizes)
+
+
+def _condition(solver: Factored, matrix: Array) -> float:
+    """Estimate of the reciprocal condition number of a matrix."""
+    found = (
+        lapack.dgecon(solver.lu, np.abs(matrix).sum(axis=0).max(initial=0.0))[0]
+        if np.isfinite(solver.lu).all()
+        else 0.0
+    )
+    return float(found)
+
+
+def _even(matrix: Array) -> Array:
+    """A matrix with rows, then columns, divided by their largest entry: kernels and columns may be
+    of any size.
+    """
+    for axis in (1, 0):
+        largest = np.abs(matrix).max(axis=axis, keepdims=True)
+        matrix = matrix / np.where(largest > 0, largest, 1.0)
+    return matrix
+
+
+def _singular(equation: Equation) -> str:
+    """That a system is singular, in words: with poles alone, only side conditions can make it so."""
+    if equation.kernel.grows or not equation.conditions:
+        return "the system is singular: some density is seen neither by the equation nor by the side conditions"
+    return "the system is singular: the side conditions depend on each other"
+
+
+def _not_finite(equation: Equation, system: System) -> str:
+    """Which of the functions of an equation is not finite on the zones, and where."""
+    zones, places = system.zones, [system.targets.x]
+    # The nodes of the right side, as many as zones have coefficients.
+    t = chebyshev.lobatto(max(16, system.g.shape[1] - 1))[0][1:-1]
+    places.append((zones.middle[:, None] + zones.half[:, None] * t).ravel())
+    x = np.concatenate(places)
+    for name, part in (
+        ("the right side", equation.forcing),
+        *((f"column {k}", c) for k, c in enumerate(equation.columns)),
+    ):
+        wrong = ~np.isfinite(np.asarray(part.value(x), dtype=float))
+        if wrong.any():
+            return f"{name} is not finite on the zones, as at x = {x[wrong][0]:.6g}"
+    return "the kernel's regular part, a primitive or a side condition is not finite on the zones, or numbers overflow"
+
+
+def _size_of_rows(system: System, terms: Array) -> Array:
+    """What rounding of the rows is counted in. Those of the equation come from values at nodes: of
+    these each row has the rounding, however small what it is about, as those of the highest modes.
+    """
+    rows = system.diagonal
+    zone = np.searchsorted(system.layout.offset, rows, side="right") - 1
+    count = np.maximum(np.bincount(zone, minlength=len(system.zones)), 1)
+    unit = max(float(terms.max(initial=0.0)), 1e-300)
+    squares = (terms / unit) ** 2
+    squares[: len(rows)] += (
+        np.bincount(zone, squares[: len(rows)], minlength=len(system.zones)) / count
+    )[zone]
+    return np.asarray(unit * np.sqrt(squares))
+
+
+def _solve_iterated(
+    equation: Equation,
+    zones: Zones,
+    m: Index,
+    samples: modes.Samples,
+    jumps: ForcingJumps,
+    sizes: Sizes,
+) -> State:
+    """By fast sums and iteration, starting from what the last solve on about these zones left."""
+    system = IterativeSystem(equation, zones, m, samples.coefficients, jumps, sizes.rough)
+    carried = (
+        sizes.carried
+        if sizes.carried is not None and len(sizes.carried.amplitudes) == system.layout.columns
+        else None
+    )
+    coarse = carried.coarse if carried is not None else None
+    if system.levelled and (coarse is None or not coarse.near(system)):
+        coarse = CoarseOperator(zones, system)
+    solver = Iterative(system, coarse, sizes.linear, sizes.value)
+    right = solver.right()
+    if not (np.all(np.isfinite(samples.coefficients)) and np.all(np.isfinite(right))):
+        raise SingularSystem(_not_finite(equation, system))
+    near = None if carried is None else carried.near(system)
+    folded = near if near is not None and sizes.start else solver(right, near)
+    if not np.all(np.isfinite(folded)):
+        raise SingularSystem(_singular(equation))
+    sizes.iterations += solver.iterations
+    sizes.kernel_evaluations += solver.iterations * system.sums.size
+    solver.tolerance = 0.0
+    state = _state(
+        system,
+        solver,
+        folded,
+        solver.equations,
+        np.ones(solver.size - solver.equations),
+        samples,
+        sizes,
+    )
+    sizes.carried = Carried.of(coarse, system, state.unknowns, {})
+    return state
+
+
+def _state(
+    system: System,
+    solver: Solver,
+    folded: Array,
+    conditions_from: int,
+    scale: Array,
+    samples: modes.Samples,
+    sizes: Sizes,
+) -> State:
+    y = system.symmetry.unfold(folded)
+    density = density_of(system, y)
+    sizes.solves += 1
+    top = coefficient_sizes(density, 1)
+    truncation = samples.tail / np.where(top > 0, top, 1.0)
+    tail = np.maximum(field_tails(system, y, density), system.source_tails)
+    if system.zones.symmetric:
+        tail = np.maximum(tail, tail[::-1])
+    left_over = solver.error if isinstance(solver, Iterative) else np.zeros(len(system.zones))
+    return State(
+        density,
+        system,
+        solver,
+        y,
+        folded,
+        conditions_from,
+        scale,
+        truncation,
+        tail,
+        left_over,
+        sizes,
+    )
+
+
+def rows_of(state: State) -> Array:
+    """The rows that a state was solved with, over the kept unknowns."""
+    direct = state.direct
+    return (
+        direct.rows
+        if direct is not None and direct.rows is not None
+        else _rows(state.equation, state.system, state.condition_scale)[0]
+    )
+
+
+def _rows(
+    equation: Equation, system: System, scale: Array | None = None
+) -> tuple[Array, Array, Array]:
+    """Rows of the equation and of the side conditions over the kept unknowns; conditions scaled to
+    size one.
+    """
+    matrix, right = system.equation_rows()
+    rows, values = condition_rows(equation, system, system.layout.size)
+    if scale is None:
+        scale = np.abs(rows).max(axis=1, initial=0.0)
+        if np.any(scale == 0):
+            raise SingularSystem("a side condition does not depend on the density")
+    matrix = system.symmetry.fold(np.concatenate((matrix, rows / scale[:, None])))
+    return matrix, np.concatenate((right, values / scale)), scale
