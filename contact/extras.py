@@ -85,8 +85,10 @@ def other_package() -> str:
     except metadata.PackageNotFoundError:
         return ""
     return (
-        f"contact {other}, another project, is installed beside sie-contact, and both are imported as `contact`: "
-        "keep one of them in an environment (pip uninstall contact; pip install --force-reinstall --no-deps sie-contact)"
+        f"contact {other}, another project, is installed beside sie-contact, and both are imported "
+        "as `contact`: "
+        "keep one of them in an environment (pip uninstall contact; pip install --force-reinstall "
+        "--no-deps sie-contact)"
     )
 
 

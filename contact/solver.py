@@ -205,10 +205,11 @@ def _run(context: SolveContext) -> Solution:
 
 
 def _found(context: SolveContext) -> Outcome:
-    """The contact of the context's scene, on a branch where the law has several equilibria."""
-    if context.follows_branch:
-        return require("contact.adhesion.branch").found(context)  # type: ignore[no-any-return]
-    return found(context)
+    """The contact of a scene: by the law's own module, on a branch of equilibria, or by search."""
+    module = context.scene.law.routes.module
+    if module is None and context.follows_branch:
+        module = "contact.adhesion.branch"
+    return found(context) if module is None else require(module).found(context)
 
 
 def _features(scene: Scene) -> float:

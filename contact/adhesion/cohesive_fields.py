@@ -191,7 +191,7 @@ class PulledGapFields(GapFields):
 
     @property
     def cohesive(self) -> Array:  # type: ignore[override]
-        units, first = self.problem.units, float(self.density.zones.middle[0])
+        units, first = self.problem.units, float(self.gap_slope.zones.middle[0])
         return np.asarray(units.x(np.array([[first, first + self.period]])))
 
     @property

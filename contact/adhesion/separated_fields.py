@@ -10,8 +10,7 @@ from numpy.typing import ArrayLike
 
 from contact.adhesion.deformed_profile import Pulled
 from contact.adhesion.uniform_tension import Tension
-from contact.formulation.energy import AttractedFields
-from contact.formulation.fields import mean_shape
+from contact.formulation.fields import NoZones, mean_shape
 from contact.formulation.problem import Problem
 from contact.formulation.quadrature import cuts_between, panels
 from sie import Array, record, wrapped
@@ -65,7 +64,7 @@ def _integral(
 
 
 @record
-class LooseFields(AttractedFields):
+class LooseFields(NoZones):
     """pulled: with the tension that acts; problem: the same with the scene's law; level: minus the
     scaled approach. The stiffness is not told: the tension's ends move with the approach.
     """
@@ -73,6 +72,8 @@ class LooseFields(AttractedFields):
     problem: Problem
     pulled: Pulled
     level: float
+    pressure_bound = max_pressure = contact_fraction = 0.0
+    stiffness = None
 
     @property
     def tension(self) -> Tension:

@@ -21,7 +21,7 @@ from contact.formulation.problem import Problem
 from contact.formulation.roots import maximum
 from contact.formulation.units import Units
 from contact.model.scene import Scene
-from sie import Array, nearest_image
+from sie import Array, Index, nearest_image
 
 # Angles at which the highest pressure is looked for.
 _LOOKS = 64
@@ -37,11 +37,12 @@ class DirectFields(ZoneFields):
 
     scene: Scene
     ends: Ends
-    # Its ends have no more digits than their places.
-    cut_off = None  # type: ignore[assignment]
 
     def __init__(self, scene: Scene, ends: Ends) -> None:
         self.__dict__.update(scene=scene, ends=ends, amplitude_rate=0.0)
+
+    def end_remainders(self, table: Array, order: Index) -> Array | None:
+        return None  # the ends have no more digits than their places
 
     def __getstate__(self) -> dict[str, Any]:
         return {"scene": self.scene, "ends": self.ends, "amplitude_rate": 0.0}

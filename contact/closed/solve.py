@@ -68,8 +68,9 @@ def sheets(scene: Scene) -> Iterator[Sheet]:
 def _asks_no_more(law: Law, E_star: float) -> bool:
     """Whether all that a law asks for is a pressure that pushes, and vanishes at the ends."""
     return (
-        law.convex
-        and not law.pulls
+        law.routes.module is None
+        and law.equilibria.unique
+        and not law.pressure_range.has_tension
         and law.intensity(E_star) == 0.0
         and type(law).fault is Law.fault
     )

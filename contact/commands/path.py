@@ -115,7 +115,7 @@ def path_command(
     control, values = _values(
         problem, {"loads": loads, "pressures": pressures, "approaches": approaches}, back
     )
-    if no_events and problem.law.pulls:
+    if no_events and problem.law.pressure_range.has_tension:
         raise SceneError.of(
             "--no-events",
             True,
@@ -170,7 +170,7 @@ def _values(scene: Scene, given: Mapping[str, str | None], back: bool) -> tuple[
         raise SceneError(f"--loads is missing, or one of {others}", "loads")
     text = given[names[0]] or ""
     values = values_of(f"--{names[0]}", text)
-    if not scene.law.pulls:
+    if not scene.law.pressure_range.has_tension:
         # Without adhesion there is no contact at zero load.
         values = values[values != 0]
         if not values.size:

@@ -72,7 +72,7 @@ def solved(
         getattr(previous.scene, part) == getattr(scene, part) for part in _PARTS
     )
     with unwarned():
-        warm_start = previous if same_parts and not scene.law.pulls else None
+        warm_start = previous if same_parts and not scene.law.pressure_range.has_tension else None
         solution = solve(scene, tol=tol, near=warm_start, branch=branch)
     return drawn(solution, time.perf_counter() - start, points)
 
@@ -182,7 +182,7 @@ def load_curve(scene: Scene, control: Handle, tol: float, branch: str) -> Iterat
     spaced = np.geomspace if control.log else np.linspace
     values = spaced(control.low, control.high, OPTIONS.curve_points)
     # Under adhesion each value is solved by itself, on the chosen branch.
-    curve = None if scene.law.pulls else Curve(scene, name, tol)
+    curve = None if scene.law.pressure_range.has_tension else Curve(scene, name, tol)
     for value in values:
         try:
             with unwarned():

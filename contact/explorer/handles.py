@@ -127,8 +127,8 @@ def _control(scene: Scene, solution: Solution | None) -> Handle:
     key = f"control.{name}"
     if held is not None and held.quantity is Quantity.WIDTH:
         return _between(key, value, min(0.005, value), 1.0)
-    if scene.law.pulls and scene.control_object.signed(scene):
-        known = solution is not None and scene.law.bare is not None
+    if scene.law.pressure_range.has_tension and scene.control_object.signed(scene):
+        known = solution is not None and scene.law.equilibria.several
         pull_off = solution.pull_off if solution is not None and known else None
         pull = getattr(pull_off, name, None) if pull_off is not None else None
         reach = max(abs(value), abs(pull or 0.0)) or scene.E_star * 1e-6

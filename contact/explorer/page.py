@@ -129,9 +129,9 @@ class Explorer:
         """Start a new scene with its sliders and first frame; tables: those of its file."""
         self.base, self.tables = scene, tables or {}
         self.moved, self.known, self.frame = {}, handles(scene), None
-        self.branch.visible = scene.law.pulls
+        self.branch.visible = scene.law.pressure_range.has_tension
         self._show()
-        if self.frame is not None and scene.law.pulls:
+        if self.frame is not None and scene.law.pressure_range.has_tension:
             self.known = handles(scene, self.frame.solution)
         self.sliders.objects = [self._slider(handle) for handle in self.known]
 

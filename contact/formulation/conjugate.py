@@ -169,8 +169,10 @@ class Conjugate(sie.Kept):
             at, told, wanted = (float(values[worst]) for values in (x, here, there))
             less = ", less the logarithms of the kinks," if len(self.kinks) else ""
             raise SceneError(
-                f"slope_conjugate disagrees with the slope: at x = {at:.6g} m it is {told:.6g}{less} "
-                f"and (1/L) PV int f'(xi) cot(pi (x - xi)/L) dxi is {wanted:.6g}; put it right or leave it out",
+                f"slope_conjugate disagrees with the slope: at x = {at:.6g} m it is "
+                f"{told:.6g}{less} "
+                f"and (1/L) PV int f'(xi) cot(pi (x - xi)/L) dxi is {wanted:.6g}; put it right or "
+                "leave it out",
                 "profile",
                 self.profile,
             )
@@ -300,13 +302,17 @@ def _limit_of_series(x: Array, smooth: Array, size: Array, settled: bool) -> str
     last, before = (float(np.sqrt(np.mean(size[k : 2 * k] ** 2))) for k in (n // 2, n // 4))
     if settled or last >= _STILL * before:
         return (
-            f"the slope of the profile is known to {last * np.sqrt(len(x)):.1e} only, as where it is derived from heights "
+            f"the slope of the profile is known to {last * np.sqrt(len(x)):.1e} only, as where it "
+            "is derived from heights "
             "that carry a large constant, or where places are counted from far away"
         )
     steps = np.abs(np.diff(smooth, append=smooth[:1]))
     at = int(np.argmax(steps))
     if steps[at] > _OPTIONS.stands_out * float(np.median(steps)):
-        return f"the slope jumps by {steps[at]:.3g} at x = {x[at]:.6g} m, and kinks of the profile does not say so"
+        return (
+            f"the slope jumps by {steps[at]:.3g} at x = {x[at]:.6g} m, and kinks of the profile "
+            "does not say so"
+        )
     return (
         f"the slope, but for the jumps that are declared, varies over less than {x[1] - x[0]:.1e} m"
     )

@@ -8,45 +8,16 @@ that logarithms there cost no digits. The nodes are doubled until nothing change
 """
 
 from collections.abc import Callable
-from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from contact.formulation.fields import NoZones, ZoneFields
+from contact.formulation.fields import ZoneFields
 from contact.formulation.full_contact import ApartFields, FullFields
 from contact.formulation.gaps import GapFields
-from contact.formulation.problem import Problem
+from contact.formulation.protocol import Fields
 from contact.formulation.quadrature import panels, sides
 from sie import Array, wrapped
 
-
-class AttractedFields(NoZones):
-    """Surfaces that attract each other without touching, as a law of a finite range has them.
-
-    The law's own room fills it in.
-    """
-
-    problem: Problem
-    pressure_bound = max_pressure = contact_fraction = 0.0
-    stiffness = None
-    load: float
-    approach: float | None
-    mean_gap: float
-    borne_beside: float
-
-    def pressure(self, x: ArrayLike) -> Array:
-        raise NotImplementedError
-
-    def gap(self, x: ArrayLike) -> Array:
-        raise NotImplementedError
-
-    def displacement(self, x: ArrayLike) -> Array:
-        raise NotImplementedError
-
-
-# What a solution reads, in SI units; zones are counted as the fields have them.
-Fields: TypeAlias = "ZoneFields | GapFields | FullFields | ApartFields | AttractedFields"
 # Nodes of a zone to begin with; changes that are none, over the sum of all moduli; how many nodes
 # at most.
 _NODES = 32

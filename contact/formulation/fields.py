@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -19,35 +19,37 @@ from contact.formulation.roots import maximum, reaches
 from contact.model.profiles.derive import detail_of
 from sie import Array, Index, Mask, nearest_image, record, wrapped
 
-# Zones at the most that the highest pressure is looked for in, below the sampling.
-_PEAKS = 16
-# Tolerance of what a nominal pressure does to the stiffness.
-_OF_STIFFNESS = 1e-10
-# How far from the zones a half-line is looked at closely, and at all, in units of what the zones
-# span.
-_FAR = 1e3
-_FARTHEST = 1e12
-_FAR_POINTS = 512
-# Panels of a gap at the most.
-_MOST_PANELS = 4000
-# Of rates for a guess: the tolerance of an iteration; zones of which the level is read.
-ROUGHLY = 1e-4
-_STANDING = 16
-# Over what the error of a density makes of the gap on its zones; and over the shape, what nobody
-# takes for a contradiction.
-_MARGIN = 100.0
-_OF_SHAPE = 1e-6
+EPS = float(np.finfo(np.float64).eps)
+
+
+@dataclass(frozen=True)
+class FieldOptions:
+    """Where the fields of a contact are sampled, and to what tolerance they are solved again."""
+
+    peak_zones: int = 16  # zones whose pressure is followed between samples for the highest one
+    far_from: float = 1e3  # half-lines are sampled closely up to this many spans of the zones,
+    far_to: float = 1e12  # and on a logarithmic scale up to this many
+    far_samples: int = 512
+    max_gap_panels: int = 4000  # of a quadrature over one gap
+    solve_tolerance: float = 1e-13  # of solutions on the same zones: round-off x condition
+    guess_tolerance: float = 1e-4  # of rates that only start a search
+    rounding_samples: int = 32  # ends of zones at which rounding of the shape is measured
+
+
+OPTIONS = FieldOptions()
 
 
 class NoZones(sie.Kept):
     """What is the same of all fields without zones, and so without anything that acts beside them."""
 
-    loads = np.zeros(0)
+    loads = levels = np.zeros(0)
     zone_table = cohesive = np.zeros((0, 2))
-    widening_rate = 0.0
+    widening_rate = gap_rounding = borne_beside = 0.0
     pressure_bound = math.inf
+    tilt = moment = rotational_stiffness = None
 
-    cut_off = None
+    def end_remainders(self, table: Array, order: Index) -> Array | None:
+        return None
 
     def pressure_at(self, zone: int, t: ArrayLike) -> Array:
         raise IndexError("there are no zones: use pressure(x)")
@@ -103,7 +105,6 @@ class ZoneFields(sie.Kept):
     state: sie.AnyState = field(repr=False)
     amplitude_rate: float = 0.0
     centring: float = 0.0
-    relief = None
     pressure_bound = math.inf
     # Nothing acts beside the contact: intervals where something does (m, 2) [m], and the scaled int
     # p (F - gap) dx there.
@@ -122,6 +123,11 @@ class ZoneFields(sie.Kept):
     @cached_property
     def density(self) -> sie.AnyDensity:
         return self.state.density
+
+    @property
+    def solved_zones(self) -> sie.Zones:
+        """The intervals of the unknown, scaled: the zones."""
+        return self.density.zones
 
     @cached_property
     def levels(self) -> Array:
@@ -158,7 +164,9 @@ class ZoneFields(sie.Kept):
         rate = self.centring - float(state.level_rates(values).mean())
         if self.amplitude_rate:
             rate -= self.amplitude_rate * float(
-                by_nominal_pressure(self.problem, self.density.zones, _OF_STIFFNESS).levels.mean()
+                by_nominal_pressure(
+                    self.problem, self.density.zones, OPTIONS.solve_tolerance
+                ).levels.mean()
             )
         if self.density.zones.follow_ends:
             k = np.array(state.response(state.values()).intensities)
@@ -195,7 +203,9 @@ class ZoneFields(sie.Kept):
         zones, wanted = self.density.zones, self.problem.end.intensity
         assert wanted
         whole = sie.Zones.of(zones.table, self.problem.end, self.problem.end)
-        state = sie.solve_zones(self.problem.equation(Load(self.density.total)), whole, 1e-13).whole
+        state = sie.solve_zones(
+            self.problem.equation(Load(self.density.total)), whole, OPTIONS.solve_tolerance
+        ).whole
         rates = sie.end_rates(state)
         matrix = rates.intensities
         if yields is not None:
@@ -220,7 +230,9 @@ class ZoneFields(sie.Kept):
         total, breaks = 0.0, self.problem.forcing.jumps.broken_at
         for lo, hi, _, _ in self.open_intervals():
             x, weights = panels(
-                cuts_between(lo, hi, max(0.5 * self.spacing, (hi - lo) / _MOST_PANELS), breaks)
+                cuts_between(
+                    lo, hi, max(0.5 * self.spacing, (hi - lo) / OPTIONS.max_gap_panels), breaks
+                )
             )
             total += float(self.scaled_gap(x) @ weights)
         return total / self.problem.repeat_length * units.height
@@ -230,7 +242,7 @@ class ZoneFields(sie.Kept):
         """Scaled, of all periods: by the compression of a substrate with a base; else 0."""
         return self.problem.compression * self.density.total / self.problem.repeat_length
 
-    def cut_off(self, table: Array, order: Index) -> Array | None:
+    def end_remainders(self, table: Array, order: Index) -> Array | None:
         """What rounding has cut off the ends [m] that the rows of a table are, of the zones in this
         order; None where they have no more digits than their positions.
         """
@@ -249,8 +261,8 @@ class ZoneFields(sie.Kept):
         ).reshape(table.shape)
         return np.asarray(left + rest)
 
-    # scaled
-    # -----------------------------------------------------------------------------------------------------------
+    # Functions of scaled places.
+
     def inside(self, x: Array) -> Mask:
         """Whether scaled points lie in a zone."""
         return self.density.locate(x)[2]
@@ -327,12 +339,11 @@ class ZoneFields(sie.Kept):
     def gap_rounding(self) -> float:
         """What rounding may do to a scaled gap."""
         ends = np.concatenate((self.density.zones.a, self.density.zones.b))
-        return 64 * 2.2e-16 * self._largest_shape + 8 * self.problem.shape_rounding(
-            ends[:: max(1, len(ends) // 32)]
-        )
+        some = ends[:: max(1, len(ends) // OPTIONS.rounding_samples)]
+        return 64 * EPS * self.largest_shape + 8 * self.problem.shape_rounding(some)
 
     @cached_property
-    def _largest_shape(self) -> float:
+    def largest_shape(self) -> float:
         """On the zones the displacement is the shape less the level: no more than both of them
         together.
         """
@@ -340,15 +351,6 @@ class ZoneFields(sie.Kept):
         return float(np.abs(self.problem.shape(np.concatenate((zones.a, zones.b)))).max()) + abs(
             self.level
         )
-
-    @property
-    def gap_error(self) -> float:
-        """What the error of the density may make of the scaled gap on the zones, with a margin:
-        more is another equation's.
-        """
-        state, zones = self.state, self.density.zones
-        moved = state.density_error * state.size * float((zones.b - zones.a).sum())
-        return _MARGIN * (moved + self.gap_rounding) + _OF_SHAPE * self._largest_shape
 
     def open_intervals(self) -> Iterator[tuple[float, float, bool, bool]]:
         """Scaled intervals without contact: (from, to, starts at a zone, ends at a zone);
@@ -369,7 +371,7 @@ class ZoneFields(sie.Kept):
                 yield last, first + problem.period, True, True
             return
         else:
-            reach = _FAR * (last - first)
+            reach = OPTIONS.far_from * (last - first)
             lo, hi = self._known
             lo, hi = (
                 lo if np.isfinite(lo) else first - reach,
@@ -400,14 +402,14 @@ class ZoneFields(sie.Kept):
             return
         zones, (lo, hi) = self.density.zones, self._known
         first, last = float(zones.a[0]), float(zones.b[-1])
-        away = (last - first) * np.geomspace(_FAR, _FARTHEST, _FAR_POINTS)
+        away = (last - first) * np.geomspace(OPTIONS.far_from, OPTIONS.far_to, OPTIONS.far_samples)
         if not np.isfinite(lo):
             yield first - away[::-1]
         if not np.isfinite(hi):
             yield last + away
 
-    # SI
-    # ---------------------------------------------------------------------------------------------------------------
+    # Functions of x [m].
+
     def _scaled(self, x: ArrayLike) -> Array:
         # Into the period about the zones, so that the density, the strip and the kinks are met
         # where they were solved: the scene's, which a strip's density does not have.
@@ -444,12 +446,11 @@ class ZoneFields(sie.Kept):
         """(how far the ends move outward, scaled (n, 2), by how much the gap at places x opens) as
         the load grows by a factor of e, for a guess: by iteration to a few digits only.
         """
-        response = self.state.response(self.state.values(), ROUGHLY)
+        response = self.state.response(self.state.values(), OPTIONS.guess_tolerance)
         zones, load = self.density.zones, self.density.total
-        standing = zones.middle[:: max(1, len(zones) // _STANDING)]
-        places = np.concatenate((standing, x))
+        places = np.append(zones.middle[0], x)
         sunk = self._with_columns(places, response.potential(places), response.amplitudes)
-        opens = sunk[len(standing) :] - sunk[: len(standing)].mean()
+        opens = sunk[1:] - sunk[0]
         return moved_ends(self.state, 0, response).T * load, np.asarray(opens * load)
 
     @property
@@ -478,7 +479,7 @@ class ZoneFields(sie.Kept):
         if problem.moment is None:
             whole = replace(density.zones, symmetric=False)
             equation = replace(problem, moment=self.scaled_moment).equation(Load(density.total))
-            state = sie.solve_zones(equation, whole, 1e-14)
+            state = sie.solve_zones(equation, whole, OPTIONS.solve_tolerance)
         else:
             state = self.state
         values = np.zeros(len(state.condition_scale))
@@ -512,7 +513,10 @@ class ZoneFields(sie.Kept):
         density = self.density
         if any(end.intensity is None for end in (*density.zones.left, *density.zones.right)):
             left, right = density.intensities
-            if max(left.max(), right.max()) > 1e-12 * np.abs(density.coefficients).max():
+            if (
+                max(left.max(), right.max())
+                > OPTIONS.solve_tolerance * np.abs(density.coefficients).max()
+            ):
                 return np.inf
         if np.any((density.jumps.height > 0) & (density.jumps.order == 0)):
             return np.inf
@@ -522,7 +526,7 @@ class ZoneFields(sie.Kept):
             theta = (np.arange(n) + 0.5) * np.pi / n
             values = density.at(group[:, None], *sides(theta))
             reach[group], peak = reaches(values).max(axis=1), max(peak, float(values.max()))
-        zones = np.argsort(reach)[-_PEAKS:]
+        zones = np.argsort(reach)[-OPTIONS.peak_zones :]
         highest = max(
             self._highest_on(int(zone), int(counts[zone])) for zone in zones[reach[zones] >= peak]
         )

@@ -43,7 +43,7 @@ class FullLimit(sie.Kept):
     def __init__(self, profile: Profile, E_star: float, operator: Operator, law: Law) -> None:
         self.profile, self.E_star, self.operator, self.law = profile, E_star, operator, law
         self.approached = operator.is_periodic and profile.support is None
-        self.told = self.approached and operator.has_inverse and law.full_contact
+        self.told = self.approached and operator.has_inverse and law.routes.full_contact
         # Where the slope jumps down, no load closes the valley.
         self.possible = self.told and not np.any(profile.kinks[:, 1] < 0)
 
@@ -114,6 +114,10 @@ class FullFields(NoZones):
     relief: Callable[[Array], Array]
     mean_height: float
     contact_fraction, mean_gap = 1.0, 0.0
+
+    @property
+    def levels(self) -> Array:  # type: ignore[override]
+        return np.array([-self.approach / self.problem.units.height])
 
     @property
     def approach(self) -> float:

@@ -29,7 +29,7 @@ from numpy.typing import ArrayLike
 
 import sie
 from contact.formulation import zone_loads
-from contact.formulation.fields import ROUGHLY, mean_shape, moved_ends
+from contact.formulation.fields import EPS, OPTIONS, mean_shape, moved_ends
 from contact.formulation.problem import Problem
 from contact.formulation.relief import ScaledRelief
 from contact.formulation.roots import maximum
@@ -52,19 +52,26 @@ class GapFields(sie.Kept):
     mean: float
     relief: ScaledRelief
     pressure_bound = math.inf
-    cut_off = None
-    # As for `ZoneFields`: nothing acts beside the contact.
     cohesive = np.zeros((0, 2))
     borne_beside = 0.0
+    tilt = moment = rotational_stiffness = None
+
+    def end_remainders(self, table: Array, order: Index) -> Array | None:
+        return None
 
     def __getstate__(self) -> dict[str, Any]:
         kept = {name: value for name, value in super().__getstate__().items() if name != "state"}
-        return kept | {"density": self.density, "stiffness": self.stiffness}
+        return kept | {"gap_slope": self.gap_slope, "stiffness": self.stiffness}
 
     @cached_property
-    def density(self) -> sie.Density:
+    def gap_slope(self) -> sie.Density:
         """Slope of the gap on the gaps."""
         return self.state.whole.density
+
+    @property
+    def solved_zones(self) -> sie.Zones:
+        """The intervals of the unknown, scaled: the gaps."""
+        return self.gap_slope.zones
 
     @property
     def period(self) -> float:
@@ -73,24 +80,24 @@ class GapFields(sie.Kept):
     @cached_property
     def zones(self) -> Array:
         """Scaled contact zones, between the gaps."""
-        gaps = self.density.zones
+        gaps = self.gap_slope.zones
         return gaps_between(gaps.table, self.period)
 
-    # scaled
-    # -----------------------------------------------------------------------------------------------------------
+    # Functions of scaled places.
+
     def formal_gap(self, x: Array) -> Array:
         """Scaled, whatever its sign: the integral of its slope."""
-        return np.asarray(self.density.integral(x))
+        return np.asarray(self.gap_slope.integral(x))
 
     def formal_pressure(self, x: Array) -> Array:
         """Scaled, whatever its sign: pbar - R + G s where there is contact, zero in the gaps."""
-        inside = self.density.locate(x)[2]
+        inside = self.gap_slope.locate(x)[2]
         with np.errstate(invalid="ignore"):
             return np.where(inside, 0.0, self.bearing(x))
 
     def bearing(self, x: Array) -> Array:
         """pbar - R + G s wherever it is asked for."""
-        return np.asarray(self.mean - self.relief(x) + self.density.transform(x))
+        return np.asarray(self.mean - self.relief(x) + self.gap_slope.transform(x))
 
     def pressure_in(self, zone: int | Index, left: Array, right: Array) -> Array:
         """Scaled pressure at distances over the half width from the ends of contact zones."""
@@ -102,8 +109,8 @@ class GapFields(sie.Kept):
         nearer, kept = half * np.minimum(left, right), np.where(left <= right, x - a, b - x)
         return np.asarray(self.bearing(x) * np.sqrt(nearer / np.where(kept > 0, kept, np.inf)))
 
-    # SI
-    # ---------------------------------------------------------------------------------------------------------------
+    # Functions of x [m].
+
     @property
     def zone_table(self) -> Array:
         """Ends of the zones [m] (n, 2)."""
@@ -123,7 +130,7 @@ class GapFields(sie.Kept):
 
     def rates(self, x: Array) -> tuple[Array, Array]:
         """See `ZoneFields.rates`."""
-        response = self.state.response(self.state.values(), ROUGHLY)
+        response = self.state.response(self.state.values(), OPTIONS.guess_tolerance)
         return self._of_zones(moved_ends(self.state, 0, response)), np.asarray(
             response.whole.integral(x) * self.mean
         )
@@ -141,7 +148,7 @@ class GapFields(sie.Kept):
 
     def gap(self, x: ArrayLike) -> Array:
         scaled = self.problem.units.scaled(np.asarray(x, dtype=float))
-        return np.maximum(self.density.integral(scaled), 0.0) * self.problem.units.height
+        return np.maximum(self.gap_slope.integral(scaled), 0.0) * self.problem.units.height
 
     def displacement(self, x: ArrayLike) -> Array:
         """u = approach - f + gap."""
@@ -150,7 +157,7 @@ class GapFields(sie.Kept):
 
     @property
     def contact_fraction(self) -> float:
-        gaps = self.density.zones
+        gaps = self.gap_slope.zones
         return 1.0 - float((gaps.b - gaps.a).sum()) / self.period
 
     @cached_property
@@ -165,13 +172,13 @@ class GapFields(sie.Kept):
     @cached_property
     def loads(self) -> Array:
         """Load of each contact zone [N/m]."""
-        rise = np.diff(self.density.potential(self.zones), axis=1)[:, 0]
+        rise = np.diff(self.gap_slope.potential(self.zones), axis=1)[:, 0]
         return zone_loads.loads(self.mean, self.relief, self.zones, rise) * self.problem.units.load
 
     @cached_property
     def max_pressure(self) -> float:
         tips = self.relief.at[self.relief.heights > 0]
-        if not np.all(self.density.locate(tips)[2]):
+        if not np.all(self.gap_slope.locate(tips)[2]):
             return np.inf
         x, value = self.samples
         highest = maximum(self.formal_pressure, x, value=value)[1]
@@ -188,15 +195,15 @@ class GapFields(sie.Kept):
         scaled pressure there).
         """
         x, relief = self.relief.samples
-        start = self.density.zones.a[0]
+        start = self.gap_slope.zones.a[0]
         turns = np.ceil((start - x) / self.period)
         first = int(np.argmin(x + turns * self.period))
         x, relief = (
             np.concatenate((part[first:], part[:first]))
             for part in (x + turns * self.period, relief)
         )
-        bears, value = ~self.density.locate(x)[2], np.zeros(len(x))
-        value[bears] = self.mean - relief[bears] + self.density.transform(x[bears])
+        bears, value = ~self.gap_slope.locate(x)[2], np.zeros(len(x))
+        value[bears] = self.mean - relief[bears] + self.gap_slope.transform(x[bears])
         return x, value
 
     @cached_property
@@ -230,9 +237,26 @@ class GapFields(sie.Kept):
         ) * self.problem.units.height - self.mean_gap
 
     @property
+    def levels(self) -> Array:
+        """Scaled minus-approach of each zone: one number, by construction."""
+        return np.full(len(self.zones), -self.approach / self.problem.units.height)
+
+    @property
+    def gap_rounding(self) -> float:
+        """Scaled effect of rounding on the gap, an integral of its slope."""
+        return 64 * EPS * float(self.gap_sizes.max())
+
+    @property
+    def gap_sizes(self) -> Array:
+        """A bound of the scaled gap in each interval, by its half width and its series."""
+        slope, gaps = self.gap_slope, self.gap_slope.zones
+        jumps = np.bincount(slope.jumps.zone, np.abs(slope.jumps.height), len(gaps))
+        return np.asarray(gaps.half * (np.abs(slope.coefficients).sum(axis=1) + jumps))
+
+    @property
     def mean_gap(self) -> float:
         """The gap vanishes at the ends, so its integral is minus the moment of its slope [m]."""
-        return -self.density.moment() / self.period * self.problem.units.height
+        return -self.gap_slope.moment() / self.period * self.problem.units.height
 
     @cached_property
     def stiffness(self) -> float:

@@ -29,6 +29,11 @@ def crowded() -> tuple[Array, Array]:
     return nodes, 0.5 * weight * 630 * (u * (1 - u)) ** 4
 
 
+def chebyshev_nodes(count: int) -> Array:
+    """cos((k + 1/2) pi / count), from right to left on (-1, 1)."""
+    return np.asarray(np.cos((np.arange(count) + 0.5) * np.pi / count))
+
+
 def sides(angle: Array) -> tuple[Array, Array]:
     """Distances of middle + half cos(angle) from the left and the right end of an interval, over
     its half width.

@@ -309,7 +309,7 @@ class Scene(sie.Kept):
             if asked not in part.allows:
                 allowed = f"left out: the controls of {part.name} are {', '.join(part.allows)}"
                 raise SceneError.of(control.name, control.value, allowed)
-        if control.name not in CONTROLS and not self.law.convex:
+        if control.name not in CONTROLS and not self.law.equilibria.unique:
             raise SceneError.of(
                 control.name,
                 control.value,

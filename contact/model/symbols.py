@@ -287,7 +287,10 @@ def checked(symbol: Callable[[Array], Array], q: Array, of: str) -> Array:
     if found.dtype.kind not in "iuf" or found.shape != q.shape or not np.all(np.isfinite(found)):
         at = ""
         if found.dtype.kind in "iuf" and found.shape == q.shape:
-            at = f" (not at q = {q[~np.isfinite(found)].ravel()[0]:.6g} 1/m: exponentials that grow overflow, those that fall do not)"
+            at = (
+                f" (not at q = {q[~np.isfinite(found)].ravel()[0]:.6g} 1/m: exponentials that grow "
+                "overflow, those that fall do not)"
+            )
         raise SceneError.of(name, value, f"real, finite, and of the shape of q{at}")
     if not np.all(found > 0):
         lowest = q.ravel()[np.argmin(found)]

@@ -169,7 +169,7 @@ class SolveContext:
     @property
     def follows_branch(self) -> bool:
         """Whether there are several equilibria, of which a branch is followed."""
-        return self.scene.law.bare is not None and self.scene.held(Quantity.HALF_WIDTH) is None
+        return self.scene.law.equilibria.several and self.scene.held(Quantity.HALF_WIDTH) is None
 
     def with_warm_start(self, solution: Solution | None) -> SolveContext:
         return replace(self, warm_start=solution)

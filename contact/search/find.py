@@ -33,7 +33,7 @@ def found(context: SolveContext) -> Outcome:
     way led to it.
     """
     scene = context.scene
-    if context.operator.is_plain and scene.law.convex and scene.given_fraction != 1.0:
+    if context.operator.is_plain and scene.law.equilibria.unique and scene.given_fraction != 1.0:
         refuse_below_plateau(scene)
     refuse_unbounded(scene)
     refused: Failure | None = None

@@ -14,7 +14,7 @@ from contact.search.strategies.gaps import tightened_gaps
 from contact.search.strategies.guesses import Outcome
 from contact.search.strategies.tightening import tightened
 from contact.search.topology.failure import Failure, attempted
-from contact.verify.error import SolvedGaps, SolvedZones, limit, limit_of_body, of_positions
+from contact.verify.error import SolvedGaps, SolvedZones, body_limit, limit, position_rounding
 
 # Zones of a lone body farther than so many times their span from the origin of places.
 _FAR_OFF = 64.0
@@ -145,11 +145,11 @@ def _is_rounding(context: SolveContext, found: SolvedZones) -> bool:
     """Whether rounding alone, of a solution that no iteration left an error in, is above the wanted
     error.
     """
-    if found.rounded or limit_of_body(
+    if found.rounded or body_limit(
         found.fields.problem, found.free.density.zones.table, context.tol
     ):
         return True
     end = found.fields.problem.end
     return not found.free.state.iterated and bool(
-        limit(found.free, 4 * context.tol, "zone", 4 * of_positions(found), end)
+        limit(found.free, 4 * context.tol, "zone", 4 * position_rounding(found), end)
     )

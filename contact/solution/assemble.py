@@ -30,7 +30,7 @@ from contact.solution.plan import Plan
 from contact.solution.quantities import PullOff
 from contact.solution.solution import Solution, limit_of_approach
 from contact.verify.certificate import Certificate, unresolved_gaps_note
-from contact.verify.error import SolvedGaps, SolvedZones, limit, limit_of_body, of_positions
+from contact.verify.error import SolvedGaps, SolvedZones, body_limit, limit, position_rounding
 from sie import Array
 
 
@@ -74,7 +74,7 @@ def zone_solution(
     )
     solution = replace(solution, branch=branch, find_pull_off=find_pull_off)
     beside = claimed.limit if claimed.error > found.error else found.main_cause
-    return _within(tol, solution, found.free, "zone", of_positions(found), beside)
+    return _within(tol, solution, found.free, "zone", position_rounding(found), beside)
 
 
 def gap_solution(scene: Scene, found: SolvedGaps, plan: Plan, tol: float) -> Solution:
@@ -108,7 +108,7 @@ def full_contact_solution(
     profile = scene.profile
     fields = FullFields(period_problem(scene), mean_pressure, full.relief, mean_height(scene))
     least = mean_pressure - full.relieved
-    left_out = 0 if scene.law.pulls else int(np.sum(profile.kinks[:, 1] < 0))
+    left_out = 0 if scene.law.pressure_range.has_tension else int(np.sum(profile.kinks[:, 1] < 0))
     certificate = Certificate(
         smallest_pressure=least,
         smallest_gap=None,
@@ -130,7 +130,10 @@ def full_contact_solution(
     error = 1e-13 + full.error / peak + claimed.error
     solution = Solution(scene, np.zeros((0, 2)), fields, error, certificate, plan, branch=branch)
     if error > tol:
-        why = f"the stated error {error:.2g} of full contact is above the tolerance {tol:.2g}: {claimed.limit or full.relief.limit}"
+        why = (
+            f"the stated error {error:.2g} of full contact is above the tolerance {tol:.2g}: "
+            f"{claimed.limit or full.relief.limit}"
+        )
         raise NotConverged(why, (), solution)
     return solution
 
@@ -161,7 +164,7 @@ def apart_solution(scene: Scene, problem: Problem, approach: float | None, plan:
 def _told_of_full(scene: Scene, least: float, left_out: int) -> str:
     if left_out:
         return f"full contact; {unresolved_gaps_note(left_out, 'the period')}"
-    if least >= 0.0 or not scene.law.pulls:
+    if least >= 0.0 or not scene.law.pressure_range.has_tension:
         return "full contact: the pressure is nowhere negative"
     if scene.law.tension:
         return "full contact, under tension in places: nowhere above what the surfaces pull with"
@@ -238,7 +241,7 @@ def _within(
     if solution.error > tol:
         fields = solution.fields
         body = (
-            limit_of_body(fields.problem, fields.density.zones.table, tol)
+            body_limit(fields.problem, fields.density.zones.table, tol)
             if isinstance(fields, ZoneFields)
             else ""
         )
@@ -249,7 +252,10 @@ def _within(
             or beside
             or limit(free, tol, of, positions, end, solution.error)
         )
-        told = f"the stated error {solution.error:.2g} is above the tolerance {tol:.2g}{': ' if why else ''}{why}"
+        told = (
+            f"the stated error {solution.error:.2g} is above the tolerance "
+            f"{tol:.2g}{': ' if why else ''}{why}"
+        )
         fault = "" if why else profile_fault(solution.scene, solution.zones)
         raise NotConverged(f"{told}; the best state is attached{fault}", solution.trace, solution)
     return solution

@@ -66,13 +66,15 @@ def _of_lengths(scene: Scene) -> tuple[str, ...]:
     told = f"a profile {quantity(length, 'm')} long"
     if not _LENGTHS[0] <= length <= _LENGTHS[1]:
         return (
-            f"{told} on E_star = {quantity(scene.E_star, 'Pa')} is not that of a surface: all lengths of a scene are in metres",
+            f"{told} on E_star = {quantity(scene.E_star, 'Pa')} is not that of a surface: all "
+            "lengths of a scene are in metres",
         )
     # From the lowest to the highest place it is no more than half of the slopes' integral.
     depth = 0.5 * profile.slope_sizes[1] * length
     if 0.0 < depth < _SHALLOWEST:
         return (
-            f"{told} is no deeper than {quantity(depth, 'm', 2)}, less than an atom: all lengths of a scene are in metres",
+            f"{told} is no deeper than {quantity(depth, 'm', 2)}, less than an atom: all lengths "
+            "of a scene are in metres",
         )
     return ()
 
@@ -81,7 +83,8 @@ def _of_modulus(scene: Scene) -> tuple[str, ...]:
     modulus, length = scene.E_star, _length(scene.profile)
     if modulus > _STIFFEST:
         return (
-            f"E_star = {modulus:.3g} Pa is that of no material, diamond's being 1.2e12 Pa: E_star is in pascals",
+            f"E_star = {modulus:.3g} Pa is that of no material, diamond's being 1.2e12 Pa: E_star "
+            "is in pascals",
         )
     if modulus < _SOFTEST and modulus != 1.0 and length is not None and length < _OF_NO_UNIT:
         told = f"E_star = {modulus:.3g} Pa on a length of {quantity(length, 'm')}"

@@ -201,12 +201,12 @@ def _inverse(scene: Scene) -> Part:
 
 def _branch(scene: Scene) -> Part:
     """Which of several equilibria: filled in as it is followed."""
-    if scene.law.bare is None:
+    if not scene.law.equilibria.several:
         return Part(
             "branch",
             False,
             f"{scene.law.name}: one equilibrium"
-            if scene.law.convex
+            if scene.law.equilibria.unique
             else f"{scene.law.name}: followed by none",
         )
     if scene.held(Quantity.HALF_WIDTH) is not None:

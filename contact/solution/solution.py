@@ -13,8 +13,9 @@ from numpy.typing import ArrayLike
 import sie
 from contact.errors import SceneError
 from contact.extras import require
-from contact.formulation.energy import Fields, elastic_energy
+from contact.formulation.energy import elastic_energy
 from contact.formulation.fields import ZoneFields
+from contact.formulation.protocol import Fields
 from contact.formulation.tables import in_cell
 from contact.model.checks import real
 from contact.model.controls import Quantity
@@ -185,17 +186,16 @@ class Solution(sie.Kept):
         very fine roughness, whose zones are narrow beside a unit in the last digit of their places,
         it is the ends zones + zone_remainders that `error` speaks of.
         """
-        return np.zeros(self.zones.shape) if self._cut_off is None else self._cut_off
+        return np.zeros(self.zones.shape) if self._remainders is None else self._remainders
 
     @cached_property
-    def _cut_off(self) -> Array | None:
-        told = self.fields.cut_off
-        return None if told is None else told(self.zones, self._order)
+    def _remainders(self) -> Array | None:
+        return self.fields.end_remainders(self.zones, self._order)
 
     @property
     def zone_widths(self) -> Array:
         """Width of each zone (n,) [m], off by at most 2 error of itself."""
-        widths, rest = self.zones[:, 1] - self.zones[:, 0], self._cut_off
+        widths, rest = self.zones[:, 1] - self.zones[:, 0], self._remainders
         return widths if rest is None else widths + np.diff(rest)[:, 0]
 
     @cached_property
@@ -259,16 +259,18 @@ class Solution(sie.Kept):
         apart. Parts of it may come apart before: it is where the last do.
         """
         law = self.scene.law
-        if law.bare is None or self.scene.held(Quantity.HALF_WIDTH) is not None:
-            what = f"the law {law.name}" if law.bare is None else "a given half width"
+        if not law.equilibria.several or self.scene.held(Quantity.HALF_WIDTH) is not None:
+            what = f"the law {law.name}" if not law.equilibria.several else "a given half width"
             raise SceneError(
-                f"there is no pull-off under {what}: it is that of adhesion under a load or an approach",
+                f"there is no pull-off under {what}: it is that of adhesion under a load or an "
+                "approach",
                 "pull_off",
             )
         if not isinstance(self.fields, ZoneFields):
             if law.tension:
                 raise SceneError(
-                    "pull-off is told of contact that is not nearly full: ask for it under a smaller load",
+                    "pull-off is told of contact that is not nearly full: ask for it under a "
+                    "smaller load",
                     "pull_off",
                 )
             return None
@@ -294,28 +296,19 @@ class Solution(sie.Kept):
         """By how much the body is turned [rad]: the gap at zero load is f(x) - tilt x; None for
         what repeats.
         """
-        return None if self._lone is None else self._lone.tilt
+        return self.fields.tilt if self.scene.interaction.turns else None
 
     @property
     def moment(self) -> float | None:
         """int p x dx, about x = 0 [N], off as the loads of the zones are at their distances; None
         for what repeats.
         """
-        return None if self._lone is None else self._lone.moment
+        return self.fields.moment if self.scene.interaction.turns else None
 
     @property
     def rotational_stiffness(self) -> float | None:
         """d moment / d tilt at the given load [N]; None for what repeats."""
-        return None if self._lone is None else self._lone.rotational_stiffness
-
-    @property
-    def _lone(self) -> ZoneFields | None:
-        """The fields of a body that may turn."""
-        return (
-            self.fields
-            if self.scene.interaction.turns and isinstance(self.fields, ZoneFields)
-            else None
-        )
+        return self.fields.rotational_stiffness if self.scene.interaction.turns else None
 
     @property
     def mean_gap(self) -> float | None:
@@ -398,6 +391,7 @@ def limit_of_approach(solution: Solution, tol: float) -> str:
     if rounding <= 0.1 * tol:
         return ""
     return (
-        f"a unit in the last digit of the approach is {rounding:.1e} of the load (condition {condition:.0e}): give a load, a mean "
+        f"a unit in the last digit of the approach is {rounding:.1e} of the load (condition "
+        f"{condition:.0e}): give a load, a mean "
         "pressure or a contact fraction"
     )

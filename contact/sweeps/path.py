@@ -87,9 +87,9 @@ def path(
             f"left out under {control}: it is that of a spring whose far end's approach is given",
         )
     name = control or ("load" if stiffness is None else "approach")
-    if scene.law.bare is not None:
+    if scene.law.equilibria.several:
         return adhesive_path(scene, values, tol, progress, name, stiffness)
-    if not scene.law.convex:
+    if not scene.law.equilibria.unique:
         raise SceneError.of(
             "law",
             scene.law.name,

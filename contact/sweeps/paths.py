@@ -23,6 +23,7 @@ from typing import Any
 import numpy as np
 
 from contact.errors import NotConverged, OutOfRange, unwarned, warn
+from contact.formulation.gaps import GapFields
 from contact.formulation.roots import maximum, smooth_root
 from contact.formulation.tables import centred_on, gaps_between
 from contact.model.scene import Scene
@@ -355,11 +356,11 @@ class _Condition:
         self.problem, self.of_gap = fields.problem, change.of_gap
         self.form = (
             PressureForm(self.problem)
-            if fields.relief is None
+            if not isinstance(fields, GapFields)
             else GapForm(self.problem, fields.relief)
         )
         # Zones (or gaps) by load: of each evaluation, and of a load next to the first by its rates.
-        load, table = fields.load / fields.problem.units.load, fields.density.zones.table
+        load, table = fields.load / fields.problem.units.load, fields.solved_zones.table
         self.tables: dict[float, Array] = {
             load: table,
             load * (1 + _OPTIONS.rate_step): table + _OPTIONS.rate_step * _moving(fields),
@@ -393,21 +394,21 @@ class _Condition:
         fields = self.form.formal(
             load, self.start(load), _OPTIONS.end_tolerance, _OPTIONS.truncation
         )
-        self.tables[load] = fields.density.zones.table
+        self.tables[load] = fields.solved_zones.table
         return fields
 
 
 def _moving(fields: Any) -> Array:
     """Rates of the ends of a state's zones (or gaps) per unit of log load, scaled, (n, 2)."""
     outward = fields.spreading / fields.problem.units.length
-    if fields.relief is None:
+    if not isinstance(fields, GapFields):
         return np.asarray(outward * (-1, 1))
     return np.column_stack((np.roll(outward[:, 1], 1), -outward[:, 0]))
 
 
 def _scaled(fields: Any, places: tuple[float, float]) -> tuple[float, float]:
     """Two places in scaled coordinates, in the same period as the fields' zones."""
-    zones, problem = fields.density.zones, fields.problem
+    zones, problem = fields.solved_zones, fields.problem
     middle = 0.5 * float(zones.a[0] + zones.b[-1])
     a, b = centred_on(np.array([problem.units.scaled(np.array(places))]), middle, problem.period)[
         0

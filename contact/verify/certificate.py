@@ -18,44 +18,30 @@ import sie
 from contact.formulation.controls import Control
 from contact.formulation.fields import ZoneFields
 from contact.formulation.full_contact import NARROWEST
-from contact.formulation.quadrature import sides
+from contact.formulation.quadrature import chebyshev_nodes, sides
 from contact.formulation.tables import runs_of
 from contact.model.parts import Told
-from contact.verify.minima import DIP_ROUNDING, Signs, lowest, signs_on
+from contact.verify.minima import SAMPLING, Signs, lowest, signs_on
+from contact.verify.tolerances import TOLERANCES
 from sie import Array, Index, Mask, record
 
-# Each zoom into a minimum narrows its bracket to a quarter at least.
-_ZOOMS = 7
-# Distances from a kink, over the half width, at which the pressure is looked at.
-_AWAY = np.geomspace(NARROWEST, 0.1, 37)
-
-# Normalised positions at which zones are looked at for what the gap comes to on them.
-_ON_ZONES = np.cos(np.pi * np.array([0.125, 0.375, 0.625, 0.875]))
-# Points in one gap at the most: where the profile's resolution asks for them, and where it is a
-# guess.
-_MOST_KNOWN = 2**17
-_MOST = 4000
-# A miss of the intensity beyond rounding, over what is wanted, or over what bends the surfaces,
-# where that is more.
-_INTENSITY = 1e-7
-# Points in a gap at the least. Beside an end about to move far the body may touch once more, nearer
-# to the end than the second point if they were half as many: in this part of the gap on either
-# side, that is; of many gaps, the rest has no more than half of them.
-_FEWEST = 48
-_BESIDE = 0.05
-# What sums of some hundred terms are rounded to, relative to the largest of them: no error is
-# stated below it.
-ROUNDING = 4e-14
+# Distances from a concave kink over the half width of its zone, at which the pressure is sampled.
+_KINK_DISTANCES = np.geomspace(NARROWEST, 0.1, SAMPLING.kink_distances)
 
 
 def _thinned() -> Array:
     """The least number of points in (0, 1), but in the middle every second one."""
     every, second = (
-        np.sin(0.5 * np.pi * (np.arange(n) + 0.5) / n) ** 2 for n in (_FEWEST, _FEWEST // 2)
+        np.sin(0.5 * np.pi * (np.arange(n) + 0.5) / n) ** 2
+        for n in (SAMPLING.min_gap_points, SAMPLING.min_gap_points // 2)
     )
-    beside = np.minimum(every, 1 - every) < _BESIDE
+    beside = np.minimum(every, 1 - every) < SAMPLING.dense_part
     return np.asarray(
-        np.sort(np.concatenate((every[beside], second[np.minimum(second, 1 - second) >= _BESIDE])))
+        np.sort(
+            np.concatenate(
+                (every[beside], second[np.minimum(second, 1 - second) >= SAMPLING.dense_part])
+            )
+        )
     )
 
 
@@ -127,6 +113,16 @@ NOT_CHECKED = Certificate(
 )
 
 
+def _allowed_gap(fields: ZoneFields) -> float:
+    """Largest scaled gap on the zones that the error of the density explains, with a margin."""
+    state, zones = fields.state, fields.density.zones
+    moved = state.density_error * state.size * float((zones.b - zones.a).sum())
+    return (
+        TOLERANCES.gap_margin * (moved + fields.gap_rounding)
+        + TOLERANCES.shape_mismatch * fields.largest_shape
+    )
+
+
 class Openings(NamedTuple):
     """Between the zones, scaled: the least gap, where surfaces overlap (n, 2), rounding of the gap,
     how many points were looked at; its minima; and what the gap comes to on the zones, where it is
@@ -147,7 +143,7 @@ def openings(fields: ZoneFields, few: float = 0.0) -> Openings:
     """
     zones = fields.density.zones
     # There the gap is zero: what it comes to is known of it no better anywhere.
-    places = (zones.middle[:, None] + zones.half[:, None] * _ON_ZONES).ravel()
+    places = (zones.middle[:, None] + zones.half[:, None] * chebyshev_nodes(4)).ravel()
     on_zones = float(np.quantile(np.abs(fields.formal_gap(places)), 1.0 - few))
     return Openings(*_gaps(fields, fields.gap_rounding + 2 * on_zones), on_zones)
 
@@ -167,52 +163,59 @@ def certify(
         signs.dip,
         _valleys(fields),
     )
-    if law.pulls:
+    if law.pressure_range.has_tension:
         pulls, valleys, left_out, dip = [], [], 0, np.inf
     new = [row for row in valleys if not any(lo < row[1] and row[0] < hi for lo, hi in pulls)]
     pressures = np.array(sorted([*pulls, *new])).reshape(-1, 2)
     gaps, overlaps, rounding, outside, minima, on_zones = openings(fields, few)
     units = fields.problem.units
     density = fields.density
-    size = fields.load_size if law.pulls else fields.problem.borne(density)
+    size = fields.load_size if law.pressure_range.has_tension else fields.problem.borne(density)
     balance = 0.0 if load is None else abs(density.total - load) / max(abs(load), size)
     turned = _moment_balance(fields)
     spread = float(np.ptp(fields.levels)) * units.height
     undecided = (gaps is not None and -rounding <= gaps <= 0.0) or (
-        dip <= DIP_ROUNDING and len(pressures) == 0
+        dip <= TOLERANCES.dip_rounding and len(pressures) == 0
     )
     holds = (
-        (least > 0 or law.pulls)
+        (least > 0 or law.pressure_range.has_tension)
         and len(new) == 0
         and len(overlaps) == 0
-        and balance < 1e-9
-        and (turned is None or turned < 1e-9)
+        and balance < TOLERANCES.balance
+        and (turned is None or turned < TOLERANCES.balance)
     )
     note = unresolved_gaps_note(left_out, "their zones") if left_out else ""
-    if not on_zones <= fields.gap_error:
+    if not on_zones <= _allowed_gap(fields):
         holds = False
-        note = f"on the zones, where it is zero, the gap comes to {on_zones * units.height:.1e} m: height and slope do not go together"
+        note = (
+            f"on the zones, where it is zero, the gap comes to {on_zones * units.height:.1e} m: "
+            "height and slope do not go together"
+        )
     missed = stability = None
-    if law.bare is not None:
+    if law.equilibria.several:
         missed = _missed(fields)
         name = "load" if held is None else held.name
         if held is None or held.half_width is None:
             stability = least_eigenvalue(
                 fields.second_variation(None if held is None else held.yields)
             )
-        if missed > _INTENSITY * max(1.0, fields.bending):
+        if missed > TOLERANCES.edge_condition * max(1.0, fields.bending):
             holds, note = False, f"an end misses its intensity by {missed:.1e}"
         elif stability is not None and not stability > 0.0:
             holds, note = (
                 False,
-                f"not stable under a held {name}: the second variation of the energy is not positive",
+                f"not stable under a held {name}: the second variation of the energy is not "
+                "positive",
             )
         else:
             told = (
                 "its ends are given" if stability is None else f"locally stable under a held {name}"
             )
             told = "all ends are held at sharp corners" if stability == np.inf else told
-            note = f"one of several equilibria: intensities at the ends, no overlap, balance, {told}{'; ' + note if note else ''}"
+            note = (
+                "one of several equilibria: intensities at the ends, no overlap, balance, "
+                f"{told}{'; ' + note if note else ''}"
+            )
     broken = Told("law.fault(fields, load)", "law").text(law.fault, fields, load)
     if broken:
         holds, note = False, f"{law.name}: {broken}"
@@ -288,7 +291,7 @@ def _pressures(fields: ZoneFields) -> Signs:
         scale = np.abs(np.where(finite, value, 0.0)).max(axis=1)
         return (
             np.where(finite, value, np.inf),
-            scale * np.clip(2 * noise[group], DIP_ROUNDING, 1e-6),
+            scale * np.clip(2 * noise[group], TOLERANCES.dip_rounding, 1e-6),
             scale,
         )
 
@@ -310,7 +313,7 @@ def _valleys(fields: ZoneFields) -> tuple[list[tuple[float, float]], int]:
     for x, i in zip(at[inside], zone[inside], strict=True):
         half = density.zones.half[i]
         left, right = (x - density.zones.a[i]) / half, (density.zones.b[i] - x) / half
-        away = np.concatenate((-_AWAY, _AWAY))
+        away = np.concatenate((-_KINK_DISTANCES, _KINK_DISTANCES))
         away = away[(away > -left) & (away < right)]
         pulls = away[density.at(np.full(len(away), i), left + away, right - away) < 0]
         if len(pulls) == 0:
@@ -344,7 +347,7 @@ def _gaps(fields: ZoneFields, rounding: float) -> tuple[float | None, Array, flo
         inner = np.flatnonzero(low & ((gap[1:-1] < bend) | (place[1:-1] >= near))) + 1
     minima = lowest(points, gap, np.flatnonzero(low & (gap[1:-1] > rounding)) + 1)
     lo, hi, found, values, places = points[inner - 1], points[inner + 1], [points], [gap], [place]
-    for _ in range(_ZOOMS if len(inner) else 0):
+    for _ in range(SAMPLING.zooms if len(inner) else 0):
         fine = lo[:, None] + (hi - lo)[:, None] * np.linspace(0, 1, 9)
         with np.errstate(over="ignore", invalid="ignore"):
             value = _finite(fields.formal_gap(fine.ravel())).reshape(fine.shape)
@@ -406,7 +409,7 @@ def _looked_at(fields: ZoneFields, intervals: list[tuple[float, float, bool, boo
     tips = np.searchsorted(fields.tips, hi, side="left") > np.searchsorted(
         fields.tips, lo, side="right"
     )
-    plain = between & ~tips & (4 * (hi - lo) / fields.spacing <= _FEWEST // 2)
+    plain = between & ~tips & (4 * (hi - lo) / fields.spacing <= SAMPLING.min_gap_points // 2)
     x = np.clip(
         lo[plain, None] + (hi - lo)[plain, None] * _THINNED, lo[plain, None], hi[plain, None]
     )
@@ -432,10 +435,16 @@ def _between(lo: float, hi: float, fields: ZoneFields, left_zone: bool, right_zo
         fields.is_bounded or (left_zone and right_zone)
     )
     asked = 4 * (hi - lo) / fields.spacing
-    n = int(np.clip(asked, _FEWEST, _MOST_KNOWN if known else _MOST))
+    n = int(
+        np.clip(
+            asked,
+            SAMPLING.min_gap_points,
+            SAMPLING.max_gap_points if known else SAMPLING.max_guessed_points,
+        )
+    )
     s = (np.arange(n) + 0.5) / n
     if left_zone and right_zone:
-        s = _THINNED if asked <= _FEWEST // 2 else np.sin(0.5 * np.pi * s) ** 2
+        s = _THINNED if asked <= SAMPLING.min_gap_points // 2 else np.sin(0.5 * np.pi * s) ** 2
     elif left_zone:
         s = np.append(s * s, 1.0)
     elif right_zone:

@@ -18,23 +18,11 @@ import sie
 from contact.formulation.fields import ZoneFields, moved_ends
 from contact.formulation.gaps import GapFields
 from contact.formulation.problem import Problem
-from contact.formulation.quadrature import sides
+from contact.formulation.quadrature import chebyshev_nodes, sides
 from contact.formulation.tables import located
-from contact.verify.certificate import ROUNDING, Solved
+from contact.verify.certificate import Solved
+from contact.verify.tolerances import EPS, TOLERANCES
 from sie import Array, record, wrapped
-
-# Beside a singular end the pressure is several times the mean, to which its error is referred.
-_SINGULAR = 8
-_EPS = 2.2e-16
-# Angles of a zone at which the pressure is looked at for its size.
-_LOOKS = 64
-# A zone wider than this many lengths of the kernel's smooth part is refused: its solution, of
-# 20,000 unknown values, takes more than 5 s. The time grows as the power 3/2 of the width.
-_MOST_LENGTHS = 3000.0
-# Of neglected modes what they may make of the pressure, and of rounding over the compliance that is
-# left: several times what layers of known contact have.
-_MODES = 5.0
-_CANCELLED = 4e-15
 
 
 @record
@@ -61,17 +49,19 @@ class SolvedZones(Solved):
             reference(density, problem.end, problem.borne(density)),
         )
         moved = float((ends[:, 0] * by_left + ends[:, 1] * by_right).max(initial=0.0)) / peak
-        on_zones = (_SINGULAR if singular else 1) * (
-            state.density_error * state.size / peak + ROUNDING
+        on_zones = (TOLERANCES.singular_end if singular else 1) * (
+            state.density_error * state.size / peak + TOLERANCES.rounding
         ) + _of_jumps(density) / peak
         error = max(
-            float(ends.max(initial=0.0)) + ROUNDING, of_positions(self) + ROUNDING, moved + on_zones
+            float(ends.max(initial=0.0)) + TOLERANCES.rounding,
+            position_rounding(self) + TOLERANCES.rounding,
+            moved + on_zones,
         ) + _of_body(self)
         if self.control.approach is None:
             return error
         # A stiff contact turns the rounding of its level into load.
         assert fields.stiffness is not None
-        rounding = fields.gap_rounding / 16 + 4e-16 * abs(density.total)
+        rounding = fields.gap_rounding / 16 + 2 * EPS * abs(density.total)
         return error + abs(
             rounding * fields.stiffness * units.height / (units.load * fields.load_size)
         )
@@ -92,7 +82,9 @@ def _of_body(found: SolvedZones) -> float:
         return 0.0
     state = found.fields.state.whole
     left = state.field_tail if np.isfinite(state.system.equation.kernel.length) else 0.0
-    return _MODES * left + _cancelled(found.fields.problem, state.density.zones.table)
+    return TOLERANCES.neglected_modes * left + _cancelled(
+        found.fields.problem, state.density.zones.table
+    )
 
 
 def _cancelled(problem: Problem, table: Array) -> float:
@@ -100,10 +92,12 @@ def _cancelled(problem: Problem, table: Array) -> float:
     widest of scaled zones (n, 2).
     """
     width = float((table[:, 1] - table[:, 0]).max()) * problem.units.length
-    return _CANCELLED / float(problem.operator.substrate.symbol(np.array([np.pi / width]))[0])
+    return TOLERANCES.compliance_rounding / float(
+        problem.operator.substrate.symbol(np.array([np.pi / width]))[0]
+    )
 
 
-def limit_of_body(problem: Problem, table: Array, tolerance: float) -> str:
+def body_limit(problem: Problem, table: Array, tolerance: float) -> str:
     """Why the body's kernel does not let scaled zones (n, 2) be found to a tolerance; empty if it
     does.
     """
@@ -115,9 +109,10 @@ def limit_of_body(problem: Problem, table: Array, tolerance: float) -> str:
         or not _cancelled(problem, table) > tolerance
     ):
         return ""
-    part = _CANCELLED / _cancelled(problem, table)
+    part = TOLERANCES.compliance_rounding / _cancelled(problem, table)
     return (
-        f"under a zone as wide as this {problem.substrate.name} gives way by {part:.1e} of what a half-plane does, and the rounding of the "
+        f"under a zone as wide as this {problem.substrate.name} gives way by {part:.1e} of what a "
+        "half-plane does, and the rounding of the "
         "rest is large beside that: ask for a larger tolerance, or for narrower zones"
     )
 
@@ -128,19 +123,23 @@ def too_thin(problem: Problem, table: Array) -> str:
     """
     kernel, unit = problem.kernel, problem.units.length
     width = float((table[:, 1] - table[:, 0]).max(initial=0.0))
-    if not width > _MOST_LENGTHS * kernel.length:
+    if not width > TOLERANCES.max_kernel_lengths * kernel.length:
         return ""
-    told = (
-        f"a zone {width * unit:.3g} m wide is {width / kernel.length:.0f} times as wide as the length {kernel.length * unit:.2g} m "
-        f"over which the kernel of {problem.substrate.name} varies, and more than {_MOST_LENGTHS:.0f} times takes too long: ask for "
+    reason = (
+        f"a zone {width * unit:.3g} m wide is {width / kernel.length:.0f} times as wide as the "
+        f"length {kernel.length * unit:.2g} m over which the kernel of {problem.substrate.name} "
+        f"varies, and more than {TOLERANCES.max_kernel_lengths:.0f} times takes too long: ask for "
         "narrower zones"
     )
     if not problem.operator.compression:
-        return told
-    return f"{told}. Away from the ends the pressure is E_star (approach - f) / (2 compression) there, as of springs"
+        return reason
+    return (
+        f"{reason}. Away from the ends the pressure is E_star (approach - f) / (2 compression) "
+        "there, as of springs"
+    )
 
 
-def of_positions(found: SolvedZones) -> float:
+def position_rounding(found: SolvedZones) -> float:
     """What the ends, given as positions, are rounded to over their zone's width: of narrow zones
     far from x = 0 more is known. Nothing, where what is cut off the positions is told too.
     """
@@ -156,7 +155,7 @@ def _of_jumps(density: sie.AnyDensity) -> float:
     the kinks. Beside an end they are small themselves.
     """
     steps = density.jumps
-    return 2 * _EPS * float((np.abs(steps.height) * steps.sine).max(initial=0.0))
+    return 2 * EPS * float((np.abs(steps.height) * steps.sine).max(initial=0.0))
 
 
 def _is_singular(density: sie.AnyDensity) -> bool:
@@ -170,7 +169,7 @@ def reference(density: sie.AnyDensity, free: sie.End, borne: float | None = None
     is not the density's total.
     """
     if free.intensity is not None and free.intensity < 0.0:
-        angle = (np.arange(_LOOKS) + 0.5) * np.pi / _LOOKS
+        angle = np.arccos(chebyshev_nodes(64))
         highest = float(
             np.abs(
                 density.at(np.arange(len(density.zones))[:, None], *sides(angle)) * np.sin(angle)
@@ -193,25 +192,30 @@ def limit(
     error: float = 0.0,
 ) -> str:
     """What keeps the ends of zones (of: "zone" or "gap") from being known to `tol`, in words; empty
-    where it is not rounding. positions: see `of_positions`; end: the kind of free ends; error:
+    where it is not rounding. positions: see `position_rounding`; end: the kind of free ends; error:
     stated of a contact by its gaps.
     """
     if positions > 0.5 * tol:
-        return f"positions so far from x = 0 are rounded to {positions:.1e} of a zone's width; put the origin nearer, or allow a larger tol"
+        return (
+            f"positions so far from x = 0 are rounded to {positions:.1e} of a zone's width; put "
+            "the origin nearer, or allow a larger tol"
+        )
     density, rounding = free.density, free.rounding
     width = density.zones.b - density.zones.a
     zone = int(rounding.max(axis=1).argmax())
     worst = float(rounding[zone].max())
     if worst > 0.5 * tol:
         return (
-            f"rounding of heights and slopes leaves the ends of a {of} of {width[zone] / width.max():.1e} of the widest one's "
-            f"width uncertain by {worst:.1e} of it (condition {worst / _EPS:.0e})"
+            f"rounding of heights and slopes leaves the ends of a {of} of "
+            f"{width[zone] / width.max():.1e} of the widest one's "
+            f"width uncertain by {worst:.1e} of it (condition {worst / EPS:.0e})"
         )
     if of != "zone":  # the density is the slope of the gap, and no pressure to refer to
         if worst < 0.5 * float(free.end_error.max()):
             return ""
         return (
-            f"rounding of heights and slopes leaves the ends of gaps uncertain by {worst:.1e} of their width, and narrow zones and the "
+            f"rounding of heights and slopes leaves the ends of gaps uncertain by {worst:.1e} of "
+            "their width, and narrow zones and the "
             f"pressure beside them follow that {error / worst:.0e} times; allow a larger tol"
         )
     _, by_left, by_right = density.sensitivity
@@ -220,26 +224,11 @@ def limit(
     )
     if moved > 0.25 * tol:
         return (
-            f"rounding leaves ends uncertain by {worst:.1e} of a width, and beside a corner so close to an end the pressure follows "
+            f"rounding leaves ends uncertain by {worst:.1e} of a width, and beside a corner so "
+            "close to an end the pressure follows "
             f"them {moved / worst:.0e} times"
         )
     return ""
-
-
-# Pressures closer to a gap than this part of the period are as uncertain as the rounding of their
-# own position makes them: what is stated is not about them.
-_BESIDE = 1e-7
-
-# Of a gap's width: where its ends are as uncertain, it is looked at whether they tell its place at
-# all.
-_UNCERTAIN = 1e-4
-
-# Motion of the ends of a gap by an uneven error of R, over that by an even one: 2 for opposite
-# signs.
-_OF_RELIEF = 2.0
-
-# The same for tips: over the half width, as for zones (`sie.Density.sensitivity`).
-_BESIDE_TIPS = 0.01
 
 
 @record
@@ -269,12 +258,12 @@ class SolvedGaps(Solved):
         of its width, by delta over that width.
         """
         # The total of every gap is given: there are no slits.
-        fields, state, gaps = self.fields, self.fields.state.whole, self.fields.density.zones
+        fields, state, gaps = self.fields, self.fields.state.whole, self.fields.gap_slope.zones
         units, profile = fields.problem.units, fields.problem.profile
         width = (gaps.b - gaps.a)[:, None]
         moved = self.free.end_error + state.end_truncation
         # An error of R moves the ends as a change of the mean pressure does, within a small factor.
-        off = self.off + _OF_RELIEF * of_relief
+        off = self.off + TOLERANCES.relief_shift * of_relief
         if off:
             moved = moved + off * self.widening / width
         shift = np.maximum(moved * width, self._adrift[:, None])
@@ -287,10 +276,13 @@ class SolvedGaps(Solved):
             return np.inf  # zones so narrow that no sample lies in them
         slope = min(fields.steepest / unit, 1 / varies)
         # Away from a gap this falls as the square of width over distance.
-        seen = np.minimum((gaps.b - gaps.a) / (_BESIDE * fields.period), 1.0) ** 2
+        seen = (
+            np.minimum((gaps.b - gaps.a) / (TOLERANCES.unresolved_distance * fields.period), 1.0)
+            ** 2
+        )
         beside = float((moved.sum(axis=1) * state.zone_sizes * seen).max()) / unit
         # Beside a kink the logarithms that cancel are several times the pressure.
-        rounding = (3 if len(fields.relief.at) else 1) * ROUNDING * (
+        rounding = (3 if len(fields.relief.at) else 1) * TOLERANCES.rounding * (
             1 + abs(fields.mean) / unit
         ) + of_relief / unit
         on_zones = state.density_error * state.size / unit + rounding
@@ -306,10 +298,10 @@ class SolvedGaps(Solved):
         0 for gaps wider than that, and for those over kinks.
         """
         fields, profile = self.fields, self.fields.problem.profile
-        gaps, relief = fields.density.zones, fields.relief
+        gaps, relief = fields.gap_slope.zones, fields.relief
         out = np.zeros(len(gaps))
-        _, gap, inside = fields.density.locate(relief.at)
-        narrow = np.flatnonzero(self.free.end_error.max(axis=1) > _UNCERTAIN)
+        _, gap, inside = fields.gap_slope.locate(relief.at)
+        narrow = np.flatnonzero(self.free.end_error.max(axis=1) > TOLERANCES.unresolved_gap)
         some = np.setdiff1d(narrow, gap[inside & (relief.heights < 0)])
         if len(some):
             step = (
@@ -320,10 +312,7 @@ class SolvedGaps(Solved):
             middle = gaps.middle[some]
             top, beside = relief(middle), 0.5 * (relief(middle - step) + relief(middle + step))
             curvature = 2 * np.maximum(top - beside, 0.0) / step**2
-            rounding = (
-                8 * float(np.finfo(np.float64).eps) * (abs(fields.mean) + np.abs(top))
-                + relief.error
-            )
+            rounding = 8 * EPS * (abs(fields.mean) + np.abs(top)) + relief.error
             reach = np.sqrt(2 * rounding / np.maximum(curvature, 2 * rounding / step**2))
             out[some] = np.where(reach > 0.5 * gaps.half[some], reach, 0.0)
         return out
@@ -340,7 +329,7 @@ class SolvedGaps(Solved):
         count, largest = np.bincount(zone, minlength=len(zones)), np.zeros(len(zones))
         np.maximum.at(largest, zone, heights)
         nearest = (
-            np.minimum(_BESIDE_TIPS, 0.25 / np.maximum(count, 1))
+            np.minimum(TOLERANCES.tip_distance, 0.25 / np.maximum(count, 1))
             * 0.5
             * (zones[:, 1] - zones[:, 0])
         )

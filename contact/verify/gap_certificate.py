@@ -9,14 +9,9 @@ from contact.formulation.gaps import GapFields
 from contact.formulation.quadrature import sides
 from contact.formulation.tables import located, runs_of
 from contact.verify.certificate import Certificate, unresolved_gaps_note
-from contact.verify.minima import DIP_ROUNDING, Signs, follow, lowest, may_be_negative, signs_on
+from contact.verify.minima import SAMPLING, Signs, follow, lowest, may_be_negative, signs_on
+from contact.verify.tolerances import EPS, TOLERANCES
 from sie import Array, Index, record
-
-_EPS = 2.2e-16
-# Shortest lengths of the profile: half widths from which zones are wide, and distances from their
-# ends at which they are inner.
-_WIDE = 16
-_BESIDE_ENDS = 2
 
 
 def certify_gaps(fields: GapFields) -> Certificate:
@@ -36,7 +31,7 @@ def certify_gaps(fields: GapFields) -> Certificate:
         smallest_gap=openings.least * units.height,
         points=openings.points + points,
         holds=not (negative or openings.negative),
-        undecided=left_out > 0 or (dip <= DIP_ROUNDING and not negative),
+        undecided=left_out > 0 or (dip <= TOLERANCES.dip_rounding and not negative),
         note=note,
         dip=dip,
         negative=np.array(sorted(negative)).reshape(-1, 2),
@@ -47,10 +42,7 @@ def certify_gaps(fields: GapFields) -> Certificate:
 
 def _openings(fields: GapFields) -> tuple[Signs, Array]:
     """The gap between its ends, and its minima (see `lowest`)."""
-    density, gaps = fields.density, fields.density.zones
-    size = np.abs(density.coefficients).sum(axis=1) + np.bincount(
-        density.jumps.zone, np.abs(density.jumps.height), len(gaps)
-    )
+    density, gaps, sizes = fields.gap_slope, fields.gap_slope.zones, fields.gap_sizes
     minima: list[Array] = []
 
     def sampled(group: Index, theta: Array) -> tuple[Array, Array, Array]:
@@ -60,7 +52,7 @@ def _openings(fields: GapFields) -> tuple[Signs, Array]:
         )
         x = gaps.middle[group][:, None] + gaps.half[group][:, None] * np.cos(theta)
         minima.append(lowest(x.ravel(), opening.ravel(), row * len(theta) + at + 1))
-        return opening, 64 * _EPS * (gaps.half * size)[group], opening.max(axis=1)
+        return opening, 64 * EPS * sizes[group], opening.max(axis=1)
 
     signs = signs_on(gaps, density.sampling, sampled, density.integral_at)
     return signs, np.concatenate(minima)
@@ -131,17 +123,23 @@ def _sampled(fields: GapFields) -> _Samples:
     """
     zones, spacing = fields.zones, fields.relief.spacing
     half = 0.5 * (zones[:, 1] - zones[:, 0])
-    counts = np.clip(64 * half / spacing, 96, 40000).astype(int)
-    is_wide = half > _WIDE * spacing
+    counts = np.clip(
+        SAMPLING.points_per_length * half / spacing,
+        2 * SAMPLING.min_gap_points,
+        SAMPLING.max_gap_points,
+    ).astype(int)
+    is_wide = half > SAMPLING.wide_zone * spacing
     wide = np.flatnonzero(is_wide)
     x, known = fields.samples
     inside = located(zones, x)[0]
     from_left, from_right = x - zones[inside, 0], zones[inside, 1] - x
     inner = np.flatnonzero(
-        is_wide[inside] & (np.minimum(from_left, from_right) > _BESIDE_ENDS * spacing)
+        is_wide[inside] & (np.minimum(from_left, from_right) > SAMPLING.edge_lengths * spacing)
     )
     # Beside the ends of wide zones, some steps into their inner samples.
-    beside = 2 * np.arcsin(np.sqrt(0.5 * (_BESIDE_ENDS * spacing + 3 * (x[1] - x[0])) / half[wide]))
+    beside = 2 * np.arcsin(
+        np.sqrt(0.5 * (SAMPLING.edge_lengths * spacing + 3 * (x[1] - x[0])) / half[wide])
+    )
     few = np.minimum(np.ceil(beside * counts[wide] / np.pi).astype(int) + 1, counts[wide])
     lengths = counts.copy()
     lengths[wide] = few
@@ -167,18 +165,18 @@ def _sampled(fields: GapFields) -> _Samples:
     # is left.
     size = abs(fields.mean) + float(np.abs(pressure[np.isfinite(pressure)]).max(initial=0.0))
     over_sine = 1 / np.sqrt(left * right)
-    return _Samples(run, zone, left, right, pressure * over_sine, 64 * _EPS * size * over_sine)
+    return _Samples(run, zone, left, right, pressure * over_sine, 64 * EPS * size * over_sine)
 
 
 def _valleys(fields: GapFields) -> tuple[list[tuple[float, float]], int]:
     """(the gap that each valley with a kink must have, where it has none; how many are too narrow)."""
     relief = fields.relief
-    kinks = np.flatnonzero((relief.heights < 0) & ~fields.density.locate(relief.at)[2])
+    kinks = np.flatnonzero((relief.heights < 0) & ~fields.gap_slope.locate(relief.at)[2])
     if len(kinks) == 0:
         return [], 0
     half = valley_gaps(fields, kinks)
     wide = half > NARROWEST * fields.period
-    at = fields.density.locate(relief.at[kinks])[0]
+    at = fields.gap_slope.locate(relief.at[kinks])[0]
     return [(float(x - w), float(x + w)) for x, w in zip(at[wide], half[wide], strict=True)], int(
         np.sum(~wide)
     )
@@ -188,5 +186,5 @@ def valley_gaps(fields: GapFields, kinks: Index) -> Array:
     """Scaled half widths of lone gaps over kinks that have none: see contact.formulation.gaps."""
     relief = fields.relief
     at, heights = relief.at[kinks], relief.heights[kinks]
-    rest = fields.mean - relief.without_own(kinks) + fields.density.transform(at)
+    rest = fields.mean - relief.without_own(kinks) + fields.gap_slope.transform(at)
     return np.asarray(fields.period / np.pi * np.exp(np.pi * rest / heights))

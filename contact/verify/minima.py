@@ -5,6 +5,7 @@ zone has a gap in it, or a gap a touch, that no sample has met.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -12,15 +13,29 @@ import sie
 from contact.formulation.tables import runs_of
 from sie import Array, Index, Mask, record
 
-# Each zoom into a minimum narrows its bracket to an eighth.
-_ZOOMS = 7
-# So many negative samples show the width of a dip.
-_TELLING = 4
-# Different counts of samples that are many; binary digits that are left of each, but the first one.
-_MANY = 16
-_DIGITS = 3
-# A dip of the pressure this far from zero, over the zone's largest pressure, is rounding.
-DIP_ROUNDING = 1e-14
+
+@dataclass(frozen=True)
+class SamplingOptions:
+    """Samples by which the signs of pressure and gap are checked on the whole line."""
+
+    zooms: int = 7  # into a minimum; each narrows its bracket to a quarter at least
+    dip_samples: int = 4  # negative samples that show the width of a dip
+    count_digits: int = (
+        3  # binary digits of the number of samples: zones with equal ones go together
+    )
+    min_gap_points: int = 48
+    max_gap_points: int = 2**17  # where the profile states its resolution
+    max_guessed_points: int = 4000  # where the resolution is a guess
+    dense_part: float = 0.05  # of a gap at either end, sampled closely: the body may touch there
+    points_per_length: int = (
+        64  # of a zone of nearly full contact, a shortest length of the profile
+    )
+    kink_distances: int = 37  # from a concave kink, from the narrowest gap to a tenth of the zone
+    wide_zone: float = 16.0  # shortest lengths: zones as wide are sampled evenly inside
+    edge_lengths: float = 2.0  # shortest lengths: even samples keep this far from the ends
+
+
+SAMPLING = SamplingOptions()
 
 
 @record
@@ -60,7 +75,7 @@ def follow(
     """
     negative: list[tuple[int, float, float]] = []
     least = relative = lowest = np.inf
-    for zoom in range(_ZOOMS if len(zone) else 0):
+    for zoom in range(SAMPLING.zooms if len(zone) else 0):
         angle = lo[:, None] + (hi - lo)[:, None] * np.linspace(0, 1, 17)
         here = over_root(zone[:, None], angle)
         here = np.where(np.isfinite(here), here, np.inf)
@@ -76,7 +91,7 @@ def follow(
             lo[k], hi[k] = angle[k, max(at[0] - 1, 0)], angle[k, min(at[-1] + 1, 16)]
             # A few negative samples tell where the pressure changes sign; one may stand for much
             # less than its spacing.
-            keep[k] = len(at) < _TELLING and zoom < _ZOOMS - 1
+            keep[k] = len(at) < SAMPLING.dip_samples and zoom < SAMPLING.zooms - 1
             if not keep[k]:
                 negative.append((int(zone[k]), float(lo[k]), float(hi[k])))
                 lowest = min(lowest, float(here[k].min()))
@@ -168,7 +183,5 @@ def _alike(counts: Index) -> Index:
     """Counts of which there are not many different ones, none lower: intervals with the same count
     are looked at together.
     """
-    if len(np.unique(counts)) <= _MANY:
-        return counts
-    step = 2.0 ** np.maximum(np.floor(np.log2(counts)) - _DIGITS, 0)
+    step = 2.0 ** np.maximum(np.floor(np.log2(counts)) - SAMPLING.count_digits, 0)
     return np.asarray(np.ceil(counts / step) * step, dtype=np.intp)

@@ -19,7 +19,7 @@ class Load(Control):
     quantity = Quantity.LOAD
 
     def signed(self, scene: Any) -> bool:
-        return bool(scene.law.pulls)
+        return scene.law.pressure_range.has_tension
 
 
 @register_control("mean_pressure")
@@ -30,7 +30,7 @@ class MeanPressure(Control):
     unit = "Pa"
 
     def signed(self, scene: Any) -> bool:
-        return bool(scene.law.pulls)
+        return scene.law.pressure_range.has_tension
 
     def check(self, scene: Any) -> None:
         if scene.profile.period is None:
@@ -53,7 +53,7 @@ class Approach(Control):
     def signed(self, scene: Any) -> bool:
         # A turned body touches at some other place than its lowest: there the approach counts from
         # there. Adhesion bears tension.
-        return bool(scene.turned or scene.law.pulls)
+        return bool(scene.turned or scene.law.pressure_range.has_tension)
 
     def check(self, scene: Any) -> None:
         if not scene.operator.has_approach:

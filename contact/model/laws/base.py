@@ -1,43 +1,102 @@
-"""What a law is: what happens at the interface of the two bodies.
+"""`Law`, the base of the laws of the interface, and the three objects that the package asks it for.
 
-A law declares how the pressure ends, p ~ K / sqrt(d) at distance d from the end of a zone, what a
-solution has to be checked for, and which controls and ways of solving hold under it. Nothing else
-of the package knows a law by its name.
+A law declares how the pressure ends, p ~ K / sqrt(d) at distance d from the end of a zone, and
+answers one question each for the certificate, the search and the solver:
+
+    pressure_range   bounds of the pressure in a zone: which signs the certificate checks
+    equilibria       one contact for a load, or several, and the law whose contact starts a branch
+    routes           which formulations hold, or the module that solves scenes under this law
+
+No other module knows a law by its name.
 """
 
 from collections.abc import Mapping
-from math import pi
+from functools import cached_property
+from math import inf, pi
 from typing import Any, ClassVar
 
 import sie
 from contact.model.controls.base import CONTROLS
 from contact.model.registry import Named
+from sie import record
+
+
+@record
+class PressureRange:
+    """Bounds of the pressure in a zone [Pa].
+
+    lowest: 0 where the surfaces only push, -inf or a number below 0 where they also pull.
+    highest: inf, or the pressure at which a surface yields.
+    """
+
+    lowest: float = 0.0
+    highest: float = inf
+
+    @property
+    def has_tension(self) -> bool:
+        """Whether the surfaces may pull on each other."""
+        return self.lowest < 0.0
+
+
+@record
+class Equilibria:
+    """How many contacts answer one value of the control.
+
+    unique: right signs of pressure and gap make a contact the only one. start: where there are
+    several, the law whose contact lies within the one that is reached by growing; a branch is
+    followed from there.
+    """
+
+    unique: bool
+    start: "Law | None" = None
+
+    @property
+    def several(self) -> bool:
+        """Whether a branch of equilibria has to be followed."""
+        return self.start is not None
+
+
+@record
+class Routes:
+    """Which ways of solving hold under a law.
+
+    gaps: nothing acts where the bodies do not touch, so that the gaps may be the unknowns.
+    full_contact: full contact begins where the least pressure is zero. module: dotted name of a
+    module whose function `found(task)` solves every scene under this law; None for the general
+    search.
+    """
+
+    gaps: bool
+    full_contact: bool
+    module: str | None = None
 
 
 class Law(Named, sie.Kept):
-    """Base of the laws. A law is a frozen dataclass in a file of its own; what it leaves out is not
-    taken for granted.
+    """Base of the laws. A law is a frozen dataclass in a file of its own.
+
+    The attributes below are what most laws declare; the package reads them through
+    `pressure_range`, `equilibria` and `routes`, which a law may override. An attribute that a law
+    leaves out stands for the cautious choice.
 
     Attributes
     ----------
     allows : tuple of str
-        The controls that it admits.
+        Names of the controls that the law admits.
     turns : bool
-        Whether a body under it may be given a tilt or a moment.
+        Whether the body may be given a tilt or a moment.
     pulls : bool
-        Whether the pressure may be negative; where not, its sign is checked in every zone.
+        Whether the pressure may be negative; if not, the certificate checks its sign in every zone.
     convex : bool
-        Whether right signs make a contact the only one, so that it grows with the load whatever way
-        it was come by: without it there are no first guesses from a grid's pressure alone, and no
-        load path.
+        Whether right signs make a contact the only one, so that it grows with the load whatever
+        the path. Without it there is no load path, and no first guess from the pressure on a grid.
     by_gaps : bool
-        Whether there is nothing between the bodies where they do not touch, so that contact nearly
-        full may be solved by its gaps.
+        Whether nothing acts between the bodies where they do not touch, so that nearly full contact
+        may be solved by its gaps.
     full_contact : bool
-        Whether full contact is that of the least pressure zero.
+        Whether full contact begins where its least pressure is zero.
     bare : Law or None
-        A convex law of which every contact lies within one that is reached by growing under this
-        one, where there are several: their branch is followed from there
+        Where a load has several equilibria: a convex law whose contacts lie within those that are
+        reached by growing under this law. Their branch is followed from there
         (contact.adhesion.edge_branch).
 
     Examples
@@ -55,7 +114,9 @@ class Law(Named, sie.Kept):
     ...     pulls = True
     ...     def intensity(self, E_star):
     ...         return -self.K
-    >>> scene = contact.Scene(contact.Parabola(1.0), 1e9, contact.Isolated(), law=Sticky(1e5), half_width=1e-3)
+    >>> scene = contact.Scene(
+    ...     contact.Parabola(1.0), 1e9, contact.Isolated(), law=Sticky(1e5), half_width=1e-3
+    ... )
     >>> load = np.pi * 1e9 * 1e-6 / 4 - np.pi * 1e5 * np.sqrt(2e-3)
     >>> bool(np.isclose(contact.solve(scene).load, load, rtol=1e-9))
     True
@@ -70,45 +131,68 @@ class Law(Named, sie.Kept):
     full_contact: ClassVar[bool] = False
     bare: "ClassVar[Law | None]" = None
 
+    @cached_property
+    def pressure_range(self) -> PressureRange:
+        """Bounds of the pressure in a zone; the certificate checks them."""
+        return PressureRange(-inf if self.pulls else 0.0)
+
+    @cached_property
+    def equilibria(self) -> Equilibria:
+        """Whether a contact is the only one, and where a branch of several begins."""
+        return Equilibria(bool(self.convex), self.bare)
+
+    @cached_property
+    def routes(self) -> Routes:
+        """Which ways of solving hold."""
+        return Routes(bool(self.by_gaps), bool(self.full_contact))
+
     def intensity(self, E_star: float) -> float:
-        """K [Pa m^(1/2)] at the ends of zones that are free to move, or held where a half width is
-        given; negative where it pulls.
+        """K [Pa m^(1/2)] at free ends of zones, and at those of a given half width.
+
+        It is negative where the surfaces pull.
         """
         return 0.0
 
     @property
     def tension(self) -> float:
-        """Stress [Pa] with which the surfaces pull where the gap is above zero and below `reach`; 0
-        where nothing acts there.
+        """Stress [Pa] that pulls the surfaces together where the gap is between 0 and `reach`.
+
+        0 where nothing acts outside the contact.
         """
         return 0.0
 
     @property
     def reach(self) -> float:
-        """Gap [m] from which on nothing acts; 0 where nothing acts beside the contact."""
+        """Gap [m] above which nothing acts; 0 where nothing acts outside the contact."""
         return 0.0
 
     def without_range(self, share: float) -> "Law | None":
-        """A law of this share of the work of adhesion whose attraction has no range, which contacts
-        under this one come near to where what acts beside them is narrow; None if there is none.
+        """A law of attraction without range, with this share of the work of adhesion.
+
+        Contacts under the law approach those under the returned one where its strips of tension
+        are narrow. None if there is no such law.
         """
         return None
 
     def surface_energy(self, fields: Any, width: float) -> float:
-        """Energy of the interface [J/m] of fields (`contact.formulation.energy.Fields`) that touch
-        over a width [m]: less what closing it has released, (pi/E*) K^2 for each width.
+        """Energy of the interface [J/m] of a contact of this width [m].
+
+        It is minus the energy that closing the surfaces has released, (pi/E*) K^2 for each width.
+        fields: `contact.formulation.protocol.Fields`.
         """
         E_star = fields.problem.units.E_star
         return -pi / E_star * self.intensity(E_star) ** 2 * width
 
     def refuses(self, scene: Any) -> str | None:
-        """Why the law does not go with a scene (`contact.Scene`) of admitted controls, in words
-        that end a sentence; None if it does.
+        """Why the law does not go with a scene, as the end of a sentence; None if it does.
+
+        The scene (`contact.Scene`) has a control that the law allows.
         """
         return None
 
     def fault(self, fields: Any, load: float | None) -> str:
-        """What is wrong with a solution (`contact.fields.ZoneFields`) beyond signs, balance and
-        overlaps; empty if nothing is.
+        """Why a solution violates the law although signs, balance and gap are right; empty if not.
+
+        fields: `contact.formulation.fields.ZoneFields`.
         """
         return ""

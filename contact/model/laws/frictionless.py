@@ -9,8 +9,9 @@ from contact.model.registry import register_law
 @register_law("frictionless")
 @dataclass(frozen=True)
 class Frictionless(Law):
-    """The bodies push and never pull: p >= 0 where they touch, and zones end where the pressure
-    vanishes as a root, K = 0.
+    """The bodies push and never pull: p >= 0 where they touch.
+
+    The pressure vanishes at the ends of zones as the root of the distance: K = 0.
 
     Examples
     --------

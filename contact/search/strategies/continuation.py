@@ -89,7 +89,7 @@ def _is_followed(context: SolveContext) -> bool:
     scene = context.scene
     moves = scene.turned or scene.interaction.strip or scene.interaction.follows_isolated
     followed = any(scene.held(quantity) is not None for quantity in (Quantity.LOAD, Quantity.WIDTH))
-    return scene.law.convex and not moves and not scene.is_flat and followed
+    return scene.law.equilibria.unique and not moves and not scene.is_flat and followed
 
 
 def _changes_often(along: tuple[CurvePoint, ...]) -> bool:

@@ -34,7 +34,11 @@ NOT_WIDE = Failure(
 def worth_gaps(context: SolveContext, problem: Problem, width: float) -> bool:
     """Whether contact of about this scaled width is better solved by its gaps."""
     if (
-        not (context.full.approached and context.operator.has_inverse and context.scene.law.by_gaps)
+        not (
+            context.full.approached
+            and context.operator.has_inverse
+            and context.scene.law.routes.gaps
+        )
         or problem.period is None
     ):
         return False
@@ -121,7 +125,7 @@ def gaps_beside(
     return refine_topology(
         form,
         control,
-        near.density.zones.table,
+        near.gap_slope.zones.table,
         NewtonSettings(
             tolerance, near.mean, abandon_if_far=abandon_if_far, initial_error=initial_error
         ),

@@ -67,7 +67,7 @@ def at_approach(context: SolveContext, nearness: float) -> Solution:
     guess = scene.E_star * (0.3 * abs(wanted) or 1e-3 * (scene.operator.datum or 1.0))
     first = guess if context.warm_start is None else context.warm_start.load
     bounded, largest = known is not None and scene.profile.support is None, -math.inf
-    concave = moment == 0.0 and context.operator.is_plain and scene.law.convex
+    concave = moment == 0.0 and context.operator.is_plain and scene.law.equilibria.unique
     for here, off in nearer(
         _on_the_way(context), approach, wanted, first, abs(moment) / reach, bounded, concave
     ):

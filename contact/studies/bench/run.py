@@ -104,7 +104,7 @@ def _case(case: Case, quick: bool, chosen: Sequence[peers.Peer]) -> list[Row]:
 
 def _asks_peers(case: Case) -> bool:
     """Of peers, frictionless contact alone is asked."""
-    return case.law.by_gaps
+    return case.law.routes.gaps
 
 
 def extremes(folder: Path | None, quick: bool, progress: Progress) -> tuple[Table, int]:

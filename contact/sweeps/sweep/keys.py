@@ -77,7 +77,7 @@ def keys_of(scene: Scene) -> dict[str, Any]:
                 known[f"{table}.{name}"] = value
     given, value = scene.control
     controls = {name: value if name == given else None for name in known_controls(scene.given)}
-    if not scene.law.convex:
+    if not scene.law.equilibria.unique:
         known[BRANCH] = BRANCHES[0]
     return known | {
         f"control.{name}": at

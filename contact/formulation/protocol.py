@@ -1,0 +1,118 @@
+"""`Fields`, the protocol of what every route to a contact returns: zones, gaps, full contact, ...
+
+`Solution`, its files, pictures and warnings ask these members and no others, so that they need not
+know how a contact was found. Values are in SI units unless called scaled; then they are in the units
+of `problem.units`. What a route solves for, a pressure or a slope of the gap, is not part of it.
+"""
+
+from typing import Protocol
+
+from numpy.typing import ArrayLike
+
+from contact.formulation.problem import Problem
+from sie import Array, Index
+
+
+class Fields(Protocol):
+    """Pressure, gap, displacement and numbers of a contact.
+
+    Zones are in the order of `zone_table`, which `Solution` sorts by position.
+    """
+
+    @property
+    def problem(self) -> Problem:
+        """The scene as a scaled equation."""
+
+    # Functions of the place x [m], of any shape.
+
+    def pressure(self, x: ArrayLike) -> Array:
+        """Pressure [Pa]; 0 where nothing acts."""
+
+    def pressure_at(self, zone: int, t: ArrayLike) -> Array:
+        """Pressure [Pa] at normalised positions t of a zone, accurate up to its ends."""
+
+    def gap(self, x: ArrayLike) -> Array:
+        """Gap [m]: 0 in contact, inf where there is no profile."""
+
+    def displacement(self, x: ArrayLike) -> Array:
+        """Displacement into the body [m]."""
+
+    # Zones.
+
+    @property
+    def zone_table(self) -> Array:
+        """Ends of the zones [m], (n, 2)."""
+
+    @property
+    def loads(self) -> Array:
+        """Load of each zone [N/m], (n,)."""
+
+    @property
+    def levels(self) -> Array:
+        """Scaled minus-approach of each zone; their spread measures the error of the solution."""
+
+    def end_remainders(self, table: Array, order: Index) -> Array | None:
+        """Digits that rounding cuts off the ends [m] in the rows of a table; None if unknown.
+
+        The rows are those of `zone_table` in this order, moved by whole periods.
+        """
+
+    @property
+    def cohesive(self) -> Array:
+        """Intervals [m], (m, 2), in which a tension acts, with the contact in them."""
+
+    # Numbers.
+
+    @property
+    def load(self) -> float:
+        """Load [N/m], per period where there is one."""
+
+    @property
+    def approach(self) -> float | None:
+        """Approach [m]; None without a datum."""
+
+    @property
+    def stiffness(self) -> float | None:
+        """d load / d approach [N/m^2]; None without an approach."""
+
+    @property
+    def contact_fraction(self) -> float:
+        """Width in contact over the period."""
+
+    @property
+    def widening_rate(self) -> float:
+        """d contact fraction / d load [m/N]."""
+
+    @property
+    def mean_gap(self) -> float:
+        """Mean gap over the period [m]."""
+
+    @property
+    def max_pressure(self) -> float:
+        """Highest pressure [Pa]; inf at a sharp corner or a convex kink."""
+
+    @property
+    def pressure_bound(self) -> float:
+        """An upper bound of the pressure [Pa] that costs nothing; inf if none is known."""
+
+    @property
+    def gap_rounding(self) -> float:
+        """Scaled effect of rounding on the gap."""
+
+    @property
+    def borne_beside(self) -> float:
+        """Scaled int p (F - gap) dx outside the contact, a part of the elastic energy."""
+
+    # A body that may turn; None for a body that repeats.
+
+    @property
+    def tilt(self) -> float | None:
+        """Angle by which the body is turned [rad]."""
+
+    @property
+    def moment(self) -> float | None:
+        """int p x dx about x = 0 [N]."""
+
+    @property
+    def rotational_stiffness(self) -> float | None:
+        """d moment / d tilt at the given load [N]."""
