@@ -11,6 +11,7 @@ No other module knows a law by its name.
 """
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import cached_property
 from math import inf, pi
 from typing import Any, ClassVar
@@ -18,10 +19,9 @@ from typing import Any, ClassVar
 import sie
 from contact.model.controls.base import CONTROLS
 from contact.model.registry import Named
-from sie import record
 
 
-@record
+@dataclass(frozen=True)
 class PressureRange:
     """Bounds of the pressure in a zone [Pa].
 
@@ -38,7 +38,7 @@ class PressureRange:
         return self.lowest < 0.0
 
 
-@record
+@dataclass(frozen=True)
 class Equilibria:
     """How many contacts answer one value of the control.
 
@@ -56,7 +56,7 @@ class Equilibria:
         return self.start is not None
 
 
-@record
+@dataclass(frozen=True)
 class Routes:
     """Which ways of solving hold under a law.
 
