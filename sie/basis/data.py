@@ -16,6 +16,8 @@ Index = NDArray[np.intp]
 Mask = NDArray[np.bool_]
 T = TypeVar("T")
 
+EPS = float(np.finfo(np.float64).eps)
+
 # Rows of a table that stay in the cache.
 _ROWS = 2048
 

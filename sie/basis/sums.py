@@ -3,12 +3,13 @@ of multiples of theta.
 """
 
 from collections.abc import Callable, Iterator
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sie.basis.data import Array, Complex, Index, Mask, numbered, record
+from sie.basis.data import Array, Complex, Index, Kept, Mask, numbered, record
 
 # Below this number of multiplications all pairs are summed to the same order; of few pairs, all
 # powers are formed at once.
@@ -88,6 +89,29 @@ class Grouped:
             thing = self.order[numbered(count) + np.repeat(self.first[zone[at]], count)]
             out[at] = np.bincount(row, of(at[row], thing) * weight[thing], len(at))
         return out
+
+
+class PerZone(Kept):
+    """Base of records of things in zones or beside them; zone (n,): the zone of each."""
+
+    zone: Index
+
+    def __len__(self) -> int:
+        return len(self.zone)
+
+    @cached_property
+    def grouped(self) -> Grouped:
+        """The things in order of their zones."""
+        return Grouped.by(self.zone)
+
+    @cached_property
+    def by_zone(self) -> dict[int, Index]:
+        """Numbers of the things of each zone that has any."""
+        return self.grouped.places()
+
+    def of_zone(self, zone: int) -> Index:
+        """Numbers of the things of one zone."""
+        return self.by_zone.get(zone, np.zeros(0, dtype=np.intp))
 
 
 def sum_of_powers(u: Array, rho: NDArray[Any], zone: Index) -> NDArray[Any]:

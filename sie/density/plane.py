@@ -159,7 +159,7 @@ class Plane:
         for here in pair_blocks(len(near), max(1, len(k), 2 * len(jumps.poles.of_zone(zone)))):
             some = seen[near[here]]
             value = of_jumps(jumps, k, some, what) + jumps.near.in_plane(
-                jumps.near.of(zone), some, what
+                jumps.near.of_zone(zone), some, what
             )
             value = value + jumps.poles.in_plane(jumps.poles.of_zone(zone), some, what)
             spline = jumps.splines.get(zone)

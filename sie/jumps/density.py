@@ -39,13 +39,9 @@ from sie.basis.zones import Zones
 from sie.jumps.exterior import ExteriorLogarithms, potential_series
 from sie.jumps.forcing import ForcingJumps
 from sie.jumps.formulas import HIGHEST, raised
-from sie.jumps.local_spline import LocalSpline
 from sie.jumps.poles import NO_POLES
+from sie.jumps.spline import QuadraticSpline
 
-# From this number of jumps of order 2 on a spline takes their place. What the powers of n of them
-# lose, n^2 units in the last digit, the zones beside this one see; those of the right side need not
-# tell these, since what is seen of them is found from g itself.
-_MANY = 128
 # Coefficients that a spline's potential is summed from: they fall as l^(-3).
 _SERIES = 1024
 
@@ -138,9 +134,7 @@ class DensityJumps(ForcingJumps):
                 logarithms=Logarithms(kernel, zones, at, weight, np.where(inside, i, -1), near),
             )
         return (
-            found
-            if spline is None
-            else found._with_splines(zones, spline, LocalSpline.inside, _MANY)
+            found if spline is None else found._with_splines(zones, spline, QuadraticSpline.inside)
         )
 
     @property

@@ -10,13 +10,11 @@ is transformed to (1/pi) ln(2 |rho| |t - s|) on the zone, and to (2/pi) ln(1 - r
 1/sqrt(distance) modes.
 """
 
-from functools import cached_property
-
 import numpy as np
 
-from sie.basis.data import Array, Index, Kept, numbered, record, wrapped
+from sie.basis.data import Array, Index, numbered, record, wrapped
 from sie.basis.interval import Complex, InPlane, Outside, What, theta
-from sie.basis.sums import Grouped
+from sie.basis.sums import PerZone
 from sie.basis.zones import Zones
 
 # Logarithms nearer than this part of a zone's half width are carried; farther ones are smooth
@@ -25,7 +23,7 @@ _NEAR = 0.5
 
 
 @record
-class ExteriorLogarithms(Kept):
+class ExteriorLogarithms(PerZone):
     """Logarithms near zones, seen from each: the zone, which logarithm it is, rho, and J/pi."""
 
     zone: Index
@@ -65,22 +63,6 @@ class ExteriorLogarithms(Kept):
             found.append((zone, which[place], Outside(sign, e).rho))
         zone, which, rho = (np.concatenate(parts) for parts in zip(*found, strict=True))
         return cls(zone, which, rho, weights[which])
-
-    def __len__(self) -> int:
-        return len(self.zone)
-
-    @cached_property
-    def grouped(self) -> Grouped:
-        """By zone."""
-        return Grouped.by(self.zone)
-
-    @cached_property
-    def by_zone(self) -> dict[int, Index]:
-        return self.grouped.places()
-
-    def of(self, zone: int) -> Index:
-        """Those near a zone."""
-        return self.by_zone.get(zone, np.zeros(0, dtype=np.intp))
 
     def sine_coefficients(self, count: int) -> Array:
         """Coefficients of sin(j theta), j = 1 ... count, one row for each."""

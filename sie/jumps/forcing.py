@@ -37,13 +37,12 @@ from sie.basis.sums import Grouped
 from sie.basis.zones import Zones
 from sie.jumps.exterior import NOWHERE, ExteriorLogarithms
 from sie.jumps.formulas import HIGHEST, Jumps, of_sines
-from sie.jumps.local_spline import MANY, LocalSpline, with_jumps
 from sie.jumps.poles import NO_POLES, Poles
-from sie.jumps.zone_spline import ZoneSpline
+from sie.jumps.spline import OPTIONS, ConjugateSpline, QuadraticSpline, with_jumps
 
 # What takes the place of very many jumps of order 2 in one zone, of the right side's or of the
 # density's own: with the same methods, of which each refuses those that have no use for its kind.
-Spline = LocalSpline | ZoneSpline
+Spline = QuadraticSpline | ConjugateSpline
 MadeSpline = Callable[[Array, Array, Callable[[Array], Array]], tuple[Spline, Array, Array] | None]
 
 # Seen from farther than this rho, closed forms cancel, and the series of all parts of a zone is
@@ -84,7 +83,7 @@ class ForcingJumps(Jumps):
         right side, if it is known.
         """
         found = cls.placed(zones, at, jumps, orders, period) if len(at) else _NONE
-        return found if g is None else found._with_splines(zones, g, ZoneSpline.inside)
+        return found if g is None else found._with_splines(zones, g, ConjugateSpline.inside)
 
     @classmethod
     def placed(
@@ -117,9 +116,7 @@ class ForcingJumps(Jumps):
             (i >= 0) & (zones.beyond_a(at, i) > 0) & (zones.before_b(at, i) > 0),
         )
 
-    def _with_splines(
-        self, zones: Zones, f: Callable[[Array], Array], made: MadeSpline, least: int = MANY
-    ) -> Self:
+    def _with_splines(self, zones: Zones, f: Callable[[Array], Array], made: MadeSpline) -> Self:
         """The same with splines, made of knots, their jumps and f, in every zone of many jumps of
         order 2, at the least so many. Where f is more than a spline with these jumps, or jumps
         otherwise, they alone tell it.
@@ -127,7 +124,7 @@ class ForcingJumps(Jumps):
         height, more = self.height.copy(), []
         splines: dict[int, Spline] = {}
         for zone in np.flatnonzero(
-            np.bincount(self.zone[self.order == HIGHEST], minlength=1) >= least
+            np.bincount(self.zone[self.order == HIGHEST], minlength=1) >= OPTIONS.min_jumps
         ).tolist():
             all_of_it = self.by_zone[zone]
             k = all_of_it[self.order[all_of_it] == HIGHEST]

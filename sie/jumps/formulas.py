@@ -10,9 +10,9 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from sie.basis.data import Array, Index, Kept, Mask, record
+from sie.basis.data import Array, Index, Mask, record
 from sie.basis.interval import LOG2, Outside, theta
-from sie.basis.sums import PAIRS, Grouped
+from sie.basis.sums import PAIRS, PerZone
 
 HIGHEST = 2
 # Of q over p; zero for p > q.
@@ -23,7 +23,7 @@ _FAR_APART = 0.5
 
 
 @record
-class Jumps(Kept):
+class Jumps(PerZone):
     """Jumps inside the zones: zone index, distances from the zone's ends over w, h = J w^q / q!,
     and q.
     """
@@ -45,11 +45,6 @@ class Jumps(Kept):
             height=self.height[which],
             order=self.order[which],
         )
-
-    @cached_property
-    def grouped(self) -> Grouped:
-        """By zone."""
-        return Grouped.by(self.zone)
 
     @cached_property
     def phi(self) -> Array:

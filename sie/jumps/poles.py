@@ -34,9 +34,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import cosdg, sindg
 
-from sie.basis.data import Array, Complex, Index, Kept, record
+from sie.basis.data import Array, Complex, Index, record
 from sie.basis.interval import LOG2, InPlane, OnLine, What, theta
-from sie.basis.sums import Grouped
+from sie.basis.sums import PerZone
 from sie.basis.zones import Zones
 
 
@@ -155,7 +155,7 @@ class AlgebraicPoints:
 
 
 @record
-class Poles(Kept):
+class Poles(PerZone):
     """Poles of the right side in and beside zones. zone: of each; left, right: distances of its
     point from the zone's ends over w; away: eta over w; size: c over w. points: of each place
     inside a zone the zone, the distance from its left end over w, its least exponent, and what
@@ -197,22 +197,6 @@ class Poles(Kept):
         own, at_left, exponent, unseen = np.array(inside, dtype=np.float64).reshape(-1, 4).T
         held = own.astype(np.intp), at_left, exponent, unseen
         return cls(table[0].astype(np.intp), table[1], table[2], table[3], table[4], held)
-
-    def __len__(self) -> int:
-        return len(self.zone)
-
-    @cached_property
-    def grouped(self) -> Grouped:
-        """By zone."""
-        return Grouped.by(self.zone)
-
-    @cached_property
-    def by_zone(self) -> dict[int, Index]:
-        return self.grouped.places()
-
-    def of_zone(self, zone: int) -> Index:
-        """Those of a zone."""
-        return self.by_zone.get(zone, np.zeros(0, dtype=np.intp))
 
     @cached_property
     def roots(self) -> tuple[Complex, Complex]:

@@ -11,14 +11,14 @@ from scipy.interpolate import BSpline
 import sie
 from sie.basis.interval import OnLine, by_angle
 from sie.jumps.forcing import ForcingJumps
-from sie.jumps.local_spline import MANY
+from sie.jumps.spline import OPTIONS
 
 
 def both(after: int = 10, seed: int = 5) -> tuple[ForcingJumps, ForcingJumps, sie.Zones]:
     """(all jumps of a quadratic spline one by one, the same with a spline in their place, the
     zone): `after` knots lie right of it.
     """
-    rng, n = np.random.default_rng(seed), MANY + 40 + after
+    rng, n = np.random.default_rng(seed), OPTIONS.min_jumps + 40 + after
     at = np.arange(n) + rng.uniform(-0.4, 0.4, n)
     spline = BSpline(at, rng.normal(size=n - 3), 2)
     bends = spline.derivative(2)(0.5 * (at[1:] + at[:-1]))
@@ -33,7 +33,7 @@ def both(after: int = 10, seed: int = 5) -> tuple[ForcingJumps, ForcingJumps, si
 
 def test_a_spline_beside_other_jumps_or_a_wave_is_known_by_its_own_jumps() -> None:
     rng = np.random.default_rng(2)
-    at, zones = np.sort(rng.uniform(-1, 1, MANY + 9)), sie.Zones.of([[-1.0, 1.0]])
+    at, zones = np.sort(rng.uniform(-1, 1, OPTIONS.min_jumps + 9)), sie.Zones.of([[-1.0, 1.0]])
     jumps, orders = rng.standard_normal(len(at)) * len(at) ** 2, np.full(len(at), 2)
     orders[::200] = 0
     jumps[::200] = 1.0
@@ -53,7 +53,7 @@ def test_a_spline_leaves_one_jump_and_a_parabola(after: int) -> None:
     so do all that follow from it.
     """
     one, other, zones = both(after)
-    assert len(one.zone) > MANY and len(other.zone) == 1
+    assert len(one.zone) > OPTIONS.min_jumps and len(other.zone) == 1
     assert one.count[0] + 1 == other.count[0]  # one more where the two pieces of what is left meet
     theta = np.concatenate(
         (np.random.default_rng(1).uniform(0, np.pi, 60), [1e-9, 1e-4, np.pi - 1e-4])

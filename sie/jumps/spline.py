@@ -1,0 +1,610 @@
+r"""Quadratic splines inside one zone, in place of hundreds of truncated powers.
+
+The truncated powers of n jumps of a second derivative grow to n^2 times their sum, and lose as many
+digits. A spline f with these jumps is known piece by piece instead.
+
+`QuadraticSpline` is a spline that is a part of the density itself. f is a sum of B-splines sum_j
+d_j B_j, each no wider than three pieces, d_j = 2 f((u + v)/2) - (f(u) + f(v))/2 with u, v the inner
+knots of B_j (its blossom; L. Ramshaw, Comput. Aided Geom. Des. 6 (1989) 323-358). The B-splines
+inside the zone make a part of the density that is nowhere larger than f; jumps are left at the
+first three and the last three knots only.
+
+`ConjugateSpline` is the density, bounded at both ends, whose transform is a spline g less its mean
+over theta. With t = cos(theta) it is the conjugate of g(cos(theta)),
+
+    sum_k g_k sin(k theta) = -(1/pi) PV int g / (t - tau) dtau
+                             + (1/pi) int_0^pi g(cos(phi)) cot((theta + phi)/2) dphi.
+
+The first part is the transform of a `QuadraticSpline`. The second is analytic in theta. Off the
+zone the transform and the potential of this density are
+
+    (2/pi) int g rho (cos(phi) - rho) / |1 - rho e^(i phi)|^2 dphi,
+    (2/pi) int g sin(phi) arg(1 / (1 - rho e^(i phi))) dphi - rho g_0 - c_0 ln(2 |rho|),
+
+with g_0, c_0 the means of g and g cos(phi). Their singularities lie no nearer to a phi than the
+ends of the zone. Panels that double in length away from the ends hold all of g in a few moments
+each, so that the integrals are sums over some hundred nodes, whatever the number of knots.
+
+Places are distances from the zone's left end over its half width.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from sie.basis import chebyshev
+from sie.basis.data import EPS, Array, Index, Kept, Mask, legendre, record
+from sie.basis.interval import Complex, InPlane, Outside, What, of_t, sides, theta
+from sie.basis.kernels import cauchy
+from sie.basis.sums import pair_blocks, waves
+from sie.trees.piecewise import PiecewiseTransform, clenshaw
+from sie.trees.tree import TERMS
+
+
+@dataclass(frozen=True)
+class SplineOptions:
+    """When a spline takes the place of jumps, and how finely it is integrated."""
+
+    # Jumps of order 2 in a zone from which a spline takes their place; below, closed forms of the
+    # jumps are as fast.
+    min_jumps: int = 400
+    # Knots nearer to an end of the zone are left out: g changes by the jump times the square of it.
+    min_end_distance: float = 1e-9
+    # Largest difference between declared jumps and those of f, relative; above, f is no such spline.
+    max_jump_error: float = 1e-8
+    # Gauss nodes on a piece of the spline or on a part of one.
+    gauss_nodes: int = 8
+    # Largest angle by which cos(l theta) turns over those nodes: their error is below 1e-14.
+    max_turn: float = 1.5
+    # Pieces nearer than this many of their lengths are integrated in closed form, others by Gauss's
+    # rule, whose error is (4 * 2.5)^(-16).
+    near_lengths: float = 2.5
+    # Distance from the middle of the spline over its half width, above which one series of the whole
+    # spline has the transform to all digits.
+    far_reach: float = 5.0
+    # Moments of a panel, which is seen from at least twice its half width beyond its middle: 3^-24.
+    panel_moments: int = 24
+    # Gauss nodes on a piece within a panel: exact for a moment of degree 24 of a quadratic spline.
+    panel_nodes: int = 16
+    # Largest angle by which cos(l theta) turns over a panel: its 24 moments then have all digits.
+    panel_turn: float = 8.0
+    # Part of g that the outermost panels may hold.
+    outermost_part: float = 1e-12
+
+
+OPTIONS = SplineOptions()
+
+
+def same_jumps(found: Array, wanted: Array, length: Array, size: float) -> bool:
+    """Whether the jumps found between pieces of such lengths are those wanted, as far as rounding
+    of values of such a size allows.
+    """
+    rounding = 50 * EPS * size / np.minimum(length[1:], length[:-1]) ** 2
+    return not np.any(
+        np.abs(found - wanted)
+        > np.maximum(OPTIONS.max_jump_error * np.abs(wanted).max(initial=0.0), rounding)
+    )
+
+
+def with_jumps(knots: Array, jumps: Array) -> Callable[[Array], Array]:
+    """Of all quadratic splines on a zone with these jumps at its knots, half of those of the second
+    derivative, the one whose squares add up to least: where f is more than such a spline, this is
+    the part of it that jumps.
+    """
+    ends = np.concatenate(([0.0], knots, [2.0]))
+    length, bend, before = np.diff(ends), np.concatenate(([0.0], np.cumsum(jumps))), np.zeros(3)
+    for _ in range(2):
+        # Once more from what is left: the first time a trend may hide what it goes beside.
+        slope = before[1] + np.concatenate(([0.0], np.cumsum(2 * bend * length)[:-1]))
+        value = before[0] + np.concatenate(([0.0], np.cumsum(length * (slope + bend * length))))
+        trend = np.polynomial.polynomial.polyfit(ends, value, 2)
+        bend, before = bend - trend[2], before - trend
+    first = ends[:-1]
+    pieces = np.column_stack(
+        (
+            value[:-1] - trend[0] - first * (trend[1] + first * trend[2]),
+            slope - trend[1] - 2 * first * trend[2],
+            bend,
+        )
+    )
+
+    def of(x: Array) -> Array:
+        i = np.clip(np.searchsorted(ends, x, side="right") - 1, 0, len(pieces) - 1)
+        y, part = x - ends[i], pieces[i]
+        return np.asarray(part[..., 0] + y * (part[..., 1] + y * part[..., 2]))
+
+    return of
+
+
+@record
+class QuadraticSpline(Kept):
+    """knots: (n,) ascending; pieces: (n - 1, 3) coefficients of powers of the distance from each
+    piece's left knot.
+    """
+
+    knots: Array
+    pieces: Array
+
+    @classmethod
+    def of(cls, knots: Array, control: Array) -> "QuadraticSpline":
+        """With the middle control points of its pieces, zero at the first and at the last knot;
+        where the first and the last of these points are zero, so is its slope.
+        """
+        length = np.diff(knots)
+        at_knots = np.zeros(len(knots))
+        at_knots[1:-1] = (length[1:] * control[:-1] + length[:-1] * control[1:]) / (
+            length[1:] + length[:-1]
+        )
+        first, last = at_knots[:-1], at_knots[1:]
+        return cls(
+            knots,
+            np.column_stack(
+                (first, 2 * (control - first) / length, (first - 2 * control + last) / length**2)
+            ),
+        )
+
+    @classmethod
+    def inside(
+        cls, knots: Array, jumps: Array, f: Callable[[Array], Array]
+    ) -> "tuple[QuadraticSpline, Array, Array] | None":
+        """(the B-splines of f between these knots, what is left of the jumps: half of those of the
+        second derivative; places and heights of others: none); None if f has other jumps than
+        these.
+        """
+        within = np.flatnonzero(np.minimum(knots, 2 - knots) > OPTIONS.min_end_distance)
+        knots = knots[within]
+        u, v = knots[1:-2], knots[2:-1]
+        values = np.asarray(f(knots))
+        d = np.concatenate(
+            ([0.0], 2 * np.asarray(f(0.5 * (u + v))) - 0.5 * (values[1:-2] + values[2:-1]), [0.0])
+        )
+        spline, length = cls.of(knots, d), np.diff(knots)
+        found = np.diff(spline.pieces[:, 2], prepend=0.0, append=0.0)
+        if not same_jumps(
+            found[3:-3], jumps[within][3:-3], length[2:-2], float(np.abs(values).max())
+        ):
+            return None
+        left = jumps.copy()
+        left[within] -= found
+        left[within[3:-3]] = 0.0
+        return spline, left, np.zeros((2, 0))
+
+    def _locate(self, x: Array) -> tuple[Index, Array, Mask]:
+        i = np.searchsorted(self.knots, x, side="right") - 1
+        inside = (i >= 0) & (i < len(self.pieces))
+        i = np.clip(i, 0, len(self.pieces) - 1)
+        return i, x - self.knots[i], inside
+
+    def __call__(self, x: Array) -> Array:
+        i, y, inside = self._locate(x)
+        p = self.pieces[i]
+        return np.where(inside, p[..., 0] + y * (p[..., 1] + y * p[..., 2]), 0.0)
+
+    def density(self, left: Array, right: Array) -> Array:
+        """What it is of the density at distances from both ends of the zone."""
+        return self(left)
+
+    @property
+    def jumps(self) -> Array:
+        """Half of the jumps of its second derivative at the knots."""
+        return np.diff(self.pieces[:, 2], prepend=0.0, append=0.0)
+
+    @property
+    def mean_offset(self) -> float:
+        raise ValueError("a condition on potentials is for right sides without logarithms")
+
+    def potential(self, left: Array, right: Array, rho: Array) -> Array:
+        raise ValueError("the potential of a spline of the density is no closed form")
+
+    def transform_off(self, z: Array, rho: Array) -> Array:
+        """What the kernel makes of it off the zone, at z counted from its middle."""
+        return self.own_transform(1 + z)
+
+    @property
+    def edge_slopes(self) -> tuple[float, float]:
+        """Coefficient of the angle from either end: it is zero there."""
+        return 0.0, 0.0
+
+    @property
+    def size(self) -> float:
+        return float(np.abs(self.pieces[:, 0]).max())
+
+    @cached_property
+    def _before(self) -> Array:
+        """Integral up to each knot."""
+        y, p = np.diff(self.knots), self.pieces
+        return np.concatenate(
+            ([0.0], np.cumsum(y * (p[:, 0] + y * (p[:, 1] / 2 + y * p[:, 2] / 3))))
+        )
+
+    def integral(self, x: Array) -> Array:
+        """Integral up to x."""
+        i, y, inside = self._locate(x)
+        p = self.pieces[i]
+        part = self._before[i] + y * (p[..., 0] + y * (p[..., 1] / 2 + y * p[..., 2] / 3))
+        return np.where(inside, part, np.where(x < self.knots[0], 0.0, self._before[-1]))
+
+    def t_coefficients(self, count: int) -> Array:
+        """First `count` coefficients of the spline as a sum of T_l / sqrt(1 - t^2): (2/pi) int f
+        T_l dt, half of it for l = 0.
+        """
+        angle = np.arccos(np.clip(self.knots - 1, -1.0, 1.0))
+        parts = np.maximum(np.ceil(-np.diff(angle) * (count / OPTIONS.max_turn)), 1.0).astype(
+            np.intp
+        )
+        # From the right end to the left: the angles fall.
+        theta, weights = legendre(angle, OPTIONS.gauss_nodes, parts)
+        out = waves(
+            (-2 / np.pi) * weights * np.sin(theta) * self(sides(theta)[0]), theta, count
+        ).real
+        out[:1] *= 0.5
+        return out
+
+    # what the kernel makes of it
+    # --------------------------------------------------------------------------------------
+    @cached_property
+    def _reach(self) -> tuple[float, float]:
+        half = 0.5 * (self.knots[-1] - self.knots[0])
+        return self.knots[0] - (OPTIONS.far_reach - 1) * half, self.knots[-1] + (
+            OPTIONS.far_reach - 1
+        ) * half
+
+    @cached_property
+    def _close(self) -> PiecewiseTransform:
+        """On the spline and beside it, in cells that double in length away from it."""
+        lo, hi = self._reach
+        first, last = np.diff(self.knots)[[0, -1], None] * (2.0 ** np.arange(1, 60) - 1)
+        before = self.knots[0] - first[first < 0.75 * (self.knots[0] - lo)]
+        after = self.knots[-1] + last[last < 0.75 * (hi - self.knots[-1])]
+        ends = np.concatenate(([lo], before[::-1], self.knots, after, [hi]))
+        pieces = np.zeros((len(ends) - 1, 3))
+        start = len(before) + 1
+        pieces[start : start + len(self.pieces)] = self.pieces
+        jumps = 2 * np.diff(self.pieces[:, 2], prepend=0.0, append=0.0)
+        return PiecewiseTransform(cauchy(), ends, pieces, self.knots, jumps)
+
+    @cached_property
+    def _moments(self) -> Array:
+        """int f T_k dt over pi, twice for k > 0, T_k of the spline's own width."""
+        x, weights = legendre(self.knots, TERMS)
+        u = (x - 0.5 * (self.knots[0] + self.knots[-1])) / (0.5 * (self.knots[-1] - self.knots[0]))
+        values, angle = self(x) * weights, np.arccos(np.clip(u, -1.0, 1.0))
+        return np.array([float(values @ np.cos(k * angle)) for k in range(TERMS)]) * (
+            np.where(np.arange(TERMS), 2.0, 1.0) / np.pi
+        )
+
+    def own_transform(self, x: Array) -> Array:
+        """(1/pi) PV int f / (x - xi) at points on the zone and off it."""
+        lo, hi = self._reach
+        close = (x >= lo) & (x <= hi)
+        out = np.empty(x.shape)
+        out[close] = self._close(x[close])
+        half = 0.5 * (self.knots[-1] - self.knots[0])
+        z = (x[~close] - 0.5 * (self.knots[0] + self.knots[-1])) / half
+        seen, row = Outside(np.sign(z), np.abs(z) - 1), np.zeros(len(z), dtype=np.intp)
+        out[~close] = of_t(self._moments[None] / half, seen, half, 1.0, row, "transform")
+        return out
+
+    def in_plane(self, seen: InPlane, what: What) -> Complex:
+        """(1/pi) int f / (zeta - tau) dtau, f the spline, or its derivative: piece by piece, by
+        Gauss's rule or, nearby, in closed form
+
+        int_0^h (p_0 + p_1 y + p_2 y^2) / (Y - y) dy = p(Y) log(Y / (Y - h)) - p_1 h - p_2 (h Y +
+        h^2/2).
+        """
+        knots, p = self.knots, self.pieces
+        h = np.diff(knots)
+        places, weights = legendre(knots, OPTIONS.gauss_nodes)
+        held = self(places) * weights
+        power = 1 if what == "transform" else 2
+        sign = 1.0 if what == "transform" else -1.0
+        out = np.empty(seen.left.shape, dtype=complex)
+        for here in pair_blocks(len(out), len(places)):
+            at = seen.left[here]
+            # Distances from both knots of a piece, whichever of them rounding spares.
+            close = np.abs(at[:, None] - (knots[:-1] + 0.5 * h)) < OPTIONS.near_lengths * h
+            terms = sign * held / (at[:, None] - places) ** power
+            value = np.where(np.repeat(close, OPTIONS.gauss_nodes, axis=1), 0.0, terms).sum(axis=1)
+            i, j = np.nonzero(close)
+            one, two, three, size = *p[j].T, h[j]
+            past, before = at[i] - knots[j], at[i] - knots[j + 1]
+            with np.errstate(divide="ignore", invalid="ignore"):
+                log = np.log(past) - np.log(before)
+                f = one + past * (two + past * three)
+                # At a knot both pieces have the same value: its logarithms cancel.
+                log = np.where(
+                    (past == 0) | (before == 0),
+                    np.where(past == 0, -1.0, 1.0) * np.log(size) - 1j * np.pi * (past == 0),
+                    log,
+                )
+                if what == "transform":
+                    closed = f * log - two * size - three * (size * past + 0.5 * size**2)
+                else:
+                    closed = (
+                        (two + 2 * three * past) * log - f * size / (past * before) - three * size
+                    )
+            np.add.at(value, i, closed)
+            out[here] = value / np.pi
+        return out
+
+
+@record
+class ConjugateSpline(Kept):
+    """spline: g by distance from the zone's left end over its half width, from one end to the
+    other; zero there, and its slope too.
+    """
+
+    spline: QuadraticSpline
+    known: dict[str, Array] = field(default_factory=dict)
+
+    @classmethod
+    def inside(
+        cls, knots: Array, jumps: Array, g: Callable[[Array], Array]
+    ) -> "tuple[ConjugateSpline, Array, Array] | None":
+        """(the spline, what is left of the jumps: none; place and height of another one); None if g
+        has other jumps than these.
+
+        What is left of g has its values and slopes at both ends, and two pieces: no number is
+        larger than those slopes.
+        """
+        left = np.zeros_like(jumps)
+        inner = np.minimum(knots, 2 - knots) > OPTIONS.min_end_distance
+        knots, jumps = knots[inner], jumps[inner]
+        piece = int(np.searchsorted(knots, 1.0))
+        cut = 0.5 * float(np.append(0.0, knots)[piece] + np.append(knots, 2.0)[piece])
+        ends = np.concatenate(([0.0], knots[:piece], [cut], knots[piece:], [2.0]))
+        length, middles = np.diff(ends), 0.5 * (ends[1:] + ends[:-1])
+        values, between = np.asarray(g(ends)), np.asarray(g(middles))
+        # Control points of the first and the last piece: they tell the slopes at the ends.
+        first, last = (
+            2 * between[i] - 0.5 * (values[i] + values[j]) for i, j in ((0, 1), (-1, -2))
+        )
+        at_left = float(values[0]), float(2 * (first - values[0]) / length[0])
+        at_right = float(values[-1]), float(2 * (values[-1] - last) / length[-1])
+        rest, height = _two_pieces(cut, *at_left, *at_right)
+        size = float(np.abs(values).max()) + abs(height)
+        values, between = values - rest(ends), between - rest(middles)
+        spline = QuadraticSpline.of(
+            ends,
+            np.concatenate(([0.0], (2 * between - 0.5 * (values[1:] + values[:-1]))[1:-1], [0.0])),
+        )
+        found = np.diff(spline.pieces[:, 2])
+        if not same_jumps(found, np.insert(jumps, piece, -height), length, size):
+            return None
+        return cls(spline), left, np.array([[cut], [height]])
+
+    @property
+    def knots(self) -> Array:
+        """Those inside."""
+        return self.spline.knots[1:-1]
+
+    @property
+    def jumps(self) -> Array:
+        """Half of the jumps of the second derivative at these."""
+        return np.diff(self.spline.pieces[:, 2])
+
+    @property
+    def size(self) -> float:
+        return self.spline.size
+
+    @cached_property
+    def _cuts(self) -> Array:
+        """Of panels that double in length away from both ends, from so near to these that g, which
+        goes as the fourth power of the angle there, is nothing to speak of within the first.
+        """
+        curved = np.abs(self.spline.pieces[[-1, 0], 2]) + 1e-300
+        near = np.array([2 - self.knots[-1], self.knots[0]])
+        outermost = theta(2 - near, near)
+        first, last = np.clip(
+            (OPTIONS.outermost_part * self.size / curved) ** 0.25, 1e-6, np.minimum(outermost, 0.5)
+        )
+        return _graded(float(first), float(last))
+
+    # g by moments
+    # ---------------------------------------------------------------------------------------------------
+    def _moments(self, cuts: Array) -> tuple[Array, Array]:
+        """(nodes phi, weights that hold g): int_0^pi g F dphi = sum of weights F(phi), F smooth on
+        each panel between cuts.
+        """
+        ends = np.unique(np.concatenate((self.spline.knots, 1 + np.cos(cuts[1:-1]))))
+        phi, weights = legendre(theta(ends, 2 - ends), OPTIONS.panel_nodes)
+        # From the left end to the right the angles fall.
+        values = -weights * self.spline(sides(phi)[0])
+        panel = np.clip(np.searchsorted(cuts, phi, side="right") - 1, 0, len(cuts) - 2)
+        half, middle = 0.5 * np.diff(cuts), 0.5 * (cuts[1:] + cuts[:-1])
+        u = (phi - middle[panel]) / half[panel]
+        # T moments panel by panel, then the weights of Gauss-Chebyshev nodes with the same moments.
+        moments = np.empty((len(half), OPTIONS.panel_moments))
+        one, two = np.ones(len(u)), u
+        for k in range(OPTIONS.panel_moments):
+            moments[:, k] = np.bincount(panel, values * one, len(half))
+            one, two = two, 2 * u * two - one
+        moments[:, 1:] *= 2
+        place = np.cos((np.arange(OPTIONS.panel_moments) + 0.5) * np.pi / OPTIONS.panel_moments)
+        return (middle[:, None] + half[:, None] * place).ravel(), (
+            moments
+            @ chebyshev.t_matrix(OPTIONS.panel_moments, OPTIONS.panel_moments).T
+            / OPTIONS.panel_moments
+        ).ravel()
+
+    @cached_property
+    def _nodes(self) -> tuple[Array, Array]:
+        """Nodes and weights of panels that double in length away from both ends."""
+        return self._moments(self._cuts)
+
+    @cached_property
+    def mean(self) -> float:
+        """Mean over theta."""
+        return float(self._nodes[1].sum() / np.pi)
+
+    def t_coefficients(self, count: int) -> Array:
+        """First `count` coefficients of the density as a sum of T_l / sqrt(1 - t^2)."""
+        known = self.known.get("c", np.zeros(0))
+        if len(known) < count:
+            panels = int(np.ceil(np.pi * (count + 1) / OPTIONS.panel_turn)) + 1
+            phi, weight = self._moments(np.linspace(0.0, np.pi, panels + 1))
+            known = 0.5 * waves((2 / np.pi) * weight, phi, count + 2).real[1:]
+            known[2:] -= known[:-2].copy()
+            self.known["c"] = known = known[:count]
+        return known[:count]
+
+    @cached_property
+    def edge_slopes(self) -> tuple[float, float]:
+        """Coefficient of the angle from the left and from the right end."""
+        phi, weight = self._nodes
+        left, right = (float((weight / side).sum() / np.pi) for side in sides(phi))
+        return left, -right
+
+    @cached_property
+    def mean_offset(self) -> float:
+        """Mean over theta of the primitive of g, less half of its values at both ends; over the
+        half width.
+        """
+        phi, weight = self._nodes
+        return float(weight @ ((phi - 0.5 * np.pi) * np.sin(phi))) / np.pi
+
+    # on the zone
+    # ----------------------------------------------------------------------------------------------------
+    def own_transform(self, left: Array) -> Array:
+        """g less its mean over theta."""
+        return self.spline(left) - self.mean
+
+    @cached_property
+    def _cells(self) -> tuple[Array, Array]:
+        """(ends in theta, series (TERMS, cells)) of what makes the density of the transform of g."""
+        cuts = self._cuts[1:-1]
+        nearest = np.array([0.25, 0.5])
+        cuts = np.concatenate((nearest * cuts[0], cuts, np.pi - nearest[::-1] * (np.pi - cuts[-1])))
+        half, middle = 0.5 * np.diff(cuts), 0.5 * (cuts[1:] + cuts[:-1])
+        place = np.cos((np.arange(OPTIONS.panel_moments) + 0.5) * np.pi / OPTIONS.panel_moments)
+        phi, weight = self._nodes
+        theta = (middle[:, None] + half[:, None] * place).ravel()
+        values = ((1 / np.tan(0.5 * (theta[:, None] + phi))) @ weight / np.pi).reshape(
+            len(half), OPTIONS.panel_moments
+        )
+        return cuts, np.ascontiguousarray((values @ chebyshev.to_series(OPTIONS.panel_moments)).T)
+
+    def density(self, left: Array, right: Array) -> Array:
+        """The density at points given by their distances from both ends."""
+        from_right, from_left = theta(left, right), theta(right, left)
+        cuts = self._cells[0]
+        close = (from_right >= cuts[0]) & (from_right <= cuts[-1])
+        out = np.empty(from_right.shape)
+        out[close] = self._on_cells(from_right[close], left[close])
+        beside = (from_left, from_right > cuts[-1]), (from_right, from_right < cuts[0])
+        for (angle, here), slope, cubic in zip(beside, self.edge_slopes, self._cubics, strict=True):
+            out[here] = angle[here] * (slope + cubic * angle[here] ** 2)
+        return out
+
+    def _on_cells(self, theta: Array, left: Array) -> Array:
+        cuts, series = self._cells
+        cell = np.clip(np.searchsorted(cuts, theta, side="right") - 1, 0, len(cuts) - 2)
+        u = (2 * theta - cuts[cell] - cuts[cell + 1]) / (cuts[cell + 1] - cuts[cell])
+        return clenshaw(series, cell, u) - self.spline.own_transform(left)
+
+    @cached_property
+    def _cubics(self) -> tuple[float, float]:
+        """Beside the left and the right end the density is a series of odd powers of the angle from
+        there: coefficient of the second.
+        """
+        cuts = self._cells[0]
+        theta, angle = cuts[[-1, 0]], np.array([np.pi - cuts[-1], cuts[0]])
+        value = self._on_cells(theta, sides(theta)[0])
+        left, right = (value / angle - np.array(self.edge_slopes)) / angle**2
+        return float(left), float(right)
+
+    # off the zone
+    # ---------------------------------------------------------------------------------------------------
+    def transform_off(self, z: Array, rho: Array) -> Array:
+        """What the kernel makes of the density off the zone."""
+        out = np.empty(rho.shape)
+        (phi, weight), (left, right) = self._nodes, sides(self._nodes[0])
+        for here in pair_blocks(len(rho), len(phi)):
+            near = np.where(rho[here, None] > 0, right, left)
+            size = np.abs(rho[here])[:, None]
+            # rho (cos(phi) - rho) = |rho| (1 - |rho| - near), near the distance of cos(phi) from
+            # the end on that side.
+            out[here] = (
+                (size * ((1 - size) - near) / ((1 - size) ** 2 + 2 * size * near))
+                @ weight
+                * (2 / np.pi)
+            )
+        return out
+
+    def in_plane(self, seen: InPlane, what: What) -> Complex:
+        """What the kernel makes of the density at complex points, or its derivative by zeta."""
+        phi, weight = self._nodes
+        rho, turn = seen.rho[:, None], np.exp(-1j * phi)
+        b, own = (
+            np.exp(seen.turned(np.cos(0.5 * phi), np.sin(0.5 * phi))),
+            1j * self.spline.in_plane(seen, what),
+        )
+        if what == "transform":
+            return np.asarray(own + (rho * turn / b) @ weight * (2 / np.pi))
+        return np.asarray(own - (rho * turn / b**2) @ weight * (2 / np.pi) / seen.root)
+
+    def integral(self, left: Array) -> Array:
+        raise ValueError(
+            "the integral along a zone is for kinks alone, or for densities without jumps of the right side"
+        )
+
+    def potential(self, left: Array, right: Array, rho: Array) -> Array:
+        """Potential of the density over the half width, less c_0 log(half width), on the zone and
+        off it.
+        """
+        phi, weight = self._nodes
+        on = (left >= 0) & (right >= 0)
+        rho = np.where(on, 1.0, rho)
+        c_0 = float(weight @ np.cos(phi)) / np.pi
+        out = -rho * self.mean - c_0 * np.log(2 * np.abs(rho))
+        sine, cosine = np.sin(phi), np.cos(phi)
+        end = float(weight @ (sine * 0.5 * (np.pi - phi))) * (2 / np.pi)
+        off = np.flatnonzero(~on)
+        for here in pair_blocks(len(off), len(phi)):
+            r = rho[off[here], None]
+            out[off[here]] += np.arctan2(r * sine, 1 - r * cosine) @ (weight * sine) * (2 / np.pi)
+        whole = float(self.spline.integral(np.array([2.0]))[0])
+        out[on] += end - (whole - self.spline.integral(left[on]) - self.mean * right[on])
+        return out
+
+
+def _graded(first: float, last: float) -> Array:
+    """Cuts from 0 to pi: the panels at both ends have these lengths, and others are no longer than
+    their distances from 0 and from pi.
+    """
+    middle = 0.5 * np.pi
+    low, high = (size * 2.0 ** np.arange(60) for size in (first, last))
+    return np.concatenate(
+        (
+            [0.0],
+            low[low < 0.75 * middle],
+            [middle],
+            np.pi - high[high < 0.75 * middle][::-1],
+            [np.pi],
+        )
+    )
+
+
+def _two_pieces(
+    cut: float, left: float, left_slope: float, right: float, right_slope: float
+) -> tuple[Callable[[Array], Array], float]:
+    """(the function of two quadratic pieces with these values and slopes at 0 and 2, continuous at
+    the cut with its slope; half of the jump of its second derivative there).
+    """
+    beyond = 2.0 - cut
+    # Control points.
+    before, after = left + 0.5 * cut * left_slope, right - 0.5 * beyond * right_slope
+    middle = 0.5 * (beyond * before + cut * after)
+    bends = (left - 2 * before + middle) / cut**2, (right - 2 * after + middle) / beyond**2
+
+    def pieces(x: Array) -> Array:
+        y = 2.0 - x
+        return np.where(
+            x < cut,
+            left + x * (left_slope + x * bends[0]),
+            right - y * (right_slope - y * bends[1]),
+        )
+
+    return pieces, bends[1] - bends[0]
