@@ -5,31 +5,37 @@ measured where that part comes from.
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
-from sie.basis.data import record
+from sie.basis.data import EPS, record
 from sie.dense import modes
 from sie.ends.newton import Free
 from sie.slits.system import AnyState, SlitState
 from sie.states.state import LOOKS, THETA, State
 
-_EPS = float(np.finfo(float).eps)
-# A residual below so many units in the last digit of the terms that it is the difference of is
-# their rounding.
-_ROUNDINGS = 1e3
-# A cause counts where it is at least this part of the tolerance: what it leaves is multiplied by
-# the number of modes.
-_COUNTS = 0.01
-# No cause is below what numbers are rounded to.
-_ROUNDED = 8 * _EPS
-# An iteration that leaves this part of the error is its cause.
-_OF_ITERATION = 1e-3
-# Side conditions that make so much more of what is left open in the rows nearly depend on each
-# other.
-_DEPENDENT = 1e4
-# A cause from which on functions are not shown at all, whatever the conditions make of it.
-_SHOWN = 1e-2
+
+@dataclass(frozen=True)
+class ReasonOptions:
+    """From which size on a measured cause is named as the reason."""
+
+    # A cause is named if it is at least this part of the tolerance: what it leaves is multiplied
+    # by the number of modes.
+    min_part: float = 0.01
+    # Causes below a few units of round-off are none.
+    min_cause: float = 8 * EPS
+    # An iteration is the cause if it leaves this part of the error.
+    min_iteration_part: float = 1e-3
+    # A residual below this many units of round-off of its terms is their round-off.
+    rounding_units: float = 1e3
+    # Side conditions nearly depend on each other if they magnify the residual by more than this.
+    max_magnification: float = 1e4
+    # From this size on a cause leaves the functions unresolved, whatever the conditions do.
+    unresolved: float = 1e-2
+
+
+OPTIONS = ReasonOptions()
 
 
 def of_search(search: Free) -> str:
@@ -48,15 +54,17 @@ def of_error(state: AnyState, search: Free | None, tol: float) -> str:
             return f"rounding leaves the ends of zone {zone} (counted from 0) uncertain by {open_:.1e} of its width"
     iteration, conditions, resolution = _parts(state)
     # What an iteration leaves is in the residual too, as many times as there are modes.
-    if iteration > max(0.1 * tol, _OF_ITERATION * resolution):
+    if iteration > max(0.1 * tol, OPTIONS.min_iteration_part * resolution):
         return (
             f"the iteration by which so many zones are solved does not come to rest: {iteration:.1e} of the density is open, as where "
             "side conditions nearly contradict each other"
         )
     worst = _Worst.of(state)
     largest = max(_causes(worst).values())
-    rows = max(largest, _EPS * worst.terms / max(state.size, 1e-300))
-    if largest < _SHOWN and conditions > max(resolution, _DEPENDENT * rows):
+    rows = max(largest, EPS * worst.terms / max(state.size, 1e-300))
+    if largest < OPTIONS.unresolved and conditions > max(
+        resolution, OPTIONS.max_magnification * rows
+    ):
         return (
             f"what is left open in the rows changes the density by {conditions:.1e}, {conditions / rows:.0e} times as much: "
             "the side conditions nearly depend on each other"
@@ -138,7 +146,7 @@ def _causes(worst: _Worst) -> dict[str, float]:
     zones, equation, m = state.density.zones, state.equation, int(state.system.layout.m[zone])
     fall = float(modes.decay(zones, equation.kernel)[zone])
     # Beyond what every number is rounded to.
-    rounded = max(float(modes.place_rounding(zones, np.array([zone]))[0]) - 4 * _EPS, 0.0)
+    rounded = max(float(modes.place_rounding(zones, np.array([zone]))[0]) - 4 * EPS, 0.0)
     # What fell as far as it was asked to is no cause, nor what more functions were not tried for.
     unfallen = bool(state._stopped[zone]) or int(state.sizes.own[zone]) >= modes.MOST_OWN
     grown = m >= modes.most(equation.kernel) or _is_noisy(worst)
@@ -161,7 +169,7 @@ def _of_resolution(worst: _Worst, tol: float) -> str:
     state, m, causes = worst.state, int(worst.state.system.layout.m[worst.zone]), _causes(worst)
     beside, rounded, noisy = causes["beside"], causes["places"], _is_noisy(worst)
     cause = max(causes, key=lambda name: causes[name])
-    if causes[cause] < max(_COUNTS * tol, _ROUNDED):
+    if causes[cause] < max(OPTIONS.min_part * tol, OPTIONS.min_cause):
         cause = "none"
     if cause == "beside":
         return (
@@ -179,8 +187,8 @@ def _of_resolution(worst: _Worst, tol: float) -> str:
         return f"on {worst.where} the last of {m} modes of {_of_user(state)} is {causes[cause]:.1e} of the largest: {why}"
     if cause == "right side":
         return _of_right_side(worst)
-    rounding = _EPS * worst.terms
-    if worst.residual <= _ROUNDINGS * rounding:
+    rounding = EPS * worst.terms
+    if worst.residual <= OPTIONS.rounding_units * rounding:
         return f"that is what rounding leaves: terms of the size {worst.terms:.1e} add up to a density of the size {state.size:.1e}"
     return (
         f"at x = {worst.place:.6g} on {worst.where} the equation is off by {worst.residual:.1e} of a density of the size {state.size:.1e}, "

@@ -10,7 +10,7 @@ import numpy as np
 
 from sie import reasons
 from sie.basis import inputs
-from sie.basis.data import Array
+from sie.basis.data import EPS, Array
 from sie.basis.zones import Zones
 from sie.dense import modes
 from sie.ends.newton import Free, find_ends
@@ -18,15 +18,20 @@ from sie.equation.equation import Equation
 from sie.slits.system import AnyDensity, AnyState, solve_zones
 from sie.states.solve import SingularSystem
 
-_EPS = float(np.finfo(float).eps)
-# What the coefficients are asked for at least, over the tolerance; and what the ends are asked for
-# in turn, until the error is met.
-_DECAY = 0.1
-_ENDS = (0.1, 1e-3, 1e-5)
-_LEAST = 3e-16
-# Rounding of a density's value, relative: of its coefficients, of the root at the place, of both
-# ends.
-_EVALUATION = 4 * _EPS
+
+@dataclass(frozen=True)
+class SolveOptions:
+    """What the parts of a solution are asked for, over the tolerance."""
+
+    # Coefficients must fall to this part of the tolerance.
+    decay_part: float = 0.1
+    # Ends must rest to this part of it, one after the other until the error is met.
+    end_parts: tuple[float, ...] = (0.1, 1e-3, 1e-5)
+    # Round-off of a value of the density: of coefficients, of the root and of both ends.
+    evaluation_rounding: float = 4 * EPS
+
+
+OPTIONS = SolveOptions()
 
 
 @dataclass(frozen=True, eq=False)
@@ -246,7 +251,7 @@ def _fixed(equation: Equation, zones: Zones, tol: float) -> Iterator[Solution]:
     """On zones whose ends stay; once more with all the modes that rounding allows, if the first are
     too few.
     """
-    for decay in (max(_DECAY * tol, _LEAST), _LEAST):
+    for decay in (max(OPTIONS.decay_part * tol, EPS), EPS):
         yield _told(solve_zones(equation, zones, decay))
         if _hidden(equation, zones, tol):
             break  # more modes are not to be had
@@ -261,10 +266,8 @@ def _free(
     max_steps: int,
 ) -> Iterator[Solution]:
     """With the ends that are found, to more digits if those asked for first turn out to be too few."""
-    for part in _ENDS:
-        free = find_ends(
-            equation, zones, max(part * tol, _LEAST), max_steps, value=value, signs=signs
-        )
+    for part in OPTIONS.end_parts:
+        free = find_ends(equation, zones, max(part * tol, EPS), max_steps, value=value, signs=signs)
         yield _told(free.state, free)
         if not free.converged:
             break
@@ -293,9 +296,9 @@ def _told(state: AnyState, search: Free | None = None) -> Solution:
         max(
             float(of_ends.max()), float(moved.max()) / max(state.size, 1e-300) + state.density_error
         )
-        + _EVALUATION
+        + OPTIONS.evaluation_rounding
     )
-    errors = np.maximum(of_ends, moved / sizes + state.zone_errors) + _EVALUATION
+    errors = np.maximum(of_ends, moved / sizes + state.zone_errors) + OPTIONS.evaluation_rounding
     return Solution(state.density, zones, error, value, errors=errors, state=state, search=search)
 
 
@@ -304,7 +307,7 @@ def _jump_rounding(state: AnyState) -> Array:
     larger than their sum.
     """
     jumps, out = state.density.jumps, np.zeros(len(state.whole.density.zones))
-    np.maximum.at(out, jumps.zone, 2 * _EPS * np.abs(jumps.height) * jumps.sine)
+    np.maximum.at(out, jumps.zone, 2 * EPS * np.abs(jumps.height) * jumps.sine)
     return out[state.wide_of(np.arange(len(state.density.zones)))[1]]
 
 
@@ -321,4 +324,4 @@ def _hidden(equation: Equation, zones: Zones, tol: float) -> bool:
     tolerance.
     """
     fallen = modes.decay(zones, equation.kernel) * modes.COUPLED_SIZES[-1]
-    return float(fallen.min()) < -math.log(_DECAY * tol)
+    return float(fallen.min()) < -math.log(OPTIONS.decay_part * tol)

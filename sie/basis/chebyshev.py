@@ -6,17 +6,25 @@ sums of U_{j-1}(t) = sin(j theta) / sin(theta). Nodes are the zeros of U_n, thet
 weight 1 / sqrt(1 - t^2).
 """
 
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 from scipy import fft
 
 from sie.basis.data import Array, widened
+from sie.basis.sums import OPTIONS as BLOCKS
 
-# Below this size a product with a stored matrix is faster than the call of a fast transform.
-LARGEST_MATRIX = 96
-# Numbers in a matrix that is kept for the next time.
-_KEPT = 1 << 18
+
+@dataclass(frozen=True)
+class TransformOptions:
+    """When a matrix takes the place of a fast transform."""
+
+    # Nodes up to which a product with a stored matrix is faster than a fast transform.
+    max_matrix_nodes: int = 96
+
+
+OPTIONS = TransformOptions()
 
 
 @lru_cache(maxsize=64)
@@ -61,7 +69,7 @@ def u_coefficients(values: Array) -> Array:
     the last axis).
     """
     n = values.shape[-1]
-    if n <= LARGEST_MATRIX:
+    if n <= OPTIONS.max_matrix_nodes:
         return np.asarray(values @ _sine_matrix(n).T)
     return np.asarray(fft.dst(values * np.sin(angles(n)[1:-1]), type=1, axis=-1) / (n + 1))
 
@@ -118,7 +126,7 @@ def gauss_sides(n: int) -> tuple[Array, Array]:
 
 def t_matrix(n: int, count: int) -> Array:
     """T_l(tau_q), shape (n, count), at the n Gauss nodes."""
-    return (_t_matrix if n * count <= _KEPT else _t_matrix.__wrapped__)(n, count)
+    return (_t_matrix if n * count <= BLOCKS.cache_pairs else _t_matrix.__wrapped__)(n, count)
 
 
 @lru_cache(maxsize=64)
@@ -138,7 +146,7 @@ def to_series(n: int) -> Array:
 
 def t_values(c: Array, n: int) -> Array:
     """sum c_l T_l at the n Gauss nodes, of coefficients (..., count <= n)."""
-    if n * c.shape[-1] <= _KEPT:
+    if n * c.shape[-1] <= BLOCKS.cache_pairs:
         return np.asarray(c @ t_matrix(n, c.shape[-1]).T)
     halved = 0.5 * c
     halved[..., 0] = c[..., 0]
@@ -151,7 +159,7 @@ def t_means(values: Array, count: int | None = None) -> Array:
     """
     n = values.shape[-1]
     count = n if count is None else count
-    if n <= LARGEST_MATRIX:
+    if n <= OPTIONS.max_matrix_nodes:
         return np.asarray(values @ (t_matrix(n, count) / n))
     return np.asarray(fft.dct(values, type=2, axis=-1)[..., :count] / (2 * n))
 

@@ -17,9 +17,13 @@ Mask = NDArray[np.bool_]
 T = TypeVar("T")
 
 EPS = float(np.finfo(np.float64).eps)
-
-# Rows of a table that stay in the cache.
-_ROWS = 2048
+# Numbers above this size have squares that do not underflow.
+TINY = float(np.sqrt(np.finfo(np.float64).tiny))
+# Round-off of a value that a few dozen operations make, relative.
+SUM_ROUNDING = 64 * EPS
+# Terms of a geometric series rho^l are below round-off from l = DIGITS / -log(rho) on: exp(-40) is
+# 4e-18.
+DIGITS = 40.0
 
 
 @dataclass_transform(frozen_default=True, eq_default=False, field_specifiers=(field,))
@@ -133,7 +137,7 @@ def nearest_image(x: Array, centre: float | Array, period: float | None) -> Arra
     return x if period is None else np.asarray(x - np.round((x - centre) / period) * period)
 
 
-def lost(x: Array, by: Array) -> Array:
+def sum_error(x: Array, by: Array) -> Array:
     """What x + by loses to rounding, exactly (D. E. Knuth, The Art of Computer Programming 2,
     4.2.2).
     """
@@ -157,17 +161,17 @@ def numbered(counts: Index) -> Index:
     return np.arange(int(counts.sum())) - np.repeat(np.cumsum(counts) - counts, counts)
 
 
-def by_rows(of: Callable[..., Any], *tables: NDArray[Any], most: int = _ROWS) -> Any:
+def by_rows(of: Callable[..., Any], *tables: NDArray[Any], max_rows: int = 2048) -> Any:
     """What `of` makes of the rows of tables, some thousands of rows at a time, or so many at the
     most: what it makes on the way of very many would not fit into the cache, and be asked of the
     system each time.
     """
-    if len(tables[0]) <= most:
+    if len(tables[0]) <= max_rows:
         return of(*tables)
     return np.concatenate(
         [
-            of(*(table[s : s + most] for table in tables))
-            for s in range(0, len(tables[0]), max(1, most))
+            of(*(table[s : s + max_rows] for table in tables))
+            for s in range(0, len(tables[0]), max(1, max_rows))
         ]
     )
 

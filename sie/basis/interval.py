@@ -23,17 +23,15 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from sie.basis.data import Array, Complex, Index, Mask, record
+from sie.basis.data import EPS, TINY, Array, Complex, Index, Mask, record
 from sie.basis.sums import cosine_sum, sine_sum, sum_of_powers
 
 Number = NDArray[Any]
 What = Literal["transform", "derivative", "potential"]
 
 LOG2 = float(np.log(2.0))
-# Of the angle: by which derivatives are found, and so small that it is its sine, as multiples of it
-# are theirs.
-_STEP = 1e-5
-_TINY = 1e-150
+# Step of central differences by an angle: it balances truncation and round-off.
+_STEP = EPS ** (1 / 3)
 
 
 # places
@@ -64,7 +62,7 @@ def nearer_angle(left: Array, right: Array) -> Array:
     return theta(np.maximum(left, right), np.minimum(left, right))
 
 
-def fall(excess: Any) -> Array:
+def decay_rate(excess: Any) -> Array:
     """-log|rho| at |zeta| = 1 + excess: by so much does rho^l fall from each l to the next."""
     return np.asarray(2 * np.arcsinh(np.sqrt(0.5 * excess)))
 
@@ -143,7 +141,7 @@ class Outside(Seen):
     @cached_property
     def log(self) -> Array:
         """-log|rho|."""
-        return fall(self.excess)
+        return decay_rate(self.excess)
 
 
 @record
@@ -351,7 +349,7 @@ def values_on(
 def own_transform(c: Array, row: Index, left: Array, right: Array) -> Array:
     """-sum c_l U_{l-1}(t), the transform of sum c_l T_l / X, pair by pair."""
     # At an end itself the limit.
-    angle = np.maximum(nearer_angle(left, right), _TINY)
+    angle = np.maximum(nearer_angle(left, right), TINY)
     return np.asarray(-sine_sum(c[:, 1:], row, angle, left < right) / np.sin(angle))
 
 

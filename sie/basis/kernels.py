@@ -18,8 +18,8 @@ import numpy as np
 from scipy.special import gammaln, loggamma, psi
 
 from sie.basis import inputs
-from sie.basis.data import Array, Kept
-from sie.basis.interval import fall
+from sie.basis.data import DIGITS, Array, Kept
+from sie.basis.interval import decay_rate
 
 Regular = Callable[[Array, Array], Array]
 
@@ -443,8 +443,6 @@ def regular_size(kernel: Kernel, half_width: float, m: int) -> int:
             return m + 2
         # Gauss' rule takes coefficient 2q - k of the kernel for part of that of T_k, k <= m: this
         # one is rounding.
-        decayed = -math.log(1e-17) / math.asinh(kernel.length / half_width)
+        decayed = DIGITS / math.asinh(kernel.length / half_width)
         return max(m + 2, math.ceil(0.5 * (m + decayed)))
-    return max(
-        4, math.ceil(-math.log(1e-17) / float(fall(max(kernel.reach / half_width - 1, 0.05))))
-    )
+    return max(4, math.ceil(DIGITS / float(decay_rate(max(kernel.reach / half_width - 1, 0.05)))))

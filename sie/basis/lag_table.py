@@ -16,23 +16,22 @@ import numpy as np
 from sie.basis import chebyshev
 from sie.basis.data import Array, record
 from sie.basis.kernels import Kernel, Regular
+from sie.basis.sums import OPTIONS as BLOCKS
 
 
 @dataclass(frozen=True)
 class LagTableOptions:
-    """How a kernel of the lag is tabulated.
+    """How a kernel of the lag is tabulated."""
 
-    terms: polynomial coefficients of a cell. cells_per_length: with 8 terms 25 cells leave 100^-8.
-    most_cells: a larger table takes more than 300 MB. block: pairs handled at once, few enough for
-    the cache. accepted: error at places between the nodes, over the largest value, above which the
-    declared length is wrong and no table is used.
-    """
-
+    # Polynomial coefficients on a cell.
     terms: int = 8
+    # Cells over the length of the kernel: with 8 terms the error is 100^-8.
     cells_per_length: float = 25.0
-    most_cells: int = 2**21
-    block: int = 2**13
-    accepted: float = 1e-13
+    # A larger table takes more than 300 MB.
+    max_cells: int = 2**21
+    # Error between the nodes over the largest value; above it the declared length is wrong, and no
+    # table is used.
+    max_error: float = 1e-13
 
 
 OPTIONS = LagTableOptions()
@@ -55,7 +54,7 @@ class LagTable:
         """
         step = length / OPTIONS.cells_per_length
         cells = math.ceil(reach / step)
-        if 2 * cells > OPTIONS.most_cells:
+        if 2 * cells > OPTIONS.max_cells:
             return None
         middles = step * (np.arange(-cells, cells) + 0.5)
         nodes = middles[:, None] + 0.5 * step * chebyshev.gauss(OPTIONS.terms)
@@ -66,15 +65,15 @@ class LagTable:
         table = cls(step, cells, np.ascontiguousarray((series @ powers).T))
         between = middles + 0.5 * step * np.cos(np.arange(len(middles)))
         error = np.abs(table(between) - np.asarray(function(between, np.zeros(1)))).max()
-        return table if error <= OPTIONS.accepted * np.abs(series).max() else None
+        return table if error <= OPTIONS.max_error * np.abs(series).max() else None
 
     def __call__(self, lag: Array) -> Array:
         """Values at lags, any shape."""
         flat, out = lag.ravel(), np.empty(lag.size)
-        for start in range(0, flat.size, OPTIONS.block):
+        for start in range(0, flat.size, BLOCKS.cache_pairs):
             # The place in the cell comes before the sum with `cells`: near the lag 0 no digit is
             # lost.
-            place = flat[start : start + OPTIONS.block] / self.step
+            place = flat[start : start + BLOCKS.cache_pairs] / self.step
             cell = np.clip(np.floor(place), -self.cells, self.cells - 1)
             place = 2.0 * (place - cell) - 1.0
             index = cell.astype(np.intp) + self.cells
@@ -82,7 +81,7 @@ class LagTable:
             for row in self.coefficients[-2::-1]:
                 total *= place
                 total += row.take(index)
-            out[start : start + OPTIONS.block] = total
+            out[start : start + BLOCKS.cache_pairs] = total
         return out.reshape(lag.shape)
 
 

@@ -3,31 +3,36 @@ of multiples of theta.
 """
 
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sie.basis.data import Array, Complex, Index, Kept, Mask, numbered, record
+from sie.basis.data import DIGITS, Array, Complex, Index, Kept, Mask, numbered, record
 
-# Below this number of multiplications all pairs are summed to the same order; of few pairs, all
-# powers are formed at once.
-_SMALL = 200_000
-_FEW = 256
-# (point, jump) pairs handled at once; those that each have their own row stay in the cache.
-PAIRS = 1 << 19
-_PAIRS = 1 << 15
-# Pairs of the points and the things of a zone from which on these are held as a matrix.
-_MATRIX = 1 << 12
-# From this number of sines of multiples on not all are taken; and sines and cosines held at once.
-_MANY_TERMS = 256
-_BLOCK = 800_000
+
+@dataclass(frozen=True)
+class SumOptions:
+    """Sizes of sums; they change the time and the memory, not the result."""
+
+    # Pairs of a point and a thing whose numbers stay in the cache.
+    cache_pairs: int = 1 << 15
+    # Pairs handled at once by matrix products: some megabytes.
+    memory_pairs: int = 1 << 19
+    # Pairs in one zone from which a matrix product is faster than rows of pairs.
+    min_matrix_pairs: int = 1 << 12
+    # Terms of a sum of sines from which few sines and two products take the place of all sines.
+    max_sines: int = 256
+
+
+OPTIONS = SumOptions()
 
 
 def pair_blocks(points: int, jumps: int) -> Iterator[slice]:
     """Stretches of points whose pairs with so many jumps are held at once."""
-    block = max(1, PAIRS // max(1, jumps))
+    block = max(1, OPTIONS.memory_pairs // max(1, jumps))
     for begin in range(0, points, block):
         yield slice(begin, begin + block)
 
@@ -76,13 +81,13 @@ class Grouped:
         """
         zone, out = self.rows(zone), np.zeros(len(zone))
         pairs = self.count * np.bincount(zone, minlength=len(self.count))
-        many = pairs > (_MATRIX if np.count_nonzero(pairs) > 1 else 0)
+        many = pairs > (OPTIONS.min_matrix_pairs if np.count_nonzero(pairs) > 1 else 0)
         dense, some = np.flatnonzero(many[zone]), np.flatnonzero((pairs > 0)[zone] & ~many[zone])
         for i, places in Grouped.by(zone[dense]).places().items():
             at, things = dense[places], self.order[self.first[i] :][: self.count[i]]
             for here in pair_blocks(len(at), len(things)):
                 out[at[here]] = of(at[here, None], things) @ weight[things]
-        for here in stretches(self.count[zone[some]], _PAIRS):
+        for here in stretches(self.count[zone[some]], OPTIONS.cache_pairs):
             at = some[here]
             count = self.count[zone[at]]
             row = np.repeat(np.arange(len(at)), count)
@@ -122,11 +127,11 @@ def sum_of_powers(u: Array, rho: NDArray[Any], zone: Index) -> NDArray[Any]:
     if count == 0 or rho.size == 0:
         return np.zeros(rho.shape, dtype=rho.dtype)
     if rho.ndim == 2:
-        if rho.size * count <= _SMALL:
+        if rho.size * count <= OPTIONS.memory_pairs:
             return _same_order(u[zone], rho)
         return sum_of_powers(u, rho.ravel(), np.tile(zone, rho.shape[0])).reshape(rho.shape)
     with np.errstate(divide="ignore"):
-        seen = np.ceil(-40.0 / np.log(np.minimum(np.abs(rho), 1 - 1e-12)))
+        seen = np.ceil(-DIGITS / np.log(np.minimum(np.abs(rho), 1 - 1e-12)))
     # Of rho = 0 the first term.
     return _by_horner(u, rho, zone, np.fmin(count, np.maximum(seen, 1)).astype(int))
 
@@ -151,7 +156,7 @@ def _by_horner(u: Array, rho: NDArray[Any], zone: Index, terms: Index) -> NDArra
 def _same_order(c: Array, rho: NDArray[Any]) -> NDArray[Any]:
     """sum_k c[source, k] rho^k for every (point, source)."""
     count = c.shape[1]
-    if rho.size > _FEW:
+    if rho.size > OPTIONS.max_sines:
         out = np.zeros(rho.shape) + c[:, -1]
         for k in range(count - 2, -1, -1):
             out *= rho
@@ -185,9 +190,11 @@ def sine_sum(u: Array, zone: Index, angle: Array, flip: Mask) -> Array:
     turn = np.exp(1j * angle)
     out = (
         turn
-        * _by_horner(u, np.where(flip, -turn, turn), zone, np.where(terms > _MANY_TERMS, 0, terms))
+        * _by_horner(
+            u, np.where(flip, -turn, turn), zone, np.where(terms > OPTIONS.max_sines, 0, terms)
+        )
     ).imag
-    many = np.flatnonzero(terms > _MANY_TERMS)
+    many = np.flatnonzero(terms > OPTIONS.max_sines)
     for i, some in Grouped.by(zone[many]).places().items():
         here = many[some]
         out[here] = _same_places(u, np.array([i]), angle[here], flip[here])[0]
@@ -220,7 +227,7 @@ def _same_places(u: Array, zones: Index, angle: Array, flip: Mask) -> Array:
     rows = rows[:, : len(k)]
     # Seen from the left end, t changes sign: even modes do too.
     turned = rows * (2.0 * (k % 2) - 1.0)
-    out, block = np.empty((len(zones), len(angle))), max(1, _BLOCK // max(1, len(k)))
+    out, block = np.empty((len(zones), len(angle))), max(1, OPTIONS.memory_pairs // max(1, len(k)))
     for start in range(0, len(angle), block):
         here = slice(start, start + block)
         some = flip[here].any()
@@ -234,7 +241,7 @@ def _sines(angle: Array, columns: Array) -> Array:
     angle + b angle): few sines are taken.
     """
     count = len(columns) + 1
-    if count <= _MANY_TERMS:
+    if count <= OPTIONS.max_sines:
         return np.asarray(np.sin(angle[:, None] * np.arange(1, count)) @ columns)
     m = 2 ** round(0.5 * np.log2(count))
     terms = np.zeros((-(-count // m), m, columns.shape[1]))

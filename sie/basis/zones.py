@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from sie.basis import inputs
-from sie.basis.data import Array, Index, Kept, Mask, lost
+from sie.basis.data import TINY, Array, Index, Kept, Mask, sum_error
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ class End:
     """
 
     moves: bool
-    intensity: float | None
+    intensity: float | None = 0.0
 
     def __post_init__(self) -> None:
         if self.intensity is not None:
@@ -61,8 +61,8 @@ class End:
         return 1 if self.moves or self.intensity is None else 0
 
 
-FREE = End(moves=True, intensity=0.0)
-BOUNDED = End(moves=False, intensity=0.0)
+FREE = End(moves=True)
+BOUNDED = End(moves=False)
 SINGULAR = End(moves=False, intensity=None)
 
 
@@ -94,10 +94,9 @@ def free_with_intensity(intensity: float) -> End:
     return End(moves=True, intensity=inputs.number("the intensity of an end", intensity))
 
 
-# Rounding that symmetric zones may differ by from their mirror images, over their width.
-_MIRROR_TOLERANCE = 1e-6
-# Squares of widths above this do not underflow.
-_NARROWEST = 1e-150
+# Largest difference of symmetric data from their mirror images, relative: round-off with a wide
+# margin.
+MAX_ASYMMETRY = 1e-6
 
 
 def _kinds(ends: End | Sequence[End], count: int, side: str) -> tuple[End, ...]:
@@ -172,17 +171,15 @@ class Zones(Kept):
                 "zone ends must be finite and strictly ascending: a0 < b0 < a1 < b1 < ..."
             )
         with np.errstate(over="ignore"):
-            if not np.isfinite(flat[-1] - flat[0]) or np.any(
-                table[:, 1] - table[:, 0] < _NARROWEST
-            ):
+            if not np.isfinite(flat[-1] - flat[0]) or np.any(table[:, 1] - table[:, 0] < TINY):
                 raise ValueError(
-                    f"zones must be wider than {_NARROWEST:g} and reach over a finite length: choose another unit of length"
+                    f"zones must be wider than {TINY:g} and reach over a finite length: choose another unit of length"
                 )
         count = table.shape[0]
         lefts, rights = _kinds(left, count, "left"), _kinds(right, count, "right")
         if symmetric:
             mirrored = -table[::-1, ::-1]
-            if np.any(np.abs(table - mirrored) > _MIRROR_TOLERANCE * (table[:, 1:] - table[:, :1])):
+            if np.any(np.abs(table - mirrored) > MAX_ASYMMETRY * (table[:, 1:] - table[:, :1])):
                 raise ValueError("symmetric zones must be mirror images of each other about x = 0")
             if lefts != rights[::-1]:
                 raise ValueError("symmetric zones need the same kind of end on both sides")
@@ -197,7 +194,7 @@ class Zones(Kept):
             outward = 0.5 * (outward + outward[::-1, ::-1])
         ends, by = np.array([self.a, self.b]), np.array([-outward[0], outward[1]]) + self.rest
         a, b = ends + by
-        return replace(self, a=a, b=b, rest=lost(ends, by) if exactly else np.zeros_like(by))
+        return replace(self, a=a, b=b, rest=sum_error(ends, by) if exactly else np.zeros_like(by))
 
     def changed(self, lost: Index, met: Index, period: float | None) -> "tuple[Zones, Index]":
         """(these without those that are lost, and with those joined that have met the next one, the

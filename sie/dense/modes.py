@@ -17,7 +17,7 @@ import numpy as np
 
 from sie.basis import chebyshev
 from sie.basis.data import Array, Index, record, root_of_squares, wrapped
-from sie.basis.interval import fall
+from sie.basis.interval import decay_rate
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
 from sie.equation.equation import Forcing
@@ -205,7 +205,7 @@ def own_at_first(zones: Zones, singular_at: Array, period: float | None) -> Inde
         at[np.searchsorted(at, zones.a) - 1],
         at[np.searchsorted(at, zones.b, side="right")],
     )
-    by = fall(np.minimum(np.minimum(zones.a - left, right - zones.b) / zones.half, 1e300))
+    by = decay_rate(np.minimum(np.minimum(zones.a - left, right - zones.b) / zones.half, 1e300))
     return OWN_SIZES[np.searchsorted(OWN_SIZES, np.clip(-np.log(_FALLEN) / by, _FEW, MOST_OWN))]
 
 
@@ -243,7 +243,7 @@ def decay(zones: Zones, kernel: Kernel) -> Array:
     zone.
     """
     left, right = gaps(zones, kernel)
-    return fall(np.minimum(np.minimum(left, right) / zones.half, 1e300))
+    return decay_rate(np.minimum(np.minimum(left, right) / zones.half, 1e300))
 
 
 def gaps(zones: Zones, kernel: Kernel) -> tuple[Array, Array]:

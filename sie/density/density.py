@@ -10,14 +10,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from sie.basis.data import Array, Mask, by_rows
+from sie.basis.sums import OPTIONS as BLOCKS
 from sie.density.plane import Plane
-from sie.density.series import CHUNK, Series, from_zones, regular_at
+from sie.density.series import OPTIONS, Series, from_zones, regular_at
 from sie.density.treecode import Treecode
 from sie.trees.far import reaches
-
-# From this number of (point, source) pairs on, far sources are summed fast; all that follow are,
-# once their series are at hand.
-_MANY_PAIRS = 40_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,7 +86,11 @@ class Density(Series):
             np.tile(np.arange(len(self.zones)), len(self.kernel.poles)),
             np.repeat(self.kernel.poles, len(self.zones)),
         )
-        fast = self.treecode if self.has_series or len(flat) * len(zone) > _MANY_PAIRS else None
+        fast = (
+            self.treecode
+            if self.has_series or len(flat) * len(zone) > OPTIONS.min_fast_pairs
+            else None
+        )
         if fast is not None:
             out = fast.potential(flat) if potential else fast.transform(flat)
             # The far sums of such a kernel have its regular part.
@@ -97,7 +98,9 @@ class Density(Series):
         else:
             every = partial(from_zones, self, zone=zone, shift=shift, potential=potential)
             out = by_rows(
-                lambda some: every(some[:, None]).sum(axis=1), flat, most=max(1, CHUNK // len(zone))
+                lambda some: every(some[:, None]).sum(axis=1),
+                flat,
+                max_rows=max(1, BLOCKS.cache_pairs // len(zone)),
             )
         return (out if regular is None else out + regular_at(self, flat, regular)).reshape(x.shape)
 

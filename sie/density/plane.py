@@ -26,29 +26,25 @@ from sie.basis.data import Array, Index
 from sie.basis.interval import (
     Complex,
     InPlane,
-    Outside,
     What,
     complex_of,
+    decay_rate,
     of_t,
     transform_of,
     transform_slope_of,
 )
 from sie.basis.kernels import Regular
+from sie.basis.sums import OPTIONS as BLOCKS
 from sie.basis.sums import Grouped, pair_blocks
 from sie.density.series import Series, by_quadrature
 from sie.jumps.forcing import ForcingJumps
+from sie.jumps.formulas import OPTIONS as JUMPS
+from sie.jumps.spline import OPTIONS as SPLINES
 from sie.trees.far import Nested
 from sie.trees.tree import SEPARATION, TERMS, Tree
 
-# InPlane with a rho below this, a node is its first TERMS moments; jumps are their first
-# coefficients below the other one.
-_FAR = float(Outside(1.0, np.array(SEPARATION)).rho)
-_FAR_JUMPS = 0.25
-_OF_JUMPS = 32
-# Of splines so many coefficients for each knot make the potential.
-_OF_SPLINES = 8
-# (point, node) pairs handled at once.
-_PAIRS = 1 << 18
+# Below this |rho| a node of the tree is its first TERMS moments.
+_FAR = float(np.exp(-decay_rate(SEPARATION)))
 
 
 class Plane:
@@ -90,7 +86,7 @@ class Plane:
         lo, hi, half = tree.lo, tree.hi, tree.half
         out = np.zeros(len(x), dtype=complex)
         for shift in self.density.kernel.poles:
-            block = max(1, _PAIRS // len(tree))
+            block = max(1, BLOCKS.memory_pairs // len(tree))
             for start in range(0, len(x), block):
                 point = np.arange(start, min(start + block, len(x)))
                 node = np.zeros(len(point), dtype=np.intp)
@@ -145,7 +141,7 @@ class Plane:
             self.density.jumps,
         )
         out = np.empty(seen.left.shape, dtype=complex)
-        far = np.abs(seen.rho) < _FAR_JUMPS
+        far = np.abs(seen.rho) < JUMPS.far_rho[0]
         out[far] = of_t(
             self._of_jumps[[zone]],
             seen[far],
@@ -165,7 +161,9 @@ class Plane:
             spline = jumps.splines.get(zone)
             if spline is not None and what == "potential":
                 c, row = (
-                    spline.t_coefficients(min(_OF_SPLINES * len(spline.knots), 1 << 15))[None],
+                    spline.t_coefficients(
+                        min(SPLINES.coefficients_per_knot * len(spline.knots), 1 << 15)
+                    )[None],
                     np.zeros(len(value), dtype=np.intp),
                 )
                 value = value + of_t(c, some, np.ones(len(row)), 1.0, row, what)
@@ -181,7 +179,7 @@ class Plane:
 
     @cached_property
     def _of_jumps(self) -> Array:
-        return self.density.jumps.t_coefficients(self.density.zones, _OF_JUMPS)
+        return self.density.jumps.t_coefficients(self.density.zones, int(JUMPS.far_terms[0]))
 
     # the rest of the kernel
     # -----------------------------------------------------------------------------------------

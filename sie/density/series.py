@@ -17,25 +17,33 @@ from sie.basis import chebyshev, interval
 from sie.basis.data import Array, Index, widened
 from sie.basis.kernels import Kernel, Regular, regular_size
 from sie.basis.lag_table import regular_values
+from sie.basis.sums import OPTIONS as BLOCKS
 from sie.basis.zones import Zones
 from sie.density.located import Located
 from sie.jumps.forcing import ForcingJumps
 from sie.trees.panels import Panels, panels_over
 from sie.trees.skeleton import Skeleton
 
-# Distance from a singular end, over the half width, within which errors of the density are not
-# asked for.
-_BESIDE = 0.01
-# Most even angles of one zone that `sampling` asks for.
-_MOST_PLACES = 2**14
-# Most angles of a zone at which it is looked how the density follows the ends, and kinks beside
-# which it is.
-LOOKS = 256
-_KINKS = 32
-# Largest number of (point, source) pairs handled at once: bounds the memory of an evaluation.
-CHUNK = 16_000
-# The same of a kernel that is tabulated over its lag: a table is made for many pairs.
-_TABLED = 2**21
+
+@dataclass(frozen=True)
+class DensityOptions:
+    """Where the error of a density is asked for, and when it is summed fast."""
+
+    # Distance from a singular end or a kink, over the half width, within which no error of the
+    # density is stated: there it is infinite.
+    end_distance: float = 0.01
+    # Angles of a zone: at least and at most these many show all of its density.
+    min_samples: int = 24
+    max_samples: int = 2**14
+    # Angles of a zone at which its response to motions of the ends is evaluated, and its largest
+    # kinks next to which it is.
+    max_angles: int = 256
+    max_kinks: int = 32
+    # Pairs of a point and a zone from which far zones are summed fast.
+    min_fast_pairs: int = 40_000
+
+
+OPTIONS = DensityOptions()
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +83,7 @@ class Series(Located):
         modes = np.count_nonzero(self.coefficients, axis=1)
         jumps = np.zeros(len(self.zones), dtype=np.intp)
         jumps[: len(self.jumps.count)] = self.jumps.count
-        return np.clip(2 * modes + 4 * jumps, 24, _MOST_PLACES)
+        return np.clip(2 * modes + 4 * jumps, OPTIONS.min_samples, OPTIONS.max_samples)
 
     def first(self, count: int) -> Array:
         """The first coefficients of all of it, jumps among it (Z, count)."""
@@ -122,7 +130,7 @@ class Series(Located):
     def sensitivity(self) -> tuple[Array, Array, Array]:
         """(Z,) each: the largest density of a zone, and the largest change of its density at equal
         normalised position by a motion of its left end, of its right end, per motion over width;
-        infinite pressures, at singular ends and kinks, count no nearer than _BESIDE.
+        infinite pressures, at singular ends and kinks, count no nearer than OPTIONS.end_distance.
 
         To first order the motion of an end leaves a bounded density as it is at fixed places, but
         for K / sqrt(d), which the density at the new ends does not have. At equal t = cos(theta), a
@@ -131,7 +139,10 @@ class Series(Located):
             eps (1 + t) phi'(t) + K's part = -eps cot(theta/2) (phi_theta(theta) - phi_theta(0)).
         """
         none, out = np.zeros(len(self.zones)), np.zeros((3, len(self.zones)))
-        bounded, counts = replace(self, edges=(none, none)), np.minimum(self.sampling, LOOKS)
+        bounded, counts = (
+            replace(self, edges=(none, none)),
+            np.minimum(self.sampling, OPTIONS.max_angles),
+        )
         bent = np.array(sorted(self.jumps.by_zone), dtype=np.intp)
         straight = np.delete(np.arange(len(self.zones)), bent)
         for n in np.unique(counts[straight]):
@@ -152,7 +163,9 @@ class Series(Located):
             out[1:] += bounded.followed(bent, beside)[1:]
         # A zone held at one end spreads its load over another width as the other end moves.
         alpha, beta = self.singular
-        out[1:] += (np.abs(alpha) + np.abs(beta)) / np.sqrt(_BESIDE * (2 - _BESIDE))
+        out[1:] += (np.abs(alpha) + np.abs(beta)) / np.sqrt(
+            OPTIONS.end_distance * (2 - OPTIONS.end_distance)
+        )
         return out[0], out[1], out[2]
 
     # evaluation
@@ -241,14 +254,14 @@ def even_angles(count: int) -> Array:
 
 def beside_kinks(left: Array, height: Array, theta: Array) -> Array:
     """Angles at which it is looked how a density follows the ends: those given, and right beside
-    its largest kinks, by distances from the left end over w, but none nearer to one than _BESIDE,
+    its largest kinks, by distances from the left end over w, but none nearer to one than OPTIONS.end_distance,
     or than a quarter of their mean distance.
     """
     if len(left) == 0:
         return theta
-    away, order = min(_BESIDE, 0.25 / len(left)), np.argsort(left)
+    away, order = min(OPTIONS.end_distance, 0.25 / len(left)), np.argsort(left)
     s = left[order] - 1
-    largest = s[np.argsort(-np.abs(height[order]))[:_KINKS]]
+    largest = s[np.argsort(-np.abs(height[order]))[: OPTIONS.max_kinks]]
     t = np.concatenate((np.cos(theta), largest - away, largest + away))
     place = np.searchsorted(s, t)
     distance = np.minimum(
@@ -317,7 +330,10 @@ def regular_at(density: Series, x: Array, regular: Regular) -> Array:
         return regular_values(kernel, some[:, 0], xi[0], potential)
 
     return by_quadrature(
-        density.quadrature, x, values, CHUNK if np.isinf(kernel.length) else _TABLED
+        density.quadrature,
+        x,
+        values,
+        BLOCKS.cache_pairs if np.isinf(kernel.length) else BLOCKS.memory_pairs,
     )
 
 
@@ -325,7 +341,7 @@ def by_quadrature(
     parts: list[tuple[Array, Array]],
     x: NDArray[Any],
     regular: Callable[..., NDArray[Any]],
-    pairs: int = CHUNK,
+    pairs: int = BLOCKS.cache_pairs,
 ) -> NDArray[Any]:
     """Sums over nodes with weights, at real or complex points, so many pairs at once."""
     out = np.zeros(x.shape, dtype=x.dtype)

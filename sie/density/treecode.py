@@ -12,16 +12,13 @@ import numpy as np
 from numpy.polynomial.chebyshev import chebint
 
 from sie.basis.data import Array, numbered
-from sie.basis.sums import stretches
+from sie.basis.sums import OPTIONS, stretches
 from sie.basis.zones import Zones
 from sie.density.plane import Plane
 from sie.density.series import Series, from_zones
 from sie.trees.far import FarSum, Nested
 from sie.trees.piecewise import clenshaw
 from sie.trees.tree import TERMS, Tree
-
-# Largest number of (point, near zone) pairs handled at once.
-_BLOCK = 400_000
 
 
 class Treecode:
@@ -79,7 +76,7 @@ class Treecode:
             ).real
         order, cell = order[~outside], np.clip(cell[~outside], 0, len(self.middle) - 1)
         table = np.ascontiguousarray(series.T)
-        for here in stretches(self.start[cell + 1] - self.start[cell] + 4, _BLOCK):
+        for here in stretches(self.start[cell + 1] - self.start[cell] + 4, OPTIONS.memory_pairs):
             places, cells = order[here], cell[here]
             part = x[places]
             with np.errstate(divide="ignore", invalid="ignore"):

@@ -8,37 +8,41 @@ weight is a polynomial, that a column has few modes.
 """
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
 import numpy as np
 
 from sie.basis import chebyshev
-from sie.basis.data import Array
+from sie.basis.data import SUM_ROUNDING, Array
 from sie.basis.kernels import Kernel
-from sie.basis.zones import Zones
+from sie.basis.zones import MAX_ASYMMETRY, Zones
 from sie.equation.conditions import Weighted, speaks_of_levels
 from sie.equation.equation import Equation
 from sie.equation.forcing import Forcing
 
-# Places that are looked at on each of at most three zones.
-_T = np.array([-0.7, 0.1, 0.6])
-# Halves of the intervals over which a primitive must rise by the integral of its function, over the
-# zone's half width: a shorter one where the first does not agree, which may hold a feature that
-# five values do not show.
-_STEPS = (1e-3, 2e-5)
-# Disagreement that is none of rounding, over the largest value.
-_DISAGREES = 1e-4
-_UNEVEN = 1e-6
-# What a few operations round a primitive to, over its value.
-_ROUNDED = 64 * float(np.finfo(np.float64).eps)
-# Coefficients beyond those that a function is said to have, over the largest: what rounding of the
-# function leaves, with a wide margin.
-_BEYOND = 1e-9
-# Coefficients beyond those claimed that are looked at.
-_MORE = 8
-# Change of a regular kernel along x - xi = const, over its size, that is none of rounding.
-_VARIES = 1e-9
+
+@dataclass(frozen=True)
+class CheckOptions:
+    """Where a user's functions are checked, and how much they may disagree."""
+
+    # Normalised positions of the check points on each of at most three zones.
+    places: tuple[float, ...] = (-0.7, 0.1, 0.6)
+    # Half lengths of the intervals over which a primitive must rise by the integral of its
+    # function, over the half width. The second is for features that five values on the first miss.
+    steps: tuple[float, ...] = (1e-3, 2e-5)
+    # Disagreement of a rise and the function, over the largest value: above round-off of all steps.
+    max_slope_error: float = 1e-4
+    # Part beyond a claimed degree, number of modes or lag: round-off of the function, with a wide
+    # margin.
+    max_claim_error: float = 1e-9
+    # Coefficients beyond the claimed ones that are checked.
+    extra_coefficients: int = 8
+
+
+OPTIONS = CheckOptions()
+_T = np.array(OPTIONS.places)
 
 
 def look_at(equation: Equation, zones: Zones) -> None:
@@ -196,7 +200,9 @@ def _look_at_kernel(kernel: Kernel, x: Array, half: Array, levels: bool, symmetr
 def _look_at_degree(name: str, weight: Callable[[Array], Array], degree: int, zones: Zones) -> None:
     """ValueError for a weight that is no polynomial of the degree that is said."""
     for zone in _some(zones):
-        x = zones.middle[zone] + zones.half[zone] * chebyshev.gauss(degree + 1 + _MORE)
+        x = zones.middle[zone] + zones.half[zone] * chebyshev.gauss(
+            degree + 1 + OPTIONS.extra_coefficients
+        )
         returned = np.asarray(_called(name, weight, x))
         values = _real(
             name,
@@ -206,7 +212,7 @@ def _look_at_degree(name: str, weight: Callable[[Array], Array], degree: int, zo
         )
         size = np.abs(chebyshev.t_means(values))
         beyond = size[degree + 1 :].max()
-        if beyond > _BEYOND * size.max() + _of_places(x, zones.half[zone], values):
+        if beyond > OPTIONS.max_claim_error * size.max() + _of_places(x, zones.half[zone], values):
             raise ValueError(
                 f"{name} is no polynomial of degree {degree}: on zone {zone} (counted from 0) {beyond / size.max():.1e} of it is of a "
                 "higher degree; give its degree, or none"
@@ -218,14 +224,14 @@ def _look_at_modes(name: str, forcing: Forcing, zones: Zones) -> None:
     modes = forcing.resolution.modes
     if modes is None:
         return
-    count = modes + _MORE
+    count = modes + OPTIONS.extra_coefficients
     t = chebyshev.lobatto(count)[0][1:-1]
     for zone in _some(zones):
         x = zones.middle[zone] + zones.half[zone] * t
         values = _real(name, _called(name, forcing.value, x), x.shape, f"x of shape {x.shape}")
         size = np.abs(chebyshev.u_coefficients(values[None])[0])
         beyond = size[modes:].max()
-        if beyond > _BEYOND * size.max() + _of_places(x, zones.half[zone], values):
+        if beyond > OPTIONS.max_claim_error * size.max() + _of_places(x, zones.half[zone], values):
             raise ValueError(
                 f"{name} has more than modes={modes} modes: on zone {zone} (counted from 0) {beyond / size.max():.1e} of it is "
                 "beyond these; leave modes out"
@@ -260,7 +266,7 @@ def _look_at_lag(kernel: Kernel, x: Array, half: Array) -> None:
     rounding = _of_places(x, shift, values[0])
     off = np.abs(values[1] - values[0])
     worst = int(np.argmax(off))
-    if off[worst] > _VARIES * size + rounding:
+    if off[worst] > OPTIONS.max_claim_error * size + rounding:
         raise ValueError(
             f"the kernel's regular part is said to depend on x - xi alone (of_lag=True), but for x - xi = {lag[worst]:.6g} it is "
             f"{values[0][worst]:.6g} at xi = {source[worst]:.6g} and {values[1][worst]:.6g} at xi = {source[worst] + shift:.6g}"
@@ -271,7 +277,7 @@ def _look_at_symmetry(name: str, here: Array, there: Array, x: Array) -> None:
     size = np.abs(here).max(initial=0.0)
     off = np.abs(here + there).reshape(len(x), -1).max(axis=1)
     worst = int(np.argmax(off))
-    if np.isfinite(off).all() and off[worst] > _UNEVEN * size:
+    if np.isfinite(off).all() and off[worst] > MAX_ASYMMETRY * size:
         raise ValueError(
             f"zones with symmetric=True need data that are mirror images too, but {name} is not odd: at x = {x[worst]:.6g} and at "
             f"{-x[worst]:.6g} it differs from being so by {off[worst]:.3g}; solve all of the zones, symmetric=False"
@@ -291,7 +297,7 @@ def _look_at_rise(
     interval.
     """
     wrong, longer, missing = np.ones(len(x), dtype=bool), np.zeros(len(x)), np.zeros(len(x))
-    for step in _STEPS:
+    for step in OPTIONS.steps:
         h = np.maximum(step * half, 1e7 * np.spacing(np.abs(x)))
         g = value(x[:, None] + h[:, None] * np.linspace(-1, 1, 5))
         with np.errstate(invalid="ignore"):
@@ -299,7 +305,11 @@ def _look_at_rise(
             rise = np.diff(ends)[:, 0] / (2 * h)
             low, high, size = g.min(axis=1), g.max(axis=1), np.abs(g).max(initial=0.0)
             # Of a primitive far from zero, a short interval's rise may be nothing but rounding.
-            slack = (high - low) + _DISAGREES * size + _ROUNDED * np.abs(ends).max(axis=1) / (2 * h)
+            slack = (
+                (high - low)
+                + OPTIONS.max_slope_error * size
+                + SUM_ROUNDING * np.abs(ends).max(axis=1) / (2 * h)
+            )
             # Of places that are rounded to much of a zone nothing can be told; nor where something
             # is not finite.
             missed = 2 * h * np.maximum(low - slack - rise, rise - high - slack)

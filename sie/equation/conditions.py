@@ -20,10 +20,6 @@ from sie.basis.zones import Zones
 Linear = tuple[Array, Array]
 """(matrix, constants): the quantities are matrix @ unknowns + constants."""
 
-# Nodes of a zone at which the weight of an integral is looked at, where it is tried what a
-# condition asks of every zone.
-_TRIED = 32
-
 
 class Rows(Protocol):
     """What a condition may ask of the assembled system. Each answer covers the solved zones, in
@@ -211,7 +207,7 @@ class Trial(Rows):
     def integrals(self, weight: Callable[[Array], Array], degree: int | None = None) -> Linear:
         solved = self.zones.solved
         x = self.zones.middle[solved][:, None] + self.zones.half[solved][:, None] * chebyshev.gauss(
-            _TRIED
+            chebyshev.OPTIONS.max_matrix_nodes
         )
         values = np.broadcast_to(np.asarray(weight(x.ravel()), dtype=float), (x.size,)).reshape(
             x.shape
@@ -371,7 +367,7 @@ def moment(value: float, about: float = 0.0) -> Weighted:
     Examples
     --------
     >>> import numpy as np, sie
-    >>> still, column = sie.Forcing(np.zeros_like), sie.Forcing(np.ones_like, modes=1)
+    >>> still, column = sie.Forcing(np.zeros_like), sie.Forcing(np.ones_like)
     >>> tilted = sie.Equation(sie.cauchy(), still, (sie.Total(0.0), sie.moment(np.pi / 2)), (column,))
     >>> found = sie.solve(tilted, sie.Zones.of([[-1.0, 1.0]], sie.SINGULAR, sie.SINGULAR))
     >>> float(round(found.amplitudes[0], 12))
@@ -400,7 +396,7 @@ class ZoneMoments(Condition):
 
     >>> import numpy as np, sie
     >>> opened = sie.Equation(
-    ...     sie.cauchy(), sie.Forcing(np.zeros_like), (sie.ZoneTotals(), sie.ZoneMoments(-1.0)), (sie.Forcing(np.ones_like, modes=1),)
+    ...     sie.cauchy(), np.zeros_like, (sie.ZoneTotals(), sie.ZoneMoments(-1.0)), np.ones_like
     ... )
     >>> found = sie.solve(opened, sie.Zones.of([[-1.0, 1.0]], sie.SINGULAR, sie.SINGULAR))
     >>> float(round(found.amplitudes[0], 12)) == round(2 / np.pi, 12)

@@ -19,7 +19,7 @@ import numpy as np
 
 from sie.basis import chebyshev
 from sie.basis.data import Array, record
-from sie.basis.interval import Outside, fall
+from sie.basis.interval import Outside, decay_rate
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
 from sie.dense.system import Layout
@@ -66,7 +66,7 @@ class NearRows:
                 [chebyshev.lobatto(int(n))[1][min(1, n)] for n in range(int(m.max(initial=0)) + 1)]
             )[m]
         ) / half
-        need = np.ceil(_VANISHED / fall(e) / 8).astype(np.intp) * 8
+        need = np.ceil(_VANISHED / decay_rate(e) / 8).astype(np.intp) * 8
         terms = np.minimum(layout.m[source] + 1, need)
         per_zone = np.bincount(place, terms, minlength=len(solved)).astype(np.intp)
         before = np.cumsum(terms) - terms

@@ -38,12 +38,9 @@ from sie.basis.sums import Grouped
 from sie.basis.zones import Zones
 from sie.jumps.exterior import ExteriorLogarithms, potential_series
 from sie.jumps.forcing import ForcingJumps
-from sie.jumps.formulas import HIGHEST, raised
+from sie.jumps.formulas import HIGHEST, OPTIONS, raised
 from sie.jumps.poles import NO_POLES
 from sie.jumps.spline import QuadraticSpline
-
-# Coefficients that a spline's potential is summed from: they fall as l^(-3).
-_SERIES = 1024
 
 
 @record
@@ -198,9 +195,9 @@ class DensityJumps(ForcingJumps):
         return -scale * (-self.left) ** self.order, scale * self.right**self.order
 
     def high_coefficients(self, zones: Zones) -> Array:
-        out = np.zeros((len(zones), _SERIES if self.splines else 0))
+        out = np.zeros((len(zones), OPTIONS.potential_terms if self.splines else 0))
         for zone, spline in self.splines.items():
-            out[zone] = spline.t_coefficients(_SERIES)
+            out[zone] = spline.t_coefficients(OPTIONS.potential_terms)
         return out
 
     # what the kernel makes of it

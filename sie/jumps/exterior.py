@@ -16,10 +16,7 @@ from sie.basis.data import Array, Index, numbered, record, wrapped
 from sie.basis.interval import Complex, InPlane, Outside, What, theta
 from sie.basis.sums import PerZone
 from sie.basis.zones import Zones
-
-# Logarithms nearer than this part of a zone's half width are carried; farther ones are smooth
-# enough.
-_NEAR = 0.5
+from sie.jumps.formulas import OPTIONS
 
 
 @record
@@ -30,6 +27,11 @@ class ExteriorLogarithms(PerZone):
     which: Index
     rho: Array
     weight: Array
+
+    @classmethod
+    def nothing(cls) -> "ExteriorLogarithms":
+        none = np.zeros(0, np.intp)
+        return cls(none, none, np.zeros(0), np.zeros(0))
 
     @classmethod
     def near(
@@ -44,7 +46,7 @@ class ExteriorLogarithms(PerZone):
             at, which = np.concatenate((at - period, at, at + period)), np.tile(which, 3)
         order = np.argsort(at, kind="stable")
         at, which = at[order], which[order]
-        reach = _NEAR * zones.half
+        reach = OPTIONS.reach * zones.half
         if period is not None:
             # Near one end only, also of a zone that is almost a period wide.
             reach = np.clip(reach, 0.0, np.maximum(0.49 * period - zones.half, 0.0))
@@ -174,4 +176,4 @@ def potential_series(up: Complex | Array, rho: Complex | Array) -> Complex:
     return np.asarray(-(up * log - rest / rho) + rho * rest - (rest - q * q / 2) / up)
 
 
-NOWHERE = ExteriorLogarithms(np.zeros(0, np.intp), np.zeros(0, np.intp), np.zeros(0), np.zeros(0))
+NOWHERE = ExteriorLogarithms.nothing()

@@ -36,21 +36,15 @@ from sie.basis.interval import Complex, InPlane, OnLine, of_t, theta
 from sie.basis.sums import Grouped
 from sie.basis.zones import Zones
 from sie.jumps.exterior import NOWHERE, ExteriorLogarithms
-from sie.jumps.formulas import HIGHEST, Jumps, of_sines
+from sie.jumps.formulas import HIGHEST, OPTIONS, Jumps, of_sines
 from sie.jumps.poles import NO_POLES, Poles
-from sie.jumps.spline import OPTIONS, ConjugateSpline, QuadraticSpline, with_jumps
+from sie.jumps.spline import OPTIONS as SPLINES
+from sie.jumps.spline import ConjugateSpline, QuadraticSpline, with_jumps
 
 # What takes the place of very many jumps of order 2 in one zone, of the right side's or of the
 # density's own: with the same methods, of which each refuses those that have no use for its kind.
 Spline = QuadraticSpline | ConjugateSpline
 MadeSpline = Callable[[Array, Array, Callable[[Array], Array]], tuple[Spline, Array, Array] | None]
-
-# Seen from farther than this rho, closed forms cancel, and the series of all parts of a zone is
-# short: up to which rho so many terms of it are enough. Of so many jumps the next longer one is
-# shorter than all closed forms.
-_REACH = np.array([0.25, 0.6, 0.87])
-_TERMS = np.array([32, 80, 288])
-_JUMPS = (10, 36)
 
 
 @record
@@ -124,7 +118,7 @@ class ForcingJumps(Jumps):
         height, more = self.height.copy(), []
         splines: dict[int, Spline] = {}
         for zone in np.flatnonzero(
-            np.bincount(self.zone[self.order == HIGHEST], minlength=1) >= OPTIONS.min_jumps
+            np.bincount(self.zone[self.order == HIGHEST], minlength=1) >= SPLINES.min_jumps
         ).tolist():
             all_of_it = self.by_zone[zone]
             k = all_of_it[self.order[all_of_it] == HIGHEST]
@@ -251,7 +245,7 @@ class ForcingJumps(Jumps):
         z, rho, far = seen.zeta, seen.rho, self._far(zone, seen)
         out, near = np.empty(len(zone)), np.flatnonzero(~far)
         out[far] = of_t(
-            self._series, seen[far], _ONE, 1.0, self.grouped.rows(zone[far]), "transform"
+            self._series, seen[far], np.ones(1), 1.0, self.grouped.rows(zone[far]), "transform"
         )
         out[near] = self.summed(
             zone[near], lambda at, k: self.off_zone(k, z[near[at]], rho[near[at]])
@@ -277,7 +271,7 @@ class ForcingJumps(Jumps):
             np.flatnonzero(~seen.on & ~far),
         )
         out[far] = of_t(
-            self._series, seen[far], _ONE, 1.0, self.grouped.rows(zone[far]), "potential"
+            self._series, seen[far], np.ones(1), 1.0, self.grouped.rows(zone[far]), "potential"
         )
         out[on] = self.summed(zone[on], lambda at, k: self.potential_on(k, l[on[at]], r[on[at]]))
         out[near] = self.summed(
@@ -302,18 +296,19 @@ class ForcingJumps(Jumps):
         the closed forms.
         """
         return np.asarray(
-            ~seen.on & (np.abs(seen.rho) < _REACH[self._length[self.grouped.rows(zone)]])
+            ~seen.on
+            & (np.abs(seen.rho) < np.array(OPTIONS.far_rho)[self._length[self.grouped.rows(zone)]])
         )
 
     @cached_property
     def _length(self) -> Index:
         """Which of the lengths of series the jumps of each zone have."""
-        return np.searchsorted(_JUMPS, self.grouped.count, side="right")
+        return np.searchsorted(OPTIONS.far_jumps, self.grouped.count, side="right")
 
     @cached_property
     def _series(self) -> Array:
         """Coefficients of T_l / sqrt(1 - t^2) of the closed parts of each zone together."""
-        return self._coefficients(_TERMS[self._length])
+        return self._coefficients(OPTIONS.far_terms[self._length])
 
     def mean_offsets(self, zones: Zones) -> Array:
         """Mean over each zone of the primitive of g (zero where its values at the ends are), less
@@ -463,8 +458,4 @@ def _from_left(f: Callable[[Array], Array], zones: Zones, zone: int, left: Array
     return f(zones.a[zone] + zones.half[zone] * left)
 
 
-# The half width of zones seen in units of their own.
-_ONE = np.ones(1)
-_NONE = ForcingJumps(
-    np.zeros(0, np.intp), np.zeros(0), np.zeros(0), np.zeros(0), np.zeros(0, np.intp)
-)
+_NONE = ForcingJumps(*Jumps.nothing())

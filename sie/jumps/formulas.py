@@ -3,23 +3,44 @@ with them; see `forcing`.
 """
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sie.basis.data import Array, Index, Mask, record
+from sie.basis.data import DIGITS, Array, Index, Mask, record
 from sie.basis.interval import LOG2, Outside, theta
-from sie.basis.sums import PAIRS, PerZone
+from sie.basis.sums import OPTIONS as BLOCKS
+from sie.basis.sums import PerZone
 
 HIGHEST = 2
 # Of q over p; zero for p > q.
 _BINOMIAL = np.array([[1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, 2.0, 1.0]])
-# Part of the distance over which one root outweighs the other: kappa is then taken from their
-# ratio.
-_FAR_APART = 0.5
+
+
+@dataclass(frozen=True)
+class JumpOptions:
+    """When jumps and singular points are carried in closed form, and when by their series."""
+
+    # Singular points outside a zone nearer than this many half widths are carried in closed form;
+    # farther ones are smooth on the zone. Insensitive: 0.3 to 1.
+    reach: float = 0.5
+    # Values of |rho| below which closed forms cancel, and the series of all jumps of a zone is
+    # summed. The next larger value pays off from `far_jumps` jumps on.
+    far_rho: tuple[float, ...] = (0.25, 0.6, 0.87)
+    far_jumps: tuple[int, ...] = (10, 36)
+    # Coefficients of the potential of a spline of the density: they fall as l^-3.
+    potential_terms: int = 1024
+
+    @property
+    def far_terms(self) -> Index:
+        """Terms of the series for each `far_rho`, down to round-off."""
+        return np.ceil(DIGITS / -np.log(self.far_rho)).astype(np.intp)
+
+
+OPTIONS = JumpOptions()
 
 
 @record
@@ -33,6 +54,12 @@ class Jumps(PerZone):
     right: Array
     height: Array
     order: Index
+
+    @staticmethod
+    def nothing() -> tuple[Index, Array, Array, Array, Index]:
+        """Fields of no jumps."""
+        none, places = np.zeros(0, np.intp), np.zeros(0)
+        return none, places, places, places, none
 
     def chosen(self, which: Mask | Index) -> Self:
         """Those of the jumps alone."""
@@ -192,7 +219,7 @@ class Jumps(PerZone):
         j = np.arange(1.0, count + highest + 2)
         powers = np.zeros((highest + 1, rows, len(j)))
         order = np.argsort(row, kind="stable")
-        block = max(1, PAIRS // len(j))
+        block = max(1, BLOCKS.memory_pairs // len(j))
         for begin in range(0, len(k), block):
             part = order[begin : begin + block]
             some, into = k[part], row[part]
@@ -219,10 +246,8 @@ def kappa(up: Array, vp: Array, away: Array) -> Array:
     with np.errstate(divide="ignore", invalid="ignore"):
         # A jump beside an end, or a point, has little of it: then it is 2 artanh of the roots'
         # ratio, to all digits.
-        far = 2 * np.arctanh(np.minimum(small / large, _FAR_APART))
-        return np.where(
-            small < _FAR_APART * large, far, np.log((up + vp) ** 2 / (2 * np.abs(away)))
-        )
+        far = 2 * np.arctanh(np.minimum(small / large, 0.5))
+        return np.where(small < 0.5 * large, far, np.log((up + vp) ** 2 / (2 * np.abs(away))))
 
 
 def power(away: Array, order: Index) -> Array:

@@ -38,6 +38,7 @@ from sie.basis.data import Array, Complex, Index, record
 from sie.basis.interval import LOG2, InPlane, OnLine, What, theta
 from sie.basis.sums import PerZone
 from sie.basis.zones import Zones
+from sie.jumps.formulas import OPTIONS as JUMPS
 
 
 @dataclass(frozen=True)
@@ -49,10 +50,6 @@ class PoleOptions:
     nearest: float = 39.0
     """-log of the part of |y|^p, or of its integral, that the poles left out next to the point
     carry: 1e-17.
-    """
-    reach: float = 0.5
-    """Distance from a zone over its half width, up to which points outside it are carried;
-    insensitive, 0.3 to 1.
     """
 
 
@@ -167,6 +164,13 @@ class Poles(PerZone):
     away: Array
     size: Complex
     points: tuple[Index, Array, Array, Array]
+
+    @classmethod
+    def nothing(cls) -> "Poles":
+        none, places = np.zeros(0, np.intp), np.zeros(0)
+        return cls(
+            none, places, places, places, np.zeros(0, complex), (none, places, places, places)
+        )
 
     @classmethod
     def of(
@@ -368,17 +372,9 @@ def _seen(
     for place, shift in product(range(len(places)), shifts.tolist()):
         at = np.full(len(zones), places[place] + shift)
         left, right = zones.beyond_a(at, every), zones.before_b(at, every)
-        near = np.flatnonzero(np.minimum(left, right) > -_OPTIONS.reach * zones.half)
+        near = np.flatnonzero(np.minimum(left, right) > -JUMPS.reach * zones.half)
         for i in near.tolist():
             yield place, i, float(left[i]), float(right[i])
 
 
-_NONE = np.zeros(0)
-NO_POLES = Poles(
-    np.zeros(0, np.intp),
-    _NONE,
-    _NONE,
-    _NONE,
-    np.zeros(0, complex),
-    (np.zeros(0, np.intp), _NONE, _NONE, _NONE),
-)
+NO_POLES = Poles.nothing()

@@ -28,6 +28,7 @@ each, so that the integrals are sums over some hundred nodes, whatever the numbe
 Places are distances from the zone's left end over its half width.
 """
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -35,12 +36,12 @@ from functools import cached_property
 import numpy as np
 
 from sie.basis import chebyshev
-from sie.basis.data import EPS, Array, Index, Kept, Mask, legendre, record
+from sie.basis.data import EPS, SUM_ROUNDING, Array, Index, Kept, Mask, legendre, record
 from sie.basis.interval import Complex, InPlane, Outside, What, of_t, sides, theta
 from sie.basis.kernels import cauchy
 from sie.basis.sums import pair_blocks, waves
 from sie.trees.piecewise import PiecewiseTransform, clenshaw
-from sie.trees.tree import TERMS
+from sie.trees.tree import SEPARATION, TERMS
 
 
 @dataclass(frozen=True)
@@ -50,41 +51,35 @@ class SplineOptions:
     # Jumps of order 2 in a zone from which a spline takes their place; below, closed forms of the
     # jumps are as fast.
     min_jumps: int = 400
-    # Knots nearer to an end of the zone are left out: g changes by the jump times the square of it.
-    min_end_distance: float = 1e-9
-    # Largest difference between declared jumps and those of f, relative; above, f is no such spline.
-    max_jump_error: float = 1e-8
     # Gauss nodes on a piece of the spline or on a part of one.
-    gauss_nodes: int = 8
-    # Largest angle by which cos(l theta) turns over those nodes: their error is below 1e-14.
-    max_turn: float = 1.5
+    gauss_nodes: int = 16
+    # Largest angle by which cos(l theta) turns over these nodes, or over a panel: 16 nodes and 24
+    # moments then give all digits.
+    max_turn: float = 8.0
     # Pieces nearer than this many of their lengths are integrated in closed form, others by Gauss's
-    # rule, whose error is (4 * 2.5)^(-16).
+    # rule, whose error is (4 * 2.5)^-32.
     near_lengths: float = 2.5
-    # Distance from the middle of the spline over its half width, above which one series of the whole
-    # spline has the transform to all digits.
-    far_reach: float = 5.0
-    # Moments of a panel, which is seen from at least twice its half width beyond its middle: 3^-24.
+    # Moments of a panel, which is seen from at least twice its half width beyond its middle: the
+    # error is 3^-24.
     panel_moments: int = 24
-    # Gauss nodes on a piece within a panel: exact for a moment of degree 24 of a quadratic spline.
-    panel_nodes: int = 16
-    # Largest angle by which cos(l theta) turns over a panel: its 24 moments then have all digits.
-    panel_turn: float = 8.0
-    # Part of g that the outermost panels may hold.
-    outermost_part: float = 1e-12
+    # Coefficients for each knot that show the potential off the zone.
+    coefficients_per_knot: int = 8
 
 
 OPTIONS = SplineOptions()
+# Half of all digits: knots nearer to an end of the zone change g by the square of this, and jumps
+# of f that differ from the declared ones by less are the same.
+_HALF_DIGITS = math.sqrt(EPS)
 
 
 def same_jumps(found: Array, wanted: Array, length: Array, size: float) -> bool:
     """Whether the jumps found between pieces of such lengths are those wanted, as far as rounding
     of values of such a size allows.
     """
-    rounding = 50 * EPS * size / np.minimum(length[1:], length[:-1]) ** 2
+    rounding = SUM_ROUNDING * size / np.minimum(length[1:], length[:-1]) ** 2
     return not np.any(
         np.abs(found - wanted)
-        > np.maximum(OPTIONS.max_jump_error * np.abs(wanted).max(initial=0.0), rounding)
+        > np.maximum(_HALF_DIGITS * np.abs(wanted).max(initial=0.0), rounding)
     )
 
 
@@ -153,7 +148,7 @@ class QuadraticSpline(Kept):
         second derivative; places and heights of others: none); None if f has other jumps than
         these.
         """
-        within = np.flatnonzero(np.minimum(knots, 2 - knots) > OPTIONS.min_end_distance)
+        within = np.flatnonzero(np.minimum(knots, 2 - knots) > _HALF_DIGITS)
         knots = knots[within]
         u, v = knots[1:-2], knots[2:-1]
         values = np.asarray(f(knots))
@@ -247,9 +242,7 @@ class QuadraticSpline(Kept):
     @cached_property
     def _reach(self) -> tuple[float, float]:
         half = 0.5 * (self.knots[-1] - self.knots[0])
-        return self.knots[0] - (OPTIONS.far_reach - 1) * half, self.knots[-1] + (
-            OPTIONS.far_reach - 1
-        ) * half
+        return self.knots[0] - SEPARATION * half, self.knots[-1] + SEPARATION * half
 
     @cached_property
     def _close(self) -> PiecewiseTransform:
@@ -350,7 +343,7 @@ class ConjugateSpline(Kept):
         larger than those slopes.
         """
         left = np.zeros_like(jumps)
-        inner = np.minimum(knots, 2 - knots) > OPTIONS.min_end_distance
+        inner = np.minimum(knots, 2 - knots) > _HALF_DIGITS
         knots, jumps = knots[inner], jumps[inner]
         piece = int(np.searchsorted(knots, 1.0))
         cut = 0.5 * float(np.append(0.0, knots)[piece] + np.append(knots, 2.0)[piece])
@@ -397,9 +390,7 @@ class ConjugateSpline(Kept):
         curved = np.abs(self.spline.pieces[[-1, 0], 2]) + 1e-300
         near = np.array([2 - self.knots[-1], self.knots[0]])
         outermost = theta(2 - near, near)
-        first, last = np.clip(
-            (OPTIONS.outermost_part * self.size / curved) ** 0.25, 1e-6, np.minimum(outermost, 0.5)
-        )
+        first, last = np.clip((EPS * self.size / curved) ** 0.25, 1e-6, np.minimum(outermost, 0.5))
         return _graded(float(first), float(last))
 
     # g by moments
@@ -409,7 +400,7 @@ class ConjugateSpline(Kept):
         each panel between cuts.
         """
         ends = np.unique(np.concatenate((self.spline.knots, 1 + np.cos(cuts[1:-1]))))
-        phi, weights = legendre(theta(ends, 2 - ends), OPTIONS.panel_nodes)
+        phi, weights = legendre(theta(ends, 2 - ends), OPTIONS.gauss_nodes)
         # From the left end to the right the angles fall.
         values = -weights * self.spline(sides(phi)[0])
         panel = np.clip(np.searchsorted(cuts, phi, side="right") - 1, 0, len(cuts) - 2)
@@ -443,7 +434,7 @@ class ConjugateSpline(Kept):
         """First `count` coefficients of the density as a sum of T_l / sqrt(1 - t^2)."""
         known = self.known.get("c", np.zeros(0))
         if len(known) < count:
-            panels = int(np.ceil(np.pi * (count + 1) / OPTIONS.panel_turn)) + 1
+            panels = int(np.ceil(np.pi * (count + 1) / OPTIONS.max_turn)) + 1
             phi, weight = self._moments(np.linspace(0.0, np.pi, panels + 1))
             known = 0.5 * waves((2 / np.pi) * weight, phi, count + 2).real[1:]
             known[2:] -= known[:-2].copy()

@@ -10,26 +10,24 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from sie.basis import chebyshev
-from sie.basis.data import Array, Index, Mask, widened, wrapped
+from sie.basis.data import DIGITS, Array, Index, Mask, widened, wrapped
 from sie.basis.interval import Outside, sides, slope_scale
 from sie.basis.interval import theta as theta_of
 from sie.basis.kernels import Kernel, cauchy
+from sie.basis.sums import pair_blocks
 from sie.basis.zones import Zones
 from sie.density.density import Density
 from sie.density.located import Located
-from sie.density.series import LOOKS, beside_kinks, even_angles, from_zones
+from sie.density.series import OPTIONS as SAMPLES
+from sie.density.series import beside_kinks, even_angles, from_zones
 from sie.jumps.forcing import ForcingJumps
 from sie.slits.kinks import SlitKink
-from sie.slits.merged import Merged
 from sie.slits.plane import SlitPlane
-from sie.slits.slits import Slits, off_slit
+from sie.slits.slits import OPTIONS, Merged, Slits, off_slit
 
-# Points looked at together.
-_BLOCK = 4096
-# Angles of a piece at the least.
-_FEWEST = 24
-# At so many half widths off a wide zone rho is 0.44, and 48 coefficients tell all of its slits.
-_TELLS = 0.36
+# Half widths of a wide zone beyond which the coefficients of the slack that other zones see have
+# all of it.
+_FAR = float(np.cosh(DIGITS / OPTIONS.min_slack_modes)) - 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -265,7 +263,9 @@ class SlitDensity(Located):
             theta_of(merged.start / w, 2 - merged.start / w),
             theta_of(2 - merged.rest / w, merged.rest / w),
         )
-        return np.clip(2 * self.sampling * (left - right) / np.pi, _FEWEST, LOOKS).astype(np.intp)
+        return np.clip(
+            2 * self.sampling * (left - right) / np.pi, SAMPLES.min_samples, SAMPLES.max_angles
+        ).astype(np.intp)
 
     def _looked_at(self, piece: int, count: int) -> Array:
         """So many angles of a piece, and some beside kinks."""
@@ -446,9 +446,9 @@ class SlitDensity(Located):
             w = wide.half[here.zone]
             for shift in self.kernel.poles:
                 a, b = wide.a[here.zone] + shift, wide.b[here.zone] + shift
-                first, last = np.searchsorted(ascending, [a - _TELLS * w, b + _TELLS * w])
-                for start in range(first, last, _BLOCK):
-                    some = order[start : min(start + _BLOCK, last)]
+                first, last = np.searchsorted(ascending, [a - _FAR * w, b + _FAR * w])
+                for block in pair_blocks(int(last - first), OPTIONS.min_slack_modes):
+                    some = order[first:last][block]
                     out[some] -= from_zones(
                         self._told_density, x[some], np.full(len(some), number), shift, potential
                     )

@@ -26,6 +26,7 @@ phi - phi(.), y = t - m, that is
 """
 
 from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -36,11 +37,19 @@ from sie.basis.data import Array, Kept, Mask, legendre, record
 from sie.basis.interval import Outside, sides, theta
 from sie.jumps.formulas import HIGHEST
 
-# Of those of order 2: beyond so many half widths of the slit its psi is summed up; there the closed
-# forms cancel.
-_BEYOND = 4.0
-_MEANS = 32
-_LEGENDRE = 24
+
+@dataclass(frozen=True)
+class KinkOptions:
+    """How the slack of a jump in a slit is integrated."""
+
+    # Gauss nodes for means over a slit that contains a jump, and on either side of the jump.
+    nodes: int = 32
+    # Half widths of a slit beyond which closed forms of a jump of order 2 cancel, and its slack is
+    # integrated.
+    far: float = 4.0
+
+
+OPTIONS = KinkOptions()
 
 
 @record
@@ -74,8 +83,12 @@ class SlitKink(Kept):
     @cached_property
     def mean_places(self) -> tuple[Array, Array, Array]:
         """Gauss nodes of the equilibrium measure: z, and distances from the wide zone's ends."""
-        left, right = chebyshev.gauss_sides(_MEANS)
-        return chebyshev.gauss(_MEANS), self.start + self.half * left, self.rest + self.half * right
+        left, right = chebyshev.gauss_sides(OPTIONS.nodes)
+        return (
+            chebyshev.gauss(OPTIONS.nodes),
+            self.start + self.half * left,
+            self.rest + self.half * right,
+        )
 
     # psi
     # ------------------------------------------------------------------------------------------------------------
@@ -121,7 +134,7 @@ class SlitKink(Kept):
         = sum W f.
         """
         border = float(theta(*self._beside[::-1]))
-        beta, weights = legendre(np.array([0.0, border, np.pi]), _LEGENDRE)
+        beta, weights = legendre(np.array([0.0, border, np.pi]), OPTIONS.nodes)
         weight = weights * np.sin(beta)
         right, left = sides(beta)
         from_left, from_right = self.start + self.half * left, self.rest + self.half * right
@@ -208,8 +221,8 @@ class SlitKink(Kept):
         """P[psi] less (a_0 + a_1 t)/X, off the slit by `outside` of its half width. past: on its
         right.
         """
-        if self.order == HIGHEST and np.any(outside > _BEYOND):
-            out, far = np.empty(outside.shape), outside > _BEYOND
+        if self.order == HIGHEST and np.any(outside > OPTIONS.far):
+            out, far = np.empty(outside.shape), outside > OPTIONS.far
             out[far] = self._summed(from_left[far], from_right[far], outside[far], past[far])
             out[~far] = self.beside(from_left[~far], from_right[~far], outside[~far], past[~far])
             return out

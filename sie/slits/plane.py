@@ -26,23 +26,18 @@ from collections.abc import Iterator
 import numpy as np
 
 from sie.basis import chebyshev
-from sie.basis.data import Array, legendre, record
+from sie.basis.data import DIGITS, EPS, Array, legendre, record
 from sie.basis.interval import Complex, InPlane, What, complex_of, transform_of, transform_slope_of
+from sie.basis.sums import pair_blocks
 from sie.density.density import Density
 from sie.jumps.formulas import HIGHEST
 from sie.slits.kinks import SlitKink
-from sie.slits.merged import Merged
-from sie.slits.slits import Slits
+from sie.slits.slits import OPTIONS, Merged, Slits
 
-# Where |rho| is below this, as many coefficients as wide zones are told of their slits tell all of
-# them.
-_TELLS = 0.44
-# The height, over the largest half width, from which the potential is carried down; panels halve in
-# height towards the line, as often as this, each with so many nodes.
-_HEIGHT = 1.0
-_PANELS = 50
-_NODES = 12
-_POINTS = 256
+# Below this |rho| the coefficients of the slack that other zones see have all of it.
+_FAR = float(np.exp(-DIGITS / OPTIONS.min_slack_modes))
+# Panels halve in height towards the line, down to round-off.
+_PANELS = -int(np.log2(EPS))
 
 
 @record
@@ -77,7 +72,7 @@ class SlitPlane:
             for shift in whole.kernel.poles:
                 at = x - shift
                 seen = InPlane.of((at - wide.a[here.zone]) / w, (at - wide.b[here.zone]) / w, y / w)
-                some = np.flatnonzero(np.abs(seen.rho) > _TELLS)
+                some = np.flatnonzero(np.abs(seen.rho) > _FAR)
                 if len(some) == 0:
                     continue
                 close = seen[some]
@@ -101,12 +96,14 @@ class SlitPlane:
 
     def _potential(self, x: Array, y: Array) -> Complex:
         """From a height above the wide zones' own, or from y itself where that is higher."""
-        top = np.maximum(y, _HEIGHT * float(self.merged.wide.half.max()))
+        top = np.maximum(y, float(self.merged.wide.half.max()))
         out = self.whole.plane(complex_of(x, top), "potential")
-        parts, weights = legendre(np.append(0.0, 0.5 ** np.arange(_PANELS, -1, -1)), _NODES)
+        parts, weights = legendre(
+            np.append(0.0, 0.5 ** np.arange(_PANELS, -1, -1)), OPTIONS.path_nodes
+        )
         down = np.flatnonzero(top > y)
-        for start in range(0, len(down), _POINTS):
-            here = down[start : start + _POINTS]
+        for some in pair_blocks(len(down), len(parts)):
+            here = down[some]
             # In logarithmic steps towards the line: what is above y alone.
             height = y[here, None] + (top - y)[here, None] * parts
             place = np.broadcast_to(x[here, None], height.shape)

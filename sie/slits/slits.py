@@ -16,25 +16,205 @@ Off its own zone P[s] acts through its coefficients s_k = (2/pi) int s sin(k phi
 Sum sin(k phi) cos(k theta) = sin(phi) / 2 (cos(theta) - cos(phi)); derived here, see docs/theory.)
 """
 
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from sie.basis import chebyshev
-from sie.basis.data import Array, Index, Kept, Mask, record
-from sie.basis.interval import Outside, fall, theta, transform_of
+from sie.basis.data import Array, Index, Kept, Mask, record, sum_error, wrapped
+from sie.basis.interval import Outside, decay_rate, theta, transform_of
+from sie.basis.zones import Zones
 from sie.dense.lu import Factored
+from sie.dense.modes import gaps
+from sie.equation.conditions import BUILT_IN, Condition, ZoneTotals
+from sie.equation.equation import Equation
 from sie.jumps.forcing import ForcingJumps
 from sie.jumps.formulas import HIGHEST
 from sie.slits.kinks import SlitKink
-from sie.slits.merged import Merged
 
-LEAST = 12
-MOST = 512
-# Modes at most for a jump of g, of g' or of g'' beside a slit: of those in it nothing is left.
-_BENT = (64, 256, 160)
-# Coefficients of s that are told to the other zones, at least.
-TOLD = 48
+
+@dataclass(frozen=True)
+class SlitOptions:
+    """When a gap is treated as a slit, and how its slack is expanded and solved for."""
+
+    # Gaps narrower than this part of the wider zone next to them may be slits.
+    max_gap: float = 0.02
+    # Factor by which a gap must pass `max_gap` to change from one set of zones to the next:
+    # without it, slits come and go in every Newton step.
+    hysteresis: float = 1.5
+    # The same limit for gaps that contain a jump of order 2 or an algebraic point, over both
+    # zones: there may be hundreds of them.
+    max_gap_with_jumps: float = 0.003
+    # Modes of the slack in a slit.
+    min_modes: int = 12
+    max_modes: int = 512
+    # Largest number of modes that a jump of order 0, 1 or 2 next to a slit asks for.
+    max_modes_for_jump: tuple[int, ...] = (64, 256, 160)
+    # Coefficients of the slack that other zones see, at least.
+    min_slack_modes: int = 48
+    # Gauss nodes on each panel of the path along which a complex potential is integrated.
+    path_nodes: int = 12
+    # GMRES solutions; the second corrects for the rounding of the first.
+    solutions: int = 2
+    # Tolerance of the wide zones' own iteration, which only starts that with slits.
+    start_tolerance: float = 0.1
+    # Largest last change over the largest coefficient that is stated as an error; above it there
+    # is no solution.
+    max_change: float = 1e-10
+    # Error over the tolerance from which zones without slits are tried as well, if a kink lies in
+    # a slit.
+    retry_error: float = 1e3
+    # Factor on the rounding at ends of slits: it is seen at one place there, not averaged.
+    safety: float = 3.0
+
+
+OPTIONS = SlitOptions()
+
+
+@record
+class Merged(Kept):
+    """pieces: the zones as given. wide: zones that span narrow gaps; slits: those gaps, slit_zone
+    the wide zone of each. piece_zone: wide zone of each piece; shift: what to add to a piece to
+    find it in its wide zone (periods); cut_off: what rounding has cut off the ends of the pieces
+    there (2, n).
+    """
+
+    pieces: Zones
+    wide: Zones
+    slits: Zones
+    slit_zone: Index
+    piece_zone: Index
+    shift: Array
+    cut_off: Array
+
+    @cached_property
+    def start(self) -> Array:
+        """Distance of each piece's left end from the left end of its wide zone."""
+        return self.wide.beyond_a(self.pieces.a + self.shift, self.piece_zone) + self.cut_off[0]
+
+    @cached_property
+    def stop(self) -> Array:
+        """Distance of each piece's right end from the left end of its wide zone."""
+        return self.wide.beyond_a(self.pieces.b + self.shift, self.piece_zone) + self.cut_off[1]
+
+    @cached_property
+    def rest(self) -> Array:
+        """Distance of each piece's right end from the right end of its wide zone."""
+        return self.wide.before_b(self.pieces.b + self.shift, self.piece_zone) - self.cut_off[1]
+
+    @cached_property
+    def slit_before(self) -> Index:
+        """The slit that ends where a piece begins, -1 without."""
+        return self._beside(self.slits.b, self.pieces.a + self.shift)
+
+    @cached_property
+    def slit_after(self) -> Index:
+        """The slit that begins where a piece ends, -1 without."""
+        return self._beside(self.slits.a, self.pieces.b + self.shift)
+
+    @cached_property
+    def beside_slits(self) -> Mask:
+        """Which pieces have slits beside them."""
+        return (self.slit_before >= 0) | (self.slit_after >= 0)
+
+    def _beside(self, ends: Array, at: Array) -> Index:
+        place = np.minimum(np.searchsorted(ends, at), len(ends) - 1)
+        return np.where(ends[place] == at, place, -1)
+
+
+def merge(equation: Equation, pieces: Zones, before: Mask | None = None) -> Merged | None:
+    """The zones with their narrow gaps as slits, None if there are none or the equation does not
+    allow it. before: after which pieces there were slits on about the same zones; it stays so as
+    long as gaps are about as narrow.
+    """
+    kernel = equation.kernel
+    # A column that may be singular between zones is none of a wide one.
+    general = len(equation.forcing.jumps.singular_at) > 0 or any(
+        column.resolution.modes is None and not column.resolution.smooth_between
+        for column in equation.columns
+    )
+    if len(pieces) < 2 or general or not _one_level(equation.conditions) or not _plain(pieces):
+        return None
+    after = gaps(pieces, kernel)[1]
+    width = pieces.b - pieces.a
+    following = np.roll(width, -1)
+    # A slit has its neighbours' far ends as its singularities, as these have the slit's: whichever
+    # asks for less.
+    most = OPTIONS.max_gap * (
+        1.0
+        if before is None or len(before) != len(pieces)
+        else np.where(before, OPTIONS.hysteresis, 1 / OPTIONS.hysteresis)
+    )
+    narrow = (after < most * np.maximum(width, following)) & (after**2 < width * following)
+    narrow &= pieces.moves[1] & np.roll(pieces.moves[0], -1)
+    if kernel.period is None or pieces.symmetric:
+        narrow[-1] = False
+    narrow &= ~_bent(equation, pieces, after) | (
+        after < OPTIONS.max_gap_with_jumps * np.minimum(width, following)
+    )
+    if not narrow.any():
+        return None
+    count = len(pieces)
+    first = 0
+    if narrow[-1]:
+        # The border of the period lies in the widest gap.
+        first = (int(np.argmax(np.where(narrow, -np.inf, after))) + 1) % count
+        if narrow.all():
+            narrow[first - 1] = False
+    order = (first + np.arange(count)) % count
+    shift = np.where(np.arange(count) < first, kernel.period or 0.0, 0.0)
+    a, b, joined = (pieces.a + shift)[order], (pieces.b + shift)[order], narrow[order[:-1]]
+    starts = np.concatenate(([0], np.flatnonzero(~joined) + 1))
+    stops = np.concatenate((starts[1:], [count])) - 1
+    zone = np.empty(count, dtype=np.intp)
+    zone[order] = np.repeat(np.arange(len(starts)), stops - starts + 1)
+    left = [pieces.left[order[s]] for s in starts]
+    right = [pieces.right[order[s]] for s in stops]
+    cut_off = pieces.rest + np.array([sum_error(ends, shift) for ends in (pieces.a, pieces.b)])
+    rest = np.array([cut_off[0][order[starts]], cut_off[1][order[stops]]])
+    wide = Zones(a[starts], b[stops], left, right, pieces.symmetric, rest)
+    at = np.flatnonzero(joined)
+    slits = replace(
+        Zones.of(np.column_stack((b[at], a[at + 1]))),
+        rest=np.array([cut_off[1][order[at]], cut_off[0][order[at + 1]]]),
+    )
+    return Merged(pieces, wide, slits, zone[order[at]], zone, shift, cut_off)
+
+
+def _one_level(conditions: Sequence[Condition]) -> bool:
+    """Whether all zones are held at one level, so that the gap between neighbours integrates to
+    zero, and no condition speaks of zones one by one, which become fewer: those of a user's own
+    may.
+    """
+    rows = [type(condition).rows for condition in conditions]
+    one_by_one = ZoneTotals.rows in rows or any(one not in BUILT_IN for one in rows)
+    return not one_by_one and any(condition.levels for condition in conditions)
+
+
+def _plain(pieces: Zones) -> bool:
+    """Whether no intensity is prescribed but zero at ends that move."""
+    return all(
+        end.intensity is None or (end.moves and end.intensity == 0.0)
+        for end in (*pieces.left, *pieces.right)
+    )
+
+
+def _bent(equation: Equation, pieces: Zones, after: Array) -> Mask:
+    """Gaps with a jump of a higher derivative of the right side in them than the first, or with an
+    algebraic point.
+    """
+    jumps = equation.forcing.jumps
+    at = jumps.at[np.asarray(jumps.orders) > 1] if not jumps.of_density else np.zeros(0)
+    if jumps.algebraic is not None:
+        at = np.concatenate((at, np.asarray(jumps.algebraic.at)))
+    at = wrapped(at, pieces.a[0], equation.kernel.period)
+    i = np.searchsorted(pieces.a, at, side="right") - 1
+    within = (i >= 0) & (at >= pieces.b[i]) & (at <= pieces.b[i] + after[i])
+    found = np.zeros(len(pieces), dtype=bool)
+    found[i[within]] = True
+    return found
 
 
 @record
@@ -187,16 +367,18 @@ class Slits(Kept):
             near = np.minimum(near, away.min(axis=0))
         middle = theta(start + half / w, rest + half / w)
         waves = modes * half / w / np.sin(middle)
-        need = 37 / fall(np.maximum(near, 1e-4)) + 2 * waves
+        need = 37 / decay_rate(np.maximum(near, 1e-4)) + 2 * waves
         if zone in jumps.by_zone:
             # Jumps beside the slit: of their weak singularities the series soon leaves little.
             place, order = jumps.places(zone)
             other = ~np.isin(place, np.append(jumps.left[self._inside], self._knots.left))
             place, order = place[other], order[other]
             away = np.maximum(np.abs(place[:, None] - (start + half / w)) * w / half - 1, 1e-4)
-            most = np.array(_BENT)[order][:, None]
-            need = np.maximum(need, np.minimum(37 / fall(away), most).max(axis=0, initial=0.0))
-        size = np.clip(np.ceil(need), LEAST, MOST).astype(int)
+            most = np.array(OPTIONS.max_modes_for_jump)[order][:, None]
+            need = np.maximum(
+                need, np.minimum(37 / decay_rate(away), most).max(axis=0, initial=0.0)
+            )
+        size = np.clip(np.ceil(need), OPTIONS.min_modes, OPTIONS.max_modes).astype(int)
         self.slits = [
             Slit(float(s), float(r), float(h) / w, float(h), int(n))
             for s, r, h, n in zip(start, rest, half, size, strict=True)
@@ -279,13 +461,15 @@ class Slits(Kept):
 
     @cached_property
     def told(self) -> Array:
-        """(count + 1, all d): s_k of the zone, k = 0 ... max(modes, TOLD)."""
-        return np.concatenate([slit.told(max(self.modes, TOLD)) for slit in self.slits], axis=1)
+        """(count + 1, all d): s_k of the zone, k = 0 ... max(modes, OPTIONS.min_slack_modes)."""
+        return np.concatenate(
+            [slit.told(max(self.modes, OPTIONS.min_slack_modes)) for slit in self.slits], axis=1
+        )
 
     @cached_property
     def told_by_kinks(self) -> Array:
         """What the jumps in slits add to s_k."""
-        count = max(self.modes, TOLD)
+        count = max(self.modes, OPTIONS.min_slack_modes)
         return np.sum([np.zeros(count + 1), *(kink.told(count) for _, kink in self.kinks)], axis=0)
 
     @property

@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 from scipy.linalg import norm
 
-from sie.basis.data import Array, Index, Kept, record, row_sizes, widened
+from sie.basis.data import EPS, Array, Index, Kept, record, row_sizes, widened
 from sie.basis.interval import edge_scale, sides
 from sie.basis.zones import Zones
 from sie.dense.system import System
@@ -21,8 +21,7 @@ from sie.density.density import Density
 from sie.equation.conditions import Linear, Trial, asked
 from sie.equation.equation import Equation
 from sie.slits.density import SlitDensity
-from sie.slits.merged import Merged, merge
-from sie.slits.slits import TOLD, Slits
+from sie.slits.slits import OPTIONS, Merged, Slits, merge
 from sie.states.base import Answered, Solver, density_of
 from sie.states.rounding import density_rounding, truncation_through_rows
 from sie.states.sizes import Carried, Sizes, first_sizes
@@ -30,19 +29,6 @@ from sie.states.solve import SingularSystem, more_modes, solve_fixed
 from sie.states.state import LOOKS, THETA, State, beside_ends, field_tails, residual_errors
 from sie.trees.krylov import gmres
 
-# Solutions by GMRES, the second of what rounding has left of the first.
-_CORRECTIONS = 2
-# Tolerance of the wide zones' own solution by iteration, from which the slits' one starts.
-_START = 0.1
-_ROUNDING = 2.2e-16
-# What may be left over the largest coefficient, to be stated as an error; more is no solution.
-_SETTLED = 1e-10
-# Times the tolerance: with such an error the zones are looked at by themselves too, where a kink
-# lies between them.
-_CARELESS = 1e3
-# On a slit the rounding of the right side and of all terms are seen at one place, where at the end
-# of a zone they average.
-_SAFETY = 3.0
 
 
 @record
@@ -172,12 +158,12 @@ class SlitSystem(Kept):
         # A slit bends its surroundings by the square of its width over its distance: a few steps
         # are enough.
         folded = start + base.solver(bends(start))
-        for _ in range(_CORRECTIONS):
-            folded = folded + gmres(apart, start - apart(folded), _ROUNDING * float(norm(folded))).x
+        for _ in range(OPTIONS.solutions):
+            folded = folded + gmres(apart, start - apart(folded), EPS * float(norm(folded))).x
         change = float(np.abs(start - apart(folded)).max()) / max(
             float(np.abs(folded).max()), 1e-300
         )
-        if not change <= max(_SETTLED, 10 * self.linear):
+        if not change <= max(OPTIONS.max_change, 10 * self.linear):
             raise SlitsNotConverged("the slits of a wide zone do not come to rest")
         return folded, self._series(folded, homogeneous), change
 
@@ -228,7 +214,7 @@ class SlitSystem(Kept):
         # As many of s are told, of all zones.
         count = max(
             int(system.layout.m.max()) + 1,
-            TOLD + 1,
+            OPTIONS.min_slack_modes + 1,
             *map(len, told.values()),
             whole.coefficients.shape[1],
         )
@@ -345,7 +331,7 @@ class SlitState(Answered):
         rest = self.rest * row_sizes(self.whole.density.coefficients).max()
         # What rounding makes of the sums of the wide zones' coefficients.
         noise = self.whole.intensity_noise.max(axis=0) / edge_scale(self.merged.wide.half)
-        return self._intensities_of(noise + rest, _SAFETY)
+        return self._intensities_of(noise + rest, OPTIONS.safety)
 
     @cached_property
     def _tails(self) -> Array:
@@ -524,7 +510,7 @@ def solve_zones(
         inner = first_sizes(equation, found.wide)
     inner.carried = sizes.carried
     # By iteration the wide zones alone are no more than a start.
-    inner.linear = sizes.linear if equation.grows else max(sizes.linear, _START)
+    inner.linear = sizes.linear if equation.grows else max(sizes.linear, OPTIONS.start_tolerance)
     inner.start = not equation.grows
     inner.rough, inner.value = sizes.rough, sizes.value
     profile, kernel, iterations = (
@@ -562,7 +548,7 @@ def solve_zones(
     sizes.iterations += inner.iterations - iterations
     found_state = SlitState(slit_system, wide, density, series, rest, sizes)
     if any(here.kinks for here in slit_system.slits) and found_state.density_error > max(
-        _CARELESS * tolerance, _SETTLED
+        OPTIONS.retry_error * tolerance, OPTIONS.max_change
     ):
         # A jump of a derivative that is not declared lies between zones by themselves, but within a
         # wide one.

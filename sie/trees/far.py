@@ -11,7 +11,7 @@ from functools import cached_property
 import numpy as np
 
 from sie.basis import chebyshev
-from sie.basis.data import Array, lost, record, widened
+from sie.basis.data import Array, record, sum_error, widened
 from sie.basis.interval import Outside
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
@@ -131,7 +131,7 @@ class Nested:
             up = tree.parent[here]
             before = middle[up]
             added = middle[here] + np.einsum("nj,jn->n", self.rises[here, :terms], above) + rest[up]
-            middle[here], rest[here] = before + added, lost(before, added)
+            middle[here], rest[here] = before + added, sum_error(before, added)
         return np.ascontiguousarray(series[:, leaves].T), middle[leaves], rest[leaves]
 
 

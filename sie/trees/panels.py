@@ -259,7 +259,7 @@ class Panels(Kept):
             by_rows(
                 lambda some: function(some[:, None], nodes) @ weights,
                 x,
-                most=max(1, _BLOCK // len(nodes)),
+                max_rows=max(1, _BLOCK // len(nodes)),
             )
         )
 

@@ -196,7 +196,7 @@ class PiecewiseTransform:
     def __call__(self, x: ArrayLike) -> Array:
         """The transform at points from the first end to the last."""
         x = np.asarray(x, dtype=float)
-        return np.reshape(by_rows(self._at_points, x.ravel(), most=_BLOCK), x.shape)
+        return np.reshape(by_rows(self._at_points, x.ravel(), max_rows=_BLOCK), x.shape)
 
     def _at_points(self, x: Array) -> Array:
         cell = np.clip(np.searchsorted(self.ends, x, side="right") - 1, 0, len(self) - 1)

@@ -10,7 +10,7 @@ from sie.basis.interval import (
     InPlane,
     OnLine,
     Outside,
-    fall,
+    decay_rate,
     mean_potential,
     of_t,
     own_potential,
@@ -37,7 +37,7 @@ def test_rho_its_root_and_its_logarithm_are_right_to_rounding_at_any_distance_fr
     seen = Outside(SIGN, EXCESS)
     for what in ("root", "rho", "log"):
         assert getattr(seen, what) == pytest.approx(exact(what), rel=1e-15, abs=0)
-    assert fall(EXCESS) == pytest.approx(exact("log"), rel=1e-15, abs=0)
+    assert decay_rate(EXCESS) == pytest.approx(exact("log"), rel=1e-15, abs=0)
 
 
 def test_points_on_the_line_are_the_same_by_both_ends_and_as_complex_numbers():

@@ -10,8 +10,7 @@ import pytest
 import sie
 from contact.reference.inverse import design
 from sie.fast.iteration import Iterative
-from sie.slits.merged import merge
-from sie.slits.slits import off_slit
+from sie.slits.slits import merge, off_slit
 from sie.slits.system import SlitState, solve_zones
 from tests.tiers import quick
 
