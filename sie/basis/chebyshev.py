@@ -1,9 +1,9 @@
 """Chebyshev nodes and transforms on one zone, t = cos(theta) in (-1, 1).
 
-Densities are sums c_j T_j(t) / sqrt(1 - t^2); what the Cauchy kernel makes of them on the zone are
-sums of U_{j-1}(t) = sin(j theta) / sin(theta). Nodes are the zeros of U_n, theta_k = k pi / (n +
-1), so that U coefficients are a sine transform; with the two ends they are the Lobatto nodes of the
-weight 1 / sqrt(1 - t^2).
+Densities are sums c_j T_j(t) / sqrt(1 - t^2). Their Cauchy transforms on the zone are sums of
+U_{j-1}(t) = sin(j theta) / sin(theta). Nodes are the zeros of U_n, theta_k = k pi / (n + 1), so
+that U coefficients are a sine transform. Together with the two ends they are the Lobatto nodes of
+the weight 1 / sqrt(1 - t^2).
 """
 
 from dataclasses import dataclass
@@ -29,8 +29,9 @@ OPTIONS = TransformOptions()
 
 @lru_cache(maxsize=64)
 def angles(n: int) -> Array:
-    """theta_k = k pi / (n + 1), k = 0 ... n + 1: both ends and the n zeros of U_n; t runs from +1
-    down to -1.
+    """theta_k = k pi / (n + 1), k = 0 ... n + 1: both ends and the n zeros of U_n.
+
+    t = cos(theta) runs from +1 down to -1.
     """
     theta: Array = np.arange(n + 2.0) * (np.pi / (n + 1))
     theta.flags.writeable = False
@@ -39,7 +40,7 @@ def angles(n: int) -> Array:
 
 @lru_cache(maxsize=64)
 def lobatto(n: int) -> tuple[Array, Array, Array]:
-    """(t, 1 - t, 1 + t) at `angles(n)`, the distances to the ends without cancellation."""
+    """(t, 1 - t, 1 + t) at `angles(n)`; the distances from the ends have no cancellation."""
     theta = angles(n)
     right = 2 * np.sin(theta / 2) ** 2
     left = right[::-1].copy()
@@ -52,21 +53,22 @@ def lobatto(n: int) -> tuple[Array, Array, Array]:
 @lru_cache(maxsize=64)
 def _sine_matrix(n: int) -> Array:
     k = np.arange(1, n + 1)
-    # Whole turns are taken off k theta exactly: of the product with a rounded angle, rounding would
-    # grow with k.
+    # Whole turns are removed from k theta exactly. With a rounded angle, the error would grow with
+    # k.
     sines = np.sin(_turn(2 * (n + 1)))[k[:, None] * k % (2 * (n + 1))]
     return np.ascontiguousarray((2 / (n + 1)) * sines * np.sin(angles(n)[1:-1]))
 
 
 def _turn(parts: int) -> Array:
-    """Angles 2 pi number / parts, number = 0 ... parts - 1, from -pi to pi."""
+    """Angles 2 pi k / parts, k = 0 ... parts - 1, mapped to (-pi, pi]."""
     number = np.arange(parts)
     return np.asarray((2 * np.pi / parts) * np.where(2 * number > parts, number - parts, number))
 
 
 def u_coefficients(values: Array) -> Array:
-    """Coefficients g_k, k = 1 ... n, of sum g_k U_{k-1} through values at the n zeros of U_n (along
-    the last axis).
+    """Coefficients g_k, k = 1 ... n, of sum g_k U_{k-1} from values at the n zeros of U_n.
+
+    The transform acts along the last axis.
     """
     n = values.shape[-1]
     if n <= OPTIONS.max_matrix_nodes:
@@ -75,9 +77,11 @@ def u_coefficients(values: Array) -> Array:
 
 
 def u_moved(g: Array, shift: Array, stretch: Array) -> Array:
-    """Coefficients of sum g_k U_{k-1}(shift + stretch t), k = 1 ... n, of g (zones, n), as
-    polynomials in t: of zones that have moved. Where these reach beyond (-1, 1) by more than such
-    series hold, it is the value there.
+    """Coefficients by t of sum g_k U_{k-1}(shift + stretch t), g (zones, n), for zones that have
+    moved.
+
+    Places farther outside (-1, 1) than 1 / n^2 use the value at that distance, because the series
+    grows without bound there.
     """
     n = g.shape[1]
     if n == 0:
@@ -88,7 +92,7 @@ def u_moved(g: Array, shift: Array, stretch: Array) -> Array:
 
 
 def u_values(g: Array, t: Array) -> Array:
-    """sum g_k U_{k-1} at points t (zones, points), g (zones, n): by Clenshaw's recurrence."""
+    """sum g_k U_{k-1} at points t (zones, points), g (zones, n), by Clenshaw's recurrence."""
     here, before = np.zeros_like(t), np.zeros_like(t)
     for c in g.T[::-1]:
         here, before = c[:, None] + 2 * t * here - before, here
@@ -96,12 +100,12 @@ def u_values(g: Array, t: Array) -> Array:
 
 
 def project_rows(values: Array) -> Array:
-    """`u_coefficients` along the first axis: rows of node values become rows of U coefficients."""
+    """`u_coefficients` along the first axis: rows of node values become rows of coefficients."""
     return u_coefficients(values.T).T
 
 
 def slopes(values: Array) -> Array:
-    """d/dt at the n zeros of U_n of the polynomial through values there (along the last axis)."""
+    """Derivative by t, at the n zeros of U_n, of the polynomial through the values there."""
     n = values.shape[-1]
     theta, k_g = angles(n)[1:-1], np.zeros((*values.shape[:-1], n + 2))
     k_g[..., 1:-1] = np.arange(1, n + 1) * u_coefficients(values)
@@ -112,20 +116,20 @@ def slopes(values: Array) -> Array:
 
 @lru_cache(maxsize=64)
 def gauss(n: int) -> Array:
-    """Zeros of T_n: nodes of the n-point Gauss rule of the weight 1 / sqrt(1 - t^2), all weights pi
-    / n.
+    """Zeros of T_n, the nodes of Gauss's rule with weight 1 / sqrt(1 - t^2); all weights are pi /
+    n.
     """
     return np.asarray(np.cos((np.arange(n) + 0.5) * (np.pi / n)))
 
 
 def gauss_sides(n: int) -> tuple[Array, Array]:
-    """(1 + t, 1 - t) there, to all digits."""
+    """(1 + t, 1 - t) at the n Gauss nodes, without cancellation."""
     half = (np.arange(n) + 0.5) * (0.5 * np.pi / n)
     return 2 * np.cos(half) ** 2, 2 * np.sin(half) ** 2
 
 
 def t_matrix(n: int, count: int) -> Array:
-    """T_l(tau_q), shape (n, count), at the n Gauss nodes."""
+    """T_l at the n Gauss nodes, shape (n, count)."""
     return (_t_matrix if n * count <= BLOCKS.cache_pairs else _t_matrix.__wrapped__)(n, count)
 
 
@@ -138,14 +142,14 @@ def _t_matrix(n: int, count: int) -> Array:
 
 @lru_cache(maxsize=8)
 def to_series(n: int) -> Array:
-    """Values at the n Gauss nodes @ this: the coefficients of their Chebyshev series."""
+    """Matrix that maps values at the n Gauss nodes (as a row) to Chebyshev coefficients."""
     out = t_matrix(n, n) * (2 / n)
     out[:, 0] *= 0.5
     return out
 
 
 def t_values(c: Array, n: int) -> Array:
-    """sum c_l T_l at the n Gauss nodes, of coefficients (..., count <= n)."""
+    """sum c_l T_l at the n Gauss nodes, for coefficients (..., count <= n)."""
     if n * c.shape[-1] <= BLOCKS.cache_pairs:
         return np.asarray(c @ t_matrix(n, c.shape[-1]).T)
     halved = 0.5 * c
@@ -154,8 +158,9 @@ def t_values(c: Array, n: int) -> Array:
 
 
 def t_means(values: Array, count: int | None = None) -> Array:
-    """Means of f T_l, l = 0 ... count - 1 (or n - 1), with the weight 1 / sqrt(1 - t^2), from f at
-    the n nodes of `gauss` (last axis).
+    """Means of f T_l, l = 0 ... count - 1, with the weight 1 / sqrt(1 - t^2).
+
+    `values` are f at the n nodes of `gauss`, along the last axis; count None stands for n.
     """
     n = values.shape[-1]
     count = n if count is None else count
@@ -165,13 +170,14 @@ def t_means(values: Array, count: int | None = None) -> Array:
 
 
 def edge_part(c: Array) -> tuple[Array, Array]:
-    """(alpha, beta) of `bounded_part`."""
+    """The coefficients (alpha, beta) of `bounded_part`."""
     return c[:, ::2].sum(axis=1), c[:, 1::2].sum(axis=1)
 
 
 def slopes_at_ends(c: Array) -> tuple[Array, Array]:
-    """sum u_k U_k at t = -1 and at t = 1 of `bounded_part`: c_j is, times -2, in u_(j-2), u_(j-4),
-    ..., and U_k = k + 1 at 1.
+    """sum u_k U_k of `bounded_part` at t = -1 and at t = 1.
+
+    c_j contributes -2 c_j to u_(j-2), u_(j-4), ..., and U_k(1) = k + 1.
     """
     j = np.arange(c.shape[1])
     weights = -2.0 * (j * j // 4)
@@ -179,15 +185,14 @@ def slopes_at_ends(c: Array) -> tuple[Array, Array]:
 
 
 def bounded_part(c: Array) -> tuple[Array, Array, Array]:
-    """Split sum c_j T_j / sqrt(1-t^2) into (alpha + beta t) / sqrt(1-t^2) + sqrt(1-t^2) sum u_k
-    U_k.
+    """(alpha, beta, u): sum c_j T_j / X = (alpha + beta t) / X + X sum u_k U_k, X = sqrt(1 - t^2).
 
-    From T_j - T_{j-2} = -2 (1-t^2) U_{j-2}; c has shape (zones, n + 1). Near a bounded end this
-    form keeps its digits, where the sum over T_j would lose them to cancellation.
+    From T_j - T_{j-2} = -2 (1 - t^2) U_{j-2}; c has shape (zones, n + 1). Close to a bounded end
+    this form keeps digits that the sum over T_j loses to cancellation.
     """
     c = widened(c, 2)
     sums = np.empty_like(c)
     sums[:, ::2] = np.cumsum(c[:, ::2][:, ::-1], axis=1)[:, ::-1]
     sums[:, 1::2] = np.cumsum(c[:, 1::2][:, ::-1], axis=1)[:, ::-1]
-    # Copies: two columns would keep all of the table.
+    # Copies, because views of two columns would keep the whole table in memory.
     return sums[:, 0].copy(), sums[:, 1].copy(), -2 * sums[:, 2:]

@@ -1,6 +1,4 @@
-"""What all else is made of: arrays by what they hold, classes of named fields, and what copies keep
-of an object; places on a line that repeats, and among things that are counted one after the other.
-"""
+"""Array types, records, and helpers for places on a periodic line and for rows of tables."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -28,12 +26,11 @@ DIGITS = 40.0
 
 @dataclass_transform(frozen_default=True, eq_default=False, field_specifiers=(field,))
 def record(cls: type[T]) -> type[T]:
-    """Make a class of its annotated fields: a data class that nobody changes, and that equals
-    itself alone.
+    """Make a class of its annotated fields: an immutable data class compared by identity.
 
-    Type checkers see that no field is set again. Nothing looks while the program runs: a frozen
-    data class takes three times as long to be made, and its instances twice, where many are made in
-    every Newton step and in every import.
+    Type checkers see that fields are never set again; nothing checks it at run time. A frozen data
+    class takes three times as long to create, and its instances twice, which matters for the many
+    records of every Newton step.
 
     Parameters
     ----------
@@ -59,8 +56,9 @@ def record(cls: type[T]) -> type[T]:
 
 
 class Kept:
-    """Base of classes whose cached properties follow from their fields, bit for bit, whenever they
-    are asked for again.
+    """Base of classes whose cached properties follow exactly from their fields.
+
+    Copies and pickles therefore leave the cached properties out.
 
     Examples
     --------
@@ -138,8 +136,9 @@ def nearest_image(x: Array, centre: float | Array, period: float | None) -> Arra
 
 
 def sum_error(x: Array, by: Array) -> Array:
-    """What x + by loses to rounding, exactly (D. E. Knuth, The Art of Computer Programming 2,
-    4.2.2).
+    """Round-off error of x + by, exactly.
+
+    D. E. Knuth, The Art of Computer Programming 2, 4.2.2.
     """
     there = x + by
     back = there - x
@@ -147,7 +146,7 @@ def sum_error(x: Array, by: Array) -> Array:
 
 
 def root_of_squares(matrix: Array, x: Array | float = 1.0) -> Array:
-    """sqrt(sum_j (matrix_ij x_j)^2), of numbers of any size: squares neither overflow nor vanish."""
+    """sqrt(sum_j (matrix_ij x_j)^2), without overflow or underflow of the squares."""
     terms = matrix * x
     largest = float(np.abs(terms).max(initial=0.0))
     if not 0.0 < largest < np.inf:
@@ -157,14 +156,14 @@ def root_of_squares(matrix: Array, x: Array | float = 1.0) -> Array:
 
 
 def numbered(counts: Index) -> Index:
-    """0, 1, ... counts[0] - 1, 0, 1, ... counts[1] - 1, and so on."""
+    """The numbers 0 ... counts[0] - 1, then 0 ... counts[1] - 1, and so on."""
     return np.arange(int(counts.sum())) - np.repeat(np.cumsum(counts) - counts, counts)
 
 
 def by_rows(of: Callable[..., Any], *tables: NDArray[Any], max_rows: int = 2048) -> Any:
-    """What `of` makes of the rows of tables, some thousands of rows at a time, or so many at the
-    most: what it makes on the way of very many would not fit into the cache, and be asked of the
-    system each time.
+    """The result of `of` on the rows of tables, computed in blocks of at most `max_rows` rows.
+
+    Without blocks, intermediate arrays of long tables would not fit into the cache.
     """
     if len(tables[0]) <= max_rows:
         return of(*tables)
@@ -177,12 +176,12 @@ def by_rows(of: Callable[..., Any], *tables: NDArray[Any], max_rows: int = 2048)
 
 
 def row_sizes(table: Array) -> Array:
-    """The largest size in each row, zero where there are no columns."""
+    """Largest absolute value in each row; zero if there are no columns."""
     return by_rows(lambda rows: np.abs(rows).max(axis=1, initial=0.0), table)
 
 
 def widened(table: Array, columns: int) -> Array:
-    """A table continued by zeros to so many columns; itself, if it has them."""
+    """The table extended by zeros to this number of columns; the table itself if it has them."""
     if table.shape[1] >= columns:
         return table
     out = np.zeros((len(table), columns), dtype=table.dtype)
@@ -197,8 +196,9 @@ def _legendre(nodes: int) -> tuple[Array, Array]:
 
 
 def legendre(ends: Array, nodes: int, parts: Index | int = 1) -> tuple[Array, Array]:
-    """(places, weights) of Gauss's rule on so many equal parts of every interval between
-    neighbouring ends, part after part.
+    """(places, weights) of Gauss's rule between neighbouring ends.
+
+    Each interval is split into `parts` equal parts with `nodes` nodes each.
     """
     parts = np.broadcast_to(parts, len(ends) - 1)
     length = np.repeat(np.diff(ends) / parts, parts)[:, None]

@@ -1,6 +1,4 @@
-"""Readers of what a user gives: each returns the value in the form the engine needs, or raises a
-ValueError that names it.
-"""
+"""Readers of a user's input: each returns a checked value or raises a ValueError that names it."""
 
 import math
 from typing import Any
@@ -11,21 +9,21 @@ from sie.basis.data import Array
 
 
 def number(name: str, value: Any) -> float:
-    """A finite real number."""
+    """The value as a finite real number."""
     if is_number(value) and math.isfinite(as_float(value)):
         return float(value)
     raise ValueError(f"{name} must be a finite number, got {shown(value)}")
 
 
 def is_number(value: Any) -> bool:
-    """Whether a value is one real number; truth values are none."""
+    """Whether a value is one real number; booleans are not."""
     if isinstance(value, np.ndarray) and value.ndim == 0:
         value = value[()]
     return isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool)
 
 
 def as_float(value: Any) -> float:
-    """A number as a floating one; too large a one is infinite."""
+    """The number as a float; too large a number becomes infinite."""
     try:
         return float(value)
     except OverflowError:
@@ -33,21 +31,21 @@ def as_float(value: Any) -> float:
 
 
 def positive(name: str, value: Any) -> float:
-    """A finite number above zero."""
+    """The value as a finite number above zero."""
     if is_number(value) and math.isfinite(as_float(value)) and value > 0:
         return float(value)
     raise ValueError(f"{name} must be a finite positive number, got {shown(value)}")
 
 
 def whole(name: str, value: Any, least: int) -> int:
-    """A whole number, `least` or more."""
+    """The value as a whole number, `least` or more."""
     if isinstance(value, int | np.integer) and not isinstance(value, bool) and value >= least:
         return int(value)
     raise ValueError(f"{name} must be a whole number from {least} on, got {shown(value)}")
 
 
 def numbers(name: str, values: Any) -> Array:
-    """Finite real numbers (k,): of an array, a sequence or one number."""
+    """The values as finite real numbers (k,), from an array, a sequence or one number."""
     if (
         isinstance(values, np.ndarray)
         and values.dtype == np.float64
@@ -62,7 +60,7 @@ def numbers(name: str, values: Any) -> Array:
 
 
 def table_of(name: str, values: Any) -> Array:
-    """Real numbers of any shape."""
+    """The values as an array of real numbers of any shape."""
     try:
         table = np.asarray(values)
     except (ValueError, TypeError):
@@ -75,21 +73,19 @@ def table_of(name: str, values: Any) -> Array:
 
 
 def function(name: str, value: Any, optional: bool = False) -> None:
-    """Check that a value can be called; or is None, where it is optional."""
+    """Raise ValueError unless the value can be called; if optional, None is allowed."""
     if not (callable(value) or (optional and value is None)):
         raise ValueError(f"{name} must be a function, got {shown(value)}")
 
 
 def several(values: Any) -> tuple[Any, ...]:
-    """A tuple of what is given: of a list or tuple its members, of anything else itself; of None
-    nothing.
-    """
+    """A tuple of the members of a list or tuple, of one other value, or of nothing for None."""
     if values is None:
         return ()
     return tuple(values) if isinstance(values, list | tuple) else (values,)
 
 
 def shown(value: Any) -> str:
-    """A value in a message: its type, and what it is where that is short."""
+    """The value as text for a message: its repr if short, else its type."""
     text = repr(value).replace("\n", " ")
     return text if len(text) <= 40 and not callable(value) else f"a {type(value).__name__}"

@@ -1,19 +1,22 @@
-r"""The basis on one interval, and all that is known of it in closed form.
+r"""The functions on one interval, with their transforms and potentials in closed form.
 
-On the interval of half width w, t = (x - middle)/w = cos(theta), a density is a sum of T_l / X, X =
-(1 - t^2)^(1/2), or, which keeps its digits beside an end where it vanishes, (alpha + beta t) / X +
-X sum u_k U_k. Off it, with zeta for t,
+On an interval of half width w, t = (x - middle)/w = cos(theta), a density is a sum of T_l / X, X =
+(1 - t^2)^(1/2). The equal form (alpha + beta t) / X + X sum u_k U_k keeps its digits close to an
+end where the density vanishes. Off the interval, with zeta in place of t,
 
-    R = (zeta^2 - 1)^(1/2), about zeta far away,       rho = zeta - R,  |rho| < 1,       -log(rho) = arcosh(zeta).
+    R = (zeta^2 - 1)^(1/2), about zeta far away,    rho = zeta - R, |rho| < 1,
+    -log(rho) = arcosh(zeta).
 
-               on the interval                                     off it, on the line or at complex points
-    transform  T_l / X -> -U_{l-1}                                 T_l / X -> rho^l / R,           X U_l -> rho^(l+1)
-    potential  T_l / X -> -w T_l / l, T_0 / X -> w log(w / 2)      T_l / X -> -w rho^l / l,        T_0 / X -> w log(w / (2 |rho|))
-    at an end  T_l / X -> K = (w/2)^(1/2) (+-1)^l                  sqrt(distance) times A = (2/w)^(1/2) (l + 1) (+-1)^l of X U_l
+               on the interval               off it, on the line or at complex points
+    transform  T_l / X -> -U_{l-1}           T_l / X -> rho^l / R,    X U_l -> rho^(l+1)
+    potential  T_l / X -> -w T_l / l,        T_l / X -> -w rho^l / l,
+               T_0 / X -> w log(w / 2)       T_0 / X -> w log(w / (2 |rho|))
+    at an end  T_l / X:  K = (w/2)^(1/2) (+-1)^l,  the factor of distance^(-1/2)
+               X U_l:    A = (2/w)^(1/2) (l + 1) (+-1)^l,  the factor of distance^(1/2)
 
-These formulas and the exponent 1/2 stand here, and everything else asks for them. No place is given
-by t: on the line by its distances from both ends over w, or by |zeta| - 1; at complex points by
-zeta + 1 and zeta - 1. So no digit is lost beside an end.
+These formulas and the exponent 1/2 stand in this file. A place on the line is given by its
+distances from both ends over w, or by |zeta| - 1; a complex point by zeta + 1 and zeta - 1. This
+way no digit is lost close to an end.
 """
 
 from collections.abc import Callable, Iterator
@@ -35,10 +38,10 @@ _STEP = EPS ** (1 / 3)
 
 
 # places
-# -----------------------------------------------------------------------------------------------------------------
 def theta(left: Any, right: Any) -> Array:
-    """Angle from the right end, t = cos(theta), by the distances from both ends over w;
-    theta(right, left) is that from the left end.
+    """Angle from the right end, t = cos(theta), by the distances from both ends over w.
+
+    theta(right, left) is the angle from the left end.
     """
     return np.asarray(2 * np.arctan2(np.sqrt(right), np.sqrt(left)))
 
@@ -49,9 +52,7 @@ def sides(angle: Array) -> tuple[Array, Array]:
 
 
 def by_angle(of: Callable[[Array, Array], Array], angle: Array) -> tuple[Array, Array]:
-    """(value, derivative by the angle) of a function of the distances from both ends over w, at
-    angles, by close differences.
-    """
+    """(value, derivative by the angle) of a function of both distances, by central differences."""
     step = np.minimum(_STEP, 0.5 * np.minimum(angle, np.pi - angle))
     before, after = (of(*sides(at)) for at in (angle - step, angle + step))
     return 0.5 * (before + after), (after - before) / (2 * step)
@@ -63,14 +64,12 @@ def nearer_angle(left: Array, right: Array) -> Array:
 
 
 def decay_rate(excess: Any) -> Array:
-    """-log|rho| at |zeta| = 1 + excess: by so much does rho^l fall from each l to the next."""
+    """-log|rho| at |zeta| = 1 + excess, the decay rate of rho^l with l."""
     return np.asarray(2 * np.arcsinh(np.sqrt(0.5 * excess)))
 
 
 class Seen:
-    """Points of the line seen from intervals: R, rho, and (1 + rho, 1 - rho); T_0 / X has the
-    potential w first(w / datum).
-    """
+    """Base of points seen from intervals: R, rho and |zeta| - 1."""
 
     rho: Array
     root: Array
@@ -79,24 +78,24 @@ class Seen:
 
     @property
     def from_ends(self) -> tuple[Array, Array]:
-        """(1 + rho, 1 - rho)."""
+        """(1 + rho, 1 - rho), without cancellation."""
         past, size = self.rho > 0, np.abs(self.rho)
         small, large = (self.excess + np.abs(self.root)) * size, 1 + size
         return np.where(past, large, small), np.where(past, small, large)
 
     def first(self, width: Number) -> Array:
-        """log(width / (2 |rho|))."""
+        """log(width / (2 |rho|)); with width = w / datum, w times this is the potential of T_0 / X."""
         return np.asarray(np.log(width / (2 * np.abs(self.rho))))
 
     def transforms(self, count: int) -> Array:
-        """What T_l / X, l = 0 ... count - 1, are transformed to, along a last axis."""
+        """Transforms of T_l / X, l = 0 ... count - 1, along a last axis."""
         table = np.empty((*np.shape(self.rho), count))
         table[..., 0] = 1 / self.root
         table[..., 1:] = self.rho[..., None]
         return np.cumprod(table, axis=-1, out=table)
 
     def potentials(self, count: int, width: Number) -> Array:
-        """Their potentials over w, along a last axis; width: w over the datum."""
+        """Potentials of T_l / X over w, along a last axis; width: w over the datum."""
         power = np.arange(count)
         values = -(self.rho[..., None] ** power) / np.maximum(power, 1)
         values[..., 0] = self.first(width)
@@ -105,7 +104,7 @@ class Seen:
     def one_by_one(
         self, potential: bool, width: Number, weight: Array | None = None
     ) -> Iterator[Array]:
-        """The same, l = 0, 1, ..., one after the other, times a weight."""
+        """Iterator of the transforms or potentials of T_l / X, l = 0, 1, ..., times a weight."""
         weight = np.ones_like(self.rho) if weight is None else weight
         power: Array = np.asarray(weight if potential else weight / self.root, dtype=float)
         yield power * self.first(width) if potential else power
@@ -117,7 +116,7 @@ class Seen:
 
 @record
 class Outside(Seen):
-    """Points of the line off intervals: the sign of zeta, and |zeta| - 1."""
+    """Points of the line off intervals: the sign of zeta, and excess = |zeta| - 1."""
 
     sign: Any
     excess: Array
@@ -146,8 +145,10 @@ class Outside(Seen):
 
 @record
 class OnLine(Seen):
-    """Points of the line seen from intervals: distances from the ends over w (positive on the
-    interval), R and rho, if on it; there rho is any value inside the unit circle.
+    """Points of the line seen from intervals, on them or off them.
+
+    left, right: distances from the ends over w, positive inside. on: whether a point is on the
+    interval; rho has an arbitrary value inside the unit circle there. any_on: whether any point is.
     """
 
     left: Array
@@ -188,7 +189,7 @@ class OnLine(Seen):
 
 
 def complex_of(x: Any, y: Any) -> Complex:
-    """x + i y, the sign of a zero y kept."""
+    """x + i y; the sign of a zero y is kept."""
     x, y = np.broadcast_arrays(x, y)
     out = np.empty(x.shape, dtype=complex)
     out.real, out.imag = x, y
@@ -197,9 +198,10 @@ def complex_of(x: Any, y: Any) -> Complex:
 
 @record
 class InPlane:
-    """Points of the closed upper half plane seen from intervals, pair by pair, by zeta + 1 and zeta
-    - 1, whose roots p and m are both in the first quadrant: R = p m, rho = 2 / (p + m)^2, 1 - rho =
-    2 m / (p + m).
+    """Points of the closed upper half plane seen from intervals, pair by pair.
+
+    left = zeta + 1 and less = zeta - 1 have roots p and m in the first quadrant. Then R = p m, rho
+    = 2 / (p + m)^2 and 1 - rho = 2 m / (p + m).
     """
 
     left: Complex
@@ -207,7 +209,7 @@ class InPlane:
 
     @classmethod
     def of(cls, from_a: Array, from_b: Array, y: Array) -> "InPlane":
-        """By x - a, x - b and y, over the half width."""
+        """The points with the distances x - a and x - b and the height y, all over the half width."""
         return cls(complex_of(from_a, y), complex_of(from_b, y))
 
     @cached_property
@@ -224,7 +226,7 @@ class InPlane:
 
     @cached_property
     def root(self) -> Complex:
-        """R."""
+        """R = p m."""
         return self.p * self.m
 
     @cached_property
@@ -233,13 +235,13 @@ class InPlane:
 
     @property
     def from_ends(self) -> tuple[Complex, Complex]:
-        """(1 + rho, 1 - rho)."""
+        """(1 + rho, 1 - rho), without cancellation."""
         twice = 2 / (self.p + self.m)
         return twice * self.p, twice * self.m
 
     @cached_property
     def log(self) -> Complex:
-        """-log(rho) = arcosh(zeta), its imaginary part from 0 to pi."""
+        """-log(rho) = arcosh(zeta); its imaginary part is from 0 to pi."""
         return np.asarray(2 * np.log((self.p + self.m) * np.sqrt(0.5)))
 
     def first(self, width: Number) -> Complex:
@@ -250,17 +252,16 @@ class InPlane:
         return InPlane(self.left[which], self.less[which])
 
     def turned(self, c: Array, s: Array) -> Complex:
-        """log(B) for jumps with cos(phi/2) = c, sin(phi/2) = s along a last axis."""
+        """log(1 - rho e^(-i phi)) along a last axis, for cos(phi/2) = c and sin(phi/2) = s."""
         p, m = self.p[..., None], self.m[..., None]
         return np.asarray(np.log(2 * (c - 1j * s) * (c * m + 1j * s * p) / (p + m)))
 
 
 # off the interval
-# -------------------------------------------------------------------------------------------------------
 def of_t(
     c: Array, seen: InPlane | Outside | OnLine, w: Array, datum: float, row: Index, what: What
 ) -> Number:
-    """Of sum c[row, l] T_l / X on intervals of half widths w."""
+    """Transform, its derivative or potential of sum c[row, l] T_l / X on intervals of half width w."""
     if what == "potential":
         divided = c / np.maximum(np.arange(c.shape[1]), 1)
         return potential_of(divided, seen, w, datum, row)
@@ -274,7 +275,7 @@ def of_t(
 def potential_of(
     divided: Array, seen: Seen | InPlane, w: Array, datum: float, row: Index
 ) -> Number:
-    """The potential of sum c[row, l] T_l / X, by c_0, c_1, c_2 / 2, c_3 / 3 ..."""
+    """Potential of sum c[row, l] T_l / X, from the table c_0, c_1, c_2 / 2, c_3 / 3, ..."""
     return np.asarray(
         w
         * (
@@ -285,7 +286,7 @@ def potential_of(
 
 
 def transform_of(alpha: Array, beta: Array, u: Array, seen: Seen | InPlane, row: Index) -> Number:
-    """The transform of (alpha + beta t) / X + X sum u_k U_k."""
+    """Transform of (alpha + beta t) / X + X sum u_k U_k."""
     rho = seen.rho
     value = rho * sum_of_powers(u, rho, row)
     if not (np.any(alpha) or np.any(beta)):
@@ -296,12 +297,12 @@ def transform_of(alpha: Array, beta: Array, u: Array, seen: Seen | InPlane, row:
 
 
 def _edge(a: Array, b: Array, from_left: Number, from_right: Number) -> Number:
-    """a + b t, or a + b rho, by 1 +- t: near an end where it vanishes no digit is lost."""
+    """a + b t, or a + b rho, from 1 +- t; no digit is lost close to an end where it vanishes."""
     return np.asarray(0.5 * ((a + b) * from_left + (a - b) * from_right))
 
 
 def transform_slope_of(alpha: Array, beta: Array, u: Array, seen: InPlane, row: Index) -> Complex:
-    """w times the derivative of this."""
+    """w times the derivative of the transform of (alpha + beta t) / X + X sum u_k U_k."""
     a, b, rho = alpha[row], beta[row], seen.rho
     with np.errstate(divide="ignore", invalid="ignore"):
         edge = (
@@ -317,12 +318,13 @@ def transform_slope_of(alpha: Array, beta: Array, u: Array, seen: InPlane, row: 
 
 
 # on the interval
-# --------------------------------------------------------------------------------------------------------
 def values_on(
     alpha: Array, beta: Array, u: Array, row: Index, left: Array, right: Array, vanishing: Mask
 ) -> Array:
-    """(alpha + beta t) / X + X sum u_k U_k; vanishing: whether it is zero at the left, at the right
-    end of each, whatever rounding has left of alpha and beta.
+    """(alpha + beta t) / X + X sum u_k U_k at distances from both ends over w.
+
+    vanishing: whether the density is zero at the left and at the right end of each interval. There
+    the round-off in alpha and beta is not divided by zero.
     """
     root = np.sqrt(left * right)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -331,7 +333,7 @@ def values_on(
         no_edge = (a == 0) & (b == 0)
         if not np.all(root):
             no_edge |= (left == 0) & vanishing[0][row] | (right == 0) & vanishing[1][row]
-        # The same places in every interval are one row of angles.
+        # If all intervals have the same places, the sines of one row of angles are enough.
         l, r = (
             (left[:1], right[:1])
             if left.ndim == 2 and left.strides[0] == 0 == right.strides[0]
@@ -347,15 +349,16 @@ def values_on(
 
 
 def own_transform(c: Array, row: Index, left: Array, right: Array) -> Array:
-    """-sum c_l U_{l-1}(t), the transform of sum c_l T_l / X, pair by pair."""
-    # At an end itself the limit.
+    """-sum c_l U_{l-1}(t), the transform of sum c_l T_l / X on the interval, pair by pair."""
+    # At an end itself this gives the limit.
     angle = np.maximum(nearer_angle(left, right), TINY)
     return np.asarray(-sine_sum(c[:, 1:], row, angle, left < right) / np.sin(angle))
 
 
 def own_potential(divided: Array, row: Index, left: Array, right: Array, width: Array) -> Array:
-    """The potential over w of the same, by c_0, c_1, c_2 / 2, ...; width: w over the datum of each
-    pair.
+    """Potential of sum c_l T_l / X over w on the interval, from c_0, c_1, c_2 / 2, ...
+
+    width: w over the datum of each pair.
     """
     return np.asarray(
         divided[row, 0] * (np.log(width) - LOG2)
@@ -364,8 +367,9 @@ def own_potential(divided: Array, row: Index, left: Array, right: Array, width: 
 
 
 def integral_on(c: Array, row: Index, angle: Array) -> Array:
-    """Integral over w of sum c_l T_l / X from the left end to the angle theta: int T_l / X dt =
-    -sin(l theta) / l, pi - theta for l = 0.
+    """Integral over w of sum c_l T_l / X from the left end to the angle theta.
+
+    The integral of T_l / X is -sin(l theta) / l, and pi - theta for l = 0.
     """
     nearer, flip = np.minimum(angle, np.pi - angle), angle > 0.5 * np.pi
     return np.asarray(
@@ -375,14 +379,13 @@ def integral_on(c: Array, row: Index, angle: Array) -> Array:
 
 
 def mean_potential(w: Any, datum: Any) -> Any:
-    """Mean over the interval (weight 1 / X) of the potential of T_0 / X; of the others it is zero."""
+    """Mean over the interval (weight 1 / X) of the potential of T_0 / X; zero for T_l, l > 0."""
     return w * np.log(w / (2 * datum))
 
 
 # at the ends
-# ------------------------------------------------------------------------------------------------------------
 def edge_scale(w: Any) -> Any:
-    """K of T_l / X at the right end: the density is K / sqrt(d) at the distance d from an end."""
+    """K of T_l / X at the right end: the density is K / sqrt(d) at a distance d from an end."""
     return np.sqrt(0.5 * w)
 
 
@@ -393,15 +396,18 @@ def intensities(alpha: Array, beta: Array, w: Array) -> tuple[Array, Array]:
 
 
 def slope_scale(w: Any) -> Any:
-    """A of what is the angle from an end, beside it: the density is K / sqrt(d) + A sqrt(d)."""
+    """A of the angle from an end: the density is K / sqrt(d) + A sqrt(d) at a distance d."""
     return np.sqrt(2 / w)
 
 
 def edge_slopes(
     alpha: Array, beta: Array, at_left: Array, at_right: Array, w: Array
 ) -> tuple[Array, Array]:
-    """A at the left and at the right end of the same, of which sum u_k U_k is so much there."""
-    # From (alpha + beta t) / X at t = 1 - d/w, to second order.
+    """A at the left and at the right end of (alpha + beta t) / X + X sum u_k U_k.
+
+    at_left, at_right: values of sum u_k U_k at the ends.
+    """
+    # From (alpha + beta t) / X at t = 1 - d/w, to second order in d.
     left, right = (((alpha + s * beta) / 4 - s * beta) / np.sqrt(2 * w) for s in (-1.0, 1.0))
     scale = slope_scale(w)
     return scale * at_left + left, scale * at_right + right

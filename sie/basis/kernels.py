@@ -1,11 +1,10 @@
-"""Kernels K(x, xi) and what they declare: where their poles are, and what remains when the poles
-are taken out.
+"""Kernels K(x, xi): the places of their poles, and the regular part that remains without them.
 
     transform  (1/pi) PV int phi(xi) K(x, xi) dxi
     potential  (1/pi) int phi(xi) Lambda(x, xi) dxi,   dLambda/dx = K
 
-A kernel is a sum of poles 1 / (x - xi - s) over its `poles` s, which the engine carries out in
-closed form, and a regular part, which Gauss-Chebyshev quadrature finishes.
+A kernel is a sum of poles 1 / (x - xi - s) over its `poles` s, which are integrated in closed form,
+and a regular part, which is integrated by Gauss-Chebyshev quadrature.
 """
 
 import math
@@ -26,41 +25,41 @@ Regular = Callable[[Array, Array], Array]
 
 @dataclass(frozen=True)
 class Kernel(Kept):
-    """A sum of poles 1 / (x - xi - s) and a smooth rest; made by `cauchy`, `hilbert`, `images` and
-    by adding a `Smooth`.
+    """A sum of poles 1 / (x - xi - s) and a smooth regular part.
+
+    `cauchy`, `hilbert` and `images` make kernels; adding a `Smooth` makes another one.
 
     Parameters
     ----------
     poles : tuple of float
-        Positions s, the first of them 0.
+        Positions s; the first is 0.
     period : float or None
-        Of the kernel, None if it has none.
+        Period of the kernel, None if it has none.
     regular, regular_potential : callable or None
-        (x, xi) -> smooth rest of K and of Lambda, arrays that broadcast.
+        (x, xi) -> regular part of K and of Lambda, arrays that broadcast.
     reach : float
         Distance from a source point to the nearest singularity of the regular part over all
         targets.
     datum : float
         Lambda is log|(x - xi - s) / datum| summed over the poles.
     sure : bool
-        Whether the reach alone tells how many nodes and modes the regular part needs, as it does
-        where that part is no larger off the zones than on them. If not, as of a user's own, a
-        zone's modes grow until they show it.
+        Whether the reach alone determines how many nodes and modes the regular part needs. This
+        holds if the regular part is no larger off the zones than on them. Otherwise, as for a
+        user's kernel, the modes of a zone grow until they resolve it.
     regular_slope : callable or None
-        Derivative of the regular part by x, only asked for by derivatives at complex points.
+        Derivative of the regular part by x, needed only by derivatives at complex points.
     of_lag : bool
-        Whether the regular part depends on x - xi alone: then it is summed fast, however many zones
-        there are.
+        Whether the regular part depends on x - xi alone. Then it is summed fast for many zones.
     length : float
-        How near to the real axis the singularities of the regular part are, where that is known
-        (inf: not): a zone of half width w begins with as many modes as w over that asks for, and
-        may take more than other regular kernels.
+        Distance of the singularities of the regular part from the real axis, if known (inf: not). A
+        zone of half width w starts with the number of modes that w over this length needs, and may
+        take more than with other regular kernels.
 
     Raises
     ------
     ValueError
-        If the poles are not different finite numbers from 0 on, a length is not positive, or a
-        potential has no regular part.
+        If the poles are not different finite numbers beginning with 0, a length is not positive, or
+        a potential has no regular part.
 
     Examples
     --------
@@ -95,25 +94,25 @@ class Kernel(Kept):
         if self.regular is None and self.regular_potential is not None:
             raise ValueError("a kernel has a regular potential but no regular part: give both")
 
-    __array_ufunc__ = None  # arrays leave products with a kernel to it
+    __array_ufunc__ = None  # makes NumPy arrays call the operators of the kernel
 
     @property
     def grows(self) -> bool:
-        """Whether modes must grow until they show all of the regular part."""
+        """Whether the modes must grow until they resolve the regular part."""
         return self.regular is not None and not self.sure
 
     @cached_property
     def kept_panels(self) -> dict[Any, Any]:
-        """Panels and skeletons of the regular part that have been looked at (`fast.panels`)."""
+        """Cache of panels and skeletons of the regular part (`sie.fast.panels`)."""
         return {}
 
     @cached_property
     def kept_tables(self) -> dict[tuple[bool, int], Any]:
-        """Tables of the regular part over the lag that have been made (`sie.basis.lag_table`)."""
+        """Cache of tables of the regular part over the lag (`sie.basis.lag_table`)."""
         return {}
 
     def __add__(self, other: "Smooth | Regular") -> "Kernel":
-        """This kernel plus a smooth one."""
+        """The sum of this kernel and a smooth one."""
         smooth = _smooth(other)
         regular = smooth if self.regular is None else self._rest + smooth
         return Kernel(
@@ -134,7 +133,7 @@ class Kernel(Kept):
         return self + -_smooth(other)
 
     def _refuse_multiple(self, *_: Any) -> "Kernel":
-        """Refuse a multiple of a kernel: the poles have the weight one."""
+        """Raise ValueError for a multiple of a kernel: its poles have the weight one."""
         raise ValueError(
             "the pole 1 / (x - xi) of a kernel has the weight 1, so there is no multiple, sum or difference of kernels with poles: divide "
             "the equation by the factor, that is the right side, the columns and the Smooth parts"
@@ -144,7 +143,7 @@ class Kernel(Kept):
 
     @property
     def _rest(self) -> "Smooth":
-        """The regular part by itself."""
+        """The regular part as a `Smooth` kernel."""
         assert self.regular is not None
         return Smooth(
             self.regular, self.regular_potential, self.regular_slope, self.of_lag, self.length
@@ -198,7 +197,7 @@ class Smooth:
         _look_at_parts("a Smooth kernel", self.value, self.potential, self.slope, self.length)
 
     def __add__(self, other: "Smooth | Regular | Kernel") -> Any:
-        """The sum; it has a potential and a slope if both have."""
+        """The sum; it has a potential and a slope if both summands have them."""
         return other + self if isinstance(other, Kernel) else self._combined(_smooth(other), 1.0)
 
     __radd__ = __add__
@@ -213,7 +212,7 @@ class Smooth:
         return -1.0 * self
 
     def __mul__(self, factor: float) -> "Smooth":
-        """This kernel times a number."""
+        """The product of this kernel and a number."""
         weight = inputs.number("the factor of a Smooth kernel", factor)
         value, potential, slope = (part and _Sum(part, None, weight) for part in self._parts)
         assert value is not None
@@ -229,7 +228,7 @@ class Smooth:
         return self.value, self.potential, self.slope
 
     def _combined(self, other: "Smooth", weight: float) -> "Smooth":
-        """This kernel plus a multiple of another one."""
+        """The sum of this kernel and a multiple of another one."""
         both = zip(self._parts, other._parts, strict=True)
         value, potential, slope = (
             None if one is None or two is None else _Sum(one, two, weight) for one, two in both
@@ -241,7 +240,7 @@ class Smooth:
 
 
 def _smooth(other: Any) -> Smooth:
-    """A `Smooth`, or a function of (x, xi), as a smooth kernel."""
+    """The given `Smooth`, or a function of (x, xi) as a `Smooth`."""
     if isinstance(other, Kernel):
         other._refuse_multiple()
     if isinstance(other, Smooth):
@@ -254,7 +253,9 @@ def _smooth(other: Any) -> Smooth:
 
 
 def _look_at_parts(name: str, value: Any, potential: Any, slope: Any, length: Any) -> None:
-    """ValueError for parts of a regular kernel that are no functions, or a length that is none."""
+    """Raise ValueError unless the parts of a regular kernel are functions and its length is
+    positive.
+    """
     for part, given in (("value", value), ("potential", potential), ("slope", slope)):
         inputs.function(f"the {part} of {name}", given, optional=True)
     if not (inputs.is_number(length) and length > 0):
@@ -283,7 +284,7 @@ class _OfPeriod:
 
 
 class _HilbertRest(_OfPeriod):
-    """(pi/L) cot(pi d/L) less its poles at 0 and +-L."""
+    """(pi/L) cot(pi d/L) without its poles at 0 and +-L."""
 
     def __call__(self, x: Array, xi: Array) -> Array:
         d = (x - xi) / self.period
@@ -298,14 +299,14 @@ class _HilbertSlopeRest(_OfPeriod):
         return np.asarray(-(_trigamma(2 - d) + _trigamma(2 + d)) / self.period**2)
 
 
-# Of the asymptotic series of psi', Bernoulli's numbers B_2, B_4, ...; beyond so many steps it is as
-# good as rounding (DLMF 5.15.8).
+# Bernoulli's numbers B_2, B_4, ... for the asymptotic series of psi' (DLMF 5.15.8). At z + 10 the
+# series has all digits.
 _BERNOULLI = (1 / 6, -1 / 30, 1 / 42, -1 / 30, 5 / 66, -691 / 2730, 7 / 6)
 _UP = 10
 
 
 def _trigamma(z: Array) -> Array:
-    """psi' at real or complex z, Re z >= 1."""
+    """The trigamma function psi' at real or complex z, Re z >= 1."""
     far = 1 / (z + _UP)
     total = np.zeros_like(far)
     for number in _BERNOULLI[::-1]:
@@ -317,7 +318,7 @@ def _trigamma(z: Array) -> Array:
 
 
 class _HilbertPotentialRest(_OfPeriod):
-    """log|2 sin(pi d/L)| less those of its poles."""
+    """log|2 sin(pi d/L)| without the logarithms of its poles."""
 
     def __call__(self, x: Array, xi: Array) -> Array:
         d = (x - xi) / self.period
@@ -352,12 +353,11 @@ def cauchy(datum: float = 1.0) -> Kernel:
 
 
 def hilbert(period: float) -> Kernel:
-    """K = (pi/L) cot(pi (x - xi) / L), Lambda = log|2 sin(pi (x - xi) / L)|, whose mean over a
-    period is zero.
+    """The Hilbert kernel K = (pi/L) cot(pi (x - xi) / L).
 
-    With the poles at 0 and +-L taken out, psi(2 - d/L) - psi(2 + d/L) over L remains, and in the
-    potential log(2 pi) - log(Gamma(2 - d/L) Gamma(2 + d/L)), by the reflection formula (DLMF
-    5.5.3).
+    Its Lambda = log|2 sin(pi (x - xi) / L)| has the mean zero over a period. Without the poles at 0
+    and +-L, the kernel is psi(2 - d/L) - psi(2 + d/L) over L, and the potential is log(2 pi) -
+    log(Gamma(2 - d/L) Gamma(2 + d/L)), by the reflection formula (DLMF 5.5.3).
 
     Parameters
     ----------
@@ -431,18 +431,18 @@ def images(period: float, neighbours: int, datum: float = 1.0) -> Kernel:
 
 
 MAKERS = (cauchy, hilbert, images)
-"""Functions that make a kernel with poles."""
+"""The functions that make kernels with poles."""
 
 
 def regular_size(kernel: Kernel, half_width: float, m: int) -> int:
-    """Quadrature nodes a zone needs for the regular part: until the kernel's own coefficients have
-    decayed.
+    """Number of quadrature nodes on a zone for the regular part, until its coefficients reach
+    round-off.
     """
     if not kernel.sure:
         if math.isinf(kernel.length):
             return m + 2
-        # Gauss' rule takes coefficient 2q - k of the kernel for part of that of T_k, k <= m: this
-        # one is rounding.
+        # Gauss's rule with q nodes confuses coefficient 2q - k of the kernel with that of T_k, k <=
+        # m. That coefficient must be at round-off.
         decayed = DIGITS / math.asinh(kernel.length / half_width)
         return max(m + 2, math.ceil(0.5 * (m + decayed)))
     return max(4, math.ceil(DIGITS / float(decay_rate(max(kernel.reach / half_width - 1, 0.05)))))

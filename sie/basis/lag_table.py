@@ -1,9 +1,8 @@
-"""Values of a smooth kernel of the lag x - xi at very many pairs, from short polynomials on even
-cells of the lag.
+"""Values of a smooth kernel of the lag x - xi at many pairs, from polynomials on cells of the lag.
 
-A kernel whose singularities are `length` or more off the real axis is a polynomial of degree 7 on
-cells of length/25 up to rounding: the coefficients of its Chebyshev series there fall by a factor
-of 100 each.
+If the singularities of the kernel are at least `length` off the real axis, it is a polynomial of
+degree 7 on cells of length/25 up to round-off: the coefficients of its Chebyshev series on a cell
+decay by a factor of 100 each.
 """
 
 from __future__ import annotations
@@ -39,8 +38,10 @@ OPTIONS = LagTableOptions()
 
 @record
 class LagTable:
-    """Coefficients (terms, 2 cells) of powers of the place in a cell, from -1 to 1, on cells of
-    width `step` about the lag 0.
+    """A kernel of the lag as polynomials on equal cells about the lag 0.
+
+    step: width of a cell; cells: their number on either side; coefficients (terms, 2 cells): of
+    powers of the place in the cell, from -1 to 1.
     """
 
     step: float
@@ -49,8 +50,9 @@ class LagTable:
 
     @classmethod
     def of(cls, function: Regular, reach: float, length: float) -> LagTable | None:
-        """A table for lags up to `reach`; None where the kernel varies over less than its `length`,
-        or the table is too large.
+        """A table for lags up to `reach`, or None.
+
+        None if the kernel varies over less than its declared `length`, or the table is too large.
         """
         step = length / OPTIONS.cells_per_length
         cells = math.ceil(reach / step)
@@ -68,11 +70,11 @@ class LagTable:
         return table if error <= OPTIONS.max_error * np.abs(series).max() else None
 
     def __call__(self, lag: Array) -> Array:
-        """Values at lags, any shape."""
+        """Values at lags of any shape."""
         flat, out = lag.ravel(), np.empty(lag.size)
         for start in range(0, flat.size, BLOCKS.cache_pairs):
-            # The place in the cell comes before the sum with `cells`: near the lag 0 no digit is
-            # lost.
+            # The place in the cell is computed before `cells` is added, so that no digit is lost
+            # near lag 0.
             place = flat[start : start + BLOCKS.cache_pairs] / self.step
             cell = np.clip(np.floor(place), -self.cells, self.cells - 1)
             place = 2.0 * (place - cell) - 1.0
@@ -86,15 +88,16 @@ class LagTable:
 
 
 def _unit_series() -> list[tuple[Array, int]]:
-    """T_k as a series, k = 0 ... terms - 1, and how many powers it lacks."""
+    """Coefficients of T_k, k = 0 ... terms - 1, each with the number of zeros that are missing."""
     return [
         (np.eye(OPTIONS.terms)[k][: k + 1], OPTIONS.terms - 1 - k) for k in range(OPTIONS.terms)
     ]
 
 
 def regular_values(kernel: Kernel, x: Array, xi: Array, potential: bool = False) -> Array:
-    """The regular part of a kernel, or of its potential, at points x (n,) from xi (q,), (n, q): by
-    a table where that is shorter.
+    """The regular part, or its potential, at points x (n,) from xi (q,), shape (n, q).
+
+    A table over the lag is used if the kernel allows it and there are enough pairs.
     """
     function = kernel.regular_potential if potential else kernel.regular
     assert function is not None
@@ -113,10 +116,12 @@ def regular_values(kernel: Kernel, x: Array, xi: Array, potential: bool = False)
 
 
 def _table(kernel: Kernel, potential: bool, reach: float, pairs: int) -> LagTable | None:
-    """The kernel's table for lags up to `reach`, made where so many pairs are worth it."""
+    """The table of a kernel for lags up to `reach`; None if this number of pairs does not pay for
+    it.
+    """
     kept = kernel.kept_tables
-    # Zones that move ask for the same table. Of a period the kernel is regular up to lags of two
-    # periods.
+    # The reach is rounded up, so that zones that move use the same table. With a period, the kernel
+    # is regular up to lags of two periods.
     key = potential, math.ceil(4 * math.log2(reach / kernel.length))
     if key not in kept:
         widest = kernel.length * 2.0 ** (key[1] / 4)

@@ -1,6 +1,4 @@
-"""Sums over the basis functions of many intervals at many points: powers of rho, sines and cosines
-of multiples of theta.
-"""
+"""Sums over zones and points: powers of rho, and sines and cosines of multiples of theta."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -31,14 +29,14 @@ OPTIONS = SumOptions()
 
 
 def pair_blocks(points: int, jumps: int) -> Iterator[slice]:
-    """Stretches of points whose pairs with so many jumps are held at once."""
+    """Blocks of points such that the pairs with this number of jumps fit into memory."""
     block = max(1, OPTIONS.memory_pairs // max(1, jumps))
     for begin in range(0, points, block):
         yield slice(begin, begin + block)
 
 
 def stretches(counts: Index, most: int) -> Iterator[slice]:
-    """Stretches of points with so many pairs each, at most so many together, or one point."""
+    """Blocks of points with at most this number of pairs together, or with one point."""
     total, begin = np.cumsum(counts), 0
     while begin < len(counts):
         done = int(total[begin - 1]) if begin else 0
@@ -49,8 +47,10 @@ def stretches(counts: Index, most: int) -> Iterator[slice]:
 
 @record
 class Grouped:
-    """Things that lie in zones: their places, zone after zone; count and first of each zone's, and
-    of one more, none.
+    """Things in zones, sorted by zone.
+
+    order: their numbers, zone after zone. count, first: number of things in each zone, and the
+    place of the first one in `order`; one more entry stands for zones without things.
     """
 
     order: Index
@@ -59,25 +59,27 @@ class Grouped:
 
     @classmethod
     def by(cls, zone: Index) -> "Grouped":
-        """By the zone of each."""
+        """Group things by the zone of each."""
         count = np.bincount(zone, minlength=int(zone.max(initial=-1)) + 2)
         return cls(np.argsort(zone, kind="stable"), count, np.cumsum(count) - count)
 
     def rows(self, zone: Index) -> Index:
-        """Which of these numbers are those of zones."""
+        """Row of each zone in `count` and `first`; zones without things have the last row."""
         return np.minimum(zone, len(self.count) - 1)
 
     def places(self) -> dict[int, Index]:
-        """Of each zone that there is something in, in ascending order."""
+        """Numbers of the things in each zone that has any, by ascending zone."""
         return {
             i: self.order[self.first[i] : self.first[i] + self.count[i]]
             for i in np.flatnonzero(self.count).tolist()
         }
 
     def summed(self, zone: Index, weight: Array, of: Callable[[Index, Index], Array]) -> Array:
-        """Sums over the things in the zones of points; of: what is summed, over their weight, by
-        points and things, pair by pair, or, in a zone of many pairs and where there is but one,
-        (points, 1) and things, as a matrix.
+        """Weighted sums over the things in the zone of each point.
+
+        of(points, things): the summand without its weight, pair by pair. In a zone with many pairs
+        it is called with points (n, 1) and all things of the zone, and its result is used as a
+        matrix.
         """
         zone, out = self.rows(zone), np.zeros(len(zone))
         pairs = self.count * np.bincount(zone, minlength=len(self.count))
@@ -120,8 +122,9 @@ class PerZone(Kept):
 
 
 def sum_of_powers(u: Array, rho: NDArray[Any], zone: Index) -> NDArray[Any]:
-    """sum_k u[zone, k] rho^k, rho real or complex, as far as rho^k is seen: pair by pair, rho and
-    zone (n,), or for every point and source, rho (points, sources) and zone (sources,).
+    """sum_k u[zone, k] rho^k, rho real or complex, up to the k at which rho^k is round-off.
+
+    rho and zone are pairs (n,), or rho is (points, sources) and zone is (sources,).
     """
     count = u.shape[1]
     if count == 0 or rho.size == 0:
@@ -132,13 +135,14 @@ def sum_of_powers(u: Array, rho: NDArray[Any], zone: Index) -> NDArray[Any]:
         return sum_of_powers(u, rho.ravel(), np.tile(zone, rho.shape[0])).reshape(rho.shape)
     with np.errstate(divide="ignore"):
         seen = np.ceil(-DIGITS / np.log(np.minimum(np.abs(rho), 1 - 1e-12)))
-    # Of rho = 0 the first term.
+    # For rho = 0 the first term remains.
     return _by_horner(u, rho, zone, np.fmin(count, np.maximum(seen, 1)).astype(int))
 
 
 def _by_horner(u: Array, rho: NDArray[Any], zone: Index, terms: Index) -> NDArray[Any]:
-    """The same, pair by pair, of so many terms of each: those of the most terms come first, and the
-    others join them on the way.
+    """`sum_of_powers` pair by pair, with a given number of terms for each pair.
+
+    Pairs are sorted by the number of terms, so that Horner's rule works on a growing block.
     """
     order = np.argsort(-terms, kind="stable")
     point_rho, row, counts = rho[order], zone[order], terms[order]
@@ -154,7 +158,7 @@ def _by_horner(u: Array, rho: NDArray[Any], zone: Index, terms: Index) -> NDArra
 
 
 def _same_order(c: Array, rho: NDArray[Any]) -> NDArray[Any]:
-    """sum_k c[source, k] rho^k for every (point, source)."""
+    """sum_k c[source, k] rho^k for every point and source, with the same number of terms."""
     count = c.shape[1]
     if rho.size > OPTIONS.max_sines:
         out = np.zeros(rho.shape) + c[:, -1]
@@ -169,7 +173,7 @@ def _same_order(c: Array, rho: NDArray[Any]) -> NDArray[Any]:
 
 
 def waves(weight: Array, angle: Array, count: int) -> Complex:
-    """sum weight exp(i k angle), k = 0 ... count - 1, of weights at angles."""
+    """sum over weights of weight exp(i k angle), for k = 0 ... count - 1."""
     turn, wave, out = np.exp(1j * angle), weight.astype(complex), np.empty(count, dtype=complex)
     for k in range(count):
         out[k] = wave.sum()
@@ -178,15 +182,16 @@ def waves(weight: Array, angle: Array, count: int) -> Complex:
 
 
 def sine_sum(u: Array, zone: Index, angle: Array, flip: Mask) -> Array:
-    """sum_k u[zone, k] sin((k+1) theta), by the angle from the nearer end, theta = pi - angle where
-    `flip`: no digit is lost near either end. zone of any shape; one column of zones, (n, 1), with
-    the same places in each is faster.
+    """sum_k u[zone, k] sin((k+1) theta), from the angle from the nearer end.
+
+    theta = pi - angle where `flip`; no digit is lost near either end. Arrays have any shape; one
+    column of zones (n, 1) with the same places in each zone is faster.
     """
     if zone.ndim == 2 and zone.strides[1] == 0 == angle.strides[0]:
         return _same_places(u, zone[:, 0], angle[0], flip[0])
     shape, zone, angle, flip = angle.shape, zone.ravel(), angle.ravel(), flip.ravel()
     terms = _terms(u, zone)
-    # The imaginary part of turn^(k+1), or where flipped of turn (-turn)^k.
+    # The sum is the imaginary part of powers of `turn`, or of turn (-turn)^k where `flip`.
     turn = np.exp(1j * angle)
     out = (
         turn
@@ -208,7 +213,7 @@ def cosine_sum(c: Array, zone: Index, theta: Array) -> Array:
 
 
 def _terms(table: Array, row: Index) -> Index:
-    """How many terms of the rows that are named are there, up to the last one that is not zero."""
+    """Number of terms of each given row, up to its last coefficient that is not zero."""
     named = np.flatnonzero(np.bincount(row, minlength=len(table)))
     used = table[named] != 0.0
     terms = np.zeros(len(table), dtype=np.intp)
@@ -221,11 +226,11 @@ def _terms(table: Array, row: Index) -> Index:
 
 
 def _same_places(u: Array, zones: Index, angle: Array, flip: Mask) -> Array:
-    """`sine_sum` at the same places of several zones, as matrix products of bounded size."""
+    """`sine_sum` at the same places of several zones, by matrix products in blocks."""
     rows = u[zones]
     k = np.arange(1, _terms(u, zones).max(initial=0) + 1)
     rows = rows[:, : len(k)]
-    # Seen from the left end, t changes sign: even modes do too.
+    # Counted from the left end, t changes its sign, and so do the even modes.
     turned = rows * (2.0 * (k % 2) - 1.0)
     out, block = np.empty((len(zones), len(angle))), max(1, OPTIONS.memory_pairs // max(1, len(k)))
     for start in range(0, len(angle), block):
@@ -237,8 +242,10 @@ def _same_places(u: Array, zones: Index, angle: Array, flip: Mask) -> Array:
 
 
 def _sines(angle: Array, columns: Array) -> Array:
-    """sum_k columns[k - 1] sin(k angle), (points, columns). Of many terms k = m a + b, by sin(m a
-    angle + b angle): few sines are taken.
+    """sum_k columns[k - 1] sin(k angle), shape (points, columns).
+
+    With many terms, k = m a + b and sin(k angle) follows from sines and cosines of m a angle and of
+    b angle, so that few sines are evaluated.
     """
     count = len(columns) + 1
     if count <= OPTIONS.max_sines:

@@ -1,11 +1,10 @@
 """Zones: disjoint ascending intervals [a, b], each with the kinds of its two ends.
 
-Near an end at distance d the density behaves as K / sqrt(d) + A sqrt(d). A *singular* end lets K be
-what it comes to; a *bounded* end asks K = 0 (or a prescribed K) at a given place; a *free* end asks
-for a given K (zero, or a prescribed intensity) at a place that is itself unknown. Each zone with
-two singular ends has index 1 and needs one side condition; each bounded end takes one away; a free
-end takes one away and brings one unknown, its position (Muskhelishvili, Singular Integral
-Equations, 1953, ch. 5).
+At a distance d from an end the density is K / sqrt(d) + A sqrt(d). A *singular* end leaves K
+unknown. A *bounded* end has K = 0 (or a prescribed K) at a given place. A *free* end has a given K
+(zero, or a prescribed intensity) at an unknown place. Each zone with two singular ends has index 1
+and needs one side condition; each bounded end needs one less; a free end needs one less and adds
+one unknown, its position (Muskhelishvili, Singular Integral Equations, 1953, ch. 5).
 """
 
 from collections.abc import Sequence
@@ -55,9 +54,7 @@ class End:
 
     @property
     def surplus(self) -> int:
-        """Unknowns less equations that this end adds to its zone, counted from a zone with two
-        bounded ends.
-        """
+        """Unknowns less equations that this end adds to a zone with two bounded ends."""
         return 1 if self.moves or self.intensity is None else 0
 
 
@@ -67,8 +64,7 @@ SINGULAR = End(moves=False, intensity=None)
 
 
 def free_with_intensity(intensity: float) -> End:
-    """An end of unknown position at which the density is `intensity / sqrt(d)` (adhesion, a crack
-    at its limit).
+    """A free end with density `intensity / sqrt(d)` (adhesion, a crack at its limit).
 
     Parameters
     ----------
@@ -111,8 +107,7 @@ def _kinds(ends: End | Sequence[End], count: int, side: str) -> tuple[End, ...]:
 
 @dataclass(frozen=True, eq=False)
 class Zones(Kept):
-    """`n` zones with ends a (n,) and b (n,), a < b < next a; `Zones.of(table, left, right)` makes
-    and checks them.
+    """`n` zones with ends a (n,) and b (n,), a < b < next a; `Zones.of` makes and checks them.
 
     Parameters
     ----------
@@ -121,11 +116,10 @@ class Zones(Kept):
     left, right : sequence of End
         Kinds of the ends, one for each zone.
     symmetric : bool
-        The zones are mirror images of each other about x = 0 and so are the data; only half is
-        solved.
+        Whether the zones and the data are mirror images about x = 0; then only half is solved.
     rest : ndarray
-        What rounding has cut off the ends (2, n), which are a + rest[0] and b + rest[1]: an end may
-        lie nearer to a corner of the right side than the digits of its position tell.
+        Round-off of the ends (2, n), which are a + rest[0] and b + rest[1]. An end may be nearer to
+        a corner of the right side than the digits of its position show.
 
     Examples
     --------
@@ -154,8 +148,9 @@ class Zones(Kept):
         right: End | Sequence[End] = FREE,
         symmetric: bool = False,
     ) -> "Zones":
-        """Checked zones from an (n, 2) array of ends; left, right: one kind for all, or one for
-        each.
+        """Checked zones from an (n, 2) array of ends.
+
+        left, right: one kind of end for all zones, or one for each.
 
         Raises
         ------
@@ -187,9 +182,7 @@ class Zones(Kept):
         return cls(table[:, 0], table[:, 1], lefts, rights, symmetric)
 
     def moved(self, outward: Array, exactly: bool = True) -> "Zones":
-        """The same zones with ends moved outward (2, n); exactly: what rounding cuts off them is
-        kept.
-        """
+        """The zones with ends moved outward (2, n); exactly: keep the round-off of the new ends."""
         if self.symmetric:
             outward = 0.5 * (outward + outward[::-1, ::-1])
         ends, by = np.array([self.a, self.b]), np.array([-outward[0], outward[1]]) + self.rest
@@ -197,8 +190,10 @@ class Zones(Kept):
         return replace(self, a=a, b=b, rest=sum_error(ends, by) if exactly else np.zeros_like(by))
 
     def changed(self, lost: Index, met: Index, period: float | None) -> "tuple[Zones, Index]":
-        """(these without those that are lost, and with those joined that have met the next one, the
-        numbers of what is left among these); of joined ones the first.
+        """(zones without the lost ones and with merged ones joined, numbers of the remaining
+        zones).
+
+        met: zones that have merged with the next one; a joined zone keeps the number of the first.
         """
         count = len(self)
         kept = np.setdiff1d(np.arange(count), np.union1d(lost, (np.asarray(met) + 1) % count))
@@ -212,11 +207,11 @@ class Zones(Kept):
         return replace(self, a=self.a[kept], b=b, left=left, right=right, rest=rest), kept
 
     def beyond_a(self, x: Array, zone: Index) -> Array:
-        """How far x lies to the right of the left ends of zones."""
+        """Distance of x to the right of the left ends of zones."""
         return np.asarray((x - self.a[zone]) - self.rest[0][zone])
 
     def before_b(self, x: Array, zone: Index) -> Array:
-        """How far x lies to the left of the right ends of zones."""
+        """Distance of x to the left of the right ends of zones."""
         return np.asarray((self.b[zone] - x) + self.rest[1][zone])
 
     def __len__(self) -> int:
@@ -246,8 +241,8 @@ class Zones(Kept):
 
     @cached_property
     def held(self) -> tuple[list[int], list[int]]:
-        """Places among the solved zones whose left, whose right end is bounded and does not move: K
-        = 0 is asked there.
+        """(left, right) places among the solved zones with a fixed bounded end, where K = 0 is
+        required.
         """
         left, right = (
             [
@@ -257,17 +252,19 @@ class Zones(Kept):
             ]
             for ends in (self.left, self.right)
         )
-        # Of a zone about the centre the left end is the mirror image of the right one.
+        # The left end of a zone about the centre is the mirror image of its right end.
         return [p for p in left if not (self.central and p == 0)], right
 
     @cached_property
     def moves(self) -> Mask:
-        """Which left and which right ends move (2, n)."""
+        """Whether the left and the right ends move (2, n)."""
         return np.array([[end.moves for end in ends] for ends in (self.left, self.right)])
 
     @cached_property
     def intensities(self) -> Array:
-        """Those asked for at the left and at the right ends (2, n), not a number where none is."""
+        """Prescribed intensities at the left and the right ends (2, n); NaN where none is
+        prescribed.
+        """
         return np.array(
             [
                 [np.nan if end.intensity is None else end.intensity for end in ends]
@@ -277,15 +274,17 @@ class Zones(Kept):
 
     @property
     def bounded(self) -> Mask:
-        """At which left and at which right ends the intensity asked for is zero (2, n)."""
+        """Whether the prescribed intensity of the left and the right ends is zero (2, n)."""
         return np.asarray(self.intensities == 0.0)
 
     @property
     def follow_ends(self) -> bool:
-        """Whether moved ends change the density at first order: intensities are prescribed there."""
+        """Whether moved ends change the density at first order, since an intensity is prescribed
+        there.
+        """
         return any(end.moves and end.intensity != 0.0 for end in (*self.left, *self.right))
 
     @property
     def central(self) -> bool:
-        """True if a symmetric set has a zone that straddles the centre."""
+        """Whether a symmetric set has a zone about the centre."""
         return self.symmetric and len(self) % 2 == 1

@@ -77,7 +77,6 @@ class Plane:
         return np.where(z.imag < 0, np.conj(out), out)
 
     # the poles
-    # ------------------------------------------------------------------------------------------------------
     def poles(self, x: Array, y: Array, what: What) -> Complex:
         """What those of the kernel do at x + i y, by the tree: from its root down to where a node
         is far, or one zone.
@@ -182,7 +181,6 @@ class Plane:
         return self.density.jumps.t_coefficients(self.density.zones, int(JUMPS.far_terms[0]))
 
     # the rest of the kernel
-    # -----------------------------------------------------------------------------------------
     def _regular(self, z: Complex, what: What) -> Complex | None:
         kernel = self.density.kernel
         if kernel.regular is None:
@@ -227,7 +225,6 @@ def _look_at(regular: Regular, z: Complex, places: Array) -> None:
 
 
 # jumps
-# --------------------------------------------------------------------------------------------------------------
 def of_jumps(jumps: ForcingJumps, k: Index, seen: InPlane, what: What) -> Complex:
     """What jumps k of a zone do, near it; times w for the derivative; for the potential over w, and
     less c_0 log(w).

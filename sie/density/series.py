@@ -59,7 +59,6 @@ class Series(Located):
     edges: tuple[Array, Array] | None = None
 
     # per zone
-    # -------------------------------------------------------------------------------------------------------
     @cached_property
     def singular(self) -> tuple[Array, Array]:
         """(alpha, beta): (alpha + beta t) / sqrt(1 - t^2) is what is unbounded."""
@@ -169,7 +168,6 @@ class Series(Located):
         return out[0], out[1], out[2]
 
     # evaluation
-    # -----------------------------------------------------------------------------------------------------
     def at(self, zone: ArrayLike, left: ArrayLike, right: ArrayLike) -> Array:
         """Density at points given by zone index and the distances from the zone's ends over its
         half width (left + right = 2): no digit is lost near the ends.
@@ -209,7 +207,6 @@ class Series(Located):
         return out
 
     # what sums over zones read
-    # ----------------------------------------------------------------------------------------
     @cached_property
     def quadrature(self) -> list[tuple[Array, Array]]:
         """Nodes and weighted density for the regular part of the kernel."""

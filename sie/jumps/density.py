@@ -40,6 +40,7 @@ from sie.jumps.exterior import ExteriorLogarithms, potential_series
 from sie.jumps.forcing import ForcingJumps
 from sie.jumps.formulas import HIGHEST, OPTIONS, raised
 from sie.jumps.poles import NO_POLES
+from sie.jumps.spline import OPTIONS as SPLINES
 from sie.jumps.spline import QuadraticSpline
 
 
@@ -131,7 +132,11 @@ class DensityJumps(ForcingJumps):
                 logarithms=Logarithms(kernel, zones, at, weight, np.where(inside, i, -1), near),
             )
         return (
-            found if spline is None else found._with_splines(zones, spline, QuadraticSpline.inside)
+            found
+            if spline is None
+            else found._with_splines(
+                zones, spline, QuadraticSpline.inside, SPLINES.min_density_jumps
+            )
         )
 
     @property
@@ -149,7 +154,6 @@ class DensityJumps(ForcingJumps):
         return replace(self.chosen(self.order == 0), poles=NO_POLES)
 
     # the right side
-    # -------------------------------------------------------------------------------------------------
     def smooth_part(self, zone: Index, left: Array) -> Array:
         out = -self._higher.carried(zone, left)
         if self.logarithms is not None:
@@ -167,7 +171,6 @@ class DensityJumps(ForcingJumps):
         raise ValueError("a condition on potentials is for right sides without logarithms")
 
     # the density
-    # ----------------------------------------------------------------------------------------------------
     def integral_of(self, k: Index, left: Array, right: Array) -> Array:
         """From the ends inwards: int_t^1 (tau - s)^q eta = (1/pi) int_0^theta (cos a - s)^q a
         sin(a) da for t > s.
@@ -201,7 +204,6 @@ class DensityJumps(ForcingJumps):
         return out
 
     # what the kernel makes of it
-    # ------------------------------------------------------------------------------------
     def sharp_potential(self, zone: Index, seen: OnLine) -> Array:
         """Potential of the closed parts of zones over w, less c_0 log(w); on the zone rho = e^{i
         theta}.
@@ -225,7 +227,6 @@ class DensityJumps(ForcingJumps):
         return np.real(up) * (log - rho**2 / 2) - both / 2
 
     # at complex points (see `plane`)
-    # ----------------------------------------------------------------------------------
     def logarithm(self, k: Index, seen: InPlane, away: Complex) -> Complex:
         """log(A B) of jumps k."""
         with np.errstate(divide="ignore"):
@@ -247,7 +248,6 @@ class DensityJumps(ForcingJumps):
         )
 
     # the closed forms
-    # -------------------------------------------------------------------------------------------------
     @cached_property
     def line(self) -> tuple[Array, Array]:
         first, second = self.order == 1, self.order == HIGHEST

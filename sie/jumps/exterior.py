@@ -79,7 +79,6 @@ class ExteriorLogarithms(PerZone):
             )
 
     # at points (n,) of zones, by their distances from the zone's ends over w
-    # ----------------------------------------------
     def density(self, zone: Index, left: Array, right: Array) -> Array:
         """Sum of the parts of zones themselves."""
         phi = theta(left, right)
@@ -140,7 +139,6 @@ class ExteriorLogarithms(PerZone):
         return self.rho[k] * (log - rho**2 / 2) - potential_series(self.rho[k], rho)
 
     # at complex points (see `plane`)
-    # ----------------------------------------------------------------------------------
     def log(self, k: Index, seen: InPlane) -> Complex:
         """2 log(1 - rho rho_z) of parts k, (points, k): (1 - rho_z) + rho_z (1 - rho), or the same
         from the left end.

@@ -77,7 +77,11 @@ class ForcingJumps(Jumps):
         right side, if it is known.
         """
         found = cls.placed(zones, at, jumps, orders, period) if len(at) else _NONE
-        return found if g is None else found._with_splines(zones, g, ConjugateSpline.inside)
+        return (
+            found
+            if g is None
+            else found._with_splines(zones, g, ConjugateSpline.inside, SPLINES.min_jumps)
+        )
 
     @classmethod
     def placed(
@@ -110,7 +114,9 @@ class ForcingJumps(Jumps):
             (i >= 0) & (zones.beyond_a(at, i) > 0) & (zones.before_b(at, i) > 0),
         )
 
-    def _with_splines(self, zones: Zones, f: Callable[[Array], Array], made: MadeSpline) -> Self:
+    def _with_splines(
+        self, zones: Zones, f: Callable[[Array], Array], made: MadeSpline, least: int
+    ) -> Self:
         """The same with splines, made of knots, their jumps and f, in every zone of many jumps of
         order 2, at the least so many. Where f is more than a spline with these jumps, or jumps
         otherwise, they alone tell it.
@@ -118,7 +124,7 @@ class ForcingJumps(Jumps):
         height, more = self.height.copy(), []
         splines: dict[int, Spline] = {}
         for zone in np.flatnonzero(
-            np.bincount(self.zone[self.order == HIGHEST], minlength=1) >= SPLINES.min_jumps
+            np.bincount(self.zone[self.order == HIGHEST], minlength=1) >= least
         ).tolist():
             all_of_it = self.by_zone[zone]
             k = all_of_it[self.order[all_of_it] == HIGHEST]
@@ -190,7 +196,6 @@ class ForcingJumps(Jumps):
         return {zone: np.zeros(0, np.intp) for zone in others} | self.grouped.places()
 
     # at points (n,) of zones, by their distances from the zone's ends over w
-    # ------------------------------------------
     def smooth_part(self, zone: Index, left: Array) -> Array:
         """What to add to g to make it smooth."""
         return -self.carried(zone, left)
@@ -419,7 +424,6 @@ class ForcingJumps(Jumps):
         return np.zeros(x.shape)
 
     # at complex points (see `plane`)
-    # ----------------------------------------------------------------------------------
     def logarithm(self, k: Index, seen: InPlane, away: Complex) -> Complex:
         """-i log(B / A) of jumps k."""
         c, s = np.sqrt(0.5 * self.left[k]), np.sqrt(0.5 * self.right[k])

@@ -93,7 +93,6 @@ class Jumps(PerZone):
         return 0.5 * (self.left - self.right)
 
     # jumps k at points
-    # ------------------------------------------------------------------------------------------------
     @cached_property
     def line(self) -> tuple[Array, Array]:
         """P_q(t) = line[0] + line[1] t of each."""
@@ -122,7 +121,6 @@ class Jumps(PerZone):
         )
 
     # what is made of them, over h / pi
-    # ----------------------------------------------------------------------------------
     def on_zone(self, k: Index, left: Array) -> Array:
         """What the kernel makes of them on the zone."""
         away = left - self.left[k]
@@ -204,7 +202,6 @@ class Jumps(PerZone):
         return raised(away, q + 1) * turn / (q + 1) + sine * rest
 
     # their series
-    # -----------------------------------------------------------------------------------------------------
     def sine_weights(self, k: Index, j: Array) -> Array:
         """b_j of jumps k where their function is sum_j (2/j) b_j sin(j theta)."""
         from_left = (self.psi < self.phi)[k][:, None]

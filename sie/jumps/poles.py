@@ -229,7 +229,7 @@ class Poles(PerZone):
         """
         return self.grouped.summed(zone, np.ones(len(self.zone)), of)
 
-    # at points (n,) of zones, by their distances from the zone's ends over w ----------------------
+    # at points (n,) of zones, by their distances from the zone's ends over w
     def _past(self, at: Index, k: Index, left: Array, right: Array) -> Complex:
         """t - z, by the nearer end."""
         past = np.where(left[at] <= right[at], left[at] - self.left[k], self.right[k] - right[at])
@@ -313,7 +313,7 @@ class Poles(PerZone):
         out[off] = self.potential_off(zone[off], seen.rho[off])
         return out
 
-    # per zone -------------------------------------------------------------------------------------
+    # per zone
     def sine_coefficients(self, zones: int, count: int) -> Array:
         """Coefficients of sin(j theta), j = 1 ... count, of the density of each zone: of T_j those
         of the right side.
@@ -345,7 +345,7 @@ class Poles(PerZone):
         """What rounding of their sum comes to."""
         return np.asarray(np.bincount(self.zone, 2.2e-16 * np.abs(self.q), zones), dtype=float)
 
-    # at complex points (see `plane`) --------------------------------------------------------------
+    # at complex points (see `plane`)
     def in_plane(self, k: Index, seen: InPlane, what: What) -> Complex:
         """What poles k do at points of the upper half plane, the derivative by zeta; the potential
         over w, and less c_0 log(w).

@@ -48,9 +48,11 @@ from sie.trees.tree import SEPARATION, TERMS
 class SplineOptions:
     """When a spline takes the place of jumps, and how finely it is integrated."""
 
-    # Jumps of order 2 in a zone from which a spline takes their place; below, closed forms of the
-    # jumps are as fast.
+    # Jumps of g'' in a zone from which a spline takes their place; below, closed forms of the jumps
+    # are faster.
     min_jumps: int = 400
+    # The same of the density: other zones see the digits that n jumps lose, n^2 units of the last.
+    min_density_jumps: int = 128
     # Gauss nodes on a piece of the spline or on a part of one.
     gauss_nodes: int = 16
     # Largest angle by which cos(l theta) turns over these nodes, or over a panel: 16 nodes and 24
@@ -238,7 +240,6 @@ class QuadraticSpline(Kept):
         return out
 
     # what the kernel makes of it
-    # --------------------------------------------------------------------------------------
     @cached_property
     def _reach(self) -> tuple[float, float]:
         half = 0.5 * (self.knots[-1] - self.knots[0])
@@ -390,11 +391,12 @@ class ConjugateSpline(Kept):
         curved = np.abs(self.spline.pieces[[-1, 0], 2]) + 1e-300
         near = np.array([2 - self.knots[-1], self.knots[0]])
         outermost = theta(2 - near, near)
-        first, last = np.clip((EPS * self.size / curved) ** 0.25, 1e-6, np.minimum(outermost, 0.5))
+        first, last = np.clip(
+            (EPS**0.75 * self.size / curved) ** 0.25, 1e-6, np.minimum(outermost, 0.5)
+        )
         return _graded(float(first), float(last))
 
     # g by moments
-    # ---------------------------------------------------------------------------------------------------
     def _moments(self, cuts: Array) -> tuple[Array, Array]:
         """(nodes phi, weights that hold g): int_0^pi g F dphi = sum of weights F(phi), F smooth on
         each panel between cuts.
@@ -457,7 +459,6 @@ class ConjugateSpline(Kept):
         return float(weight @ ((phi - 0.5 * np.pi) * np.sin(phi))) / np.pi
 
     # on the zone
-    # ----------------------------------------------------------------------------------------------------
     def own_transform(self, left: Array) -> Array:
         """g less its mean over theta."""
         return self.spline(left) - self.mean
@@ -507,7 +508,6 @@ class ConjugateSpline(Kept):
         return float(left), float(right)
 
     # off the zone
-    # ---------------------------------------------------------------------------------------------------
     def transform_off(self, z: Array, rho: Array) -> Array:
         """What the kernel makes of the density off the zone."""
         out = np.empty(rho.shape)

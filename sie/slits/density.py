@@ -107,7 +107,6 @@ class SlitDensity(Located):
         return here.kinks if self.forced else []
 
     # series of the slits
-    # --------------------------------------------------------------------------------------------
     @cached_property
     def series(self) -> list[list[Array]]:
         """d of each slit, without the traces of K where they are taken out."""
@@ -159,7 +158,6 @@ class SlitDensity(Located):
         return replace(self.smooth, edges=(alpha, beta), bounded_ends=self.bounded_ends)
 
     # per piece
-    # --------------------------------------------------------------------------------------------------------
     def at(self, zone: ArrayLike, left: ArrayLike, right: ArrayLike) -> Array:
         """Density at points given by piece and the distances from its ends over its half width."""
         zone = np.asarray(zone, dtype=np.intp)
@@ -310,7 +308,6 @@ class SlitDensity(Located):
         )
 
     # totals
-    # -----------------------------------------------------------------------------------------------------------
     @property
     def total(self) -> float:
         return self.whole.total
@@ -356,7 +353,6 @@ class SlitDensity(Located):
         return out
 
     # the line
-    # ---------------------------------------------------------------------------------------------------------
     def _into_wide(self, x: Array) -> Array:
         """x moved by periods to lie right of the first wide zone's left end."""
         return wrapped(x, self.merged.wide.a[0], self.kernel.period)

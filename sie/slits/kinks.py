@@ -91,7 +91,6 @@ class SlitKink(Kept):
         )
 
     # psi
-    # ------------------------------------------------------------------------------------------------------------
     @cached_property
     def _weights(self) -> tuple[float, ...]:
         """e_0 ... e_q of `mixed`."""
@@ -167,7 +166,6 @@ class SlitKink(Kept):
         return float((angle - middle) @ weight) / np.pi
 
     # what it makes of the density
-    # ---------------------------------------------------------------------------------------
     @cached_property
     def edge(self) -> tuple[float, float]:
         """(a_0, a_1): P[psi] has (a_0 + a_1 t) / X."""

@@ -278,7 +278,6 @@ class SlitState(Answered):
         return self.whole, self.merged.piece_zone[zones]
 
     # further right sides
-    # --------------------------------------------------------------------------------------------
     def response(self, values: Array, tolerance: float = 0.0) -> SlitDensity:
         """See `State.response`."""
         return self.slit_system.density(
@@ -307,7 +306,6 @@ class SlitState(Answered):
         )
 
     # errors
-    # ---------------------------------------------------------------------------------------------------------
     @property
     def natural(self) -> Array:
         return self.whole.natural[self.merged.piece_zone]

@@ -24,7 +24,7 @@ def both(
     """(all jumps of a quadratic spline one by one, the same with a spline in their place, the
     zone). more: of a wave beside the spline; bent: jumps of other orders beside them.
     """
-    rng, n = np.random.default_rng(seed), OPTIONS.min_jumps + 40
+    rng, n = np.random.default_rng(seed), OPTIONS.min_density_jumps + 40
     at = np.arange(n) + rng.uniform(-0.4, 0.4, n)
     spline = BSpline(at, rng.normal(size=n - 3), 2)
     bends = spline.derivative(2)(0.5 * (at[1:] + at[:-1]))
@@ -51,7 +51,7 @@ def test_a_spline_in_place_of_many_jumps_leaves_six_and_is_the_same_density(
     more: float, bent: int
 ) -> None:
     one, other, zones = both(more=more, bent=bent)
-    assert len(one.zone) > OPTIONS.min_jumps and len(other.zone) <= 6 + bent
+    assert len(one.zone) > OPTIONS.min_density_jumps and len(other.zone) <= 6 + bent
     assert sorted(other.places(0)[1].tolist()) == sorted(one.order.tolist())
     assert one.count.tolist() == other.count.tolist()
     left = np.sort(np.random.default_rng(1).uniform(0, 2, 60))
