@@ -1,1 +1,1 @@
-"""One interval: its ends, the weighted Chebyshev functions on it, and the kernels that act on them."""
+"""One interval: its ends, the weighted Chebyshev functions on it, and the kernels."""

@@ -84,7 +84,7 @@ class Seen:
         return np.where(past, large, small), np.where(past, small, large)
 
     def first(self, width: Number) -> Array:
-        """log(width / (2 |rho|)); with width = w / datum, w times this is the potential of T_0 / X."""
+        """log(width / (2 |rho|)); for width = w / datum it is the potential of T_0 / X over w."""
         return np.asarray(np.log(width / (2 * np.abs(self.rho))))
 
     def transforms(self, count: int) -> Array:
@@ -209,7 +209,7 @@ class InPlane:
 
     @classmethod
     def of(cls, from_a: Array, from_b: Array, y: Array) -> "InPlane":
-        """The points with the distances x - a and x - b and the height y, all over the half width."""
+        """The points with distances x - a, x - b and height y, all over the half width."""
         return cls(complex_of(from_a, y), complex_of(from_b, y))
 
     @cached_property
@@ -261,7 +261,7 @@ class InPlane:
 def of_t(
     c: Array, seen: InPlane | Outside | OnLine, w: Array, datum: float, row: Index, what: What
 ) -> Number:
-    """Transform, its derivative or potential of sum c[row, l] T_l / X on intervals of half width w."""
+    """Transform, its derivative or potential of sum c[row, l] T_l / X; w: half widths."""
     if what == "potential":
         divided = c / np.maximum(np.arange(c.shape[1]), 1)
         return potential_of(divided, seen, w, datum, row)

@@ -83,7 +83,8 @@ class Kernel(Kept):
         poles = inputs.numbers("the poles of a kernel", self.poles)
         if len(poles) == 0 or poles[0] != 0.0 or len(np.unique(poles)) < len(poles):
             raise ValueError(
-                f"the poles of a kernel are different finite numbers, the first of them 0, got {self.poles!r}"
+                "the poles of a kernel are different finite numbers, the first of them 0, "
+                f"got {self.poles!r}"
             )
         for name, value in (("period", self.period), ("datum", self.datum)):
             if value is not None:
@@ -103,7 +104,7 @@ class Kernel(Kept):
 
     @cached_property
     def kept_panels(self) -> dict[Any, Any]:
-        """Cache of panels and skeletons of the regular part (`sie.fast.panels`)."""
+        """Cache of panels and skeletons of the regular part (`sie.trees.panels`)."""
         return {}
 
     @cached_property
@@ -135,8 +136,9 @@ class Kernel(Kept):
     def _refuse_multiple(self, *_: Any) -> "Kernel":
         """Raise ValueError for a multiple of a kernel: its poles have the weight one."""
         raise ValueError(
-            "the pole 1 / (x - xi) of a kernel has the weight 1, so there is no multiple, sum or difference of kernels with poles: divide "
-            "the equation by the factor, that is the right side, the columns and the Smooth parts"
+            "the pole 1 / (x - xi) of a kernel has the weight 1, so there is no multiple, sum or "
+            "difference of kernels with poles: divide the equation by the factor, that is the right "
+            "side, the columns and the Smooth parts"
         )
 
     __mul__ = __rmul__ = __truediv__ = __neg__ = __rsub__ = _refuse_multiple
@@ -178,9 +180,9 @@ class Smooth:
     Examples
     --------
     >>> import numpy as np, sie
-    >>> kernel = sie.cauchy() + sie.Smooth(lambda x, xi: np.sin(x - xi), lambda x, xi: -np.cos(x - xi), of_lag=True)
-    >>> found = sie.solve(sie.Equation(kernel, sie.Forcing(lambda x: x), (sie.Total(1.0),)), sie.Zones.of([[-1.0, 1.0]]))
-    >>> found.error < 1e-10
+    >>> wave = sie.Smooth(lambda x, xi: np.sin(x - xi), lambda x, xi: -np.cos(x - xi), of_lag=True)
+    >>> equation = sie.Equation(sie.cauchy() + wave, lambda x: x, sie.Total(1.0))
+    >>> sie.solve(equation, sie.Zones.of([[-1.0, 1.0]])).error < 1e-10
     True
     """
 
@@ -260,7 +262,8 @@ def _look_at_parts(name: str, value: Any, potential: Any, slope: Any, length: An
         inputs.function(f"the {part} of {name}", given, optional=True)
     if not (inputs.is_number(length) and length > 0):
         raise ValueError(
-            f"the length of {name} must be a positive number, or inf where it is not known, got {inputs.shown(length)}"
+            f"the length of {name} must be a positive number, or inf where it is not known, "
+            f"got {inputs.shown(length)}"
         )
 
 
@@ -376,7 +379,8 @@ def hilbert(period: float) -> Kernel:
     Examples
     --------
     >>> import numpy as np, sie
-    >>> wave = sie.Equation(sie.hilbert(1.0), sie.Forcing(lambda x: np.sin(2 * np.pi * x)), (sie.Total(0.5),))
+    >>> sine = sie.Forcing(lambda x: np.sin(2 * np.pi * x))
+    >>> wave = sie.Equation(sie.hilbert(1.0), sine, (sie.Total(0.5),))
     >>> sie.solve(wave, sie.Zones.of([[-0.2, 0.3]])).zones.table.round(9).tolist()
     [[-0.25, 0.25]]
     """

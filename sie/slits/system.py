@@ -30,7 +30,6 @@ from sie.states.state import LOOKS, THETA, State, beside_ends, field_tails, resi
 from sie.trees.krylov import gmres
 
 
-
 @record
 class Opened(Trial):
     """What an opening s changes in the quantities that side conditions speak of
