@@ -137,8 +137,8 @@ class Kernel(Kept):
         """Raise ValueError for a multiple of a kernel: its poles have the weight one."""
         raise ValueError(
             "the pole 1 / (x - xi) of a kernel has the weight 1, so there is no multiple, sum or "
-            "difference of kernels with poles: divide the equation by the factor, that is the right "
-            "side, the columns and the Smooth parts"
+            "difference of kernels with poles: divide the equation by the factor, that is the "
+            "right side, the columns and the Smooth parts"
         )
 
     __mul__ = __rmul__ = __truediv__ = __neg__ = __rsub__ = _refuse_multiple

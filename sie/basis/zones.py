@@ -168,8 +168,8 @@ class Zones(Kept):
         with np.errstate(over="ignore"):
             if not np.isfinite(flat[-1] - flat[0]) or np.any(table[:, 1] - table[:, 0] < TINY):
                 raise ValueError(
-                    f"zones must be wider than {TINY:g} and reach over a finite length: choose another "
-                    "unit of length"
+                    f"zones must be wider than {TINY:g} and reach over a finite length: choose "
+                    "another unit of length"
                 )
         count = table.shape[0]
         lefts, rights = _kinds(left, count, "left"), _kinds(right, count, "right")

@@ -83,7 +83,9 @@ class AlgebraicPoints:
     >>> import math
     >>> import numpy as np, sie
     >>> points = sie.AlgebraicPoints([0.0], [0.5], [-1.0], [1.0])
-    >>> root = sie.Forcing(lambda x: np.sign(x) * np.sqrt(np.abs(x)), XX = math.sqrt(math.pi) * math.gamma(1.25) / math.gamma(1.75)
+    >>> jumps = sie.Jumps(algebraic=points)
+    >>> root = sie.Forcing(lambda x: np.sign(x) * np.sqrt(np.abs(x)), jumps=jumps)
+    >>> load = math.sqrt(math.pi) * math.gamma(1.25) / math.gamma(1.75)
     >>> equation = sie.Equation(sie.cauchy(), root, (sie.Total(load),))
     >>> sie.solve(equation, sie.Zones.of([[-0.7, 1.2]])).zones.table.round(9).tolist()
     [[-1.0, 1.0]]
