@@ -25,7 +25,7 @@ from contact.axisymmetric.quadrature import panels
 from contact.axisymmetric.system import Surface
 from contact.errors import OutOfRange, SceneError
 from contact.model.checks import finite_array
-from contact.reference.exact.base import least_value
+from contact.reference.exact.numerics import least_value
 from sie import Array, Mask
 
 _ROWS = 64  # radii taken together: bounds the memory of a field

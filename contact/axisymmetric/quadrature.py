@@ -11,7 +11,7 @@ from math import pi
 import numpy as np
 from numpy.typing import ArrayLike
 
-from contact.reference.exact.base import FROM_LEFT, FROM_RIGHT, WEIGHT
+from contact.reference.exact.numerics import FROM_LEFT, FROM_RIGHT, WEIGHT
 from sie import Array
 
 

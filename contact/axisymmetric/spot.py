@@ -37,7 +37,7 @@ from contact.axisymmetric.system import (
 )
 from contact.errors import NotConverged, OutOfRange, SceneError
 from contact.model.checks import integer, positive
-from contact.reference.exact.roots import root
+from contact.reference.exact.numerics import root
 from sie import Array
 
 _ALONE = Surroundings(None, 0.0, 0.0)

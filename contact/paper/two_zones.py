@@ -23,8 +23,8 @@ from numpy.typing import ArrayLike
 from contact.errors import OutOfRange, SceneError
 from contact.model.checks import one_of
 from contact.reference.exact import IsolatedBiquadratic, PeriodicBiquadratic
-from contact.reference.exact.base import Array
 from contact.reference.exact.localized import FIRST_ORDER, SELF_CONSISTENT
+from contact.reference.exact.numerics import Array
 from contact.reference.exact.pair import EvenPair, PairRow, pair_at_load, tips_slope
 
 CENTRES = ("pair", "valley")

@@ -23,7 +23,7 @@ import numpy as np
 from contact.axisymmetric.quadrature import panels
 from contact.paper import FIRST_ORDER, LocalizedPair, OneZone
 from contact.reference.exact import Westergaard, correction_load, correction_pressure
-from contact.reference.exact.base import FROM_LEFT, FROM_RIGHT, WEIGHT
+from contact.reference.exact.numerics import FROM_LEFT, FROM_RIGHT, WEIGHT
 from contact.reference.exact.pair import tips_slope
 
 

@@ -1,13 +1,11 @@
-"""What adhesive solutions of one symmetric zone share: the frictionless zone underneath, and the
-curve of equilibria.
+"""Adhesion of one symmetric zone: states on top of a frictionless zone, and curves of equilibria.
 
-Adhesion does not change the profile: the pressure is that of the frictionless zone of the same half
-width less the tension of a load that leaves the zone flat. A curve of equilibria at a fixed work of
-adhesion has turning points, where it loses its stability: with M the compliance of the machine
-between the control and the body (0: the approach is held, inf: the load), an equilibrium is stable
-where approach + M load grows along the curve in the direction of growing contact (K. L. Johnson,
-Int. J. Solids Struct. 32 (1995) 423-430, doi 10.1016/0020-7683(94)00111-9; with a machine, derived
-here).
+The pressure of an adhesive state is that of the frictionless zone of the same half width, less the
+pressure of a load that leaves the zone flat. The equilibria at a fixed work of adhesion form a
+curve. With M the compliance of the machine that loads the body (0: prescribed approach, inf:
+prescribed load), an equilibrium is stable if approach + M load grows along the curve as the contact
+grows; stability changes at turning points (K. L. Johnson, Int. J. Solids Struct. 32 (1995) 423-430,
+doi 10.1016/0020-7683(94)00111-9; with a machine, derived here).
 """
 
 from dataclasses import dataclass
@@ -16,24 +14,17 @@ from typing import Generic, TypeVar
 
 from contact.errors import OutOfRange, SceneError
 from contact.model.checks import finite, keep, one_of, positive, positive_or_none
-from contact.reference.exact.base import (
-    Array,
-    IsolatedZone,
-    PeriodicZone,
-    SymmetricZone,
-    integrated,
-)
+from contact.reference.exact.base import IsolatedZone, PeriodicZone, SymmetricZone
+from contact.reference.exact.numerics import Array, integrated, root, roots
 from contact.reference.exact.parabola import HertzLine
-from contact.reference.exact.roots import root, roots
 from contact.reference.exact.sinusoid import Westergaard
 
 
 class AdhesiveZone(SymmetricZone):
-    """One zone |x| <= a under adhesion, made of the frictionless `zone` of the same half width; the
-    base of its solutions.
+    """One adhesive zone |x| <= a, built on the frictionless `zone` of the same half width.
 
     Along a curve of equilibria d energy = load d approach (K. L. Johnson, Int. J. Solids Struct. 32
-    (1995) 423-430, doi 10.1016/0020-7683(94)00111-9).
+    (1995) 423-430, doi 10.1016/0020-7683(94)00111-9). Fields are in `SymmetricZone`.
 
     Attributes
     ----------
@@ -44,17 +35,15 @@ class AdhesiveZone(SymmetricZone):
     load, approach : float
         P [N/m] and approach [m], of any sign.
     elastic_energy, surface_energy, energy : float
-        Of the body, of the interface, and both [J/m], per period if there is one; a zone that is
-        alone needs a datum.
+        Energy of the body, of the interface, and their sum [J/m], per period if there is one. An
+        isolated zone needs a datum.
     mean_gap : float or None
-        Mean of the gap over the period [m]; None without one.
-    pressure, gap, zones, approach : as in `SymmetricZone`
-        What every such zone has, and what else is there.
+        Mean of the gap over the period [m]; None without a period.
 
     Raises
     ------
     SceneError
-        If the zone is no frictionless solution, or an energy is asked for without a datum.
+        If the zone is no frictionless solution; from the energies, without a datum.
 
     Examples
     --------
@@ -70,7 +59,6 @@ class AdhesiveZone(SymmetricZone):
     """
 
     zone: IsolatedZone | PeriodicZone
-    # One of the two is given, the other follows.
     work: float
 
     half_width = property(lambda self: self.zone.half_width)  # type: ignore[assignment]
@@ -90,7 +78,7 @@ class AdhesiveZone(SymmetricZone):
     def _slope(self, r: Array) -> Array:
         return self.zone._slope(r)
 
-    # What a tension that moves no surface leaves: only the pressure is another.
+    # By default the gap and the approach are those of the frictionless zone.
     def _gap(self, e: Array) -> Array:
         return self.zone._gap(e)
 
@@ -98,39 +86,31 @@ class AdhesiveZone(SymmetricZone):
         return self.zone._approach()
 
     def _approach_rate(self, load: float, at_load: float) -> float:
-        """Derivative of the approach, by those of the load and of the approach at a given load; nan
-        without a datum.
-        """
+        """d approach from d load and from the change at constant load; nan without a datum."""
         return nan if self.punch_compliance is None else self.punch_compliance * load + at_load
 
     def rates(self) -> tuple[float, float]:
-        """Derivatives of load and approach along the curve of equilibria of this work (approach:
-        nan without a datum).
-        """
+        """Derivatives of load and approach along the curve; the latter is nan without a datum."""
         raise NotImplementedError
 
     @property
     def elastic_energy(self) -> float:
-        """(1/2) int p u [J/m], per period if there is one; u as `displacement` has it."""
+        """(1/2) int p u [J/m], per period if there is one, with the u of `displacement`."""
         return frictionless_energy(self.zone)
 
     @property
     def surface_energy(self) -> float:
-        """Energy of the interface [J/m], per period if there is one; 0 where the surfaces are far
-        apart.
-        """
+        """Energy of the interface [J/m], per period if there is one; 0 for distant surfaces."""
         raise NotImplementedError
 
     @property
     def energy(self) -> float:
-        """Elastic and surface energy; along a curve of equilibria d energy = load d approach."""
+        """Elastic plus surface energy [J/m]; along a curve d energy = load d approach."""
         return self.elastic_energy + self.surface_energy
 
     @property
     def mean_gap(self) -> float | None:
-        """Mean of the gap over the period; None without one. As u has no mean, it is mean f -
-        approach.
-        """
+        """Mean of the gap over the period [m], mean f - approach; None without a period."""
         if self.period is None:
             return None
         half = 0.5 * self.period
@@ -138,21 +118,19 @@ class AdhesiveZone(SymmetricZone):
 
 
 def frictionless_energy(zone: SymmetricZone) -> float:
-    """(1/2) int p (approach - f) of a frictionless zone, by the double-exponential rule."""
-    return 0.5 * zone.load * zone._approach() - float(
-        integrated(lambda r, d: zone._pressure(r, d) * zone._height(r), zone.half_width)
-    )
+    """(1/2) int p (approach - f) of a frictionless zone."""
+    moment = integrated(lambda r, d: zone._pressure(r, d) * zone._height(r), zone.half_width)
+    return 0.5 * zone.load * zone._approach() - float(moment)
 
 
 State = TypeVar("State", bound=AdhesiveZone)
 
 
 class Equilibria(Generic[State]):
-    """The curve of equilibria of one profile at a given work, by a parameter s that grows with the
-    contact.
+    """The curve of equilibria of one profile, by a parameter that grows with the contact.
 
-    `narrow` is the part before the curve first becomes stable, `stable` the first stable part,
-    `wide` what follows, `last` the part at the end of the curve.
+    Turning points cut it into parts: `stable` is the first stable one, `narrow` the one before it,
+    `wide` the one after it, `last` the one at the end of the curve.
     """
 
     work: float
@@ -162,26 +140,27 @@ class Equilibria(Generic[State]):
             keep(self, positive_or_none if name == "datum" else positive, name)
 
     def _frictionless(self, half_width: float) -> HertzLine | Westergaard:
-        """The zone of a half width without adhesion."""
+        """The frictionless zone of a half width."""
         raise NotImplementedError
 
     def at(self, parameter: float) -> State:
-        """The equilibrium of a parameter."""
+        """The equilibrium at a parameter."""
         raise NotImplementedError
 
     def _carrying(self, load: float, parameter: float) -> State:
-        """The equilibrium of a parameter that is that of a load."""
+        """The equilibrium at a parameter that was found from this load."""
         return self.at(parameter)
 
     def _samples(self) -> Array:
-        """Parameters from end to end of the curve, close enough to tell its turning points apart."""
+        """Parameters along the whole curve, dense enough to separate its turning points."""
         raise NotImplementedError
 
     def _rates(self, parameter: float) -> tuple[float, float]:
-        """Derivatives of load and approach by the parameter (approach: nan without a datum)."""
+        """Derivatives of load and approach by the parameter; the latter is nan without a datum."""
         return self.at(parameter).rates()
 
     def _rate(self, parameter: float, machine_compliance: float) -> float:
+        """Derivative of approach + M load, which is positive for a stable equilibrium."""
         load, approach = self._rates(parameter)
         if machine_compliance == inf:
             return load
@@ -192,29 +171,26 @@ class Equilibria(Generic[State]):
         return approach + machine_compliance * load
 
     def is_stable(self, parameter: float, machine_compliance: float = inf) -> bool:
-        """Whether the equilibrium is stable (inf: under a held load, 0: under a held approach)."""
+        """Whether an equilibrium is stable; inf: at prescribed load, 0: at prescribed approach."""
         return self._rate(parameter, machine_compliance) > 0.0
 
     def turning_points(self, machine_compliance: float = inf) -> list[float]:
-        """Parameters where stability is lost or gained, ascending."""
+        """Parameters at which stability changes, ascending."""
         return roots(lambda s: self._rate(s, machine_compliance), self._samples())
 
     def pull_off(self, machine_compliance: float = inf) -> State:
-        """The state in which unloading tears the surfaces apart: the least load, or the least
-        approach + M load.
-
-        OutOfRange where no part of the curve is stable.
-        """
+        """The state at which the surfaces separate on unloading; OutOfRange if none is stable."""
         return self.at(self._part("stable", machine_compliance)[0])
 
     def _parts(self, machine_compliance: float) -> tuple[list[tuple[float, float]], list[bool]]:
-        """(parts of the curve between turning points, whether each is stable)."""
+        """The parts of the curve between turning points, and whether each is stable."""
         samples = self._samples()
         ends = [float(samples[0]), *self.turning_points(machine_compliance), float(samples[-1])]
         parts = list(zip(ends[:-1], ends[1:], strict=True))
         return parts, [self._rate(0.5 * (lo + hi), machine_compliance) > 0.0 for lo, hi in parts]
 
     def _part(self, branch: str, machine_compliance: float) -> tuple[float, float]:
+        """First and last parameter of a named part; OutOfRange if it does not exist."""
         parts, grows = self._parts(machine_compliance)
         first = grows.index(True) if True in grows else len(parts)
         numbers = {"narrow": first - 1, "stable": first, "wide": first + 1, "last": len(parts) - 1}
@@ -224,33 +200,31 @@ class Equilibria(Generic[State]):
         return parts[number]
 
     def at_load(self, load: float, branch: str = "stable") -> State:
-        """The equilibrium at a load (per period) on one of the branches under load control;
-        OutOfRange if none.
-        """
+        """The equilibrium at a load (per period) on a branch; OutOfRange if there is none."""
         return self._carrying(load, self._solve("load", finite("load", load), branch, inf))
 
     def at_approach(self, approach: float, branch: str = "stable") -> State:
-        """The equilibrium at an approach on one of the branches under approach control; OutOfRange
-        if none.
-        """
+        """The equilibrium at an approach on a branch; OutOfRange if there is none."""
         return self.at(self._solve("approach", finite("approach", approach), branch, 0.0))
 
     def _solve(self, control: str, value: float, branch: str, machine_compliance: float) -> float:
+        """The parameter on a branch at which the load or the approach has a value."""
         lo, hi = self._part(branch, machine_compliance)
 
-        def miss(s: float) -> float:
+        def residual(s: float) -> float:
             return float(getattr(self.at(s), control)) - value
 
-        low, high = miss(lo), miss(hi)
+        low, high = residual(lo), residual(hi)
         if low * high > 0.0:
             ends = sorted((low + value, high + value))
             raise OutOfRange(
-                f"{control} = {value:.6g} is out of range: the {branch} branch goes from {ends[0]:.6g} to {ends[1]:.6g}"
+                f"{control} = {value:.6g} is out of range: "
+                f"the {branch} branch goes from {ends[0]:.6g} to {ends[1]:.6g}"
             )
-        return root(miss, lo, hi)
+        return root(residual, lo, hi)
 
     def _stable_parts(self) -> list[tuple[float, float, float, float]]:
-        """Parameters and loads at both ends of every part that is stable under a held load."""
+        """Parameters and loads at both ends of every part that is stable at prescribed load."""
         return [
             (lo, hi, self.at(lo).load, self.at(hi).load)
             for (lo, hi), grows in zip(*self._parts(inf), strict=True)
@@ -258,10 +232,9 @@ class Equilibria(Generic[State]):
         ]
 
     def advancing(self, load: float) -> State | None:
-        """The state reached from first touch without load by raising the load, or by lowering it
-        from none; None: full contact.
+        """The state reached from first touch at zero load by changing the load.
 
-        OutOfRange past pull-off.
+        None means full contact; OutOfRange past pull-off.
         """
         load = finite("load", load)
         parts = self._stable_parts()
@@ -269,31 +242,31 @@ class Equilibria(Generic[State]):
         return self._lowered(parts[: reached[0] + 1], load) if reached else None
 
     def receding(self, load: float) -> State | None:
-        """The state reached by lowering the load from the greatest contact; None: full contact.
-        OutOfRange past pull-off.
+        """The state reached by lowering the load from the largest contact.
+
+        None means full contact; OutOfRange past pull-off.
         """
         load = finite("load", load)
         parts = self._stable_parts()
-        return (
-            None
-            if self.stays_closed or not parts or load > parts[-1][3]
-            else self._lowered(parts, load)
-        )
+        if self.stays_closed or not parts or load > parts[-1][3]:
+            return None
+        return self._lowered(parts, load)
 
-    # Whether full contact, once reached, opens at no load.
+    # Whether full contact never opens again, at any load.
     stays_closed = False
 
     def _lowered(self, parts: list[tuple[float, float, float, float]], load: float) -> State:
-        """From the last of the parts down to the load."""
+        """The state at a load on the last part whose loads include it."""
         for lo, hi, least, most in reversed(parts):
             if least <= load <= most:
                 return self._carrying(load, root(lambda s: self.at(s).load - load, lo, hi))
+        pull_off = min(part[2] for part in parts)
         raise OutOfRange(
-            f"load = {load:.6g} N/m is out of range: pull-off is at {min(part[2] for part in parts):.6g} N/m"
+            f"load = {load:.6g} N/m is out of range: pull-off is at {pull_off:.6g} N/m"
         )
 
     def all_at_load(self, load: float) -> list[State]:
-        """Every equilibrium at a load, stable or not, in the order of the parameter."""
+        """All equilibria at a load, stable or not, in the order of the parameter."""
         load = finite("load", load)
         return [
             self._carrying(load, s)
@@ -303,20 +276,21 @@ class Equilibria(Generic[State]):
 
 @dataclass(frozen=True)
 class Cylinder:
-    """What curves of a parabola f = x^2/2R alone share."""
+    """Fields of the curves of an isolated parabola f = x^2/2R."""
 
     radius: float
     E_star: float
     work: float
 
     def _frictionless(self, half_width: float) -> HertzLine:
-        # The datum may be left out: it is the last field of each curve.
-        return HertzLine(self.radius, self.E_star, half_width, self.datum)  # type: ignore[attr-defined]
+        # `datum` is optional, so it is the last field of every subclass.
+        datum: float | None = self.datum  # type: ignore[attr-defined]
+        return HertzLine(self.radius, self.E_star, half_width, datum)
 
 
 @dataclass(frozen=True)
 class Wave:
-    """What curves of a row of waves f = Delta (1 - cos(2 pi x/L)) share."""
+    """Fields of the curves of a periodic wave f = Delta (1 - cos(2 pi x/L))."""
 
     amplitude: float
     period: float

@@ -1,9 +1,8 @@
-"""Two asperities of one isolated punch, f = x^4/8Rc^2 - x^2/4R + c^2/8R = (x^2 - c^2)^2/8Rc^2: eq.
-(31)-(33).
+"""Two asperities of one isolated punch, f = (x^2 - c^2)^2/8Rc^2: eq. (31)-(33).
 
 G. M. L. Gladwell, Contact Problems in the Classical Theory of Elasticity (1980), as given by
-Goryacheva & Tsukanov (2020), doi 10.3389/fmech.2020.00045. The one-zone regime, gap and approach
-are derived: in y = x^2 the two zones are one Hertz zone.
+Goryacheva & Tsukanov (2020), doi 10.3389/fmech.2020.00045. The regime of one zone, the gap and the
+approach are derived: in y = x^2 the two zones are one Hertz zone.
 """
 
 from dataclasses import dataclass
@@ -13,34 +12,27 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from contact.errors import SceneError
-from contact.reference.exact.base import (
-    Array,
-    Pressed,
-    arcosh1p,
-    check_number,
-    sinh_minus,
-    zone_potential,
-)
+from contact.reference.exact.base import PressedBody, check_number
+from contact.reference.exact.numerics import Array, arcosh1p, sinh_minus, zone_potential
 
 
 @dataclass(frozen=True)
-class IsolatedBiquadratic(Pressed):
-    """Two parabolic tips a distance 2c apart on one punch, f = (x^2 - c^2)^2/8Rc^2: two zones, or
-    one.
+class IsolatedBiquadratic(PressedBody):
+    """Two parabolic tips a distance 2c apart on one punch, f = (x^2 - c^2)^2/8Rc^2.
 
-    Zones a <= |x| <= b, a^2 + b^2 = 2c^2, h = (b^2 - a^2)/2, while the load of both P < pi E*
-    c^2/8R:
+    While the load of both is P < pi E* c^2/8R there are two zones a <= |x| <= b, a^2 + b^2 = 2c^2,
+    h = (b^2 - a^2)/2:
 
     (32) p = (E*/4Rc^2) |x| sqrt((x^2 - a^2)(b^2 - x^2)),   (33) P = pi E* h^2/8Rc^2 (half of it a
-    zone), gap = (1/8Rc^2)(v sqrt(v^2 - h^2) - h^2 arcosh(v/h)), v = |x^2 - c^2|; approach =
-    (h^2/8Rc^2)(ln(2d^2/h) + 1/2).
+    zone), gap = (1/8Rc^2)(v sqrt(v^2 - h^2) - h^2 arcosh(v/h)), v = |x^2 - c^2|,
+    approach = (h^2/8Rc^2)(ln(2d^2/h) + 1/2).
 
-    Above that load one zone |x| <= b:   p = (E*/8Rc^2) sqrt(b^2 - x^2)(2x^2 + b^2 - 2c^2),
+    Above that load there is one zone |x| <= b:   p = (E*/8Rc^2) sqrt(b^2 - x^2)(2x^2 + b^2 - 2c^2),
     P = pi E* b^2 (3b^2 - 4c^2)/32Rc^2.
 
     G. M. L. Gladwell, Contact Problems in the Classical Theory of Elasticity (1980), as given by
-    Goryacheva & Tsukanov (2020), doi 10.3389/fmech.2020.00045; the one zone, gap and approach are
-    derived here.
+    Goryacheva & Tsukanov (2020), doi 10.3389/fmech.2020.00045; the one zone, the gap and the
+    approach are derived here.
 
     Parameters
     ----------
@@ -51,10 +43,9 @@ class IsolatedBiquadratic(Pressed):
     E_star : float
         Reduced modulus [Pa].
     load : float
-        P of both tips per unit thickness [N/m]; the class method `from_inner_end` starts from a
-        instead.
+        P of both tips per unit thickness [N/m]. The class method `from_inner_end` starts from a.
     datum : float or None
-        Distance at which the far field of u is zero [m]; without it (None) there is no approach.
+        Distance at which the far field of u is zero [m]; without it there is no approach.
 
     Attributes
     ----------
@@ -65,11 +56,11 @@ class IsolatedBiquadratic(Pressed):
     merged : bool
         Whether there is one zone.
     zones : array, (2, 2) or (1, 2)
-        The ends [m]; beside them `zone_widths` [m] and `zone_loads` [N/m].
+        Ends of the zones [m]; `zone_widths` [m] and `zone_loads` [N/m] are (2,) or (1,).
     max_pressure : float
         Peak pressure [Pa].
     approach, stiffness, punch_compliance : float or None
-        From the height of the tips [m], d load/d approach [Pa], and its inverse [m^2/N]; None
+        Approach since the tips touch [m], d load/d approach [Pa], and its inverse [m^2/N]; None
         without a datum.
     pressure, gap, displacement, height, slope : callable
         p [Pa], gap [m], u [m] into the body, f [m] and f' at positions x [m] of any shape.
@@ -83,7 +74,7 @@ class IsolatedBiquadratic(Pressed):
 
     Examples
     --------
-    Just as the zones merge they reach from -sqrt(2) c to sqrt(2) c.
+    At the merging load the zones reach from -sqrt(2) c to sqrt(2) c.
 
     >>> import numpy as np
     >>> from contact.exact import IsolatedBiquadratic
@@ -155,7 +146,11 @@ class IsolatedBiquadratic(Pressed):
 
     @property
     def max_pressure(self) -> float:
-        """At x^2 = (3b^2 + 2c^2)/6 in one zone; in two at x^2 - c^2 = h^2/(c^2 + sqrt(c^4 + 3h^2))."""
+        """Peak pressure [Pa].
+
+        It is at x^2 = (3b^2 + 2c^2)/6 in one zone, at x^2 - c^2 = h^2/(c^2 + sqrt(c^4 + 3h^2)) in
+        two.
+        """
         c2, h = self._c**2, self._h
         one = (3.0 * self.outer_end**2 + 2.0 * c2) / 6.0
         y = one if self.merged else c2 + h * h / (c2 + sqrt(c2 * c2 + 3.0 * h * h))
@@ -180,16 +175,14 @@ class IsolatedBiquadratic(Pressed):
         return 2.0 * self.E_star * self._unit * r * np.sqrt(product)
 
     def pressure_at(self, t: ArrayLike, zone: int = 0) -> Array:
-        """Pressure [Pa] at the normalised position t in [-1, 1] of a zone, to rounding up to its
-        ends.
-        """
+        """Pressure [Pa] at normalised positions t in [-1, 1], accurate up to the ends."""
         check_number(zone, len(self.zones))
         t = np.asarray(t, dtype=float)
         b = self.outer_end
         if self.merged:
             return self._pressure(b * np.abs(t), t, b * (1.0 - np.abs(t)))
         outward = t if zone == 1 else -t
-        # The zone's width from h, not from b - a, which cancels in narrow zones.
+        # The width of a zone from h: b - a cancels in narrow zones.
         half = self._h / (b + self.inner_end)
         inner = half * (1.0 + outward)
         return self._pressure(self.inner_end + inner, inner, half * (1.0 - outward))
@@ -210,27 +203,24 @@ class IsolatedBiquadratic(Pressed):
         if self.merged:
             eta = arcosh1p(e / b)
             quartic = b**4 / 16.0 * sinh_minus(4.0 * eta)
-            return (
-                2.0
-                * self._unit
-                * (quartic + 0.25 * b * b * (b * b - 2.0 * self._c**2) * sinh_minus(2.0 * eta))
-            )
-        inner = np.maximum(a - r, 0.0)
-        beyond = e * (r + b) + inner * (r + a)  # v - h
-        return self._unit * h * h * zone_potential(beyond / h)
+            square = 0.25 * b * b * (b * b - 2.0 * self._c**2) * sinh_minus(2.0 * eta)
+            return 2.0 * self._unit * (quartic + square)
+        v_minus_h = e * (r + b) + np.maximum(a - r, 0.0) * (r + a)
+        return self._unit * h * h * zone_potential(v_minus_h / h)
 
     @property
     def punch_compliance(self) -> float | None:
-        """d approach/d load at fixed zones [m^2/N]: of two zones (1/pi E*) ln(2d^2/h), of one (2/pi
-        E*) ln(2d/b); None without a datum.
+        """d approach/d load at fixed zones [m^2/N]; None without a datum.
+
+        It is (1/pi E*) ln(2d^2/h) for two zones and (2/pi E*) ln(2d/b) for one.
         """
         if self.datum is None:
             return None
         return float(self._compliance_of(self.outer_end if self.merged else sqrt(2.0 * self._h)))
 
-    def _left(self) -> float:
+    def _approach_by_parts(self) -> float:
         if not self.merged:
             return 0.5 * self._unit * self._h**2
-        # int P(s) ds/s of the one-zone formula continued to s = 0, and f(0)
+        # int P(s) ds/s of the formula for one zone, continued to s = 0, plus f(0)
         b, c = self.outer_end, self._c
         return self._unit * (b * b * (3.0 * b * b - 8.0 * c * c) / 8.0 + c**4)

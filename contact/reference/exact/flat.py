@@ -1,7 +1,7 @@
-"""Flat punch with sharp corners, alone and in a row of period L.
+"""Flat punch with sharp corners, isolated and periodic.
 
-Alone: M. A. Sadowsky (1928); K. L. Johnson, Contact Mechanics (1985), sec. 2.8. In a row: derived,
-with the substitution tan(pi x/L).
+Isolated: M. A. Sadowsky (1928); K. L. Johnson, Contact Mechanics (1985), sec. 2.8. Periodic:
+derived with the substitution tan(pi x/L).
 """
 
 from dataclasses import dataclass
@@ -10,21 +10,12 @@ from math import inf, pi
 import numpy as np
 from numpy.typing import ArrayLike
 
-from contact.reference.exact.base import (
-    Array,
-    SymmetricZone,
-    arcosh1p,
-    cosine,
-    known,
-    sine,
-    sine_excess,
-)
+from contact.reference.exact.base import SymmetricZone, with_datum
+from contact.reference.exact.numerics import Array, arcosh1p, cosine, sine, sine_excess
 
 
 class _Punch(SymmetricZone):
-    """What the two share: the profile, a load that the half-width does not set, and the forms, in
-    which alone sin(pi x/L) is x.
-    """
+    """The profile and the formulas of both punches; the load does not set the half width."""
 
     def __post_init__(self) -> None:
         self._check("load", "E_star", "half_width")
@@ -42,35 +33,32 @@ class _Punch(SymmetricZone):
 
     def _pressure(self, r: Array, d: Array) -> Array:
         root = np.sqrt(sine(d, self.period) * sine(self.half_width + r, self.period))
+        unit = self.load / (pi * self._sine_unit)
         with np.errstate(divide="ignore"):
-            return self.load / (pi * self._turn) * cosine(self.half_width, self.period, d) / root
+            return unit * cosine(self.half_width, self.period, d) / root
 
-    def _fall(self, e: Array) -> Array:
+    def _depth(self, e: Array) -> Array:
         """approach - u at the distance e from the punch [m]."""
-        return (
-            2.0
-            * self.load
-            / (pi * self.E_star)
-            * arcosh1p(sine_excess(self.half_width, e, self.period))
-        )
+        unit = 2.0 * self.load / (pi * self.E_star)
+        return unit * arcosh1p(sine_excess(self.half_width, e, self.period))
 
     def displacement(self, x: ArrayLike) -> Array:
-        """u(x) [m]: the approach in contact, falling outside."""
-        return known("u", self.approach) - self._fall(
-            np.maximum(np.abs(self._reduced(x)) - self.half_width, 0.0)
-        )
+        """u(x) [m]: the approach in contact, less outside."""
+        e = np.maximum(np.abs(self._reduced(x)) - self.half_width, 0.0)
+        return with_datum("u", self.approach) - self._depth(e)
 
-    def _left(self) -> float:
+    def _approach_by_parts(self) -> float:
         return 0.0
 
 
 @dataclass(frozen=True)
 class IsolatedPunch(_Punch):
-    """A flat punch alone (Sadowsky 1928): p = P/(pi sqrt(a^2 - x^2)), approach = (2P/pi E*)
-    ln(2d/a);
+    """An isolated flat punch (Sadowsky 1928).
 
-    outside u = approach - (2P/pi E*) arcosh(|x|/a). The gap outside is infinite, as the profile is.
-    K. L. Johnson, Contact Mechanics (1985), sec. 2.8, doi 10.1017/CBO9781139171731.
+    p = P/(pi sqrt(a^2 - x^2)), approach = (2P/pi E*) ln(2d/a); outside u = approach - (2P/pi E*)
+    arcosh(|x|/a), and the gap is infinite, as the profile is. Everything else is in
+    `SymmetricZone`. K. L. Johnson, Contact Mechanics (1985), sec. 2.8, doi
+    10.1017/CBO9781139171731.
 
     Parameters
     ----------
@@ -81,12 +69,7 @@ class IsolatedPunch(_Punch):
     load : float
         P per unit thickness [N/m].
     datum : float or None
-        Distance at which the far field of u is zero [m]; without it (None) there is no approach.
-
-    Attributes
-    ----------
-    pressure, gap, zones, approach : as in `SymmetricZone`
-        What every such zone has, and what else is there.
+        Distance at which the far field of u is zero [m]; without it there is no approach.
 
     Raises
     ------
@@ -111,26 +94,21 @@ class IsolatedPunch(_Punch):
 
 @dataclass(frozen=True)
 class PeriodicPunch(_Punch):
-    """A row of flat punches (derived), v = pi x/L, A = pi a/L: p = (P/L) cos v/sqrt(sin^2 A - sin^2
-    v),
+    """A flat punch once in every period (derived), with v = pi x/L and A = pi a/L.
 
-    approach = -(2P/pi E*) ln sin A; outside u = approach - (2P/pi E*) arcosh(sin v/sin A).
+    p = (P/L) cos v/sqrt(sin^2 A - sin^2 v), approach = -(2P/pi E*) ln sin A; outside u = approach -
+    (2P/pi E*) arcosh(sin v/sin A). Everything else is in `SymmetricZone`.
 
     Parameters
     ----------
     half_width : float
-        Half width a of a punch [m].
+        Half width a of the punch [m].
     period : float
         Period L [m].
     E_star : float
         Reduced modulus [Pa].
     load : float
         P per period [N/m].
-
-    Attributes
-    ----------
-    pressure, gap, zones, approach : as in `SymmetricZone`
-        What every such zone has, and what else is there.
 
     Raises
     ------

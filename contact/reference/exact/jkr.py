@@ -1,13 +1,12 @@
-"""JKR adhesion of one symmetric zone, alone and in a row: p ~ -sqrt(E* w/pi)/sqrt(d) at its ends.
+"""JKR adhesion of one symmetric zone: p ~ -sqrt(E* w/pi)/sqrt(d) at its ends.
 
-The load is that of the frictionless zone less that of a flat punch with the same intensity at its
-corners:
+A state is the frictionless zone less a flat punch with the same intensity at its corners, of load
 
-    Q = sqrt(2 pi E* a w) alone,   Q = sqrt(2 E* w L tan(pi a/L)) with a period L.
+    Q = sqrt(2 pi E* a w) isolated,   Q = sqrt(2 E* w L tan(pi a/L)) with a period L.
 
 Cylinder: M. Barquins, J. Adhesion 26 (1988) 1-12, doi 10.1080/00218468808075464. Wave: K. L.
 Johnson, Int. J. Solids Struct. 32 (1995) 423-430, doi 10.1016/0020-7683(94)00111-9. Other profiles,
-approaches and energies: derived from the same sum.
+approaches and energies are derived from the same difference.
 """
 
 from dataclasses import dataclass
@@ -18,22 +17,24 @@ import numpy as np
 
 from contact.model.checks import positive
 from contact.reference.exact.adhesion import AdhesiveZone, Cylinder, Equilibria, Wave
-from contact.reference.exact.base import Array, IsolatedZone, PeriodicZone, known
+from contact.reference.exact.base import IsolatedZone, PeriodicZone, with_datum
 from contact.reference.exact.flat import IsolatedPunch, PeriodicPunch
+from contact.reference.exact.numerics import Array
 
 
 @dataclass(frozen=True)
 class JKRZone(AdhesiveZone):
-    """JKR adhesion of one zone: the frictionless zone's solution less a flat punch's, p ~ -sqrt(E*
-    w/pi)/sqrt(d) at the ends,
+    """JKR adhesion of one zone: the frictionless zone less a flat punch.
 
-    p = p_0 - q,   gap = g_0 + (2Q/pi E*) arcosh(x/a) (with a period of sin(pi x/L)/sin(pi a/L)),
-    load = P_0 - Q,   approach = d_0 - C Q,   elastic energy = U_0 - C Q P_0 + C Q^2/2,   surface
-    energy = -2 a w,
+    With C the compliance of the punch, and p ~ -sqrt(E* w/pi)/sqrt(d) at the ends,
 
-    C the punch's compliance. M. Barquins, J. Adhesion 26 (1988) 1-12, doi
-    10.1080/00218468808075464; K. L. Johnson, Int. J. Solids Struct. 32 (1995) 423-430, doi
-    10.1016/0020-7683(94)00111-9.
+    p = p_0 - q,   gap = g_0 + (2Q/pi E*) arcosh(x/a) (periodic: of sin(pi x/L)/sin(pi a/L)),
+    load = P_0 - Q,   approach = d_0 - C Q,   elastic energy = U_0 - C Q P_0 + C Q^2/2,
+    surface energy = -2 a w.
+
+    Energies are in `AdhesiveZone`, fields in `SymmetricZone`. M. Barquins, J. Adhesion 26 (1988)
+    1-12, doi 10.1080/00218468808075464; K. L. Johnson, Int. J. Solids Struct. 32 (1995) 423-430,
+    doi 10.1016/0020-7683(94)00111-9.
 
     Parameters
     ----------
@@ -47,11 +48,7 @@ class JKRZone(AdhesiveZone):
     intensity : float
         sqrt(E* w/pi) [Pa m^(1/2)].
     punch : IsolatedPunch or PeriodicPunch
-        The flat punch whose pressure is taken off.
-    load, approach, energy : float
-        As in `AdhesiveZone`.
-    pressure, gap, zones, approach : as in `SymmetricZone`
-        What every such zone has, and what else is there.
+        The flat punch whose pressure is subtracted.
 
     Raises
     ------
@@ -64,7 +61,7 @@ class JKRZone(AdhesiveZone):
     >>> from contact.exact import HertzLine, JKRZone
     >>> state = JKRZone(HertzLine(radius=1e-3, E_star=1e9, half_width=1e-5), work=0.05)
     >>> p = state.pressure_at(1 - 1e-9)  # at the distance d = 1e-9 a from the end
-    >>> bool(np.isclose(p * np.sqrt(1e-9 * 1e-5), -np.sqrt(1e9 * 0.05 / np.pi), rtol=1e-5))
+    >>> bool(np.isclose(p * np.sqrt(1e-9 * 1e-5), -state.intensity, rtol=1e-5))
     True
     """
 
@@ -82,28 +79,26 @@ class JKRZone(AdhesiveZone):
 
     @cached_property
     def punch(self) -> IsolatedPunch | PeriodicPunch:
-        """The flat punch whose pressure is taken off."""
-        a, modulus = self.half_width, self.E_star
-        load = sqrt(2.0 * pi * modulus * self.work * self.tangent)
-        return (
-            IsolatedPunch(a, modulus, load, self.datum)
-            if self.period is None
-            else PeriodicPunch(a, self.period, modulus, load)
-        )
+        """The flat punch whose pressure is subtracted."""
+        a, load = self.half_width, sqrt(2.0 * pi * self.E_star * self.work * self.tangent)
+        if self.period is None:
+            return IsolatedPunch(a, self.E_star, load, self.datum)
+        return PeriodicPunch(a, self.period, self.E_star, load)
 
     @property
     def tangent(self) -> float:
-        """(L/pi) tan(pi a/L) [m]; alone a."""
-        return self._turn * self._sine() / self._cosine()
+        """(L/pi) tan(pi a/L) [m]; isolated: a."""
+        return self._sine_unit * self._sine() / self._cosine()
 
     def _pressure(self, r: Array, d: Array) -> Array:
         return self.zone._pressure(r, d) - self.punch._pressure(r, d)
 
     def _gap(self, e: Array) -> Array:
-        return super()._gap(e) + self.punch._fall(e)
+        return super()._gap(e) + self.punch._depth(e)
 
     def _approach(self) -> float:
-        return super()._approach() - self.punch.load * known("the approach", self.punch_compliance)
+        compliance = with_datum("the approach", self.punch_compliance)
+        return super()._approach() - self.punch.load * compliance
 
     @property
     def load(self) -> float:
@@ -111,8 +106,8 @@ class JKRZone(AdhesiveZone):
 
     @property
     def elastic_energy(self) -> float:
-        taken, compliance = self.punch.load, known("the approach", self.punch_compliance)
-        return super().elastic_energy + compliance * taken * (0.5 * taken - self.zone.load)
+        punch, compliance = self.punch.load, with_datum("the approach", self.punch_compliance)
+        return super().elastic_energy + compliance * punch * (0.5 * punch - self.zone.load)
 
     @property
     def surface_energy(self) -> float:
@@ -120,16 +115,15 @@ class JKRZone(AdhesiveZone):
 
     def rates(self) -> tuple[float, float]:
         """d load/da and d approach/da (nan without a datum)."""
-        taken = self.punch.load
-        load = float(self.zone.load_rate(np.array(self.half_width))) - 0.5 * taken / (
-            self.tangent * self._cosine() ** 2
-        )
-        # dC/da = -2/(pi E* a) alone, -(2/E* L) cot(pi a/L) with a period.
-        return load, self._approach_rate(load, 2.0 * taken / (pi * self.E_star * self.tangent))
+        punch = self.punch.load
+        load = float(self.zone.load_rate(np.array(self.half_width)))
+        load -= 0.5 * punch / (self.tangent * self._cosine() ** 2)
+        # dC/da = -2/(pi E* a) isolated, -(2/E* L) cot(pi a/L) with a period
+        return load, self._approach_rate(load, 2.0 * punch / (pi * self.E_star * self.tangent))
 
 
 class _JKREquilibria(Equilibria[JKRZone]):
-    """Equilibria by their half width."""
+    """Equilibria, by their half width."""
 
     def at(self, parameter: float) -> JKRZone:
         """The equilibrium of this half width."""
@@ -137,17 +131,18 @@ class _JKREquilibria(Equilibria[JKRZone]):
 
     @property
     def jump_in(self) -> JKRZone:
-        """Where first touch leads to under load control: the stable equilibrium without load."""
+        """The state that first touch jumps to at zero load."""
         return self.at_load(0.0)
 
 
 @dataclass(frozen=True)
 class JKRCylinder(Cylinder, _JKREquilibria):
-    """The equilibria of f = x^2/2R alone under JKR adhesion, by their half width (Barquins 1988): P
-    = pi E* a^2/4R - sqrt(2 pi E* a w),
+    """The equilibria of an isolated f = x^2/2R under JKR adhesion, by half width (Barquins 1988).
 
-    approach = (a^2/2R)(ln(2d/a) + 1/2) - (2/pi E*) sqrt(2 pi E* a w) ln(2d/a) with a datum d;
-    pull-off under load control at a^3 = 2 R^2 w/(pi E*), P = -3 (pi E* w^2 R/16)^(1/3). M.
+    P = pi E* a^2/4R - sqrt(2 pi E* a w), and with a datum d
+    approach = (a^2/2R)(ln(2d/a) + 1/2) - (2/pi E*) sqrt(2 pi E* a w) ln(2d/a).
+
+    Pull-off at prescribed load: a^3 = 2 R^2 w/(pi E*), P = -3 (pi E* w^2 R/16)^(1/3). M.
     Barquins, J. Adhesion 26 (1988) 1-12, doi 10.1080/00218468808075464.
 
     Parameters
@@ -159,30 +154,30 @@ class JKRCylinder(Cylinder, _JKREquilibria):
     work : float
         Work of adhesion w [J/m^2].
     datum : float or None
-        Distance at which the far field of u is zero [m]; without it (None) there is no approach.
+        Distance at which the far field of u is zero [m]; without it there is no approach.
 
     Attributes
     ----------
     pull_off_load : float
         -3 (pi E* w^2 R/16)^(1/3) [N/m].
     jump_in : JKRZone
-        Where first touch leads to under no load.
+        The state that first touch jumps to at zero load.
     at, at_load, at_approach, all_at_load : callable
-        The state of a parameter; at a load [N/m] or an approach [m] on a branch ("stable",
+        The state at a parameter; at a load [N/m] or an approach [m] on a branch ("stable",
         "narrow", "wide", "last"); all states at a load.
     advancing, receding : callable
-        The state at a load, reached from first touch or from the greatest contact; None: full
+        The state at a load, reached from first touch or from the largest contact; None: full
         contact.
     pull_off, turning_points, is_stable : callable
-        Where unloading tears the surfaces apart, and where stability changes, for a machine's
-        compliance [m^2/N]: inf under a held load (the default), 0 under a held approach.
+        The state at pull-off, and the parameters at which stability changes, for a machine
+        compliance [m^2/N]: inf at prescribed load (the default), 0 at prescribed approach.
 
     Raises
     ------
     SceneError
         If a number is not positive and finite.
     OutOfRange
-        From the calls, if no state answers, such as past pull-off.
+        From the methods, if there is no such state, for instance past pull-off.
 
     Examples
     --------
@@ -204,25 +199,24 @@ class JKRCylinder(Cylinder, _JKREquilibria):
 
     def _samples(self) -> Array:
         unit = (2.0 * self.radius**2 * self.work / (pi * self.E_star)) ** (1.0 / 3.0)
-        # With a datum the approach has a meaning while the zone is narrow beside it: it is greatest
-        # near 2d.
+        # With a datum d the approach has a meaning only for a < d; it is greatest near a = 2d.
         widest = 1e6 * unit if self.datum is None else self.datum
         return np.geomspace(min(1e-12 * unit, 1e-6 * widest), widest, 200)
 
 
 @dataclass(frozen=True)
 class JKRWave(Wave, _JKREquilibria):
-    """The equilibria of f = Delta (1 - cos(2 pi x/L)) in a row under JKR adhesion, by their half
-    width (Johnson 1995).
+    """The equilibria of a wave f = Delta (1 - cos(2 pi x/L)) under JKR adhesion, by half width.
 
-    With A = pi a/L and p* = pi E* Delta/L
+    With A = pi a/L, p* = pi E* Delta/L and alpha^2 = 2 w L/(pi^2 E* Delta^2) (Johnson 1995),
 
-    mean pressure = p* (sin^2 A - alpha sqrt(tan A)),   alpha^2 = 2 w L/(pi^2 E* Delta^2).
+    mean pressure = p* (sin^2 A - alpha sqrt(tan A)),
+    approach = Delta sin^2 A (1 - ln sin^2 A) + alpha Delta sqrt(tan A) ln sin^2 A.
 
-    It falls to pull-off, rises to the jump into full contact, and falls without end. The rise goes
-    down to zero load while alpha < 27^(1/4)/4 = 0.5699; there is none from alpha = 4 (3/8)^(3/4)
-    (5/8)^(5/4) = 1.0652 on. Under a held approach the wave closes without a jump, and approach =
-    Delta sin^2 A (1 - ln sin^2 A) + alpha Delta sqrt(tan A) ln sin^2 A. K. L. Johnson, Int. J.
+    As the contact grows, the mean pressure falls to pull-off, rises to the jump into full contact,
+    and falls without bound. For alpha < 27^(1/4)/4 = 0.5699 the jump is at a positive load; from
+    alpha = 4 (3/8)^(3/4) (5/8)^(5/4) = 1.0652 on, the pressure does not rise at all. At prescribed
+    approach the wave closes without a jump. K. L. Johnson, Int. J.
     Solids Struct. 32 (1995) 423-430, doi 10.1016/0020-7683(94)00111-9.
 
     Parameters
@@ -241,29 +235,29 @@ class JKRWave(Wave, _JKREquilibria):
     alpha : float
         Johnson's parameter.
     self_closing_work, last_partial_work : float
-        w above which contact becomes full without load, and above which no partial contact is
-        stable under a load [J/m^2].
+        w above which contact becomes full at zero load, and above which no partial contact is
+        stable at a prescribed load [J/m^2].
     jump_in, jump_into_full_contact : JKRZone
-        Where first touch leads to under no load, and the state of the greatest load of partial
-        contact.
+        The state that first touch jumps to at zero load, and the partial contact with the largest
+        load.
     full_contact_energy : float
-        Elastic and surface energy of full contact per period [J/m].
+        Elastic plus surface energy of full contact per period [J/m].
     at, at_load, at_approach, all_at_load : callable
-        The state of a parameter; at a load [N/m] or an approach [m] on a branch ("stable",
+        The state at a parameter; at a load [N/m] or an approach [m] on a branch ("stable",
         "narrow", "wide", "last"); all states at a load.
     advancing, receding : callable
-        The state at a load, reached from first touch or from the greatest contact; None: full
+        The state at a load, reached from first touch or from the largest contact; None: full
         contact.
     pull_off, turning_points, is_stable : callable
-        Where unloading tears the surfaces apart, and where stability changes, for a machine's
-        compliance [m^2/N]: inf under a held load (the default), 0 under a held approach.
+        The state at pull-off, and the parameters at which stability changes, for a machine
+        compliance [m^2/N]: inf at prescribed load (the default), 0 at prescribed approach.
 
     Raises
     ------
     SceneError
         If a number is not positive and finite.
     OutOfRange
-        From the calls, if no state answers, such as past pull-off.
+        From the methods, if there is no such state, for instance past pull-off.
 
     Examples
     --------
@@ -276,7 +270,7 @@ class JKRWave(Wave, _JKREquilibria):
     True
     """
 
-    # An opening of no width has no intensity: what is closed needs a flaw to open.
+    # Full contact has no edge with an intensity, so it opens only from a flaw.
     stays_closed = True
 
     @property
@@ -289,31 +283,25 @@ class JKRWave(Wave, _JKREquilibria):
 
     @property
     def self_closing_work(self) -> float:
-        """The work of adhesion above which the surfaces jump into full contact without load: at
-        sin^2 A = 3/4.
-        """
+        """The work above which the surfaces jump into full contact at zero load: sin^2 A = 3/4."""
         return self._work_of(27.0**0.25 / 4.0)
 
     @property
     def last_partial_work(self) -> float:
-        """The work of adhesion above which no partial contact is stable at any load: at tan^2 A =
-        3/5.
-        """
+        """The work above which no partial contact is stable at any load: tan^2 A = 3/5."""
         return self._work_of(4.0 * 0.375**0.75 * 0.625**1.25)
 
     @property
     def jump_into_full_contact(self) -> JKRZone:
-        """The state of the greatest load of partial contact: beyond it, under load control, contact
-        is full.
-        """
+        """The partial contact with the largest load; above that load contact is full."""
         return self.at(self._part("stable", float("inf"))[1])
 
     @property
     def full_contact_energy(self) -> float:
-        """Elastic and surface energy of full contact per period, pi E* Delta^2/4 - w L."""
+        """Elastic plus surface energy of full contact per period, pi E* Delta^2/4 - w L."""
         return 0.25 * pi * self.E_star * self.amplitude**2 - self.work * self.period
 
     def _samples(self) -> Array:
-        # tan A from 1e-9 to 1e9, and where the two turning points of the load meet and vanish.
+        # tan A from 1e-9 to 1e9, and sqrt(0.6), where the two turning points of the load meet.
         tangent = np.append(np.geomspace(1e-9, 1e9, 400), sqrt(0.6))
         return self.period / pi * np.arctan(np.sort(tangent))

@@ -1,9 +1,8 @@
-"""Localization of one zone in a period: the isolated solution plus the pressure that balances the
-neighbours' nominal one.
+"""Localization of one zone in a period: the isolated solution plus a correction for the neighbours.
 
-I. G. Goryacheva & I. Tsukanov, Front. Mech. Eng. 6 (2020) 45, doi 10.3389/fmech.2020.00045, eq.
-(13)-(17), (23)-(30). The nominal pressure P_s/L acts outside the strip of width L, so that (1/pi)
-PV int p/(x-xi) = (E*/2) f' + (2 P_s/pi L) artanh(2x/L).
+The neighbours press with their nominal pressure P_s/L outside the strip of width L around the zone,
+so that (1/pi) PV int p/(x-xi) = (E*/2) f' + (2 P_s/pi L) artanh(2x/L). I. G. Goryacheva & I.
+Tsukanov, Front. Mech. Eng. 6 (2020) 45, doi 10.3389/fmech.2020.00045, eq. (13)-(17), (23)-(30).
 """
 
 from dataclasses import dataclass
@@ -16,9 +15,9 @@ from scipy.optimize import minimize_scalar
 
 from contact.errors import OutOfRange, SceneError
 from contact.model.checks import between, one_of, positive
-from contact.reference.exact.base import Array, SymmetricZone, abel_gap
+from contact.reference.exact.base import SymmetricZone
+from contact.reference.exact.numerics import Array, abel_gap, root
 from contact.reference.exact.parabola import HertzLine
-from contact.reference.exact.roots import root
 from contact.reference.exact.sinusoid import IsolatedSinusoid
 from contact.reference.exact.wedge import IsolatedWedge
 
@@ -31,10 +30,10 @@ SELF_CONSISTENT = "self-consistent"
 def correction_pressure(
     x: ArrayLike, half_width: float, period: float, nominal_load: float
 ) -> Array:
-    """The neighbours' part of the pressure, second term of (17): (2 P_s/pi L) arctan(2 sqrt(a^2 -
-    x^2)/sqrt(L^2 - 4a^2)), |x| <= a.
+    """The neighbours' part of the pressure, second term of (17).
 
-    I. G. Goryacheva & I. Tsukanov, Front. Mech. Eng. 6 (2020) 45, doi 10.3389/fmech.2020.00045.
+    It is (2 P_s/pi L) arctan(2 sqrt(a^2 - x^2)/sqrt(L^2 - 4a^2)), |x| <= a. I. G. Goryacheva & I.
+    Tsukanov, Front. Mech. Eng. 6 (2020) 45, doi 10.3389/fmech.2020.00045.
 
     Parameters
     ----------
@@ -58,7 +57,8 @@ def correction_pressure(
 
     >>> import numpy as np
     >>> from contact.exact import correction_pressure
-    >>> bool(np.isclose(correction_pressure(0.0, half_width=0.25, period=1.0, nominal_load=3.0), 1.0))
+    >>> p = correction_pressure(0.0, half_width=0.25, period=1.0, nominal_load=3.0)
+    >>> bool(np.isclose(p, 1.0))
     True
     """
     r = np.minimum(np.abs(np.asarray(x, dtype=float)), half_width)
@@ -86,9 +86,11 @@ def correction_load(half_width: float, period: float, nominal_load: float) -> fl
 
     Examples
     --------
+    1 - sqrt(1 - 0.6^2) = 0.2.
+
     >>> import numpy as np
     >>> from contact.exact import correction_load
-    >>> bool(np.isclose(correction_load(half_width=0.3, period=1.0, nominal_load=1.0), 0.2))  # 1 - sqrt(1 - 0.6^2)
+    >>> bool(np.isclose(correction_load(half_width=0.3, period=1.0, nominal_load=1.0), 0.2))
     True
     """
     return nominal_load * 4.0 * half_width**2 / (period * (period + _root(half_width, period)))
@@ -106,17 +108,17 @@ def _correction(r: Array, d: Array, a: float, period: float, nominal_load: float
 
 @dataclass(frozen=True)
 class LocalizedZone(SymmetricZone):
-    """An isolated solution in a period L, with the neighbours' nominal load P_s taken over by the
-    correction of (17).
+    """An isolated solution in a period L, corrected by (17) for the nominal load P_s outside.
 
     `first-order` (the paper's examples (23), (27), (30)): P_s is the isolated load P0, P = P0 (2 -
-    sqrt(L^2 - 4a^2)/L). `self-consistent` ((16) solved): P_s = P = P0 L/sqrt(L^2 - 4a^2). I. G.
-    Goryacheva & I. Tsukanov, Front. Mech. Eng. 6 (2020) 45, doi 10.3389/fmech.2020.00045.
+    sqrt(L^2 - 4a^2)/L). `self-consistent` ((16) solved): P_s = P = P0 L/sqrt(L^2 - 4a^2). Pressure,
+    gap and zones are in `SymmetricZone`. I. G. Goryacheva & I. Tsukanov, Front. Mech. Eng. 6 (2020)
+    45, doi 10.3389/fmech.2020.00045.
 
     Parameters
     ----------
     isolated : HertzLine or IsolatedWedge or IsolatedSinusoid
-        The solution of the zone alone; a sinusoid's wavelength is the period.
+        The isolated solution; a sinusoid's wavelength is the period.
     period : float
         Period L [m].
     closure : str
@@ -130,8 +132,6 @@ class LocalizedZone(SymmetricZone):
         P_s [N/m].
     approach, stiffness : None
         The closures do not fix a common level of u.
-    pressure, gap, zones : as in `SymmetricZone`
-        What every such zone has, and what else is there.
 
     Raises
     ------
@@ -145,9 +145,9 @@ class LocalizedZone(SymmetricZone):
     --------
     >>> import numpy as np
     >>> from contact.exact import HertzLine, LocalizedZone
-    >>> alone = HertzLine(radius=1.0, E_star=1e9, half_width=3e-3)
-    >>> row = LocalizedZone(alone, period=1e-2, closure="self-consistent")
-    >>> bool(np.isclose(row.load, alone.load / 0.8))  # sqrt(1 - 0.6^2) = 0.8
+    >>> isolated = HertzLine(radius=1.0, E_star=1e9, half_width=3e-3)
+    >>> row = LocalizedZone(isolated, period=1e-2, closure="self-consistent")
+    >>> bool(np.isclose(row.load, isolated.load / 0.8))  # sqrt(1 - 0.6^2) = 0.8
     True
     """
 
@@ -175,6 +175,9 @@ class LocalizedZone(SymmetricZone):
 
     half_width = property(lambda self: self.isolated.half_width)  # type: ignore[assignment]
     E_star = property(lambda self: self.isolated.E_star)  # type: ignore[assignment]
+    # The closures do not fix a common level of u.
+    approach = property(lambda self: None)
+    stiffness = property(lambda self: None)
 
     @property
     def nominal_load(self) -> float:
@@ -186,7 +189,7 @@ class LocalizedZone(SymmetricZone):
         return _load(self.isolated, self.period, self.closure)
 
     def load_rate(self, s: Array) -> Array:
-        """d(load)/da at a = s with the nominal load held: the superposition's P'(s)."""
+        """d load/da at a = s, for a fixed nominal load."""
         s = np.asarray(s)
         z = 2.0 * s / self.period
         # s may round to L/2, where the rate is infinite but its integral is not.
@@ -200,39 +203,27 @@ class LocalizedZone(SymmetricZone):
         return self.isolated.slope(r)
 
     def _pressure(self, r: Array, d: Array) -> Array:
-        extra = _correction(r, d, self.half_width, self.period, self.nominal_load)
-        return self.isolated._pressure(r, d) + extra
+        correction = _correction(r, d, self.half_width, self.period, self.nominal_load)
+        return self.isolated._pressure(r, d) + correction
 
     def _gap(self, e: Array) -> Array:
-        return abel_gap(
-            self.load_rate,
-            self.half_width,
-            np.minimum(e, 0.5 * self.period - self.half_width),
-            self.E_star,
-        )
-
-    # The closures do not fix a common level of u.
-    approach = property(lambda self: None)
-    stiffness = property(lambda self: None)
+        e = np.minimum(e, 0.5 * self.period - self.half_width)
+        return abel_gap(self.load_rate, self.half_width, e, self.E_star)
 
 
 def _load(isolated: Isolated, period: float, closure: str) -> float:
-    a, alone = isolated.half_width, isolated.load
-    return (
-        alone + correction_load(a, period, alone)
-        if closure == FIRST_ORDER
-        else alone * period / _root(a, period)
-    )
+    a, load = isolated.half_width, isolated.load
+    if closure == FIRST_ORDER:
+        return load + correction_load(a, period, load)
+    return load * period / _root(a, period)
 
 
 def localized_at_load(
     family: type[Isolated], load: float, period: float, closure: str = FIRST_ORDER, **shape: Any
 ) -> LocalizedZone:
-    """The localized solution of a family at a load per period, on the branch that starts at zero
-    load.
+    """The localized solution at a load per period, on the branch that starts at zero load.
 
-    Past the load's maximum on that branch (the first-order sinusoid has one near a/L = 0.44) it is
-    OutOfRange.
+    The first-order load of a sinusoid has a maximum on that branch, near a/L = 0.44.
 
     Parameters
     ----------
@@ -276,7 +267,7 @@ def localized_at_load(
     def at(a: float) -> float:
         return _load(family(half_width=a, **shape), period, closure)
 
-    # The samples run into the maximum from below; the bracket about the first fall is refined.
+    # The first fall of the load between samples brackets its maximum.
     widths = 0.5 * period * np.linspace(0.0, 1.0, 258)[1:-1]
     falling = np.flatnonzero(np.diff([at(a) for a in widths]) < 0.0)
     last = 0.5 * period * (1.0 - 1e-12)

@@ -1,13 +1,13 @@
-"""Two zones a <= |x| <= b under an even pressure, alone or once in every period: one zone in
-another variable.
+"""Two zones a <= |x| <= b under an even pressure, isolated or once in every period.
 
-With v = x and no period, v = tan(pi x/L) with one (the Hilbert kernel is then the Cauchy kernel in
-v, since the pressure is even), and y = v^2 = m + h cos(theta), the odd slope h'(x) of the gap to be
-closed is v G(y), G = sum g_n cos(n theta), and (34) with its boundary conditions becomes
+Let v = x without a period and v = tan(pi x/L) with one; as the pressure is even, the Hilbert kernel
+is the Cauchy kernel in v. With y = v^2 = m + h cos(theta), the two zones are one zone in y. The odd
+slope h'(x) of the gap to be closed is v G(y), G = sum g_n cos(n theta), and (34) with its boundary
+conditions becomes
 
     bounded at all four ends   g_0 = 0,
     p = (E* |v|/2) sum g_n sin(n theta),
-    P = pi E* h g_1/4 alone,   P = (E* L/2) |sum g_n rho^n| with a period,
+    P = pi E* h g_1/4 isolated,   P = (E* L/2) |sum g_n rho^n| periodic,
 
 rho = -1/(z + sqrt(z^2 - 1)), z = (1 + m)/h. For G linear in y this is (32) and (33) of Goryacheva &
 Tsukanov (2020), doi 10.3389/fmech.2020.00045. The rest is derived here.
@@ -24,20 +24,15 @@ from scipy.fft import dct
 
 from contact.errors import OutOfRange, SceneError
 from contact.model.checks import keep, positive
-from contact.reference.exact.base import Array, check_number, least_value
-from contact.reference.exact.roots import root
+from contact.reference.exact.base import check_number
+from contact.reference.exact.numerics import Array, least_value, root
 
-# The terms of a series that falls as rho^n: up to rounding, and what that takes where a zone all
-# but ends at a singularity.
-_DIGITS = 38.0
-_FEWEST = 32
-_MOST = 8192
-
+# G(y, m, h).
 Ratio = Callable[[Array, float, float], Array]
 
 
 class Pair:
-    """Two zones a <= |x| <= b, known by their ends."""
+    """Two zones a <= |x| <= b, given by their ends."""
 
     @property
     def ends(self) -> tuple[float, float]:
@@ -53,31 +48,30 @@ class Pair:
 
 @dataclass(frozen=True, eq=False)
 class EvenPair(Pair):
-    """Two zones a <= |x| <= b under an even pressure, alone or once in every period, as one zone in
-    y = v^2 = m + h cos(theta).
+    """Two zones a <= |x| <= b under an even pressure, as one zone in y = v^2 = m + h cos(theta).
 
-    p = (E*/2)|v| sum g_n sin(n theta), P = pi E* h g_1/4 alone, v = x, or v = tan(pi x/L) with a
-    period: see the head of this module. Derived here; for G linear in y it is (32) and (33) of
-    Goryacheva & Tsukanov (2020), doi 10.3389/fmech.2020.00045.
+    p = (E*/2)|v| sum g_n sin(n theta) and P = pi E* h g_1/4 isolated, v = x, or v = tan(pi x/L)
+    with a period: see the head of this module. Derived here; for G linear in y it is (32) and (33)
+    of Goryacheva & Tsukanov (2020), doi 10.3389/fmech.2020.00045.
 
     Parameters
     ----------
     middle, half : float
-        m and h, 0 < h < m, in m^2 alone and without unit with a period.
+        m and h, 0 < h < m; in m^2 if isolated, without unit with a period.
     ratio : array, (n,)
-        The coefficients g_n of f'/v as a cosine series in theta; g_0 is 0 where the pressure is
-        bounded at all ends.
+        Coefficients g_n of f'/v as a cosine series in theta; g_0 is 0 if the pressure is bounded at
+        all ends.
     E_star : float
         Reduced modulus [Pa].
     period : float or None
-        Period L [m]; None: the pair is alone.
+        Period L [m]; None: the pair is isolated.
 
     Attributes
     ----------
     ends : tuple of float
         a and b [m].
     zones : array, (2, 2)
-        The ends of both zones [m].
+        Ends of both zones [m].
     load : float
         P of both zones [N/m].
     max_pressure : float
@@ -98,7 +92,9 @@ class EvenPair(Pair):
     >>> from contact.exact import EvenPair, IsolatedBiquadratic
     >>> pair = EvenPair(middle=1.0, half=0.5, ratio=np.array([0.0, 0.25]), E_star=1.0)
     >>> tips = IsolatedBiquadratic(radius=1.0, spacing=2.0, E_star=1.0, load=pair.load)
-    >>> bool(np.allclose(pair.zones, tips.zones) and np.allclose(pair.pressure([0.8, 1.1]), tips.pressure([0.8, 1.1])))
+    >>> bool(np.allclose(pair.zones, tips.zones))
+    True
+    >>> bool(np.allclose(pair.pressure([0.8, 1.1]), tips.pressure([0.8, 1.1])))
     True
     """
 
@@ -118,8 +114,9 @@ class EvenPair(Pair):
         limit: float,
         period: float | None = None,
     ) -> "EvenPair":
-        """The pair whose G is ratio(y, m, h), by its values at the Chebyshev nodes; G is singular
-        at y = limit.
+        """The pair with G = ratio(y, m, h), by its values at Chebyshev nodes.
+
+        G is singular at y = limit, which sets the number of nodes.
         """
         values = _values(ratio, middle, half, limit)
         g = dct(values, type=2) / len(values)
@@ -141,34 +138,24 @@ class EvenPair(Pair):
             return float(0.25 * pi * self.E_star * self.half * self.ratio[1])
         z = (1.0 + self.middle) / self.half
         rho = -1.0 / (z + sqrt((z - 1.0) * (z + 1.0)))
-        return float(
-            0.5 * self.E_star * self.period * abs(np.polynomial.polynomial.polyval(rho, self.ratio))
-        )
+        series = abs(np.polynomial.polynomial.polyval(rho, self.ratio))
+        return float(0.5 * self.E_star * self.period * series)
 
     def at_angle(self, theta: ArrayLike) -> Array:
         """p at y = m + h cos(theta) [Pa]."""
         theta = np.asarray(theta, dtype=float)
         v = np.sqrt((self.middle - self.half) + 2.0 * self.half * np.cos(0.5 * theta) ** 2)
-        return np.asarray(
-            0.5
-            * self.E_star
-            * v
-            * (np.sin(theta[..., None] * np.arange(len(self.ratio))) @ self.ratio)
-        )
+        series = np.sin(theta[..., None] * np.arange(len(self.ratio))) @ self.ratio
+        return np.asarray(0.5 * self.E_star * v * series)
 
     def angle(self, x: ArrayLike) -> Array:
         """theta at positions in a zone; 0 and pi outside."""
-        r = np.abs(np.asarray(x, dtype=float))
-        v = (
-            r
-            if self.period is None
-            else np.abs(np.tan(pi / self.period * (r - self.period * np.round(r / self.period))))
-        )
+        v = np.abs(np.asarray(x, dtype=float))
+        if self.period is not None:
+            v = np.abs(np.tan(pi / self.period * (v - self.period * np.round(v / self.period))))
         inner, outer = np.sqrt(self.middle - self.half), np.sqrt(self.middle + self.half)
-        from_outer, from_inner = (
-            np.maximum((outer - v) * (outer + v), 0.0),
-            np.maximum((v - inner) * (v + inner), 0.0),
-        )
+        from_outer = np.maximum((outer - v) * (outer + v), 0.0)
+        from_inner = np.maximum((v - inner) * (v + inner), 0.0)
         return np.asarray(2.0 * np.arctan2(np.sqrt(from_outer), np.sqrt(from_inner)))
 
     def pressure(self, x: ArrayLike) -> Array:
@@ -176,7 +163,7 @@ class EvenPair(Pair):
         return self.at_angle(self.angle(x))
 
     def pressure_at(self, t: ArrayLike, zone: int = 0) -> Array:
-        """p at the normalised position t in [-1, 1] of a zone."""
+        """Pressure [Pa] at the normalised position t in [-1, 1] of a zone."""
         check_number(zone, 2)
         a, b = self.ends
         outward = np.asarray(t, dtype=float) * (1.0 if zone == 1 else -1.0)
@@ -184,77 +171,78 @@ class EvenPair(Pair):
 
     @cached_property
     def max_pressure(self) -> float:
-        """Peak pressure [Pa]: the best of many angles, and of closer ones about it."""
+        """Peak pressure [Pa]."""
         return -least_value(lambda theta: -self.at_angle(theta), 0.0, pi, 2001)
 
 
-def _values(ratio: Ratio, middle: float, half: float, limit: float) -> Array:
-    """G at Chebyshev nodes, as many as its distance from y = -1, where arctan v branches, and from
-    the limit takes.
+def _values(
+    ratio: Ratio, middle: float, half: float, limit: float, least: int = 32, most: int = 8192
+) -> Array:
+    """G at Chebyshev nodes, between `least` and `most` of them.
+
+    The series falls as rho^n, rho set by the nearer of y = -1, where arctan v branches, and the
+    limit: at -ln(rho) n = 38 it has reached round-off. `most` serves a zone that nearly reaches a
+    singularity.
     """
     nearest = min(1.0 + middle, limit - middle) / half
-    rate = (
-        log(nearest + sqrt(max((nearest - 1.0) * (nearest + 1.0), 0.0))) if nearest > 1.0 else 0.0
-    )
-    n = _MOST if rate * _MOST < _DIGITS else max(_FEWEST, ceil(_DIGITS / rate))
-    # y from the inner end: m - h is small where the zones are close to merging.
+    rate = float(np.arccosh(max(nearest, 1.0)))
+    n = most if rate * most < 38.0 else max(least, ceil(38.0 / rate))
+    # y counts from the inner end: m - h is small if the zones are close to merging.
     y = (middle - half) + 2.0 * half * np.cos(0.5 * pi * (np.arange(n) + 0.5) / n) ** 2
     return ratio(y, middle, half)
 
 
 def bounded_middle(ratio: Ratio, half: float, limit: float) -> float | None:
-    """m at which g_0 = 0 for a given h, m + h < limit; None where the zones would have met (m <= h)
-    or left the strip.
+    """The m at which g_0 = 0 for a given h; None if the zones have met or left the strip.
 
-    g_0 grows with m: G is negative where the tip lies further out, positive where it lies further
-    in.
+    g_0 grows with m: G is negative if the tip lies further out, positive if it lies further in.
     """
 
-    def miss(middle: float) -> float:
+    def g_0(middle: float) -> float:
         return float(np.mean(_values(ratio, middle, half, limit)))
 
-    if 2.0 * half >= limit or miss(half) >= 0.0:
+    if 2.0 * half >= limit or g_0(half) >= 0.0:
         return None
     if limit < inf:
         high = (1.0 - 1e-12) * (limit - half)
-        if high <= half or miss(high) <= 0.0:
+        if high <= half or g_0(high) <= 0.0:
             return None
     else:
         high = 2.0 * half
-        while miss(high) <= 0.0:
+        while g_0(high) <= 0.0:
             high *= 2.0
-    return root(miss, half, high)
+    return root(g_0, half, high)
 
 
 def pair_at_load(
     ratio: Ratio, load: float, E_star: float, limit: float, period: float | None = None
 ) -> EvenPair:
-    """The pair that carries the load, m by `bounded_middle`: the root of P(h), which grows with h.
+    """The pair that carries a load; y stays below `limit`. OutOfRange once the zones have met.
 
-    limit: what y stays below. OutOfRange past the load at which the zones meet.
+    h is the root of the load, which grows with h; m follows from h by `bounded_middle`.
     """
 
     def at(half: float) -> EvenPair | None:
         m = bounded_middle(ratio, half, limit)
         return None if m is None else EvenPair.on(m, half, ratio, E_star, limit, period)
 
-    def miss(log_half: float) -> float:
+    def log_excess(log_half: float) -> float:
         pair = at(exp(log_half))
-        # Past the meeting the load is above any other.
+        # Zones that have met carry more than any pair.
         return inf if pair is None else log(pair.load / load)
 
     low = log(limit if np.isfinite(limit) else 1.0) - 1.0
-    while miss(low) > 0.0:
+    while log_excess(low) > 0.0:
         low -= 2.0
     step = 1.0
-    while (ahead := miss(low + step)) <= 0.0 or ahead == inf:
+    while (ahead := log_excess(low + step)) <= 0.0 or ahead == inf:
         if ahead == inf:
             step *= 0.5
         else:
             low += step
         if step < 1e-13:
             raise OutOfRange(f"load = {load:.6g} N/m is out of range: the two zones have merged")
-    pair = at(exp(root(miss, low, low + step)))
+    pair = at(exp(root(log_excess, low, low + step)))
     assert pair is not None
     return pair
 
@@ -267,9 +255,10 @@ def tips_slope(x: Array, radius: float, spacing: float) -> Array:
 
 @dataclass(frozen=True)
 class PairRow(Pair):
-    """Two tips a distance 2c = `spacing` apart, once in every period, each with its own zone; the
-    mean pressure is the load of both over the period. A solution has its `pair`, or says where the
-    zones end and what the pressure is.
+    """Two tips a distance 2c = `spacing` apart, once in every period, each with its own zone.
+
+    The mean pressure is the load of both over the period. A subclass gives `pair`, or else its ends
+    and its pressure.
     """
 
     radius: float
@@ -285,12 +274,12 @@ class PairRow(Pair):
 
     @property
     def load(self) -> float:
-        """Of both zones [N/m]."""
+        """P of both zones [N/m]."""
         return self.mean_pressure * self.period
 
     @cached_property
     def pair(self) -> EvenPair:
-        """The solution in another variable."""
+        """The solution as one zone in y."""
         raise NotImplementedError
 
     @property
@@ -310,11 +299,10 @@ class PairRow(Pair):
 
 @dataclass(frozen=True)
 class PeriodicBiquadratic(PairRow):
-    """f = (x^2 - c^2)^2/8Rc^2 repeated with the period L, while each tip has its own zone: exact,
-    by (34) in v = tan(pi x/L).
+    """f = (x^2 - c^2)^2/8Rc^2 with the period L, while each tip has its own zone: exact.
 
-    The series of G = f'(x(v))/v is the only thing that is not elementary. Derived here, after (34)
-    of Goryacheva & Tsukanov (2020), doi 10.3389/fmech.2020.00045.
+    It is (34) in v = tan(pi x/L); only the series of G = f'(x(v))/v is not elementary. Derived
+    here, after (34) of Goryacheva & Tsukanov (2020), doi 10.3389/fmech.2020.00045.
 
     Parameters
     ----------
@@ -336,7 +324,7 @@ class PeriodicBiquadratic(PairRow):
     inner_end, outer_end : float
         a and b [m].
     zones : array, (2, 2)
-        The ends [m]; beside them `zone_widths` [m] and `zone_loads` [N/m].
+        Ends of the zones [m]; `zone_widths` [m] and `zone_loads` [N/m] are (2,).
     contact_fraction, max_pressure : float
         2(b - a)/L, and the peak pressure [Pa].
     pair : EvenPair
@@ -349,7 +337,7 @@ class PeriodicBiquadratic(PairRow):
     SceneError
         If a number is not positive and finite, or the spacing is not below the period.
     OutOfRange
-        From whatever is asked of it, past the load at which the two zones meet.
+        From every attribute, past the load at which the two zones meet.
 
     Examples
     --------
@@ -357,9 +345,9 @@ class PeriodicBiquadratic(PairRow):
 
     >>> import numpy as np
     >>> from contact.exact import IsolatedBiquadratic, PeriodicBiquadratic
-    >>> row = PeriodicBiquadratic(radius=1.0, spacing=2.0, period=1e3, E_star=1.0, mean_pressure=1e-4)
-    >>> alone = IsolatedBiquadratic(radius=1.0, spacing=2.0, E_star=1.0, load=0.1)
-    >>> bool(np.allclose(row.zones, alone.zones, rtol=1e-4))
+    >>> tips = dict(radius=1.0, spacing=2.0, E_star=1.0)
+    >>> row = PeriodicBiquadratic(period=1e3, mean_pressure=1e-4, **tips)
+    >>> bool(np.allclose(row.zones, IsolatedBiquadratic(load=0.1, **tips).zones, rtol=1e-4))
     True
     """
 

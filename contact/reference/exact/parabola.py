@@ -1,4 +1,4 @@
-"""Parabola f = x^2/2R, alone (Hertz) and in a row of period L (Kuznetsov; a sharp valley at L/2).
+"""Parabola f = x^2/2R, isolated (Hertz) and periodic (Kuznetsov; a sharp valley at L/2).
 
 H. Hertz (1882); K. L. Johnson, Contact Mechanics (1985), sec. 4.2. Ye. A. Kuznetsov, "Periodic
 contact problem for half-plane allowing for forces of friction", Sov. Appl. Mech. 12 (1976), and
@@ -11,13 +11,21 @@ from math import exp, expm1, pi, sqrt
 import numpy as np
 from scipy.special import spence
 
-from contact.reference.exact import base
-from contact.reference.exact.base import Array, arccos1m, arcosh1p, log_of, sine, zone_potential
+from contact.reference.exact.base import IsolatedZone, PeriodicZone, SymmetricZone
+from contact.reference.exact.numerics import (
+    Array,
+    arccos1m,
+    arcosh1p,
+    half_width_from_sine,
+    log_of,
+    sine,
+    zone_potential,
+)
 
 
 @dataclass(frozen=True)
-class _Parabola(base.SymmetricZone):
-    """What the two share: the profile."""
+class _Parabola(SymmetricZone):
+    """The profile."""
 
     radius: float
 
@@ -29,11 +37,13 @@ class _Parabola(base.SymmetricZone):
 
 
 @dataclass(frozen=True)
-class HertzLine(base.IsolatedZone, _Parabola):
-    """A parabola alone (Hertz 1882): p = (E*/2R) sqrt(a^2 - x^2), P = pi E* a^2/4R,
+class HertzLine(IsolatedZone, _Parabola):
+    """An isolated parabola (Hertz 1882).
 
-    gap = (1/2R)(x sqrt(x^2 - a^2) - a^2 arcosh(x/a)), approach = (a^2/2R)(ln(2d/a) + 1/2) (greatest
-    at a = 2d). K. L. Johnson, Contact Mechanics (1985), sec. 4.2, doi 10.1017/CBO9781139171731.
+    p = (E*/2R) sqrt(a^2 - x^2), P = pi E* a^2/4R, gap = (1/2R)(x sqrt(x^2 - a^2) - a^2
+    arcosh(x/a)), approach = (a^2/2R)(ln(2d/a) + 1/2), which is greatest at a = 2d. The class method
+    `from_load` makes the solution at a given load; everything else is in `SymmetricZone`. K. L.
+    Johnson, Contact Mechanics (1985), sec. 4.2, doi 10.1017/CBO9781139171731.
 
     Parameters
     ----------
@@ -44,14 +54,7 @@ class HertzLine(base.IsolatedZone, _Parabola):
     half_width : float
         Half width a of the zone [m].
     datum : float or None
-        Distance at which the far field of u is zero [m]; without it (None) there is no approach.
-
-    Attributes
-    ----------
-    load : float
-        P per unit thickness [N/m]; the class method `from_load` makes the solution at a given P.
-    pressure, gap, zones, approach : as in `SymmetricZone`
-        What every such zone has, and what else is there.
+        Distance at which the far field of u is zero [m]; without it there is no approach.
 
     Raises
     ------
@@ -90,21 +93,20 @@ class HertzLine(base.IsolatedZone, _Parabola):
     def load(self) -> float:
         return pi * self.E_star * self.half_width**2 / (4.0 * self.radius)
 
-    def _left(self) -> float:
+    def _approach_by_parts(self) -> float:
         return self.half_width**2 / (4.0 * self.radius)
 
 
 @dataclass(frozen=True)
-class PeriodicParabola(base.PeriodicZone, _Parabola):
-    """A parabola in a row: Kuznetsov's load (28), P = -(L^2 E*/2 pi R) ln cos A, and by the
-    superposition of punches in closed form (derived here):
+class PeriodicParabola(PeriodicZone, _Parabola):
+    """A periodic parabola: Kuznetsov's load (28), the rest derived from the flat punches.
 
-    p = (L E*/2 pi R) arcosh(cos u/cos A),   gap slope = (L/pi R) arccos(cos u/cos A), u = pi x/L, A
-    = pi a/L, approach = (L^2/4 pi^2 R)(Li_2(sin^2 A) + ln sin^2 A ln cos^2 A), which tends to the
-    mean height L^2/24R.
-
-    Ye. A. Kuznetsov, Sov. Appl. Mech. 12 (1976); (28) as given by Goryacheva & Tsukanov (2020), doi
-    10.3389/fmech.2020.00045.
+    P = -(L^2 E*/2 pi R) ln cos A, p = (L E*/2 pi R) arcosh(cos u/cos A), gap slope = (L/pi R)
+    arccos(cos u/cos A), u = pi x/L, A = pi a/L; approach = (L^2/4 pi^2 R)(Li_2(sin^2 A) + ln sin^2
+    A ln cos^2 A), which tends to the mean height L^2/24R. The class methods `from_load`,
+    `from_mean_pressure` and `from_contact_fraction` start from one of these numbers; everything
+    else is in `SymmetricZone`. Ye. A. Kuznetsov, Sov. Appl. Mech. 12 (1976); (28) as given by
+    Goryacheva & Tsukanov (2020), doi 10.3389/fmech.2020.00045.
 
     Parameters
     ----------
@@ -116,14 +118,6 @@ class PeriodicParabola(base.PeriodicZone, _Parabola):
         Reduced modulus [Pa].
     half_width : float
         Half width a of the zone [m].
-
-    Attributes
-    ----------
-    load : float
-        P per period [N/m]; the class methods `from_load`, `from_mean_pressure` and
-        `from_contact_fraction` start from one of these numbers.
-    pressure, gap, zones, approach : as in `SymmetricZone`
-        What every such zone has, and what else is there.
 
     Raises
     ------
@@ -144,40 +138,29 @@ class PeriodicParabola(base.PeriodicZone, _Parabola):
     @classmethod
     def _half_width_for(cls, load: float, **shape: float) -> float:
         y = 2.0 * pi * load * shape["radius"] / (shape["period"] ** 2 * shape["E_star"])
-        return base.half_width_from_sine(sqrt(-expm1(-2.0 * y)), exp(-y), shape["period"])
+        return half_width_from_sine(sqrt(-expm1(-2.0 * y)), exp(-y), shape["period"])
 
-    def _beside(self, middle: Array, d: Array) -> Array:
-        """|cos u/cos A - 1| at the distance d from the end and (u + A)/2: 2 sin((A + u)/2) sin(|A -
-        u|/2)/cos A.
-        """
+    def _cosine_ratio_excess(self, middle: Array, d: Array) -> Array:
+        """|cos u/cos A - 1| at the distance d from the end, with `middle` = (|x| + a)/2."""
         return 2.0 * sine(middle, self.period) * sine(0.5 * d, self.period) / self._cosine()
 
     def _pressure(self, r: Array, d: Array) -> Array:
-        return (
-            self.period
-            * self.E_star
-            / (2.0 * pi * self.radius)
-            * arcosh1p(self._beside(0.5 * (self.half_width + r), d))
-        )
+        excess = self._cosine_ratio_excess(0.5 * (self.half_width + r), d)
+        return self.period * self.E_star / (2.0 * pi * self.radius) * arcosh1p(excess)
 
     def _gap_slope(self, e: Array) -> Array:
-        # Its integral is not elementary.
-        return (
-            self.period / (pi * self.radius) * arccos1m(self._beside(self.half_width + 0.5 * e, e))
-        )
+        # The gap, its integral, is not elementary.
+        excess = self._cosine_ratio_excess(self.half_width + 0.5 * e, e)
+        return self.period / (pi * self.radius) * arccos1m(excess)
 
     @property
     def load(self) -> float:
-        return (
-            -(self.period**2)
-            * self.E_star
-            / (2.0 * pi * self.radius)
-            * float(log_of(self._cosine(), self._sine()))
-        )
+        unit = self.period**2 * self.E_star / (2.0 * pi * self.radius)
+        return -unit * float(log_of(self._cosine(), self._sine()))
 
-    def _left(self) -> float:
+    def _approach_by_parts(self) -> float:
         square = self._sine() ** 2
-        if square < 0.25:  # Li_2 by its series: scipy's loses relative accuracy for small arguments
+        if square < 0.25:  # scipy's dilogarithm loses relative accuracy for small arguments
             k = np.arange(1, 31)
             dilogarithm = float(np.sum(square**k / k**2.0))
         else:

@@ -1,5 +1,4 @@
-"""Sinusoid f = Delta (1 - cos(2 pi x/L)): Westergaard's periodic contact, full contact, and one
-wave alone.
+"""Sinusoid f = Delta (1 - cos(2 pi x/L)): partial contact, full contact, and one isolated wave.
 
 H. M. Westergaard, "Bearing pressures and cracks", J. Appl. Mech. 6 (1939) A49-A53. One wave: I.
 Tsukanov (2018a), as given by Goryacheva & Tsukanov (2020), doi 10.3389/fmech.2020.00045, eq.
@@ -16,14 +15,22 @@ from scipy.special import j0, j1, jn_zeros, jv
 
 from contact.errors import OutOfRange
 from contact.model.checks import between, keep, positive
-from contact.reference.exact import base
-from contact.reference.exact.base import Array, cosine, sine, sine_excess, zone_potential
-from contact.reference.exact.roots import root
+from contact.reference.exact.base import IsolatedZone, PeriodicZone, refuse_load
+from contact.reference.exact.numerics import (
+    Array,
+    abel_gap,
+    cosine,
+    half_width_from_sine,
+    root,
+    sine,
+    sine_excess,
+    zone_potential,
+)
 
 
 @dataclass(frozen=True)
 class _Wave:
-    """What partial and full contact of a row of waves share."""
+    """The profile of a periodic wave."""
 
     amplitude: float
     period: float
@@ -36,15 +43,17 @@ class _Wave:
 
 
 @dataclass(frozen=True)
-class Westergaard(base.PeriodicZone, _Wave):
-    """A wave f = Delta (1 - cos(2 pi x/L)) in partial contact (Westergaard 1939), p* = pi E*
-    Delta/L, u = pi x/L, A = pi a/L:
+class Westergaard(PeriodicZone, _Wave):
+    """A wave f = Delta (1 - cos(2 pi x/L)) in partial contact (Westergaard 1939).
+
+    With p* = pi E* Delta/L, u = pi x/L, A = pi a/L, s = sin u and q^2 = s^2 - sin^2 A,
 
     (18) p = sqrt2 p* cos u sqrt(cos 2u - cos 2A),   (19) mean pressure = p* sin^2 A,
-    approach = Delta sin^2 A (1 - ln sin^2 A),
-    gap = 2 Delta (s q - sin^2 A arcosh(s/sin A)), s = sin u, q^2 = s^2 - sin^2 A.
+    approach = Delta sin^2 A (1 - ln sin^2 A),   gap = 2 Delta (s q - sin^2 A arcosh(s/sin A)).
 
-    H. M. Westergaard, J. Appl. Mech. 6 (1939) A49-A53, doi 10.1115/1.4008919.
+    The class methods `from_load`, `from_mean_pressure` and `from_contact_fraction` start from one
+    of these numbers; everything else is in `SymmetricZone`. H. M. Westergaard, J. Appl. Mech. 6
+    (1939) A49-A53, doi 10.1115/1.4008919.
 
     Parameters
     ----------
@@ -59,13 +68,8 @@ class Westergaard(base.PeriodicZone, _Wave):
 
     Attributes
     ----------
-    load : float
-        P per period [N/m]; the class methods `from_load`, `from_mean_pressure` and
-        `from_contact_fraction` start from one of these numbers.
     full_contact_pressure : float
         p*, the smallest mean pressure of full contact [Pa].
-    pressure, gap, zones, approach : as in `SymmetricZone`
-        What every such zone has, and what else is there.
 
     Raises
     ------
@@ -87,11 +91,9 @@ class Westergaard(base.PeriodicZone, _Wave):
 
     @classmethod
     def _half_width_for(cls, load: float, **shape: float) -> float:
-        most = pi * shape["E_star"] * shape["amplitude"]
-        base.refuse_load(load, most, "contact is full (use FullContactSinusoid)")
-        return base.half_width_from_sine(
-            sqrt(load / most), sqrt((most - load) / most), shape["period"]
-        )
+        full = pi * shape["E_star"] * shape["amplitude"]
+        refuse_load(load, full, "contact is full (use FullContactSinusoid)")
+        return half_width_from_sine(sqrt(load / full), sqrt((full - load) / full), shape["period"])
 
     def _height(self, r: Array) -> Array:
         return 2.0 * self.amplitude * sine(r, self.period) ** 2
@@ -110,37 +112,27 @@ class Westergaard(base.PeriodicZone, _Wave):
 
     def _gap_slope(self, e: Array) -> Array:
         root = np.sqrt(sine(e, self.period) * sine(2.0 * self.half_width + e, self.period))
-        return (
-            4.0
-            * pi
-            * self.amplitude
-            / self.period
-            * cosine(self.half_width, self.period, -e)
-            * root
-        )
+        unit = 4.0 * pi * self.amplitude / self.period
+        return unit * cosine(self.half_width, self.period, -e) * root
 
     def _gap(self, e: Array) -> Array:
-        return (
-            2.0
-            * self.amplitude
-            * self._sine() ** 2
-            * zone_potential(sine_excess(self.half_width, e, self.period))
-        )
+        excess = sine_excess(self.half_width, e, self.period)
+        return 2.0 * self.amplitude * self._sine() ** 2 * zone_potential(excess)
 
     @property
     def load(self) -> float:
         return pi * self.E_star * self.amplitude * self._sine() ** 2
 
-    def _left(self) -> float:
+    def _approach_by_parts(self) -> float:
         return self.amplitude * self._sine() ** 2
 
 
 @dataclass(frozen=True)
 class FullContactSinusoid(_Wave):
-    """Full contact of the wave f = Delta (1 - cos(2 pi x/L)), mean pressure >= p* = pi E* Delta/L:
-    p = mean + p* cos(2 pi x/L).
+    """Full contact of a wave f = Delta (1 - cos(2 pi x/L)): p = mean + p* cos(2 pi x/L).
 
-    H. M. Westergaard, J. Appl. Mech. 6 (1939) A49-A53, doi 10.1115/1.4008919.
+    It exists from the mean pressure p* = pi E* Delta/L on. H. M. Westergaard, J. Appl. Mech. 6
+    (1939) A49-A53, doi 10.1115/1.4008919.
 
     Parameters
     ----------
@@ -177,7 +169,8 @@ class FullContactSinusoid(_Wave):
 
     >>> import numpy as np
     >>> from contact.exact import FullContactSinusoid
-    >>> wave = FullContactSinusoid(amplitude=1e-6, period=1e-4, E_star=1e9, mean_pressure=1e-2 * np.pi * 1e9)
+    >>> p = 1e-2 * np.pi * 1e9
+    >>> wave = FullContactSinusoid(amplitude=1e-6, period=1e-4, E_star=1e9, mean_pressure=p)
     >>> bool(abs(wave.pressure(0.5e-4)) < 1e-9 * wave.max_pressure)
     True
     """
@@ -188,8 +181,8 @@ class FullContactSinusoid(_Wave):
         keep(self, positive, "amplitude", "period", "E_star", "mean_pressure")
         if self.mean_pressure < self.full_contact_pressure:
             raise OutOfRange(
-                f"mean_pressure = {self.mean_pressure:.6g} Pa is out of range: full contact begins at "
-                f"{self.full_contact_pressure:.6g} Pa"
+                f"mean_pressure = {self.mean_pressure:.6g} Pa is out of range: "
+                f"full contact begins at {self.full_contact_pressure:.6g} Pa"
             )
 
     zones = property(lambda self: np.empty((0, 2)))
@@ -201,10 +194,9 @@ class FullContactSinusoid(_Wave):
 
     def pressure(self, x: ArrayLike) -> Array:
         """p(x) = mean - p* + 2 p* cos^2(pi x/L)."""
-        least = self.mean_pressure - self.full_contact_pressure
-        return (
-            least + 2.0 * self.full_contact_pressure * np.cos(pi / self.period * np.asarray(x)) ** 2
-        )
+        full = self.full_contact_pressure
+        cos = np.cos(pi / self.period * np.asarray(x))
+        return self.mean_pressure - full + 2.0 * full * cos**2
 
     def displacement(self, x: ArrayLike) -> Array:
         """u = Delta cos(2 pi x/L)."""
@@ -217,46 +209,41 @@ class FullContactSinusoid(_Wave):
 
 @dataclass(frozen=True)
 class _OneWave:
-    """The shape of a wave that does not repeat."""
+    """The profile of a wave that does not repeat."""
 
     amplitude: float
     wavelength: float
 
 
 @dataclass(frozen=True)
-class IsolatedSinusoid(base.IsolatedZone, _OneWave):
-    """One wave alone, Tsukanov (2018a), k = 2 pi/L, t = x/a:
+class IsolatedSinusoid(IsolatedZone, _OneWave):
+    """One isolated wave, Tsukanov (2018a), with k = 2 pi/L and t = x/a.
 
     (20) p = (2 pi Delta E*/L) sqrt(1 - t^2) sum_j (-1)^j J_{2j+1}(ka) U_{2j}(t),
-    (21) P = (pi^2 Delta E*/L) a J_1(ka),
-    (22) p(0) = (pi Delta E*/L) int_0^{ka} J_0.
+    (21) P = (pi^2 Delta E*/L) a J_1(ka),   (22) p(0) = (pi Delta E*/L) int_0^{ka} J_0.
 
-    The pressure is positive up to a/L = 0.3827, the first zero of J_0, where the load is greatest;
-    beyond it (`admissible` is False) the formula is only an ingredient of the localized solution.
-    `wavelength` is L: nothing repeats here. As given by Goryacheva & Tsukanov (2020), doi
-    10.3389/fmech.2020.00045.
+    The pressure is positive up to a/L = 0.3827, the first zero of J_0, where the load is greatest.
+    Beyond it (`admissible` is False) the formula is only an ingredient of the localized solution.
+    The class method `from_load` makes the solution at a given load; everything else is in
+    `SymmetricZone`. As given by Goryacheva & Tsukanov (2020), doi 10.3389/fmech.2020.00045.
 
     Parameters
     ----------
     amplitude : float
         Delta, half of the height from valley to crest [m].
     wavelength : float
-        L [m].
+        L [m]; nothing repeats here.
     E_star : float
         Reduced modulus [Pa].
     half_width : float
         Half width a of the zone, below L/2 [m].
     datum : float or None
-        Distance at which the far field of u is zero [m]; without it (None) there is no approach.
+        Distance at which the far field of u is zero [m]; without it there is no approach.
 
     Attributes
     ----------
-    load : float
-        P per unit thickness [N/m]; the class method `from_load` makes the solution at a given P.
     admissible : bool
         Whether the pressure is positive up to the ends.
-    pressure, gap, zones, approach : as in `SymmetricZone`
-        What every such zone has, and what else is there.
 
     Raises
     ------
@@ -267,12 +254,17 @@ class IsolatedSinusoid(base.IsolatedZone, _OneWave):
 
     Examples
     --------
+    Near the greatest load the load hardly depends on the half width.
+
     >>> import numpy as np
     >>> from contact.exact import IsolatedSinusoid
-    >>> waves = [IsolatedSinusoid(1e-6, wavelength=1e-4, E_star=1e9, half_width=a) for a in (0.382e-4, 0.383e-4)]
-    >>> [wave.admissible for wave in waves]
-    [True, False]
-    >>> bool(np.isclose(waves[0].load, waves[1].load, rtol=1e-5))  # near the greatest load it hardly changes
+    >>> below, beyond = (
+    ...     IsolatedSinusoid(1e-6, wavelength=1e-4, E_star=1e9, half_width=a)
+    ...     for a in (0.382e-4, 0.383e-4)
+    ... )
+    >>> below.admissible, beyond.admissible
+    (True, False)
+    >>> bool(np.isclose(below.load, beyond.load, rtol=1e-5))
     True
     """
 
@@ -291,10 +283,10 @@ class IsolatedSinusoid(base.IsolatedZone, _OneWave):
 
     @classmethod
     def _half_width_for(cls, load: float, **shape: float) -> float:
-        k = 2.0 * pi / shape["wavelength"]
         unit = 0.5 * pi * shape["E_star"] * shape["amplitude"]
         ka = float(jn_zeros(0, 1)[0])
-        base.refuse_load(load, unit * ka * float(j1(ka)), "the load of one wave is greatest")
+        refuse_load(load, unit * ka * float(j1(ka)), "the load of one wave is greatest")
+        k = 2.0 * pi / shape["wavelength"]
         return root(lambda z: unit * z * j1(z) - load, 0.0, ka) / k
 
     def _height(self, r: Array) -> Array:
@@ -304,18 +296,12 @@ class IsolatedSinusoid(base.IsolatedZone, _OneWave):
         return self.amplitude * self._k * np.sin(self._k * r)
 
     def _pressure(self, r: Array, d: Array) -> Array:
-        a, ka = self.half_width, self._k * self.half_width
-        # sqrt(1 - t^2) U_2j(t) = sin((2j + 1) phi), t = cos phi; phi from half the distance to the
-        # end.
-        phi = 2.0 * np.arcsin(np.sqrt(0.5 * d / a))
+        # sqrt(1 - t^2) U_2j(t) = sin((2j + 1) phi), t = cos phi, phi from the distance to the end.
+        phi = 2.0 * np.arcsin(np.sqrt(0.5 * d / self.half_width))
         j = np.arange(20)  # J_41(pi) is below 1e-40
-        weight = (-1.0) ** j * jv(2 * j + 1, ka)
-        return (
-            self.E_star
-            * self.amplitude
-            * self._k
-            * np.sum(weight * np.sin((2 * j + 1) * phi[..., None]), axis=-1)
-        )
+        weight = (-1.0) ** j * jv(2 * j + 1, self._k * self.half_width)
+        series = np.sum(weight * np.sin((2 * j + 1) * phi[..., None]), axis=-1)
+        return self.E_star * self.amplitude * self._k * series
 
     def load_rate(self, s: ArrayLike) -> Array:
         """dP/da at a = s."""
@@ -323,21 +309,20 @@ class IsolatedSinusoid(base.IsolatedZone, _OneWave):
         return np.asarray(0.5 * pi * self.E_star * self.amplitude * self._k * z * j0(z))
 
     def _gap(self, e: Array) -> Array:
-        return base.abel_gap(self.load_rate, self.half_width, e, self.E_star)
+        return abel_gap(self.load_rate, self.half_width, e, self.E_star)
 
     @property
     def load(self) -> float:
         ka = self._k * self.half_width
         return 0.5 * pi * self.E_star * self.amplitude * ka * float(j1(ka))
 
-    def _left(self) -> float:
+    def _approach_by_parts(self) -> float:
         # int_0^a P/s ds = (pi E* Delta/2)(1 - J_0(ka))
         return self.amplitude * (1.0 - float(j0(self._k * self.half_width)))
 
 
 def sinusoid(mean_pressure: float, **shape: Any) -> Westergaard | FullContactSinusoid:
-    """The solution of the wave f = Delta (1 - cos(2 pi x/L)) at any mean pressure, in partial or
-    full contact.
+    """The solution of the wave f = Delta (1 - cos(2 pi x/L)) at any mean pressure.
 
     Parameters
     ----------

@@ -1,11 +1,10 @@
-"""Punches turned by a small angle on a half-plane: the gap at zero load is f(x) - tilt x, and M =
-int p x dx.
+"""Punches tilted by a small angle: the gap at zero load is f(x) - tilt x.
 
-Derived here, e = M/P being the centre of the load. The pressure of a turned flat punch in full
-contact is that of N. I. Muskhelishvili (1953), sec. 116, and K. L. Johnson, Contact Mechanics
-(1985), sec. 2.8; where it would pull, one end lifts off and the zone is bounded there. A parabola
-only moves its zone. A turned wedge has unequal slopes, and the angle phi of its tip, cos phi =
--sin(pi tilt / 2 slope), makes both ends free.
+The moment is M = int p x dx. e = M/P is the centre of the load. A tilted flat punch in full
+contact: N. I. Muskhelishvili (1953), sec. 116, and K. L. Johnson, Contact Mechanics (1985), sec.
+2.8. If its pressure would be negative, one end lifts off and the zone is bounded there. A parabola
+only moves its zone. A tilted wedge has unequal slopes; both ends are free for the angle phi of its
+tip, cos phi = -sin(pi tilt/2 slope). All but the first is derived here.
 """
 
 from dataclasses import dataclass
@@ -16,22 +15,15 @@ from numpy.typing import ArrayLike
 
 from contact.errors import OutOfRange
 from contact.model.checks import finite, positive
-from contact.reference.exact.base import (
-    Array,
-    Pressed,
-    arcosh1p,
-    check_number,
-    integrated,
-    zone_potential,
-)
+from contact.reference.exact.base import PressedBody, check_number
+from contact.reference.exact.numerics import Array, arcosh1p, integrated, zone_potential
 
 
-class TiltedZone(Pressed):
-    """One zone under a turned punch, the gap at no load being f(x) - tilt x; the base of its
-    solutions.
+class TiltedZone(PressedBody):
+    """One isolated zone under a tilted punch, whose gap at zero load is f(x) - tilt x.
 
-    M = int p x dx is the moment about the middle of the body, e = M/P the centre of the load.
-    Derived here, see the head of this module.
+    It is the base of the tilted solutions. M = int p x dx is the moment about x = 0, e = M/P the
+    centre of the load. Derived here, see the head of this module.
 
     Attributes
     ----------
@@ -40,23 +32,23 @@ class TiltedZone(Pressed):
     E_star : float
         Reduced modulus [Pa].
     tilt : float
-        The angle, small [rad]; positive where the right side goes down.
+        Small angle [rad], positive if the right side goes down.
     load, moment : float
         P [N/m] and M [N] per unit thickness.
     datum : float or None
         Distance at which the far field of u is zero [m].
     approach : float or None
-        By how much the body has come down at x = 0, from f(0) = 0 on [m]; None without a datum.
+        Approach at x = 0 since first touch of an untilted body [m]; None without a datum.
     stiffness, punch_compliance : float or None
-        d load/d approach at a given tilt [Pa], that of a flat punch on the same zone, and its
-        inverse [m^2/N].
+        d load/d approach at a given tilt [Pa], of a flat punch on the same zone, and its inverse
+        [m^2/N].
     max_pressure : float
-        Peak pressure [Pa]; inf where there is a corner or a tip in the zone.
+        Peak pressure [Pa]; inf if there is a corner or a tip in the zone.
     zones : array, (1, 2)
-        The ends [m]; beside them `zone_widths` [m] and `zone_loads` [N/m], both (1,).
+        Ends of the zone [m]; `zone_widths` [m] and `zone_loads` [N/m] are (1,).
     pressure, gap, displacement, height, slope : callable
-        p [Pa], gap [m], u [m] into the body, f [m] of the body as it is given and f' - tilt as it
-        stands, at positions x [m] of any shape.
+        p [Pa], gap [m], u [m] into the body, f [m] of the untilted body and the slope f' - tilt of
+        the tilted one, at positions x [m] of any shape.
     pressure_at : callable
         p [Pa] at normalised positions t in [-1, 1] of the zone.
 
@@ -70,13 +62,14 @@ class TiltedZone(Pressed):
     >>> import numpy as np
     >>> from contact.exact import TiltedParabola, TiltedZone
     >>> turned = TiltedParabola(radius=1.0, E_star=1e9, half_width=1e-3, tilt=5e-4)
-    >>> x, weights = np.polynomial.chebyshev.chebgauss(100)  # for int f/sqrt(1 - x^2) dx
-    >>> moment = 1e-3 * np.sum(weights * np.sqrt(1 - x**2) * turned.pressure_at(x) * (turned.middle + 1e-3 * x))
+    >>> t, weights = np.polynomial.chebyshev.chebgauss(100)  # for int f/sqrt(1 - t^2) dt
+    >>> arm = turned.middle + 1e-3 * t
+    >>> moment = 1e-3 * np.sum(weights * np.sqrt(1 - t**2) * turned.pressure_at(t) * arm)
     >>> isinstance(turned, TiltedZone), bool(np.isclose(moment, turned.moment))
     (True, True)
     """
 
-    # Annotations only, as in `Pressed`.
+    # Annotations only, as in `PressedBody`.
     tilt: float
     moment: float
     period = None
@@ -88,15 +81,15 @@ class TiltedZone(Pressed):
 
     @property
     def max_pressure(self) -> float:
-        """Peak pressure [Pa]; inf where there is a corner or a tip in the zone."""
+        """Peak pressure [Pa]; inf if there is a corner or a tip in the zone."""
         return inf
 
     def _pressure(self, left: Array, right: Array) -> Array:
-        """p at distances from the ends over the half width, left + right = 2."""
+        """p at distances left and right from the ends, in half widths; left + right = 2."""
         raise NotImplementedError
 
-    def _gap(self, beyond: Array, side: int) -> Array:
-        """Gap at a distance beyond the right (side 1) or left (-1) end, over the half width."""
+    def _gap(self, e: Array, side: int) -> Array:
+        """Gap at a distance e, in half widths, outside the right (side 1) or left (-1) end."""
         raise NotImplementedError
 
     @property
@@ -120,21 +113,19 @@ class TiltedZone(Pressed):
     def gap(self, x: ArrayLike) -> Array:
         """u + f - tilt x - approach [m], 0 in the zone."""
         z = (np.asarray(x, dtype=float) - self.middle) / self.half_width
-        beyond = np.maximum(np.abs(z) - 1.0, 0.0)
-        right, left = self._gap(beyond, 1), self._gap(beyond, -1)
-        return np.where(beyond > 0.0, np.where(z > 0.0, right, left), 0.0)
+        e = np.maximum(np.abs(z) - 1.0, 0.0)
+        return np.where(e > 0.0, np.where(z > 0.0, self._gap(e, 1), self._gap(e, -1)), 0.0)
 
     def displacement(self, x: ArrayLike) -> Array:
-        """u(x) [m] into the body, zero of ln|x/d| at the datum d."""
+        """u(x) [m] into the body, with the far field ln|x/d| of the datum d."""
         return super().displacement(x) + self.tilt * np.asarray(x, dtype=float)
 
 
 @dataclass(frozen=True)
 class TiltedParabola(TiltedZone):
-    """A turned parabola f = x^2/2R: the zone of Hertz about x = R tilt, M = P R tilt, approach =
-    that of Hertz - R tilt^2/2.
+    """A tilted parabola f = x^2/2R: Hertz's zone about x = R tilt.
 
-    Derived here: a parabola only moves its zone.
+    M = P R tilt, approach = Hertz's - R tilt^2/2. Fields are in `TiltedZone`. Derived here.
 
     Parameters
     ----------
@@ -145,16 +136,14 @@ class TiltedParabola(TiltedZone):
     half_width : float
         Half width a of the zone [m].
     tilt : float
-        The angle, small [rad].
+        Small angle [rad].
     datum : float or None
-        Distance at which the far field of u is zero [m]; without it (None) there is no approach.
+        Distance at which the far field of u is zero [m]; without it there is no approach.
 
     Attributes
     ----------
     load, moment, middle : float
         P [N/m], M [N] and R tilt [m].
-    pressure, gap, zones, approach : as in `TiltedZone`
-        What every such zone has, and what else is there.
 
     Raises
     ------
@@ -166,8 +155,10 @@ class TiltedParabola(TiltedZone):
     >>> import numpy as np
     >>> from contact.exact import TiltedParabola
     >>> turned = TiltedParabola(radius=1.0, E_star=1e9, half_width=1e-3, tilt=5e-4)
-    >>> bool(np.allclose(turned.zones, [[-5e-4, 1.5e-3]])), bool(np.isclose(turned.moment / turned.load, 5e-4))
-    (True, True)
+    >>> bool(np.allclose(turned.zones, [[-5e-4, 1.5e-3]]))
+    True
+    >>> bool(np.isclose(turned.moment / turned.load, 5e-4))
+    True
     """
 
     radius: float
@@ -205,51 +196,51 @@ class TiltedParabola(TiltedZone):
     def _pressure(self, left: Array, right: Array) -> Array:
         return np.asarray(self.max_pressure * np.sqrt(left * right))
 
-    def _gap(self, beyond: Array, side: int) -> Array:
-        return self.half_width**2 / (2.0 * self.radius) * zone_potential(beyond)
+    def _gap(self, e: Array, side: int) -> Array:
+        return self.half_width**2 / (2.0 * self.radius) * zone_potential(e)
 
-    def _left(self) -> float:
+    def _approach_by_parts(self) -> float:
         return self.half_width**2 / (4.0 * self.radius) - 0.5 * self.radius * self.tilt**2
 
 
 @dataclass(frozen=True)
 class TiltedWedge(TiltedZone):
-    """A turned wedge f = slope |x|, alpha = pi tilt / 2 slope, of half width w about w sin alpha,
-    the tip at t = -sin alpha in the zone:
+    """A tilted wedge f = slope |x|: a zone of half width w about w sin alpha.
 
-    P = E* slope w cos alpha,   M = P w sin alpha / 2 = (P^2 / 2 E* slope) tan alpha, p = (E*
-    slope/pi) arcosh((1 + t sin alpha)/|t + sin alpha|),   approach = (2P/pi E*)(ln(2d/w) + 1).
+    With alpha = pi tilt/2 slope and the tip at t = -sin alpha in the zone,
 
-    Derived here.
+    P = E* slope w cos alpha,   M = P w sin alpha / 2 = (P^2 / 2 E* slope) tan alpha,
+    p = (E* slope/pi) arcosh((1 + t sin alpha)/|t + sin alpha|),
+    approach = (2P/pi E*)(ln(2d/w) + 1).
+
+    The class method `balanced` starts from P and M. Fields are in `TiltedZone`. Derived here.
 
     Parameters
     ----------
     wedge_slope : float
-        The slope of the flanks before it is turned.
+        Slope of the flanks of the untilted wedge.
     E_star : float
         Reduced modulus [Pa].
     half_width : float
         Half width w of the zone [m].
     tilt : float
-        The angle, below the slope in size [rad].
+        Angle [rad], smaller than the slope.
     datum : float or None
-        Distance at which the far field of u is zero [m]; without it (None) there is no approach.
+        Distance at which the far field of u is zero [m]; without it there is no approach.
 
     Attributes
     ----------
     load, moment : float
-        P [N/m] and M [N]; the class method `balanced` starts from these.
+        P [N/m] and M [N].
     rotational_stiffness : float
         dM/d tilt at a given load [N].
-    pressure, gap, zones, approach : as in `TiltedZone`
-        What every such zone has, and what else is there.
 
     Raises
     ------
     SceneError
         If a length, slope or modulus is not positive and finite, or the tilt not finite.
     OutOfRange
-        If the wedge would lie on its flank.
+        If the wedge would lie on one of its flanks.
 
     Examples
     --------
@@ -271,7 +262,8 @@ class TiltedWedge(TiltedZone):
         finite("tilt", self.tilt)
         if abs(self.tilt) >= self.wedge_slope:
             raise OutOfRange(
-                f"tilt = {self.tilt:.6g}: a wedge of slope {self.wedge_slope:.6g} turned so far lies on its flank"
+                f"tilt = {self.tilt:.6g}: a wedge of slope {self.wedge_slope:.6g} "
+                "turned so far lies on its flank"
             )
 
     @classmethod
@@ -294,14 +286,10 @@ class TiltedWedge(TiltedZone):
 
     @property
     def _tip(self) -> tuple[float, float]:
-        """Distances of the tip from the left and right end over the half width, 1 -+ sin alpha,
-        near either end too.
-        """
-        left, right = (
-            2.0 * sin(pi * (self.wedge_slope - turn) / (4.0 * self.wedge_slope)) ** 2
-            for turn in (self.tilt, -self.tilt)
-        )
-        return left, right
+        """Distances of the tip from the left and right end in half widths, 1 -+ sin alpha."""
+        unit = pi / (4.0 * self.wedge_slope)
+        left = 2.0 * sin(unit * (self.wedge_slope - self.tilt)) ** 2
+        return left, 2.0 * sin(unit * (self.wedge_slope + self.tilt)) ** 2
 
     @property
     def _cos_alpha(self) -> float:
@@ -336,38 +324,46 @@ class TiltedWedge(TiltedZone):
         return np.asarray(self.wedge_slope * np.sign(x) - self.tilt)
 
     def _pressure(self, left: Array, right: Array) -> Array:
-        at_left, at_right = self._tip
-        ratio = np.where(
-            left > at_left, right * at_left / (left - at_left), left * at_right / (right - at_right)
+        # (1 + t sin alpha)/|t + sin alpha| - 1, from distances to the end on the point's own side.
+        tip_left, tip_right = self._tip
+        excess = np.where(
+            left > tip_left,
+            right * tip_left / (left - tip_left),
+            left * tip_right / (right - tip_right),
         )
-        return self.E_star * self.wedge_slope / pi * arcosh1p(np.abs(ratio))
+        return self.E_star * self.wedge_slope / pi * arcosh1p(np.abs(excess))
 
-    def _gap(self, beyond: Array, side: int) -> Array:
-        # The gap opens with the slope (4 slope/pi) arctan((1 - rho) / ((1 + rho) tan(phi/2))), by
-        # the angle phi of the tip from the end it opens at and rho = z - sqrt(z^2 - 1), z = 1 + s.
-        turn = tan(0.25 * pi + 0.5 * side * self._alpha)
+    def _gap(self, e: Array, side: int) -> Array:
+        # The slope of the gap is (4 slope/pi) arctan((1 - rho)/((1 + rho) tan(phi/2))), with phi
+        # the angle of the tip seen from this end, rho = z - sqrt(z^2 - 1) and z = 1 + s.
+        tangent = tan(0.25 * pi + 0.5 * side * self._alpha)
 
-        def opening(s: Array, _: Array) -> Array:
+        def gap_slope(s: Array, _: Array) -> Array:
             root = np.sqrt(s * (s + 2.0))
-            return np.arctan2(s + root, (2.0 + s + root) * turn)
+            return np.arctan2(s + root, (2.0 + s + root) * tangent)
 
-        return 4.0 * self.wedge_slope / pi * self.half_width * integrated(opening, beyond)
+        return 4.0 * self.wedge_slope / pi * self.half_width * integrated(gap_slope, e)
 
-    def _left(self) -> float:
+    def _approach_by_parts(self) -> float:
         return 2.0 * self.load / (pi * self.E_star)
 
 
 @dataclass(frozen=True)
 class TiltedPunch(TiltedZone):
-    """A flat punch |x| <= a with sharp corners under P and M, e = M/P. Up to |e| = a/2 all of it is
-    in contact,
+    """A flat punch |x| <= a with sharp corners under a load P and a moment M, e = M/P.
 
-    p = (P + 2 M x/a^2) / (pi sqrt(a^2 - x^2)),   tilt = 4 M/(pi E* a^2),   approach = (2P/pi E*)
-    ln(2d/a); beyond, a zone of half width w = 2 (a - |e|) at one corner, t = 1 there, p = (P/pi w)
-    sqrt((1 + t)/(1 - t)),   |tilt| = 2P/(pi E* w),   approach = w |tilt| ln(2d/w) - (a - w)|tilt|.
+    Up to |e| = a/2 all of it is in contact,
 
-    Full contact: N. I. Muskhelishvili (1953), sec. 116, and K. L. Johnson, Contact Mechanics
-    (1985), sec. 2.8; the rest derived here.
+    p = (P + 2 M x/a^2) / (pi sqrt(a^2 - x^2)),   tilt = 4 M/(pi E* a^2),
+    approach = (2P/pi E*) ln(2d/a).
+
+    For larger |e| a zone of half width w = 2 (a - |e|) is left at one corner, where t = 1,
+
+    p = (P/pi w) sqrt((1 + t)/(1 - t)),   |tilt| = 2P/(pi E* w),
+    approach = w |tilt| ln(2d/w) - (a - w)|tilt|.
+
+    Fields are in `TiltedZone`. Full contact: N. I. Muskhelishvili (1953), sec. 116, and K. L.
+    Johnson, Contact Mechanics (1985), sec. 2.8; the rest is derived here.
 
     Parameters
     ----------
@@ -378,20 +374,18 @@ class TiltedPunch(TiltedZone):
     load : float
         P per unit thickness [N/m].
     moment : float
-        M per unit thickness about the middle of the punch, below P a in size [N].
+        M per unit thickness about the middle of the punch [N], smaller than P a.
     datum : float or None
-        Distance at which the far field of u is zero [m]; without it (None) there is no approach.
+        Distance at which the far field of u is zero [m]; without it there is no approach.
 
     Attributes
     ----------
     lifted : bool
         Whether one end is out of contact.
     half_width, middle, tilt : float
-        Of the zone [m], and the angle [rad].
+        Half width and middle of the zone [m], and the angle [rad].
     rotational_stiffness : float
         dM/d tilt at a given load [N].
-    pressure, gap, zones, approach : as in `TiltedZone`
-        What every such zone has, and what else is there.
 
     Raises
     ------
@@ -402,13 +396,14 @@ class TiltedPunch(TiltedZone):
 
     Examples
     --------
-    One end lifts off where the centre of the load is more than half way to a corner.
+    One end lifts off if the centre of the load is more than half way to a corner.
 
     >>> import numpy as np
     >>> from contact.exact import TiltedPunch
-    >>> punches = [TiltedPunch(corner=1.0, E_star=1e9, load=1e4, moment=1e4 * e) for e in (0.49, 0.6)]
-    >>> [punch.lifted for punch in punches], bool(np.allclose(punches[1].zones, [[-0.6, 1.0]]))
-    ([False, True], True)
+    >>> punch = dict(corner=1.0, E_star=1e9, load=1e4)
+    >>> flat, lifted = (TiltedPunch(moment=1e4 * e, **punch) for e in (0.49, 0.6))
+    >>> flat.lifted, lifted.lifted, bool(np.allclose(lifted.zones, [[-0.6, 1.0]]))
+    (False, True, True)
     """
 
     corner: float
@@ -440,11 +435,10 @@ class TiltedPunch(TiltedZone):
 
     @property
     def tilt(self) -> float:  # type: ignore[override]
-        if self.lifted:
-            return (
-                float(np.sign(self.moment)) * 2.0 * self.load / (pi * self.E_star * self.half_width)
-            )
-        return 4.0 * self.moment / (pi * self.E_star * self.corner**2)
+        if not self.lifted:
+            return 4.0 * self.moment / (pi * self.E_star * self.corner**2)
+        size = 2.0 * self.load / (pi * self.E_star * self.half_width)
+        return float(np.sign(self.moment)) * size
 
     @property
     def rotational_stiffness(self) -> float:
@@ -460,24 +454,19 @@ class TiltedPunch(TiltedZone):
     def _pressure(self, left: Array, right: Array) -> Array:
         mean = self.load / (pi * self.half_width)
         if self.lifted:
-            return np.asarray(
-                mean * (np.sqrt(left / right) if self.moment > 0 else np.sqrt(right / left))
-            )
+            ratio = left / right if self.moment > 0 else right / left
+            return np.asarray(mean * np.sqrt(ratio))
         share = 2.0 * self.moment / (self.load * self.corner)
         return np.asarray(mean * (1.0 + share * 0.5 * (left - right)) / np.sqrt(left * right))
 
-    def _gap(self, beyond: Array, side: int) -> Array:
+    def _gap(self, e: Array, side: int) -> Array:
         if not self.lifted or side * self.moment > 0:
-            return np.full_like(beyond, inf)
+            return np.full_like(e, inf)
         # |tilt| int sqrt(y/(y + 2w)) dy from the lifted end to the other corner.
-        y = 0.5 * beyond
-        gap = (
-            2.0
-            * self.half_width
-            * abs(self.tilt)
-            * (np.sqrt(y * (y + 1.0)) - np.arcsinh(np.sqrt(y)))
-        )
-        return np.where(beyond * self.half_width <= 2.0 * (self.corner - self.half_width), gap, inf)
+        y = 0.5 * e
+        unit = 2.0 * self.half_width * abs(self.tilt)
+        gap = unit * (np.sqrt(y * (y + 1.0)) - np.arcsinh(np.sqrt(y)))
+        return np.where(e * self.half_width <= 2.0 * (self.corner - self.half_width), gap, inf)
 
-    def _left(self) -> float:
+    def _approach_by_parts(self) -> float:
         return -abs(self.tilt * self.middle)

@@ -1,7 +1,7 @@
-"""Wedge f = slope |x|, alone and in a row of period L (a sharp valley at L/2).
+"""Wedge f = slope |x|, isolated and periodic (a sharp valley at L/2).
 
-Alone: K. L. Johnson, Contact Mechanics (1985), sec. 5.2, doi 10.1017/CBO9781139171731. In a row: J.
-M. Block & L. M. Keer, "Periodic contact problems in plane elasticity", J. Mech. Mater. Struct. 3
+Isolated: K. L. Johnson, Contact Mechanics (1985), sec. 5.2, doi 10.1017/CBO9781139171731. Periodic:
+J. M. Block & L. M. Keer, "Periodic contact problems in plane elasticity", J. Mech. Mater. Struct. 3
 (2008).
 """
 
@@ -11,15 +11,13 @@ from math import asinh, pi, tanh
 import numpy as np
 from scipy.special import spence
 
-from contact.reference.exact import base
-from contact.reference.exact.base import Array, arccos1m, arcosh1p, half_width_from_sine, sine
+from contact.reference.exact.base import IsolatedZone, PeriodicZone, SymmetricZone
+from contact.reference.exact.numerics import Array, arccos1m, arcosh1p, half_width_from_sine, sine
 
 
 @dataclass(frozen=True)
-class _Wedge(base.SymmetricZone):
-    """What the two share: the profile, and the forms, in which alone sin(pi x/L) is x and cos A is
-    1.
-    """
+class _Wedge(SymmetricZone):
+    """The profile, and the formulas that both wedges share."""
 
     wedge_slope: float
 
@@ -36,37 +34,32 @@ class _Wedge(base.SymmetricZone):
         return self.E_star * self.wedge_slope / pi * arcosh1p(y)
 
     def _gap_slope(self, e: Array) -> Array:
-        # In a row the integral is a dilogarithm, and alone its closed form cancels for small e.
-        # 1 - tan A/tan u = sin(u - A)/(cos A sin u)
+        # 1 - tan A/tan u = sin(u - A)/(cos A sin u). The gap is integrated numerically: the
+        # periodic integral is a dilogarithm, and the isolated closed form cancels for small e.
         y = sine(e, self.period) / (self._cosine() * sine(self.half_width + e, self.period))
         return 2.0 * self.wedge_slope / pi * arccos1m(y)
 
 
 @dataclass(frozen=True)
-class IsolatedWedge(base.IsolatedZone, _Wedge):
-    """A wedge f = slope |x| alone: p = (E* slope/pi) arcosh(a/|x|), P = E* slope a,
+class IsolatedWedge(IsolatedZone, _Wedge):
+    """An isolated wedge f = slope |x|.
 
-    gap = (2 slope/pi)(x arccos(a/x) - a arcosh(x/a)), approach = (2 slope a/pi)(ln(2d/a) + 1). K.
-    L. Johnson, Contact Mechanics (1985), sec. 5.2, doi 10.1017/CBO9781139171731. It is the first
-    term of (26), whose |x| is missing in print.
+    p = (E* slope/pi) arcosh(a/|x|), P = E* slope a, gap = (2 slope/pi)(x arccos(a/x) - a
+    arcosh(x/a)), approach = (2 slope a/pi)(ln(2d/a) + 1). It is the first term of (26), whose |x|
+    is missing in print. The class method `from_load` makes the solution at a given load; everything
+    else is in `SymmetricZone`. K. L. Johnson, Contact Mechanics (1985), sec. 5.2, doi
+    10.1017/CBO9781139171731.
 
     Parameters
     ----------
     wedge_slope : float
-        The slope of the flanks.
+        Slope of the flanks.
     E_star : float
         Reduced modulus [Pa].
     half_width : float
         Half width a of the zone [m].
     datum : float or None
-        Distance at which the far field of u is zero [m]; without it (None) there is no approach.
-
-    Attributes
-    ----------
-    load : float
-        P per unit thickness [N/m]; the class method `from_load` makes the solution at a given P.
-    pressure, gap, zones, approach : as in `SymmetricZone`
-        What every such zone has, and what else is there.
+        Distance at which the far field of u is zero [m]; without it there is no approach.
 
     Raises
     ------
@@ -94,39 +87,32 @@ class IsolatedWedge(base.IsolatedZone, _Wedge):
     def load(self) -> float:
         return self.E_star * self.wedge_slope * self.half_width
 
-    def _left(self) -> float:
+    def _approach_by_parts(self) -> float:
         return 2.0 * self.wedge_slope * self.half_width / pi
 
 
 @dataclass(frozen=True)
-class PeriodicWedge(base.PeriodicZone, _Wedge):
-    """A wedge in a row (Block & Keer 2008), u = pi x/L, A = pi a/L:
+class PeriodicWedge(PeriodicZone, _Wedge):
+    """A periodic wedge (Block & Keer 2008), with u = pi x/L, A = pi a/L and s = sin A:
 
-    (25) p = (E* slope/pi) arcosh(tan A/tan|u|),   mean pressure = (E* slope/pi) artanh(sin A),
+    (25) p = (E* slope/pi) arcosh(tan A/tan|u|),   mean pressure = (E* slope/pi) artanh s,
     gap slope = (2 slope/pi) arccos(tan A/tan u),
-    approach = (2 L slope/pi^2)(chi_2(s) - artanh(s) ln s), s = sin A,
-    chi_2 Legendre's chi function (derived from dP/da).
+    approach = (2 L slope/pi^2)(chi_2(s) - artanh(s) ln s), chi_2 Legendre's chi function.
 
+    The approach is derived from dP/da. The class methods `from_load`, `from_mean_pressure` and
+    `from_contact_fraction` start from one of these numbers; everything else is in `SymmetricZone`.
     J. M. Block & L. M. Keer, J. Mech. Mater. Struct. 3 (2008).
 
     Parameters
     ----------
     wedge_slope : float
-        The slope of the flanks of f = slope |x|, |x| <= L/2.
+        Slope of the flanks of f = slope |x|, |x| <= L/2.
     period : float
         Period L [m].
     E_star : float
         Reduced modulus [Pa].
     half_width : float
         Half width a of the zone [m].
-
-    Attributes
-    ----------
-    load : float
-        P per period [N/m]; the class methods `from_load`, `from_mean_pressure` and
-        `from_contact_fraction` start from one of these numbers.
-    pressure, gap, zones, approach : as in `SymmetricZone`
-        What every such zone has, and what else is there.
 
     Raises
     ------
@@ -149,20 +135,18 @@ class PeriodicWedge(base.PeriodicZone, _Wedge):
 
     @property
     def load(self) -> float:
-        # artanh s = arsinh(s/c): no loss near full contact
-        return (
-            self.period * self.E_star * self.wedge_slope / pi * asinh(self._sine() / self._cosine())
-        )
+        # artanh s = arsinh(s/cos A) is accurate near full contact.
+        unit = self.period * self.E_star * self.wedge_slope / pi
+        return unit * asinh(self._sine() / self._cosine())
 
-    def _left(self) -> float:
+    def _approach_by_parts(self) -> float:
         return 2.0 * self.period * self.wedge_slope / pi**2 * legendre_chi(self._sine())
 
 
 def legendre_chi(s: float) -> float:
     """chi_2(s) = sum s^(2k+1)/(2k+1)^2 = (Li_2(s) - Li_2(-s))/2, 0 <= s <= 1."""
     if s < 0.5:
-        # The dilogarithms of scipy lose relative accuracy for small s; 27 terms reach 0.25^27 =
-        # 5e-17.
+        # scipy's dilogarithm loses relative accuracy for small s; 27 terms leave 0.25^27 = 5e-17.
         k = 2 * np.arange(27) + 1
         return float(np.sum(s**k / k**2.0))
     return 0.5 * float(spence(1.0 - s) - spence(1.0 + s))

@@ -31,14 +31,8 @@ from contact.errors import SceneError
 from contact.model.checks import finite_array, keep, positive, positive_or_none
 from contact.model.profiles.base import Profile
 from contact.model.profiles.fourier import Fourier
-from contact.reference.exact.base import (
-    FROM_LEFT,
-    FROM_RIGHT,
-    WEIGHT,
-    Zoned,
-    check_number,
-    least_value,
-)
+from contact.reference.exact.base import ExactContact, check_number
+from contact.reference.exact.numerics import FROM_LEFT, FROM_RIGHT, WEIGHT, least_value
 from contact.reference.inverse.product import CutProduct
 from sie import Array, Mask
 
@@ -127,7 +121,7 @@ def exp_of_power_sums(q: NDArray[np.inexact]) -> NDArray[np.complexfloating]:
 
 
 @dataclass(frozen=True, eq=False)
-class GivenZones(Zoned):
+class GivenZones(ExactContact):
     """A subclass has the profile, the loads of the zones, and the formulas in its distances dl, dr
     from the ends of an interval.
     """

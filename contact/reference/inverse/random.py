@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from contact.reference.exact.roots import root
+from contact.reference.exact.numerics import root
 from contact.reference.inverse.adhesive import AdhesiveDesign, is_stable
 from contact.reference.inverse.cohesive import CohesiveDesign
 from contact.reference.inverse.designed import DesignedContact

@@ -1,0 +1,132 @@
+"""Elementary functions without cancellation, quadrature and roots, for the exact solutions.
+
+Only numpy and scipy are imported here, so that solvers are judged by code they do not share.
+"""
+
+from collections.abc import Callable
+from math import atan2, pi
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.optimize import brentq
+
+Array = NDArray[np.float64]
+
+
+def _tanh_sinh() -> tuple[Array, Array, Array]:
+    """Double-exponential rule on (0, 1): distances from 0 and from 1, and weights.
+
+    It is exact to round-off for end singularities milder than 1/sqrt (Takahasi & Mori 1974).
+    """
+    step = 0.08
+    tau = np.arange(-45, 46) * step
+    growth = pi * np.sinh(tau)
+    left, right = 1.0 / (1.0 + np.exp(-growth)), 1.0 / (1.0 + np.exp(growth))
+    return left, right, step * pi * np.cosh(tau) * left * right
+
+
+FROM_LEFT, FROM_RIGHT, WEIGHT = _tanh_sinh()
+
+
+def integrated(function: Callable[[Array, Array], Array], length: ArrayLike) -> Array:
+    """int_0^length of a function of the distances from both ends; lengths may have any shape."""
+    length = np.asarray(length, dtype=np.float64)
+    values = function(length[..., None] * FROM_LEFT, length[..., None] * FROM_RIGHT)
+    # A pairwise sum has less round-off than a product of vectors.
+    return np.asarray(length * np.sum(WEIGHT * values, axis=-1))
+
+
+def root(
+    function: Callable[[float], float], low: float, high: float, xtol: float = 1e-300
+) -> float:
+    """The root between two arguments at which the function has opposite signs, to round-off."""
+    return float(brentq(function, low, high, xtol=xtol, rtol=1e-15))
+
+
+def roots(function: Callable[[float], float], samples: Array) -> list[float]:
+    """One root between each two neighbouring samples at which the function has opposite signs."""
+    values = np.array([function(float(s)) for s in samples])
+    changes = np.flatnonzero(values[:-1] * values[1:] < 0.0)
+    return [root(function, samples[i], samples[i + 1]) for i in changes]
+
+
+def least_value(function: Callable[[Array], Array], low: float, high: float, samples: int) -> float:
+    """The smallest value of a smooth function, by samples refined around the smallest one."""
+    x = np.linspace(low, high, samples)
+    y = function(x)
+    best, half = float(x[np.argmin(y)]), float(x[1] - x[0])
+    for _ in range(8):  # the bracket shrinks to 1e-7 of a sample: the value is right to round-off
+        x = np.clip(best + half * np.linspace(-1.0, 1.0, 33), low, high)
+        y = function(x)
+        best, half = float(x[np.argmin(y)]), half / 8.0
+    return float(np.min(y))
+
+
+def arcosh1p(y: ArrayLike) -> Array:
+    """arcosh(1 + y), accurate for small y >= 0."""
+    return np.asarray(2.0 * np.arcsinh(np.sqrt(0.5 * np.asarray(y))))
+
+
+def arccos1m(y: ArrayLike) -> Array:
+    """arccos(1 - y), accurate for small y >= 0."""
+    return np.asarray(2.0 * np.arcsin(np.sqrt(0.5 * np.minimum(y, 2.0))))
+
+
+def sinh_minus(y: ArrayLike) -> Array:
+    """sinh(y) - y without cancellation."""
+    y = np.asarray(y, dtype=float)
+    z = np.where(np.abs(y) < 1.0, y, 0.0)
+    series, term = np.zeros_like(z), z * z * z / 6.0
+    for k in range(2, 11):  # 1/21! is below round-off at y = 1
+        series += term
+        term = term * z * z / (2 * k * (2 * k + 1))
+    return np.where(np.abs(y) < 1.0, series, np.sinh(y) - y)
+
+
+def zone_potential(z_minus_1: ArrayLike) -> Array:
+    """z sqrt(z^2 - 1) - arcosh z: the shape of a gap that opens from a bounded end at z = 1."""
+    return np.asarray(0.5 * sinh_minus(2.0 * arcosh1p(z_minus_1)))
+
+
+# The functions below have one form for a periodic zone and, with period None, for an isolated one,
+# where sin(pi x/L) becomes x and cos(pi x/L) becomes 1.
+
+
+def sine(x: ArrayLike, period: float | None) -> Array:
+    """sin(pi x/L); isolated: x."""
+    x = np.asarray(x, dtype=np.float64)
+    return x if period is None else np.asarray(np.sin(pi / period * x))
+
+
+def cosine(x: ArrayLike, period: float | None, inward: Array | float = 0.0) -> Array:
+    """cos(pi (x - inward)/L), accurate near L/2; isolated: 1."""
+    if period is None:
+        return np.ones(np.shape(inward))
+    return sine(0.5 * period - np.asarray(x) + inward, period)
+
+
+def sine_excess(x: ArrayLike, e: ArrayLike, period: float | None) -> Array:
+    """sin(pi (x + e)/L)/sin(pi x/L) - 1 for e >= 0 and x + e <= L/2; isolated: e/x."""
+    half = 0.5 * np.asarray(e)
+    cosine_middle = np.maximum(cosine(x, period, -half), 0.0)
+    return np.asarray(2.0 * cosine_middle * sine(half, period) / sine(x, period))
+
+
+def log_of(s: ArrayLike, c: ArrayLike) -> Array:
+    """ln s of a sine s > 0 whose cosine is c >= 0, accurate for s near 1."""
+    s, c = np.asarray(s), np.asarray(c)
+    return np.asarray(np.where(s < c, np.log(s), 0.5 * np.log1p(-(np.minimum(s, c) ** 2))))
+
+
+def half_width_from_sine(s: float, c: float, period: float) -> float:
+    """The half width a with sin(pi a/L) = s and cos(pi a/L) = c."""
+    return period / pi * atan2(s, c)
+
+
+def abel_gap(load_rate: Callable[[Array], Array], a: float, e: Array, E_star: float) -> Array:
+    """Gap of an isolated zone at x = a + e: (2/pi E*) int_a^x P'(s) arcosh(x/s) ds."""
+
+    def integrand(y: Array, rest: Array) -> Array:
+        return load_rate(a + y) * arcosh1p(rest / (a + y))
+
+    return 2.0 / (pi * E_star) * integrated(integrand, e)
