@@ -1,6 +1,4 @@
-"""Round spots of contact in three dimensions: axisymmetric asperities alone, on a lattice, and of
-several heights.
-"""
+"""Axisymmetric asperities in three dimensions: one alone, on a lattice, and of several heights."""
 
 from contact.axisymmetric.answer import Spot
 from contact.axisymmetric.lattices import Density, Hexagonal, Lattice, Square, own_radius

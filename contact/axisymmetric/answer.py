@@ -1,12 +1,12 @@
-r"""A solved spot: pressure, gap and displacement from the Abel transforms, and what was checked.
+r"""A solved contact spot: pressure, gap and displacement from the Abel transforms, and its checks.
 
     p(r)   = E* p_f(r) + sum (2 N P/pi) arctan(sqrt(a^2 - r^2)/sqrt(A^2 - a^2))
              + (E*/pi) sqrt(a^2 - r^2) int_0^1 (e'(x)/x) ds,   x^2 = r^2 + (a^2 - r^2) s^2
     gap(r) = (2/pi) int_a^r [g(x) + d + e(x) - sum (2 N P/E*) sqrt(A^2 - x^2) - delta] dx / sqrt(r^2
     - x^2)
 
-p_f the profile's own, e and A as in `system`. All is the mean over the angle; displacements count
-from the mean plane.
+Here p_f is the pressure of the profile alone; e and A are those of `system`. All fields are means
+over the angle. Displacements are measured from the mean plane.
 """
 
 from collections.abc import Callable
@@ -28,19 +28,31 @@ from contact.model.checks import finite_array
 from contact.reference.exact.numerics import least_value
 from sie import Array, Mask
 
-_ROWS = 64  # radii taken together: bounds the memory of a field
-_SAMPLES = 48
-_TENSION = 1e-9  # relative to the mean pressure, or to the height met: rounding of the checks below
+
+@dataclass(frozen=True)
+class SpotOptions:
+    """Numbers of the fields of a spot and of its checks."""
+
+    # Radii of a field evaluated together; bounds the memory.
+    block: int = 64
+    # Samples of pressure and gap in `Spot.check`.
+    samples: int = 48
+    # Tension over the mean pressure, or overlap over the height, that is still round-off.
+    round_off: float = 1e-9
+    # Largest degree of the series of the neighbours' effect.
+    max_degree: int = 400
+
+
+_OPTIONS = SpotOptions()
 
 
 @dataclass(frozen=True)
 class Spot(sie.Kept):
-    """One solved round spot of contact and its surroundings, as `solve_spot` and `solve_levels`
-    give it.
+    """One solved contact spot with its surroundings: a result of `solve_spot` or `solve_levels`.
 
-    Equations: the head of this module. `error` bounds the relative error of load, radius and
-    pressure (to the mean pressure of the spot) as a solution of the equations of its model; it does
-    not know the model's own.
+    The equations are in the docstring of this module. `error` bounds the relative error of load,
+    radius and pressure (over the mean pressure) as a solution of the model's equations. It does not
+    include the error of the model itself.
 
     Parameters
     ----------
@@ -51,34 +63,35 @@ class Spot(sie.Kept):
     radius : float
         Radius a of the spot [m].
     load : float
-        P of the spot [N].
+        Load P of the spot [N].
     depth : float
-        How far its tip stands below the highest ones [m].
+        Distance of its tip below the highest tips [m].
     approach : float
-        By how much the body has come down from first touch, to the mean plane of the surface
-        (alone: to the surface at infinity) [m].
+        Approach of the body since first touch, measured from the mean plane of the surface (for a
+        spot alone, from the surface at infinity) [m].
     density : float
-        Such spots per unit area [1/m^2]; 0 for a spot alone.
+        Number of such spots per unit area [1/m^2]; 0 for a spot alone.
     rings : float
-        Rings of neighbours kept in their places, up to inf.
+        Number of rings of neighbours treated at their places, up to inf.
     surface : Surface
-        What the other spots do to this one.
+        The effect of the other spots on this one.
     reach : float
-        Where the neighbours begin [m]; inf for a spot alone.
+        Distance at which the neighbours begin [m]; inf for a spot alone.
     error : float
         Bound of the relative error.
 
     Attributes
     ----------
     nominal_pressure, contact_fraction : float or None
-        Load and area of contact over the area [Pa, 1]; None for a spot alone.
+        Load and contact area per unit area [Pa, 1]; None for a spot alone.
     mean_pressure, max_pressure : float
-        Over the spot, and its peak [Pa]; inf under a point or an edge.
+        Mean over the spot and peak [Pa]; the peak under a tip or an edge is inf.
     circle : float
-        A = (pi N)^(-1/2), the circle whose area is a spot's share [m]; inf for a spot alone.
+        A = (pi N)^(-1/2), the radius of the circle with the area per spot [m]; inf for a spot
+        alone.
     pressure, gap, displacement : callable
-        p [Pa], gap [m] and u [m] at radii r [m] of any shape, in the mean over the angle; the last
-        two up to `reach`.
+        p [Pa], gap [m] and u [m] at radii r [m] of any shape, as means over the angle. Gap and
+        displacement are defined up to `reach`.
     balance : callable
         int p dA over the load, less one.
 
@@ -96,8 +109,10 @@ class Spot(sie.Kept):
     >>> import numpy as np
     >>> from contact.axisymmetric import Sphere, solve_spot
     >>> spot = solve_spot(Sphere(radius=1e-3), 1e11, load=1.0)
-    >>> bool(np.isclose(spot.max_pressure / spot.mean_pressure, 1.5)), bool(np.isclose(spot.approach, spot.radius**2 / 1e-3))
-    (True, True)
+    >>> bool(np.isclose(spot.max_pressure / spot.mean_pressure, 1.5))
+    True
+    >>> bool(np.isclose(spot.approach, spot.radius**2 / 1e-3))
+    True
     """
 
     profile: AxisymmetricProfile
@@ -124,12 +139,12 @@ class Spot(sie.Kept):
 
     @property
     def contact_fraction(self) -> float | None:
-        """Area of contact over area; None for a spot alone."""
+        """Contact area per unit area; None for a spot alone."""
         return pi * self.radius**2 * self.density if self.density > 0 else None
 
     @property
     def circle(self) -> float:
-        """A = (pi N)^(-1/2) [m], the circle whose area is a spot's share; inf for a spot alone."""
+        """A = (pi N)^(-1/2) [m], radius of the circle with the area per spot; inf if alone."""
         return own_radius(self.density) if self.density > 0 else inf
 
     def pressure(self, r: ArrayLike) -> Array:
@@ -155,11 +170,13 @@ class Spot(sie.Kept):
 
     @cached_property
     def _bend(self) -> tuple[Array, Array, Array]:
-        """e'(x)/x as Chebyshev series in x^2/a^2, its degree set by the neighbours' rim, where it
-        is singular; and Gauss's rule for it.
+        """Chebyshev series of e'(x)/x in x^2/a^2, and a Gauss rule (nodes, weights) for it.
+
+        The nearest singularity is the neighbours' rim, so the coefficients fall like
+        (rim + sqrt(rim^2 - 1))^(-degree): to round-off, exp(-36), at the degree taken.
         """
         rim = 2.0 * (self.reach / self.radius) ** 2 - 1.0
-        degree = min(400, 8 + int(36.0 / log(rim + sqrt(rim**2 - 1.0))))
+        degree = min(_OPTIONS.max_degree, 8 + int(36.0 / log(rim + sqrt(rim**2 - 1.0))))
 
         def bend(z: Array) -> Array:
             x = self.radius * np.sqrt(0.5 * (1.0 + z))
@@ -174,15 +191,13 @@ class Spot(sie.Kept):
 
     @property
     def max_pressure(self) -> float:
-        """Peak pressure [Pa]; inf under a point or an edge."""
+        """Peak pressure [Pa]; inf under a tip or an edge."""
         if self.profile.pointed(self.radius) or self.profile.edges(self.radius):
             return inf
         return -least_value(lambda r: -self.pressure(r), 0.0, self.radius, 129)
 
     def gap(self, r: ArrayLike) -> Array:
-        """Mean over the angle of the gap [m], 0 in the spot, up to `reach`, where the neighbours
-        begin.
-        """
+        """The gap [m] as mean over the angle: 0 in the spot, defined up to `reach`."""
         r = np.abs(finite_array("r", r, None))
         if np.any(r > self.reach):
             raise SceneError.of(
@@ -198,36 +213,40 @@ class Spot(sie.Kept):
         return np.asarray(2.0 / pi * np.sum(weight * above, axis=-1))
 
     def displacement(self, r: ArrayLike) -> Array:
-        """Mean over the angle of the displacement into the body [m], from its mean (alone: from
-        that at infinity).
+        """Displacement into the body [m] as mean over the angle.
+
+        It is measured from its mean over the surface; for a spot alone, from infinity.
         """
         r = np.abs(finite_array("r", r, None))
         return self.approach - self.depth - self.profile.height(r) + self.gap(r)
 
     def balance(self) -> float:
-        """int p dA over the load, less one: the transforms against one another."""
+        """int p dA over the load, minus one: a check of the transforms against each other."""
         nodes, weights = panels(
             [0.0, *np.minimum(self.profile.breakpoints, self.radius), self.radius]
         )
         pressure = self.pressure(nodes)
-        known = np.isfinite(pressure)  # a node on an edge itself has no weight
+        known = np.isfinite(pressure)  # a node exactly on an edge has a negligible weight
         return float(2.0 * pi * np.sum((weights * nodes * pressure)[known]) / self.load) - 1.0
 
     def check(self) -> None:
-        """OutOfRange if contact is not one full circle: tension in it, or another contact around
-        it.
+        """Raise OutOfRange if the contact is not one full circle.
+
+        The signs are wrong if the pressure in the spot or the gap around it is negative.
         """
-        angle = (np.arange(_SAMPLES) + 0.5) * (0.5 * pi / _SAMPLES)
+        count = _OPTIONS.samples
+        angle = (np.arange(count) + 0.5) * (0.5 * pi / count)
         least = float(np.min(self.pressure(self.radius * np.cos(angle))))
-        if least < -_TENSION * self.mean_pressure:
+        if least < -_OPTIONS.round_off * self.mean_pressure:
             raise OutOfRange(
-                f"contact is not a full circle: the pressure would fall to {least:.6g} Pa in the spot"
+                "contact is not a full circle: "
+                f"the pressure would fall to {least:.6g} Pa in the spot"
             )
-        # Beyond half the way to the neighbours stands their share of the surface.
+        # The second half of the distance to the neighbours belongs to their own checks.
         end = 3.0 * self.radius if isinf(self.reach) else 0.5 * (self.reach + self.radius)
-        r = np.linspace(self.radius, end, _SAMPLES + 1)[1:]
+        r = np.linspace(self.radius, end, count + 1)[1:]
         gap = self.gap(r)
-        if np.min(gap) < -_TENSION * float(np.max(np.abs(self.profile.height(r)))):
+        if np.min(gap) < -_OPTIONS.round_off * float(np.max(np.abs(self.profile.height(r)))):
             at = int(np.argmin(gap))
             raise OutOfRange(
                 f"contact is not one circle: the surfaces would meet again at r = {r[at]:.6g} m"
@@ -235,10 +254,10 @@ class Spot(sie.Kept):
 
 
 def _where(chosen: Mask, r: Array, function: Callable[[Array], Array]) -> Array:
-    """A function at the radii chosen, so many at a time; 0 at the others."""
-    total, some = np.zeros(r.shape), r[chosen]
+    """A function at the chosen radii, evaluated in blocks; 0 at the others."""
+    total, some, block = np.zeros(r.shape), r[chosen], _OPTIONS.block
     if some.size:
         total[chosen] = np.concatenate(
-            [function(some[k : k + _ROWS]) for k in range(0, some.size, _ROWS)]
+            [function(some[k : k + block]) for k in range(0, some.size, block)]
         )
     return total

@@ -1,6 +1,6 @@
-"""Where the spots stand: hexagonal and square lattices, or a mere number per unit area.
+"""The places of the spots: hexagonal and square lattices, or only a density.
 
-A ring is all the spots at one distance from the spot looked at.
+A ring is the set of all spots at the same distance from a given spot.
 """
 
 from dataclasses import dataclass
@@ -16,12 +16,15 @@ from sie import Array
 
 Site = tuple[float, float]
 
-_SAME = 1e-9  # distances that differ by less, relative to the spacing, are one ring
+# Distances closer than this (over the spacing) are equal; they differ by round-off of the sites.
+_SAME_DISTANCE = 1e-9
 
 
 @dataclass(frozen=True)
 class Density:
-    """So many spots per unit area, their places unknown: the first step of the localization only.
+    """A number of spots per unit area whose places are unknown.
+
+    Only the first step of the localization (`rings=0`) can use it.
 
     Parameters
     ----------
@@ -40,11 +43,12 @@ class Density:
 
     Examples
     --------
-    Without neighbours in their places a lattice says no more than its density.
+    With `rings=0` only the density of a lattice matters.
 
     >>> import numpy as np
     >>> from contact.axisymmetric import Density, Sphere, Square, solve_spot
-    >>> spots = [solve_spot(Sphere(1e-3), 1e11, place, load=0.01) for place in (Density(1e8), Square(1e-4))]
+    >>> places = (Density(1e8), Square(1e-4))
+    >>> spots = [solve_spot(Sphere(1e-3), 1e11, place, load=0.01) for place in places]
     >>> bool(np.isclose(spots[0].radius, spots[1].radius))
     True
     """
@@ -62,24 +66,23 @@ class Density:
 
 @dataclass(frozen=True)
 class Lattice:
-    """Spots that repeat in the plane; the base of the lattices: a subclass names its two unit
-    vectors.
+    """Base class of the lattices; a subclass defines the two basis vectors.
 
     Parameters
     ----------
     spacing : float
-        Distance l of the nearest spots [m].
+        Distance l of nearest spots [m].
 
     Attributes
     ----------
     unit_basis : array, (2, 2)
-        The unit vectors as rows, in units of l; what a subclass defines.
+        The basis vectors as rows, in units of l; defined by the subclass.
     unit_area : float
         Area of the cell over l^2.
     density : float
         Spots per unit area [1/m^2].
     neighbours, distances : callable
-        Radii [m] and numbers of spots of the first rings; distances over l up to a reach.
+        Radii [m] and numbers of spots of the first rings; distances over l up to a given one.
 
     Raises
     ------
@@ -104,7 +107,7 @@ class Lattice:
 
     @property
     def unit_basis(self) -> Array:
-        """The unit vectors as rows, in units of the spacing."""
+        """The basis vectors as rows, in units of the spacing."""
         raise NotImplementedError(f"{type(self).__name__} must define unit_basis")
 
     @property
@@ -114,34 +117,32 @@ class Lattice:
 
     @property
     def density(self) -> float:
-        """Cells per unit area [1/m^2]: the spots', one a cell."""
+        """Cells per unit area [1/m^2]; each cell has one spot."""
         return 1.0 / (self.unit_area * self.spacing**2)
 
     def distances(self, shift: Site, reach: float) -> Array:
-        """|R + shift|/l up to `reach`, ascending, over all cells R; the shift in fractions of the
-        unit vectors.
+        """Distances |R + shift|/l up to `reach` over all lattice points R, ascending, without 0.
 
-        The distance 0, the spot's own, is left out.
+        The shift is in fractions of the basis vectors.
         """
         basis = self.unit_basis
-        # The rows of the inverse bound the fractions of any point within the reach.
+        # The norms of the inverse's columns bound the cell indices of all points within the reach.
         count = np.ceil(reach * np.linalg.norm(np.linalg.inv(basis), axis=0)).astype(int) + 2
         i, j = np.meshgrid(*(np.arange(-n, n + 1) for n in count), indexing="ij")
         points = np.stack([i.ravel() + shift[0], j.ravel() + shift[1]], axis=1) @ basis
         length = np.sort(np.hypot(points[:, 0], points[:, 1]))
-        return length[(length > _SAME) & (length <= reach * (1 + _SAME))]
+        return length[(length > _SAME_DISTANCE) & (length <= reach * (1 + _SAME_DISTANCE))]
 
     def neighbours(self, rings: int) -> tuple[Array, NDArray[np.int64]]:
-        """Distances [m] of the first `rings` rings, and how many spots each has."""
+        """Radii [m] and numbers of spots of the first `rings` rings."""
         radii, counts = self._first_rings([(0.0, 0.0)], rings)
         return radii * self.spacing, counts
 
     def rings(self, shifts: list[Site], reach: float) -> tuple[Array, NDArray[np.int64]]:
-        """Radius/l and number of spots of the rings up to a reach, of the lattice's points moved by
-        all the shifts.
+        """Radii over l and numbers of spots of the rings up to `reach`, over all shifted lattices.
         """
         found = np.sort(np.concatenate([self.distances(s, reach) for s in shifts]))
-        first = np.flatnonzero(np.diff(found, prepend=-1.0) > _SAME)
+        first = np.flatnonzero(np.diff(found, prepend=-1.0) > _SAME_DISTANCE)
         return found[first], np.diff(np.append(first, found.size))
 
     def _first_rings(self, shifts: list[Site], count: int) -> tuple[Array, NDArray[np.int64]]:
@@ -151,9 +152,7 @@ class Lattice:
         return found[0][:count], found[1][:count]
 
     def cut(self, shifts: list[Site], rings: float) -> float:
-        """Distance/l of the last ring kept, rings counted over the lattice's points moved by all
-        the shifts; inf: all are kept.
-        """
+        """Radius over l of ring number `rings`, counted over all shifted lattices; inf for inf."""
         return (
             rings
             if rings == 0 or isinf(rings)
@@ -161,14 +160,14 @@ class Lattice:
         )
 
     def holds(self, shift: Site) -> bool:
-        """Whether it is a point of the lattice, in fractions of the unit vectors."""
+        """Whether a point, in fractions of the basis vectors, is a lattice point."""
         rest = np.array(shift) - np.round(shift)
-        return float(np.hypot(*(rest @ self.unit_basis))) < _SAME
+        return float(np.hypot(*(rest @ self.unit_basis))) < _SAME_DISTANCE
 
 
 @dataclass(frozen=True)
 class Hexagonal(Lattice):
-    """Spots at the corners of equal triangles of side l: 2/(sqrt(3) l^2) of them per unit area.
+    """A hexagonal lattice: equilateral triangles of side l, 2/(sqrt(3) l^2) spots per unit area.
 
     Parameters
     ----------
@@ -201,7 +200,7 @@ class Hexagonal(Lattice):
 
 @dataclass(frozen=True)
 class Square(Lattice):
-    """Spots at the corners of squares of side l: 1/l^2 of them per unit area.
+    """A square lattice of side l, with 1/l^2 spots per unit area.
 
     Parameters
     ----------
@@ -233,7 +232,7 @@ class Square(Lattice):
 
 
 def own_radius(density: float) -> float:
-    """A = (pi N)^(-1/2), the circle whose area is a spot's share.
+    """A = (pi N)^(-1/2), the radius of the circle with the area per spot.
 
     Parameters
     ----------
@@ -256,7 +255,7 @@ def own_radius(density: float) -> float:
 
 
 def as_lattice(value: Any) -> Lattice | Density | None:
-    """A lattice or a density, or None: a spot alone."""
+    """The value itself if it is a lattice, a density, or None (a spot alone); else SceneError."""
     if value is None or isinstance(value, (Lattice, Density)):
         return value
     raise SceneError.of(

@@ -1,12 +1,12 @@
-r"""Asperities of several heights: each level touches in turn, and from then on presses on all the
-others.
+r"""Asperities of several heights: levels that come into contact one after another.
 
-Level j has its tip d_j below the highest. It touches when the deformed surface at its tip meets it,
-delta - u(tip) = d_j; u there is what the levels in contact make, exactly in the mean over the angle
-for the neighbours kept and by their nominal pressures N_i P_i beyond. Once it touches it is one
-more kind of spot in the same system: all share one delta, and sum N_i P_i is the nominal pressure.
-Where no neighbour is kept, a spot's own level presses outside that level's share of area, (pi
-N_j)^(-1/2) as in (1), and each other level outside a share of all asperities, (pi sum N_i)^(-1/2).
+The tips of level j are d_j below the highest ones. Level j touches when the deformed surface
+reaches its tip: delta - u(tip) = d_j. The displacement u is made by the levels in contact: as means
+over the angle for the neighbours treated at their places, and by the nominal pressures N_i P_i
+beyond. From then on, level j is a further kind of spot in the same system. All kinds have one
+delta, and sum N_i P_i is the nominal pressure. With `rings=0`, a spot's own level acts outside its
+area per spot, the circle (pi N_j)^(-1/2) as in (1); every other level acts outside (pi sum
+N_i)^(-1/2).
 """
 
 from collections.abc import Iterator, Sequence
@@ -37,24 +37,24 @@ from sie import Array
 
 @dataclass(frozen=True)
 class Level:
-    """Asperities of one shape and height.
+    """Asperities of one shape and one height.
 
     Parameters
     ----------
     profile : AxisymmetricProfile or callable
         The shape, or f(r) [m].
     depth : float
-        How far the tips stand below the highest ones [m]; 0 for the highest level.
+        Distance of the tips below the highest ones [m]; 0 for the highest level.
     density : float or None
-        Asperities per unit area [1/m^2], where there is no lattice.
+        Asperities per unit area [1/m^2], if there is no lattice.
     sites : sequence of pairs or None
-        Places in fractions of the lattice's unit vectors; all sites of a level must see the same
+        Places in fractions of the lattice's basis vectors. All sites of a level must have equal
         surroundings.
 
     Raises
     ------
     SceneError
-        If the depth is negative, a density or site is refused, or not exactly one of `density` and
+        If the depth is negative, a density or site is invalid, or not exactly one of `density` and
         `sites` is given.
 
     Examples
@@ -83,29 +83,29 @@ class Level:
 
 @dataclass(frozen=True)
 class LevelsSolution:
-    """All levels at one nominal pressure, as `solve_levels` gives it.
+    """All levels at one nominal pressure: the result of `solve_levels`.
 
     Parameters
     ----------
     nominal_pressure : float
         Load over area [Pa].
     approach : float
-        By how much the body has come down from first touch of the highest level, to the mean plane
-        of the surface [m].
+        Approach of the body since the highest level touched, measured from the mean plane of the
+        surface [m].
     spots : tuple of Spot or None
         The spot of every level; None for a level that does not touch.
     touch_pressures, touch_approaches : array, (levels,)
-        Nominal pressure [Pa] and approach [m] at which each level begins to touch; inf where spots
-        would merge before it does.
+        Nominal pressure [Pa] and approach [m] at which each level begins to touch; inf if spots
+        would merge first.
 
     Attributes
     ----------
     touching : tuple of bool
-        Which levels are in contact.
+        Whether each level is in contact.
     radii, loads : array, (levels,)
         Radius [m] and load [N] of one spot of each level; 0 without contact.
     shares : array, (levels,)
-        The part of the nominal pressure each level carries; their sum is one.
+        Share of the nominal pressure that each level carries; the sum is one.
     error : float
         Bound of the relative error, the largest of the spots.
 
@@ -115,8 +115,10 @@ class LevelsSolution:
     >>> from contact.axisymmetric import Level, Sphere, solve_levels
     >>> levels = [Level(Sphere(1e-3), density=1e8), Level(Sphere(1e-3), depth=1e-8, density=1e8)]
     >>> found = solve_levels(levels, 1e11, nominal_pressure=1e7)
-    >>> found.touching, bool(np.isclose(np.sum(found.shares), 1.0)), bool(found.radii[0] > found.radii[1])
-    ((True, True), True, True)
+    >>> found.touching, bool(np.isclose(np.sum(found.shares), 1.0))
+    ((True, True), True)
+    >>> bool(found.radii[0] > found.radii[1])
+    True
     """
 
     nominal_pressure: float
@@ -127,7 +129,7 @@ class LevelsSolution:
 
     @property
     def touching(self) -> tuple[bool, ...]:
-        """Which levels are in contact."""
+        """Whether each level is in contact."""
         return tuple(spot is not None for spot in self.spots)
 
     @property
@@ -142,7 +144,7 @@ class LevelsSolution:
 
     @property
     def shares(self) -> Array:
-        """The part of the nominal pressure each level carries; their sum is one."""
+        """Share of the nominal pressure that each level carries; the sum is one."""
         return (
             np.array([0.0 if s is None else s.load * s.density for s in self.spots])
             / self.nominal_pressure
@@ -164,20 +166,21 @@ def solve_levels(
     rings: float = 0,
     tol: float = 1e-10,
 ) -> LevelsSolution:
-    """Which levels touch at a nominal pressure [Pa] or an approach [m], and their spots.
+    """The levels in contact, with their spots, at a nominal pressure or an approach.
 
     Parameters
     ----------
     levels : sequence of Level
-        Shape, depth of the tips below the highest, and sites of each.
+        The levels; the highest has depth 0.
     E_star : float
         Reduced modulus [Pa].
     lattice : Lattice or None
-        What the sites repeat with.
+        The lattice of the sites.
     nominal_pressure, approach : float or None
-        The control, one of them.
+        The control: exactly one of them [Pa, m].
     rings : float
-        Rings of neighbours kept in their places, up to inf; 0: the first step of the localization.
+        Number of rings of neighbours treated at their places, up to inf; 0: the first step of the
+        localization.
     tol : float
         Largest relative error of the solution of that model.
 
@@ -188,12 +191,13 @@ def solve_levels(
     Raises
     ------
     SceneError, OutOfRange, NotConverged
-        If the input is bad, no spots answer the control, or the tolerance was not met.
+        If the input is invalid, the control has no solution, or the tolerance was not reached.
 
     Examples
     --------
     >>> from contact.axisymmetric import Level, Sphere, Square, solve_levels
-    >>> levels = [Level(Sphere(1e-3), sites=[(0, 0)]), Level(Sphere(1e-3), depth=1e-6, sites=[(0.5, 0.5)])]
+    >>> low = Level(Sphere(1e-3), depth=1e-6, sites=[(0.5, 0.5)])
+    >>> levels = [Level(Sphere(1e-3), sites=[(0, 0)]), low]
     >>> found = solve_levels(levels, 1e11, Square(1e-4), nominal_pressure=1e5)
     >>> [spot is not None for spot in found.spots]
     [True, False]
@@ -235,19 +239,19 @@ def touch_pressures(
     rings: float = 0,
     tol: float = 1e-10,
 ) -> Array:
-    """The nominal pressure at which each level begins to touch; inf where spots would merge before
-    it does.
+    """The nominal pressure at which each level begins to touch; inf if spots would merge first.
 
     Parameters
     ----------
     levels : sequence of Level
-        Shape, depth of the tips below the highest, and sites of each.
+        The levels; the highest has depth 0.
     E_star : float
         Reduced modulus [Pa].
     lattice : Lattice or None
-        What the sites repeat with.
+        The lattice of the sites.
     rings : float
-        Rings of neighbours kept in their places, up to inf; 0: the first step of the localization.
+        Number of rings of neighbours treated at their places, up to inf; 0: the first step of the
+        localization.
     tol : float
         Largest relative error of the solution of that model.
 
@@ -259,19 +263,21 @@ def touch_pressures(
     Raises
     ------
     SceneError
-        If the input is bad.
+        If the input is invalid.
     NotConverged
-        If the radii of the spots were not found.
+        If Newton's method for the radii did not converge.
 
     Examples
     --------
-    Just above that pressure the low level is in contact, just below it is not.
+    Just above that pressure the low level is in contact; just below it is not.
 
     >>> from contact.axisymmetric import Level, Sphere, solve_levels, touch_pressures
     >>> levels = [Level(Sphere(1e-3), density=1e8), Level(Sphere(1e-3), depth=1e-8, density=1e8)]
     >>> highest, low = touch_pressures(levels, 1e11)
-    >>> [solve_levels(levels, 1e11, nominal_pressure=share * low).touching[1] for share in (0.99, 1.01)]
-    [False, True]
+    >>> below = solve_levels(levels, 1e11, nominal_pressure=0.99 * low)
+    >>> above = solve_levels(levels, 1e11, nominal_pressure=1.01 * low)
+    >>> below.touching[1], above.touching[1]
+    (False, True)
     """
     E, tol = positive("E_star", E_star), positive("tol", tol)
     kinds, _ = _system(levels, lattice, rings)
@@ -283,7 +289,7 @@ def touch_pressures(
 
 @dataclass(frozen=True)
 class _Contact:
-    """Levels that touch together, at which nominal pressure over E* and at which approach."""
+    """Levels that begin to touch together, with the nominal pressure over E* and the approach."""
 
     kinds: list[int]
     pressure: float
@@ -291,12 +297,11 @@ class _Contact:
 
 
 def _contacts(kinds: Sequence[Kind], tol: float) -> Iterator[_Contact]:
-    """The levels in the order in which they touch."""
+    """The levels in the order in which they begin to touch."""
     active = [j for j, kind in enumerate(kinds) if kind.depth == 0.0]
     yield _Contact(list(active), 0.0, 0.0)
     while waiting := [j for j in range(len(kinds)) if j not in active]:
-        # Each candidate as if no other came before it: the first is right, and the others are found
-        # anew.
+        # Each candidate is computed as if it were the next; only the earliest one is right.
         found = [_first_touch(j, kinds, active, tol) for j in waiting]
         first = min(found, key=lambda c: c.pressure)
         if isinf(first.pressure):
@@ -307,7 +312,8 @@ def _contacts(kinds: Sequence[Kind], tol: float) -> Iterator[_Contact]:
 
 
 def _first_touch(j: int, kinds: Sequence[Kind], active: list[int], tol: float) -> _Contact:
-    """The state of the levels in contact whose surface just meets the tip of level j."""
+    """The moment at which the surface, deformed by the active levels, reaches the tip of level j.
+    """
     last = inf
     try:
         for state in settled(kinds, _start(kinds, active, None, kinds[j].depth), closed_edge(j)):
@@ -327,19 +333,20 @@ def _first_touch(j: int, kinds: Sequence[Kind], active: list[int], tol: float) -
 
 
 def _start(kinds: Sequence[Kind], active: list[int], pressure: float | None, delta: float) -> Array:
-    """Radii of spots that do not feel each other, at an approach or a nominal pressure over E*: a
-    start for Newton's method.
+    """Radii of spots without interaction: a start for Newton's method.
+
+    Either the nominal pressure over E* or the approach `delta` is given.
     """
     scale = min(own_radius(kind.density) for kind in kinds)
     if pressure is not None:
-        # Shared by all spots alike, of which the highest ones tell how far they come down.
+        # All spots get the same load; the highest ones give the approach.
         load = pressure / sum(kinds[j].density for j in active)
         highest = kinds[min(active, key=lambda j: kinds[j].depth)].profile
         delta = float(highest.line(first_radius(highest.load_integral, load, scale)))
     radii = np.zeros(len(kinds))
     for j in active:
         over = delta - kinds[j].depth
-        # A level that touches only with the others' help starts small.
+        # Without interaction this level would not touch yet; it starts with a small radius.
         radii[j] = first_radius(kinds[j].profile.line, over, scale) if over > 0 else 0.05 * scale
     while room(kinds, radii) < 0.1:
         radii *= 0.9
@@ -349,7 +356,7 @@ def _start(kinds: Sequence[Kind], active: list[int], pressure: float | None, del
 def _system(
     levels: Sequence[Level], lattice: Lattice | None, rings: float
 ) -> tuple[list[Kind], float]:
-    """Kinds of spots, and how many rings of neighbours are kept."""
+    """The kinds of spots, and the number of rings of neighbours treated at their places."""
     levels = list(levels)
     if not levels or not all(isinstance(level, Level) for level in levels):
         raise SceneError.of("levels", levels, "a sequence of one Level or more")
@@ -391,7 +398,7 @@ def _kinds(
     densities: Sequence[float],
     around: Sequence[Sequence[Surroundings]] = (),
 ) -> list[Kind]:
-    """The spots of each level; where no neighbour is kept, circles are around them only."""
+    """The kinds of spots of the levels; without `around`, each is surrounded by circles only."""
     share = own_radius(sum(densities))
     each = range(len(densities))
     around = around or [
@@ -408,7 +415,7 @@ def _kinds(
 
 
 def _same_views(lattice: Lattice, views: list[list[list[Site]]]) -> None:
-    """Refuse a level whose sites see different surroundings."""
+    """Raise SceneError if the sites of a level have different surroundings."""
     rows = [
         [np.sort(np.concatenate([lattice.distances(s, 4.0) for s in shifts])) for shifts in view]
         for view in views
@@ -422,7 +429,7 @@ def _same_views(lattice: Lattice, views: list[list[list[Site]]]) -> None:
 
 
 def _sites(value: Any) -> tuple[Site, ...]:
-    """Pairs of fractions, no two of them the same point of the cell."""
+    """The sites as pairs of fractions; SceneError if two are the same point of the cell."""
     allowed = "one pair or more of finite numbers, in fractions of the unit vectors"
     if isinstance(value, str) or not isinstance(value, (Sequence, np.ndarray)) or len(value) == 0:
         raise SceneError.of("sites", value, allowed)

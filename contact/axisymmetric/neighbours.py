@@ -1,4 +1,4 @@
-r"""What neighbouring spots do to a spot, in the plane of its Abel transform.
+r"""The effect of neighbouring spots on a spot, as an Abel transform of their displacement.
 
 A point force Q at distance D lifts the ring of radius r < D by (Q/(pi E*)) mean 1/|r - D| =
 (2Q/(pi^2 E* D)) K(r/D), and that is (2/pi) int_0^r psi(x) dx/sqrt(r^2 - x^2) with psi = (Q/(pi
@@ -8,25 +8,26 @@ where complex sources t give it in closed form:
 
     psi(x) = (1/pi) int_-a^a w(t) dt / sqrt(D^2 - (x - t)^2),        |x| + a < D.
 
-The azimuthal mean of every neighbour is thus exact, and one smooth difference kernel. Beyond the
-rings that are kept stands the nominal pressure N P outside the circle A of the same number of
-spots, pi A^2 N = their number (A = 0: none kept):
+The azimuthal mean of every neighbour is thus exact, and the kernel is a smooth function of x - t.
+Only some rings of neighbours are treated at their places. The others act as the nominal pressure
+N P outside a circle of radius A with the same number of spots, pi A^2 N (a spot alone in its circle
+for rings = 0):
 
     psi(x) = -(2 N P/E*) sqrt(A^2 - x^2),                            x < A,
 
-from the mean plane. All rings: no circle, and lattice sums in place of the far part of the series
-in (x - t)^2/D^2.
+measured from the mean plane. With all rings there is no circle, and lattice sums give the far part
+of the series in (x - t)^2/D^2.
 
-The sums of |R + d|^(-s) over a plane lattice, R + d = 0 left out, are found by Ewald's split at one
-cell area V:
+The sums of |R + d|^(-s) over a plane lattice, without R + d = 0, are computed by Ewald summation
+with the cell area V as splitting parameter:
 
     Z(s; d) = pi^(s/2)/Gamma(s/2) [ sum' Gamma(s/2, pi rho^2/V) (pi rho^2)^(-s/2)
               + (1/V) sum_(k != 0) cos(2 pi k.d) (pi k^2)^(s/2-1) Gamma(1 - s/2, pi k^2 V) +
               V^(-s/2)/(s/2 - 1) - [d on the lattice] V^(-s/2)/(s/2) ],   rho = |R + d|, k
               reciprocal.
 
-For s > 2 it is the plain sum; for s = 1, where that diverges, it is the sum less the potential of
-the same load spread evenly: with it the displacement is measured from its own mean.
+For s > 2 it is the plain sum. For s = 1 the plain sum diverges, and Z is the sum minus the
+potential of the same load spread evenly; the displacement is then measured from its mean.
 """
 
 from dataclasses import dataclass
@@ -40,8 +41,10 @@ from scipy.special import erfc, gammaincc
 from contact.axisymmetric.lattices import Lattice, Site
 from sie import Array
 
-_NEAR = 3.5  # spacings: beyond, (x - t)^2/D^2 < 1/12
-_TERMS = 16  # 12^-16 is below rounding
+# Rings within this many spacings are summed directly: beyond, (x - t)^2/D^2 < 1/12.
+_NEAR_RINGS = 3.5
+# Terms of the series for the other rings: 12^-16 is below round-off.
+_TERMS = 16
 
 # 1/sqrt(1 - z) = sum_k B_k z^k
 _BINOMIAL = np.cumprod([1.0, *((2 * k - 1) / (2 * k) for k in range(1, _TERMS))])
@@ -49,11 +52,10 @@ _BINOMIAL = np.cumprod([1.0, *((2 * k - 1) / (2 * k) for k in range(1, _TERMS))]
 
 @dataclass(frozen=True)
 class NeighbourKernel:
-    """K(y) = sum of 1/sqrt(D^2 - y^2) over the spots of one kind around a spot, less a constant
-    where a circle is.
+    """K(y) = sum of 1/sqrt(D^2 - y^2) over the neighbours of one kind.
 
-    Built by `kernel_of`. `radii`, `counts`: the near rings [m]; `tail`: coefficients of
-    (y/l)^(2k)/l for the rest.
+    If a circle stands for further neighbours, a constant is subtracted (`surroundings`). radii,
+    counts: the near rings [m]; tail: coefficients of (y/l)^(2k)/l for the other rings.
     """
 
     radii: Array
@@ -87,17 +89,14 @@ class NeighbourKernel:
 
 @dataclass(frozen=True)
 class Surroundings:
-    """The spots of one kind as seen from a spot: their kernel, None if none is kept, and their
-    circle A, 0 if none.
-    """
+    """The spots of one kind around a spot: kernel (or None), circle A (or 0), and density."""
 
     kernel: NeighbourKernel | None
     circle: float
     density: float
 
     def outside(self, x: ArrayLike) -> Array:
-        """sqrt(A^2 - x^2), less the A that the kernel's constant holds; 0 without a circle and
-        beyond it.
+        """sqrt(A^2 - x^2), 0 beyond A; with a kernel, minus A, which is in the kernel's constant.
         """
         x = np.asarray(x, dtype=np.float64)
         root = np.sqrt(np.maximum((self.circle - x) * (self.circle + x), 0.0))
@@ -115,7 +114,7 @@ class Surroundings:
         return np.where(inside, -x / np.sqrt(square), 0.0)
 
     def outside_integral(self, a: float) -> float:
-        """int_-a^a of `outside`, a <= A."""
+        """The integral of `outside` from -a to a, a <= A."""
         if self.circle == 0.0:
             return 0.0
         turn = asin(a / self.circle)
@@ -124,12 +123,13 @@ class Surroundings:
 
 
 def surroundings(lattice: Lattice, shifts: list[Site], cut: float) -> Surroundings:
-    """Of the points of the lattice moved by the shifts: those within `cut` spacings kept, inf for
-    all of them.
+    """The surroundings made by the shifted lattices, with spots up to `cut` spacings kept.
+
+    For an infinite `cut` all spots are kept.
     """
     density = lattice.density * len(shifts)
-    radii, counts = lattice.rings(shifts, min(cut, _NEAR) if isinf(cut) else cut)
-    near = radii <= _NEAR
+    radii, counts = lattice.rings(shifts, min(cut, _NEAR_RINGS) if isinf(cut) else cut)
+    near = radii <= _NEAR_RINGS
     powers = -(2 * np.arange(_TERMS) + 1)
     if isinf(cut):
         circle = 0.0
@@ -141,8 +141,8 @@ def surroundings(lattice: Lattice, shifts: list[Site], cut: float) -> Surroundin
         if not radii.size:
             return Surroundings(None, circle, density)
         sums = np.sum(counts[~near] * radii[~near] ** powers[:, None], axis=1)
-        # The mean 2 pi N A of the same load spread over the circle, so that no large constants meet
-        # later.
+        # The constant 2 pi N A of the same load spread over the circle is subtracted here, since
+        # later the difference of two large constants would lose digits.
         sums[0] -= 2.0 * pi * density * circle * lattice.spacing
     kernel = NeighbourKernel(
         radii[near] * lattice.spacing, counts[near], _BINOMIAL * sums, lattice.spacing
@@ -150,17 +150,18 @@ def surroundings(lattice: Lattice, shifts: list[Site], cut: float) -> Surroundin
     return Surroundings(kernel, circle, density)
 
 
-_REACH = 4.0  # in roots of the cell area: exp(-pi 16) is below rounding
+# Reach of the Ewald sums in units of sqrt(cell area): exp(-16 pi) is below round-off.
+_EWALD_REACH = 4.0
 
 
 @lru_cache(maxsize=1024)
 def epstein(lattice: Lattice, shift: Site, s: int) -> float:
     """Z(s; shift) of the lattice in units of its spacing, s odd."""
     basis, cell = lattice.unit_basis, lattice.unit_area
-    near = lattice.distances(shift, _REACH * cell**0.5)
+    near = lattice.distances(shift, _EWALD_REACH * cell**0.5)
     direct = gammaincc(0.5 * s, pi * near**2 / cell) * gamma(0.5 * s) * (pi * near**2) ** (-0.5 * s)
 
-    count = np.ceil(_REACH / cell**0.5 * np.linalg.norm(basis, axis=1)).astype(int) + 2
+    count = np.ceil(_EWALD_REACH / cell**0.5 * np.linalg.norm(basis, axis=1)).astype(int) + 2
     i, j = (n.ravel() for n in np.meshgrid(*(np.arange(-n, n + 1) for n in count), indexing="ij"))
     other = (i != 0) | (j != 0)
     wave = np.stack([i[other], j[other]], axis=1) @ np.linalg.inv(basis).T
@@ -175,7 +176,7 @@ def epstein(lattice: Lattice, shift: Site, s: int) -> float:
 
 
 def _upper_gamma(s: int, x: Array) -> Array:
-    """Gamma(1 - s/2, x) for odd s >= 1, down from Gamma(1/2, x) by parts."""
+    """Gamma(1 - s/2, x) for odd s >= 1, by recurrence from Gamma(1/2, x)."""
     value = np.sqrt(pi) * erfc(np.sqrt(x))
     for twice in range(-1, 1 - s, -2):
         value = (value - x ** (0.5 * twice) * np.exp(-x)) / (0.5 * twice)

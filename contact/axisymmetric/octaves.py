@@ -1,16 +1,17 @@
-"""r f'(r) of an axisymmetric shape whose author gave only f or f', and its derivative, by Chebyshev
-series on octaves [2^k, 2^(k+1)] of r.
+"""r f'(r) and its derivative for a shape given by f or f' only: Chebyshev series on octaves of r.
 
-Octaves follow any power of r down to the tip, so a cone and r^1.5 are as good as a paraboloid; each
-one is made when first met. The values come from a derivative in ln r (no step leaves r > 0), by a
-complex step where the author's function takes complex numbers; one more derivative is the series'
-own. Towards the tip differences of heights are ever more their rounding: from where a power of r,
-fitted to the octave above, is better, r f' is that. What rounding leaves of the pressure is told by
-the series' last coefficients.
+An octave is [2^(k-1), 2^k]. On an octave any power of r is resolved by the same number of terms, so
+a cone and r^1.5 are as accurate as a paraboloid. Octaves are computed when first needed.
+
+The derivative of f is taken in ln r, so that no step leaves r > 0. It is a complex step if the
+user's function accepts complex numbers, and a finite difference otherwise. The second derivative is
+that of the series. Towards the tip, differences of heights become round-off. Below the octave where
+a power of r, fitted to the octave above, is more accurate, r f' is that power. The last
+coefficients of the series give the error.
 """
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from math import inf
 from typing import Any
@@ -21,29 +22,45 @@ from numpy.polynomial import chebyshev
 from contact.model.profiles.derive import complex_value, differences, verdicts
 from sie import Array, record
 
-_DEGREES = (24, 96, 384)
-_RESOLVED = 1e-12  # of the largest coefficient, where the series may end
-# Last coefficients that tell what is left; what falls by less than this with four times as many is
-# rounding; the largest of that over theirs; the least, over the largest coefficient; a derivative
-# that nothing is wrong with, over itself; and values that are the same, over noise.
-_LAST = 6
-_FALLS = 0.2
-_ABOVE = 4.0
-_LEAST = 2e-17
-_EXACT = 1e-13
-_SAME = 30.0
-# Radii whose squares are 0.
+
+@dataclass(frozen=True)
+class OctaveOptions:
+    """Truncation of the series on an octave, and the recognition of round-off in it."""
+
+    # Degrees tried one after another; powers of r are resolved by the first.
+    degrees: tuple[int, ...] = (24, 96, 384)
+    # A series ends if its last coefficients are below this part of the largest.
+    truncation: float = 1e-12
+    # Number of last coefficients whose largest is the remainder.
+    last: int = 6
+    # A remainder that falls by less than this factor at the next degree is round-off.
+    min_decay: float = 0.2
+    # Coefficients below this multiple of the round-off level are dropped.
+    drop_below: float = 4.0
+    # Round-off level of a series without visible round-off, over its largest coefficient.
+    min_round_off: float = 2e-17
+    # A derivative whose error is below this part of it needs no power law in its place.
+    exact: float = 1e-13
+    # Two series whose difference is below this multiple of their noise are equal.
+    same: float = 30.0
+
+
+_OPTIONS = OctaveOptions()
+# The square of a smaller radius underflows to 0.
 _UNDERFLOW = 2.0**-500
-_ENDS = np.linspace(-1.0, 1.0, 9)
+# The lowest octave, near the smallest floating-point number.
 _LOWEST = -1000
-_STEP = 1e-30  # relative; its square is far below rounding, and no product underflows
+# Relative complex step: its square is far below round-off, and no product underflows.
+_STEP = 1e-30
+# Points at which series are compared.
+_SAMPLES = np.linspace(-1.0, 1.0, 9)
 
 
 class LogDerivative:
-    """r F'(r) = dF/d ln r: by a complex step, if differences bear it out at the first radii where
-    they are good.
+    """r F'(r) = dF/d ln r by a complex step or by differences.
 
-    Near the tip f itself may be all rounding, 1 - cos r for one, and differences no judge.
+    A complex step is used if differences confirm it at the first radii where they are accurate.
+    Near the tip they are not: heights such as 1 - cos r are round-off there.
     """
 
     def __init__(self, function: Callable[[Any], Any]) -> None:
@@ -67,7 +84,7 @@ class LogDerivative:
         return np.asarray(self._function(np.exp(t)))
 
     def _by_step(self, t: Array) -> Array | None:
-        """None where the height takes no complex numbers, or is not finite."""
+        """The derivative by a complex step; None if it is not finite or not defined."""
         slope = self._finite_or_nan(t)
         return slope if np.isfinite(slope).all() else None
 
@@ -78,8 +95,9 @@ class LogDerivative:
 
 @record
 class Octave:
-    """r f' on [half/2, half] by its series, that of its derivative, and by how much it may be off:
-    noise its values, error the derivative, but for what evens out in pressures.
+    """The series of r f' on [half/2, half] with its errors.
+
+    noise: error of its values; error: error of its derivative as far as it enters pressures.
     """
 
     half: float
@@ -93,36 +111,40 @@ class Octave:
 
     @property
     def size(self) -> float:
-        """Of the derivative."""
-        return float(np.max(np.abs(chebyshev.chebval(_ENDS, self.derivative))))
+        """Largest absolute value of the derivative."""
+        return float(np.max(np.abs(chebyshev.chebval(_SAMPLES, self.derivative))))
 
     @property
     def is_exact(self) -> bool:
-        return self.error <= _EXACT * self.size and (self.size > 0.0 or self.half < _UNDERFLOW)
+        return self.error <= _OPTIONS.exact * self.size and (
+            self.size > 0.0 or self.half < _UNDERFLOW
+        )
 
-    def follows(self, other: "Octave", noise: float) -> bool:
-        """Whether the other one's values are these, but for noise."""
+    def equals(self, other: "Octave", noise: float) -> bool:
+        """Whether the values of two octaves agree within noise."""
+        difference = chebyshev.chebsub(self.series, other.series)
         return bool(
-            np.max(np.abs(chebyshev.chebval(_ENDS, chebyshev.chebsub(self.series, other.series))))
-            <= _SAME * noise
+            np.max(np.abs(chebyshev.chebval(_SAMPLES, difference))) <= _OPTIONS.same * noise
         )
 
 
 @record
-class Law:
-    """r f' = value (r / radius)^exponent, as it goes on towards the tip; off: what its derivative
-    may be off by, over itself.
+class PowerFit:
+    """r f' = value (r / radius)^exponent, continued towards the tip.
+
+    relative_error: error of its derivative over the derivative.
     """
 
     radius: float
     value: float
     exponent: float
-    off: float
+    relative_error: float
 
     @classmethod
-    def of(cls, octave: Octave) -> "Law | None":
-        """From the lower end of an octave; how it leaves the rest of it, which is farther from the
-        tip, tells how good it is.
+    def of(cls, octave: Octave) -> "PowerFit | None":
+        """The fit to value and slope at the lower end of an octave; None if either is negative.
+
+        Its deviation in the rest of the octave is taken as its error below the octave.
         """
         r = 0.5 * octave.half
         value, slope = (
@@ -131,29 +153,19 @@ class Law:
         )
         if not (value > 0.0 and slope > 0.0):
             return None
-        law = cls(r, value, slope * r / value, 0.0)
-        there = law.on(octave.half)
-        off = (
-            np.max(
-                np.abs(
-                    chebyshev.chebval(_ENDS, chebyshev.chebsub(there.derivative, octave.derivative))
-                )
-            )
-            / there.size
-        )
-        return replace(law, off=float(off + octave.error / octave.size))
+        power = cls(r, value, slope * r / value, 0.0)
+        fitted = power.on(octave.half)
+        difference = chebyshev.chebsub(fitted.derivative, octave.derivative)
+        error = np.max(np.abs(chebyshev.chebval(_SAMPLES, difference))) / fitted.size
+        return replace(power, relative_error=float(error + octave.error / octave.size))
 
     def on(self, half: float) -> Octave:
-        """The octave below half."""
-        octave = Octave(
-            half,
-            _interpolated(
-                lambda r: self.value * (r / self.radius) ** self.exponent, half, _DEGREES[0]
-            ),
-            0.0,
-            0.0,
+        """Its octave [half/2, half]."""
+        series = _interpolated(
+            lambda r: self.value * (r / self.radius) ** self.exponent, half, _OPTIONS.degrees[0]
         )
-        return replace(octave, error=self.off * octave.size)
+        octave = Octave(half, series, 0.0, 0.0)
+        return replace(octave, error=self.relative_error * octave.size)
 
 
 class Octaves:
@@ -164,7 +176,7 @@ class Octaves:
         self._from_values: dict[int, Octave] = {}
         self._known: dict[int, Octave] = {}
         self._highest = _LOWEST
-        self._law: Law | None = None
+        self._power: PowerFit | None = None
 
     def r_slope(self, r: Array) -> Array:
         """r f'(r); 0 at r = 0."""
@@ -176,18 +188,15 @@ class Octaves:
         return self._evaluate(r, lambda octave: octave.derivative)
 
     def error(self, a: float) -> float:
-        """By how much the derivative may be off below a, added up over the octaves that were asked
-        for.
-        """
+        """Error of the derivative below a, summed over the octaves used so far."""
         return sum(octave.error for octave in self._known.values() if octave.half < 2.0 * a)
 
     def _evaluate(self, r: Array, series: Callable[[Octave], Array]) -> Array:
         fraction, exponent = np.frexp(r)
         exponent = np.where(r > 0, np.maximum(exponent, _LOWEST), _LOWEST)
         value = np.zeros(r.shape)
-        for k in np.unique(exponent)[
-            ::-1
-        ]:  # large radii first: they tell which derivative to trust
+        # Large radii come first: there differences can confirm the complex step.
+        for k in np.unique(exponent)[::-1]:
             here = exponent == k
             # frexp's fraction is in [1/2, 1): the octave in [-1, 1).
             value[here] = chebyshev.chebval(
@@ -196,17 +205,15 @@ class Octaves:
         return value
 
     def _octave(self, k: int) -> Octave:
-        """Below where rounding of the heights leaves less of the derivative than how it goes on
-        from the octave above, that is taken.
-        """
+        """Octave k: from values, or from the power law of a higher octave if that is better."""
         if k > self._highest:
-            # What goes on may do so from higher up.
-            self._highest, self._law = k, None
+            # A power law may now start from a higher octave: those computed with errors are redone.
+            self._highest, self._power = k, None
             self._known = {one: octave for one, octave in self._known.items() if octave.is_exact}
         if k not in self._known:
-            exact = (octave := self._told(k)).is_exact
+            exact = (octave := self._computed(k)).is_exact
             for one in [k] if exact else range(self._highest, k - 1, -1):
-                if self._law is not None:
+                if self._power is not None:
                     self._known[k] = self._best(k)
                     break
                 if one not in self._known:
@@ -214,44 +221,40 @@ class Octaves:
         return self._known[k]
 
     def _best(self, k: int) -> Octave:
-        """What its values tell, or what goes on from the octaves above: where that is better and
-        the values are that but for noise, and from there on.
+        """Octave k from values, or by the power law fitted to the octave above.
+
+        The power law is used if its error is smaller and the values agree with it within noise; it
+        then also serves all octaves below.
         """
         above, half = self._known.get(k + 1), float(np.ldexp(1.0, k))
-        if self._law is not None and half <= self._law.radius:
-            return self._law.on(half)
-        octave, law = self._told(k), None if above is None else Law.of(above)
-        if above is not None and law is not None:
-            on = law.on(half)
-            if (on.error < octave.error or octave.size == 0.0) and octave.follows(
-                on, max(octave.noise, above.noise)
-            ):
-                self._law, octave = law, on
+        if self._power is not None and half <= self._power.radius:
+            return self._power.on(half)
+        octave, power = self._computed(k), None if above is None else PowerFit.of(above)
+        if above is not None and power is not None:
+            fitted = power.on(half)
+            better = fitted.error < octave.error or octave.size == 0.0
+            if better and octave.equals(fitted, max(octave.noise, above.noise)):
+                self._power, octave = power, fitted
         return octave
 
-    def _told(self, k: int) -> Octave:
-        """From values: on more and more nodes, until their series has ended, in rounding if need
-        be.
-        """
+    def _computed(self, k: int) -> Octave:
+        """Octave k from values at more and more nodes, until the series ends or is round-off."""
         if k in self._from_values:
             return self._from_values[k]
         half, left = float(np.ldexp(1.0, k)), inf
-        for degree in _DEGREES:
+        for degree in _OPTIONS.degrees:
             series = _interpolated(self._r_slope, half, degree)
-            size, before, left = (
-                np.max(np.abs(series)),
-                left,
-                float(np.max(np.abs(series[-_LAST:]))),
-            )
-            if not left > _RESOLVED * size:
+            size, before = np.max(np.abs(series)), left
+            left = float(np.max(np.abs(series[-_OPTIONS.last :])))
+            if not left > _OPTIONS.truncation * size:
                 break
-            if left > _FALLS * before:
+            if left > _OPTIONS.min_decay * before:
                 left = float(np.max(np.abs(series[-degree // 2 :])))
                 break
-        # What is below rounding of the values would be blown up by the derivative.
-        above = np.flatnonzero(np.abs(series) > max(1e-15 * size, _ABOVE * left))
+        # Coefficients below the round-off of the values are dropped: the derivative amplifies them.
+        above = np.flatnonzero(np.abs(series) > max(1e-15 * size, _OPTIONS.drop_below * left))
         series = series[: above[-1] + 1] if above.size else series[:1]
-        noise = max(left, _LEAST * size)
+        noise = max(left, _OPTIONS.min_round_off * size)
         self._from_values[k] = Octave(half, series, noise, noise * len(series) ** 1.5 * 4.0 / half)
         return self._from_values[k]
 

@@ -1,13 +1,14 @@
-r"""Axisymmetric asperities f(r), f(0) = 0, and what their Abel transform says of a round spot of
-radius a.
+r"""Axisymmetric asperities f(r), f(0) = 0, and the Abel transforms that solve their contact.
 
     g(x)     = x int_0^x f'(r) dr / sqrt(x^2 - r^2)             the equivalent plane profile
     P(a)     = 2 E* int_0^a r^2 f'(r) dr / sqrt(a^2 - r^2)      = 2 E* int_0^a x g'(x) dx
-    p(r)     = (E*/pi) int_r^a g'(x) dx / sqrt(x^2 - r^2)       = (E*/pi) int_0^a (s f')'(s) M(r, s) ds
+    p(r)     = (E*/pi) int_r^a g'(x) dx / sqrt(x^2 - r^2)
+             = (E*/pi) int_0^a (s f')'(s) M(r, s) ds
     M(r, s)  = int_max(r,s)^a dx / sqrt((x^2 - r^2)(x^2 - s^2))
 
-(Galin; Green & Collins; Sneddon 1965, doi 10.1016/0020-7225(65)90019-4; method of dimensionality
-reduction). Any f will do; a subclass needs its slope alone, and may give the rest in closed form.
+for a spot of radius a (Galin; Green & Collins; Sneddon 1965, doi 10.1016/0020-7225(65)90019-4;
+method of dimensionality reduction). f may have any shape; a subclass must define its slope and may
+give the other functions in closed form.
 """
 
 from collections.abc import Callable, Sequence
@@ -29,10 +30,10 @@ from sie import Array
 
 
 class AxisymmetricProfile(sie.Kept):
-    """An axisymmetric asperity f(r), f(0) = 0; the base of all shapes.
+    """Base class of axisymmetric asperities f(r), f(0) = 0.
 
-    A subclass is a frozen dataclass that defines `slope`, and closed forms of the rest where it has
-    them. Equations: the head of this module (I. N. Sneddon (1965), doi
+    A subclass is a frozen dataclass that defines `slope`; closed forms of the other functions are
+    optional. The equations are in the docstring of this module (I. N. Sneddon (1965), doi
     10.1016/0020-7225(65)90019-4).
 
     Attributes
@@ -40,19 +41,19 @@ class AxisymmetricProfile(sie.Kept):
     height, slope, r_laplacian : callable
         f [m], f' and (r f')' at radii r >= 0 [m] of any shape.
     line, line_slope : callable
-        g(x) [m], the equivalent plane profile (the penetration of a spot of radius x alone), and
-        g'(x).
+        g(x) [m], the equivalent plane profile (the penetration of an isolated spot of radius x),
+        and g'(x).
     load_integral : callable
-        P/E* of a spot of radius a alone [m^2].
+        P/E* of an isolated spot of radius a [m^2].
     pressure_shape : callable
-        p/E* at radii r in a spot of radius a alone.
+        p/E* at radii r in an isolated spot of radius a.
     breakpoints, jumps : array
-        Radii > 0 where f is not smooth, ascending [m], and by how much f' jumps there.
+        Radii > 0 where f is not smooth, ascending [m], and the jumps of f' there.
 
     Raises
     ------
     NotImplementedError
-        From the calls, if the subclass does not define `slope`.
+        From every function, if the subclass does not define `slope`.
 
     Examples
     --------
@@ -61,7 +62,8 @@ class AxisymmetricProfile(sie.Kept):
     >>> class Quartic(AxisymmetricProfile):
     ...     def slope(self, r):
     ...         return 4 * np.asarray(r) ** 3
-    >>> bool(np.isclose(Quartic().load_integral(0.5), PowerLaw(exponent=4, scale=1.0).load_integral(0.5)))
+    >>> exact = PowerLaw(exponent=4, scale=1.0)
+    >>> bool(np.isclose(Quartic().load_integral(0.5), exact.load_integral(0.5)))
     True
     """
 
@@ -81,12 +83,13 @@ class AxisymmetricProfile(sie.Kept):
 
     @cached_property
     def _octaves(self) -> Octaves:
-        """r f', where its derivative is not given."""
+        """Series of r f', used if its derivative is not given."""
         return Octaves(lambda r: r * self.slope(r))
 
     def derived_error(self, a: float) -> float:
-        """By how much what was derived of the shape may make p/E* of a spot of radius a wrong: of
-        (r f')' the integral of M(r, s) over an octave of s is at most about pi/2.
+        """Error of p/E* in a spot of radius a caused by numerical derivatives of the shape.
+
+        p is the integral of (r f')' M(r, s)/pi, and M integrates to at most about pi/2 per octave.
         """
         return 0.5 * self._octaves.error(a) if "_octaves" in vars(self) else 0.0
 
@@ -97,14 +100,12 @@ class AxisymmetricProfile(sie.Kept):
 
     @property
     def jumps(self) -> Array:
-        """f'(b+) - f'(b-) at the breakpoints: an edge, and a logarithmic peak of pressure, where
-        not 0.
-        """
+        """f'(b+) - f'(b-) at the breakpoints; a nonzero jump is an edge with infinite pressure."""
         b = self.breakpoints
         return self.slope(np.nextafter(b, inf)) - self.slope(np.nextafter(b, 0.0))
 
     def edges(self, a: float = inf) -> list[tuple[float, float]]:
-        """Breakpoints below a radius at which f' jumps, and by how much."""
+        """(radius, jump of f') of the edges within a radius."""
         return [
             (b, jump)
             for b, jump in zip(self.breakpoints, self.jumps, strict=True)
@@ -112,22 +113,20 @@ class AxisymmetricProfile(sie.Kept):
         ]
 
     def pointed(self, a: float) -> bool:
-        """Whether f'(0+) is not 0, seen from a spot of radius a: the pressure at the tip is
-        infinite.
+        """Whether the tip is pointed, f'(0+) > 0, on the scale of a spot of radius a.
+
+        The pressure at a pointed tip is infinite.
         """
         tip, near, far = self.slope(a * np.array([1e-200, 1e-100, 0.5]))
         return bool(tip > 0.5 * near and tip > 1e-7 * abs(far))
 
     def line(self, x: ArrayLike) -> Array:
-        """g(x) [m], the equivalent plane profile; g(a) is the penetration of an isolated spot of
-        radius a.
-        """
+        """g(x) [m], the equivalent plane profile; g(a) is the penetration of an isolated spot."""
         r, weight = quarter(x, self.breakpoints)
         return np.asarray(np.asarray(x) * np.sum(weight * self.slope(r), axis=-1))
 
     def line_slope(self, x: ArrayLike) -> Array:
-        """g'(x) = int_0^(pi/2) (r f')'(x sin phi) dphi + sum of b J/sqrt(x^2 - b^2) over the edges
-        inside x.
+        """g'(x) = int_0^(pi/2) (r f')'(x sin phi) dphi + sum b J/sqrt(x^2 - b^2) over edges b < x.
         """
         x = np.asarray(x, dtype=np.float64)
         r, weight = quarter(x, self.breakpoints)
@@ -168,16 +167,15 @@ class AxisymmetricProfile(sie.Kept):
 
 
 def abel_kernel(r: ArrayLike, s: ArrayLike, a: float) -> Array:
-    """M(r, s) of this file's head, by Carlson's R_F (DLMF 19.29.4): no cancellation at r = s nor at
-    a.
+    """M(r, s) by Carlson's R_F (DLMF 19.29.4), without cancellation at r = s or at a.
 
-    H1 of the paper's (3) is 4 s M(r, s).
+    The function H1 of the paper's equation (3) is 4 s M(r, s).
     """
     far, near = np.maximum(r, s), np.minimum(r, s)
     whole = (a - near) * (a + near)
     with np.errstate(divide="ignore", invalid="ignore"):
-        # The logarithm at r = s is cut below rounding: a node that falls there has no weight to
-        # speak of.
+        # The logarithmic singularity at r = s is cut off below round-off: the weight of such a
+        # node is negligible.
         apart = np.maximum((far - near) * (far + near) / whole, 1e-33)
         value = (
             np.sqrt((a - far) * (a + far) / whole)
@@ -188,11 +186,12 @@ def abel_kernel(r: ArrayLike, s: ArrayLike, a: float) -> Array:
 
 
 class Power(AxisymmetricProfile):
-    """f = scale r^exponent in closed form: g = k f(x), k = sqrt(pi) Gamma(n/2 + 1)/Gamma((n +
-    1)/2); P = 2 E* n/(n + 1) a g(a).
+    """Closed forms for f = scale r^n.
+
+    g = k f(x) with k = sqrt(pi) Gamma(n/2 + 1)/Gamma((n + 1)/2), and P = 2 E* n/(n + 1) a g(a).
     """
 
-    # Annotations only: a subclass has them as its fields or its own.
+    # Defined by the subclasses, as fields or class attributes.
     exponent: float
     scale: float
 
@@ -226,10 +225,10 @@ class Power(AxisymmetricProfile):
 
 @dataclass(frozen=True)
 class Sphere(Power):
-    """A paraboloid f = r^2/(2 radius), the contact of Hertz: g = x^2/R, P = 4 E* a^3/(3R), p = (2
-    E*/(pi R)) sqrt(a^2 - r^2).
+    """A paraboloid f = r^2/(2 R), the contact of Hertz.
 
-    I. N. Sneddon (1965), doi 10.1016/0020-7225(65)90019-4.
+    g = x^2/R, P = 4 E* a^3/(3R), p = (2 E*/(pi R)) sqrt(a^2 - r^2). I. N. Sneddon (1965), doi
+    10.1016/0020-7225(65)90019-4.
 
     Parameters
     ----------
@@ -269,10 +268,10 @@ class Sphere(Power):
 
 @dataclass(frozen=True)
 class Cone(Power):
-    """A cone f = slope r (Sneddon): g = pi slope x/2, P = pi E* slope a^2/2, p = (E* slope/2)
-    arcosh(a/r).
+    """A cone f = slope r.
 
-    I. N. Sneddon (1965), doi 10.1016/0020-7225(65)90019-4.
+    g = pi slope x/2, P = pi E* slope a^2/2, p = (E* slope/2) arcosh(a/r). I. N. Sneddon (1965), doi
+    10.1016/0020-7225(65)90019-4.
 
     Parameters
     ----------
@@ -316,9 +315,9 @@ class Cone(Power):
 
 @dataclass(frozen=True)
 class PowerLaw(Power):
-    """A shape f = scale r^exponent, exponent n >= 1: g = k scale x^n, P = 2 E* n/(n+1) a g(a).
+    """A power-law shape f = scale r^n, n >= 1: g = k scale x^n, P = 2 E* n/(n+1) a g(a).
 
-    k = sqrt(pi) Gamma(n/2 + 1)/Gamma((n + 1)/2). Galin; Popov 2013; I. N. Sneddon (1965), doi
+    Here k = sqrt(pi) Gamma(n/2 + 1)/Gamma((n + 1)/2). Galin; Popov 2013; I. N. Sneddon (1965), doi
     10.1016/0020-7225(65)90019-4.
 
     Parameters
@@ -345,7 +344,8 @@ class PowerLaw(Power):
     >>> import numpy as np
     >>> from contact.axisymmetric import PowerLaw, Sphere
     >>> r = np.linspace(0.0, 0.9, 4)
-    >>> bool(np.allclose(PowerLaw(exponent=2.0, scale=0.5).pressure_shape(r, 1.0), Sphere(1.0).pressure_shape(r, 1.0)))
+    >>> pressure = PowerLaw(exponent=2.0, scale=0.5).pressure_shape(r, 1.0)
+    >>> bool(np.allclose(pressure, Sphere(1.0).pressure_shape(r, 1.0)))
     True
     """
 
@@ -365,18 +365,17 @@ class PowerLaw(Power):
 
 @dataclass(frozen=True)
 class Revolved(AxisymmetricProfile):
-    """Any shape of revolution, from a callable f(r), or f'(r), or both, of arrays r >= 0.
+    """A shape of revolution given by functions f(r), f'(r) or both, of arrays r >= 0.
 
     Parameters
     ----------
     height_of, slope_of : callable or None
         f(r) [m] and f'(r); one of them may be left out.
     second : callable or None
-        f''(r) [1/m]; else it is derived (exactly, by a complex step, where the slope takes complex
-        numbers).
+        f''(r) [1/m]. If left out, it is computed: by a complex step if the slope accepts complex
+        numbers, else from Chebyshev series.
     breaks : sequence of float
-        Radii where f is not smooth, an edge for instance [m]; with them `slope_of` and `second`
-        must be given.
+        Radii where f is not smooth, such as edges [m]; they require `slope_of` and `second`.
 
     Attributes
     ----------
@@ -386,12 +385,12 @@ class Revolved(AxisymmetricProfile):
     Raises
     ------
     SceneError
-        If neither f nor f' is given, one is no function of an array that returns as many real
-        numbers, or a break lacks its derivatives.
+        If neither f nor f' is given, if a function does not return real numbers in the shape of its
+        argument, or if `breaks` are given without derivatives.
 
     Examples
     --------
-    A bare height is enough.
+    A height is enough.
 
     >>> import numpy as np
     >>> from contact.axisymmetric import Revolved, Sphere
@@ -426,7 +425,7 @@ class Revolved(AxisymmetricProfile):
             self._called(field, np.array([0.25, 0.5]))
 
     def _called(self, field: str, r: Array) -> Array:
-        """What the author's function makes of r, refused if it is not as many real numbers."""
+        """The values of a user's function; SceneError unless they are as many real numbers."""
         value = np.asarray(getattr(self, field)(r))
         if value.dtype.kind not in "iuf" or value.shape not in ((), r.shape):
             raise SceneError.of(
@@ -469,7 +468,7 @@ class Revolved(AxisymmetricProfile):
 
 
 def as_profile(shape: Any) -> AxisymmetricProfile:
-    """A shape as it is, or a bare callable taken as f(r)."""
+    """A profile as it is; a function becomes `Revolved` with that height."""
     if isinstance(shape, AxisymmetricProfile):
         return shape
     if callable(shape):

@@ -1,8 +1,7 @@
-"""Double-exponential rules over panels: rounding accuracy for any algebraic or logarithmic end of a
-panel.
+"""Double-exponential quadrature on panels, accurate to round-off for endpoint singularities.
 
-Takahasi & Mori (1974), doi 10.2977/prims/1195192451. Every radius where a profile is not smooth is
-a panel's end.
+Algebraic and logarithmic singularities are allowed at the ends of a panel (Takahasi & Mori 1974,
+doi 10.2977/prims/1195192451). Every radius where a profile is not smooth is an end of a panel.
 """
 
 from collections.abc import Sequence
@@ -18,13 +17,13 @@ from sie import Array
 def panels(edges: Sequence[ArrayLike]) -> tuple[Array, Array]:
     """Nodes and weights of the panels between successive edges, along a new last axis.
 
-    Edges broadcast against one another and must not decrease; a panel of no length has weights 0.
+    Edges are broadcast and must not decrease; an empty panel has weights 0.
     """
     ends = [np.asarray(e, dtype=np.float64)[..., None] for e in edges]
     nodes, weights = [], []
     for lo, hi in zip(ends, ends[1:], strict=False):
         width = hi - lo
-        # From the nearer end: neither end loses digits.
+        # Each node is computed from the nearer end, so that no digits of its distance are lost.
         nodes.append(np.where(FROM_LEFT < 0.5, lo + width * FROM_LEFT, hi - width * FROM_RIGHT))
         weights.append(width * WEIGHT)
     return np.concatenate(np.broadcast_arrays(*nodes), axis=-1), np.concatenate(
@@ -33,8 +32,9 @@ def panels(edges: Sequence[ArrayLike]) -> tuple[Array, Array]:
 
 
 def quarter(x: ArrayLike, breaks: ArrayLike) -> tuple[Array, Array]:
-    """Rule for int_0^(pi/2) F(x sin phi) dphi, broken where x sin phi passes a break: x sin phi and
-    weights.
+    """A rule for int_0^(pi/2) F(x sin phi) dphi: the points x sin phi and their weights.
+
+    Panels end where x sin phi equals one of the `breaks`.
     """
     x = np.asarray(x, dtype=np.float64)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -46,6 +46,9 @@ def quarter(x: ArrayLike, breaks: ArrayLike) -> tuple[Array, Array]:
 
 
 def half_gauss(n: int) -> tuple[Array, Array]:
-    """The n positive nodes of the 2n-point Gauss-Legendre rule: int_-1^1 F = 2 sum w F for even F."""
+    """The n positive nodes and weights of the 2n-point Gauss-Legendre rule.
+
+    For even F, int_-1^1 F = 2 sum w F.
+    """
     nodes, weights = np.polynomial.legendre.leggauss(2 * n)
     return nodes[n:], weights[n:]

@@ -1,17 +1,17 @@
-r"""Equal spots on a lattice by the localization principle: the paper's (1)-(4), and its second,
-more accurate step.
+r"""Equal spots on a lattice by the localization principle: the paper's equations (1) to (4).
 
-`rings` = 0 is (1) with (4): the spot's own pressure and, outside A = (pi N)^(-1/2), the nominal
-pressure N P_s,
+With `rings` = 0, equations (1) and (4): the spot's own pressure and, outside A = (pi N)^(-1/2), the
+nominal pressure N P_s,
 
-    p(r) = p_f(r) + (2/pi) N P_s arctan(sqrt(a^2 - r^2)/sqrt(A^2 - a^2)),    P_s = 2 pi int_0^a p r dr,
+    p(r) = p_f(r) + (2/pi) N P_s arctan(sqrt(a^2 - r^2)/sqrt(A^2 - a^2)),
+    P_s = 2 pi int_0^a p r dr,
 
-so P_s (1 - F) = P_f(a), F = (2/pi)[arcsin(a/A) - (a/A) sqrt(1 - a^2/A^2)]. `rings` = n keeps n
-rings of neighbours in their places, `math.inf` all of them: then only what varies with the angle is
-left out.
+so P_s (1 - F) = P_f(a), F = (2/pi)[arcsin(a/A) - (a/A) sqrt(1 - a^2/A^2)]. With `rings` = n, n
+rings of neighbours are treated at their places; with `math.inf`, all of them. Then the only
+approximation is the mean over the angle.
 
-Nodes are added until nothing changes: the error of a spot is stated from what was seen, not from a
-rate believed.
+The number of nodes is increased until the result does not change. The stated error is the observed
+change.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -54,8 +54,7 @@ def solve_spot(
     rings: float = 0,
     tol: float = 1e-10,
 ) -> Spot:
-    """The spot under a load per spot [N], a nominal pressure [Pa] or of a given radius [m]: exactly
-    one of them.
+    """The spot at a load per spot, a nominal pressure, or a radius.
 
     Parameters
     ----------
@@ -64,11 +63,12 @@ def solve_spot(
     E_star : float
         Reduced modulus [Pa].
     lattice : Lattice or Density or None
-        Where the other spots are; None: the spot is alone.
+        The places of the other spots; None: the spot is alone.
     load, nominal_pressure, spot_radius : float or None
-        The control.
+        The control: exactly one of them [N, Pa, m].
     rings : float
-        Rings of neighbours kept in their places, up to inf; 0: the first step of the localization.
+        Number of rings of neighbours treated at their places, up to inf; 0: the first step of the
+        localization.
     tol : float
         Largest relative error of the solution of that model.
 
@@ -79,7 +79,7 @@ def solve_spot(
     Raises
     ------
     SceneError, OutOfRange, NotConverged
-        If the input is bad, no spot answers the control, or the tolerance was not met.
+        If the input is invalid, the control has no solution, or the tolerance was not reached.
 
     Examples
     --------
@@ -124,13 +124,15 @@ def solve_spot(
 
 
 def correction_share(ratio: float) -> float:
-    """F(a/A), the part of P_s that the nominal pressure around brings to the spot in the first
-    step: (2/pi)(arcsin q - q sqrt(1 - q^2)).
+    """F(q) = (2/pi)(arcsin q - q sqrt(1 - q^2)), the load share of the surrounding nominal
+    pressure.
+
+    In the first step of the localization, the nominal pressure outside A adds F P_s to the load.
 
     Parameters
     ----------
     ratio : float
-        q = a/A, from 0 to 1: radius of the spot over that of the circle whose area is its share.
+        q = a/A, from 0 to 1: radius of the spot over that of the circle with the area per spot.
 
     Returns
     -------
@@ -156,8 +158,9 @@ def correction_share(ratio: float) -> float:
 
 
 def first_step_load(profile: Any, E_star: float, density: float, spot_radius: float) -> float:
-    """The load of a spot on a lattice in the first step of the localization, P_s = P_f(a)/(1 -
-    F(a/A)): the closed form of (1) with (4).
+    """P_s = P_f(a)/(1 - F(a/A)), the load of a spot in the first step of the localization.
+
+    It is the closed form of the paper's equations (1) and (4).
 
     Parameters
     ----------
@@ -180,11 +183,11 @@ def first_step_load(profile: Any, E_star: float, density: float, spot_radius: fl
     SceneError
         If a number is not positive and finite.
     OutOfRange
-        If the spot is as wide as its share.
+        If the spot is not smaller than the circle A.
 
     Examples
     --------
-    The solver without neighbours in their places gives the same.
+    `solve_spot` with `rings=0` gives the same.
 
     >>> import numpy as np
     >>> from contact.axisymmetric import Density, Sphere, first_step_load, solve_spot
@@ -201,7 +204,7 @@ def first_step_load(profile: Any, E_star: float, density: float, spot_radius: fl
 
 
 def one_control(**given: float | None) -> tuple[str, float]:
-    """The one control that is not left out, as a positive number."""
+    """The name and value of the only control given, a positive number."""
     named = {name: value for name, value in given.items() if value is not None}
     if len(named) != 1:
         got = ", ".join(named) or "none"
@@ -211,9 +214,7 @@ def one_control(**given: float | None) -> tuple[str, float]:
 
 
 def ring_count(rings: Any, place: Lattice | Density | None) -> float:
-    """How many rings of neighbours are kept: a whole number, or inf; more than 0 needs their
-    places.
-    """
+    """The number of rings: a whole number or inf; SceneError if it needs a lattice without one."""
     count: float = inf if isinstance(rings, float) and rings == inf else integer("rings", rings)
     if count > 0 and not isinstance(place, Lattice):
         raise SceneError.of("rings", rings, "0 where no lattice says where the neighbours stand")
@@ -229,15 +230,19 @@ def _seen(place: Lattice | Density | None, rings: float) -> Surroundings:
     return surroundings(place, origin, place.cut(origin, rings))
 
 
+# Numbers of Gauss nodes tried one after another.
 NODES = (16, 32, 64, 128, 256)
+# Radii over a at which pressures of successive numbers of nodes are compared.
 _PROBES = np.array([0.1, 0.5, 0.9])
-_ROUNDING = 1e-14  # no statement below the rounding of a few transforms
+# The smallest stated error: the round-off of a few transforms.
+_ROUND_OFF = 1e-14
 _EPS = 2.2e-16
-_GROW = 2.0**0.125
+# Factor between the radii tried in `first_radius`; a finer one costs time only.
+_RADIUS_RATIO = 2.0**0.125
 
 
 def settled(kinds: Sequence[Kind], start: Array, condition: Condition) -> Iterator[State]:
-    """Newton's states on ever more nodes, each from the one before."""
+    """States for increasing numbers of nodes, each started from the previous one."""
     for n in NODES:
         state = refine_topology(kinds, start, condition, n)
         start = state.radii
@@ -245,7 +250,7 @@ def settled(kinds: Sequence[Kind], start: Array, condition: Condition) -> Iterat
 
 
 def spot_of(j: int, kinds: Sequence[Kind], state: State, E_star: float, rings: float) -> Spot:
-    """The spot of one kind in a solved system."""
+    """The spot of kind j in a solved system."""
     kind, reach = kinds[j], inf
     for i in touching(state.radii):
         seen = kind.around[i]
@@ -270,9 +275,7 @@ def spot_of(j: int, kinds: Sequence[Kind], state: State, E_star: float, rings: f
 def refined(
     states: Iterable[State], spots_of: Callable[[State], list[Spot]], tol: float
 ) -> list[Spot]:
-    """The spots of the first state that differs from the one before by less than tol, checked,
-    their error stated.
-    """
+    """The spots, with checks and errors, of the first state that changes by less than tol."""
     last: list[Spot] | None = None
     trace: list[float] = []
     for state in states:
@@ -281,7 +284,7 @@ def refined(
             if not spot.load > 0:
                 raise OutOfRange(f"a spot of radius {spot.radius:.6g} m would carry no load there")
         if not any(spot.surface.sources for spot in spots):
-            trace.append(0.0)  # nothing was discretised: the first step is in closed form
+            trace.append(0.0)  # the first step of the localization is in closed form
         else:
             trace.append(inf if last is None else max(map(_difference, spots, last)))
         if trace[-1] <= tol:
@@ -293,7 +296,10 @@ def refined(
 
 
 def _difference(new: Spot, old: Spot) -> float:
-    """Largest relative change, that of the pressure at equal r/a and relative to its mean."""
+    """Largest relative change of load, radius and pressure.
+
+    Pressures are compared at equal r/a, relative to the mean.
+    """
     pressure = new.pressure(_PROBES * new.radius) - old.pressure(_PROBES * old.radius)
     return max(
         abs(new.load / old.load - 1.0),
@@ -303,26 +309,30 @@ def _difference(new: Spot, old: Spot) -> float:
 
 
 def _stated(spot: Spot, trace: list[float], tol: float) -> Spot:
-    """The spot with its error: the last change, or the balance of load and pressure if that is
-    worse.
+    """The spot with its error, the largest of several measures; NotConverged above `tol`.
+
+    They are the last change, the balance of load and pressure, and round-off.
     """
     spot.check()
-    # A spot just born feels the rounding of approach and depth, which are much larger than its own
-    # penetration.
+    # The penetration of a tiny spot is the difference of approach and depth, with their round-off.
     own = float(spot.profile.line(spot.radius))
     derived = spot.profile.derived_error(spot.radius) * spot.E_star / spot.mean_pressure
     error = max(
         trace[-1],
         abs(spot.balance()),
-        _ROUNDING,
+        _ROUND_OFF,
         derived,
         4.0 * _EPS * (abs(spot.approach) + spot.depth) / own,
     )
     spot = replace(spot, error=error)
     if error > tol and error == derived:
-        give = "slope_of, a height that takes complex numbers or is exact near the tip (2 sinh(r/2)^2, not cosh(r) - 1), or a larger tol"
-        left = f"rounding of the heights leaves the pressure an error of {error:.2e}, above tol = {tol:.2e}"
-        raise NotConverged(f"{left}: give {give}", trace, spot)
+        raise NotConverged(
+            f"rounding of the heights leaves the pressure an error of {error:.2e}, above "
+            f"tol = {tol:.2e}: give slope_of, a height that takes complex numbers or is exact near "
+            "the tip (2 sinh(r/2)^2, not cosh(r) - 1), or a larger tol",
+            trace,
+            spot,
+        )
     if error > tol:
         why = (
             "the profile's derivatives are not that good" if trace[-1] < error else "too few nodes"
@@ -334,23 +344,23 @@ def _stated(spot: Spot, trace: list[float], tol: float) -> Spot:
 
 
 def first_radius(growing: Callable[[float], Any], target: float, scale: float) -> float:
-    """The smallest radius where a quantity that starts from 0 reaches the target: a start for
-    Newton.
+    """The smallest radius at which a quantity, growing from 0, reaches the target.
 
-    A fall on the way ends the branch from zero load: OutOfRange.
+    It is a start for Newton's method. If the quantity falls before, the branch from zero load ends
+    there: OutOfRange.
     """
     a = 1e-3 * scale
-    # Of a steep flank far out rounding may leave less than nothing.
+    # Round-off may make the quantity negative where a steep flank begins far out.
     while not 0.0 <= growing(a) < target and a >= 1e-60 * scale:
         a *= 0.5
     last = growing(a)
     for _ in range(2000):
-        new = growing(a * _GROW)
+        new = growing(a * _RADIUS_RATIO)
         if not np.isfinite(new) or new < last * (1.0 - 1e-9):
             raise OutOfRange(
                 f"no spot carries this: what it carries falls beyond a radius of {a:.6g} m"
             )
         if new >= target:
-            return root(lambda radius: float(growing(radius)) - target, a, a * _GROW)
-        a, last = a * _GROW, new
+            return root(lambda radius: float(growing(radius)) - target, a, a * _RADIUS_RATIO)
+        a, last = a * _RADIUS_RATIO, new
     raise OutOfRange("no spot of any size carries this load")

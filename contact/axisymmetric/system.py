@@ -1,18 +1,17 @@
-r"""Spots of one or several kinds that carry each other's neighbours: the second-kind equation, and
-Newton for the radii.
+r"""Interacting spots of one or several kinds: the equation of the second kind and Newton's method.
 
-With w_j(x), |x| <= a_j, the Abel transform of kind j's own displacement (P_j = E* int w_j, p_j =
--(E*/pi) int w_j'/sqrt),
+Let w_j(x), |x| <= a_j, be the Abel transform of the displacement of kind j by itself (P_j = E* int
+w_j, p_j = -(E*/pi) int w_j'/sqrt). Then
 
     w_j(x) = delta - d_j - g_j(x) - e_j(x) + sum_i (2 N_i P_i/E*) sqrt(A_ji^2 - x^2),
     e_j(x) = (1/pi) sum_i int_-a_i^a_i w_i(t) K_ji(x - t) dt,
 
-g_j the profile's transform, d_j the depth of its tip, K and A from `neighbours`. For given radii
-this is linear in e_j at Gauss nodes, the loads and delta, closed by one side condition: a total
-load, w = 0 at the edge, or a tip that just touches. The right radii have w_j(a_j) = 0. A shift of
-a_j changes the integrals by w_j(a_j) da_j only, which vanishes there: the Jacobian of the edge
-values is diagonal, w_j'(a_j), and a_j -> a_j - w_j(a_j)/w_j'(a_j) is Newton's step, under any side
-condition.
+with g_j the transform of the profile, d_j the depth of its tip, and K and A of `neighbours`. For
+given radii this is a linear system for e_j at Gauss nodes, the loads and delta. One side condition
+closes it: a total load, w = 0 at an edge, or a tip that just touches. The correct radii have
+w_j(a_j) = 0. A shift of a_j changes the integrals by w_j(a_j) da_j, which vanishes at the solution.
+So the Jacobian of the edge values is diagonal, w_j'(a_j), and the Newton step is a_j -
+w_j(a_j)/w_j'(a_j) under any side condition.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -28,15 +27,28 @@ from contact.axisymmetric.quadrature import half_gauss, panels
 from contact.errors import NotConverged, OutOfRange
 from sie import Array
 
-_STEPS = 100
-_SETTLED = 1e-13  # relative step of the radii: the next one would be its square
-_ROUNDING = 1e-15  # of w at an edge, to the approach: a spot just born settles no further
+
+@dataclass(frozen=True)
+class RadiusOptions:
+    """Newton's method for the radii of the spots."""
+
+    max_steps: int = 100
+    # Relative step of the radii at which the iteration ends: round-off times the condition.
+    converged_step: float = 1e-13
+    # Residual w at an edge over the approach that is round-off: a tiny spot gets no closer.
+    round_off: float = 1e-15
+    # Free distance between spots, over their distance, below which they are about to merge.
+    min_room: float = 1e-7
+
+
+_OPTIONS = RadiusOptions()
 
 
 @dataclass(frozen=True)
 class Kind:
-    """Spots of one profile, tip depth and density [1/m^2]; around: the spots of every kind as seen
-    from one of these.
+    """The spots of one profile, depth of tips and density [1/m^2].
+
+    around: the surroundings that the spots of every kind make for one of these.
     """
 
     profile: AxisymmetricProfile
@@ -47,7 +59,7 @@ class Kind:
 
 @dataclass(frozen=True)
 class Source:
-    """One kind's w at quadrature nodes 0 < t < a, acting through a kernel."""
+    """The effect of one kind on another: w at nodes 0 < t < a, and the kernel."""
 
     nodes: Array
     weighted: Array  # 2 x weight x w: summing it gives P/E*
@@ -68,9 +80,7 @@ def both_sides(function: Callable[[Array], Array], x: Array, t: Array) -> Array:
 
 @dataclass(frozen=True)
 class Surface:
-    """What all the other spots do to one: the Abel transform of the displacement they make, from
-    the mean plane.
-    """
+    """The Abel transform of the displacement that all other spots cause, from the mean plane."""
 
     sources: tuple[Source, ...]
     nominal: tuple[tuple[float, Surroundings], ...]  # 2 N P/E* outside its circle
@@ -87,14 +97,14 @@ class Surface:
         )
 
     def kept_slope(self, x: ArrayLike) -> Array:
-        """That of the neighbours kept, without the nominal pressure: smooth up to D - a."""
+        """The slope without the nominal pressure: smooth up to D - a."""
         return sum((source.slope(np.asarray(x)) for source in self.sources), np.zeros(np.shape(x)))
 
 
 @dataclass(frozen=True)
 class State:
-    """A solved system: radii, P/E* and w(a) of every kind (0 where it does not touch), delta, and
-    what acts on whom.
+    """The solution for given radii: P/E* and w(a) of every kind (0 without contact), delta,
+    surfaces.
     """
 
     radii: Array
@@ -109,10 +119,10 @@ Condition = Callable[["Linear"], tuple[Array, float]]
 
 
 class Linear:
-    """The linear system at given radii; the unknowns are e at the nodes of every touching kind,
-    P/E*, and delta.
+    """The linear system for given radii.
 
-    What is linear in them is kept as rows: the factors of the unknowns, and a constant last.
+    The unknowns are e at the nodes of every kind in contact, P/E* of each, and delta. A quantity
+    linear in them is stored as a row: the coefficients of the unknowns, then a constant.
     """
 
     def __init__(self, kinds: Sequence[Kind], radii: Array, n: int) -> None:
@@ -125,21 +135,20 @@ class Linear:
         self.at_force = {j: len(self.active) * m + k for k, j in enumerate(self.active)}
         self.at_delta = len(self.active) * (m + 1)
         self.size = self.at_delta + 1
-        # w at nodes and 2 x weights: all of it but the profile's g, and that, which need not be
-        # smooth.
+        # Nodes and doubled weights for the smooth part of w, and for g, which need not be smooth.
         self.smooth = {j: (radii[j] * self.unit, 2.0 * radii[j] * self.weight) for j in self.active}
         self.rough = {j: self._rough(j) for j in self.active}
         every = np.eye(self.size + 1)
         self.w = {j: self.displaced(j, self.smooth[j][0], every[self.at_e[j]]) for j in self.active}
 
     def _rough(self, j: int) -> tuple[Array, Array]:
-        """Nodes and 2 x weights x -g."""
+        """Nodes and doubled weights times -g."""
         a, profile = float(self.radii[j]), self.kinds[j].profile
         nodes, weights = panels([0.0, *(min(b, a) for b in profile.breakpoints), a])
         return nodes, -2.0 * weights * profile.line(nodes)
 
     def displaced(self, j: int, x: Array, e: Array) -> Array:
-        """w_j(x) but for g_j, by e_j(x): rows."""
+        """Rows of w_j(x) + g_j(x), from the rows e of e_j(x)."""
         rows = -e
         rows[:, self.at_delta] += 1.0
         rows[:, -1] -= self.kinds[j].depth
@@ -150,7 +159,7 @@ class Linear:
         return rows
 
     def e(self, j: int, x: Array) -> Array:
-        """e_j(x): rows."""
+        """Rows of e_j(x)."""
         rows = np.zeros((x.size, self.size + 1))
         for i in self.active:
             kernel = self.kinds[j].around[i].kernel
@@ -161,7 +170,7 @@ class Linear:
         return rows
 
     def row(self, at: Mapping[int, float]) -> Array:
-        """A row over the unknowns, zero elsewhere."""
+        """A row with the given coefficients by index, and zeros elsewhere."""
         out = np.zeros(self.size)
         out[list(at)] = list(at.values())
         return out
@@ -174,7 +183,7 @@ class Linear:
             e = self.e(j, x)
             matrix[at], right[at] = -e[:, :-1], e[:, -1]
             matrix[at, at] += np.eye(x.size)
-            # P_j/E* = int w_j
+            # The load: P_j/E* = int w_j.
             matrix[row, row] = 1.0
             matrix[row, at] = weights
             matrix[row, self.at_delta] = -2.0 * a
@@ -184,14 +193,14 @@ class Linear:
                 )
             right[row] = -2.0 * (a * kind.depth + kind.profile.line_integral(a))
         matrix[-1], right[-1] = condition(self)
-        # Rows and columns have units; bring each row, then each column, to size one.
+        # Rows and columns have different units: each row, then each column, is scaled to size one.
         rows = 1.0 / np.max(np.abs(matrix), axis=1)
         columns = 1.0 / np.max(np.abs(matrix * rows[:, None]), axis=0)
         matrix, right = matrix * rows[:, None] * columns, right * rows
         unknown = np.linalg.solve(matrix, right)
-        # The rows of a spot just born have terms far smaller than others: elimination is exact to
-        # the largest term of all, and with one step of refinement to the largest of each row (Skeel
-        # 1980, doi 10.1090/S0025-5718-1980-0572859-4).
+        # The rows of a tiny spot have much smaller terms than others. One step of iterative
+        # refinement makes the error small in each row (Skeel 1980, doi
+        # 10.1090/S0025-5718-1980-0572859-4).
         unknown += np.linalg.solve(matrix, right - matrix @ unknown)
         return self._state(columns * unknown)
 
@@ -229,12 +238,12 @@ class Linear:
 
 
 def touching(radii: Array) -> list[int]:
-    """The kinds that are in contact: of a radius."""
+    """The indices of the kinds in contact: those with a positive radius."""
     return [int(j) for j in np.flatnonzero(radii > 0)]
 
 
 def total_load(pressure_over_E: float) -> Condition:
-    """sum_j N_j P_j = nominal pressure."""
+    """The condition sum_j N_j P_j = nominal pressure."""
     return lambda linear: (
         linear.row({linear.at_force[j]: linear.kinds[j].density for j in linear.active}),
         pressure_over_E,
@@ -242,13 +251,14 @@ def total_load(pressure_over_E: float) -> Condition:
 
 
 def force(kind: int, force_over_E: float) -> Condition:
-    """P_j given."""
+    """The condition that P_j is given."""
     return lambda linear: (linear.row({linear.at_force[kind]: 1.0}), force_over_E)
 
 
 def closed_edge(kind: int) -> Condition:
-    """w_j(a_j) = 0 at the radius given; of a kind that carries nothing yet at its tip, which is on
-    the deformed surface.
+    """The condition w_j(a_j) = 0 at the given radius.
+
+    For radius 0 it says that the tip lies on the deformed surface and carries no load yet.
     """
 
     def row(linear: Linear) -> tuple[Array, float]:
@@ -262,46 +272,48 @@ def closed_edge(kind: int) -> Condition:
 
 
 def approach(delta: float) -> Condition:
-    """delta given."""
+    """The condition that delta is given."""
     return lambda linear: (linear.row({linear.at_delta: 1.0}), delta)
 
 
 def refine_topology(kinds: Sequence[Kind], start: Array, condition: Condition, n: int) -> State:
-    """Newton's radii from a start; 0 marks a kind that does not touch."""
+    """The state with the radii found by Newton's method; a start of 0 means no contact."""
     radii = np.array(start, dtype=np.float64)
     active = touching(radii)
     trace = []
-    for _ in range(_STEPS):
+    for _ in range(_OPTIONS.max_steps):
         state = Linear(kinds, radii, n).solve(condition)
         steps, rounding = np.zeros_like(radii), True
         for j in active:
             a = radii[j]
             slope = float(kinds[j].profile.line_slope(a)) + float(state.surfaces[j].slope(a))
-            # A profile flat at a, or one pushed from beside, has no step of Newton's: a doubling
-            # finds its way.
+            # Newton's step needs a positive slope at the edge; otherwise the radius is doubled or
+            # reduced.
             steps[j] = state.edges[j] / slope if slope > 0 else np.copysign(a, state.edges[j])
-            rounding &= bool(abs(state.edges[j]) <= _ROUNDING * (abs(state.delta) + kinds[j].depth))
+            size = abs(state.delta) + kinds[j].depth
+            rounding &= bool(abs(state.edges[j]) <= _OPTIONS.round_off * size)
         steps[active] = np.clip(steps[active], -0.5 * radii[active], radii[active])
         trace.append(float(np.max(np.abs(steps[active] / radii[active]))))
-        if trace[-1] <= _SETTLED or rounding:
+        if trace[-1] <= _OPTIONS.converged_step or rounding:
             return state
         while room(kinds, radii + steps) <= 0:
             steps *= 0.5
-        # Not onto the limit itself: half of what is left, at most.
+        # A step that would use up more than three quarters of the room is halved.
         if room(kinds, radii + steps) < 0.25 * room(kinds, radii):
             steps *= 0.5
         radii = radii + steps
-        if room(kinds, radii) < 1e-7:
+        if room(kinds, radii) < _OPTIONS.min_room:
             raise OutOfRange(
                 "out of range: the spots would grow into their neighbours before this is reached"
             )
     raise NotConverged(
-        f"the radii have not settled in {_STEPS} steps (last {trace[-1]:.2e})", trace
+        f"the radii have not settled in {_OPTIONS.max_steps} steps (last {trace[-1]:.2e})", trace
     )
 
 
 def room(kinds: Sequence[Kind], radii: Array) -> float:
-    """What is left, relative, before spots meet their neighbours or their circle; <= 0: they do."""
+    """The smallest relative distance of spots from their neighbours or circle; <= 0 if they meet.
+    """
     taken = [0.0]
     for j in touching(radii):
         for i in touching(radii):

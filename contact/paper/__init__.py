@@ -1,14 +1,16 @@
-"""The examples of the paper, apart from the solver: I. G. Goryacheva & I. Tsukanov, "Analysis of
-Elastic Normal Contact of Surfaces With Regular Microgeometry Based on the Localization Principle",
-Front. Mech. Eng. 6 (2020) 45, doi 10.3389/fmech.2020.00045.
+"""The examples of the paper in closed form, without the solver.
+
+I. G. Goryacheva & I. Tsukanov, "Analysis of Elastic Normal Contact of Surfaces With Regular
+Microgeometry Based on the Localization Principle", Front. Mech. Eng. 6 (2020) 45, doi
+10.3389/fmech.2020.00045.
 
     (18)-(24)  one_zone     localized_wave
     (25)-(27)               localized_wedge
     (28)-(30)               localized_parabola
     (31)-(39)  two_zones    LocalizedPair (the full artanh), CubicPair (37)-(38)
 
-They are the corrected equations, and `PrintedCubicPair` what figure 13 of the paper shows instead.
-The exact solutions beside them are those of `contact.exact`.
+The equations are the corrected ones. `PrintedCubicPair` reproduces figure 13 as printed. The exact
+solutions for comparison are in `contact.exact`.
 """
 
 from contact.paper.one_zone import OneZone, localized_parabola, localized_wave, localized_wedge

@@ -1,14 +1,14 @@
-"""The paper's three one-zone examples by the localization principle, the isolated solution of a
-family corrected by (16)-(17): the sinusoid f = Delta (1 - cos(2 pi x/L)), (18)-(24), the wedge f =
-tan(beta) |x|, (25)-(27), and the parabola f = x^2/2R, (28)-(30), in a row of period L.
+"""The paper's three one-zone examples of the localization principle.
 
-With P0 the isolated load at half-width a and s = sqrt(L^2 - 4a^2)/L, the two readings of P_s in
-(16) are
+They are the sinusoid f = Delta (1 - cos(2 pi x/L)), equations (18)-(24); the wedge f = tan(beta)
+|x|, (25)-(27); and the parabola f = x^2/2R, (28)-(30), each in a row of period L. The isolated
+solution is corrected by (16)-(17). With P0 the isolated load at half-width a and s = sqrt(L^2 -
+4a^2)/L, the load P_s in (16) can be read in two ways:
 
     first-order       P_s = P0,  P = P0 (2 - s)      (23), (27), (30) of the paper's examples,
     self-consistent   P_s = P,   P = P0/s            (16) solved for P = P_s.
 
-Every example knows the exact solution of the same half-width, which the errors are measured by.
+Each example gives its errors against the exact periodic solution of the same half-width.
 """
 
 from dataclasses import dataclass
@@ -23,7 +23,7 @@ from contact.reference.exact.wedge import IsolatedWedge, PeriodicWedge
 
 Periodic = PeriodicParabola | PeriodicWedge | Westergaard
 
-# What is exact of each isolated solution's shape in a row, and the parameter of that shape.
+# For each isolated solution: the exact periodic solution, and the name of the shape's parameter.
 _EXACT: dict[type, tuple[type[Periodic], str]] = {
     HertzLine: (PeriodicParabola, "radius"),
     IsolatedWedge: (PeriodicWedge, "wedge_slope"),
@@ -33,12 +33,13 @@ _EXACT: dict[type, tuple[type[Periodic], str]] = {
 
 @dataclass(frozen=True)
 class OneZone(LocalizedZone):
-    """A localized zone beside the exact one of the same half-width."""
+    """A localized zone, compared with the exact one of the same half-width."""
 
     @property
     def exact(self) -> Periodic:
-        """The exact periodic solution of the same half-width: (18)-(19), Westergaard (1939); (25),
-        Block & Keer (2008); (28), Kuznetsov (1976), with its pressure.
+        """The exact periodic solution of the same half-width.
+
+        Equations (18)-(19), Westergaard (1939); (25), Block & Keer (2008); (28), Kuznetsov (1976).
         """
         made, size = _EXACT[type(self.isolated)]
         given: dict[str, Any] = {size: getattr(self.isolated, size)}
@@ -51,7 +52,7 @@ class OneZone(LocalizedZone):
 
     @property
     def isolated_load_error(self) -> float:
-        """P0/P_exact - 1 at the same half-width: what leaving the neighbours out costs."""
+        """P0/P_exact - 1 at the same half-width: the error of ignoring the neighbours."""
         return self.isolated.load / self.exact.load - 1.0
 
     @property
@@ -65,13 +66,14 @@ class OneZone(LocalizedZone):
 def localized_wave(
     amplitude: float, period: float, E_star: float, half_width: float, closure: str = FIRST_ORDER
 ) -> OneZone:
-    """(20)-(24), Goryacheva & Tsukanov (2020), with k = 2 pi/L and s = sqrt(L^2 - 4a^2)/L:
+    """The sinusoid: equations (20)-(24) with k = 2 pi/L, s = sqrt(L^2 - 4a^2)/L.
 
     (20) p0 = (2 pi Delta E*/L) sqrt(1 - t^2) sum (-1)^j J_(2j+1)(ka) U_2j(t),  t = x/a,
     (23) mean pressure = (pi^2 Delta E*/L^2) a J_1(ka) (2 - s),
     (24) p(0) = (pi Delta E*/L) int_0^ka J_0 + (2 pi Delta E*/L^2) a J_1(ka) arctan(2a/(L s)),
 
-    both first-order. OutOfRange where the pressure would be negative at the ends.
+    (23) and (24) hold for the first-order closure. Raises OutOfRange if the pressure would be
+    negative at the ends. Source: Goryacheva & Tsukanov (2020).
     """
     return OneZone(IsolatedSinusoid(amplitude, period, E_star, half_width), period, closure)
 
@@ -79,12 +81,13 @@ def localized_wave(
 def localized_wedge(
     wedge_slope: float, period: float, E_star: float, half_width: float, closure: str = FIRST_ORDER
 ) -> OneZone:
-    """(26)-(27), Goryacheva & Tsukanov (2020), wedge_slope = tan(beta), s = sqrt(L^2 - 4a^2)/L:
+    """The wedge: equations (26)-(27), wedge_slope = tan(beta), s = sqrt(L^2 - 4a^2)/L.
 
-    (26) p = (E* tan(beta)/pi) arcosh(a/|x|) + (2 E* a tan(beta)/pi L) arctan(2 sqrt(a^2 - x^2)/(L
-    s)), (27) mean pressure = (E* a tan(beta)/L) (2 - s),
+    (26) p = (E* tan(beta)/pi) arcosh(a/|x|)
+             + (2 E* a tan(beta)/pi L) arctan(2 sqrt(a^2 - x^2)/(L s)),
+    (27) mean pressure = (E* a tan(beta)/L) (2 - s),
 
-    both first-order.
+    both for the first-order closure. Source: Goryacheva & Tsukanov (2020).
     """
     return OneZone(IsolatedWedge(wedge_slope, E_star, half_width), period, closure)
 
@@ -92,12 +95,12 @@ def localized_wedge(
 def localized_parabola(
     radius: float, period: float, E_star: float, half_width: float, closure: str = FIRST_ORDER
 ) -> OneZone:
-    """(29)-(30), Goryacheva & Tsukanov (2020), s = sqrt(L^2 - 4a^2)/L:
+    """The parabola: equations (29)-(30), s = sqrt(L^2 - 4a^2)/L.
 
     (29) p = (E*/2R) sqrt(a^2 - x^2) + (E* a^2/2RL) arctan(2 sqrt(a^2 - x^2)/(L s)),
     (30) P = (pi E* a^2/4R) (2 - s),
 
-    both first-order. The exact pressure, which the paper says is not known in closed form, is that
-    of `PeriodicParabola`.
+    both for the first-order closure. Source: Goryacheva & Tsukanov (2020). The paper says that the
+    exact pressure is not known in closed form; `PeriodicParabola` gives it.
     """
     return OneZone(HertzLine(radius, E_star, half_width), period, closure)

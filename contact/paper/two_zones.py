@@ -1,16 +1,18 @@
-"""Pairs of parabolic asperities in a row of period L, each with its zone a <= |x| <= b: equations
+"""Pairs of parabolic asperities in a row of period L, with zones a <= |x| <= b: equations
 (31)-(39).
 
-f = (x^2 - c^2)^2/8Rc^2 is (31) with its tips at height 0. The neighbouring pairs act by the nominal
-pressure p outside a strip of width L about the pair, so that on the zones
+The profile f = (x^2 - c^2)^2/8Rc^2 is (31) with its tips at height 0. The neighbouring pairs act by
+the nominal pressure p outside a strip of width L around the pair, so that on the zones
 
-    (35) h'(x) = x^3/2Rc^2 - x/2R + (4 p/pi E*) artanh(2x/L), (36) p(x) = (E* sqrt(Z)/pi) x PV
-    int_a^b h'(xi) dxi/((xi^2 - x^2) sqrt(Z(xi))),  Z = (b^2 - x^2)(x^2 - a^2),
+    (35) h'(x) = x^3/2Rc^2 - x/2R + (4 p/pi E*) artanh(2x/L),
+    (36) p(x) = (E* sqrt(Z)/pi) x PV int_a^b h'(xi) dxi/((xi^2 - x^2) sqrt(Z(xi))),
+         Z = (b^2 - x^2)(x^2 - a^2),
 
-with int_a^b h' dxi/sqrt(Z) = 0, without which the pressure is not bounded at the ends. (36) is
-corrected: printed, it leaves out the second zone. Three solutions: with the full artanh
-(`LocalizedPair`), with its cubic (37) and the relation of the ends that follows (`CubicPair`), and
-with the relation the paper has (`PrintedCubicPair`). Exact: `contact.exact.PeriodicBiquadratic`.
+with int_a^b h' dxi/sqrt(Z) = 0, the condition for a bounded pressure at the ends. Equation (36) is
+corrected here: as printed it leaves out the second zone. There are three solutions: with the full
+artanh (`LocalizedPair`); with its cubic (37) and the resulting relation of the ends (`CubicPair`);
+and with the relation printed in the paper (`PrintedCubicPair`). The exact solution is
+`contact.exact.PeriodicBiquadratic`.
 """
 
 from dataclasses import dataclass
@@ -31,11 +33,11 @@ CENTRES = ("pair", "valley")
 
 
 class TwoZones(PairRow):
-    """Base of the solutions, beside the pair alone and the exact row under the same load: (39)."""
+    """Base of the three solutions, with the isolated and the exact solution of the same load."""
 
     @property
     def isolated(self) -> IsolatedBiquadratic:
-        """(32)-(33) at the same load, the mean pressure being (39)."""
+        """The isolated pair (32)-(33) at the same load; its mean pressure is (39)."""
         return IsolatedBiquadratic(self.radius, self.spacing, self.E_star, self.load)
 
     @property
@@ -48,12 +50,12 @@ class TwoZones(PairRow):
 
 @dataclass(frozen=True)
 class LocalizedPair(TwoZones):
-    """(35) with the full artanh, and (36) by its Chebyshev series in x^2.
+    """The solution of (35) with the full artanh; (36) is evaluated by a Chebyshev series in x^2.
 
     closure: the nominal pressure is the given mean ("self-consistent", as in the paper), or that of
-    the isolated pair of the same total width ("first-order"). centre: the strip is about the "pair"
-    (the paper) or about the "valley" at L/2 between two pairs, where the nearest asperities are
-    when L < 4c.
+    the isolated pair of the same total width ("first-order"). centre: the strip is centred on the
+    "pair" (as in the paper) or on the "valley" at L/2 between two pairs, which is the better choice
+    if L < 4c, since the nearest asperities then belong to different pairs.
     """
 
     closure: str = SELF_CONSISTENT
@@ -72,7 +74,7 @@ class LocalizedPair(TwoZones):
 
     @cached_property
     def pair(self) -> EvenPair:
-        """The solution in s, the distance from the centre of the strip."""
+        """The solution as a function of s, the distance from the centre of the strip."""
 
         def ratio(y: Array, middle: float, half: float) -> Array:
             s = np.sqrt(y)
@@ -86,10 +88,10 @@ class LocalizedPair(TwoZones):
         return pair_at_load(ratio, self.load, self.E_star, 0.25 * self.period**2)
 
     def _nominal(self, width: float) -> float:
-        """The pressure outside the strip."""
+        """The nominal pressure outside the strip, for zones of a given width."""
         if self.closure == SELF_CONSISTENT:
             return self.mean_pressure
-        # Alone, a^2 + b^2 = 2c^2, and h = (b^2 - a^2)/2 follows from b - a.
+        # The isolated pair has a^2 + b^2 = 2c^2, so b - a determines h = (b^2 - a^2)/2.
         c = 0.5 * self.spacing
         half = 0.5 * width * sqrt(max(4.0 * c * c - width * width, 0.0))
         return pi * self.E_star * half * half / (8.0 * self.radius * c * c) / self.period
@@ -111,12 +113,12 @@ class LocalizedPair(TwoZones):
 
 @dataclass(frozen=True)
 class CubicPair(TwoZones):
-    """(37)-(38) with the relation of the ends that follows from them:
+    """The solution with the cubic (37)-(38) and the relation of the ends that follows from it.
 
     h' = alpha x^3 - beta x,  alpha = 1/2Rc^2 + 32 p/3 pi E* L^3,  beta = 1/2R - 8 p/pi E* L,
     p(x) = (E* alpha/2) |x| sqrt(Z),  P = pi E* alpha (b^2 - a^2)^2/16,  (a^2 + b^2)/2 = beta/alpha.
 
-    The cubic stands for artanh(z), z = 2x/L; at z = 0.94 it is 1.22 for 1.74.
+    The cubic replaces artanh(z), z = 2x/L; at z = 0.94 it is 1.22 instead of 1.74.
     """
 
     @property
@@ -138,7 +140,7 @@ class CubicPair(TwoZones):
 
     @property
     def _half(self) -> float:
-        """(b^2 - a^2)/2, by the load."""
+        """(b^2 - a^2)/2 from the load."""
         return sqrt(4.0 * self.load / (pi * self.E_star * self.alpha))
 
     @property
@@ -146,13 +148,14 @@ class CubicPair(TwoZones):
         middle, half = self._middle, self._half
         if half >= middle:
             raise OutOfRange(
-                f"mean_pressure = {self.mean_pressure:.6g} Pa is out of range: the two zones have merged"
+                f"mean_pressure = {self.mean_pressure:.6g} Pa is out of range: "
+                "the two zones have merged"
             )
         return sqrt(middle - half), sqrt(middle + half)
 
     @property
     def max_pressure(self) -> float:
-        # y (h^2 - (y - m)^2) is greatest at 3(y - m) = -m + sqrt(m^2 + 3h^2)
+        # The maximum of y (h^2 - (y - m)^2), y = x^2, is at 3(y - m) = -m + sqrt(m^2 + 3h^2).
         middle, half = self._middle, self._half
         rise = half * half / (middle + sqrt(middle * middle + 3.0 * half * half))
         return (
@@ -169,8 +172,9 @@ class CubicPair(TwoZones):
 
 @dataclass(frozen=True)
 class PrintedCubicPair(CubicPair):
-    """(38) as printed, with a^2 + b^2 = 2c^2: the ends of the pair alone, where the pressure (36)
-    would not be bounded.
+    """Equation (38) as printed, with a^2 + b^2 = 2c^2.
+
+    These are the ends of the isolated pair; the pressure (36) is not bounded there.
     """
 
     @property

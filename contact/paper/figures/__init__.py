@@ -1,7 +1,6 @@
-"""The figures of the paper, each from scenes, with its numbers, and with what the paper lacked: the
-exact solutions.
+"""The figures of the paper, computed from scenes, with the exact solutions added.
 
-One function a figure; `contact figures` writes them. docs/paper says what they show.
+Each figure is one function; `contact figures` writes them. docs/paper.md explains them.
 """
 
 import warnings
@@ -40,7 +39,7 @@ FIGURES: dict[str, Callable[[], Figure]] = {
 
 
 def chosen(numbers: Iterable[str]) -> list[str]:
-    """The figures asked for, in the paper's order; all if none is."""
+    """The names of the requested figures in the paper's order; all if none is requested."""
     wanted = {str(number).upper() for number in numbers}
     for number in sorted(wanted - set(FIGURES)):
         raise SceneError.unknown("figure", number, FIGURES)
@@ -48,9 +47,9 @@ def chosen(numbers: Iterable[str]) -> list[str]:
 
 
 def write(number: str, folder: Path) -> list[Path]:
-    """Draw one figure and write its numbers."""
+    """Draw one figure and write its numbers; returns the files."""
     with warnings.catch_warnings():
-        # Of scenes in units of the paper's, E* and the period one, slopes and pressures are no
-        # surface's.
+        # The scenes are in units with E* = 1 and period 1, so warnings of large slopes and
+        # pressures do not apply.
         warnings.simplefilter("ignore", ModelWarning)
         return FIGURES[number]().write(folder)

@@ -1,6 +1,4 @@
-"""Figures 7 to 12, one asperity a period: pressure on a wave, a wedge and a parabola, and how wide
-their contact is.
-"""
+"""Figures 7 to 12: pressure and contact width of a wave, a wedge and a parabola per period."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -29,7 +27,7 @@ from contact.reference.exact import HertzLine, PeriodicParabola, localized_at_lo
 from contact.solution.solution import Solution
 from sie import Array
 
-# E* = 1, L = 1; the amplitude and the slope are a scale only, and R = L.
+# E* = 1, L = 1, R = L. Amplitude and slope only scale the results.
 _SCALE = 0.01
 _WAVE = Sinusoid(_SCALE, 1.0)
 _WEDGE = Wedge(_SCALE, 1.0)
@@ -37,7 +35,7 @@ _PARABOLA = Parabola(1.0, 1.0)
 _P_STAR = np.pi * _SCALE
 FRACTIONS = (0.4, 0.7)
 PRESSURES = (0.05, 0.15)
-# 2a/L, a/L of those over which widths are drawn.
+# Abscissas of the curves over the contact width: 2a/L, and a/L.
 _FRACTIONS = np.round(np.arange(0.02, 0.985, 0.02), 10)
 _SHARES = np.round(np.arange(0.01, 0.4925, 0.01), 10)
 _LINE = {"color": "black", "linewidth": 0.6}
@@ -45,7 +43,11 @@ _LINE = {"color": "black", "linewidth": 0.6}
 
 @dataclass(frozen=True)
 class _Pressures:
-    """Pressure (what: over a unit) of models at the values of what is given, by value and model."""
+    """The pressures of several models at several values of a control.
+
+    what: name of the pressure; given: name of the control; unit: pressure that is 1 on the axis;
+    every: the solutions by (value, model).
+    """
 
     what: str
     given: str
@@ -68,7 +70,7 @@ class _Pressures:
         return f"{self.what} {model} {self.given}={value}"
 
     def apart(self, value: float, model: str, form: Array, where: Any = ...) -> float:
-        """From a closed form on x."""
+        """Largest relative difference from the values `form` of a closed form at x."""
         return worst(self.columns[self.name(value, model)][where] * self.unit, form[where])
 
     def figure(
@@ -80,7 +82,7 @@ class _Pressures:
         label: str,
         top: float | None = None,
     ) -> Figure:
-        """A panel for each of the values."""
+        """The figure with one panel per value of the control."""
 
         def draw(figure: Any) -> None:
             values = dict.fromkeys(value for value, _ in self.every)
@@ -103,7 +105,7 @@ class _Pressures:
 def _at_widths(
     profile: Profile, half_widths: Array, numbers: Mapping[str, Callable[[Solution], float]]
 ) -> dict[str, Array]:
-    """Numbers of every model's solutions, nan where it has no contact of a half width."""
+    """Numbers of all models at given half-widths; nan if a model has no such contact."""
     columns: dict[str, Array] = {}
     for model in MODELS:
         found = [solved(profile, model, half_width=a) for a in half_widths]
@@ -123,8 +125,10 @@ def _draw_errors(
     up: str,
     most: float,
 ) -> None:
-    """How far models are from the exact one [%]. names: of what, with the width of its lines where
-    that is not the model's.
+    """Draw the differences of the models from the exact one [%].
+
+    names: the quantities, each with a line width or None for that of the model; across, up: labels
+    of the axes; most: limit of the ordinate.
     """
     for model in (FIRST, SELF, ONE, ALONE):
         for name, width in names.items():
@@ -139,7 +143,7 @@ def _draw_errors(
 
 
 def figure_7() -> Figure:
-    """Pressure under the wave at two widths of contact."""
+    """Pressure on a wave at two contact widths."""
     every = {
         (f, m): solved(_WAVE, m, half_width=0.5 * f)
         for f in FRACTIONS
@@ -156,16 +160,19 @@ def figure_7() -> Figure:
         f"{100 * both.peak_error:+.3g} % at 2a/L = {f}" for f, both in closed.items()
     )
     notes = (
-        "p* = pi E* Delta/L. The paper gives no widths: 2a/L = 0.4 and 0.7, the latter where it says the discrepancy begins.",
-        "The paper's curve is the first-order one. Self-consistent closure and one explicit neighbour are added.",
-        f"Solved from scenes; first-order and exact differ from (20)-(24) and (18) by at most {max(apart):.1e} of the peak.",
+        "p* = pi E* Delta/L. The paper gives no widths: 2a/L = 0.4 and 0.7, the latter where it "
+        "says the discrepancy begins.",
+        "The paper's curve is the first-order one. Self-consistent closure and one explicit "
+        "neighbour are added.",
+        "Solved from scenes; first-order and exact differ from (20)-(24) and (18) by at most "
+        f"{max(apart):.1e} of the peak.",
         f"Peak pressure, first-order against exact: {errors}.",
     )
     return seen.figure("7", "Pressure on a wave", notes, "2a/L", "p/p*")
 
 
 def figure_8() -> Figure:
-    """Mean and greatest pressure against the width of contact, and their errors."""
+    """Mean and largest pressure on a wave over the contact width, with their errors."""
     numbers = {"mean/p*": lambda s: s.load / _P_STAR, "max/p*": lambda s: s.max_pressure / _P_STAR}
     columns = {"2a/L": _FRACTIONS, **_at_widths(_WAVE, 0.5 * _FRACTIONS, numbers)}
     first = columns[f"mean/p* {FIRST}"]
@@ -202,17 +209,21 @@ def figure_8() -> Figure:
         right.axvline(0.7, **_LINE)
 
     notes = (
-        "p* = pi E* Delta/L. The paper's curves are the first-order ones (23), (24) and the exact (18), (19).",
-        f"Solved from scenes at given half-width; the first-order mean differs from (23) by at most {apart:.1e} of its peak.",
-        f"At 2a/L = 0.7, first-order: mean {100 * at.load_error:+.3g} %, greatest {100 * at.peak_error:+.3g} %; "
+        "p* = pi E* Delta/L. The paper's curves are the first-order ones (23), (24) and the exact "
+        "(18), (19).",
+        "Solved from scenes at given half-width; the first-order mean differs from (23) by at "
+        f"most {apart:.1e} of its peak.",
+        f"At 2a/L = 0.7, first-order: mean {100 * at.load_error:+.3g} %, greatest "
+        f"{100 * at.peak_error:+.3g} %; "
         f"isolated: mean {100 * at.isolated_load_error:+.3g} %.",
-        "Where a model has no entry it has no contact of that width: one wave alone would overlap the surface at |x| = L/2.",
+        "Where a model has no entry it has no contact of that width: one wave alone would overlap "
+        "the surface at |x| = L/2.",
     )
     return Figure("8", "Mean and greatest pressure on a wave", notes, columns, draw)
 
 
 def figure_9() -> Figure:
-    """Pressure under the wedge at two widths of contact."""
+    """Pressure on a wedge at two contact widths."""
     every = {
         (f, m): solved(_WEDGE, m, half_width=0.5 * f)
         for f in FRACTIONS
@@ -232,16 +243,20 @@ def figure_9() -> Figure:
         )
         beside.append(f"{100 * difference:.3g} % at 2a/L = {fraction}")
     notes = (
-        "b is the angle of the wedge. The paper gives no widths: 2a/L = 0.4 and 0.7 are chosen, as for the wave.",
-        "The pressure is infinite at x = 0: no entry there. The paper's curve is the first-order one, (26) with |x| for x.",
-        f"Solved from scenes; beyond |x| = 0.001 L they differ from (25) and (26) by at most {max(apart):.1e} of the greatest.",
-        f"First-order against exact, greatest difference over the mean on the zone: {', '.join(beside)}.",
+        "b is the angle of the wedge. The paper gives no widths: 2a/L = 0.4 and 0.7 are chosen, as "
+        "for the wave.",
+        "The pressure is infinite at x = 0: no entry there. The paper's curve is the first-order "
+        "one, (26) with |x| for x.",
+        "Solved from scenes; beyond |x| = 0.001 L they differ from (25) and (26) by at most "
+        f"{max(apart):.1e} of the greatest.",
+        "First-order against exact, greatest difference over the mean on the zone: "
+        f"{', '.join(beside)}.",
     )
     return seen.figure("9", "Pressure on a wedge", notes, "2a/L", r"p/(E* tan$\,\beta$)", 1.6)
 
 
 def figure_10() -> Figure:
-    """Width of contact against the mean pressure."""
+    """Contact width of a wedge over the mean pressure."""
     mean = "mean/(E* tan b)"
     columns = {
         "2a/L": _FRACTIONS,
@@ -266,15 +281,18 @@ def figure_10() -> Figure:
         right.axvline(0.7, **_LINE)
 
     notes = (
-        "b is the wedge's angle. The paper's curves are the first-order (27) and the exact E* tan b artanh(sin(pi a/L))/pi.",
-        f"Solved from scenes at given half-width; first-order differs from (27) by at most {apart:.1e} of its greatest.",
-        f"At 2a/L = 0.7: first-order {100 * at.load_error:+.3g} %, isolated {100 * at.isolated_load_error:+.3g} %.",
+        "b is the wedge's angle. The paper's curves are the first-order (27) and the exact E* tan "
+        "b artanh(sin(pi a/L))/pi.",
+        "Solved from scenes at given half-width; first-order differs from (27) by at most "
+        f"{apart:.1e} of its greatest.",
+        f"At 2a/L = 0.7: first-order {100 * at.load_error:+.3g} %, isolated "
+        f"{100 * at.isolated_load_error:+.3g} %.",
     )
     return Figure("10", "Width of contact of a wedge", notes, columns, draw)
 
 
 def figure_11() -> Figure:
-    """Pressure under the parabola at two mean pressures, with the exact one that the paper lacks."""
+    """Pressure on a parabola at two mean pressures, with the exact solution added."""
     every = {
         (p, m): solved(_PARABOLA, m, mean_pressure=p)
         for p in PRESSURES
@@ -289,11 +307,15 @@ def figure_11() -> Figure:
             assert solution is not None
             apart.append(worst(solution.pressure_at(t), form.pressure_at(t)))
     notes = (
-        "mean is the mean pressure over E*, 0.05 and 0.15 as in the paper, which leaves R/L open: R = L is chosen.",
-        "Isolated is Hertz; exact is p = (L E*/2 pi R) arcosh(cos(pi x/L)/cos(pi a/L)), which the paper takes to be unknown.",
-        f"Solved from scenes; exact and first-order differ from closed forms by at most {max(apart):.1e} of the peak.",
+        "mean is the mean pressure over E*, 0.05 and 0.15 as in the paper, which leaves R/L open: "
+        "R = L is chosen.",
+        "Isolated is Hertz; exact is p = (L E*/2 pi R) arcosh(cos(pi x/L)/cos(pi a/L)), which the "
+        "paper takes to be unknown.",
+        "Solved from scenes; exact and first-order differ from closed forms by at most "
+        f"{max(apart):.1e} of the peak.",
         *(
-            f"mean {mean}, {model}: a/L = {0.5 * s.zone_widths[0]:.5f}, peak {s.max_pressure:.5f} E*"
+            f"mean {mean}, {model}: a/L = {0.5 * s.zone_widths[0]:.5f}, peak {s.max_pressure:.5f} "
+            "E*"
             for (mean, model), s in every.items()
             if s is not None
         ),
@@ -304,7 +326,7 @@ def figure_11() -> Figure:
 
 
 def figure_12() -> Figure:
-    """Half-width of contact against the load."""
+    """Contact half-width of a parabola over the load."""
     load = "P R/(L^2 E*)"
     columns = {"a/L": _SHARES, **_at_widths(_PARABOLA, _SHARES, {load: lambda s: s.load})}
     closed = [localized_parabola(1.0, 1.0, 1.0, a) for a in _SHARES]
@@ -331,9 +353,12 @@ def figure_12() -> Figure:
 
     notes = (
         "The paper's curves are the first-order (30), the exact (28) and Hertz.",
-        f"Solved from scenes at given half-width; they differ from (30) by {apart:.1e} and from (28) by {kuznetsov:.1e} at most.",
-        f"At a/L = 0.125 Hertz is {100 * low.isolated_load_error:+.3g} % off in load at the same width, "
+        f"Solved from scenes at given half-width; they differ from (30) by {apart:.1e} and from "
+        f"(28) by {kuznetsov:.1e} at most.",
+        f"At a/L = 0.125 Hertz is {100 * low.isolated_load_error:+.3g} % off in load at the same "
+        "width, "
         f"{100 * hertz_width:+.3g} % in width at the same load.",
-        f"At a/L = 0.35: first-order {100 * end.load_error:+.3g} %, Hertz {100 * end.isolated_load_error:+.3g} % in load.",
+        f"At a/L = 0.35: first-order {100 * end.load_error:+.3g} %, Hertz "
+        f"{100 * end.isolated_load_error:+.3g} % in load.",
     )
     return Figure("12", "Width of contact of parabolic asperities", notes, columns, draw)

@@ -1,6 +1,4 @@
-"""What a figure is here: numbers in columns, the words that say what they are, and a drawing of
-them.
-"""
+"""The class of a figure: numbers in columns, notes on them, and a function that draws them."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -19,7 +17,7 @@ from contact.solution.solution import Solution
 from contact.solver import solve
 from sie import Array
 
-# Exact to the eye many times over; the closed forms are compared at the same tolerance.
+# Far below what can be seen; differences from the closed forms are of this size.
 TOL = 1e-9
 
 EXACT = "exact"
@@ -45,9 +43,10 @@ STYLE: dict[str, dict[str, Any]] = {
 
 @dataclass(frozen=True)
 class Figure:
-    """number and title as in the paper; notes: parameters, choices, what was measured; columns:
-    name to numbers, of one length, nan where a model has none; draw: puts it onto a matplotlib
-    figure.
+    """One figure of the paper.
+
+    number, title: as in the paper; notes: parameters, choices and measured differences; columns:
+    numbers by name, nan for missing ones; draw: draws on a matplotlib figure; size: in inches.
     """
 
     number: str
@@ -58,7 +57,7 @@ class Figure:
     size: tuple[float, float] = (8.4, 4.2)
 
     def write(self, folder: Path) -> list[Path]:
-        """figure-N.png and figure-N.csv in the folder, which is made."""
+        """Write figure-N.png and figure-N.csv to a folder, which is created; returns the files."""
         folder.mkdir(parents=True, exist_ok=True)
         picture, numbers = (
             folder / f"figure-{self.number}.png",
@@ -80,9 +79,7 @@ class Figure:
 
 
 def solved(profile: Profile, model: str, **control: Any) -> Solution | None:
-    """The scene under one of MODELS with E* = 1; None where the model has no contact at this
-    control.
-    """
+    """The solution under one of MODELS with E* = 1; None if the model has no such contact."""
     try:
         return solve(Scene(profile, 1.0, MODELS[model], **control), tol=TOL)
     except OutOfRange:
@@ -90,13 +87,13 @@ def solved(profile: Profile, model: str, **control: Any) -> Solution | None:
 
 
 def on_cell(solutions: Iterable[Solution | None], half: float) -> Array:
-    """Positions in [-half, half] that show every solution."""
+    """Positions in [-half, half] that resolve all solutions."""
     each = [positions(solution, -half, half) for solution in solutions if solution is not None]
     return np.unique(np.round(np.concatenate(each), 14))
 
 
 def pressures(solution: Solution | None, x: Array) -> Array:
-    """p(x); nan where there is no solution or p is infinite."""
+    """p(x); nan without a solution or where p is infinite."""
     if solution is None:
         return np.full(x.shape, np.nan)
     p = solution.pressure(x)
@@ -104,19 +101,19 @@ def pressures(solution: Solution | None, x: Array) -> Array:
 
 
 def curve(axes: Any, x: Array, y: Array, model: str, label: str | None = None) -> None:
-    """One line in its model's style."""
+    """Draw one line in the style of its model."""
     axes.plot(x, y, label=label, **STYLE[model])
 
 
 def label_panel(
     axes: Any, x: str, y: str, legend: bool = True, **limits: tuple[float | None, float | None]
 ) -> None:
-    """Names of the axes, their limits (xlim, ylim), ticks inside, a legend without a frame."""
+    """Set the labels of the axes, their limits (xlim, ylim), and a legend."""
     axes.set(**limits)
     finish(axes, x, y, legend)
 
 
 def worst(a: Array, b: Array) -> float:
-    """Largest |a - b| over the largest |b|, where both are numbers."""
+    """Largest |a - b| over the largest |b|, at the places where both are finite."""
     both = np.isfinite(a) & np.isfinite(b)
     return float(np.max(np.abs(a - b)[both]) / np.max(np.abs(b[both])))

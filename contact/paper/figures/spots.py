@@ -1,5 +1,6 @@
-"""Figures 2A and 2B: spherical asperities on a hexagonal lattice, by (1)-(4) and with the
-neighbours in their places.
+"""Figures 2A and 2B: spherical asperities on a hexagonal lattice.
+
+They are computed by equations (1)-(4), and with all neighbours at their places.
 """
 
 from math import inf, pi
@@ -17,7 +18,7 @@ SPACINGS_A = (1.0, 0.25, 0.2)
 SPACINGS_B = (1.0, 0.5, 0.2)
 _SPHERE = Sphere(1.0)
 _COLOURS = ("#2f7fb5", "#d98e04", "#b3261e")
-# Rings of neighbours kept in their places, and lines.
+# Names of the models, their rings of neighbours at their places, and line styles.
 _FIRST = "(1)-(4)"
 _ALL = "all neighbours"
 _HERTZ = "Hertz"
@@ -33,7 +34,7 @@ def _solved(spacing: float, rings: float, **control: float) -> Spot | None:
 
 
 def figure_2a() -> Figure:
-    """Pressure on one of many equal spots under a given load per spot."""
+    """Pressure on one spot of a lattice under a given load per spot."""
     alone = solve_spot(_SPHERE, 1.0, load=LOAD)
     spots = {
         (name, s): _solved(s, rings, load=LOAD)
@@ -43,15 +44,18 @@ def figure_2a() -> Figure:
     radii = [alone.radius, *(spot.radius for spot in spots.values() if spot is not None)]
     r = np.unique(np.concatenate([a * np.sin(np.linspace(0.0, 0.5 * pi, 81)) for a in radii]))
     columns: dict[str, Array] = {"r/R": r, "p/E* Hertz": alone.pressure(r)}
-    said = [f"Hertz: a/R = {alone.radius:.6f}, peak {float(alone.pressure(0.0)):.6f} E*"]
+    lines = [f"Hertz: a/R = {alone.radius:.6f}, peak {float(alone.pressure(0.0)):.6f} E*"]
     for (name, spacing), spot in spots.items():
         columns[f"p/E* {name} l/R={spacing}"] = (
             np.full(r.shape, np.nan) if spot is None else spot.pressure(r)
         )
-        told = "none, the spots would grow into one another"
+        text = "none, the spots would grow into one another"
         if spot is not None:
-            told = f"a/R = {spot.radius:.6f}, a/A = {spot.radius / spot.circle:.4f}, peak {float(spot.pressure(0.0)):.6f} E*"
-        said.append(f"{name}, l/R = {spacing}: {told}")
+            text = (
+                f"a/R = {spot.radius:.6f}, a/A = {spot.radius / spot.circle:.4f}, peak "
+                f"{float(spot.pressure(0.0)):.6f} E*"
+            )
+        lines.append(f"{name}, l/R = {spacing}: {text}")
 
     def draw(figure: Any) -> None:
         axes = figure.subplots()
@@ -68,9 +72,11 @@ def figure_2a() -> Figure:
         label_panel(axes, "r/R", "p/E*", xlim=(0.0, None), ylim=(0.0, None))
 
     notes = (
-        "Spheres of radius R, hexagonal lattice of spacing l; pi P/2E*R^2 = 0.0044 is read as a load per spot, not a pressure.",
-        "(1)-(4) with E*/4pi and A = (pi N)^(-1/2), self-consistent P_s; all neighbours: every spot of the lattice in its place.",
-        *said,
+        "Spheres of radius R, hexagonal lattice of spacing l; pi P/2E*R^2 = 0.0044 is read as a "
+        "load per spot, not a pressure.",
+        "(1)-(4) with E*/4pi and A = (pi N)^(-1/2), self-consistent P_s; all neighbours: every "
+        "spot of the lattice in its place.",
+        *lines,
     )
     return Figure(
         "2A", "Pressure on a spherical asperity among others", notes, columns, draw, (6.4, 4.4)
@@ -78,10 +84,10 @@ def figure_2a() -> Figure:
 
 
 def figure_2b() -> Figure:
-    """Radius of the spots against the nominal pressure."""
+    """Radius of the spots over the nominal pressure."""
     shares = np.concatenate([np.linspace(0.02, 0.9, 45), np.linspace(0.91, 0.95, 5)])
     columns: dict[str, Array] = {"a/A": shares}
-    said = []
+    lines = []
     unit = {}
     for name, rings in _RINGS.items():
         spots = [
@@ -94,15 +100,16 @@ def figure_2b() -> Figure:
         a = shares * own_radius(lattice.density)
         columns[f"a/R l/R={spacing}"] = a
         columns[f"p/E* Hertz l/R={spacing}"] = 4.0 / 3.0 * a**3 * lattice.density
-        # Heights grow as the square of lengths: p R/E* l is the same function of a/A for every l.
+        # Heights scale as the square of lengths, so p R/(E* l) is one function of a/A for all l.
         for name, pressure in unit.items():
             columns[f"p/E* {name} l/R={spacing}"] = spacing * pressure
     for share in (0.2, 0.5, 0.8):
         i = int(np.argmin(np.abs(shares - share)))
         off = columns["p/E* (1)-(4) l/R=0.5"][i] / columns[f"p/E* {_ALL} l/R=0.5"][i] - 1.0
         hertz = columns["p/E* Hertz l/R=0.5"][i] / columns[f"p/E* {_ALL} l/R=0.5"][i] - 1.0
-        said.append(
-            f"a/A = {shares[i]:.2f}: pressure by (1)-(4) {100 * off:+.3g} %, by Hertz {100 * hertz:+.3g} %"
+        lines.append(
+            f"a/A = {shares[i]:.2f}: pressure by (1)-(4) {100 * off:+.3g} %, by Hertz "
+            f"{100 * hertz:+.3g} %"
         )
 
     def draw(figure: Any) -> None:
@@ -123,10 +130,13 @@ def figure_2b() -> Figure:
         right.set(xscale="log", yscale="log", xlim=(1e-5, 1.0), ylim=(1e-2, 0.6))
 
     notes = (
-        "Spheres of radius R, hexagonal lattice of spacing l; p is the nominal pressure. The paper's range of p is not given.",
-        "Solid (1)-(4) with E*/4pi and A = (pi N)^(-1/2), self-consistent; dashed every neighbour in its place; dotted Hertz.",
-        "Solved for l = R: p R/E* l is the same function of a/A for every l. Spots touch at a = l/2, a/A = 0.952.",
+        "Spheres of radius R, hexagonal lattice of spacing l; p is the nominal pressure. The "
+        "paper's range of p is not given.",
+        "Solid (1)-(4) with E*/4pi and A = (pi N)^(-1/2), self-consistent; dashed every neighbour "
+        "in its place; dotted Hertz.",
+        "Solved for l = R: p R/E* l is the same function of a/A for every l. Spots touch at a = "
+        "l/2, a/A = 0.952.",
         "Against all neighbours, at any l/R:",
-        *said,
+        *lines,
     )
     return Figure("2B", "Radius of the spots against the nominal pressure", notes, columns, draw)

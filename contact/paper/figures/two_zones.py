@@ -1,4 +1,4 @@
-"""Figure 13: pairs of asperities, two zones a period."""
+"""Figure 13: pairs of asperities with two zones per period."""
 
 from typing import Any
 
@@ -8,7 +8,7 @@ from contact.model.profiles import Biquadratic
 from contact.paper import CubicPair, LocalizedPair, PrintedCubicPair
 from contact.paper.figures.base import SELF, Figure, label_panel, on_cell, solved
 
-# E* = 1, R = 1; L = 2.4c is the paper's.
+# E* = 1 and R = 1; L = 2.4 c as in the paper.
 RADIUS = 1.0
 HALF_SPACING = 0.05
 MEAN = 0.00109
@@ -26,8 +26,10 @@ _STYLES: dict[str, dict[str, Any]] = {
 
 
 def figure_13() -> Figure:
-    """Pressure on one asperity of a pair: the paper's relation, what follows from its own
-    equations, and the exact one.
+    """Pressure on one asperity of a pair, by several solutions.
+
+    They are the relation printed in the paper, the relation that follows from its equations, and
+    the exact solution.
     """
     shape: dict[str, Any] = {
         "radius": RADIUS,
@@ -58,9 +60,10 @@ def figure_13() -> Figure:
         "pair alone (32)": full.isolated.zones[1],
     }
     apart = max(float(np.max(np.abs(ends[name] - e)) / (e[1] - e[0])) for name, e in closed.items())
-    said = [
+    lines = [
         f"{name}: a/c = {e[0] / HALF_SPACING:.5f}, b/c = {e[1] / HALF_SPACING:.5f}, (b - a)/c = "
-        f"{(e[1] - e[0]) / HALF_SPACING:.5f}, (a^2 + b^2)/2c^2 = {0.5 * np.sum(e**2) / HALF_SPACING**2:.4f}, "
+        f"{(e[1] - e[0]) / HALF_SPACING:.5f}, (a^2 + b^2)/2c^2 = "
+        f"{0.5 * np.sum(e**2) / HALF_SPACING**2:.4f}, "
         f"peak = {made[name].max_pressure:.7f} E*"
         for name, e in ends.items()
     ]
@@ -75,11 +78,15 @@ def figure_13() -> Figure:
         label_panel(right, "x/c", "1000 p/E*", xlim=(0.7, 1.2), ylim=(0.0, 4.9))
 
     notes = (
-        "L = 2.4c as in the paper, which leaves load and c/R open: mean pressure 0.00109 E*, c = 0.05 R.",
-        "printed (38) has a^2 + b^2 = 2c^2; corrected cubic the relation that follows from (37); full artanh solves (35) itself.",
-        "cut at the widest gap: the same principle with the strip about the nearest asperities, which lie in two pairs here.",
-        f"exact, cut and alone are solved from scenes; their ends differ from the closed forms' by at most {apart:.1e} widths.",
-        *said,
+        "L = 2.4c as in the paper, which leaves load and c/R open: mean pressure 0.00109 E*, c = "
+        "0.05 R.",
+        "printed (38) has a^2 + b^2 = 2c^2; corrected cubic the relation that follows from (37); "
+        "full artanh solves (35) itself.",
+        "cut at the widest gap: the same principle with the strip about the nearest asperities, "
+        "which lie in two pairs here.",
+        "exact, cut and alone are solved from scenes; their ends differ from the closed forms' by "
+        f"at most {apart:.1e} widths.",
+        *lines,
     )
     return Figure(
         "13",
