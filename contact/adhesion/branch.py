@@ -1,6 +1,7 @@
 """The equilibrium of a scene on the branch that its context asks for."""
 
 from contact.adhesion import cohesive_branch, edge_branch
+from contact.adhesion.full_contact import as_not_converged
 from contact.runtime import one_blas_thread
 from contact.search.context import SolveContext
 from contact.search.feasibility import refuse_unbounded
@@ -10,7 +11,7 @@ from contact.search.strategies.guesses import Outcome
 def found(context: SolveContext) -> Outcome:
     """The contact of the context's scene; OutOfRange past pull-off."""
     refuse_unbounded(context.scene)
-    with one_blas_thread():
+    with one_blas_thread(), as_not_converged():
         if context.scene.law.tension:
             return cohesive_branch.followed_under_tension(context)
         return edge_branch.followed(context)

@@ -34,6 +34,7 @@ from contact.adhesion.cohesive_zone import Cohesive, CohesivePoint
 from contact.adhesion.curve import Closed, Point
 from contact.adhesion.deformed_profile import Pulled
 from contact.adhesion.edge_branch import bare, frame, past, way
+from contact.adhesion.full_contact import closing_foreseen
 from contact.adhesion.gradient_flow import ROUGH
 from contact.adhesion.inner_contact import TIGHT, Lost, edge_slopes
 from contact.adhesion.intervals import below, places, united_about
@@ -170,6 +171,13 @@ def advancing(
     context: SolveContext, scaled: ScaledScene, curve: Cohesive, value: float
 ) -> CohesivePoint:
     """The least equilibrium about first touch under a value of the control, not negative."""
+    with closing_foreseen(context, curve, value):
+        return _advanced_from_touch(context, scaled, curve, value)
+
+
+def _advanced_from_touch(
+    context: SolveContext, scaled: ScaledScene, curve: Cohesive, value: float
+) -> CohesivePoint:
     problem = scaled.problem
     if value == 0.0:
         table, zones = _touched(scaled, curve)

@@ -17,6 +17,7 @@ import numpy as np
 
 from contact.adhesion.curve import Equilibria, Point
 from contact.adhesion.events import Following, Jump, Standing, followed_by_approach
+from contact.adhesion.full_contact import closing_foreseen
 from contact.adhesion.gradient_flow import Closed, receded
 from contact.adhesion.loading_path import History
 from contact.adhesion.nucleation import grown, touched
@@ -192,8 +193,9 @@ def bare(context: SolveContext, load: float | None = None) -> Solution:
 # ---------------------------------------------------------------------------------------------------------------
 def advancing(context: SolveContext, scaled: ScaledScene, curve: Equilibria, value: float) -> Point:
     """The least equilibrium about first touch under a value of the control, not negative."""
-    table = touched(curve, scaled.cell) if value == 0.0 else _pressed(context, scaled)
-    return grown(curve, table, value)
+    with closing_foreseen(context, curve, value):
+        table = touched(curve, scaled.cell) if value == 0.0 else _pressed(context, scaled)
+        return grown(curve, table, value)
 
 
 def _pressed(context: SolveContext, scaled: ScaledScene) -> Array:

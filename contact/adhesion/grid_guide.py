@@ -139,7 +139,7 @@ class GridTension(sie.Kept):
         start = None if near is None else near.pressure
         for _ in range(_ROUNDS):
             state = self._contact(share, value, start)
-            new = _shares_below(state.gap - limit)
+            new = shares_below(state.gap - limit)
             new = np.maximum(share, new) if sign > 0 else np.minimum(share, new)
             change, share, start = float(np.abs(new - share).max()), new, state.pressure
             if change < _STILL:
@@ -239,7 +239,7 @@ class GridTension(sie.Kept):
         )
 
 
-def _shares_below(above: Array) -> Array:
+def shares_below(above: Array) -> Array:
     """What of each cell lies where a function, linear between the middles of the cells, is below
     zero.
     """

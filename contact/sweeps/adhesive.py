@@ -17,6 +17,7 @@ from contact.adhesion.cohesive_zone import CohesivePoint
 from contact.adhesion.curve import Point
 from contact.adhesion.edge_branch import closed
 from contact.adhesion.events import Jump, Standing
+from contact.adhesion.full_contact import as_not_converged
 from contact.adhesion.loading_path import History
 from contact.adhesion.path_start import followed
 from contact.adhesion.separated_fields import LooseFields
@@ -293,7 +294,7 @@ def adhesive_path(
     run.refuse(given)
     solutions: list[Solution] = []
     passed: list[tuple[Event, ...]] = []
-    with unwarned(), one_blas_thread():
+    with unwarned(), one_blas_thread(), as_not_converged():
         here = run.first(float(given[0]))
         for k, value in enumerate(given):
             if progress is not None:

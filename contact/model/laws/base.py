@@ -174,6 +174,10 @@ class Law(Named, sie.Kept):
         """
         return None
 
+    def work_of_adhesion(self, E_star: float) -> float:
+        """Work that separates a unit of length [J/m^2], against an edge intensity and a tension."""
+        return pi / E_star * self.intensity(E_star) ** 2 + self.tension * self.reach
+
     def surface_energy(self, fields: Any, width: float) -> float:
         """Energy of the interface [J/m] of a contact of this width [m].
 

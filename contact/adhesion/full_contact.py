@@ -1,0 +1,152 @@
+"""Whether a contact that adheres snaps into full contact by itself as it advances: told early, on
+a coarse grid.
+
+Soft and rough surfaces close altogether under no load at all. On their way there, thousands of
+zones begin and merge, and following each of them takes minutes. The same growth on a coarse grid
+takes a tenth of a second. Three tests are made, the cheap ones first:
+
+1. Full contact is an equilibrium: its least pressure is above what the law bears.
+2. Its energy is below that of the first touch. Growth only lowers the energy, so that without
+   this it never ends there.
+3. The contact on the grid, grown from first touch, ends there. The grid does not resolve the strip
+   beside a zone on which a strong attraction acts. It takes a weaker attraction of a longer reach
+   and of the same work, whose strip is a few cells wide: by then only the work matters.
+
+The map from intervals of attraction to {gap < reach} keeps order under a held load, so that this
+answer is monotone: what closes under a load closes under every larger one.
+"""
+
+import math
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+import numpy as np
+
+from contact.adhesion.curve import Closed, Equilibria
+from contact.adhesion.grid_guide import shares_below
+from contact.errors import ContactError, NotConverged
+from contact.formulation.full_contact import FullLimit
+from contact.search.context import SolveContext
+from contact.search.grid.conjugate_gradient import solve_grid
+from contact.search.grid.nested_grids import grid_height
+from contact.search.grid.proposals import whole_response
+
+# What numpy and the engine raise where a state on the way cannot be solved.
+NUMERICAL_ERRORS = (ValueError, ArithmeticError, np.linalg.LinAlgError, IndexError)
+
+
+@dataclass(frozen=True)
+class SnapOptions:
+    """How the growth into full contact is foreseen."""
+
+    # Part of the work of adhesion that must be enough, where the contact could be followed instead:
+    # a grid is wrong by a few per cent. Where following it has failed, all of the work counts.
+    work_share: float = 0.9
+    # Without a range, a profile with fewer shortest waves in a period is followed in less time.
+    rough_waves: float = 16.0
+    # 16 and 64 cells decide alike in the scenes of test_soft_adhesion.
+    cells_per_wave: float = 32.0
+    # Width of the strip of attraction, in cells; at 3 cells the grid pins the ends.
+    strip_cells: float = 6.0
+    max_points: int = 2**17
+    # Each round moves the ends by about a strip; 20 to 100 rounds are usual.
+    max_rounds: int = 1000
+    # Change of a cell's share below which the ends are at rest.
+    resting_change: float = 0.02
+    contact_tolerance: float = 1e-3
+
+
+_OPTIONS = SnapOptions()
+
+
+@contextmanager
+def closing_foreseen(context: SolveContext, curve: Equilibria, value: float) -> Iterator[None]:
+    """Raise `Closed` if the contact that advances under a value of the control ends in full contact:
+    before it is followed where that takes long, or after it could not be followed.
+    """
+    if _is_followed_slowly(context) and _closes(context, curve, value, _OPTIONS.work_share):
+        raise Closed
+    try:
+        yield
+    except (ContactError, *NUMERICAL_ERRORS) as failure:
+        if _closes(context, curve, value, 1.0):
+            raise Closed from failure
+        raise
+
+
+@contextmanager
+def as_not_converged() -> Iterator[None]:
+    """Turn errors of numpy and of the engine into NotConverged."""
+    try:
+        yield
+    except ContactError:
+        raise
+    except NUMERICAL_ERRORS as failure:
+        raise NotConverged(
+            f"a state on the way to the contact could not be solved ({failure}): "
+            "the strips of attraction may be too narrow beside the zones, or the zones too many"
+        ) from failure
+
+
+def _is_followed_slowly(context: SolveContext) -> bool:
+    profile = context.scene.profile
+    return (
+        profile.period is not None
+        and profile.feature is not None
+        and (
+            context.scene.law.tension > 0.0
+            or profile.period > _OPTIONS.rough_waves * profile.feature
+        )
+    )
+
+
+def _closes(context: SolveContext, curve: Equilibria, value: float, work_share: float) -> bool:
+    """Whether a contact that grows from first touch under a held load ends in full contact."""
+    scene, period = context.scene, context.scene.profile.period
+    if period is None or curve.held.load is None or scene.profile.support is not None:
+        return False
+    law, operator = scene.law, context.operator
+    assert law.bare is not None
+    if not operator.has_inverse:
+        return False
+    mean_pressure = value * curve.problem.units.load / period
+    limit = FullLimit(scene.profile, scene.E_star, operator, law.bare).pressure
+    if not math.isfinite(limit) or (law.tension and mean_pressure + law.tension < limit):
+        return False
+    work = work_share * law.work_of_adhesion(scene.E_star)
+    feature = scene.profile.feature or period
+    points = 2 ** math.ceil(math.log2(_OPTIONS.cells_per_wave * period / feature))
+    points = max(points, 2 ** math.ceil(math.log2(16 * _OPTIONS.strip_cells)))
+    if points > _OPTIONS.max_points:
+        return False
+    cell = period / points
+    x = scene.profile.x0 + cell * (np.arange(points) + 0.5)
+    height = grid_height(scene.profile, x)
+    height = height - height.min()
+    influence = whole_response(curve.problem).on(points, cell)
+    waves = np.fft.rfft(height)[1:] / points
+    stored = float(np.sum(influence.stiffness[1:] * np.abs(waves) ** 2))
+    if stored >= work + mean_pressure * float(height.mean()):
+        return False
+    # A strip beside a wide zone is pi/4 E* reach/stress wide.
+    stress = math.sqrt(0.25 * math.pi * scene.E_star * work / (_OPTIONS.strip_cells * cell))
+    stress = min(stress, law.tension or math.inf)
+    reach = work / stress
+    share, pressure = shares_below(height - reach), None
+    for _ in range(_OPTIONS.max_rounds):
+        state = solve_grid(
+            height - influence.apply(stress * share),
+            influence,
+            load=mean_pressure * period + stress * float(share.sum()) * cell,
+            start=pressure,
+            tol=_OPTIONS.contact_tolerance,
+        )
+        if np.all(state.gap < reach):
+            return True
+        grown = np.maximum(share, shares_below(state.gap - reach))
+        change = float((grown - share).max())
+        share, pressure = grown, state.pressure
+        if change < _OPTIONS.resting_change:
+            break
+    return False
