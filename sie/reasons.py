@@ -56,7 +56,8 @@ def of_error(state: AnyState, search: Free | None, tol: float) -> str:
     # What an iteration leaves is in the residual too, as many times as there are modes.
     if iteration > max(0.1 * tol, OPTIONS.min_iteration_part * resolution):
         return (
-            f"the iteration by which so many zones are solved does not come to rest: {iteration:.1e} of the density is open, as where "
+            "the iteration by which so many zones are solved does not come to rest: "
+            f"{iteration:.1e} of the density is open, as where "
             "side conditions nearly contradict each other"
         )
     worst = _Worst.of(state)
@@ -66,7 +67,8 @@ def of_error(state: AnyState, search: Free | None, tol: float) -> str:
         resolution, OPTIONS.max_magnification * rows
     ):
         return (
-            f"what is left open in the rows changes the density by {conditions:.1e}, {conditions / rows:.0e} times as much: "
+            f"what is left open in the rows changes the density by {conditions:.1e}, "
+            f"{conditions / rows:.0e} times as much: "
             "the side conditions nearly depend on each other"
         )
     return _of_resolution(worst, tol)
@@ -173,7 +175,8 @@ def _of_resolution(worst: _Worst, tol: float) -> str:
         cause = "none"
     if cause == "beside":
         return (
-            f"{worst.where} lies so close to another one, or to an image, that its {m} modes do not "
+            f"{worst.where} lies so close to another one, or to an image, that its {m} modes do "
+            "not "
             f"show all of it: they leave {beside:.1e}"
         )
     if cause == "places":
@@ -191,7 +194,8 @@ def _of_resolution(worst: _Worst, tol: float) -> str:
     if worst.residual <= OPTIONS.rounding_units * rounding:
         return f"that is what rounding leaves: terms of the size {worst.terms:.1e} add up to a density of the size {state.size:.1e}"
     return (
-        f"at x = {worst.place:.6g} on {worst.where} the equation is off by {worst.residual:.1e} of a density of the size {state.size:.1e}, "
+        f"at x = {worst.place:.6g} on {worst.where} the equation is off by {worst.residual:.1e} of "
+        f"a density of the size {state.size:.1e}, "
         "between the places at which it is solved"
     )
 
@@ -211,7 +215,8 @@ def _of_right_side(worst: _Worst) -> str:
     falls = "no longer fall" if bool(state._stopped[zone]) else "have not fallen further"
     return (
         f"on {worst.where} the last of {n} coefficients of the right side"
-        f"{_less_jumps(state, zone)} is {last:.1e} of the largest, and they {falls}: it is rounded or "
+        f"{_less_jumps(state, zone)} is {last:.1e} of the largest, and they {falls}: it is rounded "
+        "or "
         "noisy there, varies too fast or is singular, or it or a derivative jumps, which is to be "
         "declared (sie.Forcing)"
     )

@@ -214,7 +214,8 @@ def _look_at(
         raise ValueError(f"the equation must be a sie.Equation, got {type(equation).__name__}")
     if not isinstance(zones, Zones):
         raise ValueError(
-            f"the zones must be sie.Zones, as sie.Zones.of([[a, b]], left, right) makes them, got {type(zones).__name__}"
+            "the zones must be sie.Zones, as sie.Zones.of([[a, b]], left, right) makes them, got "
+            f"{type(zones).__name__}"
         )
     if not (inputs.is_number(tol) and 0 < tol < 1):
         raise ValueError(f"tol must be a number between 0 and 1, got {inputs.shown(tol)}")
@@ -225,7 +226,8 @@ def _look_at(
         and all(inputs.is_number(sign) and sign in (-1, 1) for sign in signs)
     ):
         raise ValueError(
-            f"signs must be two of 1 and -1, of the density beside left and beside right ends, got {inputs.shown(signs)}"
+            "signs must be two of 1 and -1, of the density beside left and beside right ends, got "
+            f"{inputs.shown(signs)}"
         )
     inputs.whole("max_steps", max_steps, 1)
 

@@ -1,6 +1,4 @@
-"""The answer: a density on zones that evaluates anywhere, on and off the zones, as accurately as at
-its nodes.
-"""
+"""The solution: a density on zones that can be evaluated anywhere, on the zones and off them."""
 
 from dataclasses import dataclass
 from functools import cached_property, partial
@@ -19,11 +17,28 @@ from sie.trees.far import reaches
 
 @dataclass(frozen=True, eq=False)
 class Density(Series):
-    """phi(x) = sum_j c_j T_j(t) / sqrt(1 - t^2) + logarithms of the jumps, on each zone, t from -1
-    to 1 there.
+    """phi(x) = sum_j c_j T_j(t) / sqrt(1 - t^2) + closed forms of the jumps, -1 < t < 1 on each
+    zone.
 
-    Called at points of the line it gives phi, zero off the zones; `transform`, `potential` and
-    their slopes also take complex points off it.
+    Called at points of the line it gives phi, and zero off the zones. `transform`, `potential` and
+    `transform_slope` also take complex points.
+
+    Attributes
+    ----------
+    zones : Zones
+        The zones, Z of them.
+    kernel : Kernel
+        The kernel of transform and potential.
+    coefficients : ndarray
+        c of the smooth part (Z, n + 1).
+    jumps : ForcingJumps
+        The jumps within the zones.
+    amplitudes : ndarray
+        Amplitudes of the equation's columns (k,).
+    bounded_ends : bool
+        See `with_bounded_ends`.
+    edges : tuple or None
+        (alpha, beta) of `singular`, if they differ from those of the coefficients.
 
     Attributes
     ----------
@@ -52,8 +67,10 @@ class Density(Series):
     >>> density = sie.solve(punch, sie.Zones.of([[-1.0, 1.0]], sie.SINGULAR, sie.SINGULAR)).density
     >>> density([0.0, 0.6, 2.0]).round(12).tolist(), density.transform(1.25).round(12).tolist()
     ([1.0, 1.25, 0.0], 1.333333333333)
-    >>> float(density.transform(0.75j).imag.round(12)), float(density.transform_slope(0.75j).real.round(12))
-    (-0.8, 0.384)
+    >>> float(density.transform(0.75j).imag.round(12))
+    -0.8
+    >>> float(density.transform_slope(0.75j).real.round(12))
+    0.384
     """
 
     @property
@@ -63,12 +80,12 @@ class Density(Series):
 
     @property
     def slit_count(self) -> int:
-        """How many narrow gaps between the zones are taken as slits of wider ones; here none."""
+        """Number of narrow gaps that are treated as slits of wider zones; here zero."""
         return 0
 
     def opening(self, x: ArrayLike) -> tuple[Mask, Array]:
-        """(whether x lies in a slit, the integral of the slack from the slit's left end to x); here
-        nowhere, nothing.
+        """(whether x lies in a slit, integral of the slack from the slit's left end to x); here no
+        slits.
         """
         shape = np.shape(x)
         return np.zeros(shape, dtype=bool), np.zeros(shape)
@@ -79,7 +96,7 @@ class Density(Series):
         return Plane(self)
 
     def _on_line(self, x: Array, potential: bool) -> Array:
-        """What all zones do at x, by blocks of points, or by fast sums."""
+        """Transform or potential of all zones at real x, by blocks of points or by fast sums."""
         flat = self.into_period(x).ravel()
         regular = self.kernel.regular_potential if potential else self.kernel.regular
         zone, shift = (
@@ -93,7 +110,7 @@ class Density(Series):
         )
         if fast is not None:
             out = fast.potential(flat) if potential else fast.transform(flat)
-            # The far sums of such a kernel have its regular part.
+            # The far sums of such a kernel include its regular part.
             regular = None if self.kernel.sure else regular
         else:
             every = partial(from_zones, self, zone=zone, shift=shift, potential=potential)
@@ -106,13 +123,14 @@ class Density(Series):
 
     @cached_property
     def treecode(self) -> Treecode | None:
-        """Fast sums for many points; None where the kernel does not allow them."""
+        """Fast sums for many points; None if the kernel does not allow them."""
         return Treecode(self) if reaches(self.kernel, self.zones) else None
 
     @property
     def has_series(self) -> bool:
-        """Whether `treecode` is at hand, or was before this was copied: what is summed with it
-        keeps its last digits.
+        """Whether `treecode` has been made, here or before this object was copied.
+
+        All sums then use it, so that copies give the same last digits.
         """
         return self.__dict__.get("treecode") is not None or "summed" in self.__dict__
 

@@ -1,6 +1,4 @@
-"""A density by places on the line and in the plane: what those on plain intervals and those beside
-slits have in common.
-"""
+"""Base of densities: places on the line and in the plane, with or without slits."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -16,8 +14,9 @@ from sie.basis.zones import Zones
 
 
 class Located(Kept):
-    """A subclass, a dataclass with a field `bounded_ends`, knows the density by zone and distances
-    from its ends.
+    """Base of densities that are known by zone and by distances from the zone's ends.
+
+    A subclass is a data class with a field `bounded_ends`.
     """
 
     if TYPE_CHECKING:
@@ -33,17 +32,18 @@ class Located(Kept):
             """The density at complex points."""
 
     def with_bounded_ends(self) -> Self:
-        """The same density with the last traces of 1/sqrt(d) taken out at free ends, where the
-        exact one has none.
+        """The same density without round-off traces of 1/sqrt(d) at free ends.
 
-        An end off by delta leaves K = A delta / 2 there: at equal normalised position the rest is
-        right to delta over the width, while K / sqrt(d) would grow without bound towards the end.
+        An end with the error delta leaves K = A delta / 2. At equal normalised position the rest of
+        the density has an error of delta over the width, but K / sqrt(d) would grow without bound.
         """
         return replace(self, bounded_ends=True)  # type: ignore[type-var]
 
     def at(self, zone: ArrayLike, left: ArrayLike, right: ArrayLike) -> Array:
-        """Density at points given by zone index and the distances from the zone's ends over its
-        half width (left + right = 2): no digit is lost near the ends.
+        """Density at points given by zone index and distances from the zone's ends over its half
+        width.
+
+        left + right = 2; no digit is lost close to the ends.
         """
         raise NotImplementedError
 
@@ -53,14 +53,15 @@ class Located(Kept):
         return self.at(zone, 1 + t, 1 - t)
 
     def by_angle(self, zone: ArrayLike, angle: Array) -> tuple[Array, Array]:
-        """(density, its derivative by the angle) at angles of zones, t = cos(angle), by close
+        """(density, derivative by the angle) at angles of zones, t = cos(angle), by central
         differences.
         """
         return by_angle(lambda left, right: self.at(zone, left, right), angle)
 
     def following(self, zone: Any, angle: Array) -> tuple[Array, Array, Array]:
-        """Sizes of the density at angles of zones, and of what motions of their left, of their
-        right ends change it by there: see `Density.sensitivity`.
+        """Sizes at angles of zones of the density, and of its changes by motions of both ends.
+
+        See `Density.sensitivity` for the changes.
         """
         (value, slope), half = self.by_angle(zone, angle), np.tan(0.5 * angle)
         at_left, at_right = (
@@ -69,15 +70,20 @@ class Located(Kept):
         return np.abs(value), np.abs((slope + at_left) * half), np.abs((slope - at_right) / half)
 
     def followed(self, zones: Index, angles: list[Array]) -> Array:
-        """The largest of these sizes in zones at angles of each (3, Z), zero in the others."""
+        """Largest of the sizes of `following` in each zone, shape (3, Z); zero in zones not given.
+
+        angles: the angles of each given zone.
+        """
         zone, out = np.repeat(zones, [len(one) for one in angles]), np.zeros((3, len(self.zones)))
         for largest, size in zip(out, self.following(zone, np.concatenate(angles)), strict=True):
             np.maximum.at(largest, zone, size)
         return out
 
     def locate(self, x: ArrayLike) -> tuple[Array, Index, Mask]:
-        """(x moved by periods to lie right of the first zone's left end, index of the last zone
-        that starts before it, whether it is inside that zone).
+        """(x moved by periods, index of its zone, whether it is inside that zone).
+
+        x is moved to lie right of the first zone's left end; the zone is the last one that starts
+        before x.
         """
         zones = self.zones
         place = wrapped(np.asarray(x, dtype=float), zones.a[0], self.kernel.period)
@@ -85,8 +91,9 @@ class Located(Kept):
         return place, i, np.asarray((place >= zones.a[i]) & (place <= zones.b[i]))
 
     def into_period(self, x: Array) -> Array:
-        """x moved by periods to within half of one of the zones' middle, where the kernel's poles
-        are the near ones.
+        """x moved by periods to within half a period of the zones' middle.
+
+        The kernel's poles are the nearest ones there.
         """
         return nearest_image(x, 0.5 * (self.zones.a[0] + self.zones.b[-1]), self.kernel.period)
 
@@ -101,9 +108,10 @@ class Located(Kept):
         return out
 
     def transform(self, x: ArrayLike) -> NDArray[Any]:
-        """(1/pi) PV int phi K dxi at x (any shape), on and off the zones; infinite at a singular
-        end. At complex x what it is continued to, F(x) (see `plane`); there a zero imaginary part
-        is the upper side of the line.
+        """(1/pi) PV int phi K dxi at x (any shape), on the zones and off them.
+
+        It is infinite at a singular end. At complex x it is the analytic continuation F(x), see
+        `sie.density.plane`; a zero imaginary part stands for the upper side of the line.
         """
         return (
             self._in_plane(x, "transform")
@@ -112,10 +120,12 @@ class Located(Kept):
         )
 
     def potential(self, x: ArrayLike) -> NDArray[Any]:
-        """(1/pi) int phi Lambda dxi at x (any shape), on and off the zones. At complex x the
-        complex potential W, W' = F, whose real part is the harmonic function that is the potential
-        on the line: it is analytic in either half plane, real on the line right of all zones (with
-        a period: between the last zone and the next one), and W(conj x) = conj W(x).
+        """(1/pi) int phi Lambda dxi at x (any shape), on the zones and off them.
+
+        At complex x it is the complex potential W with W' = F, whose real part is the harmonic
+        function that equals the potential on the line. W is analytic in either half plane, W(conj
+        x) = conj W(x), and W is real on the line right of all zones (with a period: between the
+        last zone and the next).
         """
         if np.iscomplexobj(x):
             return self._in_plane(x, "potential")

@@ -1,20 +1,20 @@
-r"""What a density does at complex points: its transform, the derivative of that, and its potential,
-off the line and on its sides.
+r"""A density at complex points: transform, its derivative, and potential, off the line and on its
+sides.
 
-    F(z) = (1/pi) int phi K(z - xi) dxi,      F'(z),      W(z) = (1/pi) int phi Lambda(z - xi) dxi,   W' = F,
+    F(z) = (1/pi) int phi K(z - xi) dxi,      F'(z),
+    W(z) = (1/pi) int phi Lambda(z - xi) dxi,   W' = F.
 
-F is analytic off the zones, and on their upper side it is the transform on the line less i phi (J.
-Plemelj, Monatsh. Math. Phys. 19, 1908, 205-210). Everything is worked out in the closed upper half
-plane; below it phi, being real, has the conjugate values.
+F is analytic off the zones. On their upper side it is the transform on the line less i phi (J.
+Plemelj, Monatsh. Math. Phys. 19, 1908, 205-210). Everything is computed in the closed upper half
+plane; phi is real, so that the lower half plane has the conjugate values.
 
-On a zone or image everything is by rho (see `basis.interval`). A jump at s = cos(phi), A, B = 1 -
-rho e^(+-i phi) (see `jumps`), has
+Zones and images use rho (see `sie.basis.interval`). A jump at s = cos(phi), with A, B = 1 - rho
+e^(+-i phi) (see `sie.jumps`), has
 
     B = 2 e^(-i phi/2) (cos(phi/2) m + i sin(phi/2) p) / (p + m),     A B = 2 rho (zeta - s),
     sum (2/j) rho^j sin(j phi) = -i log(B / A),      log(1 - 2 rho cos(phi) + rho^2) = log(A B).
 
-Zones that are many are summed by the tree (`treecode`): a node seen with |rho| < 0.21 is its first
-moments.
+Many zones are summed by a tree (`sie.trees`): a node with small |rho| is its first moments.
 """
 
 from functools import cached_property
@@ -63,7 +63,7 @@ class Plane:
         self.total = float(np.pi * (c[:, 0] @ zones.half))
 
     def __call__(self, z: Complex, what: What) -> Complex:
-        """At points z (n,) that `Density.into_period` has not seen yet."""
+        """Values at points z (n,), which need not be in the central period."""
         x, y = z.real, np.abs(z.imag)
         place = self.density.into_period(x)
         out = self.poles(place, y, what)
@@ -76,10 +76,11 @@ class Plane:
             out = out - 1j * self.total * turns
         return np.where(z.imag < 0, np.conj(out), out)
 
-    # the poles
+    # Poles of the kernel.
     def poles(self, x: Array, y: Array, what: What) -> Complex:
-        """What those of the kernel do at x + i y, by the tree: from its root down to where a node
-        is far, or one zone.
+        """Sum over the poles of the kernel at x + i y, by the tree.
+
+        Each point goes down from the root until a node is far, or is one zone.
         """
         tree, datum = self.nested.tree, self.density.kernel.datum
         lo, hi, half = tree.lo, tree.hi, tree.half
@@ -112,7 +113,7 @@ class Plane:
         return out
 
     def of_zones(self, x: Array, y: Array, zone: Index, what: What) -> Complex:
-        """What single zones do, pair by pair."""
+        """Values of single zones, pair by pair."""
         density = self.density
         zones, w = density.zones, density.zones.half[zone]
         seen = InPlane.of(zones.beyond_a(x, zone) / w, -zones.before_b(x, zone) / w, y / w)
@@ -133,7 +134,7 @@ class Plane:
         return value
 
     def _jumps(self, zone: int, seen: InPlane, what: What) -> Complex:
-        """What the jumps of one zone do."""
+        """Values of the jumps of one zone."""
         w, datum, jumps = (
             float(self.density.zones.half[zone]),
             self.density.kernel.datum,
@@ -170,7 +171,7 @@ class Plane:
                 value = value + spline.in_plane(some, what)
             out[near[here]] = value
         if what == "potential":
-            # Of T_l series the logarithm of w is in already.
+            # The series of T_l already contains the logarithm of w.
             out[near] = w * (out[near] + self._of_jumps[zone, 0] * np.log(w / datum))
         elif what == "derivative":
             out[near] /= w
@@ -180,7 +181,7 @@ class Plane:
     def _of_jumps(self) -> Array:
         return self.density.jumps.t_coefficients(self.density.zones, int(JUMPS.far_terms[0]))
 
-    # the rest of the kernel
+    # Regular part of the kernel.
     def _regular(self, z: Complex, what: What) -> Complex | None:
         kernel = self.density.kernel
         if kernel.regular is None:
@@ -201,8 +202,9 @@ class Plane:
 
     @cached_property
     def _held(self) -> list[tuple[Array, Array]]:
-        """Nodes over the whole of the zones, with weights that have their moments: enough for what
-        is smooth over a period.
+        """Nodes over all zones together, with weights of the same moments.
+
+        They are enough for a function that is smooth over a period.
         """
         tree, half = self.nested.tree, self.nested.tree.half[0]
         xi = 0.5 * (tree.lo[0] + tree.hi[0]) + half * chebyshev.gauss(TERMS)
@@ -210,8 +212,8 @@ class Plane:
 
 
 def _look_at(regular: Regular, z: Complex, places: Array) -> None:
-    """ValueError unless a user's regular part is analytic where it is asked for: its differences
-    along and across x agree.
+    """Raise ValueError unless a user's regular part is analytic: its differences along and across x
+    agree.
     """
     for at in z[:: max(1, len(z) // 3)][:3]:
         xi, h = places[:1], 1e-4 * (1 + abs(at))
@@ -220,21 +222,23 @@ def _look_at(regular: Regular, z: Complex, places: Array) -> None:
         along, across = (f[0] - f[1]) / (2 * h), (f[2] - f[3]) / (2j * h)
         if abs(along - across) > 1e-4 * (abs(along) + abs(across)) + 1e-10 * np.abs(f).max() / h:
             raise ValueError(
-                "at complex points the kernel's regular part must be the analytic function that it is on the line"
+                "at complex points the kernel's regular part must be the analytic function that it "
+                "is on the line"
             )
 
 
-# jumps
+# Jumps.
 def of_jumps(jumps: ForcingJumps, k: Index, seen: InPlane, what: What) -> Complex:
-    """What jumps k of a zone do, near it; times w for the derivative; for the potential over w, and
-    less c_0 log(w).
+    """Values of jumps k of a zone at points close to it.
+
+    The derivative is multiplied by w; the potential is over w and without c_0 log(w).
     """
     if len(k) == 0:
         return np.zeros(seen.left.shape, dtype=complex)
     away, q = seen.left[:, None] - jumps.left[k], jumps.order[k]
     log = jumps.logarithm(k, seen, away)
     if what == "potential":
-        # At the jump itself only powers of the distance are left.
+        # At the jump itself only powers of the distance remain.
         return jumps.plane_potential(k, seen, away, np.where((away == 0) & (q >= 0), 0.0, log))
     with np.errstate(invalid="ignore", divide="ignore"):
         if what == "transform":

@@ -1,8 +1,8 @@
-"""A density zone by zone: its coefficients and jumps, what they make of it on its zones, and what
-zones and their images do on the line.
+"""A density zone by zone: coefficients and jumps, its values on its zones, and its fields on the
+line.
 
-What a zone, or one moved by one of the kernel's poles, does on itself and off it
-`sie.basis.interval` knows. The rest of the kernel is finished by quadrature.
+`sie.basis.interval` has the closed forms of a zone and of its images. The regular part of the
+kernel is integrated by quadrature.
 """
 
 from collections.abc import Callable
@@ -48,7 +48,9 @@ OPTIONS = DensityOptions()
 
 @dataclass(frozen=True, eq=False)
 class Series(Located):
-    """sum_j c_j T_j(t) / sqrt(1 - t^2) + logarithms of the jumps, on each zone: see `sie.Density`."""
+    """sum_j c_j T_j(t) / sqrt(1 - t^2) + closed forms of the jumps, on each zone; see
+    `sie.Density`.
+    """
 
     zones: Zones
     kernel: Kernel
@@ -58,10 +60,10 @@ class Series(Located):
     bounded_ends: bool = False
     edges: tuple[Array, Array] | None = None
 
-    # per zone
+    # Values for each zone.
     @cached_property
     def singular(self) -> tuple[Array, Array]:
-        """(alpha, beta): (alpha + beta t) / sqrt(1 - t^2) is what is unbounded."""
+        """(alpha, beta) of the unbounded part (alpha + beta t) / sqrt(1 - t^2)."""
         alpha, beta = self.edges or chebyshev.edge_part(self.coefficients)
         if not self.bounded_ends:
             return alpha, beta
@@ -76,8 +78,9 @@ class Series(Located):
 
     @cached_property
     def sampling(self) -> Index:
-        """Even angles per zone (Z,) that show all of the density: twice its modes and a few for
-        every jump.
+        """Number of equidistant angles that resolve the density on each zone (Z,).
+
+        Twice the number of modes, and four for every jump.
         """
         modes = np.count_nonzero(self.coefficients, axis=1)
         jumps = np.zeros(len(self.zones), dtype=np.intp)
@@ -85,7 +88,7 @@ class Series(Located):
         return np.clip(2 * modes + 4 * jumps, OPTIONS.min_samples, OPTIONS.max_samples)
 
     def first(self, count: int) -> Array:
-        """The first coefficients of all of it, jumps among it (Z, count)."""
+        """First coefficients of the whole density, jumps included (Z, count)."""
         out = widened(self.coefficients[:, :count], count)
         return out + self.jumps.t_coefficients(self.zones, count) if len(self.jumps) else out
 
@@ -110,14 +113,12 @@ class Series(Located):
 
     @cached_property
     def intensities(self) -> tuple[Array, Array]:
-        """K at the left and the right end of each zone: density ~ K / sqrt(d) at distance d from
-        the end.
-        """
+        """K at both ends of each zone: the density is K / sqrt(d) at a distance d."""
         return interval.intensities(*self.singular, self.zones.half)
 
     @cached_property
     def edge_slopes(self) -> tuple[Array, Array]:
-        """A at the left and the right end of each zone: density ~ K / sqrt(d) + A sqrt(d)."""
+        """A at the left and the right end of each zone: the density is K / sqrt(d) + A sqrt(d)."""
         left, right = interval.edge_slopes(
             *self.singular, *chebyshev.slopes_at_ends(self.coefficients), self.zones.half
         )
@@ -127,13 +128,16 @@ class Series(Located):
 
     @cached_property
     def sensitivity(self) -> tuple[Array, Array, Array]:
-        """(Z,) each: the largest density of a zone, and the largest change of its density at equal
-        normalised position by a motion of its left end, of its right end, per motion over width;
-        infinite pressures, at singular ends and kinks, count no nearer than OPTIONS.end_distance.
+        """Largest density of each zone, and its largest change by a motion of its left and right
+        end.
 
-        To first order the motion of an end leaves a bounded density as it is at fixed places, but
+        Three arrays (Z,). Changes are at equal normalised position, per motion over width.
+        Unbounded values at singular ends and kinks count up to `DensityOptions.end_distance` from
+        there.
+
+        To first order a motion of an end leaves a bounded density unchanged at fixed places, except
         for K / sqrt(d), which the density at the new ends does not have. At equal t = cos(theta), a
-        motion of the right end by eps widths makes that
+        motion of the right end by eps widths gives
 
             eps (1 + t) phi'(t) + K's part = -eps cot(theta/2) (phi_theta(theta) - phi_theta(0)).
         """
@@ -160,22 +164,23 @@ class Series(Located):
                 for i, theta in zip(bent.tolist(), even, strict=True)
             ]
             out[1:] += bounded.followed(bent, beside)[1:]
-        # A zone held at one end spreads its load over another width as the other end moves.
+        # A zone with one fixed end spreads its load over another width when the other end moves.
         alpha, beta = self.singular
         out[1:] += (np.abs(alpha) + np.abs(beta)) / np.sqrt(
             OPTIONS.end_distance * (2 - OPTIONS.end_distance)
         )
         return out[0], out[1], out[2]
 
-    # evaluation
+    # Evaluation.
     def at(self, zone: ArrayLike, left: ArrayLike, right: ArrayLike) -> Array:
-        """Density at points given by zone index and the distances from the zone's ends over its
-        half width (left + right = 2): no digit is lost near the ends.
+        """Density at points given by zone index and distances from the zone's ends over its half
+        width.
+
+        left + right = 2; no digit is lost close to the ends.
         """
         left, right = np.asarray(left, dtype=float), np.asarray(right, dtype=float)
         zone, left, right = np.broadcast_arrays(np.asarray(zone, dtype=np.intp), left, right)
-        # At an end where the density is bounded, the rounding of its intensity is not divided by
-        # zero.
+        # At an end where the density is bounded, the round-off of K is not divided by zero.
         out = interval.values_on(*self.bounded, zone, left, right, self.zones.bounded)
         if len(self.jumps):
             out = out + self.jumps.density(zone.ravel(), left.ravel(), right.ravel()).reshape(
@@ -184,9 +189,7 @@ class Series(Located):
         return np.asarray(out)
 
     def integral_at(self, zone: ArrayLike, angle: ArrayLike) -> Array:
-        """Integral of the density from a zone's left end to the angle theta (t = cos theta), of
-        densities with jumps of their own or none.
-        """
+        """Integral of the density from a zone's left end to the angle theta, t = cos(theta)."""
         zone, angle = np.broadcast_arrays(
             np.asarray(zone, dtype=np.intp), np.asarray(angle, dtype=float)
         )
@@ -206,7 +209,7 @@ class Series(Located):
         out[inside] = self.integral_at(z, interval.theta(left, right))
         return out
 
-    # what sums over zones read
+    # Input of the sums over zones.
     @cached_property
     def quadrature(self) -> list[tuple[Array, Array]]:
         """Nodes and weighted density for the regular part of the kernel."""
@@ -214,8 +217,8 @@ class Series(Located):
 
     @cached_property
     def panel_moments(self) -> tuple[Panels | Skeleton, Array] | None:
-        """The panels of the regular part and this density's moments on them; None where it has
-        none.
+        """The panels of the regular part and the moments of this density on them; None without
+        panels.
         """
         panels = panels_over(self.kernel, self.zones)
         return (
@@ -229,9 +232,7 @@ class Series(Located):
 
     @cached_property
     def potential_coefficients(self) -> Array:
-        """Coefficients of all but `ForcingJumps.sharp_potential`, those over l = 1, 2, ... divided
-        by l: for potentials.
-        """
+        """Coefficients c_0, c_1, c_2 / 2, ... for potentials, except `sharp_potential`."""
         c, high = self.coefficients, self.jumps.high_coefficients(self.zones)
         table = widened(c, high.shape[1]) + widened(high, c.shape[1])
         table[:, 1:] /= np.arange(1, table.shape[1])
@@ -239,20 +240,21 @@ class Series(Located):
 
     @cached_property
     def sharp_totals(self) -> Array:
-        """c_0 of the jumps of `ForcingJumps.sharp_potential`, per zone."""
+        """c_0 of the jumps that `ForcingJumps.sharp_potential` covers, for each zone."""
         high = self.jumps.high_coefficients(self.zones)[:, :1]
         return np.asarray(self.jumps.t_coefficients(self.zones, 1)[:, 0] - high.sum(axis=1))
 
 
 def even_angles(count: int) -> Array:
-    """So many angles between 0 and pi, half a step from either."""
+    """`count` angles between 0 and pi, half a step from either end."""
     return (np.arange(count) + 0.5) * np.pi / count
 
 
 def beside_kinks(left: Array, height: Array, theta: Array) -> Array:
-    """Angles at which it is looked how a density follows the ends: those given, and right beside
-    its largest kinks, by distances from the left end over w, but none nearer to one than OPTIONS.end_distance,
-    or than a quarter of their mean distance.
+    """The given angles, and the angles on both sides of the largest kinks.
+
+    left, height: of all kinks of a zone, by distances from the left end over w. Angles closer to a
+    kink than `end_distance`, or than a quarter of the mean distance of kinks, are left out.
     """
     if len(left) == 0:
         return theta
@@ -270,8 +272,9 @@ def beside_kinks(left: Array, height: Array, theta: Array) -> Array:
 def from_zones(
     density: Series, x: Array, zone: Index, shift: Array | float, potential: bool
 ) -> Array:
-    """What zones moved by `shift` do at points by the poles of the kernel: pair by pair, all (n,),
-    or, x (n, 1), at every point.
+    """Fields at points, by the poles of the kernel, of zones moved by `shift`.
+
+    Pair by pair, all arrays (n,); or every zone at every point, with x (n, 1).
     """
     zones, w, jumps = density.zones, density.zones.half[zone], density.jumps
     seen = interval.OnLine.of(
@@ -314,8 +317,9 @@ def from_zones(
 
 
 def regular_at(density: Series, x: Array, regular: Regular) -> Array:
-    """The regular part of the kernel (or of its potential): through its panels, where it has some,
-    else by Gauss-Chebyshev quadrature on every zone.
+    """The regular part of the kernel, or of its potential, at points x.
+
+    Through panels if there are any, else by Gauss-Chebyshev quadrature on every zone.
     """
     if density.panel_moments is not None:
         panels, moments = density.panel_moments
@@ -340,7 +344,7 @@ def by_quadrature(
     regular: Callable[..., NDArray[Any]],
     pairs: int = BLOCKS.cache_pairs,
 ) -> NDArray[Any]:
-    """Sums over nodes with weights, at real or complex points, so many pairs at once."""
+    """Sums over nodes with weights at real or complex points, at most `pairs` pairs at once."""
     out = np.zeros(x.shape, dtype=x.dtype)
     for xi, weights in parts:
         block = max(1, pairs // weights.size)
@@ -363,8 +367,10 @@ def moments_of(
 def quadrature(
     zones: Zones, kernel: Kernel, table: Array, jumps: ForcingJumps
 ) -> list[tuple[Array, Array]]:
-    """(nodes, weights times density) for the regular part, of T coefficients (zones, n + 1) and
-    jumps; zones of equal size together.
+    """(nodes, weights times density) for the regular part, one pair for zones with equal node
+    counts.
+
+    table: T coefficients (zones, n + 1).
     """
     m, panels = table.shape[1] - 1, panels_over(kernel, zones)
     sizes = (

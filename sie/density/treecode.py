@@ -1,8 +1,8 @@
-"""Transform and potential of a density with many zones at many points: far zones by series, near
-ones by their closed forms.
+"""Transform and potential of a density with many zones at many points, by a tree.
 
-The line is cut into cells, the zones and pieces of the gaps between them. What is far from a cell
-is a Chebyshev series on it, all of them from one fast sum; a point adds what the few near zones do.
+The line is cut into cells: the zones, and pieces of the gaps between them. All that is far from a
+cell is one Chebyshev series on it, from one fast sum. A point adds the fields of the few near zones
+in closed form.
 """
 
 import weakref
@@ -22,17 +22,15 @@ from sie.trees.tree import TERMS, Tree
 
 
 class Treecode:
-    """A density's series on all cells. Points are those of `Density.into_period`, or any if nothing
-    repeats.
-    """
+    """The series of a density on all cells, at points within the central period."""
 
     def __init__(self, density: Series) -> None:
-        # Which holds this: the memory of both would only be free when somebody looks for cycles.
+        # A proxy, because the density holds this object: a cycle would delay the release of both.
         self.density: Series = weakref.proxy(density)  # type: ignore[assignment]
         zones, period = density.zones, density.kernel.period
         first, last = float(zones.a[0]), float(zones.b[-1])
         middle = 0.5 * (first + last)
-        # Beyond a span on either side the whole set is far: a last cell there would be of no use.
+        # Beyond a span on either side all zones are far, and cells there would be useless.
         reach = 0.5 * period if period is not None else 1.5 * (last - first)
         self.ends = ends = _cells(zones, min(middle - reach, first), max(middle + reach, last))
         self.middle, self.half = 0.5 * (ends[1:] + ends[:-1]), 0.5 * np.diff(ends)
@@ -48,8 +46,8 @@ class Treecode:
 
     @cached_property
     def potential_series(self) -> Array:
-        """Series of the potential: the primitive of the transform's, with the given value at the
-        middle of the cell.
+        """Series of the potential: the primitive of the transform, with the given value at each
+        middle.
         """
         out = chebint(self.series, axis=1) * self.half[:, None]
         out[:, 0] += self.value
@@ -65,11 +63,11 @@ class Treecode:
         out = np.empty(len(x))
         order = np.argsort(x, kind="stable")
         cell = np.searchsorted(self.ends, x[order], side="right") - 1
-        # Half a period off the middle points lie outside by rounding alone.
+        # Half a period from the middle points are outside by rounding only.
         outside = ((cell < 0) | (x[order] > self.ends[-1])) & (self.density.kernel.period is None)
         beyond = order[outside]
         if len(beyond):
-            # From the moments of all zones, but near an image one by one.
+            # Points outside see the moments of all zones, but zones one by one close to an image.
             plane: Plane = self.density.plane  # type: ignore[assignment]
             out[beyond] = plane.poles(
                 x[beyond], np.zeros(len(beyond)), "potential" if potential else "transform"
@@ -95,8 +93,9 @@ class Treecode:
 
 
 def _cells(zones: Zones, lo: float, hi: float) -> Array:
-    """Ends of the cells: the zones, and the gaps between them in pieces that double in length away
-    from either zone, so that to none of them many zones are near.
+    """Ends of the cells: the zones, and pieces of the gaps that double in length away from a zone.
+
+    This way few zones are near to any piece.
     """
     before = np.diff(
         np.concatenate(([2 * lo - zones.a[0]], zones.b[:-1], zones.a)).reshape(2, -1), axis=0

@@ -1,10 +1,9 @@
-"""A first look at the functions that make an equation: on a few points, once, before anything is
-solved with them.
+"""Checks of a user's functions at a few points, once, before anything is solved with them.
 
-What they return must be real and of the shape asked for; a primitive must rise as its function
-says, a regular part's potential likewise; of a symmetric set the right side must be odd. What is
-claimed of a function is compared with it: that a regular kernel depends on x - xi alone, that a
-weight is a polynomial, that a column has few modes.
+Values must be real and of the right shape. A primitive must rise by the integral of its function,
+and the potential of a regular part likewise. On symmetric zones the right side must be odd. Claims
+about a function are compared with it: that a regular kernel depends on x - xi only, that a weight
+is a polynomial, that a column has few modes.
 """
 
 from collections.abc import Callable
@@ -46,7 +45,7 @@ _T = np.array(OPTIONS.places)
 
 
 def look_at(equation: Equation, zones: Zones) -> None:
-    """Raise ValueError, by name, for functions that do not return what the equation is about."""
+    """Raise ValueError for a function of the equation that contradicts its declaration."""
     how = (
         any(
             condition.count(zones) > 0 and speaks_of_levels(condition, zones)
@@ -57,7 +56,8 @@ def look_at(equation: Equation, zones: Zones) -> None:
     low, high = equation.within
     if not (low < zones.a[0] and zones.b[-1] < high):
         raise ValueError(
-            f"the zones [{zones.a[0]:.6g}, {zones.b[-1]:.6g}] do not lie inside the interval `within`, "
+            f"the zones [{zones.a[0]:.6g}, {zones.b[-1]:.6g}] do not lie inside the interval "
+            "`within`, "
             f"({low:.6g}, {high:.6g})"
         )
     for condition in equation.conditions:
@@ -74,7 +74,7 @@ def look_at(equation: Equation, zones: Zones) -> None:
             _look_at_forcing(name, forcing, *_places(zones), *how)
             _look_at_modes(name, forcing, zones)
             _seen(forcing).add(how)
-    # Kernels of this package are what they are.
+    # Kernels made by this package are not checked.
     if equation.kernel.grows and how not in _seen(equation.kernel):
         _look_at_kernel(equation.kernel, *_places(zones), *how)
         _look_at_lag(equation.kernel, *_places(zones))
@@ -82,27 +82,27 @@ def look_at(equation: Equation, zones: Zones) -> None:
 
 
 def _seen(part: Forcing | Kernel) -> set[tuple[bool, bool]]:
-    """In which ways this has been looked at, and found in order."""
+    """Ways (potentials needed, symmetric) in which a part has passed its checks."""
     found: set[tuple[bool, bool]] = part.__dict__.setdefault("_checked", set())
     return found
 
 
 def _places(zones: Zones) -> tuple[Array, Array]:
-    """(places, half width of their zones)."""
+    """(check points, half widths of their zones)."""
     some = _some(zones)
     x = zones.middle[some, None] + zones.half[some, None] * _T
     return x.ravel(), np.repeat(zones.half[some], len(_T))
 
 
 def _some(zones: Zones) -> list[int]:
-    """The first, the last and a middle one of the solved zones."""
+    """The first, a middle and the last one of the solved zones."""
     return sorted(
         {int(zones.solved[0]), int(zones.solved[len(zones.solved) // 2]), int(zones.solved[-1])}
     )
 
 
 def _called(name: str, function: Callable[..., Any], *places: Array) -> Any:
-    """What a user's function returns, or a ValueError with its name and what it raised."""
+    """The result of a user's function, or a ValueError with its name and its exception."""
     try:
         with np.errstate(all="ignore"):
             return function(*places)
@@ -117,13 +117,15 @@ def _real(name: str, returned: Any, shape: tuple[int, ...], given: str) -> Array
     values = np.asarray(returned)
     if values.dtype.kind == "c":
         raise ValueError(
-            f"{name} is complex: only real equations are solved, its real and imaginary part one by one"
+            f"{name} is complex: only real equations are solved, its real and imaginary part one "
+            "by one"
         )
     if values.dtype.kind not in "fiub":
         raise ValueError(f"{name} must return numbers, got {type(returned).__name__} for {given}")
     if values.shape == shape and not isinstance(returned, np.ndarray):
         raise ValueError(
-            f"{name} must return an array of shape {shape} for {given}, got {type(returned).__name__}"
+            f"{name} must return an array of shape {shape} for {given}, got "
+            f"{type(returned).__name__}"
         )
     if values.shape != shape:
         raise ValueError(
@@ -198,7 +200,7 @@ def _look_at_kernel(kernel: Kernel, x: Array, half: Array, levels: bool, symmetr
 
 
 def _look_at_degree(name: str, weight: Callable[[Array], Array], degree: int, zones: Zones) -> None:
-    """ValueError for a weight that is no polynomial of the degree that is said."""
+    """Raise ValueError for a weight that is no polynomial of the claimed degree."""
     for zone in _some(zones):
         x = zones.middle[zone] + zones.half[zone] * chebyshev.gauss(
             degree + 1 + OPTIONS.extra_coefficients
@@ -214,13 +216,14 @@ def _look_at_degree(name: str, weight: Callable[[Array], Array], degree: int, zo
         beyond = size[degree + 1 :].max()
         if beyond > OPTIONS.max_claim_error * size.max() + _of_places(x, zones.half[zone], values):
             raise ValueError(
-                f"{name} is no polynomial of degree {degree}: on zone {zone} (counted from 0) {beyond / size.max():.1e} of it is of a "
+                f"{name} is no polynomial of degree {degree}: on zone {zone} (counted from 0) "
+                f"{beyond / size.max():.1e} of it is of a "
                 "higher degree; give its degree, or none"
             )
 
 
 def _look_at_modes(name: str, forcing: Forcing, zones: Zones) -> None:
-    """ValueError for a column of more modes than it is said to have."""
+    """Raise ValueError for a column with more modes than it claims."""
     modes = forcing.resolution.modes
     if modes is None:
         return
@@ -233,21 +236,22 @@ def _look_at_modes(name: str, forcing: Forcing, zones: Zones) -> None:
         beyond = size[modes:].max()
         if beyond > OPTIONS.max_claim_error * size.max() + _of_places(x, zones.half[zone], values):
             raise ValueError(
-                f"{name} has more than modes={modes} modes: on zone {zone} (counted from 0) {beyond / size.max():.1e} of it is "
+                f"{name} has more than modes={modes} modes: on zone {zone} (counted from 0) "
+                f"{beyond / size.max():.1e} of it is "
                 "beyond these; leave modes out"
             )
 
 
 def _of_places(x: Array, length: float, values: Array) -> float:
-    """What rounding of places makes of values that vary over this length."""
+    """Round-off of places x, as a change of values that vary over this length."""
     return float(8 * np.spacing(np.abs(x).max()) / max(length, 1e-300) * np.ptp(values))
 
 
 def _look_at_lag(kernel: Kernel, x: Array, half: Array) -> None:
-    """ValueError for a regular part that is said to depend on x - xi alone, and does not."""
+    """Raise ValueError for a regular part that claims to depend on x - xi only, but does not."""
     if not kernel.of_lag or kernel.regular is None:
         return
-    # Both places move alike, by part of the narrowest zone that is looked at, within their zones.
+    # Both places move by the same part of the narrowest checked zone, and stay within their zones.
     places = x.reshape(-1, len(_T))[:, :2].ravel()
     target, source = np.repeat(places, len(places)), np.tile(places, len(places))
     shift = (_T[2] - _T[1]) * half.min()
@@ -268,8 +272,10 @@ def _look_at_lag(kernel: Kernel, x: Array, half: Array) -> None:
     worst = int(np.argmax(off))
     if off[worst] > OPTIONS.max_claim_error * size + rounding:
         raise ValueError(
-            f"the kernel's regular part is said to depend on x - xi alone (of_lag=True), but for x - xi = {lag[worst]:.6g} it is "
-            f"{values[0][worst]:.6g} at xi = {source[worst]:.6g} and {values[1][worst]:.6g} at xi = {source[worst] + shift:.6g}"
+            "the kernel's regular part is said to depend on x - xi alone (of_lag=True), but for x "
+            f"- xi = {lag[worst]:.6g} it is "
+            f"{values[0][worst]:.6g} at xi = {source[worst]:.6g} and {values[1][worst]:.6g} at xi "
+            f"= {source[worst] + shift:.6g}"
         )
 
 
@@ -279,8 +285,10 @@ def _look_at_symmetry(name: str, here: Array, there: Array, x: Array) -> None:
     worst = int(np.argmax(off))
     if np.isfinite(off).all() and off[worst] > MAX_ASYMMETRY * size:
         raise ValueError(
-            f"zones with symmetric=True need data that are mirror images too, but {name} is not odd: at x = {x[worst]:.6g} and at "
-            f"{-x[worst]:.6g} it differs from being so by {off[worst]:.3g}; solve all of the zones, symmetric=False"
+            f"zones with symmetric=True need data that are mirror images too, but {name} is not "
+            f"odd: at x = {x[worst]:.6g} and at "
+            f"{-x[worst]:.6g} it differs from being so by {off[worst]:.3g}; solve all of the "
+            "zones, symmetric=False"
         )
 
 
@@ -292,9 +300,10 @@ def _look_at_rise(
     x: Array,
     half: Array,
 ) -> None:
-    """Mean value theorem: over a short interval the primitive rises by its length times a value
-    that the function takes there. What is missing is rounding where it is as much over a shorter
-    interval.
+    """Raise ValueError for a primitive whose slope is not the function.
+
+    By the mean value theorem the primitive rises over a short interval by its length times a value
+    of the function there. If the difference is as large over a shorter interval, it is round-off.
     """
     wrong, longer, missing = np.ones(len(x), dtype=bool), np.zeros(len(x)), np.zeros(len(x))
     for step in OPTIONS.steps:
@@ -304,14 +313,14 @@ def _look_at_rise(
             ends = primitive(x[:, None] + h[:, None] * np.array([-1.0, 1.0]))
             rise = np.diff(ends)[:, 0] / (2 * h)
             low, high, size = g.min(axis=1), g.max(axis=1), np.abs(g).max(initial=0.0)
-            # Of a primitive far from zero, a short interval's rise may be nothing but rounding.
+            # For a primitive far from zero, the rise over a short interval may be mere round-off.
             slack = (
                 (high - low)
                 + OPTIONS.max_slope_error * size
                 + SUM_ROUNDING * np.abs(ends).max(axis=1) / (2 * h)
             )
-            # Of places that are rounded to much of a zone nothing can be told; nor where something
-            # is not finite.
+            # Places that are rounded to a large part of their zone are skipped, and values that are
+            # not finite.
             missed = 2 * h * np.maximum(low - slack - rise, rise - high - slack)
             wrong &= (missed > 0.0) & (missing >= 0.5 * np.sqrt(longer / h) * missed)
             wrong &= (h < 0.1 * half) & np.isfinite(g).all(axis=1)
@@ -321,5 +330,6 @@ def _look_at_rise(
     worst = int(np.flatnonzero(wrong)[0])
     middle = 0.5 * (low[worst] + high[worst])
     raise ValueError(
-        f"{name} is not an antiderivative of its {of}: at x = {x[worst]:.6g} its slope is {rise[worst]:.6g}, not {middle:.6g}"
+        f"{name} is not an antiderivative of its {of}: at x = {x[worst]:.6g} its slope is "
+        f"{rise[worst]:.6g}, not {middle:.6g}"
     )

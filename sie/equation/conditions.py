@@ -1,8 +1,8 @@
-"""Side conditions: linear statements about the density, one object each.
+"""Side conditions: linear statements about the density, one class each.
 
-A condition turns itself into rows over the unknown coefficients with the help of a `Rows` object
-(see `sie.dense.system`), which knows how total, potential, weighted integral and edge intensity
-of each zone depend on them. A new condition is one class with `count` and `rows`.
+A condition makes rows over the unknown coefficients from a `Rows` object, the assembled system,
+which knows the total, potential, weighted integral and edge intensity of each zone. A new condition
+is one class with `count` and `rows`.
 """
 
 from collections.abc import Callable
@@ -22,8 +22,9 @@ Linear = tuple[Array, Array]
 
 
 class Rows(Protocol):
-    """What a condition may ask of the assembled system. Each answer covers the solved zones, in
-    order; (matrix, constants) stands for the quantities matrix @ unknowns + constants.
+    """Quantities of the assembled system that a condition may use, for the solved zones in order.
+
+    (matrix, constants) stands for the quantities matrix @ unknowns + constants.
 
     Examples
     --------
@@ -39,21 +40,22 @@ class Rows(Protocol):
     ...         matrix, constants = system.totals()
     ...         weight = (np.arange(len(constants)) == 0) - self.part
     ...         return weight[None] @ matrix, np.array([weight @ constants]), np.zeros(1)
-    >>> charge = sie.Equation(sie.cauchy(), sie.Forcing(np.zeros_like), (sie.Total(1.0), Part(0.25)))
+    >>> charge = sie.Equation(sie.cauchy(), np.zeros_like, (sie.Total(1.0), Part(0.25)))
     >>> found = sie.solve(charge, sie.Zones.of([[-2, -1], [1, 2]], sie.SINGULAR, sie.SINGULAR))
     >>> found.density.totals.round(12).tolist()
     [0.25, 0.75]
     """
 
     zones: Zones
-    """The zones the system is assembled for."""
+    """The zones of the system."""
 
     def totals(self) -> Linear:
         """Integral of the density over each zone."""
 
     def levels(self) -> Linear:
-        """Mean over each zone (weight 1 / sqrt(1 - t^2)) of potential minus the primitive of the
-        right side.
+        """Mean over each zone of the potential less the primitive of the right side.
+
+        The weight is 1 / sqrt(1 - t^2).
         """
 
     def level_steps(self) -> Linear:
@@ -62,8 +64,9 @@ class Rows(Protocol):
         return np.diff(matrix, axis=0), np.diff(constants)
 
     def integrals(self, weight: Callable[[Array], Array], degree: int | None = None) -> Linear:
-        """Integral of weight times density over each zone; degree: of a weight that is a polynomial
-        on each.
+        """Integral of weight times density over each zone.
+
+        degree: of a weight that is a polynomial on each zone.
         """
 
     def intensities(self) -> tuple[Linear, Linear]:
@@ -73,7 +76,7 @@ class Rows(Protocol):
         """The amplitude of column k."""
 
     def multiplicity(self) -> Array:
-        """How many zones each solved zone stands for: 2 for a mirrored pair, else 1."""
+        """Number of zones for each solved zone: 2 for a mirrored pair, else 1."""
         weight = np.ones(len(self.zones.solved))
         if self.zones.symmetric:
             weight[1 if self.zones.central else 0 :] = 2.0
@@ -81,11 +84,18 @@ class Rows(Protocol):
 
 
 class Condition:
-    """Base: a linear statement about the density and the unknown amplitudes.
+    """Base of side conditions: a linear statement about the density and the unknown amplitudes.
 
-    A condition of one's own has `rows(system)`, (matrix, constants, values) of shapes (count,
-    unknowns), (count,), (count,) with matrix @ unknowns + constants = values, and `count(zones)`,
-    how many rows it has, if these are not one; see `Rows` for what `system` tells.
+    A user's condition has `rows(system)`, (matrix, constants, values) of shapes (count, unknowns),
+    (count,), (count,) with matrix @ unknowns + constants = values. It has `count(zones)`, too, if
+    its number of rows is not one. `Rows` lists what `system` provides.
+
+    Attributes
+    ----------
+    open : bool
+        Whether the condition's value is unknown, and is determined by a condition on the ends.
+    levels : bool
+        Whether it contains potentials.
 
     Attributes
     ----------
@@ -114,10 +124,10 @@ class Condition:
 
     open: bool = False
     levels: bool = False
-    """Whether the condition speaks of potentials."""
+    """Whether the condition contains potentials."""
 
     def count(self, zones: Zones) -> int:
-        """How many rows it has."""
+        """Number of rows."""
         return 1
 
     def rows(self, system: Rows) -> tuple[Array, Array, Array]:
@@ -126,9 +136,7 @@ class Condition:
 
 
 def asked(condition: Condition, system: Rows, size: int) -> tuple[Array, Array, Array]:
-    """The rows of a condition over so many unknowns, looked at: as many as it counts, one constant
-    and one value to each.
-    """
+    """The rows of a condition over `size` unknowns, with their shapes checked."""
     given = condition.rows(system)
     if not isinstance(given, tuple) or len(given) != 3:
         raise ValueError(
@@ -143,20 +151,21 @@ def asked(condition: Condition, system: Rows, size: int) -> tuple[Array, Array, 
     count = condition.count(system.zones)
     if matrix.shape != (count, size) or constants.shape != (count,) or values.shape != (count,):
         raise ValueError(
-            f"{condition}: its `count` is {count}, so that its `rows` must have shapes ({count}, {size}), ({count},) and ({count},), "
+            f"{condition}: its `count` is {count}, so that its `rows` must have shapes ({count}, "
+            f"{size}), ({count},) and ({count},), "
             f"but they have {matrix.shape}, {constants.shape} and {values.shape}"
         )
     return matrix, constants, values
 
 
 def of_levels(condition: Condition, zones: Zones) -> Array:
-    """(rows of the condition, solved zones): what its rows make of the levels."""
+    """Coefficients of the levels in the rows of a condition, shape (rows, solved zones)."""
     count = len(zones.solved)
     return asked(condition, Trial(zones, np.zeros((count, count)), np.eye(count)), count)[0]
 
 
 def speaks_of_levels(condition: Condition, zones: Zones) -> bool:
-    """Whether potentials are asked for, said or not."""
+    """Whether a condition contains potentials, declared or found by a trial."""
     if condition.levels or type(condition).rows in _SILENT:
         return condition.levels
     level = np.random.default_rng(0).uniform(0.5, 1.5, (len(zones.solved), 1))
@@ -166,10 +175,13 @@ def speaks_of_levels(condition: Condition, zones: Zones) -> bool:
 
 @record
 class ByZone:
-    """A condition that asks one thing of every solved zone, or of every two neighbours, told by
-    what it makes of the zones' levels and of densities c_0 / sqrt(1 - t^2): row i is
+    """A condition on every solved zone by itself, or on every two neighbours.
 
-        levels_i level_i + first_i c_0i = value_i,        or, if `differences`, levels_i (level_(i+1) - level_i) = value_i.
+    It is found from the response of its rows to levels and to densities c_0 / sqrt(1 - t^2). Row i
+    is
+
+        levels_i level_i + first_i c_0i = value_i,
+        or, if `differences`, levels_i (level_(i+1) - level_i) = value_i.
     """
 
     levels: Array
@@ -178,15 +190,16 @@ class ByZone:
 
     @property
     def of_levels(self) -> bool:
-        """Whether every row speaks of a level; else none does."""
+        """Whether every row contains a level; otherwise none does."""
         return bool(np.all(self.levels != 0.0))
 
 
 @record
 class Trial(Rows):
-    """What conditions may ask of c_0 / sqrt(1 - t^2) on every solved zone, and of levels that have
-    nothing to do with it, all else being nothing; first, level: what unknowns make of both (solved
-    zones, unknowns).
+    """Quantities of a trial density c_0 / sqrt(1 - t^2) on every solved zone, with independent
+    levels.
+
+    first, level: matrices (solved zones, unknowns) from the unknowns to c_0 and to the levels.
     """
 
     zones: Zones
@@ -195,7 +208,7 @@ class Trial(Rows):
 
     @property
     def _scaled(self) -> Array:
-        """First unknowns times pi w."""
+        """`first` times pi w."""
         return np.asarray(np.pi * self.zones.half[self.zones.solved][:, None] * self.first)
 
     def totals(self) -> Linear:
@@ -226,15 +239,14 @@ class Trial(Rows):
 
 
 def by_zone(condition: Condition, zones: Zones) -> ByZone | None:
-    """What a condition asks of every zone by itself, be it one of a user's own; None if it does
-    not.
+    """The coefficients with which a condition acts on each zone by itself; None if it does not.
 
-    Looked at by trial: what it makes of numbers that are the same on all zones, or rise evenly,
-    tells the factors, and what it makes of numbers at random whether there is anything else.
+    Its response to values that are equal on all zones, or rise evenly, gives the coefficients. Its
+    response to random values shows whether it contains anything else.
     """
     solved, count = zones.solved, condition.count(zones)
     n = len(solved)
-    # Of two zones one row of a user's own may be anything.
+    # With two zones, a single row of a user's own may be anything.
     differences = count == n - 1 and (
         n > 2 or (condition.levels and type(condition).rows in BUILT_IN)
     )
@@ -265,7 +277,7 @@ def by_zone(condition: Condition, zones: Zones) -> ByZone | None:
 
 
 def summed(system: Rows, of_zones: Linear, value: float) -> tuple[Array, Array, Array]:
-    """One row: something of every solved zone, added up over all zones."""
+    """One row: a quantity of every solved zone, summed over all zones."""
     weight = system.multiplicity()
     return (weight @ of_zones[0])[None], np.array([weight @ of_zones[1]]), np.array([value])
 
@@ -273,6 +285,11 @@ def summed(system: Rows, of_zones: Linear, value: float) -> tuple[Array, Array, 
 @dataclass(frozen=True)
 class Total(Condition):
     """The integral of the density over all zones.
+
+    Parameters
+    ----------
+    value : float or None
+        The prescribed integral; None: unknown, determined by a condition on the ends.
 
     Parameters
     ----------
@@ -303,11 +320,19 @@ class Total(Condition):
 
 @dataclass(frozen=True)
 class Weighted(Condition):
-    """The integral of weight(x) times the density over all zones: a moment, a mean, any linear
+    """The integral of weight(x) times the density over all zones: a moment, a mean, or any
     functional.
 
-    The weight is smooth on each zone; degree: where it is a polynomial, of few coefficients. Of a
-    symmetric set only the even part of the weight counts.
+    On symmetric zones only the even part of the weight counts.
+
+    Parameters
+    ----------
+    weight : callable
+        weight(x), x (n,), smooth on each zone.
+    value : float
+        The prescribed integral.
+    degree : int or None
+        The degree of a polynomial weight, which then needs few coefficients.
 
     Parameters
     ----------
@@ -322,9 +347,8 @@ class Weighted(Condition):
     --------
     >>> import numpy as np, sie
     >>> second = sie.Weighted(lambda x: x**2, 1.0, degree=2)
-    >>> found = sie.solve(
-    ...     sie.Equation(sie.cauchy(), sie.Forcing(np.zeros_like), (second,)), sie.Zones.of([[-1.0, 1.0]], sie.SINGULAR, sie.SINGULAR)
-    ... )
+    >>> zone = sie.Zones.of([[-1.0, 1.0]], sie.SINGULAR, sie.SINGULAR)
+    >>> found = sie.solve(sie.Equation(sie.cauchy(), np.zeros_like, second), zone)
     >>> float(round(found.density.total, 12))
     2.0
     """
@@ -351,7 +375,18 @@ class Weighted(Condition):
 
 
 def moment(value: float, about: float = 0.0) -> Weighted:
-    """Integral of (x - about) phi.
+    """The condition on the integral of (x - about) phi.
+
+    Parameters
+    ----------
+    value : float
+        The prescribed moment.
+    about : float
+        The reference point.
+
+    Returns
+    -------
+    Weighted
 
     Parameters
     ----------
@@ -368,7 +403,8 @@ def moment(value: float, about: float = 0.0) -> Weighted:
     --------
     >>> import numpy as np, sie
     >>> still, column = sie.Forcing(np.zeros_like), sie.Forcing(np.ones_like)
-    >>> tilted = sie.Equation(sie.cauchy(), still, (sie.Total(0.0), sie.moment(np.pi / 2)), (column,))
+    >>> conditions = sie.Total(0.0), sie.moment(np.pi / 2)
+    >>> tilted = sie.Equation(sie.cauchy(), still, conditions, (column,))
     >>> found = sie.solve(tilted, sie.Zones.of([[-1.0, 1.0]], sie.SINGULAR, sie.SINGULAR))
     >>> float(round(found.amplitudes[0], 12))
     -1.0
@@ -382,8 +418,14 @@ def moment(value: float, about: float = 0.0) -> Weighted:
 
 @dataclass(frozen=True)
 class ZoneMoments(Condition):
-    """The first moments of the density about the middle of each zone add up to `value`: where every
-    total is zero, minus the integral of what the density opens.
+    """The sum of the first moments of the density about the middle of each zone.
+
+    If every total is zero, it is minus the integral of the opening.
+
+    Parameters
+    ----------
+    value : float
+        The prescribed sum.
 
     Parameters
     ----------
@@ -424,6 +466,11 @@ class ZoneTotals(Condition):
     Parameters
     ----------
     values : float or tuple of float
+        One value for all, or one for each solved zone (0 for cracks).
+
+    Parameters
+    ----------
+    values : float or tuple of float
         One value for all, or one for each solved zone (0: as in cracks).
 
     Examples
@@ -447,18 +494,20 @@ class ZoneTotals(Condition):
         matrix, constants = system.totals()
         values = np.asarray(self.values, dtype=float)
         if values.shape not in ((), constants.shape):
+            half = " (the right half of a symmetric set)" if system.zones.symmetric else ""
             raise ValueError(
-                f"ZoneTotals: {len(constants)} zones are solved{' (the right half of a symmetric set)' if system.zones.symmetric else ''}, "
-                f"so one value or {len(constants)} of them are needed, got values of shape {values.shape}"
+                f"ZoneTotals: {len(constants)} zones are solved{half}, "
+                f"so one value or {len(constants)} of them are needed, got values of shape "
+                f"{values.shape}"
             )
         return matrix, constants, np.broadcast_to(values, constants.shape)
 
 
 @dataclass(frozen=True)
 class EqualPotential(Condition):
-    """Potential less primitive of the right side takes one unknown value on all zones.
+    """The potential less the primitive of the right side is the same on all zones, and unknown.
 
-    One condition for each zone but one; the right side needs its primitive.
+    This is one condition for each zone but one. The right side needs its primitive.
 
     Examples
     --------
@@ -487,22 +536,25 @@ class EqualPotential(Condition):
 
 @dataclass(frozen=True)
 class Level(Condition):
-    """Potential less primitive of the right side takes the given value on every zone; the right
-    side needs its primitive.
+    """The potential less the primitive of the right side has a given value on every zone.
+
+    The right side needs its primitive.
 
     Parameters
     ----------
     value : float
-        What it is to be.
+        The prescribed value.
 
     Examples
     --------
-    A plate of half width 2 has the capacity 1, and any charge holds it at the potential zero; twice
-    as wide, at log(2) / pi.
+    A plate of half width 2 has the capacity 1, and any charge gives it the potential zero; twice as
+    wide, log(2) / pi.
 
     >>> import numpy as np, sie
-    >>> held = sie.Equation(sie.cauchy(), sie.Forcing(np.zeros_like, np.zeros_like), (sie.Level(np.log(2) / np.pi),))
-    >>> float(round(sie.solve(held, sie.Zones.of([[-4, 4]], sie.SINGULAR, sie.SINGULAR)).density.total, 12))
+    >>> level, still = sie.Level(np.log(2) / np.pi), sie.Forcing(np.zeros_like, np.zeros_like)
+    >>> plate = sie.Zones.of([[-4, 4]], sie.SINGULAR, sie.SINGULAR)
+    >>> found = sie.solve(sie.Equation(sie.cauchy(), still, level), plate)
+    >>> float(round(found.density.total, 12))
     1.0
     """
 
@@ -522,25 +574,24 @@ class Level(Condition):
 
 @dataclass(frozen=True)
 class Amplitude(Condition):
-    """The amplitude of column k is `value` plus `per_total` times the total of the density: a
-    closure by name.
+    """The amplitude of column k is `value` plus `per_total` times the total of the density.
 
     Parameters
     ----------
     k : int
-        Which column of the equation.
+        Number of the column in the equation.
     value : float or None
-        What is known of the amplitude; None: unknown, found from a condition on the ends.
+        The prescribed amplitude; None: unknown, determined by a condition on the ends.
     per_total : float
-        How much of it goes with the total.
+        Coefficient of the total.
 
     Examples
     --------
-    With half of a column x known to be there, a load pi / 4 makes a zone of half width one.
+    With half of a column x prescribed, a load pi / 4 makes a zone of half width one.
 
     >>> import numpy as np, sie
-    >>> slope = sie.Forcing(lambda x: x)
-    >>> equation = sie.Equation(sie.cauchy(), slope, (sie.Total(np.pi / 4), sie.Amplitude(0, -0.5)), (sie.Forcing(lambda x: x),))
+    >>> conditions = sie.Total(np.pi / 4), sie.Amplitude(0, -0.5)
+    >>> equation = sie.Equation(sie.cauchy(), lambda x: x, conditions, lambda x: x)
     >>> sie.solve(equation, sie.Zones.of([[-0.8, 1.1]])).zones.table.round(9).tolist()
     [[-1.0, 1.0]]
     """
@@ -569,32 +620,32 @@ class Amplitude(Condition):
 
 _SILENT = (Total.rows, Weighted.rows, ZoneMoments.rows, ZoneTotals.rows, Amplitude.rows)
 BUILT_IN = (*_SILENT, EqualPotential.rows, Level.rows)
-"""Rows that hold whatever becomes of the zones; those of a user's own may count on the zones as they are."""
+"""Rows that remain valid when zones merge or vanish. A user's rows may rely on the given zones."""
 
 
 class EndCondition(Protocol):
-    """A condition on the zone ends alone: residual(a, b) and its derivatives by the outward motion
-    of each end.
-    """
+    """A condition on the zone ends alone."""
 
     def residual(self, zones: Zones) -> tuple[float, Array, Array]:
-        """(residual, d/d(outward motion of a), d/d(outward motion of b))."""
+        """(residual, its derivatives by the outward motion of a, and of b)."""
 
 
 @dataclass(frozen=True)
 class TotalWidth:
-    """The zones' widths add up to `value`. It goes with one condition whose value is unknown.
+    """The sum of the zones' widths. It needs one condition of unknown value.
 
     Parameters
     ----------
     value : float
-        What they add up to.
+        The prescribed sum.
 
     Examples
     --------
     >>> import numpy as np, sie
-    >>> width = sie.Equation(sie.cauchy(), sie.Forcing(lambda x: x), (sie.Total(None),), end_conditions=(sie.TotalWidth(2.0),))
-    >>> float(round(sie.solve(width, sie.Zones.of([[-0.5, 1.0]]), value=1.0).value, 9))
+    >>> total, width = sie.Total(None), sie.TotalWidth(2.0)
+    >>> equation = sie.Equation(sie.cauchy(), lambda x: x, total, end_conditions=width)
+    >>> found = sie.solve(equation, sie.Zones.of([[-0.5, 1.0]]), value=1.0)
+    >>> float(round(found.value, 9))
     1.570796327
     """
 

@@ -3,8 +3,8 @@
     (1/pi) PV int_zones phi(xi) K(x, xi) dxi = g(x) + sum_k lambda_k C_k(x)    on the zones,
 
 with side conditions on phi and on the unknown amplitudes lambda_k. Unknowns are counted against
-conditions before any arithmetic: per zone the index, one for each free end, one for each unknown
-amplitude.
+conditions before anything is solved: the index of each zone, one for each free end, and one for
+each unknown amplitude.
 """
 
 from collections import Counter
@@ -21,8 +21,7 @@ from sie.equation.forcing import Forcing
 
 
 class CountError(ValueError):
-    """The side conditions do not match the index of the problem; the message says what is missing
-    or too much.
+    """The number of side conditions does not match the index; the message names the difference.
 
     Examples
     --------
@@ -37,7 +36,7 @@ class CountError(ValueError):
 
 
 def _forcing(name: str, given: Any) -> Forcing:
-    """A `Forcing`, or a function of x, as one."""
+    """The given `Forcing`, or a function of x as a `Forcing`."""
     if isinstance(given, Forcing):
         return given
     if callable(given) and given is not Forcing:
@@ -46,14 +45,15 @@ def _forcing(name: str, given: Any) -> Forcing:
 
 
 def _look_at_kernel(kernel: Any) -> None:
-    """ValueError for what is no kernel with a pole."""
+    """Raise ValueError for anything that is no kernel with a pole."""
     if isinstance(kernel, Kernel):
         return
     if kernel in MAKERS:
         raise ValueError(f"the kernel is what sie.{kernel.__name__}(...) returns: call it")
     if isinstance(kernel, Smooth) or callable(kernel):
         raise ValueError(
-            "a smooth kernel alone makes no singular integral equation, and one that is ill-posed: add it to sie.cauchy()"
+            "a smooth kernel alone makes no singular integral equation, and one that is ill-posed: "
+            "add it to sie.cauchy()"
         )
     raise ValueError(
         f"the kernel must be a sie.Kernel, such as sie.cauchy(), got {inputs.shown(kernel)}"
@@ -62,8 +62,29 @@ def _look_at_kernel(kernel: Any) -> None:
 
 @dataclass(frozen=True, eq=False)
 class Equation(Kept):
-    """Kernel, right side, columns of unknown amplitude, side conditions, and conditions on the ends
-    alone.
+    """Kernel, right side, columns of unknown amplitude, side conditions, and conditions on the
+    ends.
+
+    Parameters
+    ----------
+    kernel : Kernel
+        `cauchy()`, `hilbert(period)`, `images(period, neighbours)`, or one of these plus a
+        `Smooth`.
+    forcing : Forcing or callable
+        The right side g; a function of x stands for `Forcing` of it.
+    conditions : tuple of Condition
+        Side conditions: one for each zone with two singular or two free ends, one less for each
+        fixed bounded end, one more for each column. A single condition needs no tuple.
+    columns : tuple of Forcing or callable
+        Functions of the right side with unknown amplitudes.
+    end_conditions : tuple
+        Conditions on the ends alone, as many as there are conditions of unknown value.
+
+    Raises
+    ------
+    ValueError
+        For a kernel without a pole, for columns with jumps, for potentials with a right side that
+        has logarithms, and for parts of a wrong type.
 
     Parameters
     ----------
@@ -116,14 +137,16 @@ class Equation(Kept):
         for condition in self.conditions:
             if not isinstance(condition, Condition):
                 raise ValueError(
-                    f"a side condition must be a sie.Condition, such as sie.Total(1.0), got {inputs.shown(condition)}"
+                    "a side condition must be a sie.Condition, such as sie.Total(1.0), got "
+                    f"{inputs.shown(condition)}"
                 )
         for end_condition in self.end_conditions:
             if not callable(getattr(end_condition, "residual", None)) or isinstance(
                 end_condition, type
             ):
                 raise ValueError(
-                    f"a condition on the ends is one such as sie.TotalWidth(1.0), got {inputs.shown(end_condition)}"
+                    "a condition on the ends is one such as sie.TotalWidth(1.0), got "
+                    f"{inputs.shown(end_condition)}"
                 )
         if any(len(column.jumps) for column in self.columns):
             raise ValueError(
@@ -140,36 +163,40 @@ class Equation(Kept):
 
     @property
     def grows(self) -> bool:
-        """Whether the coupled modes must be grown until they show all of the columns and of a
-        user's regular kernel.
+        """Whether coupled modes must grow until they resolve all columns and a user's regular
+        kernel.
         """
         return any(column.resolution.modes is None for column in self.columns) or self.kernel.grows
 
     @property
     def open_condition(self) -> int | None:
-        """Index of the condition whose value is unknown and is found from a condition on the ends;
-        None if none is.
+        """Index of the condition of unknown value, which a condition on the ends determines; or
+        None.
         """
         return next((k for k, condition in enumerate(self.conditions) if condition.open), None)
 
     def check_count(self, zones: Zones) -> None:
-        """Raise CountError unless unknowns and conditions balance, for given ends and for moving
-        ones; ValueError if the zones do not fit between a periodic kernel's images.
+        """Raise CountError unless unknowns and conditions balance.
+
+        Raise ValueError if the zones do not fit between the images of a periodic kernel.
         """
         images = [shift for shift in self.kernel.poles if shift > 0]
         if images and not zones.b[-1] - zones.a[0] < min(images):
             raise ValueError(
-                f"the zones reach over {zones.b[-1] - zones.a[0]:.6g}, the period is {min(images):.6g}"
+                f"the zones reach over {zones.b[-1] - zones.a[0]:.6g}, the period is "
+                f"{min(images):.6g}"
             )
         first = int(zones.solved[0])
         ends = [*zones.left[first:], *zones.right[first:]]
-        # Of very many there are few kinds.
+        # Many ends share few kinds.
         kinds = {id(end): end for end in ends}
         surplus = sum(
             count * kinds[one].surplus for one, count in Counter(map(id, ends)).items()
         ) - len(zones.solved)
         if zones.central:
-            surplus += 1 - zones.left[first].surplus  # odd modes are absent: half of a zone's count
+            surplus += (
+                1 - zones.left[first].surplus
+            )  # odd modes vanish, which halves the count of a zone
         opened = sum(condition.open for condition in self.conditions)
         unknowns = surplus + len(self.columns) + opened
         given = sum(condition.count(zones) for condition in self.conditions) + len(
@@ -178,7 +205,8 @@ class Equation(Kept):
         names = ", ".join(str(c) for c in (*self.conditions, *self.end_conditions)) or "none"
         if opened > 1 or opened != len(self.end_conditions):
             raise CountError(
-                f"{opened} conditions of unknown value need as many conditions on the ends (at most one), "
+                f"{opened} conditions of unknown value need as many conditions on the ends (at "
+                "most one), "
                 f"got {len(self.end_conditions)}"
             )
         if given != unknowns:
@@ -188,7 +216,8 @@ class Equation(Kept):
                 else f"{given - unknowns} too many"
             )
             raise CountError(
-                f"{unknowns} side conditions are needed (index {surplus}, {len(self.columns)} unknown amplitudes, "
+                f"{unknowns} side conditions are needed (index {surplus}, {len(self.columns)} "
+                "unknown amplitudes, "
                 f"{opened} unknown values) but {given} are given ({names}): {what}"
                 + (
                     "; bounded ends ask for as many columns of unknown amplitude, or for other ends"

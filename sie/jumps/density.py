@@ -1,26 +1,26 @@
-r"""Jumps of the density or of its derivatives inside the zones, carried exactly: the mirror image
-of `forcing`.
+r"""Jumps of the density or of its derivatives inside the zones, in closed form.
 
 Where the wanted density is known to jump, the right side has a logarithm. With t = cos(theta), s =
 cos(phi) and
 
-    eta(t) = theta/pi  (t > s),   theta/pi - 1  (t < s)      = -(2/pi) sum_j (1/j) cos(j phi) sin(j theta),
+    eta(t) = theta/pi  (t > s),   theta/pi - 1  (t < s)
+           = -(2/pi) sum_j (1/j) cos(j phi) sin(j theta),
 
-which vanishes at both ends like a square root and jumps by 1 at s, the kernel makes of h (t - s)^q
-eta(t)
+which vanishes at both ends like a square root and jumps by 1 at s, the density h (t - s)^q eta(t)
+has the transform
 
     (h/pi) ((t - s)^q ln(2 |t - s|) - P_q(t))                       on the zone,
     (h/pi) ((z - s)^q ln(1 - 2 rho cos(phi) + rho^2) - P_q(z))      off it,
-    P_0 = 0,   P_1 = -s,   P_2 = -(t - 2 s) s - cos(2 phi)/4 = -s t + 3 s^2/2 + 1/4,
+    P_0 = 0,   P_1 = -s,   P_2 = -(t - 2 s) s - cos(2 phi)/4 = -s t + 3 s^2/2 + 1/4.
 
-P_q from (tau - s)^q = (t - s)^q - (t - tau)(...) and the moments of eta. So where the q-th
+P_q follows from (tau - s)^q = (t - s)^q - (t - tau)(...) and the moments of eta. Where the q-th
 derivative of the density jumps by J, h = J w^q / q!, the right side is smooth once this is
-subtracted: q = 0 is the slope of a gap over a kink of the profile, q = 1 over a jump of its
+subtracted. q = 0 is the slope of a gap over a kink of the profile, q = 1 over a jump of its
 curvature, q = 2 over a knot of a cubic spline.
 
-For q = 0 the caller leaves (J/pi) Lambda(x, s), Lambda the kernel's potential, out of the right
-side's values altogether: it is added here, from distances that lose no digit however narrow the
-zone. Those near a zone but outside it are carried too (`jumps.exterior`).
+For q = 0 the caller leaves (J/pi) Lambda(x, s), Lambda the kernel's potential, out of the values of
+the right side. It is added here, from distances that lose no digit on the narrowest zone.
+Logarithms outside a zone but close to it are treated in `sie.jumps.exterior`.
 """
 
 from collections.abc import Callable
@@ -46,8 +46,10 @@ from sie.jumps.spline import QuadraticSpline
 
 @record
 class Logarithms:
-    """Terms (J/pi) Lambda(x, s) of the right side: places s, and J/pi. own: the zone that holds s,
-    or -1; near: those that lie near a zone, outside it.
+    """Terms (J/pi) Lambda(x, s) of the right side.
+
+    at: places s; weight: J/pi; own: the zone that contains s, or -1; near: those outside a zone but
+    close to it.
     """
 
     kernel: Kernel
@@ -58,7 +60,7 @@ class Logarithms:
     near: ExteriorLogarithms
 
     def at_points(self, x: Array) -> Array:
-        """Their sum at points x (n,)."""
+        """Sum of the terms at points x (n,)."""
         away = x[:, None] - self.at
         with np.errstate(divide="ignore"):
             return np.asarray(
@@ -66,13 +68,16 @@ class Logarithms:
             )
 
     def on_zone(self, zone: int, left: Array) -> Array:
-        """Their sum at distances over w from a zone's left end, less (J/pi) ln(2 |t - s|) for those
-        that lie in it, and (J/pi) ln(2 |rho| |t - s|) for those near.
+        """Sum of the terms on a zone without their nearest singularity.
+
+        left: distances over w from the zone's left end. The omitted part is (J/pi) ln(2 |t - s|) of
+        a place in the zone, and (J/pi) ln(2 |rho| |t - s|) of a place close to it.
         """
         w, kernel = self.zones.half[zone], self.kernel
         away = w * left[:, None] + (self.zones.a[zone] - self.at)
         if kernel.period is not None:
-            # The image that is nearest to the zone, from the zone's own ends where it lies in it.
+            # The nearest image of each place; a place in the zone is counted from the zone's own
+            # ends.
             away = np.where(
                 self.own == zone,
                 away,
@@ -90,7 +95,7 @@ class Logarithms:
         return np.asarray((near + self._far(away)) @ self.weight)
 
     def _far(self, away: Array) -> Array:
-        """Lambda less its nearest logarithm."""
+        """Lambda without its nearest logarithm."""
         kernel = self.kernel
         out = np.zeros(away.shape)
         for shift in kernel.poles:
@@ -103,8 +108,9 @@ class Logarithms:
 
 @record
 class DensityJumps(ForcingJumps):
-    """Jumps of the density's derivatives, h = J w^q / q!; `logarithms`: all those of order 0,
-    wherever they are.
+    """Jumps of the density's derivatives, h = J w^q / q!.
+
+    logarithms: all jumps of order 0, inside zones or not.
     """
 
     logarithms: Logarithms | None = None
@@ -120,7 +126,8 @@ class DensityJumps(ForcingJumps):
         spline: Callable[[Array], Array] | None = None,
     ) -> "DensityJumps":
         """The jumps at positions `at` (repeated with the kernel's period) that lie inside a zone.
-        spline: a quadratic spline with those of order 2, if there is one.
+
+        spline: a quadratic spline with the jumps of order 2, if there is one.
         """
         found, kinks = cls.placed(zones, at, jumps, orders, kernel.period), orders == 0
         if np.any(kinks):
@@ -145,15 +152,15 @@ class DensityJumps(ForcingJumps):
 
     @cached_property
     def _higher(self) -> ForcingJumps:
-        """The jumps of the density's derivatives alone."""
+        """The jumps of the density's derivatives only."""
         return replace(self.chosen(self.order > 0), logarithms=None, poles=NO_POLES)
 
     @cached_property
     def _kinks(self) -> "DensityJumps":
-        """Those of the density itself alone."""
+        """The jumps of the density itself only."""
         return replace(self.chosen(self.order == 0), poles=NO_POLES)
 
-    # the right side
+    # The right side.
     def smooth_part(self, zone: Index, left: Array) -> Array:
         out = -self._higher.carried(zone, left)
         if self.logarithms is not None:
@@ -170,14 +177,16 @@ class DensityJumps(ForcingJumps):
     def mean_offsets(self, zones: Zones) -> Array:
         raise ValueError("a condition on potentials is for right sides without logarithms")
 
-    # the density
+    # The density.
     def integral_of(self, k: Index, left: Array, right: Array) -> Array:
-        """From the ends inwards: int_t^1 (tau - s)^q eta = (1/pi) int_0^theta (cos a - s)^q a
-        sin(a) da for t > s.
+        """Integral of the density from the zone's left end, over w.
+
+        From the ends inwards, int_t^1 (tau - s)^q eta = (1/pi) int_0^theta (cos a - s)^q a sin(a)
+        da for t > s.
         """
         s, q, on_right = self.s[k], self.order[k], left > self.left[k]
         inner = np.where(on_right, theta(left, right), theta(right, left))
-        # Seen from the left end, t and s change sign, and so does (tau - s)^q for odd q.
+        # Counted from the left end, t and s change their signs, and (tau - s)^q does for odd q.
         shift = np.where(on_right, s, -s)
         sine, cosine = np.sin(inner), np.cos(inner)
         first = sine - inner * cosine
@@ -189,7 +198,7 @@ class DensityJumps(ForcingJumps):
 
     @cached_property
     def _totals(self) -> Array:
-        """Integral of each part over its zone; over w h / pi."""
+        """Integral of each part over its zone, over w h / pi."""
         count, alone = len(self.zone), replace(self, height=np.full(len(self.zone), np.pi))
         return np.pi * alone.coefficients(np.arange(count), np.arange(count), count, 1)[:, 0]
 
@@ -203,13 +212,12 @@ class DensityJumps(ForcingJumps):
             out[zone] = spline.t_coefficients(OPTIONS.potential_terms)
         return out
 
-    # what the kernel makes of it
+    # Transforms and potentials.
     def sharp_potential(self, zone: Index, seen: OnLine) -> Array:
-        """Potential of the closed parts of zones over w, less c_0 log(w); on the zone rho = e^{i
-        theta}.
+        """Potential of the closed parts over w, without c_0 log(w); on the zone rho = e^{i theta}.
 
-        Of q = 0 by partial fractions of -sum_j (cos(j phi)/j) (-rho^{j-1}/(j-1) + rho^{j+1}/(j+1));
-        of others see `_potential`.
+        For q = 0 by partial fractions of -sum_j (cos(j phi)/j) (-rho^{j-1}/(j-1) +
+        rho^{j+1}/(j+1)); for others see `_potential`.
         """
         root = np.sqrt(np.maximum(seen.left * seen.right, 0.0))
         rho = np.where(seen.on, 0.5 * (seen.left - seen.right) + 1j * root, seen.rho)
@@ -219,25 +227,26 @@ class DensityJumps(ForcingJumps):
         return out + self.poles.potential(zone, seen) if len(self.poles) else out
 
     def of_kinks(self, k: Index, log: Any, rho: Any) -> Any:
-        """Potential over w and h / pi, less c_0 log(w), of jumps k of the density itself; log: of 2
-        rho.
+        """Potential over w and h / pi, without c_0 log(w), of jumps k of the density itself.
+
+        log: log(2 rho).
         """
         up = np.exp(1j * self.phi[k])
         both = potential_series(up, rho) + potential_series(np.conj(up), rho)
         return np.real(up) * (log - rho**2 / 2) - both / 2
 
-    # at complex points (see `plane`)
+    # Values at complex points, see `sie.density.plane`.
     def logarithm(self, k: Index, seen: InPlane, away: Complex) -> Complex:
         """log(A B) of jumps k."""
         with np.errstate(divide="ignore"):
             return np.asarray(np.log(2 * seen.rho[:, None] * away))
 
     def logarithm_slope(self, k: Index, seen: InPlane, away: Complex) -> Complex:
-        """Its derivative by zeta."""
+        """Derivative of `logarithm` by zeta."""
         return np.asarray(1 / away - 1 / seen.root[:, None])
 
     def plane_potential(self, k: Index, seen: InPlane, away: Complex, log: Complex) -> Complex:
-        """Potential of jumps k over w, less c_0 log(w)."""
+        """Potential of jumps k over w, without c_0 log(w)."""
         higher = self.order[k] > 0
         out = super().plane_potential(k[higher], seen, away[:, higher], log[:, higher])
         kinks = k[~higher]
@@ -247,7 +256,7 @@ class DensityJumps(ForcingJumps):
             @ (self.height[kinks] / np.pi)
         )
 
-    # the closed forms
+    # Closed forms.
     @cached_property
     def line(self) -> tuple[Array, Array]:
         first, second = self.order == 1, self.order == HIGHEST
@@ -256,17 +265,17 @@ class DensityJumps(ForcingJumps):
         )
 
     def turn(self, k: Index, away: Array) -> Array:
-        # At the jump itself only powers of the distance are left.
+        # At the jump itself only powers of the distance remain.
         with np.errstate(divide="ignore"):
             return np.log(np.where((away == 0) & (self.order[k] > 0), 1.0, 2 * np.abs(away)))
 
     def turn_off(self, k: Index, rho: Array) -> Array:
-        # |1 - rho e^{i phi}|^2 from the distance to the nearer end, where both terms are positive.
+        # |1 - rho e^{i phi}|^2 from the distance to the nearer end; both terms are positive there.
         end = np.where(rho > 0, self.right[k], self.left[k])
         return np.asarray(np.log((1 - np.abs(rho)) ** 2 + 2 * np.abs(rho) * end))
 
     def shape(self, k: Index, left: Array, right: Array) -> Array:
-        """eta."""
+        """eta at points given by their distances from the zone's ends over w."""
         away, from_right, from_left = left - self.left[k], theta(left, right), theta(right, left)
         return np.where(
             away == 0, 0.5 * (from_right - from_left), np.where(away > 0, from_right, -from_left)
@@ -275,11 +284,16 @@ class DensityJumps(ForcingJumps):
     def _potential(
         self, q: int, k: Index, away: Any, z: Any, turn: Any, grown: Any, root: Any
     ) -> Any:
-        """Of q = 1 and 2 the primitive of the transform that goes with -c_0 ln(2 |rho|) far away, L
-        = ln(1 - 2 rho cos(phi) + rho^2),
+        """Potential for q = 1 and 2: the primitive of the transform that behaves as -c_0 ln(2
+        |rho|) far away.
 
-        (z - s)^(q+1) (L / (q+1) - 1 / (q+1)^2) + int (z - s)^(q+1) / R dz / (q+1) - int P_q dz +
-        C_q, R = sgn(z) sqrt(z^2 - 1),   int dz / R = -ln |rho| =: g;   R = g = 0 on the zone.
+        With L = ln(1 - 2 rho cos(phi) + rho^2), R = sgn(z) sqrt(z^2 - 1) and g = -ln|rho| = int dz
+        / R,
+
+            (z - s)^(q+1) (L / (q+1) - 1 / (q+1)^2) + int (z - s)^(q+1) / R dz / (q+1) - int P_q dz
+            + C_q.
+
+        On the zone R = g = 0.
         """
         s, g = self.s[k], grown
         main = raised(away, q + 1) * (turn / (q + 1) - 1 / (q + 1) ** 2)
@@ -310,7 +324,7 @@ class DensityJumps(ForcingJumps):
         return main + rest
 
     def sine_weights(self, k: Index, j: Array) -> Array:
-        # By the angle from the nearer end: beside either, its multiples keep their digits.
+        # By the angle from the nearer end, whose multiples keep their digits close to that end.
         from_left = (self.psi < self.phi)[k][:, None]
         cosines = np.cos(j * np.minimum(self.phi, self.psi)[k][:, None])
         return np.asarray(np.where(from_left & (j % 2 == 1), cosines, -cosines))

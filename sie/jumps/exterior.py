@@ -1,13 +1,13 @@
-r"""Logarithms of the right side that lie just outside a zone, carried exactly.
+r"""Logarithms of the right side just outside a zone, in closed form.
 
 With s > 1 or s < -1 and rho = s - sgn(s) sqrt(s^2 - 1), |rho| < 1, the bounded density
 
-    beta(t) = -(2/pi) sum_j (rho^j / j) sin(j theta) = -(2/pi) atan2(rho sin(theta), 1 - rho
-    cos(theta))
+    beta(t) = -(2/pi) sum_j (rho^j / j) sin(j theta)
+            = -(2/pi) atan2(rho sin(theta), 1 - rho cos(theta))
 
-is transformed to (1/pi) ln(2 |rho| |t - s|) on the zone, and to (2/pi) ln(1 - rho rho_z) off it:
-`density` with cos(j phi) continued to rho^j. Without this a logarithm close to an end would ask for
-1/sqrt(distance) modes.
+has the transform (1/pi) ln(2 |rho| |t - s|) on the zone, and (2/pi) ln(1 - rho rho_z) off it. It is
+the density of `sie.jumps.density` with cos(j phi) continued to rho^j. Without it a logarithm close
+to an end would need 1/sqrt(distance) modes.
 """
 
 import numpy as np
@@ -21,7 +21,10 @@ from sie.jumps.formulas import OPTIONS
 
 @record
 class ExteriorLogarithms(PerZone):
-    """Logarithms near zones, seen from each: the zone, which logarithm it is, rho, and J/pi."""
+    """Logarithms outside zones, one entry for each zone that they are close to.
+
+    zone: the zone; which: number of the logarithm; rho: its place seen from the zone; weight: J/pi.
+    """
 
     zone: Index
     which: Index
@@ -37,8 +40,8 @@ class ExteriorLogarithms(PerZone):
     def near(
         cls, zones: Zones, at: Array, weights: Array, period: float | None
     ) -> "ExteriorLogarithms":
-        """Those of the logarithms at `at` (repeated with the period) that lie outside a zone, but
-        near.
+        """Select the logarithms at `at` (repeated with the period) that lie outside a zone but
+        close to it.
         """
         which = np.arange(len(at))
         if period is not None:
@@ -48,7 +51,7 @@ class ExteriorLogarithms(PerZone):
         at, which = at[order], which[order]
         reach = OPTIONS.reach * zones.half
         if period is not None:
-            # Near one end only, also of a zone that is almost a period wide.
+            # A place must be close to one end only, even if the zone is almost a period wide.
             reach = np.clip(reach, 0.0, np.maximum(0.49 * period - zones.half, 0.0))
         found: list[tuple[Index, Index, Array]] = []
         for sign, ends in ((1.0, zones.b), (-1.0, zones.a)):
@@ -67,20 +70,20 @@ class ExteriorLogarithms(PerZone):
         return cls(zone, which, rho, weights[which])
 
     def sine_coefficients(self, count: int) -> Array:
-        """Coefficients of sin(j theta), j = 1 ... count, one row for each."""
+        """Coefficients of sin(j theta), j = 1 ... count, one row for each entry."""
         j = np.arange(1, count + 1)
         return np.asarray(-2 * self.weight[:, None] * self.rho[:, None] ** j / j)
 
     def edge_slopes(self) -> tuple[Array, Array]:
-        """Coefficient of the angle from the left and from the right end, one for each."""
+        """Coefficients of the angle from the left and from the right end, for each entry."""
         with np.errstate(divide="ignore"):
             return -2 * self.weight * self.rho / (1 + self.rho), -2 * self.weight * self.rho / (
                 1 - self.rho
             )
 
-    # at points (n,) of zones, by their distances from the zone's ends over w
+    # Values at points (n,) of zones, given by their distances from the zone's ends over w.
     def density(self, zone: Index, left: Array, right: Array) -> Array:
-        """Sum of the parts of zones themselves."""
+        """Density of the logarithms on their own zones."""
         phi = theta(left, right)
 
         def part(at: Index, k: Index) -> Array:
@@ -90,8 +93,10 @@ class ExteriorLogarithms(PerZone):
         return self.grouped.summed(zone, -2 * self.weight, part)
 
     def own_transform(self, zone: Index, left: Array) -> Array:
-        """On the zone: ln(1 - 2 rho t + rho^2) = ln((1 - |rho|)^2 + 2 |rho| d), d the distance from
-        the nearer end.
+        """Transform on the zone itself.
+
+        ln(1 - 2 rho t + rho^2) = ln((1 - |rho|)^2 + 2 |rho| d), with d the distance from the nearer
+        end.
         """
 
         def part(at: Index, k: Index) -> Array:
@@ -104,14 +109,15 @@ class ExteriorLogarithms(PerZone):
         return self.grouped.summed(zone, self.weight, part)
 
     def transform(self, zone: Index, rho: Array) -> Array:
-        """Off the zone."""
+        """Transform off the zone, at points with this rho."""
         return self.grouped.summed(
             zone, 2 * self.weight, lambda at, k: np.log1p(-rho[at] * self.rho[k])
         )
 
     def integral(self, zone: Index, left: Array, right: Array) -> Array:
-        """Integral from the zone's left end over w: minus the one to the right end at the angle
-        theta, and the whole.
+        """Integral of the density from the zone's left end, over w.
+
+        It is the whole integral less the one from the angle theta to the right end.
         """
         angle = theta(left, right)
 
@@ -130,7 +136,7 @@ class ExteriorLogarithms(PerZone):
         return self.grouped.summed(zone, self.weight, part)
 
     def potential(self, zone: Index, log: Array, rho: Complex) -> Array:
-        """Potential over w, less c_0 log(w); log: of 2 |rho|."""
+        """Potential over w, without c_0 log(w); log: log(2 |rho|)."""
         return self.grouped.summed(
             zone, self.weight, lambda at, k: self._potential(k, log[at], rho[at]).real
         )
@@ -138,10 +144,12 @@ class ExteriorLogarithms(PerZone):
     def _potential(self, k: Index, log: Complex | Array, rho: Complex) -> Complex:
         return self.rho[k] * (log - rho**2 / 2) - potential_series(self.rho[k], rho)
 
-    # at complex points (see `plane`)
+    # Values at complex points, see `sie.density.plane`.
     def log(self, k: Index, seen: InPlane) -> Complex:
-        """2 log(1 - rho rho_z) of parts k, (points, k): (1 - rho_z) + rho_z (1 - rho), or the same
-        from the left end.
+        """2 log(1 - rho rho_z) of entries k, shape (points, k).
+
+        1 - rho rho_z = (1 - rho_z) + rho_z (1 - rho); for rho < 0 the left end takes the place of
+        the right.
         """
         rho, z = self.rho[k], seen.rho[:, None]
         from_left, from_right = (part[:, None] for part in seen.from_ends)
@@ -150,7 +158,9 @@ class ExteriorLogarithms(PerZone):
         )
 
     def in_plane(self, k: Index, seen: InPlane, what: What) -> Complex:
-        """What parts k do, the derivative by zeta; for the potential over w, and less c_0 log(w)."""
+        """Transform, derivative by zeta, or potential over w without c_0 log(w), summed over
+        entries k.
+        """
         if what == "potential":
             return np.asarray(
                 self._potential(k, np.log(2.0) - seen.log[:, None], seen.rho[:, None])
@@ -165,8 +175,9 @@ class ExteriorLogarithms(PerZone):
 
 
 def potential_series(up: Complex | Array, rho: Complex | Array) -> Complex:
-    """sum_{j >= 2} (up^j / j) (-rho^{j-1} / (j-1) + rho^{j+1} / (j+1)), and of j = 1 what has no
-    logarithm of rho.
+    """sum_{j >= 2} (up^j / j) (-rho^{j-1} / (j-1) + rho^{j+1} / (j+1)) in closed form.
+
+    The part of j = 1 without a logarithm of rho is added.
     """
     q = up * rho
     log = -np.log1p(-q)

@@ -1,27 +1,29 @@
-"""Jumps of the right side or of its derivatives inside the zones, carried exactly.
+"""Jumps of the right side or of its derivatives inside the zones, in closed form.
 
 With t = cos(theta), s = cos(phi) and
 
     kappa(t) = ln|sin((theta + phi)/2) / sin((theta - phi)/2)| = sum_j (2/j) sin(j phi) sin(j
     theta),
 
-the kernel makes of (h/pi) (t - s)^q kappa(t), on the zone and off it,
+the density (h/pi) (t - s)^q kappa(t) has the transform, on the zone and off it,
 
-    h (t - s)_+^q - C_q(t)                                  C_q(t) = (h/pi) (phi (t - s)^q + P_q(t))
-    (h/pi) ((z - s)^q 2 Im(-ln(1 - rho e^{i phi})) - P_q(z))
-    P_0 = 0,   P_1 = sin(phi),   P_2 = (t - 2 s) sin(phi) + sin(2 phi)/4,
+    h (t - s)_+^q - C_q(t),                     C_q(t) = (h/pi) (phi (t - s)^q + P_q(t)),
+    (h/pi) ((z - s)^q 2 Im(-ln(1 - rho e^{i phi})) - P_q(z)),
+    P_0 = 0,   P_1 = sin(phi),   P_2 = (t - 2 s) sin(phi) + sin(2 phi)/4.
 
-P_q from (tau - s)^q = (t - s)^q - (t - tau)(...) and the moments of kappa. Their potentials are, by
-parts, with the angle F = 2 Im(-ln(1 - rho e^{i phi})) off the zone, dF/dz = -sin(phi) / ((z - s)
-|z^2 - 1|^(1/2)) sgn(z), and F = pi - phi or -phi on it,
+P_q follows from (tau - s)^q = (t - s)^q - (t - tau)(...) and the moments of kappa. The potentials
+follow by parts. With the angle F = 2 Im(-ln(1 - rho e^{i phi})) off the zone, dF/dz = -sin(phi) /
+((z - s) |z^2 - 1|^(1/2)) sgn(z), and F = pi - phi or -phi on it, they are
 
-    (h/pi) ((z - s)^{q+1} F/(q+1) + sin(phi) R_q) + c_0 ln(w),     A = arcosh|z|, B = sgn(z) (z^2 - 1)^(1/2), zero on the zone,
+    (h/pi) ((z - s)^{q+1} F/(q+1) + sin(phi) R_q) + c_0 ln(w),
+    A = arcosh|z|, B = sgn(z) (z^2 - 1)^(1/2), both zero on the zone,
     R_0 = A - ln 2 - 1,        R_1 = (B - s A)/2 - z + s (3 + 2 ln 2)/4,
-    R_2 = (A/2 + s^2 A + B z/2 - 2 s B)/3 - z^2/2 + 3 s z/2 + sin(phi)^2/9 - s^2/2 - 1/12 - ln(2) (sin(phi)^2/6 + s^2/2).
+    R_2 = (A/2 + s^2 A + B z/2 - 2 s B)/3 - z^2/2 + 3 s z/2 + sin(phi)^2/9 - s^2/2 - 1/12
+          - ln(2) (sin(phi)^2/6 + s^2/2).
 
-So a jump J of the q-th derivative of g, with h = J w^q / q!, leaves a smooth right side once this
-is subtracted: q = 0 is a kink of the profile, q = 1 a jump of its curvature, q = 2 a knot of a
-cubic spline.
+A jump J of the q-th derivative of g, with h = J w^q / q!, leaves a smooth right side once this is
+subtracted. q = 0 is a kink of a profile, q = 1 a jump of its curvature, q = 2 a knot of a cubic
+spline.
 """
 
 from collections.abc import Callable, Iterator
@@ -41,16 +43,18 @@ from sie.jumps.poles import NO_POLES, Poles
 from sie.jumps.spline import OPTIONS as SPLINES
 from sie.jumps.spline import ConjugateSpline, QuadraticSpline, with_jumps
 
-# What takes the place of very many jumps of order 2 in one zone, of the right side's or of the
-# density's own: with the same methods, of which each refuses those that have no use for its kind.
+# A spline takes the place of many jumps of order 2 of the right side or of the density. Both kinds
+# have the same methods; a method raises ValueError if its kind has no closed form.
 Spline = QuadraticSpline | ConjugateSpline
 MadeSpline = Callable[[Array, Array, Callable[[Array], Array]], tuple[Spline, Array, Array] | None]
 
 
 @record
 class ForcingJumps(Jumps):
-    """Jumps inside the zones. splines: of zones with very many jumps of order 2, what carries most
-    of these. poles: those of the algebraic points in zones and near them.
+    """Jumps inside the zones.
+
+    splines: the spline of each zone with very many jumps of order 2, in place of most of them.
+    poles: those of algebraic points in zones and close to them.
     """
 
     splines: dict[int, Spline] = field(default_factory=dict)
@@ -73,8 +77,9 @@ class ForcingJumps(Jumps):
         period: float | None,
         g: Callable[[Array], Array] | None = None,
     ) -> "ForcingJumps":
-        """The jumps at positions `at` (repeated with the period) that lie inside a zone. g: the
-        right side, if it is known.
+        """The jumps at positions `at` (repeated with the period) that lie inside a zone.
+
+        g: the right side, if known; very many jumps of it become a spline.
         """
         found = cls.placed(zones, at, jumps, orders, period) if len(at) else _NONE
         return (
@@ -87,7 +92,7 @@ class ForcingJumps(Jumps):
     def placed(
         cls, zones: Zones, at: Array, jumps: Array, orders: Index, period: float | None
     ) -> Self:
-        """The same one by one."""
+        """The jumps inside zones, without splines."""
         at, i, inside = cls.located(zones, at, period)
         i, at, q = i[inside], at[inside], orders[inside]
         w = zones.half[i]
@@ -102,8 +107,10 @@ class ForcingJumps(Jumps):
 
     @staticmethod
     def located(zones: Zones, at: Array, period: float | None) -> tuple[Array, Index, Mask]:
-        """(positions moved by periods to lie right of the first zone's left end, the last zone that
-        starts before each, whether they lie inside it).
+        """(positions, zones, whether each position lies inside its zone).
+
+        Positions are moved by periods to lie right of the first zone's left end. The zone is the
+        last one that starts before the position.
         """
         if period is not None:
             at = at + np.ceil((zones.a[0] - at) / period) * period
@@ -117,9 +124,10 @@ class ForcingJumps(Jumps):
     def _with_splines(
         self, zones: Zones, f: Callable[[Array], Array], made: MadeSpline, least: int
     ) -> Self:
-        """The same with splines, made of knots, their jumps and f, in every zone of many jumps of
-        order 2, at the least so many. Where f is more than a spline with these jumps, or jumps
-        otherwise, they alone tell it.
+        """The jumps, with a spline in every zone that has at least this many jumps of order 2.
+
+        made: makes a spline of the knots, their jumps and f. If f is no quadratic spline with these
+        jumps, the spline is made of the jumps alone.
         """
         height, more = self.height.copy(), []
         splines: dict[int, Spline] = {}
@@ -155,7 +163,7 @@ class ForcingJumps(Jumps):
 
     @property
     def count(self) -> Index:
-        """Jumps in each zone, those of its spline included, as far as there are zones with any."""
+        """Number of jumps in each zone and its spline, up to the last zone with any."""
         out = np.bincount(
             self.zone, minlength=max((*self.splines, *self.poles.by_zone), default=-1) + 1
         )
@@ -164,8 +172,8 @@ class ForcingJumps(Jumps):
         return out + np.bincount(self.poles.points[0], minlength=len(out))
 
     def places(self, zone: int) -> tuple[Array, Index]:
-        """(distances from the left end over w, orders) of the jumps of a zone, those of its spline
-        included.
+        """(distances from the left end over w, orders) of the jumps of a zone and of its spline's
+        knots.
         """
         k = self.by_zone[zone]
         if zone not in self.splines:
@@ -176,14 +184,14 @@ class ForcingJumps(Jumps):
         return left, order
 
     def angles(self, zone: int) -> Array:
-        """Angles of the same jumps, in no order."""
+        """Angles of the jumps of a zone and of its spline's knots, in no order."""
         if zone not in self.splines:
             return self.phi[self.by_zone[zone]]
         left = self.places(zone)[0]
         return theta(left, 2 - left)
 
     def rounding(self, count: int) -> Array:
-        """What the sum of a zone's parts is rounded to, at the most, on each of so many zones."""
+        """Upper bound of the round-off of the closed parts on each zone."""
         out = np.asarray(2.2e-16 * np.bincount(self.zone, np.abs(self.height), minlength=count))
         for zone, spline in self.splines.items():
             out[zone] += 2.2e-16 * spline.size
@@ -191,34 +199,36 @@ class ForcingJumps(Jumps):
 
     @cached_property
     def by_zone(self) -> dict[int, Index]:
-        """Places of the jumps of each zone that has any, or logarithms near it, or poles."""
+        """Numbers of the jumps of each zone that has jumps, a spline, poles, or logarithms close to
+        it.
+        """
         others = *self.splines, *self.near.by_zone, *self.poles.by_zone
         return {zone: np.zeros(0, np.intp) for zone in others} | self.grouped.places()
 
-    # at points (n,) of zones, by their distances from the zone's ends over w
+    # Values at points (n,) of zones, given by their distances from the zone's ends over w.
     def smooth_part(self, zone: Index, left: Array) -> Array:
-        """What to add to g to make it smooth."""
+        """The function that makes g smooth when it is added to g."""
         return -self.carried(zone, left)
 
     def level_part(self, zone: Index, left: Array) -> Array:
-        """The same of the jumps of g itself alone: they have no slope."""
+        """`smooth_part` of the jumps of g itself only; their slope is zero."""
         return -replace(self.chosen(self.order == 0), splines={}, poles=NO_POLES).carried(
             zone, left
         )
 
     def carried(self, zone: Index, left: Array) -> Array:
-        """What the kernel makes of the parts of zones on these."""
+        """Transform, on the zones, of jumps, splines and poles."""
         out = self.summed(zone, lambda at, k: self.on_zone(k, left[at]))
         for spline, here in self._in_splines(zone):
             out[here] += spline.own_transform(left[here])
         return out + self.poles.own_transform(zone, left) if len(self.poles) else out
 
     def own_transform(self, zone: Index, left: Array) -> Array:
-        """Transform of a zone's parts on the zone itself."""
+        """Transform, on the zones, of all closed parts."""
         return self.carried(zone, left) + self.near.own_transform(zone, left)
 
     def density(self, zone: Index | int, left: Array, right: Array) -> Array:
-        """Sum of the parts of zones."""
+        """Density of all closed parts."""
         zone = np.broadcast_to(zone, left.shape)
         out = self.summed(zone, lambda at, k: self.of_density(k, left[at], right[at]))
         for spline, here in self._in_splines(zone):
@@ -228,7 +238,7 @@ class ForcingJumps(Jumps):
         return out + self.near.density(zone, left, right) if len(self.near) else out
 
     def integral(self, zone: Index, left: Array, right: Array) -> Array:
-        """Integral of the parts of zones from their left ends, over w."""
+        """Integral of the density of all closed parts from the zones' left ends, over w."""
         out = self.summed(zone, lambda at, k: self.integral_of(k, left[at], right[at]))
         for spline, here in self._in_splines(zone):
             out[here] += spline.integral(left[here])
@@ -237,8 +247,10 @@ class ForcingJumps(Jumps):
         return out + self.near.integral(zone, left, right) if len(self.near) else out
 
     def transform(self, zone: Index, seen: OnLine) -> Array:
-        """Transform of the parts of zones: off these by their closed forms, or by the series of all
-        of them together where that is shorter or the closed forms cancel.
+        """Transform of all closed parts, on the zones and off them.
+
+        Off the zones the series of all jumps of a zone is summed where it is shorter than the
+        closed forms, or where these cancel.
         """
         out, off = np.empty(len(zone)), np.flatnonzero(~seen.on)
         on = np.flatnonzero(seen.on)
@@ -260,9 +272,7 @@ class ForcingJumps(Jumps):
         return out + self.near.transform(zone, rho) + self.poles.transform(zone, rho)
 
     def sharp_potential(self, zone: Index, seen: OnLine) -> Array:
-        """Potential of the closed parts of zones over w, less c_0 log(w) (see the head of this
-        file).
-        """
+        """Potential of the closed parts over w, without c_0 log(w); see the head of this file."""
         out = self._closed_potential(zone, seen)
         for spline, here in self._in_splines(zone):
             out[here] += spline.potential(seen.left[here], seen.right[here], seen.rho[here])
@@ -285,21 +295,20 @@ class ForcingJumps(Jumps):
         return out
 
     def summed(self, zone: Index, of: Callable[[Index, Index], Array]) -> Array:
-        """Sums over the jumps in the zones of points; of: what is summed, over h / pi, by points
-        and jumps, pair by pair.
+        """Sums over the jumps in the zone of each point.
+
+        of(points, jumps): the summand over h / pi, pair by pair.
         """
         return self.grouped.summed(zone, self.height / np.pi, of)
 
     def _in_splines(self, zone: Index) -> Iterator[tuple[Spline, Index]]:
-        """The splines of points' zones, and which points these are."""
+        """The spline of each zone that has one, with the numbers of the points on that zone."""
         for i, here in Grouped.by(zone).places().items() if self.splines else ():
             if i in self.splines:
                 yield self.splines[i], here
 
     def _far(self, zone: Index, seen: OnLine) -> Mask:
-        """Whether zones are so far from points that the series of their parts takes the place of
-        the closed forms.
-        """
+        """Whether each zone is so far from its point that its series is used."""
         return np.asarray(
             ~seen.on
             & (np.abs(seen.rho) < np.array(OPTIONS.far_rho)[self._length[self.grouped.rows(zone)]])
@@ -307,22 +316,25 @@ class ForcingJumps(Jumps):
 
     @cached_property
     def _length(self) -> Index:
-        """Which of the lengths of series the jumps of each zone have."""
+        """Number of the longest useful series (`JumpOptions.far_rho`) of each zone."""
         return np.searchsorted(OPTIONS.far_jumps, self.grouped.count, side="right")
 
     @cached_property
     def _series(self) -> Array:
-        """Coefficients of T_l / sqrt(1 - t^2) of the closed parts of each zone together."""
+        """Coefficients of T_l / sqrt(1 - t^2) of all jumps of each zone."""
         return self._coefficients(OPTIONS.far_terms[self._length])
 
     def mean_offsets(self, zones: Zones) -> Array:
-        """Mean over each zone of the primitive of g (zero where its values at the ends are), less
-        what the smooth part's own coefficients say, over w: see `System.levels`.
+        """Correction of the mean level of each zone for its closed parts, over w; see
+        `System.levels`.
+
+        It is the mean of the primitive of g (zero where its values at the ends are) less the mean
+        that the coefficients of the smooth part give.
         """
         phi, s, q = self.phi, self.s, self.order
         sine, double = self.sine, np.sin(2 * phi)
-        # A jump of g itself by its distance from the nearer end: close to that the parts cancel to
-        # its square root, cubed.
+        # A jump of g itself is computed from its distance from the nearer end: close to the end the
+        # parts cancel down to the cube of the root of the distance.
         near, angle = np.minimum(self.left, self.right), np.minimum(phi, self.psi)
         kink = (sine - angle * (1 - near)) / np.pi - 0.5 * near
         # Primitives of (t - s)_+^q at t = 1, and their means.
@@ -332,7 +344,8 @@ class ForcingJumps(Jumps):
         )
         square = (phi / 2 + double / 4) - 2 * s * sine + s * s * phi
         mean = np.where(q == 1, square / 2, cubic / 3) / np.pi
-        # Primitives of C_q, zero at t = 0: half the sum of those at both ends, and their means.
+        # Primitives of C_q that vanish at t = 0: half the sum of their values at both ends, and
+        # their means.
         ends_c = np.where(q == 1, phi / 2, -s * phi + sine / 2) / np.pi
         mean_c = np.where(q == 1, phi / 4, -s * phi / 2 + sine / 4) / np.pi
         parts = self.height * np.where(q == 0, kink, -0.5 * end + ends_c + mean - mean_c)
@@ -342,8 +355,8 @@ class ForcingJumps(Jumps):
         return out + self.poles.mean_offsets(len(zones)) if len(self.poles) else out
 
     def t_coefficients(self, zones: Zones, count: int) -> Array:
-        """First `count` coefficients c_l of these parts as sums of T_l / sqrt(1 - t^2); shape
-        (zones, count).
+        """First `count` coefficients of T_l / sqrt(1 - t^2) of the closed parts, shape (zones,
+        count).
         """
         out = self.coefficients(np.arange(len(self.zone)), self.zone, len(zones), count)
         for zone, spline in self.splines.items():
@@ -357,7 +370,7 @@ class ForcingJumps(Jumps):
         return out
 
     def first_coefficients(self, zones: Zones, counts: Index) -> Array:
-        """The same, of each zone so many (Z,), zeros after them."""
+        """`t_coefficients` with a count for each zone (Z,), and zeros after them."""
         if len(self.near) or len(self.poles):
             count = int(counts.max(initial=0))
             return np.where(
@@ -379,13 +392,13 @@ class ForcingJumps(Jumps):
         return out
 
     def high_coefficients(self, zones: Zones) -> Array:
-        """Coefficients of the parts that have no closed potential, as many as potentials near an
-        end need; (zones, 0) if none.
+        """Coefficients of the parts whose potential has no closed form; (zones, 0) if there are
+        none.
         """
         return np.zeros((len(zones), 0))
 
     def edge_slopes(self, zones: Zones) -> tuple[Array, Array]:
-        """Coefficient of the angle from the left and from the right end, per zone."""
+        """Coefficients of the angle from the left and from the right end of each zone."""
         out = np.array(
             [np.bincount(self.zone, part, minlength=len(zones)) for part in self._edge_slopes()],
             dtype=float,
@@ -402,14 +415,16 @@ class ForcingJumps(Jumps):
         return out[0], out[1]
 
     def _edge_slopes(self) -> tuple[Array, Array]:
-        """Those of each jump: kappa ~ theta cot(phi/2)."""
+        """Coefficients of the angle for each jump: kappa ~ theta cot(phi/2)."""
         cot, scale = np.sqrt(self.left / self.right), self.height / np.pi
         return scale * (-self.left) ** self.order / cot, scale * self.right**self.order * cot
 
     def sharpest(self, zone: int) -> tuple[Array, Array]:
-        """(distances from the left end over w, heights) of a zone's jumps beside which its density
-        is steepest: the kinks, without any the jumps of the next order, none of those beyond; and
-        of its algebraic points with exponents below 1.
+        """(distances from the left end over w, heights) of the jumps with the steepest density
+        close by.
+
+        These are the jumps of the lowest order in the zone, 0 or 1, and the algebraic points with
+        exponents below 1, of infinite height.
         """
         k = self.by_zone.get(zone, np.zeros(0, dtype=np.intp))
         k = k[(self.order[k] == self.order[k].min(initial=2)) & (self.order[k] < HIGHEST)]
@@ -420,10 +435,10 @@ class ForcingJumps(Jumps):
         )
 
     def left_out(self, x: Array) -> Array:
-        """What the right side has at points x beyond the values that the caller gives: nothing."""
+        """The part of the right side at points x that its given values leave out: nothing."""
         return np.zeros(x.shape)
 
-    # at complex points (see `plane`)
+    # Values at complex points, see `sie.density.plane`.
     def logarithm(self, k: Index, seen: InPlane, away: Complex) -> Complex:
         """-i log(B / A) of jumps k."""
         c, s = np.sqrt(0.5 * self.left[k]), np.sqrt(0.5 * self.right[k])
@@ -436,11 +451,11 @@ class ForcingJumps(Jumps):
             )
 
     def logarithm_slope(self, k: Index, seen: InPlane, away: Complex) -> Complex:
-        """Its derivative by zeta."""
+        """Derivative of `logarithm` by zeta."""
         return np.asarray(-self.sine[k] / (away * seen.root[:, None]))
 
     def plane_potential(self, k: Index, seen: InPlane, away: Complex, log: Complex) -> Complex:
-        """Potential of jumps k over w, less c_0 log(w)."""
+        """Potential of jumps k over w, without c_0 log(w)."""
         parts = self.potential_of(
             k, away, seen.zeta[:, None], log, seen.log[:, None], seen.root[:, None]
         )
@@ -448,12 +463,12 @@ class ForcingJumps(Jumps):
 
     @property
     def near(self) -> ExteriorLogarithms:
-        """Logarithms of the right side that lie near zones, outside them."""
+        """Logarithms of the right side outside zones but close to them: none."""
         return NOWHERE
 
     @cached_property
     def kinked(self) -> list[int]:
-        """Zones with a jump of g itself, or with logarithms near."""
+        """Zones with a jump of g itself, or with a logarithm close to them."""
         return sorted({*self.zone[self.order == 0].tolist(), *self.near.by_zone})
 
 

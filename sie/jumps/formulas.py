@@ -1,6 +1,4 @@
-"""Jumps within zones: where they are, and the closed forms of each, at any points that broadcast
-with them; see `forcing`.
-"""
+"""Places of jumps within zones, and the closed forms of each; formulas in `sie.jumps.forcing`."""
 
 import math
 from dataclasses import dataclass, replace
@@ -16,13 +14,13 @@ from sie.basis.sums import OPTIONS as BLOCKS
 from sie.basis.sums import PerZone
 
 HIGHEST = 2
-# Of q over p; zero for p > q.
+# Binomial coefficients of q over p; zero for p > q.
 _BINOMIAL = np.array([[1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, 2.0, 1.0]])
 
 
 @dataclass(frozen=True)
 class JumpOptions:
-    """When jumps and singular points are carried in closed form, and when by their series."""
+    """When jumps and singular points are treated in closed form, and when by their series."""
 
     # Singular points outside a zone nearer than this many half widths are carried in closed form;
     # farther ones are smooth on the zone. Insensitive: 0.3 to 1.
@@ -45,8 +43,10 @@ OPTIONS = JumpOptions()
 
 @record
 class Jumps(PerZone):
-    """Jumps inside the zones: zone index, distances from the zone's ends over w, h = J w^q / q!,
-    and q.
+    """Jumps inside the zones.
+
+    zone: zone of each; left, right: distances from the zone's ends over w; height: h = J w^q / q!;
+    order: q.
     """
 
     zone: Index
@@ -62,7 +62,7 @@ class Jumps(PerZone):
         return none, places, places, places, none
 
     def chosen(self, which: Mask | Index) -> Self:
-        """Those of the jumps alone."""
+        """The given jumps only."""
         zone, left, right = self.zone[which], self.left[which], self.right[which]
         return replace(
             self,
@@ -75,74 +75,76 @@ class Jumps(PerZone):
 
     @cached_property
     def phi(self) -> Array:
-        """Angle of each jump, s = cos(phi)."""
+        """Angle phi of each jump, s = cos(phi)."""
         return theta(self.left, self.right)
 
     @cached_property
     def psi(self) -> Array:
-        """pi - phi, to all its digits beside the left end."""
+        """pi - phi, without cancellation close to the left end."""
         return theta(self.right, self.left)
 
     @cached_property
     def sine(self) -> Array:
-        """sin(phi), to all its digits beside either end."""
+        """sin(phi), without cancellation close to either end."""
         return np.asarray(np.sin(np.minimum(self.phi, self.psi)))
 
     @cached_property
     def s(self) -> Array:
         return 0.5 * (self.left - self.right)
 
-    # jumps k at points
+    # Values of jumps k at points; arrays of both broadcast.
     @cached_property
     def line(self) -> tuple[Array, Array]:
-        """P_q(t) = line[0] + line[1] t of each."""
+        """(constant, slope) of P_q(t) = constant + slope t, for each jump."""
         first, second = self.order == 1, self.order == HIGHEST
         return np.where(second, -1.5 * self.s, first) * self.sine, np.where(second, self.sine, 0.0)
 
     def polynomial(self, k: Index, t: NDArray[Any]) -> NDArray[Any]:
-        """P_q(t)."""
+        """P_q(t) of jumps k."""
         constant, slope = self.line
         return np.asarray(slope[k] * t + constant[k])
 
     def turn(self, k: Index, away: Array) -> Array:
-        """What stands before (t - s)^q, away = t - s, in what the kernel makes on the zone: its
-        smooth part is taken out.
+        """The factor of (t - s)^q in the transform on the zone, without its smooth part; away = t -
+        s.
         """
         return np.where(away > 0, self.psi[k], -self.phi[k])
 
     def turn_off(self, k: Index, rho: Array) -> Array:
-        """The same off the zone."""
+        """The factor of (z - s)^q in the transform off the zone."""
         return np.asarray(2 * np.arctan2(rho * self.sine[k], 1 - rho * np.cos(self.phi[k])))
 
     def shape(self, k: Index, left: Array, right: Array) -> Array:
-        """kappa, at points by their distances from the zone's ends over w."""
+        """kappa at points given by their distances from the zone's ends over w."""
         return kappa(
             np.sqrt(right * self.left[k]), np.sqrt(left * self.right[k]), left - self.left[k]
         )
 
-    # what is made of them, over h / pi
+    # Density, transform and potential of jumps k, over h / pi.
     def on_zone(self, k: Index, left: Array) -> Array:
-        """What the kernel makes of them on the zone."""
+        """Transform on the zone."""
         away = left - self.left[k]
         return self.turn(k, away) * power(away, self.order[k]) - self.polynomial(k, left - 1)
 
     def off_zone(self, k: Index, z: Array, rho: Array) -> Array:
-        """And off it."""
+        """Transform off the zone."""
         return power(z - self.s[k], self.order[k]) * self.turn_off(k, rho) - self.polynomial(k, z)
 
     def of_density(self, k: Index, left: Array, right: Array) -> Array:
-        """They themselves."""
+        """Density (t - s)^q kappa(t)."""
         away, q = left - self.left[k], self.order[k]
         with np.errstate(invalid="ignore"):
             return np.where((away == 0) & (q > 0), 0.0, power(away, q) * self.shape(k, left, right))
 
     def integral_of(self, k: Index, left: Array, right: Array) -> Array:
-        """Their integrals from the left end over w, of kinks alone: int kappa dt = (t - s) kappa -
-        theta sin(phi).
+        """Integral of the density from the left end over w, for kinks only.
+
+        The integral of kappa is (t - s) kappa - theta sin(phi).
         """
         if np.any(self.order[k] > 0):
             raise ValueError(
-                "the integral along a zone is for kinks alone, or for densities without jumps of the right side"
+                "the integral along a zone is for kinks alone, or for densities without jumps of "
+                "the right side"
             )
         away = left - self.left[k]
         with np.errstate(invalid="ignore"):
@@ -151,14 +153,14 @@ class Jumps(PerZone):
             ] * theta(right, left)
 
     def potential_on(self, k: Index, left: Array, right: Array) -> Array:
-        """Their potentials on the zone over w, less c_0 log(w)."""
+        """Potential over w on the zone, without c_0 log(w)."""
         away, nothing = left - self.left[k], np.zeros_like(left)
         return np.asarray(
             self.potential_of(k, away, 0.5 * (left - right), self.turn(k, away), nothing, nothing)
         )
 
     def potential_off(self, k: Index, left: Array, right: Array, rho: Array) -> Array:
-        """And off it."""
+        """Potential over w off the zone, without c_0 log(w)."""
         seen = Outside(np.where(left > 0, 1.0, -1.0), np.maximum(-left, -right))
         return np.asarray(
             self.potential_of(
@@ -172,9 +174,7 @@ class Jumps(PerZone):
         )
 
     def potential_of(self, k: Index, away: Any, z: Any, turn: Any, grown: Any, root: Any) -> Any:
-        """Closed potentials (see the head of `forcing`), z - s, F, A and B at hand, real or
-        complex.
-        """
+        """Closed potentials from z - s, F, A and B of `sie.jumps.forcing`, real or complex."""
         orders = self.order[k]
         if np.all(orders == orders[:1]):
             return (
@@ -189,7 +189,7 @@ class Jumps(PerZone):
     def _potential(
         self, q: int, k: Index, away: Any, z: Any, turn: Any, grown: Any, root: Any
     ) -> Any:
-        """The same of jumps of order q."""
+        """The closed potential of jumps of order q."""
         s, sine = self.s[k], self.sine[k]
         if q == 0:
             rest = grown - LOG2 - 1
@@ -201,16 +201,17 @@ class Jumps(PerZone):
             rest = rest + (square / 9 - s * s / 2 - 1 / 12 - LOG2 * (square / 6 + s * s / 2))
         return raised(away, q + 1) * turn / (q + 1) + sine * rest
 
-    # their series
+    # Series of jumps k.
     def sine_weights(self, k: Index, j: Array) -> Array:
-        """b_j of jumps k where their function is sum_j (2/j) b_j sin(j theta)."""
+        """b_j of jumps k, whose function is sum_j (2/j) b_j sin(j theta)."""
         from_left = (self.psi < self.phi)[k][:, None]
         sines = np.sin(j * np.minimum(self.phi, self.psi)[k][:, None])
         return np.asarray(np.where(from_left & (j % 2 == 0), -sines, sines))
 
     def coefficients(self, k: Index, row: Index, rows: int, count: int) -> Array:
-        """Coefficients of jumps k, added up in rows (rows, count): (t - s)^q is expanded in powers
-        of t, so that what is done with series is done once a row.
+        """Coefficients of T_l / sqrt(1 - t^2) of jumps k, summed in rows (rows, count).
+
+        (t - s)^q is expanded in powers of t, so that each row, not each jump, is multiplied by t.
         """
         highest = int(self.order[k].max(initial=0))
         j = np.arange(1.0, count + highest + 2)
@@ -235,21 +236,22 @@ class Jumps(PerZone):
 
 
 def kappa(up: Array, vp: Array, away: Array) -> Array:
-    """log(sin((theta + phi)/2) / |sin((theta - phi)/2)|) at points t = cos(theta), away = t - s, of
-    jumps s = cos(phi), by the roots sin((theta +- phi)/2) = (up +- vp) / 2, whose product is (s -
+    """log(sin((theta + phi)/2) / |sin((theta - phi)/2)|) at t = cos(theta), with s = cos(phi).
+
+    up and vp have sum and difference 2 sin((theta +- phi)/2); away = t - s. Their product is (s -
     t)/2 without cancellation.
     """
     small, large = np.minimum(up, vp), np.maximum(up, vp)
     with np.errstate(divide="ignore", invalid="ignore"):
-        # A jump beside an end, or a point, has little of it: then it is 2 artanh of the roots'
-        # ratio, to all digits.
+        # 2 artanh of the ratio has all digits for a jump or a point close to an end.
         far = 2 * np.arctanh(np.minimum(small / large, 0.5))
         return np.where(small < 0.5 * large, far, np.log((up + vp) ** 2 / (2 * np.abs(away))))
 
 
 def power(away: Array, order: Index) -> Array:
-    """away^order, 0 to 2; general powers take ten times as long as squares, which knots of splines
-    ask for alone.
+    """away^order for orders 0 to 2.
+
+    Squares are ten times as fast as general powers; knots of splines need squares only.
     """
     return (
         away * away
@@ -264,8 +266,9 @@ def raised(away: Any, q: int) -> Any:
 
 
 def of_sines(beta: Array) -> Array:
-    """Coefficients of T_l / sqrt(1 - t^2), l = 0, 1, ..., from those of sin(j theta), j = 1, 2,
-    ..., along the last axis.
+    """Coefficients of T_l / sqrt(1 - t^2), l = 0, 1, ..., from those of sin(j theta), j = 1, 2, ...
+
+    The sum acts along the last axis.
     """
     c = 0.5 * beta
     c[..., 2:] -= 0.5 * beta[..., :-2]
@@ -273,7 +276,7 @@ def of_sines(beta: Array) -> Array:
 
 
 def _times_t(c: Array) -> Array:
-    """Coefficients of t times sum c_l T_l, the last one lost."""
+    """Coefficients of t times sum c_l T_l, without the last one."""
     out = np.zeros_like(c)
     out[:, 1:] += 0.5 * c[:, :-1]
     out[:, 1] += 0.5 * c[:, 0]

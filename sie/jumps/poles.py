@@ -1,6 +1,6 @@
-r"""Algebraic points of the right side, carried as sums of poles.
+r"""Algebraic points of the right side as sums of poles.
 
-Beside an algebraic point s the right side g is a smooth function and
+Close to an algebraic point s the right side g is a smooth function plus
 
     left (s - x)^p  for x < s,      right (x - s)^p  for x > s,      p > -1.
 
@@ -11,10 +11,10 @@ rule in log(eta), of step h, gives
     g = Re sum_k c_k / (y - i eta_k),
     c_k = (h/pi) eta_k^(p+1) (cos(pi p/2) (right - left) + i sin(pi p/2) (right + left)),
 
-with an aliasing error of exp(-pi^2/h) of |y|^p, at all y alike (L. N. Trefethen, J. A. C. Weideman,
-SIAM Rev. 56, 2014, 385-458). The poles farther away than the zone is wide are smooth on it and are
-left to its modes. The transform of the line takes c_k to i c_k: so are carried the algebraic points
-of the wanted density.
+with an aliasing error of exp(-pi^2/h) of |y|^p, for all y (L. N. Trefethen, J. A. C. Weideman, SIAM
+Rev. 56, 2014, 385-458). Poles farther away than the zone is wide are smooth on it and are left to
+its modes. The transform on the line maps c_k to i c_k, which gives the algebraic points of the
+wanted density.
 
 With t = (x - middle)/w, z a pole in t, rho = z - (z^2 - 1)^(1/2) and q = -2 c / (z^2 - 1)^(1/2),
 the density of a pole, its transform off the zone, and its potential there without c_0 log(w) are
@@ -43,13 +43,12 @@ from sie.jumps.formulas import OPTIONS as JUMPS
 
 @dataclass(frozen=True)
 class PoleOptions:
-    """Numbers of the trapezoidal rule."""
+    """Step and depth of the trapezoidal rule."""
 
     step: float = 0.25
-    """In log(eta): exp(-pi^2/step) is 7e-18."""
+    """Step in log(eta): exp(-pi^2/step) is 7e-18."""
     nearest: float = 39.0
-    """-log of the part of |y|^p, or of its integral, that the poles left out next to the point
-    carry: 1e-17.
+    """-log of the part of |y|^p, or of its integral, in the omitted poles next to the point: 1e-17.
     """
 
 
@@ -109,23 +108,23 @@ class AlgebraicPoints:
 
     @cached_property
     def weights(self) -> Complex:
-        """c_k / (h eta_k^(p+1))."""
+        """c_k / (h eta_k^(p+1)) of each point."""
         p, left, right = (np.asarray(part) for part in (self.exponents, self.left, self.right))
-        # In degrees the zeros of sine and cosine are exact: a polynomial has no poles.
+        # In degrees the zeros of sine and cosine are exact, so that a polynomial has no poles.
         odd, even = cosdg(90.0 * p) * (right - left), sindg(90.0 * p) * (right + left)
         return np.asarray((odd + 1j * even) / np.pi)
 
     @cached_property
     def places(self) -> Array:
-        """Positions (n,), each once."""
+        """Distinct positions, ascending."""
         return np.unique(np.asarray(self.at))
 
     def lowest(self, place: int) -> float:
-        """The least exponent at a place."""
+        """Least exponent at a place."""
         return float(np.asarray(self.exponents)[self._at(place)].min())
 
     def poles(self, place: int, farthest: float) -> tuple[Array, Complex]:
-        """(eta_k, c_k) of a place, the largest eta `farthest`: all powers there have the same
+        """(eta_k, c_k) of a place, with the largest eta `farthest`; all powers share the same
         poles.
         """
         rows = self._at(place)
@@ -135,8 +134,10 @@ class AlgebraicPoints:
         return away, _OPTIONS.step * (away[:, None] ** (p + 1.0)) @ weights
 
     def left_out(self, place: int, farthest: float) -> complex:
-        """Sum of c / eta of the poles nearer to the place than those of `poles`: seen at the place
-        itself alone, where p is small.
+        """Sum of c / eta over the omitted poles, which are closer to the place than those of
+        `poles`.
+
+        Only the place itself sees them, and only for small p. Infinite if p is not positive.
         """
         p = np.asarray(self.exponents)[self._at(place)]
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -155,10 +156,12 @@ class AlgebraicPoints:
 
 @record
 class Poles(PerZone):
-    """Poles of the right side in and beside zones. zone: of each; left, right: distances of its
-    point from the zone's ends over w; away: eta over w; size: c over w. points: of each place
-    inside a zone the zone, the distance from its left end over w, its least exponent, and what
-    poles left out add to the density there."""
+    """Poles of the right side in zones and close to them.
+
+    zone: of each pole; left, right: distances of its point from the zone's ends over w; away: eta
+    over w; size: c over w. points: for each place inside a zone the zone, the distance from its
+    left end over w, its least exponent, and the density of the omitted poles there.
+    """
 
     zone: Index
     left: Array
@@ -182,7 +185,7 @@ class Poles(PerZone):
         period: float | None,
         of_density: bool = False,
     ) -> "Poles":
-        """The poles of all points in zones and near them; of_density: of the wanted density."""
+        """The poles of all points in zones and close to them; of_density: of the wanted density."""
         if points is None or not np.any(points.weights):
             return NO_POLES
         found, inside = [], []
@@ -206,9 +209,7 @@ class Poles(PerZone):
 
     @cached_property
     def roots(self) -> tuple[Complex, Complex]:
-        """((z + 1)^(1/2), (z - 1)^(1/2)), both in the first quadrant: no digit is lost beside an
-        end.
-        """
+        """((z + 1)^(1/2), (z - 1)^(1/2)) in the first quadrant, without cancellation."""
         return np.sqrt(self.left + 1j * self.away), np.sqrt(-self.right + 1j * self.away)
 
     @cached_property
@@ -226,19 +227,20 @@ class Poles(PerZone):
         return np.asarray(-2.0 * self.size / (p * m))
 
     def summed(self, zone: Index, of: Callable[[Index, Index], Array]) -> Array:
-        """Real part of the sums over the poles of the zones of points; of: of a pole, by points and
-        poles.
+        """Real part of the sums over the poles of the zone of each point.
+
+        of(points, poles): the term of a pole.
         """
         return self.grouped.summed(zone, np.ones(len(self.zone)), of)
 
-    # at points (n,) of zones, by their distances from the zone's ends over w
+    # Values at points (n,) of zones, given by their distances from the zone's ends over w.
     def _past(self, at: Index, k: Index, left: Array, right: Array) -> Complex:
-        """t - z, by the nearer end."""
+        """t - z, computed from the nearer end."""
         past = np.where(left[at] <= right[at], left[at] - self.left[k], self.right[k] - right[at])
         return np.asarray(past - 1j * self.away[k])
 
     def own_transform(self, zone: Index, left: Array) -> Array:
-        """What the kernel makes of their density on the zone."""
+        """Transform of the density of the poles on the zone itself."""
 
         def part(at: Index, k: Index) -> Array:
             return np.real(
@@ -257,7 +259,7 @@ class Poles(PerZone):
         return out
 
     def integral(self, zone: Index, left: Array, right: Array) -> Array:
-        """Integral of the density from the zone's left end over w."""
+        """Integral of the density from the zone's left end, over w."""
         angle, sine = theta(right, left), np.sqrt(np.maximum(left * right, 0.0))
         p, m = self.roots
         tangent = np.sqrt(left / np.maximum(right, 1e-300))
@@ -273,7 +275,7 @@ class Poles(PerZone):
         return self.summed(zone, part)
 
     def transform(self, zone: Index, rho: Array) -> Array:
-        """Off the zone."""
+        """Transform off the zone, at points with this rho."""
 
         def part(at: Index, k: Index) -> Array:
             both = self.rho[k] * rho[at]
@@ -282,7 +284,7 @@ class Poles(PerZone):
         return self.summed(zone, part)
 
     def potential_on(self, zone: Index, left: Array, right: Array) -> Array:
-        """Potential over w on the zone, less c_0 log(w)."""
+        """Potential over w on the zone, without c_0 log(w)."""
         t = 0.5 * (left - right)
 
         def part(at: Index, k: Index) -> Array:
@@ -293,7 +295,7 @@ class Poles(PerZone):
         return self.summed(zone, part)
 
     def potential_off(self, zone: Index, rho: Array) -> Array:
-        """And off it."""
+        """Potential over w off the zone, without c_0 log(w)."""
 
         def part(at: Index, k: Index) -> Array:
             return np.real(
@@ -309,16 +311,17 @@ class Poles(PerZone):
         return np.asarray((rho - 1.0 / rho) * np.log1p(-rho * seen) - seen - rho * log)
 
     def potential(self, zone: Index, seen: OnLine) -> Array:
-        """Potential over w, on the zone and off it, less c_0 log(w)."""
+        """Potential over w, on the zone and off it, without c_0 log(w)."""
         out, on, off = np.empty(len(zone)), np.flatnonzero(seen.on), np.flatnonzero(~seen.on)
         out[on] = self.potential_on(zone[on], seen.left[on], seen.right[on])
         out[off] = self.potential_off(zone[off], seen.rho[off])
         return out
 
-    # per zone
+    # Sums for each zone.
     def sine_coefficients(self, zones: int, count: int) -> Array:
-        """Coefficients of sin(j theta), j = 1 ... count, of the density of each zone: of T_j those
-        of the right side.
+        """Coefficients of sin(j theta), j = 1 ... count, of the density of each zone.
+
+        They are the coefficients of T_j of the right side, too.
         """
         out, power = np.empty((count, zones)), self.q.copy()
         for j in range(count):
@@ -327,15 +330,16 @@ class Poles(PerZone):
         return out.T
 
     def mean_offsets(self, zones: int) -> Array:
-        """See `ForcingJumps.mean_offsets`: 1 / (j^2 - 1) of T_j of odd order, -1/4 of the first
-        one.
+        """Offsets of the mean level of each zone, see `ForcingJumps.mean_offsets`.
+
+        T_1 contributes -1/4 and T_j of odd j > 1 contributes 1 / (j^2 - 1).
         """
         p, m = self.roots
         parts = 0.25 * self.q * (1.0 / self.rho - self.rho) * np.log(4.0 * p * m / (p + m) ** 2)
         return np.asarray(np.bincount(self.zone, parts.real, zones), dtype=float)
 
     def edge_slopes(self, zones: int) -> tuple[Array, Array]:
-        """Coefficient of the angle from the left and from the right end."""
+        """Coefficients of the angle from the left and from the right end of each zone."""
         p, m = self.roots
         left, right = (0.5 * self.q / root**2 for root in (p, m))
         out = np.array(
@@ -344,13 +348,13 @@ class Poles(PerZone):
         return out[0], out[1]
 
     def rounding(self, zones: int) -> Array:
-        """What rounding of their sum comes to."""
+        """Round-off of the sum over the poles of each zone."""
         return np.asarray(np.bincount(self.zone, 2.2e-16 * np.abs(self.q), zones), dtype=float)
 
-    # at complex points (see `plane`)
+    # Values at complex points, see `sie.density.plane`.
     def in_plane(self, k: Index, seen: InPlane, what: What) -> Complex:
-        """What poles k do at points of the upper half plane, the derivative by zeta; the potential
-        over w, and less c_0 log(w).
+        """Transform, derivative by zeta, or potential over w without c_0 log(w), summed over poles
+        k.
         """
         at, rho = seen.rho[:, None], np.concatenate((self.rho[k], np.conj(self.rho[k])))
         weight = 0.5 * np.concatenate((self.q[k], np.conj(self.q[k])))
@@ -365,7 +369,7 @@ class Poles(PerZone):
 def _seen(
     zones: Zones, places: Array, period: float | None
 ) -> Iterator[tuple[int, int, float, float]]:
-    """Number of a place, zone, and distances of the place from both ends, for all within reach."""
+    """(place, zone, distances from both ends) for all places within reach of a zone."""
     shifts = np.zeros(1)
     if period is not None:
         places = places + np.ceil((zones.a[0] - places) / period) * period

@@ -75,8 +75,9 @@ _HALF_DIGITS = math.sqrt(EPS)
 
 
 def same_jumps(found: Array, wanted: Array, length: Array, size: float) -> bool:
-    """Whether the jumps found between pieces of such lengths are those wanted, as far as rounding
-    of values of such a size allows.
+    """Whether the jumps found between pieces equal the wanted ones, up to round-off.
+
+    length: lengths of the pieces; size: size of the values from which the jumps were found.
     """
     rounding = SUM_ROUNDING * size / np.minimum(length[1:], length[:-1]) ** 2
     return not np.any(
@@ -86,14 +87,15 @@ def same_jumps(found: Array, wanted: Array, length: Array, size: float) -> bool:
 
 
 def with_jumps(knots: Array, jumps: Array) -> Callable[[Array], Array]:
-    """Of all quadratic splines on a zone with these jumps at its knots, half of those of the second
-    derivative, the one whose squares add up to least: where f is more than such a spline, this is
-    the part of it that jumps.
+    """The quadratic spline on a zone with these jumps and the least sum of squares at the knots.
+
+    The jumps are half of those of the second derivative. If f is more than a spline, this is the
+    part of it that jumps.
     """
     ends = np.concatenate(([0.0], knots, [2.0]))
     length, bend, before = np.diff(ends), np.concatenate(([0.0], np.cumsum(jumps))), np.zeros(3)
     for _ in range(2):
-        # Once more from what is left: the first time a trend may hide what it goes beside.
+        # The trend is subtracted twice: after the first time it may still hide small values.
         slope = before[1] + np.concatenate(([0.0], np.cumsum(2 * bend * length)[:-1]))
         value = before[0] + np.concatenate(([0.0], np.cumsum(length * (slope + bend * length))))
         trend = np.polynomial.polynomial.polyfit(ends, value, 2)
@@ -117,8 +119,10 @@ def with_jumps(knots: Array, jumps: Array) -> Callable[[Array], Array]:
 
 @record
 class QuadraticSpline(Kept):
-    """knots: (n,) ascending; pieces: (n - 1, 3) coefficients of powers of the distance from each
-    piece's left knot.
+    """A quadratic spline on a part of a zone, as a part of the density.
+
+    knots: (n,) ascending; pieces: (n - 1, 3) coefficients of powers of the distance from the left
+    knot of each piece.
     """
 
     knots: Array
@@ -126,8 +130,10 @@ class QuadraticSpline(Kept):
 
     @classmethod
     def of(cls, knots: Array, control: Array) -> "QuadraticSpline":
-        """With the middle control points of its pieces, zero at the first and at the last knot;
-        where the first and the last of these points are zero, so is its slope.
+        """The spline with these middle control points of its pieces, zero at the first and last
+        knot.
+
+        Where the first and the last of these points are zero, the slope is zero at both ends, too.
         """
         length = np.diff(knots)
         at_knots = np.zeros(len(knots))
@@ -146,9 +152,9 @@ class QuadraticSpline(Kept):
     def inside(
         cls, knots: Array, jumps: Array, f: Callable[[Array], Array]
     ) -> "tuple[QuadraticSpline, Array, Array] | None":
-        """(the B-splines of f between these knots, what is left of the jumps: half of those of the
-        second derivative; places and heights of others: none); None if f has other jumps than
-        these.
+        """(the B-splines of f between these knots, remaining jumps, no further jumps), or None.
+
+        Jumps are half of those of the second derivative. None if f has other jumps than these.
         """
         within = np.flatnonzero(np.minimum(knots, 2 - knots) > _HALF_DIGITS)
         knots = knots[within]
@@ -180,12 +186,12 @@ class QuadraticSpline(Kept):
         return np.where(inside, p[..., 0] + y * (p[..., 1] + y * p[..., 2]), 0.0)
 
     def density(self, left: Array, right: Array) -> Array:
-        """What it is of the density at distances from both ends of the zone."""
+        """Value at distances from both ends of the zone."""
         return self(left)
 
     @property
     def jumps(self) -> Array:
-        """Half of the jumps of its second derivative at the knots."""
+        """Half of the jumps of the second derivative at the knots."""
         return np.diff(self.pieces[:, 2], prepend=0.0, append=0.0)
 
     @property
@@ -196,12 +202,12 @@ class QuadraticSpline(Kept):
         raise ValueError("the potential of a spline of the density is no closed form")
 
     def transform_off(self, z: Array, rho: Array) -> Array:
-        """What the kernel makes of it off the zone, at z counted from its middle."""
+        """Transform off the zone, at z counted from its middle."""
         return self.own_transform(1 + z)
 
     @property
     def edge_slopes(self) -> tuple[float, float]:
-        """Coefficient of the angle from either end: it is zero there."""
+        """Coefficients of the angle from both ends of the zone: zero."""
         return 0.0, 0.0
 
     @property
@@ -224,14 +230,15 @@ class QuadraticSpline(Kept):
         return np.where(inside, part, np.where(x < self.knots[0], 0.0, self._before[-1]))
 
     def t_coefficients(self, count: int) -> Array:
-        """First `count` coefficients of the spline as a sum of T_l / sqrt(1 - t^2): (2/pi) int f
-        T_l dt, half of it for l = 0.
+        """First `count` coefficients of the spline as a sum of T_l / sqrt(1 - t^2).
+
+        They are (2/pi) int f T_l dt, and half of it for l = 0.
         """
         angle = np.arccos(np.clip(self.knots - 1, -1.0, 1.0))
         parts = np.maximum(np.ceil(-np.diff(angle) * (count / OPTIONS.max_turn)), 1.0).astype(
             np.intp
         )
-        # From the right end to the left: the angles fall.
+        # From the right end to the left, so that the angles fall.
         theta, weights = legendre(angle, OPTIONS.gauss_nodes, parts)
         out = waves(
             (-2 / np.pi) * weights * np.sin(theta) * self(sides(theta)[0]), theta, count
@@ -239,7 +246,7 @@ class QuadraticSpline(Kept):
         out[:1] *= 0.5
         return out
 
-    # what the kernel makes of it
+    # Transform and potential.
     @cached_property
     def _reach(self) -> tuple[float, float]:
         half = 0.5 * (self.knots[-1] - self.knots[0])
@@ -247,7 +254,7 @@ class QuadraticSpline(Kept):
 
     @cached_property
     def _close(self) -> PiecewiseTransform:
-        """On the spline and beside it, in cells that double in length away from it."""
+        """The transform on the spline and close to it, by cells."""
         lo, hi = self._reach
         first, last = np.diff(self.knots)[[0, -1], None] * (2.0 ** np.arange(1, 60) - 1)
         before = self.knots[0] - first[first < 0.75 * (self.knots[0] - lo)]
@@ -261,7 +268,7 @@ class QuadraticSpline(Kept):
 
     @cached_property
     def _moments(self) -> Array:
-        """int f T_k dt over pi, twice for k > 0, T_k of the spline's own width."""
+        """int f T_k dt over pi, doubled for k > 0, with T_k on the spline's own interval."""
         x, weights = legendre(self.knots, TERMS)
         u = (x - 0.5 * (self.knots[0] + self.knots[-1])) / (0.5 * (self.knots[-1] - self.knots[0]))
         values, angle = self(x) * weights, np.arccos(np.clip(u, -1.0, 1.0))
@@ -282,11 +289,12 @@ class QuadraticSpline(Kept):
         return out
 
     def in_plane(self, seen: InPlane, what: What) -> Complex:
-        """(1/pi) int f / (zeta - tau) dtau, f the spline, or its derivative: piece by piece, by
-        Gauss's rule or, nearby, in closed form
+        """(1/pi) int f / (zeta - tau) dtau, or its derivative, at complex points.
 
-        int_0^h (p_0 + p_1 y + p_2 y^2) / (Y - y) dy = p(Y) log(Y / (Y - h)) - p_1 h - p_2 (h Y +
-        h^2/2).
+        Piece by piece, by Gauss's rule or, close to the piece, by
+
+            int_0^h (p_0 + p_1 y + p_2 y^2) / (Y - y) dy = p(Y) log(Y / (Y - h)) - p_1 h - p_2 (h Y
+            + h^2/2).
         """
         knots, p = self.knots, self.pieces
         h = np.diff(knots)
@@ -297,7 +305,7 @@ class QuadraticSpline(Kept):
         out = np.empty(seen.left.shape, dtype=complex)
         for here in pair_blocks(len(out), len(places)):
             at = seen.left[here]
-            # Distances from both knots of a piece, whichever of them rounding spares.
+            # Each distance is from the knot that keeps the most digits.
             close = np.abs(at[:, None] - (knots[:-1] + 0.5 * h)) < OPTIONS.near_lengths * h
             terms = sign * held / (at[:, None] - places) ** power
             value = np.where(np.repeat(close, OPTIONS.gauss_nodes, axis=1), 0.0, terms).sum(axis=1)
@@ -307,7 +315,7 @@ class QuadraticSpline(Kept):
             with np.errstate(divide="ignore", invalid="ignore"):
                 log = np.log(past) - np.log(before)
                 f = one + past * (two + past * three)
-                # At a knot both pieces have the same value: its logarithms cancel.
+                # At a knot both pieces have the same value, and their logarithms cancel.
                 log = np.where(
                     (past == 0) | (before == 0),
                     np.where(past == 0, -1.0, 1.0) * np.log(size) - 1j * np.pi * (past == 0),
@@ -326,8 +334,10 @@ class QuadraticSpline(Kept):
 
 @record
 class ConjugateSpline(Kept):
-    """spline: g by distance from the zone's left end over its half width, from one end to the
-    other; zero there, and its slope too.
+    """The density, bounded at both ends, whose transform is a spline less its mean over theta.
+
+    spline: g by the distance from the zone's left end over its half width, from one end to the
+    other; its value and slope are zero at both ends.
     """
 
     spline: QuadraticSpline
@@ -337,11 +347,10 @@ class ConjugateSpline(Kept):
     def inside(
         cls, knots: Array, jumps: Array, g: Callable[[Array], Array]
     ) -> "tuple[ConjugateSpline, Array, Array] | None":
-        """(the spline, what is left of the jumps: none; place and height of another one); None if g
-        has other jumps than these.
+        """(the spline, remaining jumps: none, place and height of one more jump), or None.
 
-        What is left of g has its values and slopes at both ends, and two pieces: no number is
-        larger than those slopes.
+        The rest of g has its values and slopes at both ends, and two pieces; no coefficient is
+        larger than these slopes. None if g has other jumps than these.
         """
         left = np.zeros_like(jumps)
         inner = np.minimum(knots, 2 - knots) > _HALF_DIGITS
@@ -351,7 +360,7 @@ class ConjugateSpline(Kept):
         ends = np.concatenate(([0.0], knots[:piece], [cut], knots[piece:], [2.0]))
         length, middles = np.diff(ends), 0.5 * (ends[1:] + ends[:-1])
         values, between = np.asarray(g(ends)), np.asarray(g(middles))
-        # Control points of the first and the last piece: they tell the slopes at the ends.
+        # Control points of the first and the last piece determine the slopes at the ends.
         first, last = (
             2 * between[i] - 0.5 * (values[i] + values[j]) for i, j in ((0, 1), (-1, -2))
         )
@@ -371,12 +380,12 @@ class ConjugateSpline(Kept):
 
     @property
     def knots(self) -> Array:
-        """Those inside."""
+        """The inner knots."""
         return self.spline.knots[1:-1]
 
     @property
     def jumps(self) -> Array:
-        """Half of the jumps of the second derivative at these."""
+        """Half of the jumps of the second derivative at the inner knots."""
         return np.diff(self.spline.pieces[:, 2])
 
     @property
@@ -385,8 +394,10 @@ class ConjugateSpline(Kept):
 
     @cached_property
     def _cuts(self) -> Array:
-        """Of panels that double in length away from both ends, from so near to these that g, which
-        goes as the fourth power of the angle there, is nothing to speak of within the first.
+        """Cuts between panels that double in length away from both ends.
+
+        Close to an end g grows as the fourth power of the angle. The first panel is so short that g
+        is negligible within it.
         """
         curved = np.abs(self.spline.pieces[[-1, 0], 2]) + 1e-300
         near = np.array([2 - self.knots[-1], self.knots[0]])
@@ -396,11 +407,9 @@ class ConjugateSpline(Kept):
         )
         return _graded(float(first), float(last))
 
-    # g by moments
+    # Moments of g.
     def _moments(self, cuts: Array) -> tuple[Array, Array]:
-        """(nodes phi, weights that hold g): int_0^pi g F dphi = sum of weights F(phi), F smooth on
-        each panel between cuts.
-        """
+        """(phi, weights): int_0^pi g F dphi = sum of weights F(phi), F smooth between cuts."""
         ends = np.unique(np.concatenate((self.spline.knots, 1 + np.cos(cuts[1:-1]))))
         phi, weights = legendre(theta(ends, 2 - ends), OPTIONS.gauss_nodes)
         # From the left end to the right the angles fall.
@@ -408,7 +417,7 @@ class ConjugateSpline(Kept):
         panel = np.clip(np.searchsorted(cuts, phi, side="right") - 1, 0, len(cuts) - 2)
         half, middle = 0.5 * np.diff(cuts), 0.5 * (cuts[1:] + cuts[:-1])
         u = (phi - middle[panel]) / half[panel]
-        # T moments panel by panel, then the weights of Gauss-Chebyshev nodes with the same moments.
+        # T moments of each panel, then weights of Gauss-Chebyshev nodes with the same moments.
         moments = np.empty((len(half), OPTIONS.panel_moments))
         one, two = np.ones(len(u)), u
         for k in range(OPTIONS.panel_moments):
@@ -424,12 +433,12 @@ class ConjugateSpline(Kept):
 
     @cached_property
     def _nodes(self) -> tuple[Array, Array]:
-        """Nodes and weights of panels that double in length away from both ends."""
+        """Nodes and weights on panels that double in length away from both ends."""
         return self._moments(self._cuts)
 
     @cached_property
     def mean(self) -> float:
-        """Mean over theta."""
+        """Mean of g over theta."""
         return float(self._nodes[1].sum() / np.pi)
 
     def t_coefficients(self, count: int) -> Array:
@@ -445,27 +454,25 @@ class ConjugateSpline(Kept):
 
     @cached_property
     def edge_slopes(self) -> tuple[float, float]:
-        """Coefficient of the angle from the left and from the right end."""
+        """Coefficients of the angle from the left and from the right end."""
         phi, weight = self._nodes
         left, right = (float((weight / side).sum() / np.pi) for side in sides(phi))
         return left, -right
 
     @cached_property
     def mean_offset(self) -> float:
-        """Mean over theta of the primitive of g, less half of its values at both ends; over the
-        half width.
-        """
+        """Mean level of the primitive of g over theta, less half of its end values; over w."""
         phi, weight = self._nodes
         return float(weight @ ((phi - 0.5 * np.pi) * np.sin(phi))) / np.pi
 
-    # on the zone
+    # Values on the zone.
     def own_transform(self, left: Array) -> Array:
         """g less its mean over theta."""
         return self.spline(left) - self.mean
 
     @cached_property
     def _cells(self) -> tuple[Array, Array]:
-        """(ends in theta, series (TERMS, cells)) of what makes the density of the transform of g."""
+        """(ends in theta, series (terms, cells)) of the analytic part of the density."""
         cuts = self._cuts[1:-1]
         nearest = np.array([0.25, 0.5])
         cuts = np.concatenate((nearest * cuts[0], cuts, np.pi - nearest[::-1] * (np.pi - cuts[-1])))
@@ -498,8 +505,9 @@ class ConjugateSpline(Kept):
 
     @cached_property
     def _cubics(self) -> tuple[float, float]:
-        """Beside the left and the right end the density is a series of odd powers of the angle from
-        there: coefficient of the second.
+        """Coefficients of the cube of the angle, from the left and from the right end.
+
+        Close to an end the density is a series of odd powers of the angle.
         """
         cuts = self._cells[0]
         theta, angle = cuts[[-1, 0]], np.array([np.pi - cuts[-1], cuts[0]])
@@ -507,16 +515,16 @@ class ConjugateSpline(Kept):
         left, right = (value / angle - np.array(self.edge_slopes)) / angle**2
         return float(left), float(right)
 
-    # off the zone
+    # Values off the zone.
     def transform_off(self, z: Array, rho: Array) -> Array:
-        """What the kernel makes of the density off the zone."""
+        """Transform of the density off the zone."""
         out = np.empty(rho.shape)
         (phi, weight), (left, right) = self._nodes, sides(self._nodes[0])
         for here in pair_blocks(len(rho), len(phi)):
             near = np.where(rho[here, None] > 0, right, left)
             size = np.abs(rho[here])[:, None]
-            # rho (cos(phi) - rho) = |rho| (1 - |rho| - near), near the distance of cos(phi) from
-            # the end on that side.
+            # rho (cos(phi) - rho) = |rho| (1 - |rho| - near), with `near` the distance of cos(phi)
+            # from the end on that side.
             out[here] = (
                 (size * ((1 - size) - near) / ((1 - size) ** 2 + 2 * size * near))
                 @ weight
@@ -525,7 +533,7 @@ class ConjugateSpline(Kept):
         return out
 
     def in_plane(self, seen: InPlane, what: What) -> Complex:
-        """What the kernel makes of the density at complex points, or its derivative by zeta."""
+        """Transform of the density, or its derivative by zeta, at complex points."""
         phi, weight = self._nodes
         rho, turn = seen.rho[:, None], np.exp(-1j * phi)
         b, own = (
@@ -538,12 +546,13 @@ class ConjugateSpline(Kept):
 
     def integral(self, left: Array) -> Array:
         raise ValueError(
-            "the integral along a zone is for kinks alone, or for densities without jumps of the right side"
+            "the integral along a zone is for kinks alone, or for densities without jumps of the "
+            "right side"
         )
 
     def potential(self, left: Array, right: Array, rho: Array) -> Array:
-        """Potential of the density over the half width, less c_0 log(half width), on the zone and
-        off it.
+        """Potential of the density over the half width, on the zone and off it, without c_0
+        log(half width).
         """
         phi, weight = self._nodes
         on = (left >= 0) & (right >= 0)
@@ -562,8 +571,9 @@ class ConjugateSpline(Kept):
 
 
 def _graded(first: float, last: float) -> Array:
-    """Cuts from 0 to pi: the panels at both ends have these lengths, and others are no longer than
-    their distances from 0 and from pi.
+    """Cuts from 0 to pi: panels of lengths `first` and `last` at the ends, then doubling inwards.
+
+    No inner panel is longer than its distance from 0 and from pi.
     """
     middle = 0.5 * np.pi
     low, high = (size * 2.0 ** np.arange(60) for size in (first, last))
@@ -581,11 +591,12 @@ def _graded(first: float, last: float) -> Array:
 def _two_pieces(
     cut: float, left: float, left_slope: float, right: float, right_slope: float
 ) -> tuple[Callable[[Array], Array], float]:
-    """(the function of two quadratic pieces with these values and slopes at 0 and 2, continuous at
-    the cut with its slope; half of the jump of its second derivative there).
+    """(function of two quadratic pieces on [0, 2], half of the jump of its second derivative).
+
+    It has the given values and slopes at 0 and 2, and is continuous at the cut with its slope.
     """
     beyond = 2.0 - cut
-    # Control points.
+    # Control points of both pieces.
     before, after = left + 0.5 * cut * left_slope, right - 0.5 * beyond * right_slope
     middle = 0.5 * (beyond * before + cut * after)
     bends = (left - 2 * before + middle) / cut**2, (right - 2 * after + middle) / beyond**2
