@@ -1,6 +1,4 @@
-"""Singular integral equations with Cauchy and Hilbert kernels on any number of zones, fixed or with
-unknown ends.
-"""
+"""Singular integral equations with Cauchy and Hilbert kernels on zones with known or unknown ends."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -97,8 +95,8 @@ __all__ = [
     "wrapped",
 ]
 
-# Loaded when they are first asked for: a program that needs a zone does not load the search for
-# ends. The imports above, for readers and type checkers, say the same.
+# Modules are loaded when a name of theirs is first used: a program that needs a zone does not load
+# the search for ends. The imports above list the same names for readers and type checkers.
 _HOMES = {
     "sie.basis.data": "Array Complex Index Kept Mask nearest_image record wrapped",
     "sie.basis.kernels": "Kernel Smooth cauchy hilbert images",
@@ -106,7 +104,8 @@ _HOMES = {
     "sie.states.solve": "SingularSystem solve_fixed",
     "sie.states.state": "State",
     "sie.density.density": "Density",
-    "sie.equation.conditions": "Amplitude Condition EqualPotential Level Rows Total TotalWidth Weighted ZoneMoments ZoneTotals moment",
+    "sie.equation.conditions": "Amplitude Condition EqualPotential Level Rows Total TotalWidth "
+    "Weighted ZoneMoments ZoneTotals moment",
     "sie.equation.equation": "CountError Equation",
     "sie.equation.forcing": "Forcing Jumps Resolution",
     "sie.trees.lazy": "uncollected",
@@ -122,7 +121,7 @@ _HOMES = {
 _HOME = {name: module for module, names in _HOMES.items() for name in names.split()}
 
 
-if not TYPE_CHECKING:  # to a type checker, a name that is not among these is none
+if not TYPE_CHECKING:  # a type checker must report unknown names
 
     def __getattr__(name: str) -> Any:
         if name not in _HOME:

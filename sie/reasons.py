@@ -1,6 +1,4 @@
-"""Why a solution is no better than it is: the largest part of its stated error, and what is
-measured where that part comes from.
-"""
+"""The reason why a solution is not more accurate: the largest part of its stated error."""
 
 from __future__ import annotations
 
@@ -18,10 +16,10 @@ from sie.states.state import LOOKS, THETA, State
 
 @dataclass(frozen=True)
 class ReasonOptions:
-    """From which size on a measured cause is named as the reason."""
+    """Sizes from which a measured cause is named as the reason."""
 
-    # A cause is named if it is at least this part of the tolerance: what it leaves is multiplied
-    # by the number of modes.
+    # A cause is named if it is at least this part of the tolerance; the number of modes multiplies
+    # it.
     min_part: float = 0.01
     # Causes below a few units of round-off are none.
     min_cause: float = 8 * EPS
@@ -31,7 +29,7 @@ class ReasonOptions:
     rounding_units: float = 1e3
     # Side conditions nearly depend on each other if they magnify the residual by more than this.
     max_magnification: float = 1e4
-    # From this size on a cause leaves the functions unresolved, whatever the conditions do.
+    # From this size on a cause is the reason, whatever the side conditions do.
     unresolved: float = 1e-2
 
 
@@ -39,21 +37,24 @@ OPTIONS = ReasonOptions()
 
 
 def of_search(search: Free) -> str:
-    """Why a search for ends stopped before they were at rest."""
+    """The reason why a search for ends stopped before they converged."""
     which = [f"zone {i}" for i in search.lost] + [f"the gap after zone {i}" for i in search.met]
     more = f" and {len(which) - 4} more" if len(which) > 4 else ""
     return search.reason + (f" ({', '.join(which[:4])}{more}, counted from 0)" if which else "")
 
 
 def of_error(state: AnyState, search: Free | None, tol: float) -> str:
-    """What most of the stated error is made of."""
+    """The largest part of the stated error, in words."""
     if search is not None:
         zone = int(search.rounding.max(axis=1).argmax())
         open_ = float(search.rounding[zone].max())
         if open_ > 0.1 * tol:
-            return f"rounding leaves the ends of zone {zone} (counted from 0) uncertain by {open_:.1e} of its width"
+            return (
+                f"rounding leaves the ends of zone {zone} (counted from 0) uncertain by {open_:.1e} "
+                "of its width"
+            )
     iteration, conditions, resolution = _parts(state)
-    # What an iteration leaves is in the residual too, as many times as there are modes.
+    # The residual contains the error of an iteration once for each mode.
     if iteration > max(0.1 * tol, OPTIONS.min_iteration_part * resolution):
         return (
             "the iteration by which so many zones are solved does not come to rest: "
@@ -75,9 +76,7 @@ def of_error(state: AnyState, search: Free | None, tol: float) -> str:
 
 
 def _parts(state: AnyState) -> tuple[float, float, float]:
-    """Parts of the density's error over its size: of the iteration, of rounding of the rows, and
-    all else.
-    """
+    """Parts of the density's relative error: iteration, round-off of the rows, and the rest."""
     size = max(state.size, 1e-300)
     iteration = float(state.linear_error.max(initial=0.0)) / size
     if isinstance(state, SlitState):
@@ -88,11 +87,11 @@ def _parts(state: AnyState) -> tuple[float, float, float]:
 
 @record
 class _Worst:
-    """The zone with the largest residual, and what is measured of it.
+    """The zone with the largest residual, and measurements there.
 
-    state: of the zones without slits; zone: among these; where: its name; residual, place: the
-    largest residual times sqrt(1 - t^2), and where it is; terms: size of what it is the difference
-    of.
+    state: of the zones without slits; zone: number among these; where: its name; residual, place:
+    the largest residual times sqrt(1 - t^2), and its place; terms: size of the terms that cancel in
+    it.
     """
 
     state: State
@@ -123,7 +122,7 @@ class _Worst:
         )
         sizes = whole.system.field_sizes
         if sizes is not None:
-            # Sums over nodes may cancel: what one of them adds up is as large as the kernel allows.
+            # Sums over nodes may cancel; one of them is as large as the kernel allows.
             terms += float(sizes.max() * np.abs(whole.unknowns).sum())
         return cls(
             whole,
@@ -136,63 +135,71 @@ class _Worst:
 
 
 def whole_zone(state: AnyState, piece: int) -> int:
-    """The zone without slits that a zone is a part of."""
+    """Number of the zone without slits that contains a zone."""
     return int(state.wide_of(np.array([piece]))[1][0])
 
 
 def _causes(worst: _Worst) -> dict[str, float]:
-    """What keeps the functions on the worst zone from being shown by its modes, as measured, by
-    cause.
-    """
+    """Measured error of the modes of the worst zone, by cause."""
     state, zone = worst.state, worst.zone
     zones, equation, m = state.density.zones, state.equation, int(state.system.layout.m[zone])
     fall = float(modes.decay(zones, equation.kernel)[zone])
-    # Beyond what every number is rounded to.
+    # Round-off beyond that of every number.
     rounded = max(float(modes.place_rounding(zones, np.array([zone]))[0]) - 4 * EPS, 0.0)
-    # What fell as far as it was asked to is no cause, nor what more functions were not tried for.
+    # Coefficients that decayed as far as they should are no cause, and neither are modes not yet
+    # tried.
     unfallen = bool(state._stopped[zone]) or int(state.sizes.own[zone]) >= modes.MOST_OWN
     grown = m >= modes.most(equation.kernel) or _is_noisy(worst)
     return {
         "right side": float(state.truncation[zone]) if unfallen else 0.0,
-        "beside": math.exp(-fall * m) if fall < modes.ALONE else 0.0,
+        "neighbour": math.exp(-fall * m) if fall < modes.ALONE else 0.0,
         "places": rounded,
         "fields": float(state.tails[zone]) if equation.grows and grown else 0.0,
     }
 
 
 def _is_noisy(worst: _Worst) -> bool:
-    """Whether more modes no longer make a column or the kernel's regular part smaller."""
+    """Whether more modes no longer reduce a column or the kernel's regular part."""
     growth = worst.state.sizes.growth
     return growth is not None and bool(growth.floor[worst.zone] > 0.0)
 
 
 def _of_resolution(worst: _Worst, tol: float) -> str:
-    """The largest of these causes in words."""
+    """The largest of these causes, in words."""
     state, m, causes = worst.state, int(worst.state.system.layout.m[worst.zone]), _causes(worst)
-    beside, rounded, noisy = causes["beside"], causes["places"], _is_noisy(worst)
+    beside, rounded, noisy = causes["neighbour"], causes["places"], _is_noisy(worst)
     cause = max(causes, key=lambda name: causes[name])
     if causes[cause] < max(OPTIONS.min_part * tol, OPTIONS.min_cause):
         cause = "none"
-    if cause == "beside":
+    if cause == "neighbour":
         return (
             f"{worst.where} lies so close to another one, or to an image, that its {m} modes do "
             "not "
             f"show all of it: they leave {beside:.1e}"
         )
     if cause == "places":
-        return f"places on {worst.where} are rounded to {rounded:.1e} of its half width: count x from a place near it"
+        return (
+            f"places on {worst.where} are rounded to {rounded:.1e} of its half width: "
+            "count x from a place near it"
+        )
     if cause == "fields":
         why = (
             "more of them do not make it less: it is noisy or rounded"
             if noisy
             else "it varies too fast for them"
         )
-        return f"on {worst.where} the last of {m} modes of {_of_user(state)} is {causes[cause]:.1e} of the largest: {why}"
+        return (
+            f"on {worst.where} the last of {m} modes of {_of_user(state)} is {causes[cause]:.1e} "
+            f"of the largest: {why}"
+        )
     if cause == "right side":
         return _of_right_side(worst)
     rounding = EPS * worst.terms
     if worst.residual <= OPTIONS.rounding_units * rounding:
-        return f"that is what rounding leaves: terms of the size {worst.terms:.1e} add up to a density of the size {state.size:.1e}"
+        return (
+            f"that is what rounding leaves: terms of the size {worst.terms:.1e} add up to a density "
+            f"of the size {state.size:.1e}"
+        )
     return (
         f"at x = {worst.place:.6g} on {worst.where} the equation is off by {worst.residual:.1e} of "
         f"a density of the size {state.size:.1e}, "
@@ -201,7 +208,7 @@ def _of_resolution(worst: _Worst, tol: float) -> str:
 
 
 def _of_user(state: State) -> str:
-    """Which of a user's functions modes grow for."""
+    """The functions of the user for which modes grow, in words."""
     of_columns = any(column.resolution.modes is None for column in state.equation.columns)
     if not state.equation.kernel.grows:
         return "a column"
@@ -209,7 +216,7 @@ def _of_user(state: State) -> str:
 
 
 def _of_right_side(worst: _Worst) -> str:
-    """How the coefficients of the right side fall on a zone, and what functions do so."""
+    """The decay of the right side's coefficients on a zone, and its likely reason."""
     state, zone = worst.state, worst.zone
     n, last = int(state.kept[zone]), float(state.truncation[zone])
     falls = "no longer fall" if bool(state._stopped[zone]) else "have not fallen further"
@@ -223,6 +230,6 @@ def _of_right_side(worst: _Worst) -> str:
 
 
 def _less_jumps(state: State, zone: int) -> str:
-    """That jumps are subtracted from the right side on a zone, in words."""
+    """The number of declared jumps on a zone, in words; empty if there are none."""
     count = int(np.count_nonzero(state.system.jumps.zone == zone))
     return f" less its {count} declared jumps" if count else ""

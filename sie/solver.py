@@ -1,5 +1,5 @@
-"""One call for fixed and free ends alike: the density, the zones and one stated error, or the
-reason why there is none.
+"""One call for fixed and free ends: density, zones and one stated error, or the reason for a
+failure.
 """
 
 import math
@@ -21,11 +21,11 @@ from sie.states.solve import SingularSystem
 
 @dataclass(frozen=True)
 class SolveOptions:
-    """What the parts of a solution are asked for, over the tolerance."""
+    """Tolerances of the parts of a solution."""
 
-    # Coefficients must fall to this part of the tolerance.
+    # Tolerance of the coefficients over that of the solution.
     decay_part: float = 0.1
-    # Ends must rest to this part of it, one after the other until the error is met.
+    # Tolerances of the ends over that of the solution, tried in turn until the error is met.
     end_parts: tuple[float, ...] = (0.1, 1e-3, 1e-5)
     # Round-off of a value of the density: of coefficients, of the root and of both ends.
     evaluation_rounding: float = 4 * EPS
@@ -36,29 +36,27 @@ OPTIONS = SolveOptions()
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """What `solve` has found.
+    """The result of `solve`.
 
     Parameters
     ----------
     density : Density or SlitDensity
-        The wanted function: call it at points of the line, see `Density`.
+        The wanted function; call it at points of the line, see `Density`.
     zones : Zones
-        The zones, n of them, free ends where they have come to rest; `zones.table` is the (n, 2)
-        array of ends.
+        The n zones, with the converged free ends; `zones.table` is the (n, 2) array of ends.
     error : float
-        Bounds, relative, (i) the density's error at equal normalised position in its zone, times
+        Relative bound of (i) the density's error at equal normalised position in its zone, times
         sqrt(1 - t^2), over the density's largest coefficient, and (ii) each free end's error over
-        its zone's width. Infinite where the ends have not come to rest.
+        its zone's width. Infinite if the ends have not converged.
     errors : ndarray
-        The same for each zone (n,), its density's error over its own largest coefficient: a faint
-        zone beside strong ones is known to fewer digits than `error` tells.
+        The same bound for each zone (n,), over the zone's own largest coefficient. A zone with a
+        small density next to others with a large one has fewer digits than `error` says.
     value : float or None
-        Value of the condition whose value was unknown, if there was one.
+        Value of the condition of unknown value, if there is one.
     state : State
-        What was solved at last: levels, responses to further right sides, and what the error is
-        made of.
+        The last solved state: levels, responses to further right sides, and the parts of the error.
     search : Free or None
-        How the ends were found, step by step; None if all were fixed.
+        The search for the ends, step by step; None if all ends were fixed.
 
     Examples
     --------
@@ -84,22 +82,19 @@ class Solution:
 
     @property
     def levels(self) -> Array:
-        """Mean over each solved zone of the density's potential less the primitive of the right
-        side (n,).
-        """
+        """Mean over each solved zone (n,) of the potential less the primitive of the right side."""
         return self.state.levels
 
 
 class NotConverged(ArithmeticError):
-    """No solution to the tolerance asked for.
+    """No solution to the wanted tolerance.
 
     Parameters
     ----------
     reason : str
-        Why, in words.
+        The reason, in words.
     best : Solution or None
-        The best that was reached, with its own error; None if not even a first system could be
-        solved.
+        The best solution that was reached, with its own error; None if no system could be solved.
 
     Examples
     --------
@@ -135,14 +130,14 @@ def solve(
     zones : Zones
         The zones with the kinds of their ends; where ends are free, a first guess of them.
     tol : float
-        What the stated error must come to, 0 < tol < 1.
+        Tolerance of the stated error, 0 < tol < 1.
     value : float
-        First guess for the value of a condition whose value is unknown.
+        First guess for the value of a condition of unknown value.
     signs : (float, float)
-        Signs of the wanted density beside free left and free right ends; they tell outward from
-        inward far from the solution.
+        Signs of the wanted density close to free left and free right ends. They distinguish outward
+        from inward far from the solution.
     max_steps : int
-        Newton steps of the ends at most.
+        Largest number of Newton steps of the ends.
 
     Returns
     -------
@@ -152,7 +147,7 @@ def solve(
     Raises
     ------
     ValueError
-        For wrong input: what is missing, too much or out of range, in words. `CountError`, a
+        For wrong input; the message says what is missing, too much or out of range. `CountError`, a
         ValueError, if side conditions and unknowns do not match.
     NotConverged
         With `reason` and `best`, if the error cannot be brought below tol.
@@ -164,12 +159,13 @@ def solve(
 
     >>> import numpy as np, sie
     >>> wave = sie.Forcing(lambda x: np.sin(2 * np.pi * x))
-    >>> found = sie.solve(sie.Equation(sie.hilbert(1.0), wave, (sie.Total(0.5),)), sie.Zones.of([[-0.1, 0.2]]))
+    >>> touching = sie.Equation(sie.hilbert(1.0), wave, (sie.Total(0.5),))
+    >>> found = sie.solve(touching, sie.Zones.of([[-0.1, 0.2]]))
     >>> found.zones.table.round(10).tolist()
     [[-0.25, 0.25]]
     """
-    _look_at(equation, zones, tol, value, signs, max_steps)
-    # What a user's functions return is looked at, and numpy need not warn of it.
+    _check_input(equation, zones, tol, value, signs, max_steps)
+    # The values of a user's functions are checked here; numpy need not warn of them.
     with np.errstate(all="ignore"):
         return _solve(equation, zones, tol, value, signs, max_steps)
 
@@ -198,10 +194,10 @@ def _solve(
         raise ValueError(f"{error}") from error
     if found.error <= tol:
         return found
-    raise NotConverged(_why(found, tol), found)
+    raise NotConverged(_reason(found, tol), found)
 
 
-def _look_at(
+def _check_input(
     equation: Equation,
     zones: Zones,
     tol: float,
@@ -209,7 +205,7 @@ def _look_at(
     signs: tuple[float, float],
     max_steps: int,
 ) -> None:
-    """ValueError for what cannot be solved with at all."""
+    """Raise ValueError for input that cannot be solved."""
     if not isinstance(equation, Equation):
         raise ValueError(f"the equation must be a sie.Equation, got {type(equation).__name__}")
     if not isinstance(zones, Zones):
@@ -233,7 +229,7 @@ def _look_at(
 
 
 def _solvable(equation: Equation, zones: Zones) -> bool:
-    """Whether the system of the zones as they were given has a solution."""
+    """Whether the system of the given zones has a solution."""
     try:
         solve_zones(equation, zones)
     except SingularSystem:
@@ -242,7 +238,7 @@ def _solvable(equation: Equation, zones: Zones) -> bool:
 
 
 def _best(solutions: Iterator[Solution], tol: float) -> Solution:
-    """The first of ever closer solutions that is good enough, or else the best one."""
+    """The first of ever more accurate solutions that meets the tolerance, or else the best one."""
     best = next(solutions)
     while best.error > tol and (found := next(solutions, None)) is not None:
         best = found if found.error < best.error else best
@@ -250,13 +246,11 @@ def _best(solutions: Iterator[Solution], tol: float) -> Solution:
 
 
 def _fixed(equation: Equation, zones: Zones, tol: float) -> Iterator[Solution]:
-    """On zones whose ends stay; once more with all the modes that rounding allows, if the first are
-    too few.
-    """
+    """Solutions on zones with fixed ends; the second with all modes that round-off allows."""
     for decay in (max(OPTIONS.decay_part * tol, EPS), EPS):
-        yield _told(solve_zones(equation, zones, decay))
-        if _hidden(equation, zones, tol):
-            break  # more modes are not to be had
+        yield _with_errors(solve_zones(equation, zones, decay))
+        if _unresolvable(equation, zones, tol):
+            break  # there are no more modes
 
 
 def _free(
@@ -267,16 +261,16 @@ def _free(
     signs: tuple[float, float],
     max_steps: int,
 ) -> Iterator[Solution]:
-    """With the ends that are found, to more digits if those asked for first turn out to be too few."""
+    """Solutions with free ends, with ever smaller tolerances of the ends."""
     for part in OPTIONS.end_parts:
         free = find_ends(equation, zones, max(part * tol, EPS), max_steps, value=value, signs=signs)
-        yield _told(free.state, free)
+        yield _with_errors(free.state, free)
         if not free.converged:
             break
         zones, value = free.density.zones, free.value or 0.0
 
 
-def _told(state: AnyState, search: Free | None = None) -> Solution:
+def _with_errors(state: AnyState, search: Free | None = None) -> Solution:
     """The solution with its stated errors; search: for its ends, if any are free."""
     zones, value = state.density.zones, None if search is None else search.value
     if search is not None and not search.converged:
@@ -305,25 +299,22 @@ def _told(state: AnyState, search: Free | None = None) -> Solution:
 
 
 def _jump_rounding(state: AnyState) -> Array:
-    """Rounding in each zone's density (n,) of what is subtracted for jumps, which may be much
-    larger than their sum.
-    """
+    """Round-off in each zone's density (n,) from the jumps, whose parts may exceed their sum."""
     jumps, out = state.density.jumps, np.zeros(len(state.whole.density.zones))
     np.maximum.at(out, jumps.zone, 2 * EPS * np.abs(jumps.height) * jumps.sine)
     return out[state.wide_of(np.arange(len(state.density.zones)))[1]]
 
 
-def _why(found: Solution, tol: float) -> str:
-    """What keeps the error above the tolerance."""
+def _reason(found: Solution, tol: float) -> str:
+    """The reason why the error exceeds the tolerance."""
     search = found.search
     if search is not None and not search.converged:
         return reasons.of_search(search)
-    return f"the error has come to {found.error:.1e}, not to {tol:.1e}: {reasons.of_error(found.state, search, tol)}"
+    reason = reasons.of_error(found.state, search, tol)
+    return f"the error has come to {found.error:.1e}, not to {tol:.1e}: {reason}"
 
 
-def _hidden(equation: Equation, zones: Zones, tol: float) -> bool:
-    """Whether a zone lies so close to another one that the most modes do not show it to the
-    tolerance.
-    """
+def _unresolvable(equation: Equation, zones: Zones, tol: float) -> bool:
+    """Whether a zone is so close to another one that the most modes cannot resolve it."""
     fallen = modes.decay(zones, equation.kernel) * modes.COUPLED_SIZES[-1]
     return float(fallen.min()) < -math.log(OPTIONS.decay_part * tol)

@@ -89,7 +89,7 @@ class Kernel(Kept):
         for name, value in (("period", self.period), ("datum", self.datum)):
             if value is not None:
                 inputs.positive(f"the {name} of a kernel", value)
-        _look_at_parts(
+        _check_parts(
             "a kernel", self.regular, self.regular_potential, self.regular_slope, self.length
         )
         if self.regular is None and self.regular_potential is not None:
@@ -196,7 +196,7 @@ class Smooth:
 
     def __post_init__(self) -> None:
         inputs.function("the value of a Smooth kernel", self.value)
-        _look_at_parts("a Smooth kernel", self.value, self.potential, self.slope, self.length)
+        _check_parts("a Smooth kernel", self.value, self.potential, self.slope, self.length)
 
     def __add__(self, other: "Smooth | Regular | Kernel") -> Any:
         """The sum; it has a potential and a slope if both summands have them."""
@@ -254,7 +254,7 @@ def _smooth(other: Any) -> Smooth:
     )
 
 
-def _look_at_parts(name: str, value: Any, potential: Any, slope: Any, length: Any) -> None:
+def _check_parts(name: str, value: Any, potential: Any, slope: Any, length: Any) -> None:
     """Raise ValueError unless the parts of a regular kernel are functions and its length is
     positive.
     """

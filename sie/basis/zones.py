@@ -241,7 +241,7 @@ class Zones(Kept):
         return np.arange(len(self) // 2, len(self)) if self.symmetric else np.arange(len(self))
 
     @cached_property
-    def held(self) -> tuple[list[int], list[int]]:
+    def fixed_bounded(self) -> tuple[list[int], list[int]]:
         """(left, right) places among the solved zones with a fixed bounded end, where K = 0 is
         required.
         """

@@ -570,9 +570,9 @@ def condition_rows(equation: Equation, system: Rows, size: int) -> tuple[Array, 
         matrix, constants, wanted = asked(condition, system, size)
         rows.append(matrix)
         values.append(wanted - constants)
-    if any(zones.held):
+    if any(zones.fixed_bounded):
         for ends, chosen, (matrix, constants) in zip(
-            (zones.left, zones.right), zones.held, system.intensities(), strict=True
+            (zones.left, zones.right), zones.fixed_bounded, system.intensities(), strict=True
         ):
             rows.append(matrix[chosen])
             values.append(

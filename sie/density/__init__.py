@@ -1,1 +1,1 @@
-"""The answer: coefficients on intervals in, values, transforms and potentials anywhere out."""
+"""The density: its values, transforms and potentials anywhere, from its coefficients."""

@@ -40,23 +40,6 @@ class Density(Series):
     edges : tuple or None
         (alpha, beta) of `singular`, if they differ from those of the coefficients.
 
-    Attributes
-    ----------
-    zones : Zones
-        The zones, Z of them.
-    kernel : Kernel
-        By which transform and potential are taken.
-    coefficients : ndarray
-        c of the smooth part (Z, n + 1).
-    jumps : ForcingJumps
-        The jumps of the right side within the zones.
-    amplitudes : ndarray
-        Those of the equation's columns (k,).
-    bounded_ends : bool
-        See `with_bounded_ends`.
-    edges : tuple or None
-        (alpha, beta) of `singular`, where they are not what the coefficients tell.
-
     Examples
     --------
     The density 1 / sqrt(1 - x^2) of a flat punch, on the zone, and its transform 1 / sqrt(z^2 - 1)

@@ -58,7 +58,7 @@ class Located(Kept):
         """
         return by_angle(lambda left, right: self.at(zone, left, right), angle)
 
-    def following(self, zone: Any, angle: Array) -> tuple[Array, Array, Array]:
+    def change_sizes(self, zone: Any, angle: Array) -> tuple[Array, Array, Array]:
         """Sizes at angles of zones of the density, and of its changes by motions of both ends.
 
         See `Density.sensitivity` for the changes.
@@ -69,13 +69,13 @@ class Located(Kept):
         )
         return np.abs(value), np.abs((slope + at_left) * half), np.abs((slope - at_right) / half)
 
-    def followed(self, zones: Index, angles: list[Array]) -> Array:
-        """Largest of the sizes of `following` in each zone, shape (3, Z); zero in zones not given.
+    def largest_changes(self, zones: Index, angles: list[Array]) -> Array:
+        """Largest of the `change_sizes` in each zone, shape (3, Z); zero in zones not given.
 
         angles: the angles of each given zone.
         """
         zone, out = np.repeat(zones, [len(one) for one in angles]), np.zeros((3, len(self.zones)))
-        for largest, size in zip(out, self.following(zone, np.concatenate(angles)), strict=True):
+        for largest, size in zip(out, self.change_sizes(zone, np.concatenate(angles)), strict=True):
             np.maximum.at(largest, zone, size)
         return out
 

@@ -197,11 +197,13 @@ class Plane:
                 f"the regular kernel has no {'slope' if what == 'derivative' else what}"
             )
         if not kernel.sure:
-            _look_at(regular, z, self.density.zones.middle)
-        return by_quadrature(self._held if kernel.sure else self.density.quadrature, z, regular)
+            _check_analytic(regular, z, self.density.zones.middle)
+        return by_quadrature(
+            self._central_nodes if kernel.sure else self.density.quadrature, z, regular
+        )
 
     @cached_property
-    def _held(self) -> list[tuple[Array, Array]]:
+    def _central_nodes(self) -> list[tuple[Array, Array]]:
         """Nodes over all zones together, with weights of the same moments.
 
         They are enough for a function that is smooth over a period.
@@ -211,7 +213,7 @@ class Plane:
         return [(xi, chebyshev.t_matrix(TERMS, TERMS) @ self.series[0] * (half / TERMS))]
 
 
-def _look_at(regular: Regular, z: Complex, places: Array) -> None:
+def _check_analytic(regular: Regular, z: Complex, places: Array) -> None:
     """Raise ValueError unless a user's regular part is analytic: its differences along and across x
     agree.
     """

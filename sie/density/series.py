@@ -151,7 +151,8 @@ class Series(Located):
         for n in np.unique(counts[straight]):
             group = straight[counts[straight] == n]
             out[:, group] = [
-                each.max(axis=1) for each in bounded.following(group[:, None], even_angles(n)[None])
+                each.max(axis=1)
+                for each in bounded.change_sizes(group[:, None], even_angles(n)[None])
             ]
         if len(bent):
             even = [even_angles(n) for n in counts[bent]]
@@ -160,10 +161,10 @@ class Series(Located):
                 out[0], zone, np.abs(bounded.at(zone, *interval.sides(np.concatenate(even))))
             )
             beside = [
-                beside_kinks(*self.jumps.sharpest(i), theta)
+                angles_at_kinks(*self.jumps.sharpest(i), theta)
                 for i, theta in zip(bent.tolist(), even, strict=True)
             ]
-            out[1:] += bounded.followed(bent, beside)[1:]
+            out[1:] += bounded.largest_changes(bent, beside)[1:]
         # A zone with one fixed end spreads its load over another width when the other end moves.
         alpha, beta = self.singular
         out[1:] += (np.abs(alpha) + np.abs(beta)) / np.sqrt(
@@ -250,7 +251,7 @@ def even_angles(count: int) -> Array:
     return (np.arange(count) + 0.5) * np.pi / count
 
 
-def beside_kinks(left: Array, height: Array, theta: Array) -> Array:
+def angles_at_kinks(left: Array, height: Array, theta: Array) -> Array:
     """The given angles, and the angles on both sides of the largest kinks.
 
     left, height: of all kinks of a zone, by distances from the left end over w. Angles closer to a

@@ -379,7 +379,7 @@ def _rates_and_responses(state: State) -> tuple[EndRates, Array]:
     # The rows hold what coefficients do to their own zone, which S does not.
     right[: state.conditions_from] += singular[system.diagonal]
     right[state.conditions_from :] += state.level_rows @ own_level[solved]
-    held = [own[side, solved[p]] for side, places in enumerate(zones.held) for p in places]
+    held = [own[side, solved[p]] for side, places in enumerate(zones.fixed_bounded) for p in places]
     if held:
         right[-len(held) :] = np.array(held) / state.condition_scale[-len(held) :, None]
     factors = state.direct or Factored.of(matrix)

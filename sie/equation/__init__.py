@@ -1,3 +1,1 @@
-"""What is asked: kernel, right side with its jumps, columns of unknown amplitude, and side
-conditions, checked once.
-"""
+"""The equation as data: kernel, right side, columns and side conditions, checked once."""

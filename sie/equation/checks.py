@@ -44,7 +44,7 @@ OPTIONS = CheckOptions()
 _T = np.array(OPTIONS.places)
 
 
-def look_at(equation: Equation, zones: Zones) -> None:
+def check_functions(equation: Equation, zones: Zones) -> None:
     """Raise ValueError for a function of the equation that contradicts its declaration."""
     how = (
         any(
@@ -62,7 +62,7 @@ def look_at(equation: Equation, zones: Zones) -> None:
         )
     for condition in equation.conditions:
         if isinstance(condition, Weighted) and condition.degree is not None:
-            _look_at_degree(
+            _check_degree(
                 f"{type(condition).__name__}: its weight", condition.weight, condition.degree, zones
             )
     parts = [
@@ -71,13 +71,13 @@ def look_at(equation: Equation, zones: Zones) -> None:
     ]
     for name, forcing in parts:
         if how not in _seen(forcing):
-            _look_at_forcing(name, forcing, *_places(zones), *how)
-            _look_at_modes(name, forcing, zones)
+            _check_forcing(name, forcing, *_places(zones), *how)
+            _check_modes(name, forcing, zones)
             _seen(forcing).add(how)
     # Kernels made by this package are not checked.
     if equation.kernel.grows and how not in _seen(equation.kernel):
-        _look_at_kernel(equation.kernel, *_places(zones), *how)
-        _look_at_lag(equation.kernel, *_places(zones))
+        _check_kernel(equation.kernel, *_places(zones), *how)
+        _check_lag(equation.kernel, *_places(zones))
         _seen(equation.kernel).add(how)
 
 
@@ -134,7 +134,7 @@ def _real(name: str, returned: Any, shape: tuple[int, ...], given: str) -> Array
     return np.asarray(values, dtype=float)
 
 
-def _look_at_forcing(
+def _check_forcing(
     name: str, forcing: Forcing, x: Array, half: Array, levels: bool, symmetric: bool
 ) -> None:
     for part, function in (("value", forcing.value), ("primitive", forcing.primitive)):
@@ -152,9 +152,9 @@ def _look_at_forcing(
     value = partial(of, "value", forcing.value)
     g = value(x)
     if symmetric:
-        _look_at_symmetry(f"{name}: value", g, value(-x), x)
+        _check_symmetry(f"{name}: value", g, value(-x), x)
     if forcing.primitive is not None and levels and not forcing.density_jumps:
-        _look_at_rise(
+        _check_rise(
             f"{name}: primitive",
             "value",
             value,
@@ -164,7 +164,7 @@ def _look_at_forcing(
         )
 
 
-def _look_at_kernel(kernel: Kernel, x: Array, half: Array, levels: bool, symmetric: bool) -> None:
+def _check_kernel(kernel: Kernel, x: Array, half: Array, levels: bool, symmetric: bool) -> None:
     regular, potential = kernel.regular, kernel.regular_potential
     assert regular is not None
     xi = x[::-1]
@@ -181,7 +181,7 @@ def _look_at_kernel(kernel: Kernel, x: Array, half: Array, levels: bool, symmetr
 
     values = of("regular part", regular, x[:, None, None], np.array([xi, xi]))
     if symmetric:
-        _look_at_symmetry(
+        _check_symmetry(
             "the kernel's regular part",
             values,
             of("regular part", regular, -x[:, None, None], -np.array([xi, xi])),
@@ -189,7 +189,7 @@ def _look_at_kernel(kernel: Kernel, x: Array, half: Array, levels: bool, symmetr
         )
     if potential is not None and levels:
         of("regular potential", potential, x[:, None, None], np.array([xi, xi]))
-        _look_at_rise(
+        _check_rise(
             "the kernel's regular potential",
             "regular part",
             lambda at: of("regular part", regular, at, xi[:, None]),
@@ -199,7 +199,7 @@ def _look_at_kernel(kernel: Kernel, x: Array, half: Array, levels: bool, symmetr
         )
 
 
-def _look_at_degree(name: str, weight: Callable[[Array], Array], degree: int, zones: Zones) -> None:
+def _check_degree(name: str, weight: Callable[[Array], Array], degree: int, zones: Zones) -> None:
     """Raise ValueError for a weight that is no polynomial of the claimed degree."""
     for zone in _some(zones):
         x = zones.middle[zone] + zones.half[zone] * chebyshev.gauss(
@@ -222,7 +222,7 @@ def _look_at_degree(name: str, weight: Callable[[Array], Array], degree: int, zo
             )
 
 
-def _look_at_modes(name: str, forcing: Forcing, zones: Zones) -> None:
+def _check_modes(name: str, forcing: Forcing, zones: Zones) -> None:
     """Raise ValueError for a column with more modes than it claims."""
     modes = forcing.resolution.modes
     if modes is None:
@@ -247,7 +247,7 @@ def _of_places(x: Array, length: float, values: Array) -> float:
     return float(8 * np.spacing(np.abs(x).max()) / max(length, 1e-300) * np.ptp(values))
 
 
-def _look_at_lag(kernel: Kernel, x: Array, half: Array) -> None:
+def _check_lag(kernel: Kernel, x: Array, half: Array) -> None:
     """Raise ValueError for a regular part that claims to depend on x - xi only, but does not."""
     if not kernel.of_lag or kernel.regular is None:
         return
@@ -279,7 +279,7 @@ def _look_at_lag(kernel: Kernel, x: Array, half: Array) -> None:
         )
 
 
-def _look_at_symmetry(name: str, here: Array, there: Array, x: Array) -> None:
+def _check_symmetry(name: str, here: Array, there: Array, x: Array) -> None:
     size = np.abs(here).max(initial=0.0)
     off = np.abs(here + there).reshape(len(x), -1).max(axis=1)
     worst = int(np.argmax(off))
@@ -292,7 +292,7 @@ def _look_at_symmetry(name: str, here: Array, there: Array, x: Array) -> None:
         )
 
 
-def _look_at_rise(
+def _check_rise(
     name: str,
     of: str,
     value: Callable[[Array], Array],

@@ -97,13 +97,6 @@ class Condition:
     levels : bool
         Whether it contains potentials.
 
-    Attributes
-    ----------
-    open : bool
-        Whether the condition's value is unknown, and found from a condition on the ends.
-    levels : bool
-        Whether it speaks of potentials.
-
     Examples
     --------
     >>> import numpy as np, sie
@@ -291,11 +284,6 @@ class Total(Condition):
     value : float or None
         The prescribed integral; None: unknown, determined by a condition on the ends.
 
-    Parameters
-    ----------
-    value : float or None
-        What it is to be; None: unknown, found from a condition on the ends.
-
     Examples
     --------
     >>> import numpy as np, sie
@@ -333,15 +321,6 @@ class Weighted(Condition):
         The prescribed integral.
     degree : int or None
         The degree of a polynomial weight, which then needs few coefficients.
-
-    Parameters
-    ----------
-    weight : callable
-        weight(x), x (n,), smooth on each zone.
-    value : float
-        What the integral is to be.
-    degree : int or None
-        Where the weight is a polynomial, its degree.
 
     Examples
     --------
@@ -388,17 +367,6 @@ def moment(value: float, about: float = 0.0) -> Weighted:
     -------
     Weighted
 
-    Parameters
-    ----------
-    value : float
-        What the moment is to be.
-    about : float
-        The place it is taken about.
-
-    Returns
-    -------
-    Weighted
-
     Examples
     --------
     >>> import numpy as np, sie
@@ -426,11 +394,6 @@ class ZoneMoments(Condition):
     ----------
     value : float
         The prescribed sum.
-
-    Parameters
-    ----------
-    value : float
-        What they add up to.
 
     Examples
     --------
@@ -467,11 +430,6 @@ class ZoneTotals(Condition):
     ----------
     values : float or tuple of float
         One value for all, or one for each solved zone (0 for cracks).
-
-    Parameters
-    ----------
-    values : float or tuple of float
-        One value for all, or one for each solved zone (0: as in cracks).
 
     Examples
     --------

@@ -44,7 +44,7 @@ def _forcing(name: str, given: Any) -> Forcing:
     raise ValueError(f"{name} must be a sie.Forcing or a function of x, got {inputs.shown(given)}")
 
 
-def _look_at_kernel(kernel: Any) -> None:
+def _check_kernel(kernel: Any) -> None:
     """Raise ValueError for anything that is no kernel with a pole."""
     if isinstance(kernel, Kernel):
         return
@@ -86,27 +86,6 @@ class Equation(Kept):
         For a kernel without a pole, for columns with jumps, for potentials with a right side that
         has logarithms, and for parts of a wrong type.
 
-    Parameters
-    ----------
-    kernel : Kernel
-        `cauchy()`, `hilbert(period)`, `images(period, neighbours)`, or one of these plus a
-        `Smooth`.
-    forcing : Forcing or callable
-        The right side g; a function of x stands for `Forcing` of it.
-    conditions : tuple of Condition
-        Side conditions: one for each zone with two singular or two free ends, one less for each
-        fixed bounded end, one more for each column. One that is no tuple will do.
-    columns : tuple of Forcing or callable
-        Functions of the right side whose amplitudes are unknown.
-    end_conditions : tuple
-        Conditions on the ends alone, as many as conditions of unknown value.
-
-    Raises
-    ------
-    ValueError
-        For a kernel without a pole, for columns with jumps, for potentials asked of right sides
-        with logarithms, and for parts of a wrong type.
-
     Examples
     --------
     >>> import numpy as np, sie
@@ -122,7 +101,7 @@ class Equation(Kept):
     end_conditions: tuple[EndCondition, ...] = ()
 
     def __post_init__(self) -> None:
-        _look_at_kernel(self.kernel)
+        _check_kernel(self.kernel)
         keep = partial(object.__setattr__, self)
         keep("forcing", _forcing("the right side", self.forcing))
         keep(

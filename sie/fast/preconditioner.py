@@ -30,7 +30,7 @@ class TwoLevelPreconditioner:
             [np.arange(starts[k], starts[k + 1]) for k in self.others]
             or [np.zeros(0, dtype=np.intp)]
         )
-        self.held = np.array(sum(zones.held, []), dtype=np.intp)
+        self.held = np.array(sum(zones.fixed_bounded, []), dtype=np.intp)
         at = next((k for k, kind in enumerate(kinds) if kind is not None), None)
         self.own, self.levels = system.of_zones, system.levelled
         # What every zone has of its own: rows of one condition, or those of held ends, which come

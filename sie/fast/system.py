@@ -57,7 +57,7 @@ def unfit(equation: Equation, zones: Zones) -> str | None:
     per_zone = [c for c in equation.conditions if by_zone(c, zones) is not None]
     if sum(c.count(zones) for c in equation.conditions if c not in per_zone) > _FEW_ROWS:
         return "there are too many conditions that are of no zone by itself"
-    held = sorted(sum(zones.held, []))
+    held = sorted(sum(zones.fixed_bounded, []))
     if len(per_zone) + bool(held) != 1 or (held and held != list(range(len(zones.solved)))):
         return "every zone needs one condition of its own, all of one kind"
     return None
@@ -340,7 +340,7 @@ class Applied(Rows):
 
     def held(self) -> Linear:
         """K at the ends that are held at zero, those on the left first."""
-        pairs = list(zip(self.zones.held, self.intensities(), strict=True))
+        pairs = list(zip(self.zones.fixed_bounded, self.intensities(), strict=True))
         matrix, constants = (
             np.concatenate([linear[part][chosen] for chosen, linear in pairs]) for part in (0, 1)
         )

@@ -1,3 +1,1 @@
-"""Jumps of a right side, or of a density, and splines: each in, its transform and potential in
-closed form out.
-"""
+"""Jumps, algebraic points and splines of a right side or a density, in closed form."""

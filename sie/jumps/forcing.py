@@ -46,7 +46,7 @@ from sie.jumps.spline import ConjugateSpline, QuadraticSpline, with_jumps
 # A spline takes the place of many jumps of order 2 of the right side or of the density. Both kinds
 # have the same methods; a method raises ValueError if its kind has no closed form.
 Spline = QuadraticSpline | ConjugateSpline
-MadeSpline = Callable[[Array, Array, Callable[[Array], Array]], tuple[Spline, Array, Array] | None]
+MakeSpline = Callable[[Array, Array, Callable[[Array], Array]], tuple[Spline, Array, Array] | None]
 
 
 @record
@@ -122,12 +122,12 @@ class ForcingJumps(Jumps):
         )
 
     def _with_splines(
-        self, zones: Zones, f: Callable[[Array], Array], made: MadeSpline, least: int
+        self, zones: Zones, f: Callable[[Array], Array], make: MakeSpline, least: int
     ) -> Self:
         """The jumps, with a spline in every zone that has at least this many jumps of order 2.
 
-        made: makes a spline of the knots, their jumps and f. If f is no quadratic spline with these
-        jumps, the spline is made of the jumps alone.
+        make: makes a spline of the knots, their jumps and f. If f is no quadratic spline with these
+        jumps, the spline is make of the jumps alone.
         """
         height, more = self.height.copy(), []
         splines: dict[int, Spline] = {}
@@ -139,11 +139,11 @@ class ForcingJumps(Jumps):
             k = k[np.argsort(self.left[k])]
             left, jumps = self.left[k], height[k]
             found = (
-                made(left, jumps, partial(_from_left, f, zones, zone))
+                make(left, jumps, partial(_from_left, f, zones, zone))
                 if len(k) == len(all_of_it)
                 else None
             )
-            found = made(left, jumps, with_jumps(left, jumps)) if found is None else found
+            found = make(left, jumps, with_jumps(left, jumps)) if found is None else found
             if found is not None:
                 splines[zone], height[k], others = found
                 more.append(np.column_stack((np.full(others.shape[1], zone), others.T)))

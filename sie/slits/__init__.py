@@ -1,3 +1,1 @@
-"""Intervals beside narrow gaps, taken as one wide interval with slits: the same equation in, the
-same density out.
-"""
+"""Zones with narrow gaps: wide zones with slits, the same equation and the same density."""

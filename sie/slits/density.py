@@ -1,5 +1,6 @@
-"""The density of wide zones with slits, as that of the pieces between the slits; see `slits` for
-the equations.
+"""The density of wide zones with slits, as that of the pieces between the slits.
+
+`sie.slits.slits` has the equations.
 """
 
 from collections.abc import Iterator
@@ -19,52 +20,51 @@ from sie.basis.zones import Zones
 from sie.density.density import Density
 from sie.density.located import Located
 from sie.density.series import OPTIONS as SAMPLES
-from sie.density.series import beside_kinks, even_angles, from_zones
+from sie.density.series import angles_at_kinks, even_angles, from_zones
 from sie.jumps.forcing import ForcingJumps
 from sie.slits.kinks import SlitKink
 from sie.slits.plane import SlitPlane
-from sie.slits.slits import OPTIONS, Merged, Slits, off_slit
+from sie.slits.slits import OPTIONS, Merged, Slits, outside_slit
 
-# Half widths of a wide zone beyond which the coefficients of the slack that other zones see have
+# Half widths from a wide zone beyond which the coefficients of the slack that other zones see have
 # all of it.
 _FAR = float(np.cosh(DIGITS / OPTIONS.min_slack_modes)) - 1
 
 
 @dataclass(frozen=True, eq=False)
 class SlitDensity(Located):
-    """phi on zones beside narrow gaps: what wide zones that span the gaps, g - s on their right
-    side, have beside the slits.
+    """phi on zones with narrow gaps: wide zones that span the gaps have g - s on their right side.
 
-    Members are those of `Density`, told of the zones as they were given. `solve_zones` makes it.
+    Members are those of `Density`, for the zones as they were given. `solve_zones` makes it.
 
     Attributes
     ----------
     merged : Merged
-        The zones (`merged.pieces`), the wide zones that span narrow gaps between them
-        (`merged.wide`), and the slits in these.
+        The zones (`merged.pieces`), the wide zones that span the narrow gaps (`merged.wide`), and
+        the slits in these.
     smooth : Density
-        c = phi - P[s] on the wide zones, P[s] the density that the slack s asks for: as smooth as
-        the right side.
+        c = phi - P[s] on the wide zones, P[s] the density of the slack s: as smooth as the right
+        side.
     whole : Density
-        phi on the wide zones, by its coefficients: what other zones see of it.
+        phi on the wide zones by its coefficients, as other zones see it.
     slits : tuple of Slits
         The slits, for each wide zone that has any.
     d : tuple of ndarray
-        The series of sigma = s sqrt(1 - t^2) on the slits of each of these, one after the other
+        Series of sigma = s sqrt(1 - t^2) on the slits of each of these, one after the other
         (modes,).
     bounded_ends : bool
-        Whether the last traces of 1/sqrt(d) at free ends are taken out; see
+        Whether round-off traces of 1/sqrt(d) at free ends are removed; see
         `Density.with_bounded_ends`.
     forced : bool
-        Whether the right side stands behind it, with the kinks that it has in slits; not so for a
-        response.
+        Whether the density includes the right side, with its kinks in slits; a response does not.
 
     Examples
     --------
     >>> import numpy as np, sie
     >>> wave = sie.Forcing(np.sin, lambda x: -np.cos(x))
     >>> near = sie.Zones.of([[-1.0, -0.001], [0.001, 1.0]])
-    >>> density = sie.solve_zones(sie.Equation(sie.cauchy(), wave, (sie.Total(1.0), sie.EqualPotential())), near).density
+    >>> charge = sie.Equation(sie.cauchy(), wave, (sie.Total(1.0), sie.EqualPotential()))
+    >>> density = sie.solve_zones(charge, near).density
     >>> type(density).__name__, density.totals.round(9).tolist()
     ('SlitDensity', [0.5, 0.5])
     """
@@ -95,7 +95,7 @@ class SlitDensity(Located):
 
     @property
     def coefficients(self) -> Array:
-        """Those of the wide zones."""
+        """Coefficients of the smooth part on the wide zones."""
         return self.smooth.coefficients
 
     @cached_property
@@ -103,13 +103,13 @@ class SlitDensity(Located):
         return self.smooth.sampling[self.merged.piece_zone]
 
     def kinks_of(self, here: Slits) -> list[tuple[int, SlitKink]]:
-        """The jumps in slits of one wide zone, by slit."""
+        """(slit, jump) for each jump in a slit of one wide zone."""
         return here.kinks if self.forced else []
 
-    # series of the slits
+    # Series of the slits.
     @cached_property
     def series(self) -> list[list[Array]]:
-        """d of each slit, without the traces of K where they are taken out."""
+        """d of each slit, without traces of K if these are removed."""
         split = [np.split(d, here.offset[1:-1]) for here, d in zip(self.slits, self.d, strict=True)]
         return [[_closed(one) for one in row] for row in split] if self.bounded_ends else split
 
@@ -121,18 +121,18 @@ class SlitDensity(Located):
 
     @cached_property
     def _tilde(self) -> list[list[Array]]:
-        """Series of sigma / X^2: X H[sigma / X^2] is P[s] less (alpha + beta t) / X."""
+        """Series of sigma / X^2: X H[sigma / X^2] is P[s] without (alpha + beta t) / X."""
         found = self._of_slits(2)
         return [[_closed(one) for one in row] for row in found] if self.bounded_ends else found
 
     @cached_property
     def sigma(self) -> Density:
-        """sigma on all slits, as a density of its own."""
+        """sigma on all slits, as a density."""
         return self._on_slits(self.series)
 
     @cached_property
     def _slack(self) -> Density:
-        """s on all slits."""
+        """s on all slits, as a density."""
         return self._on_slits(self._of_slits(1))
 
     def _on_slits(self, series: list[list[Array]]) -> Density:
@@ -145,7 +145,7 @@ class SlitDensity(Located):
 
     @cached_property
     def _edged(self) -> Density:
-        """The smooth part with what P[s] adds to (alpha + beta t) / sqrt(1 - t^2)."""
+        """The smooth part, with the share of P[s] in (alpha + beta t) / sqrt(1 - t^2)."""
         alpha, beta = (part.copy() for part in self.smooth.singular)
         for here, row in zip(self.slits, self.series, strict=True):
             for slit, d in zip(here.slits, row, strict=True):
@@ -157,11 +157,11 @@ class SlitDensity(Located):
                 beta[here.zone] += kink.edge[1]
         return replace(self.smooth, edges=(alpha, beta), bounded_ends=self.bounded_ends)
 
-    # per piece
+    # Values for each piece.
     def at(self, zone: ArrayLike, left: ArrayLike, right: ArrayLike) -> Array:
-        """Density at points given by piece and the distances from its ends over its half width."""
+        """Density at points given by piece and distances from its ends over its half width."""
         zone = np.asarray(zone, dtype=np.intp)
-        if not self.merged.beside_slits[zone].any():  # a piece alone is its wide zone
+        if not self.merged.next_to_slit[zone].any():  # a piece without slits is its wide zone
             return self._edged.at(self.merged.piece_zone[zone], left, right)
         merged, wide = self.merged, self.merged.wide
         piece, lf, rt = np.broadcast_arrays(zone, np.asarray(left, float), np.asarray(right, float))
@@ -185,9 +185,11 @@ class SlitDensity(Located):
             for slit, a, b, d in zip(here.slits, here.start, here.stop, row, strict=True):
                 past = begin >= b
                 away = np.where(past, begin - b + lf[on] * half[on], a - end + rt[on] * half[on])
-                added += off_slit(away / slit.width, np.where(past, 1.0, -1.0), d)
+                added += outside_slit(away / slit.width, np.where(past, 1.0, -1.0), d)
                 for kink in (kink for k, kink in self.kinks_of(here) if here.slits[k] is slit):
-                    out[on] += kink.beside(from_left[on], from_right[on], away / slit.width, past)
+                    out[on] += kink.outside_slit(
+                        from_left[on], from_right[on], away / slit.width, past
+                    )
             out[on] += np.sqrt(from_left[on] * from_right[on]) * added
         if self.bounded_ends:
             at_left, at_right = self.zones.bounded[:, piece]
@@ -196,33 +198,36 @@ class SlitDensity(Located):
 
     @cached_property
     def intensities(self) -> tuple[Array, Array]:
-        """K at the left and right end of each piece. Across the end of a slit sigma / X goes on as
-        the density, with the sign of K turned at its left end.
+        """K at the left and right end of each piece.
+
+        Beyond the end of a slit sigma / X continues as the density; at its left end K changes its
+        sign.
         """
         return self.edges(self._edged.intensities, self.sigma.intensities, (-1.0, 1.0))
 
     @cached_property
     def edge_slopes(self) -> tuple[Array, Array]:
-        """A at the left and right end of each piece; at a slit's right end that of sigma with its
-        sign turned.
+        """A at the left and right end of each piece.
+
+        At the right end of a slit it is that of sigma with the opposite sign.
         """
         left, right = (part.copy() for part in self._edged.edge_slopes)
         wide = self.merged.wide
         for here, row in zip(self.slits, self._tilde, strict=True):
             scale = slope_scale(wide.half[here.zone])
             for slit, before, after, d in zip(here.slits, here.start, here.rest, row, strict=True):
-                left[here.zone] += scale * off_slit(np.array([before / slit.width]), -1.0, d)[0]
-                right[here.zone] += scale * off_slit(np.array([after / slit.width]), 1.0, d)[0]
+                left[here.zone] += scale * outside_slit(np.array([before / slit.width]), -1.0, d)[0]
+                right[here.zone] += scale * outside_slit(np.array([after / slit.width]), 1.0, d)[0]
             for _, kink in self.kinks_of(here):
                 left[here.zone] += scale * kink.edge_slopes[0]
                 right[here.zone] += scale * kink.edge_slopes[1]
         slopes_left, slopes_right = self.edges((left, right), self._sigma_slopes, (1.0, -1.0))
-        # 1 / X changes along the piece: K / (X sqrt(d)) has a share in A.
+        # 1 / X varies along the piece, so that K / (X sqrt(d)) has a share in A.
         k_left, k_right = self.intensities
         before, after = self.merged.slit_before, self.merged.slit_after
         by_left, by_right = (
             0.5 / from_end - 0.5 / to_end
-            for from_end, to_end in zip(*self._beside_ends, strict=True)
+            for from_end, to_end in zip(*self._end_distances, strict=True)
         )  # d log X / dx
         slopes_left = slopes_left - np.where(before < 0, 0.0, (k_left * by_right[before]))
         slopes_right = slopes_right + np.where(after < 0, 0.0, (k_right * by_left[after]))
@@ -230,7 +235,7 @@ class SlitDensity(Located):
 
     @cached_property
     def _sigma_slopes(self) -> tuple[Array, Array]:
-        """A of sigma at the left and right end of each slit, psi with it."""
+        """A of sigma, psi included, at the left and right end of each slit."""
         left, right = (part.copy() for part in self.sigma.edge_slopes)
         root_left, root_right = self.slit_roots
         for here in self.slits:
@@ -242,19 +247,18 @@ class SlitDensity(Located):
 
     @cached_property
     def sensitivity(self) -> tuple[Array, Array, Array]:
-        """See `Density.sensitivity`, of the pieces; the slope by differences, since a piece has no
-        series of its own.
-        """
+        """`Density.sensitivity` of the pieces, by differences: a piece has no series of its own."""
         angles = [
-            self._looked_at(piece, count) for piece, count in enumerate(self._counts.tolist())
+            self._sample_angles(piece, count) for piece, count in enumerate(self._counts.tolist())
         ]
-        peak, by_left, by_right = self.followed(np.arange(len(angles)), angles)
+        peak, by_left, by_right = self.largest_changes(np.arange(len(angles)), angles)
         return peak, by_left, by_right
 
     @cached_property
     def _counts(self) -> Index:
-        """Even angles of each piece that show all of the density: its share of those of its wide
-        zone, and as many again for the slits.
+        """Number of angles of each piece that resolve its density.
+
+        Its share of the angles of its wide zone, doubled for the slits.
         """
         merged, w = self.merged, self.merged.wide.half[self.merged.piece_zone]
         left, right = (
@@ -265,21 +269,22 @@ class SlitDensity(Located):
             2 * self.sampling * (left - right) / np.pi, SAMPLES.min_samples, SAMPLES.max_angles
         ).astype(np.intp)
 
-    def _looked_at(self, piece: int, count: int) -> Array:
-        """So many angles of a piece, and some beside kinks."""
+    def _sample_angles(self, piece: int, count: int) -> Array:
+        """`count` angles of a piece, and angles on both sides of its largest kinks."""
         merged, zone = self.merged, int(self.merged.piece_zone[piece])
         w, half, start = merged.wide.half[zone], self.zones.half[piece], merged.start[piece]
         theta = even_angles(count)
         left, height = self.jumps.sharpest(zone)
         left = (left * w - start) / half
         inside = (left > 0) & (left < 2)
-        return beside_kinks(left[inside], height[inside], theta)
+        return angles_at_kinks(left[inside], height[inside], theta)
 
     def edges(
         self, wide: tuple[Array, Array], slits: tuple[Array, Array], signs: tuple[float, float]
     ) -> tuple[Array, Array]:
-        """Values at the pieces' ends, from those of wide zones and of slits (over X, with signs for
-        their two ends).
+        """Values at the pieces' ends, from those of the wide zones and those of the slits.
+
+        Values of slits are divided by X and multiplied by the signs of their left and right ends.
         """
         before, after = self.merged.slit_before, self.merged.slit_after
         root_left, root_right = self.slit_roots
@@ -292,9 +297,9 @@ class SlitDensity(Located):
         return left, right
 
     @cached_property
-    def _beside_ends(self) -> tuple[Array, Array]:
-        """Distances of the left and right ends of all slits (2, slits) from the left, from the
-        right end of their wide zones.
+    def _end_distances(self) -> tuple[Array, Array]:
+        """Distances of both ends of all slits (2, slits) from the left and from the right end of
+        their zone.
         """
         merged, ends = self.merged, self.merged.slits.table.T
         return ends - merged.wide.a[merged.slit_zone], merged.wide.b[merged.slit_zone] - ends
@@ -302,12 +307,12 @@ class SlitDensity(Located):
     @cached_property
     def slit_roots(self) -> Array:
         """X at the left and right end of each slit (2, slits)."""
-        from_left, from_right = self._beside_ends
+        from_left, from_right = self._end_distances
         return np.asarray(
             np.sqrt(from_left * from_right) / self.merged.wide.half[self.merged.slit_zone]
         )
 
-    # totals
+    # Totals.
     @property
     def total(self) -> float:
         return self.whole.total
@@ -317,15 +322,18 @@ class SlitDensity(Located):
 
     @cached_property
     def totals(self) -> Array:
-        """Integral over each piece: that of its wide zone, or by Gauss-Chebyshev beside slits,
-        doubled until it stays; of the logarithms of kinks in closed form.
+        """Integral over each piece.
+
+        A piece without slits has that of its wide zone. Otherwise Gauss-Chebyshev quadrature with
+        doubled node counts, until the value no longer changes; the logarithms of kinks in closed
+        form.
         """
         out = self.whole.totals[self.merged.piece_zone].copy()
         wide, kinks = (
             self.merged.wide,
             replace(self.jumps.chosen(self.jumps.order == 0), splines={}),
         )
-        for piece in np.flatnonzero(self.merged.beside_slits):
+        for piece in np.flatnonzero(self.merged.next_to_slit):
             zone = int(self.merged.piece_zone[piece])
             before, after = self.zones.a[piece] - wide.a[zone], wide.b[zone] - self.zones.b[piece]
             half, w = self.zones.half[piece], wide.half[zone]
@@ -352,14 +360,14 @@ class SlitDensity(Located):
             out[piece] = here
         return out
 
-    # the line
+    # Values on the line.
     def _into_wide(self, x: Array) -> Array:
         """x moved by periods to lie right of the first wide zone's left end."""
         return wrapped(x, self.merged.wide.a[0], self.kernel.period)
 
     @property
     def slit_count(self) -> int:
-        """How many narrow gaps between the zones are taken as slits of wider ones."""
+        """Number of narrow gaps that are treated as slits of wider zones."""
         return len(self.merged.slits)
 
     def opening(self, x: ArrayLike) -> tuple[Mask, Array]:
@@ -380,8 +388,9 @@ class SlitDensity(Located):
         return out
 
     def _in_kinks(self, place: Array) -> Iterator[tuple[SlitKink, float, Mask, Array, Array]]:
-        """For each jump in a slit: itself, the slit's half width, which places lie in it, and how
-        far from its ends over that.
+        """For each jump in a slit: the jump, the slit's half width, and the places in that slit.
+
+        Places are a mask and the distances from both ends of the slit over its half width.
         """
         for here in self.slits:
             for k, kink in self.kinks_of(here):
@@ -394,17 +403,17 @@ class SlitDensity(Located):
         """The density at complex points."""
         kinks = [self.kinks_of(here) for here in self.slits]
         return SlitPlane(
-            self.merged, self.whole, self._told_density, self.slits, self.series, kinks
+            self.merged, self.whole, self._slack_density, self.slits, self.series, kinks
         )
 
     def _on_line(self, x: Array, potential: bool) -> Array:
         flat = x.ravel()
         out = np.array(self.whole.potential(flat) if potential else self.whole.transform(flat))
-        self._near_slits(flat, out, potential)
+        self._add_slits(flat, out, potential)
         place = self._into_wide(flat)
         if not potential:
             return np.asarray((out - self.slack(place)).reshape(x.shape))
-        # On a wide zone P[s] raises the potential by its mean opening, and takes the opening away.
+        # On a wide zone P[s] adds its mean opening to the potential, and subtracts the opening.
         i = np.maximum(np.searchsorted(self.merged.wide.a, place, side="right") - 1, 0)
         on = (place >= self.merged.wide.a[i]) & (place <= self.merged.wide.b[i])
         out += np.where(on, self.mean_openings[i] - self.opening(place)[1], 0.0)
@@ -421,18 +430,19 @@ class SlitDensity(Located):
         return out
 
     @cached_property
-    def _told_density(self) -> Density:
-        """s as what other zones see of it, on the wide zones that have slits."""
+    def _slack_density(self) -> Density:
+        """s as other zones see it, on the wide zones that have slits."""
         some = np.array([here.zone for here in self.slits])
         count = max(self.whole.coefficients.shape[1], self.smooth.coefficients.shape[1])
         whole, smooth = (widened(d.coefficients[some], count) for d in (self.whole, self.smooth))
         zones = Zones.of(self.merged.wide.table[some])
         return Density(zones, self.kernel, whole - smooth, ForcingJumps.none(), np.zeros(0))
 
-    def _near_slits(self, x: Array, out: Array, potential: bool) -> None:
-        """Puts right what the slits do close to their wide zones and to images of these, where as
-        many of their coefficients as others are told do not tell it: takes that out of `out`, and
-        off the zone puts in what they do.
+    def _add_slits(self, x: Array, out: Array, potential: bool) -> None:
+        """Correct `out` for the slits close to their wide zones and to images of these.
+
+        There the coefficients of s that other zones see are too few. Their field is subtracted, and
+        off the zone the closed form is added.
         """
         x = self.smooth.into_period(x)
         order = np.argsort(x, kind="stable")
@@ -446,7 +456,7 @@ class SlitDensity(Located):
                 for block in pair_blocks(int(last - first), OPTIONS.min_slack_modes):
                     some = order[first:last][block]
                     out[some] -= from_zones(
-                        self._told_density, x[some], np.full(len(some), number), shift, potential
+                        self._slack_density, x[some], np.full(len(some), number), shift, potential
                     )
                     left, right = (x[some] - a) / w, (b - x[some]) / w
                     off = (left < 0) | (right < 0)
@@ -456,12 +466,13 @@ class SlitDensity(Located):
                     out[some[off]] += what(seen, here, row)
 
     def _transform(self, seen: Outside, here: Slits, row: list[Array]) -> Array:
-        """Transform of P[s] off its wide zone: (sgn z / sqrt(z^2 - 1)) (1/pi) int sigma / (z - tau)
-        dtau.
+        """Transform of P[s] off its wide zone.
+
+        It is (sgn z / sqrt(z^2 - 1)) (1/pi) int sigma / (z - tau) dtau.
         """
         total, past = np.zeros(seen.excess.shape), seen.sign > 0
         for slit, d in zip(here.slits, row, strict=True):
-            total += off_slit(
+            total += outside_slit(
                 (seen.excess + np.where(past, slit.rest, slit.start)) / slit.half, seen.sign, d
             )
         for _, kink in self.kinks_of(here):
@@ -472,8 +483,9 @@ class SlitDensity(Located):
             return np.asarray(total / seen.root)
 
     def _potential(self, seen: Outside, here: Slits, row: list[Array]) -> Array:
-        """Potential of P[s] off its wide zone: -w sum s_k rho^k / k, summed in closed form over
-        each slit.
+        """Potential of P[s] off its wide zone.
+
+        It is -w sum s_k rho^k / k, summed in closed form over each slit.
         """
         rho = seen.rho
         total = np.zeros(rho.shape)
@@ -493,8 +505,9 @@ class SlitDensity(Located):
 
 
 def _closed(d: Array) -> Array:
-    """The series without (alpha + beta z) / sqrt(1 - z^2): from (1 - z^2) U_k = (T_k - T_(k+2)) /
-    2.
+    """The series d without (alpha + beta z) / sqrt(1 - z^2).
+
+    From (1 - z^2) U_k = (T_k - T_(k+2)) / 2.
     """
     u = chebyshev.bounded_part(d[None])[2][0]
     out = np.zeros(len(u) + 2)

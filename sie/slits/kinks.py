@@ -1,28 +1,29 @@
-r"""A kink in a slit, a jump of the curvature or a knot: what the right side jumps by in a slit of a
-wide zone, carried in closed form.
+r"""A jump of the right side in a slit of a wide zone, in closed form.
 
-With h the jump (see `jumps.forcing`), q = 0 that of the right side, q = 1, 2 of its derivatives,
-the zone's own part of it, (h/pi)(t - s)^q kappa(t), is singular at s, and the slope of the gap with
-it. Let bars be means over the slit's equilibrium measure, and chi = arccos(-z)/pi the step whose
-jump is spread like that. Then psi = h (H(t - s) - chi), or for q = 1, m being the slit's middle, h
-((t - s)_+ - bar((t - .)_+) - (m - s) chi), vanishes at both ends of the slit, and with psi taken
-out of s
+With h the jump (see `sie.jumps.forcing`), q = 0 of the right side, q = 1, 2 of its derivatives, the
+zone's own part of it, (h/pi)(t - s)^q kappa(t), is singular at s, and so is the slope of the gap.
+Let bars be means over the slit's equilibrium measure, and chi = arccos(-z)/pi the step whose jump
+is spread like that measure. For q = 0, psi = h (H(t - s) - chi). For q = 1, with m the middle of
+the slit, psi = h ((t - s)_+ - bar((t - .)_+) - (m - s) chi). psi vanishes at both ends of the slit,
+and with psi subtracted from s
 
-    (h/pi) kappa + P[psi] = (h/pi) bar(kappa) + (a_0 + a_1 t) / X,           a_0 = (1/pi) int psi tau / X,  a_1 = (1/pi) int psi / X,
-    (h/pi) (t - s) kappa + P[psi] = (h/pi)(bar((t - .) kappa) + (m - s) bar(kappa) - (phi - bar(phi)) X) + (a_0 + a_1 t) / X,
+    (h/pi) kappa + P[psi] = (h/pi) bar(kappa) + (a_0 + a_1 t) / X,
+    (h/pi) (t - s) kappa + P[psi]
+        = (h/pi)(bar((t - .) kappa) + (m - s) bar(kappa) - (phi - bar(phi)) X) + (a_0 + a_1 t) / X,
+    a_0 = (1/pi) int psi tau / X,   a_1 = (1/pi) int psi / X.
 
-whose logarithms are, r the slit's half width, ln(r/2) and r z (ln(r/2) + 1) on the slit: what is
-left for its series is smooth. Off the slit, with |z| = cosh u, they are ln(r/2) + u and r sgn(z)
-(|z| (ln(r/2) + 1 + u) - sinh u).
+With r the slit's half width, the logarithms of these are ln(r/2) and r z (ln(r/2) + 1) on the slit,
+so that a smooth function is left for its series. Off the slit, with |z| = cosh u, they are ln(r/2)
++ u and r sgn(z) (|z| (ln(r/2) + 1 + u) - sinh u).
 
 For q = 2, with t - m = r z, s - m = r zeta, b_k = bar((z - .)_+^k), psi = h r^2 ((z - zeta)_+^2 -
 b_2 + 2 zeta b_1 - (zeta^2 - 1/2) b_0), and (t - s)^2 kappa is spread as bar((t - .)^2 kappa) - 2 r
-zeta bar((t - .) kappa) + r^2 (zeta^2 - 1/2) bar(kappa), the mean of (z - .)^2 ln|z - .| being z^2
-(3/2 - ln 2) + 1/4 - (ln 2)/2 on the slit and, off it, (z^2 + 1/2) (u - ln 2) + 2 |z| e^-u - e^-2u /
-4. The transforms of both differ by a polynomial, which X times another one makes up for; with D =
-phi - phi(.), y = t - m, that is
+zeta bar((t - .) kappa) + r^2 (zeta^2 - 1/2) bar(kappa). The mean of (z - .)^2 ln|z - .| is z^2 (3/2
+- ln 2) + 1/4 - (ln 2)/2 on the slit, and (z^2 + 1/2) (u - ln 2) + 2 |z| e^-u - e^-2u / 4 off it.
+The transforms of both differ by a polynomial, which X times another polynomial cancels. With D =
+phi - phi(.), y = t - m and c = cos over the slit, that is (derived here)
 
-    -(h/pi) X (bar(sin(phi) - sin(phi(.))) - 2 (s - m) bar(D) - 2 r bar(c D) + (y - m) bar(D)),   c = cos over the slit. (Derived here.)
+    -(h/pi) X (bar(sin(phi) - sin(phi(.))) - 2 (s - m) bar(D) - 2 r bar(c D) + (y - m) bar(D)).
 """
 
 from collections.abc import Iterable, Iterator
@@ -54,9 +55,11 @@ OPTIONS = KinkOptions()
 
 @record
 class SlitKink(Kept):
-    """jump: h. start, rest, half: the slit, in the wide zone's half width: distances from that
-    zone's ends, half width. from_left, from_right: distances of the jump from the ends of the wide
-    zone. order: q.
+    """One jump in a slit.
+
+    jump: h. start, rest, half: distances of the slit from the ends of the wide zone, and half
+    width, all over the zone's half width. from_left, from_right: distances of the jump from the
+    ends of the wide zone, likewise. order: q.
     """
 
     jump: float
@@ -68,7 +71,7 @@ class SlitKink(Kept):
     order: int
 
     @cached_property
-    def _beside(self) -> tuple[float, float]:
+    def _jump_distances(self) -> tuple[float, float]:
         """Distances of the jump from the left and right end of the slit, over the slit's half
         width.
         """
@@ -76,8 +79,8 @@ class SlitKink(Kept):
 
     @property
     def zeta(self) -> float:
-        """The jump's place in the slit."""
-        left, right = self._beside
+        """Place of the jump in the slit, from -1 to 1."""
+        left, right = self._jump_distances
         return 0.5 * (left - right)
 
     @cached_property
@@ -90,15 +93,17 @@ class SlitKink(Kept):
             self.rest + self.half * right,
         )
 
-    # psi
+    # The slack psi.
     @cached_property
     def _weights(self) -> tuple[float, ...]:
         """e_0 ... e_q of `mixed`."""
         return ((1.0,), (-self.zeta, 1.0), (self.zeta**2 - 0.5, -2 * self.zeta, 1.0))[self.order]
 
     def mixed(self, of_powers: Iterable[Any]) -> Any:
-        """r^q sum e_j of_powers[j]: psi is h r^q (z - zeta)_+^q less this of b_j, and so with what
-        is made of it; no more is taken of the powers than q + 1.
+        """r^q sum e_j of_powers[j].
+
+        psi is h r^q (z - zeta)_+^q less this sum of b_j; the same sum acts on everything derived
+        from the powers. Only the first q + 1 powers are used.
         """
         return self.half**self.order * sum(
             e * part for e, part in zip(self._weights, of_powers, strict=False)
@@ -106,15 +111,15 @@ class SlitKink(Kept):
 
     def slope(self, left: Array, right: Array) -> Array:
         """psi at distances from the slit's ends over its half width; the mean of both sides at a
-        kink.
+        jump.
         """
-        place = left - self._beside[0]
+        place = left - self._jump_distances[0]
         own = np.heaviside(place, 0.5) * (self.half * place) ** self.order
         return np.asarray(self.jump * (own - self.mixed(_spread_powers(left, right))))
 
     def opening(self, left: Array, right: Array) -> Array:
         """Integral of psi from the slit's left end, over its half width."""
-        place, q = np.maximum(left - self._beside[0], 0.0), self.order
+        place, q = np.maximum(left - self._jump_distances[0], 0.0), self.order
         integrals = (b / k for k, b in enumerate(_spread_powers(left, right)) if k)
         return np.asarray(
             self.jump * (self.half**q * place ** (q + 1) / (q + 1) - self.mixed(integrals))
@@ -129,10 +134,8 @@ class SlitKink(Kept):
 
     @cached_property
     def seen(self) -> tuple[Array, Array, Array, Array]:
-        """(distances from the wide zone's ends, angles there, weights that hold psi): int psi f dt
-        = sum W f.
-        """
-        border = float(theta(*self._beside[::-1]))
+        """(distances from the wide zone's ends, angles, weights W): int psi f dt = sum W f."""
+        border = float(theta(*self._jump_distances[::-1]))
         beta, weights = legendre(np.array([0.0, border, np.pi]), OPTIONS.nodes)
         weight = weights * np.sin(beta)
         right, left = sides(beta)
@@ -142,7 +145,7 @@ class SlitKink(Kept):
 
     @cached_property
     def _over_root(self) -> Array:
-        """Weights that hold psi / (pi X)."""
+        """Weights of psi / (pi X)."""
         from_left, from_right, _, weight = self.seen
         return np.asarray(weight / np.sqrt(from_left * from_right) / np.pi)
 
@@ -151,24 +154,22 @@ class SlitKink(Kept):
         """int psi dt over pi times the slit's half width."""
         return float(self.seen[3].sum()) / (np.pi * self.half)
 
-    def told(self, count: int) -> Array:
-        """s_k of psi, k = 0 ... count."""
+    def slack_coefficients(self, count: int) -> Array:
+        """Coefficients s_k of psi, k = 0 ... count."""
         _, _, angle, weight = self.seen
         return np.asarray(2 / np.pi * np.sin(np.arange(count + 1)[:, None] * angle) @ weight)
 
     @property
     def mean_opening(self) -> float:
-        """Mean over the wide zone of the integral of psi, over that zone's half width, as that of a
-        slit's series is counted.
-        """
+        """Mean over the wide zone of the integral of psi, over that zone's half width."""
         middle = theta(self.start + self.half, self.rest + self.half)
         _, _, angle, weight = self.seen
         return float((angle - middle) @ weight) / np.pi
 
-    # what it makes of the density
+    # The density of psi.
     @cached_property
     def edge(self) -> tuple[float, float]:
-        """(a_0, a_1): P[psi] has (a_0 + a_1 t) / X."""
+        """(a_0, a_1): P[psi] contains (a_0 + a_1 t) / X."""
         from_left, from_right, _, _ = self.seen
         return float(self._over_root @ (0.5 * (from_left - from_right))), float(
             self._over_root.sum()
@@ -176,14 +177,14 @@ class SlitKink(Kept):
 
     @cached_property
     def polynomial(self) -> tuple[float, float]:
-        """(value at the middle of the slit, slope) of what is multiplied by X: 0 for q = 0,
-        constant for q = 1.
+        """(value at the middle of the slit, slope) of the factor of X: 0 for q = 0, constant for q
+        = 1.
         """
         if self.order == 0:
             return 0.0, 0.0
         cosine, l, r = self.mean_places
         s, places = 0.5 * (self.from_left - self.from_right), 0.5 * (l - r)
-        # Differences of phi and of sin(phi) from those at the nodes, to all their digits.
+        # Differences of phi and of sin(phi) from those at the nodes, without cancellation.
         away, roots = (
             self.half * (cosine - self.zeta),
             np.sqrt(self.from_left * self.from_right) + np.sqrt(l * r),
@@ -198,15 +199,16 @@ class SlitKink(Kept):
         return self.jump / np.pi * value, self.jump / np.pi * mean
 
     def _turn(self, from_left: Array, from_right: Array) -> Array:
-        """What is multiplied by X, at distances from the wide zone's ends."""
+        """The factor of X, at distances from the wide zone's ends."""
         value, slope = self.polynomial
         return np.asarray(
             value + slope * 0.5 * ((from_left - self.start) - (from_right - self.rest))
         )
 
     def in_slit(self, from_left: Array, from_right: Array, z: Array) -> Array:
-        """X ((h/pi)(t - s)^q kappa + P[psi]) at distances from the wide zone's ends, on this slit
-        or another one; z: in this slit.
+        """X ((h/pi)(t - s)^q kappa + P[psi]) at distances from the wide zone's ends.
+
+        The points are on this slit or on another one; z: their places in this slit.
         """
         root, (a_0, a_1) = np.sqrt(from_left * from_right), self.edge
         value = (
@@ -215,17 +217,23 @@ class SlitKink(Kept):
         )
         return np.asarray(root * value + a_0 + a_1 * 0.5 * (from_left - from_right))
 
-    def beside(self, from_left: Array, from_right: Array, outside: Array, past: Mask) -> Array:
-        """P[psi] less (a_0 + a_1 t)/X, off the slit by `outside` of its half width. past: on its
-        right.
+    def outside_slit(
+        self, from_left: Array, from_right: Array, outside: Array, past: Mask
+    ) -> Array:
+        """P[psi] without (a_0 + a_1 t)/X at a distance `outside` from the slit, over its half
+        width.
+
+        past: whether a point is right of the slit.
         """
         if self.order == HIGHEST and np.any(outside > OPTIONS.far):
             out, far = np.empty(outside.shape), outside > OPTIONS.far
             out[far] = self._summed(from_left[far], from_right[far], outside[far], past[far])
-            out[~far] = self.beside(from_left[~far], from_right[~far], outside[~far], past[~far])
+            out[~far] = self.outside_slit(
+                from_left[~far], from_right[~far], outside[~far], past[~far]
+            )
             return out
         z = np.where(past, 1.0, -1.0) * (1 + outside)
-        away = outside + np.where(past, self._beside[1], self._beside[0])
+        away = outside + np.where(past, self._jump_distances[1], self._jump_distances[0])
         sums = 2 * np.log(
             np.sqrt(from_right * self.from_left) + np.sqrt(from_left * self.from_right)
         ) - np.log(2.0)
@@ -239,14 +247,14 @@ class SlitKink(Kept):
         )
 
     def _summed(self, from_left: Array, from_right: Array, outside: Array, past: Mask) -> Array:
-        """The same as X times (1/pi) int psi / (X (t - tau))."""
+        """`outside_slit` as X times (1/pi) int psi / (X (t - tau))."""
         lefts = self.seen[0]
         inward = np.where(past[:, None], self.start + 2 * self.half - lefts, lefts - self.start)
         away = np.where(past, 1.0, -1.0)[:, None] * (self.half * outside[:, None] + inward)
         return np.asarray(np.sqrt(from_left * from_right) * ((1 / away) @ self._over_root))
 
     def _spread(self, from_left: Array, from_right: Array, z: Array) -> Array:
-        """What (t - s)^q kappa is spread as, by bar((t - .)^j kappa): see the head of this file."""
+        """The function that (t - s)^q kappa is spread to; see the head of this file."""
         nodes, l, r = self.mean_places
         sums = 2 * np.log(
             np.sqrt(from_right[..., None] * l) + np.sqrt(from_left[..., None] * r)
@@ -266,7 +274,7 @@ class SlitKink(Kept):
 
     @cached_property
     def edge_slopes(self) -> tuple[float, float]:
-        """Coefficient of the angle from the wide zone's left and right end in what `beside` gives."""
+        """Coefficients of the angle from both ends of the wide zone in `outside_slit`."""
         if self.order == HIGHEST:
             lefts, rights, _, _ = self.seen
             return -float(self._over_root @ (1 / lefts)), float(self._over_root @ (1 / rights))
@@ -289,7 +297,7 @@ class SlitKink(Kept):
 
 
 def _spread_powers(left: Array, right: Array) -> tuple[Array, Array, Array, Array]:
-    """b_k = bar((z - .)_+^k), k = 0 ... 3, at distances from the slit's ends over its half width."""
+    """b_k = bar((z - .)_+^k), k = 0 ... 3, at distances from the slit's ends over w."""
     angle, z, root = theta(right, left) / np.pi, 0.5 * (left - right), np.sqrt(left * right) / np.pi
     second, third = (
         angle * (z * z + 0.5) + 1.5 * z * root,

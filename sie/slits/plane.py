@@ -1,24 +1,26 @@
-r"""A density of intervals with slits at complex points: see `plane` for the half plane, `slits` and
-`kinks` for the series.
+r"""A density of zones with slits at complex points.
 
-Off its wide zone the closed forms hold as they are on the line, sigma = s X and psi being real
-functions on the slits,
+`sie.density.plane` has the half plane, `sie.slits.slits` and `sie.slits.kinks` the series. Off its
+wide zone the closed forms hold as on the line, because sigma = s X and psi are real functions on
+the slits:
 
-    F[P[s]] = (1/pi) int sigma / (zeta - tau) dtau / sqrt(zeta^2 - 1),
+    F[P[s]] = (1/pi) int sigma / (zeta - tau) dtau / sqrt(zeta^2 - 1).
 
-and of a jump in a slit, G_s = -i log(B/A) its angle (see `plane`), bars means over the slit's
-equilibrium measure,
+A jump in a slit, with its angle G_s = -i log(B/A) (see `sie.density.plane`) and bars for means over
+the slit's equilibrium measure, has
 
     q = 0:  (h/pi)(bar(G) - G_s) + (a_0 + a_1 rho) / sqrt,
-    q = 1:  (h/pi)(bar((zeta - .) G - sin) + (m - s) bar(G) - (phi - bar(phi)) rho - (zeta - s) G_s + sin(phi)) + (a_0 + a_1 rho) / sqrt,
-    q = 2:  as `kinks` has it, with (zeta - s)^2 G - (zeta - 3 s/2) sin for (t - s)^2 kappa, and rho, rho^2/2 for X, t X,
+    q = 1:  (h/pi)(bar((zeta - .) G - sin) + (m - s) bar(G) - (phi - bar(phi)) rho
+            - (zeta - s) G_s + sin(phi)) + (a_0 + a_1 rho) / sqrt,
+    q = 2:  as in `sie.slits.kinks`, with (zeta - s)^2 G - (zeta - 3 s/2) sin for (t - s)^2 kappa,
+            and rho, rho^2/2 for X, t X,
 
-with -i (2 log(B) - log(2 rho (zeta - s'))) for G: the mean of log(B) is smooth, that of log(zeta -
+with -i (2 log(B) - log(2 rho (zeta - s'))) for G. The mean of log(B) is smooth, that of log(zeta -
 s') is log(r / 2 rho_slit), and that of (zeta - s') log(zeta - s') is r (zeta_slit (log(r/2) + 1 +
 arcosh(zeta_slit)) - sqrt(zeta_slit^2 - 1)).
 
-The potential is carried down from where the coefficients of the wide zones tell all of it, along
-the vertical: W(z) = W(z + i Y) - i int F.
+The potential is integrated along the vertical from a height at which the coefficients of the wide
+zones give all of it: W(z) = W(z + i Y) - i int F.
 """
 
 from collections.abc import Iterator
@@ -42,14 +44,15 @@ _PANELS = -int(np.log2(EPS))
 
 @record
 class SlitPlane:
-    """What intervals with slits do at complex points. whole: the density of the wide zones as
-    others see it, told: the slits' part of that, by wide zone that has any; series: of sigma, slit
-    by slit; kinks: jumps in slits.
+    """Zones with slits at complex points.
+
+    whole: density of the wide zones as others see it; slack: the slits' part of it, for each wide
+    zone that has any; series: of sigma, slit by slit; kinks: jumps in slits.
     """
 
     merged: Merged
     whole: Density
-    told: Density
+    slack: Density
     slits: tuple[Slits, ...]
     series: list[list[Array]]
     kinks: list[list[tuple[int, SlitKink]]]
@@ -64,7 +67,7 @@ class SlitPlane:
         whole, wide = self.whole, self.merged.wide
         x = whole.into_period(x)
         out = whole.plane(complex_of(x, y), what)
-        told = self.told
+        slack = self.slack
         for number, (here, row, kinks) in enumerate(
             zip(self.slits, self.series, self.kinks, strict=True)
         ):
@@ -76,7 +79,7 @@ class SlitPlane:
                 if len(some) == 0:
                     continue
                 close = seen[some]
-                out[some] -= told.plane.of_zones(
+                out[some] -= slack.plane.of_zones(
                     at[some], y[some], np.full(len(some), number), what
                 )
                 value, slope = _of_series(here, row, at[some], y[some])
@@ -95,7 +98,9 @@ class SlitPlane:
         return out
 
     def _potential(self, x: Array, y: Array) -> Complex:
-        """From a height above the wide zones' own, or from y itself where that is higher."""
+        """The potential, integrated from a height above the wide zones, or from y itself if that is
+        higher.
+        """
         top = np.maximum(y, float(self.merged.wide.half.max()))
         out = self.whole.plane(complex_of(x, top), "potential")
         parts, weights = legendre(
@@ -104,7 +109,7 @@ class SlitPlane:
         down = np.flatnonzero(top > y)
         for some in pair_blocks(len(down), len(parts)):
             here = down[some]
-            # In logarithmic steps towards the line: what is above y alone.
+            # Logarithmic steps towards the line, above y only.
             height = y[here, None] + (top - y)[here, None] * parts
             place = np.broadcast_to(x[here, None], height.shape)
             field = self._transform(place.ravel(), height.ravel(), "transform").reshape(
@@ -129,8 +134,9 @@ def _of_series(here: Slits, row: list[Array], x: Array, y: Array) -> tuple[Compl
 
 
 def _of_kink(kink: SlitKink, seen: InPlane, inner: InPlane, what: What) -> Complex:
-    """What P[psi] of a jump in a slit does off the wide zone; its derivative by zeta. inner: seen
-    from the slit.
+    """Transform of P[psi] of a jump in a slit off the wide zone, or its derivative by zeta.
+
+    inner: the points seen from the slit.
     """
     _, l, r = kink.mean_places
     zeta, rho, root, half, q = seen.zeta, seen.rho, seen.root, kink.half, kink.order
@@ -158,7 +164,7 @@ def _of_kink(kink: SlitKink, seen: InPlane, inner: InPlane, what: What) -> Compl
     first = inner.zeta * (mean_log + 1) - inner.root
 
     def means() -> Iterator[Complex]:
-        """bar(G), bar((zeta - .) G - sin) / r and that of q = 2 over r^2."""
+        """bar(G), bar((zeta - .) G - sin) / r, and the mean for q = 2 over r^2."""
         yield -1j * (2 * log_b.mean(axis=-1) - log_rho - mean_log)
         yield (
             -1j * (2 * (moves * log_b).mean(axis=-1) - inner.zeta * log_rho - first)
@@ -172,7 +178,7 @@ def _of_kink(kink: SlitKink, seen: InPlane, inner: InPlane, what: What) -> Compl
         yield -1j * (2 * (moves**2 * log_b).mean(axis=-1) - square) - line / half**2
 
     def mean_slopes() -> Iterator[Complex]:
-        """Their derivatives."""
+        """Derivatives of `means`."""
         b_slope = 0.5 * ((zeta[:, None] + nodes) / (root[:, None] + 1j * sines) - 1) / root[:, None]
         yield -1j * (2 * b_slope.mean(axis=-1) + 1 / root - 1 / (half * inner.root))
         slope = 2 * (log_b / half + moves * b_slope).mean(axis=-1) - (log_rho + mean_log + 1) / half

@@ -1,19 +1,23 @@
-"""Slits in wide zones: where the density vanishes and the equation has a slack, an unknown s.
+"""Narrow gaps between zones as slits of wide zones.
 
-On a wide zone with slits the equation reads T[phi] = g - s, s zero off the slits and with no
-integral over any of them. Writing phi = c + P[s], c the density of the smooth part, its own
-operator gives P[s] in closed form: with X = sqrt(1 - t^2), sigma = s X and z the slit's own
-coordinate,
+A density on one of two zones a gap g apart has a singularity of its own one g beyond its end, and
+needs n ~ sqrt(width / g) modes. On the wide zone that spans both zones and the gap, all except the
+share of this *slit* is as smooth as the right side.
 
-    X P[s] = (1/pi) PV int sigma / (t - tau) dtau,          T[P[s]] = -s on the zone,
+On a wide zone with slits the equation is T[phi] = g - s. The slack s is unknown, vanishes off the
+slits, and has the integral zero over each of them. With phi = c + P[s], c the density of the smooth
+part, X = sqrt(1 - t^2), sigma = s X and z the slit's own coordinate,
 
-so that phi = 0 on the slits is the same equation once more, with sigma = sum d_l T_l(z) / sqrt(1 -
-z^2) on each:
+    X P[s] = (1/pi) PV int sigma / (t - tau) dtau,          T[P[s]] = -s on the zone.
 
-    sum d_l U_(l-1)(z) = sum c_k T_k(t) + X (jumps) + (what the other slits of the zone do),       int sigma / X = 0.
+phi = 0 on the slits is then the same equation once more, with sigma = sum d_l T_l(z) / sqrt(1 -
+z^2) on each slit:
 
-Off its own zone P[s] acts through its coefficients s_k = (2/pi) int s sin(k phi) dtau alone. (From
-Sum sin(k phi) cos(k theta) = sin(phi) / 2 (cos(theta) - cos(phi)); derived here, see docs/theory.)
+    sum d_l U_(l-1)(z) = sum c_k T_k(t) + X (jumps) + (field of the zone's other slits),
+    int sigma / X = 0.
+
+Other zones see P[s] only through the coefficients s_k = (2/pi) int s sin(k phi) dtau. (From sum
+sin(k phi) cos(k theta) = sin(phi) / 2 (cos(theta) - cos(phi)); derived here, see docs/theory.)
 """
 
 from collections.abc import Sequence
@@ -75,10 +79,11 @@ OPTIONS = SlitOptions()
 
 @record
 class Merged(Kept):
-    """pieces: the zones as given. wide: zones that span narrow gaps; slits: those gaps, slit_zone
-    the wide zone of each. piece_zone: wide zone of each piece; shift: what to add to a piece to
-    find it in its wide zone (periods); cut_off: what rounding has cut off the ends of the pieces
-    there (2, n).
+    """Zones with narrow gaps, and the wide zones that span the gaps.
+
+    pieces: the zones as given. wide: zones that span narrow gaps; slits: these gaps; slit_zone: the
+    wide zone of each slit. piece_zone: wide zone of each piece; shift: periods to add to a piece to
+    find it in its wide zone; cut_off: round-off of the shifted ends of the pieces (2, n).
     """
 
     pieces: Zones
@@ -106,42 +111,49 @@ class Merged(Kept):
 
     @cached_property
     def slit_before(self) -> Index:
-        """The slit that ends where a piece begins, -1 without."""
-        return self._beside(self.slits.b, self.pieces.a + self.shift)
+        """The slit that ends where a piece begins, -1 if there is none."""
+        return self._slit_at(self.slits.b, self.pieces.a + self.shift)
 
     @cached_property
     def slit_after(self) -> Index:
-        """The slit that begins where a piece ends, -1 without."""
-        return self._beside(self.slits.a, self.pieces.b + self.shift)
+        """The slit that begins where a piece ends, -1 if there is none."""
+        return self._slit_at(self.slits.a, self.pieces.b + self.shift)
 
     @cached_property
-    def beside_slits(self) -> Mask:
-        """Which pieces have slits beside them."""
+    def next_to_slit(self) -> Mask:
+        """Whether each piece has a slit next to it."""
         return (self.slit_before >= 0) | (self.slit_after >= 0)
 
-    def _beside(self, ends: Array, at: Array) -> Index:
+    def _slit_at(self, ends: Array, at: Array) -> Index:
         place = np.minimum(np.searchsorted(ends, at), len(ends) - 1)
         return np.where(ends[place] == at, place, -1)
 
 
 def merge(equation: Equation, pieces: Zones, before: Mask | None = None) -> Merged | None:
-    """The zones with their narrow gaps as slits, None if there are none or the equation does not
-    allow it. before: after which pieces there were slits on about the same zones; it stays so as
-    long as gaps are about as narrow.
+    """The zones with their narrow gaps as slits; None if there are none, or the equation forbids
+    slits.
+
+    before: after which pieces there were slits on similar zones; these stay slits while their gaps
+    stay about as narrow.
     """
     kernel = equation.kernel
-    # A column that may be singular between zones is none of a wide one.
+    # A column that may be singular between zones cannot be used on a wide zone.
     general = len(equation.forcing.jumps.singular_at) > 0 or any(
         column.resolution.modes is None and not column.resolution.smooth_between
         for column in equation.columns
     )
-    if len(pieces) < 2 or general or not _one_level(equation.conditions) or not _plain(pieces):
+    if (
+        len(pieces) < 2
+        or general
+        or not _one_level(equation.conditions)
+        or not _zero_intensities(pieces)
+    ):
         return None
     after = gaps(pieces, kernel)[1]
     width = pieces.b - pieces.a
     following = np.roll(width, -1)
-    # A slit has its neighbours' far ends as its singularities, as these have the slit's: whichever
-    # asks for less.
+    # A slit has its neighbours' far ends as singularities, and these have the slit's ends: the
+    # choice with fewer modes is taken.
     most = OPTIONS.max_gap * (
         1.0
         if before is None or len(before) != len(pieces)
@@ -151,7 +163,7 @@ def merge(equation: Equation, pieces: Zones, before: Mask | None = None) -> Merg
     narrow &= pieces.moves[1] & np.roll(pieces.moves[0], -1)
     if kernel.period is None or pieces.symmetric:
         narrow[-1] = False
-    narrow &= ~_bent(equation, pieces, after) | (
+    narrow &= ~_jumps_inside(equation, pieces, after) | (
         after < OPTIONS.max_gap_with_jumps * np.minimum(width, following)
     )
     if not narrow.any():
@@ -159,7 +171,7 @@ def merge(equation: Equation, pieces: Zones, before: Mask | None = None) -> Merg
     count = len(pieces)
     first = 0
     if narrow[-1]:
-        # The border of the period lies in the widest gap.
+        # The border of the period is put into the widest gap.
         first = (int(np.argmax(np.where(narrow, -np.inf, after))) + 1) % count
         if narrow.all():
             narrow[first - 1] = False
@@ -184,27 +196,26 @@ def merge(equation: Equation, pieces: Zones, before: Mask | None = None) -> Merg
 
 
 def _one_level(conditions: Sequence[Condition]) -> bool:
-    """Whether all zones are held at one level, so that the gap between neighbours integrates to
-    zero, and no condition speaks of zones one by one, which become fewer: those of a user's own
-    may.
+    """Whether all zones have one level, and no condition is about single zones.
+
+    With one level the gap between neighbours integrates to zero. A user's own condition may be
+    about single zones, of which there are fewer after merging.
     """
     rows = [type(condition).rows for condition in conditions]
     one_by_one = ZoneTotals.rows in rows or any(one not in BUILT_IN for one in rows)
     return not one_by_one and any(condition.levels for condition in conditions)
 
 
-def _plain(pieces: Zones) -> bool:
-    """Whether no intensity is prescribed but zero at ends that move."""
+def _zero_intensities(pieces: Zones) -> bool:
+    """Whether no intensity except zero is prescribed at ends that move."""
     return all(
         end.intensity is None or (end.moves and end.intensity == 0.0)
         for end in (*pieces.left, *pieces.right)
     )
 
 
-def _bent(equation: Equation, pieces: Zones, after: Array) -> Mask:
-    """Gaps with a jump of a higher derivative of the right side in them than the first, or with an
-    algebraic point.
-    """
+def _jumps_inside(equation: Equation, pieces: Zones, after: Array) -> Mask:
+    """Whether each gap contains a jump of order 2 of the right side, or an algebraic point."""
     jumps = equation.forcing.jumps
     at = jumps.at[np.asarray(jumps.orders) > 1] if not jumps.of_density else np.zeros(0)
     if jumps.algebraic is not None:
@@ -219,9 +230,10 @@ def _bent(equation: Equation, pieces: Zones, after: Array) -> Mask:
 
 @record
 class Slit(Kept):
-    """One slit of a wide zone, in units of that zone's half width: distances of its ends from the
-    zone's ends, its half width; `modes`: the highest order of its series; `width`: half width in
-    units of length.
+    """One slit of a wide zone.
+
+    start, rest, half: distances of its ends from the zone's ends, and half width, over the zone's
+    half width; width: half width in units of length; modes: highest order of its series.
     """
 
     start: float
@@ -238,12 +250,12 @@ class Slit(Kept):
         return theta(from_left, from_right)
 
     def root(self, left: Array, right: Array) -> Array:
-        """X = sqrt(1 - t^2) there."""
+        """X = sqrt(1 - t^2) at distances from the slit's ends over its half width."""
         return np.sqrt((self.start + self.half * left) * (self.rest + self.half * right))
 
     @cached_property
     def nodes(self) -> int:
-        """Gauss nodes for means over the slit."""
+        """Number of Gauss nodes for means over the slit."""
         return 2 * self.modes + 16
 
     @cached_property
@@ -274,19 +286,20 @@ class Slit(Kept):
 
     @cached_property
     def mean_row(self) -> Array:
-        """Mean over the wide zone of the integral of s (weight 1 / sqrt(1 - t^2)), by d."""
+        """Row by d: mean over the wide zone of the integral of s (weight 1 / sqrt(1 - t^2))."""
         middle = self.angle(np.ones(1), np.ones(1))
         return self.width * self.means((self.theta - middle) / self.x_root)
 
-    def told(self, count: int) -> Array:
-        """(count + 1, modes + 1): s_k by d, k = 0 ... count."""
+    def slack_matrix(self, count: int) -> Array:
+        """Matrix (count + 1, modes + 1) from d to s_k, k = 0 ... count."""
         k = np.arange(count + 1)[:, None]
         return 2 * self.half * self.means(np.sin(k * self.theta) / self.x_root)
 
 
-def off_slit(excess: Array, sign: Array | float, d: Array) -> Array:
-    """(1/pi) PV int sigma / (t - tau) of T_l / sqrt series d, off the slit: at |z| - 1 = excess on
-    the side `sign`.
+def outside_slit(excess: Array, sign: Array | float, d: Array) -> Array:
+    """(1/pi) PV int sigma / (t - tau) off the slit, for a series d.
+
+    The points are at |z| - 1 = excess on the side `sign`.
     """
     return transform_of(
         *chebyshev.bounded_part(d[None]),
@@ -298,8 +311,9 @@ def off_slit(excess: Array, sign: Array | float, d: Array) -> Array:
 def _within(
     jumps: ForcingJumps, zone: int, start: Array, length: Array
 ) -> tuple[Index, ForcingJumps]:
-    """(the jumps of a zone that lie in slits with these starts and lengths, by number; those of its
-    spline's knots there).
+    """(numbers of the zone's jumps in slits, knots of its spline in slits).
+
+    start, length: of the slits.
     """
 
     def inside(left: Array) -> Mask:
@@ -320,14 +334,14 @@ def _within(
 
 
 class Slits(Kept):
-    """The slits of one wide zone, and the density there made zero by them."""
+    """The slits of one wide zone, and their equations."""
 
     def __init__(self, merged: Merged, zone: int, modes: int, jumps: ForcingJumps) -> None:
         self.zone = zone
         self.which = np.flatnonzero(merged.slit_zone == zone)
         a, b = merged.slits.a[self.which], merged.slits.b[self.which]
         w = self.w = float(merged.wide.half[zone])
-        # Distances of their ends from the left end of the zone, and of the right ones from its
+        # Distances of the left ends from the left end of the zone, and of the right ends from its
         # right end.
         every, (cut_a, cut_b) = np.full(len(a), zone), merged.slits.rest[:, self.which]
         self.start, self.stop = (
@@ -336,8 +350,7 @@ class Slits(Kept):
         )
         self.rest = merged.wide.before_b(b, every) - cut_b
         start, rest, half = self.start / w, self.rest / w, merged.slits.half[self.which]
-        # Distances to the far ends of the pieces on both sides, and to jumps: the nearest
-        # singularities.
+        # The nearest singularities are the far ends of the pieces on both sides, and jumps.
         before = np.concatenate(([start[0] * w], a[1:] - b[:-1]))
         after = np.concatenate((a[1:] - b[:-1], [rest[-1] * w]))
         near = np.minimum(before, after) / half
@@ -369,7 +382,8 @@ class Slits(Kept):
         waves = modes * half / w / np.sin(middle)
         need = 37 / decay_rate(np.maximum(near, 1e-4)) + 2 * waves
         if zone in jumps.by_zone:
-            # Jumps beside the slit: of their weak singularities the series soon leaves little.
+            # Jumps next to a slit are weak singularities: the terms of the series soon become
+            # small.
             place, order = jumps.places(zone)
             other = ~np.isin(place, np.append(jumps.left[self._inside], self._knots.left))
             place, order = place[other], order[other]
@@ -391,7 +405,7 @@ class Slits(Kept):
 
     @cached_property
     def by_coefficients(self) -> Array:
-        """Right sides of the slits' rows by the zone's smooth coefficients c_0 ... c_modes."""
+        """Right sides of the slits' rows for the zone's smooth coefficients c_0 ... c_modes."""
         return self._rows(
             lambda slit, left, right: np.cos(
                 slit.angle(left, right)[:, None] * np.arange(self.modes + 1)
@@ -399,10 +413,10 @@ class Slits(Kept):
         )
 
     def of_jumps(self, jumps: ForcingJumps) -> Array:
-        """Right sides of the slits' rows by the jumps; those in a slit with the slack they ask for."""
+        """Right sides of the slits' rows for the jumps, with the slack psi of those in a slit."""
         if self.zone not in jumps.by_zone:
             return np.zeros(self.offset[-1])
-        # Those of other zones have no part in it.
+        # Jumps of other zones have no share.
         rest = jumps.chosen(
             np.setdiff1d(np.flatnonzero(jumps.zone == self.zone), self._inside, assume_unique=True)
         )
@@ -424,12 +438,12 @@ class Slits(Kept):
 
         out = self._rows(values)[:, 0]
         for i, kink in self.kinks:
-            # What its psi leaves to the integral of s.
+            # The share of psi in the integral of s.
             out[self.offset[i]] -= kink.total
         return out
 
     def _rows(self, values) -> Array:  # type: ignore[no-untyped-def]
-        """Projections on each slit, below a row for its condition."""
+        """Projections of values on each slit, below a row of zeros for its condition."""
         blocks = []
         for slit, (left, right) in zip(self.slits, self._angles, strict=True):
             rows = chebyshev.project_rows(values(slit, left, right))
@@ -438,7 +452,9 @@ class Slits(Kept):
 
     @cached_property
     def solve(self) -> Factored:
-        """What finds d of all slits from the right sides of their rows."""
+        """Factors of the slits' equations: they give d of all slits from the right sides of their
+        rows.
+        """
         matrix = np.zeros((self.offset[-1], self.offset[-1]))
         for i, slit in enumerate(self.slits):
             rows = slice(self.offset[i] + 1, self.offset[i + 1])
@@ -460,24 +476,28 @@ class Slits(Kept):
         return Factored.of(matrix)
 
     @cached_property
-    def told(self) -> Array:
-        """(count + 1, all d): s_k of the zone, k = 0 ... max(modes, OPTIONS.min_slack_modes)."""
+    def slack_matrix(self) -> Array:
+        """Matrix from all d to s_k of the zone, k = 0 ... max(modes, min_slack_modes)."""
         return np.concatenate(
-            [slit.told(max(self.modes, OPTIONS.min_slack_modes)) for slit in self.slits], axis=1
+            [slit.slack_matrix(max(self.modes, OPTIONS.min_slack_modes)) for slit in self.slits],
+            axis=1,
         )
 
     @cached_property
-    def told_by_kinks(self) -> Array:
-        """What the jumps in slits add to s_k."""
+    def slack_of_kinks(self) -> Array:
+        """Share of the jumps in slits in s_k."""
         count = max(self.modes, OPTIONS.min_slack_modes)
-        return np.sum([np.zeros(count + 1), *(kink.told(count) for _, kink in self.kinks)], axis=0)
+        return np.sum(
+            [np.zeros(count + 1), *(kink.slack_coefficients(count) for _, kink in self.kinks)],
+            axis=0,
+        )
 
     @property
     def mean_of_kinks(self) -> float:
-        """What the jumps in slits add to the mean over the zone of the integral of s."""
+        """Share of the jumps in slits in the mean over the zone of the integral of s."""
         return self.w * sum(kink.mean_opening for _, kink in self.kinks)
 
     @cached_property
     def mean_row(self) -> Array:
-        """Mean over the zone of the integral of s, by all d."""
+        """Row by all d: mean over the zone of the integral of s."""
         return np.concatenate([slit.mean_row for slit in self.slits])

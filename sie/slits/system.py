@@ -1,9 +1,9 @@
-"""Solutions on zones beside narrow gaps: the system of the wide zones, with a slack on their slits.
+"""Solutions on zones with narrow gaps: the system of the wide zones, with a slack in their slits.
 
-The slits change the right side of the wide zones' system by -s, and the level of each by the mean
-of what s opens; the wide zones' coefficients are the right sides of the slits. With factors at hand
-both are solved together by GMRES on the slits' series; by iteration the slits' answer is part of
-the rows.
+The slits change the right side of the wide zones' system by -s, and the level of each zone by the
+mean of the integral of s. The wide zones' coefficients are the right sides of the slits. If the
+system has factors, both are solved together by GMRES on the slits' series. If it is solved by
+iteration, the response of the slits is part of the rows.
 """
 
 from collections.abc import Callable
@@ -32,12 +32,13 @@ from sie.trees.krylov import gmres
 
 @record
 class Opened(Trial):
-    """What an opening s changes in the quantities that side conditions speak of
-    (`conditions.Rows`): constants only. table: s_k of every wide zone that has slits, for a
-    condition that asks for them.
+    """Changes, by the slack s, of the quantities in side conditions: constants only.
+
+    slack: s_k of every wide zone that has slits; mean_opening: mean integral of s of each wide
+    zone.
     """
 
-    told: dict[int, Array]
+    slack: dict[int, Array]
     mean_opening: Array
     system: System
 
@@ -45,20 +46,23 @@ class Opened(Trial):
         return self.level, self.mean_opening[self.zones.solved]
 
     def integrals(self, weight: Callable[[Array], Array], degree: int | None = None) -> Linear:
-        """Beyond the coupled modes, whose coefficients are unknowns, s adds to those of the
-        density.
+        """Share of s in the integrals of weight times density.
+
+        The coupled coefficients are unknowns of the system; s adds to the coefficients beyond them.
         """
         out = np.zeros(len(self.zones.solved))
         for place, i in enumerate(self.zones.solved.tolist()):
-            if i in self.told:
-                values = self.system.moments(weight, i, len(self.told[i]), degree)
-                beyond = np.arange(self.system.layout.m[i] + 1, min(len(self.told[i]), len(values)))
-                out[place] = np.pi * self.zones.half[i] * (values[beyond] @ self.told[i][beyond])
+            if i in self.slack:
+                values = self.system.moments(weight, i, len(self.slack[i]), degree)
+                beyond = np.arange(
+                    self.system.layout.m[i] + 1, min(len(self.slack[i]), len(values))
+                )
+                out[place] = np.pi * self.zones.half[i] * (values[beyond] @ self.slack[i][beyond])
         return self.level, out
 
 
 class SlitsNotConverged(SingularSystem):
-    """System and slits do not come to rest: a slit bends its surroundings too much."""
+    """System and slits have no common solution: a slit changes its surroundings too much."""
 
 
 class SlitSystem(Kept):
@@ -66,7 +70,7 @@ class SlitSystem(Kept):
 
     def __init__(self, merged: Merged, base: State, linear: float) -> None:
         self.merged, self.base, self.system = merged, base, base.system
-        # Solutions with a matrix at hand are as tight as rounding allows, at no cost.
+        # With a matrix at hand, solutions are exact to round-off at no cost.
         self.linear = linear if base.iterated else 0.0
         system = self.system
         modes = base.sizes.own[: len(merged.wide)]
@@ -77,9 +81,7 @@ class SlitSystem(Kept):
 
     @cached_property
     def _given(self) -> list[Array]:
-        """Right sides of the slits' rows by what is known: jumps, and coefficients beyond the
-        coupled ones.
-        """
+        """Right sides of the slits' rows: jumps, and coefficients beyond the coupled ones."""
         out = []
         for here in self.slits:
             m = int(self.system.layout.m[here.zone])
@@ -87,25 +89,26 @@ class SlitSystem(Kept):
             count = min(self.system.g.shape[1], len(c))
             c[: m + 1] = -self.system.taken[here.zone, : m + 1]
             c[m + 1 : count] = -self.system.g[here.zone, m + 1 : count]
-            # Their coefficients are what the rows find less what s adds to them, and so what the
-            # kinks in slits do.
+            # The rows of the system contain s, and so the share of the kinks in slits in it.
             seen = np.where(
-                np.arange(here.modes + 1) <= m, here.told_by_kinks[: here.modes + 1], 0.0
+                np.arange(here.modes + 1) <= m, here.slack_of_kinks[: here.modes + 1], 0.0
             )
             out.append(here.by_coefficients @ (c - seen) + here.of_jumps(self.system.jumps))
         return out
 
     @cached_property
     def _answers(self) -> list[tuple[Array, Array]]:
-        """(by the zone's coefficients with what s adds to them, by what is given): series of the
-        slits of each wide zone.
+        """(matrix by the zone's coefficients with s included, constants): series of the slits of
+        each zone.
         """
         out = []
         for here, given in zip(self.slits, self._given, strict=True):
             m = int(self.system.layout.m[here.zone])
             smooth = here.solve(here.by_coefficients[:, : m + 1])
             both = np.column_stack((smooth, here.solve(given)))
-            answer = np.linalg.solve(np.eye(len(smooth)) + smooth @ here.told[: m + 1], both)
+            answer = np.linalg.solve(
+                np.eye(len(smooth)) + smooth @ here.slack_matrix[: m + 1], both
+            )
             out.append(
                 (np.asarray(answer[:, :-1], dtype=float), np.asarray(answer[:, -1], dtype=float))
             )
@@ -126,12 +129,12 @@ class SlitSystem(Kept):
         """(unknowns of the wide zones, series of all slits, size of the last change).
 
         values: of the side conditions, with no right side and no jumps; None: the equation itself.
-        loose: tolerance of an iteration, where that is more than the one at hand.
+        loose: tolerance of an iteration, if larger than the present one.
         """
         base, homogeneous, iteration = self.base, values is not None, self.base.iteration
 
-        def bends(folded: Array) -> Array:
-            """What the slits' answer to the wide zones adds to the right side of these."""
+        def slit_response(folded: Array) -> Array:
+            """Share of the slits' response in the right side of the wide zones."""
             return self._right(self._series(folded, True), True)
 
         given = self._right(
@@ -139,46 +142,46 @@ class SlitSystem(Kept):
             homogeneous,
         )
         if iteration is not None:
-            # The slits' answer is part of the rows: what is iterated on is both at once.
+            # The slits' response is part of the rows, so that both are iterated at once.
             right, near = (
                 (iteration.right(), base.folded_unknowns)
                 if values is None
                 else (base.right_of(values), None)
             )
-            folded = iteration(right + given, near, max(self.linear, loose), bends)
+            folded = iteration(right + given, near, max(self.linear, loose), slit_response)
             return folded, self._series(folded, homogeneous), 0.0
         start = (
             base.folded_unknowns if values is None else base.solver(base.right_of(values))
         ) + base.solver(given)
 
-        def apart(folded: Array) -> Array:
-            return np.asarray(folded - base.solver(bends(folded)))
+        def operator(folded: Array) -> Array:
+            return np.asarray(folded - base.solver(slit_response(folded)))
 
-        # A slit bends its surroundings by the square of its width over its distance: a few steps
-        # are enough.
-        folded = start + base.solver(bends(start))
+        # A slit changes its surroundings by the square of its width over its distance: a few steps
+        # suffice.
+        folded = start + base.solver(slit_response(start))
         for _ in range(OPTIONS.solutions):
-            folded = folded + gmres(apart, start - apart(folded), EPS * float(norm(folded))).x
-        change = float(np.abs(start - apart(folded)).max()) / max(
+            folded = folded + gmres(operator, start - operator(folded), EPS * float(norm(folded))).x
+        change = float(np.abs(start - operator(folded)).max()) / max(
             float(np.abs(folded).max()), 1e-300
         )
         if not change <= max(OPTIONS.max_change, 10 * self.linear):
             raise SlitsNotConverged("the slits of a wide zone do not come to rest")
         return folded, self._series(folded, homogeneous), change
 
-    def _among_unknowns(self, told: dict[int, Array]) -> Array:
-        """s_k where the coefficients that they are added to stand among the unknowns."""
+    def _among_unknowns(self, slack: dict[int, Array]) -> Array:
+        """s_k at the places of the coefficients that they are added to among the unknowns."""
         layout = self.system.layout
         s = np.zeros(layout.size)
-        for zone, one in told.items():
+        for zone, one in slack.items():
             count, first = min(int(layout.m[zone]) + 1, len(one)), int(layout.offset[zone])
             s[first : first + count] = one[:count]
         return s
 
-    def told(self, d: tuple[Array, ...], homogeneous: bool) -> dict[int, Array]:
+    def slack(self, d: tuple[Array, ...], homogeneous: bool) -> dict[int, Array]:
         """s_k of every wide zone with slits."""
         return {
-            here.zone: here.told @ one + (0.0 if homogeneous else here.told_by_kinks)
+            here.zone: here.slack_matrix @ one + (0.0 if homogeneous else here.slack_of_kinks)
             for here, one in zip(self.slits, d, strict=True)
         }
 
@@ -189,14 +192,14 @@ class SlitSystem(Kept):
         return out
 
     def _right(self, d: tuple[Array, ...], homogeneous: bool) -> Array:
-        """What s adds to the right side of the wide zones' rows."""
-        system, base, told = self.system, self.base, self.told(d, homogeneous)
+        """Share of s in the right side of the wide zones' rows."""
+        system, base, slack = self.system, self.base, self.slack(d, homogeneous)
         rows, nothing = (
-            -self._among_unknowns(told)[system.diagonal],
+            -self._among_unknowns(slack)[system.diagonal],
             np.zeros((len(system.zones.solved), 0)),
         )
         view = Opened(
-            system.zones, nothing, nothing, told, self.mean_openings(d, homogeneous), system
+            system.zones, nothing, nothing, slack, self.mean_openings(d, homogeneous), system
         )
         constants = [asked(condition, view, 0)[1] for condition in system.equation.conditions]
         conditions = -np.concatenate(constants) / base.condition_scale if constants else np.zeros(0)
@@ -209,17 +212,17 @@ class SlitSystem(Kept):
         base, system = self.base, self.system
         y = self.base.symmetry.unfold(folded)
         whole = base.homogeneous(y) if homogeneous else density_of(system, y)
-        told = self.told(d, homogeneous)
-        # As many of s are told, of all zones.
+        slack = self.slack(d, homogeneous)
+        # All zones get the same number of s_k.
         count = max(
             int(system.layout.m.max()) + 1,
             OPTIONS.min_slack_modes + 1,
-            *map(len, told.values()),
+            *map(len, slack.values()),
             whole.coefficients.shape[1],
         )
         without = widened(whole.coefficients, count)
         with_slits = without.copy()
-        for zone, s in told.items():
+        for zone, s in slack.items():
             coupled = int(system.layout.m[zone]) + 1
             without[zone, : len(s)][:coupled] -= s[:coupled]
             with_slits[zone, coupled : len(s)] += s[coupled:]
@@ -234,19 +237,18 @@ class SlitSystem(Kept):
         return state, SlitDensity(self.merged, smooth, whole, self.slits, d, forced=not homogeneous)
 
     def tails(self, wide: State, d: tuple[Array, ...]) -> Array:
-        """See `State.tails`, of what stands in the rows beside s."""
+        """`State.tails` for the part of the rows that is not s."""
         return field_tails(
-            self.system, wide.unknowns - self._among_unknowns(self.told(d, False)), wide.density
+            self.system, wide.unknowns - self._among_unknowns(self.slack(d, False)), wide.density
         )
 
 
 @record
 class SlitState(Answered):
-    """The solution on zones beside narrow gaps: what `State` tells of zones, told of the pieces
-    between the slits.
+    """The solution on zones with narrow gaps; as `State`, for the pieces between the slits.
 
-    whole: state of the wide zones, slits included; rest: what solving both together left, over the
-    largest coefficient.
+    whole: state of the wide zones, slits included; rest: last change of the common solution, over
+    the largest coefficient.
     """
 
     slit_system: SlitSystem
@@ -273,10 +275,10 @@ class SlitState(Answered):
         return self.whole.linear_error[self.merged.piece_zone]
 
     def wide_of(self, zones: Index) -> tuple[State, Index]:
-        """The state of the wide zones, and the places of zones among these."""
+        """The state of the wide zones, and the numbers of their wide zones for the given zones."""
         return self.whole, self.merged.piece_zone[zones]
 
-    # further right sides
+    # Further right sides.
     def response(self, values: Array, tolerance: float = 0.0) -> SlitDensity:
         """See `State.response`."""
         return self.slit_system.density(
@@ -304,7 +306,7 @@ class SlitState(Answered):
             + opened[self.merged.wide.solved]
         )
 
-    # errors
+    # Errors.
     @property
     def natural(self) -> Array:
         return self.whole.natural[self.merged.piece_zone]
@@ -315,7 +317,9 @@ class SlitState(Answered):
 
     def _intensities_of(self, of_coefficients: Array, at_slits: float = 1.0) -> Array:
         """K at the left and right ends of the pieces (2, n) for errors of the wide zones'
-        coefficients, in sum; at_slits: factor there.
+        coefficients.
+
+        of_coefficients: sum of the errors for each wide zone; at_slits: a factor at ends of slits.
         """
         merged = self.merged
         wide = edge_scale(merged.wide.half) * of_coefficients
@@ -326,19 +330,19 @@ class SlitState(Answered):
     def intensity_noise(self) -> Array:
         """See `State.intensity_noise`."""
         rest = self.rest * row_sizes(self.whole.density.coefficients).max()
-        # What rounding makes of the sums of the wide zones' coefficients.
+        # Round-off of the sums of the wide zones' coefficients.
         noise = self.whole.intensity_noise.max(axis=0) / edge_scale(self.merged.wide.half)
         return self._intensities_of(noise + rest, OPTIONS.safety)
 
     @cached_property
     def _tails(self) -> Array:
-        """What the neglected coefficients of the slits of each wide zone may amount to, by the fall
-        of the last ones.
+        """Estimated sum of the neglected coefficients of the slits of each wide zone, from the
+        decay.
         """
         out = np.zeros(len(self.merged.wide))
         for here, row in zip(self.slit_system.slits, self.density.series, strict=True):
             for d in row:
-                # Of two neighbours one may vanish for symmetry.
+                # Two coefficients at a time, because every other one may vanish by symmetry.
                 last, before = np.abs(d[-2:]).max(), np.abs(d[-4:-2]).max()
                 fall = min(last / before, 1.0) if before > 0 else 0.0
                 out[here.zone] = max(out[here.zone], last * fall * len(d))
@@ -351,14 +355,14 @@ class SlitState(Answered):
 
     @cached_property
     def _neglected(self) -> Array:
-        """Sum of the coefficients that each wide zone neglects, as in `State`."""
+        """Sum of the neglected coefficients of each wide zone, as in `State`."""
         beside = beside_ends(self.whole.kept, self._wide_residuals)
         return np.asarray(np.minimum(self.whole.left_out, 10 * np.maximum(self._residual, beside)))
 
     @cached_property
     def missing(self) -> Array:
-        """What is neglected of each wide zone's coefficients and of the equation between its nodes,
-        in all.
+        """Neglected coefficients of each wide zone, and of the equation between its nodes,
+        together.
         """
         rounding = 2e-15 * self.whole.zone_sizes + self.whole.jumps_rounding
         return np.asarray(
@@ -367,14 +371,14 @@ class SlitState(Answered):
 
     @cached_property
     def _residual(self) -> Array:
-        """The largest residual of each wide zone."""
+        """Largest residual of each wide zone."""
         out = np.zeros(len(self.merged.wide))
         np.maximum.at(out, self.merged.piece_zone, np.abs(self._residuals).max(axis=1))
         return out
 
     @cached_property
     def _residuals(self) -> Array:
-        """Residual of the equation times the wide zone's sqrt(1 - t^2) at a few points of each
+        """Residual of the equation times the wide zone's sqrt(1 - t^2), at a few points of each
         piece.
         """
         zones, t = self.density.zones, np.cos(THETA)
@@ -391,8 +395,9 @@ class SlitState(Answered):
         return np.asarray(np.sqrt(left * right) / merged.wide.half[merged.piece_zone][:, None])
 
     def _wide_residuals(self, wide: Index, theta: Array) -> Array:
-        """Residual of the equation times sqrt(1 - t^2) on wide zones (n,) at angles (n, points), 0
-        in slits.
+        """Residual of the equation times sqrt(1 - t^2) on wide zones (n,) at angles (n, points).
+
+        It is 0 in slits.
         """
         zones = self.merged.wide
         x = (zones.middle[wide][:, None] + zones.half[wide][:, None] * np.cos(theta)).ravel()
@@ -408,17 +413,17 @@ class SlitState(Answered):
 
     @cached_property
     def zone_errors(self) -> Array:
-        """See `State.zone_errors`, of the pieces."""
+        """See `State.zone_errors`; of the pieces."""
         return self._errors_over(self.zone_sizes) * self._sines.max(axis=1)
 
     @cached_property
     def density_rounding(self) -> Array:
-        """See `State.density_rounding`, of the wide zones."""
+        """See `State.density_rounding`; of the wide zones."""
         return density_rounding(self.whole, self.missing, self._no_modes)
 
     @cached_property
     def zone_sizes(self) -> Array:
-        """The largest of the density times sqrt(1 - t^2) on each piece (n,)."""
+        """Largest value of the density times sqrt(1 - t^2) on each piece (n,)."""
         left, right = sides(THETA)
         piece = np.arange(len(self.density.zones))[:, None]
         return np.asarray(np.abs(self.density.at(piece, left, right) * np.sin(THETA)).max(axis=1))
@@ -429,9 +434,7 @@ class SlitState(Answered):
         return np.asarray(np.sin(THETA) / self._wide_sines)
 
     def _errors_over(self, sizes: Array) -> Array:
-        """Error of the density on each piece, times the wide zone's sqrt(1 - t^2), over these sizes
-        (n,).
-        """
+        """Error of the density on each piece, times the wide zone's X, over sizes (n,)."""
         wide, zone = self.whole, self.merged.piece_zone
         sizes = np.where(sizes > 0.0, sizes, np.inf)
         of_wide = (
@@ -447,7 +450,7 @@ class SlitState(Answered):
 
     @cached_property
     def end_truncation(self) -> Array:
-        """See `State.end_truncation`, of the pieces."""
+        """See `State.end_truncation`; of the pieces."""
         zones = self.density.zones
         slopes = np.where(zones.moves, np.abs(np.array(self.density.edge_slopes)), np.inf)
         through_rows = truncation_through_rows(self.whole, self.missing, self._no_modes).max(axis=0)
@@ -456,8 +459,8 @@ class SlitState(Answered):
 
     @property
     def _no_modes(self) -> Array:
-        """Lowest modes of the residual on the solved wide zones: none, since the points in pieces
-        do not tell them.
+        """Lowest modes of the residual on the solved wide zones: none, for points in pieces do not
+        show them.
         """
         return np.zeros((len(self.merged.wide.solved), 0))
 
@@ -476,24 +479,25 @@ def solve_zones(
     equation : Equation
     zones : Zones
     tolerance, sizes
-        As of `solve_fixed`.
+        See `solve_fixed`.
 
     Returns
     -------
     State or SlitState
-        The second where narrow gaps were taken as slits.
+        A `SlitState` if narrow gaps were treated as slits.
 
     Raises
     ------
     ValueError, SingularSystem
-        As `solve_fixed`.
+        See `solve_fixed`.
 
     Examples
     --------
     >>> import numpy as np, sie
     >>> still = sie.Forcing(np.zeros_like, np.zeros_like)
     >>> beside = sie.Zones.of([[-1.0, -0.001], [0.001, 1.0]])
-    >>> state = sie.solve_zones(sie.Equation(sie.cauchy(), still, (sie.Total(1.0), sie.EqualPotential())), beside)
+    >>> charge = sie.Equation(sie.cauchy(), still, (sie.Total(1.0), sie.EqualPotential()))
+    >>> state = sie.solve_zones(charge, beside)
     >>> state.density.totals.round(9).tolist()
     [0.5, 0.5]
     """
@@ -506,7 +510,7 @@ def solve_zones(
     if inner is None or len(inner.own) != len(found.wide):
         inner = first_sizes(equation, found.wide)
     inner.carried = sizes.carried
-    # By iteration the wide zones alone are no more than a start.
+    # By iteration, the wide zones alone are only a starting point.
     inner.linear = sizes.linear if equation.grows else max(sizes.linear, OPTIONS.start_tolerance)
     inner.start = not equation.grows
     inner.rough, inner.value = sizes.rough, sizes.value
@@ -528,15 +532,15 @@ def solve_zones(
             inner.iterations += more
             inner.kernel_evaluations += more * state.iteration.system.sums.size
         wide, density = slit_system.density(folded, series)
-        # What the slits do through a smooth part of the kernel may take more modes than there are.
+        # The field of the slits through a smooth part of the kernel may need more modes.
         least = more_modes(wide, slit_system.tails(wide, series), tolerance)
         if least is None:
             break
         inner.least = least
     if inner.carried is not None:
-        told = slit_system.told(series, False)
+        slack = slit_system.slack(series, False)
         inner.carried = sizes.carried = Carried.of(
-            inner.carried.coarse, wide.system, wide.unknowns, told
+            inner.carried.coarse, wide.system, wide.unknowns, slack
         )
     sizes.wide = inner
     sizes.solves += 1
@@ -547,8 +551,8 @@ def solve_zones(
     if any(here.kinks for here in slit_system.slits) and found_state.density_error > max(
         OPTIONS.retry_error * tolerance, OPTIONS.max_change
     ):
-        # A jump of a derivative that is not declared lies between zones by themselves, but within a
-        # wide one.
+        # A jump of a derivative that is not declared may lie between the given zones, but then it
+        # lies within a wide one.
         separate = solve_fixed(equation, zones, tolerance, sizes)
         return separate if separate.density_error < found_state.density_error else found_state
     return found_state

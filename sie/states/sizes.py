@@ -11,7 +11,7 @@ from sie.basis.data import Array, Index, Mask, record, wrapped
 from sie.basis.zones import Zones
 from sie.dense import modes
 from sie.dense.system import Layout, System
-from sie.equation.checks import look_at
+from sie.equation.checks import check_functions
 from sie.equation.equation import Equation
 from sie.fast.coarse import CoarseOperator
 from sie.fast.system import IterativeSystem
@@ -156,7 +156,7 @@ def first_sizes(equation: Equation, zones: Zones, tolerance: float = 0.0) -> Siz
     distances ask for; and the tolerance, where nothing but that is asked for, which an iteration
     need not go far below.
     """
-    look_at(equation, zones)
+    check_functions(equation, zones)
     least: int | Index
     panels = panels_over(equation.kernel, zones)
     if panels is not None and all(

@@ -16,7 +16,7 @@ from sie.basis.zones import Zones
 from sie.dense import modes
 from sie.dense.lu import Factored
 from sie.dense.system import System, condition_rows
-from sie.equation.checks import look_at
+from sie.equation.checks import check_functions
 from sie.equation.equation import Equation
 from sie.fast.coarse import CoarseOperator
 from sie.fast.iteration import Iterative
@@ -104,7 +104,7 @@ def solve_fixed(
     if sizes is None:
         sizes = first_sizes(equation, zones, tolerance)
     if sizes.solves == 0:
-        look_at(equation, zones)
+        check_functions(equation, zones)
     kernel = equation.kernel
     jumps = equation.forcing.jumps_within(zones, kernel)
     samples = modes.sample(

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import sie
-from sie.equation.checks import look_at
+from sie.equation.checks import check_functions
 
 TWO = [[-1.0, -0.2], [0.3, 1.0]]
 MIRRORED = [[-1.0, -0.2], [0.2, 1.0]]
@@ -225,4 +225,4 @@ def test_a_primitive_that_is_rounded_to_more_than_it_rises_by_is_not_called_wron
     # is as small as the places.
     forcing = sie.Forcing(lambda x: 2 * x, lambda x: 1 + x**2)
     zones = sie.Zones.of(np.array([[-1e-10, 1e-10], [2e-10, 3e-10]]))
-    look_at(sie.Equation(sie.cauchy(), forcing, (sie.EqualPotential(),)), zones)
+    check_functions(sie.Equation(sie.cauchy(), forcing, (sie.EqualPotential(),)), zones)

@@ -10,7 +10,7 @@ import pytest
 import sie
 from contact.reference.inverse import design
 from sie.fast.iteration import Iterative
-from sie.slits.slits import merge, off_slit
+from sie.slits.slits import merge, outside_slit
 from sie.slits.system import SlitState, solve_zones
 from tests.tiers import quick
 
@@ -221,7 +221,7 @@ def test_what_a_slit_does_off_it_is_a_cauchy_integral():
     theta = (np.arange(400) + 0.5) * np.pi / 400
     for z in (1.2, -3.0):
         integral = np.mean(np.polynomial.chebyshev.chebval(np.cos(theta), d) / (z - np.cos(theta)))
-        assert off_slit(np.array([abs(z) - 1]), np.sign(z), d)[0] == pytest.approx(
+        assert outside_slit(np.array([abs(z) - 1]), np.sign(z), d)[0] == pytest.approx(
             integral, rel=1e-13
         )
 

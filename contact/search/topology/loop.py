@@ -304,7 +304,9 @@ def _loosely(
     closely where others were before. What may be their error is left as it is. failed: signs that
     did so before.
     """
-    near = [_beside_ends(free, state, bad) for bad in (certificate.negative, certificate.overlaps)]
+    near = [
+        _end_distances(free, state, bad) for bad in (certificate.negative, certificate.overlaps)
+    ]
     certificate = replace(
         certificate,
         negative=certificate.negative[~near[0]],
@@ -405,10 +407,10 @@ def off(free: sie.Free, state: sie.AnyState) -> Array:
 def _is_error(free: sie.Free, state: sie.AnyState, certificate: Certificate) -> bool:
     """Whether all that fails lies so close to ends that their error may have made it."""
     bad = np.concatenate((certificate.negative, certificate.overlaps))
-    return len(bad) > 0 and bool(_beside_ends(free, state, bad).all())
+    return len(bad) > 0 and bool(_end_distances(free, state, bad).all())
 
 
-def _beside_ends(free: sie.Free, state: sie.AnyState, bad: Array) -> Mask:
+def _end_distances(free: sie.Free, state: sie.AnyState, bad: Array) -> Mask:
     """Which of these intervals (n, 2) lie so close to ends that their error may have made them."""
     if len(bad) == 0:
         return np.zeros(0, dtype=bool)
