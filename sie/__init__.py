@@ -1,4 +1,4 @@
-"""Singular integral equations with Cauchy and Hilbert kernels on zones with known or unknown ends."""
+"""Singular integral equations with Cauchy and Hilbert kernels, on zones with unknown ends."""
 
 from typing import TYPE_CHECKING, Any
 

@@ -50,8 +50,8 @@ def of_error(state: AnyState, search: Free | None, tol: float) -> str:
         open_ = float(search.rounding[zone].max())
         if open_ > 0.1 * tol:
             return (
-                f"rounding leaves the ends of zone {zone} (counted from 0) uncertain by {open_:.1e} "
-                "of its width"
+                f"rounding leaves the ends of zone {zone} (counted from 0) uncertain by "
+                f"{open_:.1e} of its width"
             )
     iteration, conditions, resolution = _parts(state)
     # The residual contains the error of an iteration once for each mode.
@@ -167,7 +167,7 @@ def _is_noisy(worst: _Worst) -> bool:
 def _of_resolution(worst: _Worst, tol: float) -> str:
     """The largest of these causes, in words."""
     state, m, causes = worst.state, int(worst.state.system.layout.m[worst.zone]), _causes(worst)
-    beside, rounded, noisy = causes["neighbour"], causes["places"], _is_noisy(worst)
+    neighbour, rounded, noisy = causes["neighbour"], causes["places"], _is_noisy(worst)
     cause = max(causes, key=lambda name: causes[name])
     if causes[cause] < max(OPTIONS.min_part * tol, OPTIONS.min_cause):
         cause = "none"
@@ -175,7 +175,7 @@ def _of_resolution(worst: _Worst, tol: float) -> str:
         return (
             f"{worst.where} lies so close to another one, or to an image, that its {m} modes do "
             "not "
-            f"show all of it: they leave {beside:.1e}"
+            f"show all of it: they leave {neighbour:.1e}"
         )
     if cause == "places":
         return (
@@ -197,8 +197,8 @@ def _of_resolution(worst: _Worst, tol: float) -> str:
     rounding = EPS * worst.terms
     if worst.residual <= OPTIONS.rounding_units * rounding:
         return (
-            f"that is what rounding leaves: terms of the size {worst.terms:.1e} add up to a density "
-            f"of the size {state.size:.1e}"
+            f"that is what rounding leaves: terms of the size {worst.terms:.1e} add up to a "
+            f"density of the size {state.size:.1e}"
         )
     return (
         f"at x = {worst.place:.6g} on {worst.where} the equation is off by {worst.residual:.1e} of "
