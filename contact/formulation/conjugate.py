@@ -1,24 +1,27 @@
-r"""H f' of a periodic profile, H f' = (1/L) PV int f'(xi) cot(pi (x - xi)/L) dxi (cos kx -> sin kx,
-sin kx -> -cos kx).
+r"""`Conjugate`: the periodic Hilbert transform H f' of the slope of a profile.
 
-The profile's own closed form where it has one. Else the declared jumps of f', f'' and f''' are
-taken out of f' as periodic Bernoulli polynomials, whose conjugates are, with u = (x - s)/L and J
-the jump,
+H f' = (1/L) PV int f'(xi) cot(pi (x - xi)/L) dxi takes cos kx to sin kx and sin kx to -cos kx.
 
-    q = 0   (J / pi) ln|2 sin(pi u)|,    q = 1   -(J L / 2 pi^2) Cl_2(2 pi u),    q = 2   (J L^2 / 4 pi^3) Cl_3(2 pi u),
-    Cl_2(y) = sum_k sin(ky)/k^2,         Cl_3(y) = sum_k cos(ky)/k^3,
+A profile may have it in closed form. Otherwise the declared jumps of f', f'' and f''' are
+subtracted from f' as periodic Bernoulli polynomials. With u = (x - s)/L and J the jump, their
+transforms are
 
-and what is left is smooth, a Fourier series. The poles of algebraic points (sie.AlgebraicPoints)
-are taken out too, 1/(y - i eta) as (pi/L) cot(pi (y - i eta)/L), whose conjugate is i times it and
-pi/L. The polynomials of many jumps are one piecewise quadratic, whose conjugate takes a time that
-does not grow with their number (pieces.py). The logarithms are kept apart: beside a kink they must
-be taken at a distance that is known better than x (sie.jumps.density), and everything else is
-`smooth`.
+    q = 0   (J / pi) ln|2 sin(pi u)|
+    q = 1   -(J L / 2 pi^2) Cl_2(2 pi u),    Cl_2(y) = sum_k sin(ky)/k^2
+    q = 2   (J L^2 / 4 pi^3) Cl_3(2 pi u),   Cl_3(y) = sum_k cos(ky)/k^3
+
+The rest is smooth, and its Fourier series is transformed term by term. Poles of algebraic points
+(sie.AlgebraicPoints) are subtracted as well: 1/(y - i eta) becomes (pi/L) cot(pi (y - i eta)/L),
+whose transform is i times it plus pi/L. The polynomials of all jumps together are one piecewise
+quadratic, whose transform takes a time that does not grow with their number (pieces.py).
+
+The logarithms of kinks are kept separate from the rest, `smooth`: next to a kink they need its
+distance to more digits than x has (sie.jumps.density).
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from math import pi
 
 import numpy as np
@@ -30,59 +33,48 @@ from scipy.special import zeta
 import sie
 from contact.errors import SceneError
 from contact.formulation.pieces import Pieces
+from contact.formulation.units import EPS
 from contact.model.profiles.base import Profile, is_of_package
 from contact.model.profiles.trigonometric import Sum
 from sie import Array, Complex, record
 
-_LARGEST = 2**18
-_LEAST = 256
-# Terms of a slope that noise may be, over the largest.
-_OF_NOISE = 1e-9
-
 
 @dataclass(frozen=True)
 class ConjugateOptions:
-    """How the error of H f' is estimated.
+    """How H f' of a sampled slope is computed, and how its error is estimated."""
 
-    noise_peak: largest value of noise over its standard deviation, at some thousand places.
-    slowest_fall: least exponent of a sum of powers; an undeclared jump of f' leaves 1.
-    checks: places at which a closed form is compared with the series of the slope.
-    stands_out: step between samples over their median that is named a jump; chooses words only.
-    refused: relative difference from which a closed form is refused; a smaller one is stated.
-    """
+    min_samples: int = 256
+    max_samples: int = 2**18
+    samples_per_length: int = 16  # of a shortest length of the profile
+    block: int = 1 << 20  # pairs of a point and a jump that are handled at once; bounds the memory
+    noise_peak: float = (
+        4.0  # largest value of noise over its standard deviation, in some thousand places
+    )
+    noise_samples: int = 256  # places at which the noise of heights is estimated
+    max_noise: float = 1e-9  # over the largest term: larger terms that do not decay are not noise
+    no_decay: float = 0.6  # terms that fall by less than this factor in an octave do not decay
+    slowest_decay: float = (
+        1.2  # exponent of a decaying sum of powers; an undeclared jump of f' leaves 1
+    )
+    checks: int = 32  # places at which a user's closed form is compared with the series
+    max_mismatch: float = (
+        1e-6  # relative: a larger one is refused, a smaller one is stated as an error
+    )
+    jump_in_samples: float = (
+        64.0  # a step this many times the median step is called a jump in messages
+    )
+    pole_reach: float = 0.25  # periods: farther poles stay in the series (0.1 to 0.5 are the same)
+    kink_reach: float = 1e-5  # periods: nearer to a kink a closed form is extrapolated linearly
 
-    noise_peak: float = 4.0
-    slowest_fall: float = 1.2
-    checks: int = 32
-    stands_out: float = 64.0
-    refused: float = 1e-6
 
-
-_OPTIONS = ConjugateOptions()
-# Terms no longer fall where an octave is more than this part of the one before.
-_STILL = 0.6
-# (point, jump) pairs handled at once.
-_BLOCK = 1 << 20
-# Terms of the series of Clausen's functions: within half a turn each is a quarter of the one
-# before.
-_2K = 2.0 * np.arange(1, 27)
-# |B_2k| / (2k (2k+1)!) and |B_2k| / (2k (2k+2)!), by |B_2k| = 2 (2k)! zeta(2k) / (2 pi)^2k (DLMF
-# 25.6.2).
-_SECOND = 2 * zeta(_2K) / (2 * pi) ** _2K / (_2K * (_2K + 1))
-_THIRD = _SECOND / (_2K + 2)
-_ZETA3 = float(zeta(3))
-# Of the period: the poles of an algebraic point no farther away than this are taken out;
-# insensitive, 0.1 to 0.5.
-_POLES = 0.25
-# Beside a kink a closed form with its logarithm taken off is a difference of large numbers: closer
-# than this part of the period it is continued by a straight line.
-_BESIDE = 1e-5
+OPTIONS = ConjugateOptions()
 
 
 @record
 class Conjugate(sie.Kept):
-    """H f' of x [m] of a periodic profile, with its kinks (k, 2) as it declares them; breakpoints:
-    the profile's others.
+    """H f' of a periodic profile as a function of x [m].
+
+    `kinks` (k, 2) are those of the profile, `breakpoints` its other breakpoints.
     """
 
     profile: Profile
@@ -102,21 +94,21 @@ class Conjugate(sie.Kept):
 
     @cached_property
     def smooth(self) -> Callable[[Array], Array]:
-        """All of H f' but the logarithms (J / pi) ln|2 sin(pi (x - s) / L)| of the kinks."""
+        """H f' without the logarithms (J / pi) ln|2 sin(pi (x - s) / L)| of the kinks."""
         return self._transform.smooth
 
     @property
     def error(self) -> float:
-        """Estimate of the largest error of H f', beyond the rounding of its sums.
+        """Estimate of the largest error of H f', apart from the rounding of its sums.
 
-        It holds the noise of the slopes, the truncation of their series, and the difference of a
+        It contains the noise of the slopes, the truncation of their series, and the difference of a
         user's closed form from the series.
         """
         return self._transform.error
 
     @property
     def limit(self) -> str:
-        """Cause of that error, in words."""
+        """Cause of the error, in words."""
         return self._transform.limit
 
     @cached_property
@@ -140,9 +132,9 @@ class Conjugate(sie.Kept):
         )
 
     def _of_bodies(self) -> "Transform":
-        """The sum over the bodies, each with its own period.
+        """The sum over the bodies of a pair, each with its own period.
 
-        Logarithms that repeat within the common period are one of the shorter period.
+        Logarithms that repeat within the common period become those of the shorter period.
         """
         profile = self.profile
         parts = {place: Conjugate(body)._transform for place, body in profile.bodies.items()}
@@ -158,14 +150,14 @@ class Conjugate(sie.Kept):
     def _difference(self, closed: Callable[[Array], Array], series: "Transform") -> float:
         """Difference of a user's closed form from the series of the slope.
 
-        Raises SceneError where it is another function.
+        Raises SceneError if it is another function.
         """
-        x = self.profile.x0 + self.period * (np.arange(_OPTIONS.checks) + 0.4142) / _OPTIONS.checks
+        x = self.profile.x0 + self.period * (np.arange(OPTIONS.checks) + 0.4142) / OPTIONS.checks
         here, there = closed(x), series.smooth(x)
         off = np.abs(here - there)
         worst = int(np.argmax(off))
         size = max(float(np.abs(there).max()), series.scale)
-        if not off[worst] <= _OPTIONS.refused * size + 2 * series.error:
+        if not off[worst] <= OPTIONS.max_mismatch * size + 2 * series.error:
             at, told, wanted = (float(values[worst]) for values in (x, here, there))
             less = ", less the logarithms of the kinks," if len(self.kinks) else ""
             raise SceneError(
@@ -176,7 +168,7 @@ class Conjugate(sie.Kept):
                 "profile",
                 self.profile,
             )
-        return _OPTIONS.noise_peak * float(off[worst])
+        return OPTIONS.noise_peak * float(off[worst])
 
     def __call__(self, x: ArrayLike) -> Array:
         x = np.asarray(x, dtype=float)
@@ -186,16 +178,16 @@ class Conjugate(sie.Kept):
 
 
 def logarithms(x: Array, at: Array, heights: Array, period: float) -> Array:
-    """sum of (J / pi) ln|2 sin(pi (x - s) / L)|."""
+    """Sum of (J / pi) ln|2 sin(pi (x - s) / L)| over all kinks."""
     return over_jumps(x, at, heights / pi, period, log_sine)
 
 
 @record
 class Transform:
-    """H f' less the logarithms of its kinks.
+    """H f' without the logarithms of the kinks, and its error.
 
-    error: estimate of its largest error; limit: cause of that, in words; settled: whether the
-    series of the slope has reached its end; scale: the largest slope or term.
+    error: estimate of the largest error. limit: its cause, in words. settled: whether the series of
+    the slope has converged. scale: the largest slope or term.
     """
 
     smooth: Callable[[Array], Array]
@@ -206,11 +198,11 @@ class Transform:
 
 
 def _series(profile: Profile, length: float) -> Transform:
-    """By the Fourier series of the slope without its declared jumps."""
+    """The transform by the Fourier series of the slope without its declared jumps."""
     kinks, jumps = np.asarray(profile.kinks, dtype=float), np.asarray(profile.jumps, dtype=float)
     orders = jumps[:, 1] - 1
-    # Jumps of the third derivative of f that do not add up to nothing ask for a cubic: that of what
-    # is over, at one place.
+    # Jumps of f''' that do not add up to 0 need a cubic; the one of their sum is placed at one
+    # jump.
     first, over = jumps[:1, 0], np.full(len(jumps[:1]), jumps[orders == 2, 2].sum())
     at, heights = np.append(jumps[:, 0], first), jumps[:, 2, None] * (orders[:, None] == [0, 1, 2])
     of_jumps = Pieces.of(
@@ -228,17 +220,17 @@ def _series(profile: Profile, length: float) -> Transform:
             + points(x, False)
         )
 
-    # The parts that are taken out may be much larger than their sum.
+    # The subtracted parts may be much larger than their sum.
     rounding = (
-        2.2e-16
-        * float(np.abs(kinks[:, 1]).sum() + (np.abs(jumps[:, 2]) * length**orders).sum())
-        / 12
+        EPS * float(np.abs(kinks[:, 1]).sum() + (np.abs(jumps[:, 2]) * length**orders).sum()) / 12
     )
-    rounding += 2.2e-16 * points.size
-    # Fewer even samples than the shape asks for show waves that are none of its.
+    rounding += EPS * points.size
+    # Fewer samples than the profile asks for would alias.
     n = int(
         np.clip(
-            2 ** np.ceil(np.log2(8 * length / (profile.resolution or length))), _LEAST, _LARGEST
+            2 ** np.ceil(np.log2(8 * length / (profile.resolution or length))),
+            OPTIONS.min_samples,
+            OPTIONS.max_samples,
         )
     )
     while True:
@@ -249,13 +241,13 @@ def _series(profile: Profile, length: float) -> Transform:
         scale = max(float(size.max()), float(np.abs(slope).max()))
         noise = max(rounding, _noise(size, scale))
         settled = bool(size[-n // 16 :].max() <= max(1e-15 * scale, noise))
-        if settled or n >= _LARGEST:
+        if settled or n >= OPTIONS.max_samples:
             break
         n *= 2
     used = np.flatnonzero(size > max(1e-17 * scale, noise))
     k = np.arange(int(used[-1]) + 1 if len(used) else 1)
     c = (2 * coefficients[: len(k)] * np.exp(-1j * pi * k / n))[1:]
-    # Im of the sum, since H takes cos to sin and sin to -cos: Re of -i times it.
+    # Im of the sum, as H takes cos to sin and sin to -cos; that is Re of -i times it.
     left = Sum.of(-1j * c) if len(c) else None
 
     def smooth(x: Array) -> Array:
@@ -278,29 +270,29 @@ def _series(profile: Profile, length: float) -> Transform:
 
 
 def _series_error(size: Array, used: int, noise: float) -> float:
-    """Error of the sum by noise in the terms in use and by the terms that are left out.
+    """Error of the sum, by noise in the terms in use and by the terms that are left out.
 
-    size: of all terms; used: number of terms in use; noise: size below which terms are left out.
-    Terms of noise are of one size: their sum grows with the root of their number. Terms that fall
-    as a power p, from the n-th on, add up to n/(p - 1) of it.
+    size: of all terms. used: number of terms in use. noise: size below which terms are left out.
+    Terms of noise have equal size, and their sum grows as the root of their number. Terms that fall
+    as a power p, from the n-th on, add up to n/(p - 1) times the n-th.
     """
     n = len(size) - 1
     last, before = (float(np.sqrt(np.mean(size[k : 2 * k] ** 2))) for k in (n // 2, n // 4))
-    of_noise = (_OPTIONS.noise_peak * np.sqrt(2.0) * last + noise) * np.sqrt(used)
-    if last >= _STILL * before or last <= noise:
+    of_noise = (OPTIONS.noise_peak * np.sqrt(2.0) * last + noise) * np.sqrt(used)
+    if last >= OPTIONS.no_decay * before or last <= noise:
         return float(of_noise)
     fall = float(np.log2(before / last)) if last else np.inf
-    return float(of_noise + 4 * n * last / max(fall - 1.0, _OPTIONS.slowest_fall - 1.0))
+    return float(of_noise + 4 * n * last / max(fall - 1.0, OPTIONS.slowest_decay - 1.0))
 
 
 def _limit_of_series(x: Array, smooth: Array, size: Array, settled: bool) -> str:
     """Cause of the error of a series, in words.
 
-    smooth: the slope at even places x, without its declared jumps; size: of all terms.
+    smooth: the slope at even places x, without its declared jumps. size: of all terms.
     """
     n = len(size) - 1
     last, before = (float(np.sqrt(np.mean(size[k : 2 * k] ** 2))) for k in (n // 2, n // 4))
-    if settled or last >= _STILL * before:
+    if settled or last >= OPTIONS.no_decay * before:
         return (
             f"the slope of the profile is known to {last * np.sqrt(len(x)):.1e} only, as where it "
             "is derived from heights "
@@ -308,7 +300,7 @@ def _limit_of_series(x: Array, smooth: Array, size: Array, settled: bool) -> str
         )
     steps = np.abs(np.diff(smooth, append=smooth[:1]))
     at = int(np.argmax(steps))
-    if steps[at] > _OPTIONS.stands_out * float(np.median(steps)):
+    if steps[at] > OPTIONS.jump_in_samples * float(np.median(steps)):
         return (
             f"the slope jumps by {steps[at]:.3g} at x = {x[at]:.6g} m, and kinks of the profile "
             "does not say so"
@@ -320,7 +312,7 @@ def _limit_of_series(x: Array, smooth: Array, size: Array, settled: bool) -> str
 
 @record
 class _PeriodicPoles:
-    """Poles of the algebraic points of a periodic slope: by point, tanh(pi eta/L) and c of each.
+    """Poles of the algebraic points of a periodic slope: tanh(pi eta/L) and c of each.
 
     With s = sin(pi y/L), k = cos(pi y/L), T = tanh(pi eta/L): cot(pi (y - i eta)/L) = (s k (1 -
     T^2) + i T) / (s^2 + k^2 T^2).
@@ -334,7 +326,7 @@ class _PeriodicPoles:
     def of(cls, profile: Profile, length: float) -> "_PeriodicPoles":
         at, n, left, right = np.asarray(profile.algebraic_points, dtype=float).T
         points = sie.AlgebraicPoints(at, n - 1, -n * left, n * right)
-        some = [points.poles(k, _POLES * length) for k in range(len(points.places))]
+        some = [points.poles(k, OPTIONS.pole_reach * length) for k in range(len(points.places))]
         return cls(
             length,
             points,
@@ -343,11 +335,11 @@ class _PeriodicPoles:
 
     @property
     def size(self) -> float:
-        """What their sum does not exceed."""
+        """An upper bound of their sum."""
         return float(sum((np.abs(size) / tanh).sum() for tanh, size in self.poles))
 
     def __call__(self, x: Array, conjugate: bool) -> Array:
-        """Their sum, or its conjugate, at x of any shape."""
+        """The sum of the poles, or of their transforms, at x of any shape."""
         out, flat = np.zeros(np.size(x)), np.ravel(x)
         for place, (at, (tanh, size)) in enumerate(
             zip(self.points.places.tolist(), self.poles, strict=True)
@@ -357,30 +349,34 @@ class _PeriodicPoles:
             c = 1j * size if conjugate else size
             weights = np.column_stack((c.real * (1 - tanh) * (1 + tanh), c.imag * tanh))
             mean = size.real.sum() if conjugate else 0.0
-            for here in range(0, len(flat), max(1, _BLOCK // len(tanh))):
+            for here in range(0, len(flat), max(1, OPTIONS.block // len(tanh))):
                 s, k = (
-                    wave(pi * turns[here : here + _BLOCK // len(tanh)]) for wave in (np.sin, np.cos)
+                    wave(pi * turns[here : here + OPTIONS.block // len(tanh)])
+                    for wave in (np.sin, np.cos)
                 )
                 odd, even = (1 / ((s * s)[:, None] + (k * k)[:, None] * tanh**2) @ weights).T
                 out[here : here + len(s)] += s * k * odd - even + mean
             if conjugate:
-                # i c / (-i eta)
-                out[turns == 0.0] -= self.points.left_out(place, _POLES * self.length).real
+                # the residue term i c / (-i eta)
+                out[turns == 0.0] -= self.points.left_out(
+                    place, OPTIONS.pole_reach * self.length
+                ).real
         return out.reshape(np.shape(x))
 
 
 def _noise(size: Array, scale: float) -> float:
-    """What no term of a series tells from the noise of slopes that are told by differences; 0 where
-    there is none: small terms of the last octave are as large as those of the one before, which
-    those of no body are.
+    """Size of terms that are noise of numerically derived slopes; 0 if there is no noise.
+
+    The terms of noise are as large in the last octave as in the one before; those of a profile
+    fall.
     """
     n = len(size) - 1
     last, before = (float(np.sqrt(np.mean(size[k : 2 * k] ** 2))) for k in (n // 2, n // 4))
-    return 6 * last if _STILL * before < last < _OF_NOISE * scale else 0.0
+    return 6 * last if OPTIONS.no_decay * before < last < OPTIONS.max_noise * scale else 0.0
 
 
 def _less_logarithms(profile: Profile, kinks: Array, length: float) -> Callable[[Array], Array]:
-    """The profile's own H f' with the logarithms of its kinks taken off; straight next to each."""
+    """The profile's own H f' without the logarithms of its kinks; linear next to each kink."""
 
     def plain(x: Array) -> Array:
         return np.asarray(profile.slope_conjugate(x)) - logarithms(
@@ -389,7 +385,7 @@ def _less_logarithms(profile: Profile, kinks: Array, length: float) -> Callable[
 
     def smooth(x: Array) -> Array:
         x = np.asarray(x, dtype=float)
-        near = _BESIDE * length
+        near = OPTIONS.kink_reach * length
         away = (x[..., None] - kinks[:, 0] + 0.5 * length) % length - 0.5 * length
         which = np.argmin(np.abs(away), axis=-1)
         nearest = np.take_along_axis(away, which[..., None], axis=-1)[..., 0]
@@ -411,15 +407,13 @@ def log_sine(u: Array) -> Array:
 def over_jumps(
     x: Array, at: Array, weights: Array, length: float, function: Callable[[Array], Array]
 ) -> Array:
-    """sum_k weights_k function(u_k), u_k = (x - s_k)/L in turns from -1/2 to 1/2, by blocks of
-    bounded memory.
-    """
+    """sum_k weights_k function(u_k), u_k = (x - s_k)/L from -1/2 to 1/2, in blocks of memory."""
     x = np.asarray(x, dtype=float)
     out = np.zeros(x.size)
     if len(at) == 0:
         return out.reshape(x.shape)
     flat = x.ravel()
-    block = max(1, _BLOCK // len(at))
+    block = max(1, OPTIONS.block // len(at))
     for s in range(0, flat.size, block):
         u = (flat[s : s + block, None] - at) / length
         out[s : s + block] = function(u - np.round(u)) @ weights
@@ -427,28 +421,42 @@ def over_jumps(
 
 
 def _bernoulli3(u: Array) -> Array:
-    """B_3(u) / 6, u in turns: minus its second derivative jumps by one at 0."""
+    """B_3(u) / 6, with u in periods; minus its second derivative jumps by 1 at u = 0."""
     u = u % 1.0
     return np.asarray(((u - 1.5) * u + 0.5) * u / 6)
 
 
+@cache
+def _clausen_series(terms: int = 26) -> tuple[Array, Array]:
+    """Coefficients |B_2k| / (2k (2k+1)!) and |B_2k| / (2k (2k+2)!) of Clausen's functions.
+
+    B_2k| = 2 (2k)! zeta(2k) / (2 pi)^2k (DLMF 25.6.2). Within half a period each term is at most a
+    uarter of the last one.
+    """
+    even = 2.0 * np.arange(1, terms + 1)
+    second = 2 * zeta(even) / (2 * pi) ** even / (even * (even + 1))
+    return second, second / (even + 2)
+
+
 def clausen2(u: Array) -> Array:
-    """sum_k sin(k y)/k^2, y = 2 pi u, for |u| <= 1/2: y - y ln|y| + sum_k |B_2k| y^(2k+1) / (2k
-    (2k+1)!).
+    """Clausen's function sum_k sin(k y)/k^2, y = 2 pi u, for |u| <= 1/2.
+
+    It is y - y ln|y| + sum_k |B_2k| y^(2k+1) / (2k (2k+1)!).
     """
     angle = 2 * pi * u
     square = angle * angle
     with np.errstate(divide="ignore", invalid="ignore"):
         own = np.where(angle == 0, 0.0, angle * (1 - np.log(np.abs(angle))))
-    return np.asarray(own + angle * square * polyval(square, _SECOND))
+    return np.asarray(own + angle * square * polyval(square, _clausen_series()[0]))
 
 
 def clausen3(u: Array) -> Array:
-    """sum_k cos(k y)/k^3, y = 2 pi u, |u| <= 1/2: zeta(3) + (y^2/2)(ln|y| - 3/2) - sum_k |B_2k|
-    y^(2k+2) / (2k (2k+2)!).
+    """The sum sum_k cos(k y)/k^3, y = 2 pi u, for |u| <= 1/2.
+
+    It is zeta(3) + (y^2/2)(ln|y| - 3/2) - sum_k |B_2k| y^(2k+2) / (2k (2k+2)!).
     """
     angle = 2 * pi * u
     square = angle * angle
     with np.errstate(divide="ignore", invalid="ignore"):
         own = np.where(angle == 0, 0.0, 0.5 * square * (np.log(np.abs(angle)) - 1.5))
-    return np.asarray(_ZETA3 + own - square * square * polyval(square, _THIRD))
+    return np.asarray(zeta(3) + own - square * square * polyval(square, _clausen_series()[1]))

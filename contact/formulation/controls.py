@@ -1,14 +1,13 @@
-"""What is given of a contact, scaled: a load, an approach, the half width of one zone, or the width
-of all zones together.
+"""Scaled controls: the quantity that is given, as side conditions of the equation.
 
-Each control knows the side conditions that fix it, where the pressure is the unknown and where the
-slope of the gap is:
+There are two formulations, with the pressure or the slope of the gap as the unknown:
 
-    load        int p = P, one level on all zones                      mean pressure P / period
-    approach    the level -approach on every zone                      mean gap = mean f - approach
-    machine     level - give int p = -value on every zone
-    half width  the ends themselves, which stand where they are given
-    width       int p unknown, one level; ends with a total width      mean pressure unknown; ends likewise
+    load        int p = P, equal levels of all zones     mean pressure P / period
+    approach    level -approach of every zone            mean gap = mean f - approach
+    machine     level - give int p = -value
+    half width  given ends, which do not move
+    width       int p unknown, equal levels,             mean pressure unknown,
+                ends with a given total width            ends with a given total width
 
 Loads are per period where there is one, in `Units.load`; approaches in `Units.height`, widths in
 `Units.length`.
@@ -35,16 +34,17 @@ Conditions = tuple[tuple[sie.Condition, ...], tuple[sie.TotalWidth, ...]]
 
 @dataclass(frozen=True)
 class Control:
-    """A given value, scaled. load, approach, half_width, width: that value where it is this
-    quantity, else None.
+    """A given value, scaled.
+
+    `load`, `approach`, `half_width` and `width` are the value if it is that quantity, else None.
     """
 
     value: float
     name: ClassVar[str]
     counted_in: ClassVar[str]
     quantity: ClassVar[Quantity | None] = None
-    # d(approach)/d(load) of what holds the contact: 0 where that holds the approach, None where it
-    # holds the load.
+    # d approach / d load of the device that holds the contact: 0 if it holds the approach, None if
+    # it holds the load.
     yields: ClassVar[float | None] = None
 
     def _if(self, quantity: Quantity) -> float | None:
@@ -67,24 +67,25 @@ class Control:
         return self._if(Quantity.WIDTH)
 
     def conditions(self) -> Conditions:
-        """Side conditions on the pressure, and on the ends of its zones."""
+        """Side conditions on the pressure and on the ends of the zones."""
         raise NotImplementedError
 
     def gap_conditions(
         self, period: float, mean_height: Callable[[], float], compression: float
     ) -> Conditions:
-        """Side conditions on the slope of the gap, whose column 0 is the mean pressure, and on the
-        ends of the gaps. mean_height: of the profile above its lowest place; compression: mean
-        displacement under a unit of mean pressure.
+        """Side conditions on the slope of the gap and on the ends of the gaps.
+
+        The amplitude of column 0 is the mean pressure. mean_height: mean of the profile above its
+        lowest place. compression: mean displacement for a unit of mean pressure.
         """
         raise NotImplementedError
 
     def unit(self, units: Units) -> float:
-        """The unit of the value, in SI."""
+        """The unit of the value in SI."""
         return float(getattr(units, self.counted_in))
 
-    def told(self, units: Units) -> str:
-        """Name and value for a message."""
+    def described(self, units: Units) -> str:
+        """Name and value, for a message."""
         return f"{self.name} {self.value * self.unit(units):.6g}"
 
 
@@ -106,7 +107,7 @@ class Load(Control):
 
 @dataclass(frozen=True)
 class Approach(Control):
-    """The approach: minus the level of the zones."""
+    """The approach: minus the level of every zone."""
 
     name, counted_in = "approach", "height"
     quantity = Quantity.APPROACH
@@ -118,20 +119,17 @@ class Approach(Control):
     def gap_conditions(
         self, period: float, mean_height: Callable[[], float], compression: float
     ) -> Conditions:
-        # min f = 0, and u has the mean of the compression: the mean of f less the mean gap, and
-        # that.
+        # min f = 0 and mean u is the compression: the mean gap is mean f - approach + compression.
         opened = sie.ZoneMoments((self.value - mean_height()) * period)
         return (
-            opened if compression == 0.0 else _OpenedAndSunk(opened, compression * period),
+            opened if compression == 0.0 else _MeanGap(opened, compression * period),
             sie.ZoneTotals(0.0),
         ), ()
 
 
 @dataclass(frozen=True)
 class Machine(Control):
-    """The approach of the far end of a spring: that of the contact and `give` times the load, give
-    > 0.
-    """
+    """The approach of the far end of a spring: approach of the contact plus `give` times the load."""
 
     give: float
     name, counted_in = "machine", "height"
@@ -141,12 +139,12 @@ class Machine(Control):
         return self.give
 
     def conditions(self) -> Conditions:
-        return (_Sprung(-self.value, self.give),), ()
+        return (_SpringLevel(-self.value, self.give),), ()
 
 
 @dataclass(frozen=True)
 class HalfWidth(Control):
-    """The half width of one zone about the origin; its ends stand where they are given."""
+    """The half width of one zone about the origin; its ends do not move."""
 
     name, counted_in = "half_width", "length"
     quantity = Quantity.HALF_WIDTH
@@ -172,8 +170,8 @@ class Width(Control):
 
 
 @dataclass(frozen=True)
-class _Sprung(sie.Condition):
-    """The level of every zone, less `give` times the total, has a value."""
+class _SpringLevel(sie.Condition):
+    """Condition: the level of every zone less `give` times the total load has a value."""
 
     value: float
     give: float
@@ -194,8 +192,8 @@ class _Sprung(sie.Condition):
 
 
 @dataclass(frozen=True)
-class _OpenedAndSunk(sie.Condition):
-    """What the gaps open, and `depth` times the amplitude of column 0, add up to a value."""
+class _MeanGap(sie.Condition):
+    """Condition: integral of the gaps plus `depth` times the amplitude of column 0 has a value."""
 
     opened: sie.ZoneMoments
     depth: float

@@ -1,4 +1,4 @@
-"""Pressure, displacement and gap of a solution, and its numbers, from the density on its zones."""
+"""`ZoneFields`: pressure, gap, displacement and numbers, from the density on the zones."""
 
 from __future__ import annotations
 
@@ -16,10 +16,9 @@ from contact.formulation.controls import Load
 from contact.formulation.problem import Problem
 from contact.formulation.quadrature import cuts_between, over_period, panels, sides
 from contact.formulation.roots import maximum, reaches
+from contact.formulation.units import EPS
 from contact.model.profiles.derive import detail_of
 from sie import Array, Index, Mask, nearest_image, record, wrapped
-
-EPS = float(np.finfo(np.float64).eps)
 
 
 @dataclass(frozen=True)
@@ -40,7 +39,7 @@ OPTIONS = FieldOptions()
 
 
 class NoZones(sie.Kept):
-    """What is the same of all fields without zones, and so without anything that acts beside them."""
+    """Members of `Fields` that are the same for all contacts without zones."""
 
     loads = levels = np.zeros(0)
     zone_table = cohesive = np.zeros((0, 2))
@@ -61,10 +60,10 @@ def moved_ends(
     response: sie.AnyDensity | None = None,
     tolerance: float = 0.0,
 ) -> Array:
-    """How far each end (2, Z) moves outward by a unit of a condition's value, the first one's if
-    none is named: 2 K / A, as in a step of Newton's, or as the rates of prescribed intensities have
-    it; 0 for ends that are held. response: to that unit, if it is at hand; tolerance: of an
-    iteration for it.
+    """How far each end (2, Z) moves outward per unit of a condition's value; 0 for fixed ends.
+
+    It is 2 K / A, as in a Newton step, or comes from the rates of prescribed intensities. response:
+    the solution for that unit, if it is known already. tolerance: of the iteration that finds it.
     """
     zones = state.density.zones
     response = state.response(state.values(condition), tolerance) if response is None else response
@@ -74,9 +73,10 @@ def moved_ends(
 
 
 def moves_by(density: sie.AnyDensity, on: sie.AnyDensity) -> Array:
-    """2 K / A (2, Z) with K of a density and A of one on the same zones: how far ends without
-    prescribed intensities move outward as what calls up the first is added to what calls up the
-    second; 0 for ends that are held.
+    """Outward motions 2 K / A (2, Z) of ends without prescribed intensities; 0 for fixed ends.
+
+    K are the intensities of `density`, A the edge slopes of `on`, both on the same zones. The
+    motion is the rate at which the ends move as the load of `density` is added to that of `on`.
     """
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where(
@@ -85,7 +85,7 @@ def moves_by(density: sie.AnyDensity, on: sie.AnyDensity) -> Array:
 
 
 def by_nominal_pressure(problem: Problem, zones: sie.Zones, tolerance: float) -> sie.AnyState:
-    """What a unit of nominal pressure beyond a strip adds to the density on the same zones."""
+    """The state of a unit of nominal pressure outside a strip, on the same zones."""
     equation = sie.Equation(
         problem.kernel, problem.columns[0], (sie.Total(0.0), sie.EqualPotential())
     )
@@ -94,11 +94,10 @@ def by_nominal_pressure(problem: Problem, zones: sie.Zones, tolerance: float) ->
 
 @record
 class ZoneFields(sie.Kept):
-    """Fields of a load-controlled state on its zones; scaled inside, SI in `pressure`,
-    `displacement`, `gap`.
+    """Fields of a contact whose unknown is the pressure on its zones.
 
-    In pickles and copies the state with its matrices is left out, and what it tells beyond the
-    density is worked out before.
+    Arrays of places are scaled inside and in metres in the members of `Fields`. Pickles and copies
+    leave out `state` with its matrices; what depends on it is computed first.
     """
 
     problem: Problem
@@ -106,8 +105,6 @@ class ZoneFields(sie.Kept):
     amplitude_rate: float = 0.0
     centring: float = 0.0
     pressure_bound = math.inf
-    # Nothing acts beside the contact: intervals where something does (m, 2) [m], and the scaled int
-    # p (F - gap) dx there.
     cohesive = np.zeros((0, 2))
     borne_beside = 0.0
 
@@ -126,16 +123,16 @@ class ZoneFields(sie.Kept):
 
     @property
     def solved_zones(self) -> sie.Zones:
-        """The intervals of the unknown, scaled: the zones."""
+        """The intervals of the unknown, scaled: here the zones."""
         return self.density.zones
 
     @cached_property
     def levels(self) -> Array:
-        """Potential less columns less F, on each solved zone; equal at a solution."""
+        """Potential less columns less F on each solved zone, scaled; they are equal in a solution."""
         zones = self.density.zones
         if len(zones) == 1:
             end = zones.b
-            return -(self._sunk(end) + self.standing_shape(end))
+            return -(self._relative_displacement(end) + self.standing_shape(end))
         return self.state.levels
 
     @cached_property
@@ -144,19 +141,18 @@ class ZoneFields(sie.Kept):
 
     @property
     def approach(self) -> float | None:
-        """Approach [m], None for an isolated punch without a datum."""
+        """Approach [m]; None for an isolated punch without a datum."""
         if not self.problem.operator.has_approach:
             return None
         return -self.level * self.problem.units.height
 
     @cached_property
     def stiffness(self) -> float | None:
-        """d load / d approach [N/m^2]: the ends may be held where their motion does not change the
-        density at first order.
+        """d load / d approach [N/m^2] at the given tilt or moment; None without an approach.
 
-        Under the first-order closure the nominal pressure follows the load at `amplitude_rate`; a
-        strip whose centre moves with the load sinks by `centring` more, a unit of load. At the tilt
-        that is given, or at the moment that is. None without an approach.
+        The ends are kept fixed where their motion does not change the density at first order. Under
+        the first-order closure the nominal pressure follows the load at `amplitude_rate`. A strip
+        whose centre moves with the load sinks by `centring` more for a unit of load.
         """
         if self.approach is None:
             return None
@@ -176,8 +172,9 @@ class ZoneFields(sie.Kept):
 
     @property
     def load_size(self) -> float:
-        """What a miss of the load is counted in: the load, or what the prescribed intensities bear,
-        whichever is larger.
+        """The size that an error of the load is compared with, scaled.
+
+        It is the load, or what the prescribed intensities bear if that is larger.
         """
         zones = self.density.zones
         wanted = abs(self.problem.end.intensity or 0.0)
@@ -185,9 +182,7 @@ class ZoneFields(sie.Kept):
 
     @property
     def bending(self) -> float:
-        """How many times the intensities that are asked for the density makes of its largest
-        coefficients at the ends.
-        """
+        """Intensities that the largest coefficients of the density make, over the prescribed ones."""
         zones, wanted = self.density.zones, self.problem.end.intensity
         assert wanted
         return float(
@@ -195,10 +190,11 @@ class ZoneFields(sie.Kept):
         ) / abs(wanted)
 
     def second_variation(self, yields: float | None = None) -> Array:
-        """d^2 energy / ds_i ds_j by outward motions of the left and the right ends, times the roots
-        of their zones' widths and over 2 w (2 Z, 2 Z): of dG_i/ds_j, G = w (K/K*)^2. Ends that are
-        held at sharp corners do not move, and are left out. yields: d(approach)/d(load) of what
-        holds the contact, None: the load is held.
+        """Second variation of the energy by outward motions of all free ends, scaled (2 Z, 2 Z).
+
+        Row i, column j is dG_i/ds_j / (2 w) times the roots of both zones' widths, with the energy
+        release rate G = w (K/K*)^2. Ends at sharp corners do not move and are left out. yields: d
+        approach / d load of what holds the contact; None if it holds the load.
         """
         zones, wanted = self.density.zones, self.problem.end.intensity
         assert wanted
@@ -219,9 +215,7 @@ class ZoneFields(sie.Kept):
 
     @cached_property
     def mean_gap(self) -> float:
-        """Mean gap over a period [m]: mean f + mean u - approach where all periods act, else by
-        quadrature.
-        """
+        """Mean gap over a period [m]: mean f + mean u - approach, or by quadrature for a strip."""
         units = self.problem.units
         if self.problem.corners != (-np.inf, np.inf):
             return np.inf
@@ -239,12 +233,13 @@ class ZoneFields(sie.Kept):
 
     @property
     def mean_displacement(self) -> float:
-        """Scaled, of all periods: by the compression of a substrate with a base; else 0."""
+        """Scaled mean displacement over a period: the compression of the body, or 0."""
         return self.problem.compression * self.density.total / self.problem.repeat_length
 
     def end_remainders(self, table: Array, order: Index) -> Array | None:
-        """What rounding has cut off the ends [m] that the rows of a table are, of the zones in this
-        order; None where they have no more digits than their positions.
+        """Digits that rounding cuts off the ends [m] in the rows of a table; None if unknown.
+
+        order: the zone of each row.
         """
         if not self.problem.forcing.resolution.exact_places:
             return None
@@ -261,29 +256,27 @@ class ZoneFields(sie.Kept):
         ).reshape(table.shape)
         return np.asarray(left + rest)
 
-    # Functions of scaled places.
-
     def inside(self, x: Array) -> Mask:
         """Whether scaled points lie in a zone."""
         return self.density.locate(x)[2]
 
     def scaled_gap(self, x: Array) -> Array:
-        """F - V + lambda C + level, zero on the zones."""
+        """F - V + lambda C + level, scaled, and exactly zero on the zones."""
         return np.where(self.inside(x), 0.0, self.formal_gap(x))
 
     def formal_gap(self, x: Array) -> Array:
-        """F - V + lambda C + level everywhere, rounding left as it is on the zones."""
-        gap = np.asarray(self.standing_shape(x) + self.level + self._sunk(x))
-        # In a narrow gap what opens it keeps digits that the difference has lost.
+        """F - V + lambda C + level everywhere, scaled; on the zones it shows the error."""
+        gap = np.asarray(self.standing_shape(x) + self.level + self._relative_displacement(x))
+        # In a narrow gap the opening keeps digits that the difference above loses.
         narrow, opening = self.density.opening(x)
         return np.where(narrow, opening, gap) if narrow.any() else gap
 
     def formal_pressure(self, x: Array) -> Array:
-        """Scaled, whatever its sign."""
+        """Scaled pressure, whatever its sign."""
         return np.asarray(self.density(x))
 
     def standing_shape(self, x: Array) -> Array:
-        """F of the profile as it stands: turned on by what the first guess of the tilt missed."""
+        """F of the profile as it is turned, by the given or by the solved tilt."""
         shape = self.problem.shape(x)
         return (
             shape
@@ -295,8 +288,8 @@ class ZoneFields(sie.Kept):
     def _missing_tilt(self) -> float:
         return float(self.density.amplitudes[-1])
 
-    def _sunk(self, x: Array) -> Array:
-        """Displacement -V + lambda C; not less than its level on the zones."""
+    def _relative_displacement(self, x: Array) -> Array:
+        """Scaled displacement -V + lambda C, without the level."""
         return self._raised(x, self.density.potential(x))
 
     def _raised(self, x: Array, potential: Array) -> Array:
@@ -312,7 +305,7 @@ class ZoneFields(sie.Kept):
 
     @cached_property
     def spacing(self) -> float:
-        """Scaled length over which the gap may vary."""
+        """Scaled length on which the gap may vary."""
         units, profile, ends = (
             self.problem.units,
             self.problem.profile,
@@ -324,8 +317,9 @@ class ZoneFields(sie.Kept):
 
     @cached_property
     def tips(self) -> Array:
-        """Scaled places of sharp tips, ascending: there a gap is least without a level tangent. Of
-        a period those beside the zones, too.
+        """Scaled places of convex kinks, ascending, with their images next to the zones.
+
+        There a gap may have a minimum without a level tangent.
         """
         kinks, heights = self.problem.forcing.kinks
         at = kinks[heights > 0]
@@ -337,31 +331,30 @@ class ZoneFields(sie.Kept):
 
     @cached_property
     def gap_rounding(self) -> float:
-        """What rounding may do to a scaled gap."""
+        """Scaled effect of rounding on the gap."""
         ends = np.concatenate((self.density.zones.a, self.density.zones.b))
         some = ends[:: max(1, len(ends) // OPTIONS.rounding_samples)]
         return 64 * EPS * self.largest_shape + 8 * self.problem.shape_rounding(some)
 
     @cached_property
     def largest_shape(self) -> float:
-        """On the zones the displacement is the shape less the level: no more than both of them
-        together.
-        """
+        """A bound of the displacement on the zones, scaled: the shape at their ends plus the level."""
         zones = self.density.zones
         return float(np.abs(self.problem.shape(np.concatenate((zones.a, zones.b)))).max()) + abs(
             self.level
         )
 
     def open_intervals(self) -> Iterator[tuple[float, float, bool, bool]]:
-        """Scaled intervals without contact: (from, to, starts at a zone, ends at a zone);
-        half-lines up to far away.
+        """Scaled intervals without contact: (from, to, starts at a zone, ends at a zone).
+
+        Half-lines end `far_from` spans of the zones away.
         """
         zones, problem = self.density.zones, self.problem
         for right, left in zip(zones.b[:-1], zones.a[1:], strict=True):
             yield float(right), float(left), True, True
         first, last = float(zones.a[0]), float(zones.b[-1])
         if problem.interaction.strip:
-            # Cut at the border of the strip, beyond which it is another strip's.
+            # Beyond its border lies the next strip.
             lo, hi = (
                 problem.centre - 0.5 * problem.repeat_length,
                 problem.centre + 0.5 * problem.repeat_length,
@@ -372,7 +365,7 @@ class ZoneFields(sie.Kept):
             return
         else:
             reach = OPTIONS.far_from * (last - first)
-            lo, hi = self._known
+            lo, hi = self._limits
             lo, hi = (
                 lo if np.isfinite(lo) else first - reach,
                 hi if np.isfinite(hi) else last + reach,
@@ -383,8 +376,8 @@ class ZoneFields(sie.Kept):
             yield last, hi, True, False
 
     @property
-    def _known(self) -> tuple[float, float]:
-        """Scaled limits of a profile that does not repeat, infinite without."""
+    def _limits(self) -> tuple[float, float]:
+        """Scaled limits of a profile that does not repeat; infinite if it has none."""
         problem = self.problem
         return max(problem.borders[0], problem.corners[0]), min(
             problem.borders[1], problem.corners[1]
@@ -392,15 +385,13 @@ class ZoneFields(sie.Kept):
 
     @property
     def is_bounded(self) -> bool:
-        return self.problem.period is not None or bool(np.all(np.isfinite(self._known)))
+        return self.problem.period is not None or bool(np.all(np.isfinite(self._limits)))
 
     def far_stretches(self) -> Iterator[Array]:
-        """Scaled points on half-lines beyond what `open_intervals` holds, evenly in the logarithm
-        of the distance.
-        """
+        """Scaled places on half-lines farther away than `open_intervals`, logarithmically spaced."""
         if self.is_bounded:
             return
-        zones, (lo, hi) = self.density.zones, self._known
+        zones, (lo, hi) = self.density.zones, self._limits
         first, last = float(zones.a[0]), float(zones.b[-1])
         away = (last - first) * np.geomspace(OPTIONS.far_from, OPTIONS.far_to, OPTIONS.far_samples)
         if not np.isfinite(lo):
@@ -408,11 +399,9 @@ class ZoneFields(sie.Kept):
         if not np.isfinite(hi):
             yield last + away
 
-    # Functions of x [m].
-
     def _scaled(self, x: ArrayLike) -> Array:
-        # Into the period about the zones, so that the density, the strip and the kinks are met
-        # where they were solved: the scene's, which a strip's density does not have.
+        # Move x into the period about the zones, where density, strip and kinks were evaluated. The
+        # period is the scene's; the density of a strip has none.
         zones = self.density.zones
         middle = 0.5 * float(zones.a[0] + zones.b[-1])
         return nearest_image(
@@ -434,17 +423,18 @@ class ZoneFields(sie.Kept):
 
     @property
     def zones(self) -> Array:
-        """Scaled."""
+        """Ends of the zones, scaled (n, 2)."""
         return np.asarray(self.density.zones.table)
 
     @cached_property
     def spreading(self) -> Array:
-        """How far the ends move outward as the load grows by a factor of e [m] (n, 2)."""
+        """d end / d ln(load) of the ends of the zones, outward positive [m] (n, 2)."""
         return moved_ends(self.state).T * self.problem.units.length * self.density.total
 
     def rates(self, x: Array) -> tuple[Array, Array]:
-        """(how far the ends move outward, scaled (n, 2), by how much the gap at places x opens) as
-        the load grows by a factor of e, for a guess: by iteration to a few digits only.
+        """Scaled outward rates of the ends (n, 2) and of the gap at places x, per unit of ln(load).
+
+        They start a search only, so that the response is iterated to a few digits.
         """
         response = self.state.response(self.state.values(), OPTIONS.guess_tolerance)
         zones, load = self.density.zones, self.density.total
@@ -455,14 +445,14 @@ class ZoneFields(sie.Kept):
 
     @property
     def tilt(self) -> float:
-        """By how much the body is turned [rad]."""
+        """Angle by which the body is turned [rad]."""
         if self.problem.moment is None:
             return self.problem.tilt
         return self.problem.tilt + self._missing_tilt * self.problem.units.slope
 
     @property
     def scaled_moment(self) -> float:
-        """int p x dx about x = 0."""
+        """Scaled int p x dx about x = 0."""
         return self.density.moment(about=-self.problem.units.lever)
 
     @property
@@ -472,8 +462,9 @@ class ZoneFields(sie.Kept):
 
     @cached_property
     def rotational_stiffness(self) -> float:
-        """d moment / d tilt at the given load [N]: 1 over the tilt that a unit of moment adds, the
-        ends held as for `stiffness`.
+        """d moment / d tilt at the given load [N]: the inverse of the tilt for a unit of moment.
+
+        The ends are kept fixed, as for `stiffness`.
         """
         problem, density = self.problem, self.density
         if problem.moment is None:
@@ -507,9 +498,7 @@ class ZoneFields(sie.Kept):
 
     @cached_property
     def max_pressure(self) -> float:
-        """Sampled on every zone, and followed below the sampling on those that may have the
-        highest.
-        """
+        """Highest pressure [Pa], sampled on all zones, followed between samples on the highest."""
         density = self.density
         if any(end.intensity is None for end in (*density.zones.left, *density.zones.right)):
             left, right = density.intensities
@@ -531,7 +520,7 @@ class ZoneFields(sie.Kept):
             self._highest_on(int(zone), int(counts[zone])) for zone in zones[reach[zones] >= peak]
         )
         if self.problem.algebraic is not None:
-            # The tips of low powers: there the pressure has a cusp.
+            # At the tips of power laws the pressure has a cusp.
             highest = max(highest, float(self.density(np.asarray(self.problem.algebraic.at)).max()))
         return highest * self.problem.units.pressure
 
@@ -561,16 +550,14 @@ class ZoneFields(sie.Kept):
             inside, self.standing_shape(np.where(inside, scaled, self.density.zones.middle[0])), 0.0
         )
         zero = self.level if self.approach is None else 0.0
-        u = np.where(inside, -self.level - shape, self._sunk(scaled)) + zero
+        u = np.where(inside, -self.level - shape, self._relative_displacement(scaled)) + zero
         if self.problem.amplitude:
-            # A part of F, which is no longer the profile's alone.
+            # This part belongs to F of the equation, but not to the profile.
             u = u + self.problem.raised(scaled)
         return np.asarray(u * self.problem.units.height)
 
 
 def mean_shape(problem: Problem) -> float:
-    """Mean of F over the profile's period: Gauss-Legendre between its breakpoints, panels as short
-    as its resolution.
-    """
+    """Mean of F over the profile's period, by Gauss-Legendre panels between its breakpoints."""
     x, _, weights = over_period(problem.profile)
     return float(problem.shape(problem.units.scaled(x)) @ weights)

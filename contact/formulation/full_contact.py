@@ -1,12 +1,9 @@
-r"""Full contact of a periodic profile: p = pbar - (E*/2) R, R_q = q f_q / L(q), possible when the
-least of it is not negative.
+r"""Full contact of a periodic profile, where it begins, and surfaces that do not touch.
 
-L is the symbol of the scene's operator (contact.model.operator): a model that declares none has no
-full contact that could be told. A valley with a kink makes R (contact.formulation.relief) infinite:
-no load brings such a profile into full contact, but soon the gaps over kinks are narrower than
-digits tell, and nothing else of the contact differs from a full one.
-
-Surfaces that do not touch are told here too: no pressure, no displacement.
+The pressure is p = pbar - (E*/2) R, R_q = q f_q / L(q) (contact.formulation.relief), with L the
+symbol of the operator. Full contact is possible if p is nowhere negative, and unknown for a model
+without a symbol. A concave kink makes R infinite, so that no load closes the gap over it. That gap
+is soon narrower than any number, and the rest of the contact is then as in full contact.
 """
 
 from collections.abc import Callable
@@ -26,26 +23,25 @@ from contact.model.profiles.base import Profile
 from contact.model.profiles.derive import detail_of
 from sie import Array, record
 
-# Half widths of gaps below this part of the period, or of the zone they are in, are a rounding of
-# the ends' positions: such gaps are left out, and said so.
+# Gaps whose half width is below this part of the period, or of their zone, are left out, and the
+# certificate says so: the positions of their ends are rounded to about as much.
 NARROWEST = 1e-13
 
 
 class FullLimit(sie.Kept):
-    """Where full contact begins: the smallest mean pressure [Pa], inf if there is none, found when
-    first asked for.
+    """Where full contact begins: at the mean pressure `pressure` [Pa], or inf for never.
 
-    approached: whether growing loads come near to full contact, as they do to valleys with kinks
-    but not past sharp corners. told: whether the model tells what the pressure then is. possible:
-    whether some load reaches it, and the model tells.
+    approached: whether contact under growing loads tends to full contact; it does over concave
+    kinks, but not between sharp corners. is_known: whether the model gives the pressure of full
+    contact. possible: whether it is known and some load reaches it.
     """
 
     def __init__(self, profile: Profile, E_star: float, operator: Operator, law: Law) -> None:
         self.profile, self.E_star, self.operator, self.law = profile, E_star, operator, law
         self.approached = operator.is_periodic and profile.support is None
-        self.told = self.approached and operator.has_inverse and law.routes.full_contact
-        # Where the slope jumps down, no load closes the valley.
-        self.possible = self.told and not np.any(profile.kinks[:, 1] < 0)
+        self.is_known = self.approached and operator.has_inverse and law.routes.full_contact
+        # No load closes a valley where the slope jumps down.
+        self.possible = self.is_known and not np.any(profile.kinks[:, 1] < 0)
 
     @cached_property
     def relief(self) -> Relief:
@@ -53,18 +49,19 @@ class FullLimit(sie.Kept):
 
     @property
     def error(self) -> float:
-        """What noise of heights and slopes may do to the pressure [Pa]."""
+        """Effect of noise in heights and slopes on the pressure [Pa]."""
         return 0.5 * self.E_star * self.relief.error
 
     @cached_property
     def pressure(self) -> float:
-        return self.relieved if self.possible else np.inf
+        return self.onset_pressure if self.possible else np.inf
 
     @cached_property
-    def relieved(self) -> float:
-        """The mean pressure under which the least pressure of full contact is zero [Pa], whether
-        contact begins there or not; that of valleys with kinks where a lone gap over each is as
-        wide as gaps that are left out.
+    def onset_pressure(self) -> float:
+        """Mean pressure [Pa] at which the least pressure of full contact is zero.
+
+        Over concave kinks it is the pressure at which a single gap is as narrow as gaps that are
+        left out.
         """
         relief, samples, kinks = self.relief, period_samples(self.profile), self.profile.kinks
         valleys = np.sort(self.profile.wrap(kinks[kinks[:, 1] < 0, 0]))
@@ -73,7 +70,7 @@ class FullLimit(sie.Kept):
         around = np.concatenate(
             (valleys[-1:] - relief.period, valleys, valleys[:1] + relief.period)
         )
-        # A lone gap is twice as wide as the stretch on which the pressure of full contact would be
+        # A single gap is twice as wide as the interval in which the pressure of full contact is
         # negative.
         least = NARROWEST * relief.period / 2
 
@@ -82,7 +79,7 @@ class FullLimit(sie.Kept):
             nearest = around[np.searchsorted(0.5 * (around[1:] + around[:-1]), x)]
             return relief(np.where(np.abs(x - nearest) < least, nearest + least, x))
 
-        # Between samples a logarithm is as narrow as any.
+        # Samples may miss a logarithm, which is infinitely narrow.
         return (
             0.5
             * self.E_star
@@ -91,7 +88,7 @@ class FullLimit(sie.Kept):
 
 
 def lowest(profile: Profile, cell: tuple[float, float] | None = None) -> float:
-    """min f, over the period or, without one, over a window that holds the tip."""
+    """min f over the period, or over an interval `cell` that holds the tip."""
     if profile.summits is not None:
         return float(np.min(profile.height(np.asarray(profile.summits))))
     if profile.period is not None:
@@ -105,8 +102,9 @@ def lowest(profile: Profile, cell: tuple[float, float] | None = None) -> float:
 
 @record
 class FullFields(NoZones):
-    """Full contact of a periodic profile: p = pbar - (E*/2) R; no gap. mean_height: mean f - min f
-    [m].
+    """Full contact of a periodic profile: p = pbar - (E*/2) R, no gap.
+
+    mean_height: mean f - min f [m].
     """
 
     problem: Problem
@@ -121,12 +119,12 @@ class FullFields(NoZones):
 
     @property
     def approach(self) -> float:
-        """mean f - min f and the mean displacement, which only a body with a base has."""
+        """Mean f - min f, plus the mean displacement, which only a body with a base has [m]."""
         return self.mean_height + self._compressed * self.mean_pressure
 
     @property
     def _compressed(self) -> float:
-        """Mean displacement of a unit of mean pressure [m/Pa]."""
+        """Mean displacement for a unit of mean pressure [m/Pa]."""
         return 2 * (self.problem.operator.compression or 0.0) / self.problem.units.E_star
 
     def pressure(self, x: ArrayLike) -> Array:
@@ -158,8 +156,9 @@ class FullFields(NoZones):
 
 @record
 class ApartFields(NoZones):
-    """approach [m], not above zero; None where no approach is held: then they may be anywhere, and
-    their gap is infinite.
+    """Surfaces that do not touch, at an approach [m] of at most zero.
+
+    None where no approach is given: the bodies may be anywhere, and the gap is infinite.
     """
 
     problem: Problem

@@ -1,20 +1,21 @@
-r"""Nearly full contact by its gaps: the unknown is the slope of the gap on the few places without
-contact.
+r"""`GapFields`: nearly full contact, with the slope of the gap on the gaps as the unknown.
 
-With s the slope of the gap (zero in contact), u' = s - f', and on a body of symbol L the pressure
-is p = pbar + (E*/2) G u', G of symbol 1/L: on a half-plane H, the periodic Hilbert transform, else
-H and a smooth part. With R = G f' (contact.formulation.relief), no pressure in the gaps means
+With s the slope of the gap (zero in contact), u' = s - f'. On a body of symbol L the pressure is p
+= pbar + (E*/2) G u', where G has the symbol 1/L: H, the periodic Hilbert transform, on a
+half-plane, else H and a smooth part. With R = G f' (contact.formulation.relief), zero pressure in
+the gaps means
 
-    (1/pi) PV int_gaps s(xi) K(x - xi) dxi = R(x) - 2 pbar / E*     on the gaps,     int_gap s = 0 on each,
+    (1/pi) PV int_gaps s(xi) K(x - xi) dxi = R(x) - 2 pbar / E*     on the gaps,
+    int_gap s = 0                                                   on each of them,
 
-K the kernel of G: the same equation as that of the zones, with the roles of contact and gap
-exchanged, bounded at free ends. Its unknowns are few where the contact is nearly full, however
-narrow the gaps (theory: derived here from (5); see docs/theory).
+with K the kernel of G. This is the equation of the zones with contact and gap exchanged; s vanishes
+at free ends. There are few unknowns where the contact is nearly full, however narrow the gaps
+(derived from (5); see docs/theory).
 
-Where f' jumps inside a gap so does s, by as much, and R has the logarithm of that
-(sie.jumps.density): a valley with a kink. About such a valley alone, R = C + (J/pi) ln|2 sin(pi
-y/l)|, J < 0, and C constant, the gap is |y| < w, w = (l/pi) exp(-pi (2 pbar/E* - C)/|J|): it never
-closes, and is narrower than any number soon.
+Where f' jumps inside a gap, at a concave kink, s jumps as much, and R has a logarithm there
+(sie.jumps.density). Around a single such valley R = C + (J/pi) ln|2 sin(pi y/l)| with J < 0. If C
+is constant, the gap is |y| < w = (l/pi) exp(-pi (2 pbar/E* - C)/|J|): no load closes it, and a
+moderate load makes it narrower than any number.
 """
 
 from __future__ import annotations
@@ -29,22 +30,21 @@ from numpy.typing import ArrayLike
 
 import sie
 from contact.formulation import zone_loads
-from contact.formulation.fields import EPS, OPTIONS, mean_shape, moved_ends
+from contact.formulation.fields import OPTIONS, mean_shape, moved_ends
 from contact.formulation.problem import Problem
 from contact.formulation.relief import ScaledRelief
 from contact.formulation.roots import maximum
 from contact.formulation.tables import gaps_between
+from contact.formulation.units import EPS
 from sie import Array, Index, record
 
 
 @record
 class GapFields(sie.Kept):
-    """Fields of a periodic contact from the slope of its gaps; scaled inside, SI in the public
-    methods.
+    """Fields of a periodic contact whose unknown is the slope of the gap on the gaps.
 
-    mean: scaled mean pressure. relief: R over the unit slope, of scaled x. In pickles and copies
-    the state with its matrices is left out, and what it tells beyond the density is worked out
-    before.
+    mean: scaled mean pressure. relief: R over the unit of slope, of scaled x. Pickles and copies
+    leave out `state` with its matrices; what depends on it is computed first.
     """
 
     problem: Problem
@@ -65,12 +65,12 @@ class GapFields(sie.Kept):
 
     @cached_property
     def gap_slope(self) -> sie.Density:
-        """Slope of the gap on the gaps."""
+        """The slope of the gap, as a density on the gaps."""
         return self.state.whole.density
 
     @property
     def solved_zones(self) -> sie.Zones:
-        """The intervals of the unknown, scaled: the gaps."""
+        """The intervals of the unknown, scaled: here the gaps."""
         return self.gap_slope.zones
 
     @property
@@ -79,37 +79,32 @@ class GapFields(sie.Kept):
 
     @cached_property
     def zones(self) -> Array:
-        """Scaled contact zones, between the gaps."""
+        """Zones between the gaps, scaled (n, 2)."""
         gaps = self.gap_slope.zones
         return gaps_between(gaps.table, self.period)
 
-    # Functions of scaled places.
-
     def formal_gap(self, x: Array) -> Array:
-        """Scaled, whatever its sign: the integral of its slope."""
+        """Scaled gap, whatever its sign: the integral of its slope."""
         return np.asarray(self.gap_slope.integral(x))
 
     def formal_pressure(self, x: Array) -> Array:
-        """Scaled, whatever its sign: pbar - R + G s where there is contact, zero in the gaps."""
+        """Scaled pressure in contact, whatever its sign, and zero in the gaps."""
         inside = self.gap_slope.locate(x)[2]
         with np.errstate(invalid="ignore"):
             return np.where(inside, 0.0, self.bearing(x))
 
     def bearing(self, x: Array) -> Array:
-        """pbar - R + G s wherever it is asked for."""
+        """pbar - R + G s at scaled places: the pressure in contact, about zero in the gaps."""
         return np.asarray(self.mean - self.relief(x) + self.gap_slope.transform(x))
 
     def pressure_in(self, zone: int | Index, left: Array, right: Array) -> Array:
-        """Scaled pressure at distances over the half width from the ends of contact zones."""
+        """Scaled pressure at distances from the ends of zones, over their half width."""
         a, b = self.zones[zone].T
         half = 0.5 * (b - a)
         x = np.where(left <= right, a + half * left, b - half * right)
-        # Next to an end the pressure goes with the root of the distance, of which x has lost
-        # digits.
+        # Next to an end the pressure goes as the root of the distance, and x has lost digits of it.
         nearer, kept = half * np.minimum(left, right), np.where(left <= right, x - a, b - x)
         return np.asarray(self.bearing(x) * np.sqrt(nearer / np.where(kept > 0, kept, np.inf)))
-
-    # Functions of x [m].
 
     @property
     def zone_table(self) -> Array:
@@ -118,13 +113,14 @@ class GapFields(sie.Kept):
 
     @cached_property
     def spreading(self) -> Array:
-        """How far the ends of the zones move outward as the load grows by a factor of e [m] (n, 2)."""
+        """d end / d ln(load) of the ends of the zones, outward positive [m] (n, 2)."""
         return self._of_zones(moved_ends(self.state)) * self.problem.units.length
 
     def _of_zones(self, rates: Array) -> Array:
-        """How far the ends of zones move (n, 2) as the load grows by a factor of e: a gap loses on
-        its left what the zone before it gains on its right. rates: of the gaps' ends (2, n), a unit
-        of mean pressure.
+        """Outward rates of the ends of zones (n, 2) per unit of ln(load).
+
+        rates: those of the gaps' ends (2, n) per unit of mean pressure. The left end of a gap is
+        the right end of the zone before it.
         """
         return -np.column_stack((rates[1], np.roll(rates[0], -1))) * self.mean
 
@@ -151,7 +147,7 @@ class GapFields(sie.Kept):
         return np.maximum(self.gap_slope.integral(scaled), 0.0) * self.problem.units.height
 
     def displacement(self, x: ArrayLike) -> Array:
-        """u = approach - f + gap."""
+        """Displacement into the body [m]: u = approach - f + gap."""
         height = np.asarray(self.problem.profile.height(x)) - self.problem.lowest
         return np.asarray(self.approach - height + self.gap(x))
 
@@ -162,7 +158,7 @@ class GapFields(sie.Kept):
 
     @cached_property
     def widening_rate(self) -> float:
-        """d contact fraction / d load [m/N]: what the gaps lose."""
+        """d contact fraction / d load [m/N]: the rate at which the gaps shrink."""
         return -float(moved_ends(self.state).sum()) / self.period**2 / self.problem.units.load
 
     @property
@@ -171,7 +167,7 @@ class GapFields(sie.Kept):
 
     @cached_property
     def loads(self) -> Array:
-        """Load of each contact zone [N/m]."""
+        """Load of each zone [N/m]."""
         rise = np.diff(self.gap_slope.potential(self.zones), axis=1)[:, 0]
         return zone_loads.loads(self.mean, self.relief, self.zones, rise) * self.problem.units.load
 
@@ -183,7 +179,7 @@ class GapFields(sie.Kept):
         x, value = self.samples
         highest = maximum(self.formal_pressure, x, value=value)[1]
         if self.problem.algebraic is not None:
-            # The tips of low powers: there the pressure has a cusp.
+            # At the tips of power laws the pressure has a cusp.
             highest = max(
                 highest, float(self.formal_pressure(np.asarray(self.problem.algebraic.at)).max())
             )
@@ -191,8 +187,9 @@ class GapFields(sie.Kept):
 
     @cached_property
     def samples(self) -> tuple[Array, Array]:
-        """(even places over the period from the first gap on, closer than the profile varies, the
-        scaled pressure there).
+        """Even places over the period from the first gap on, and the scaled pressure there.
+
+        They are closer than the profile varies.
         """
         x, relief = self.relief.samples
         start = self.gap_slope.zones.a[0]
@@ -208,8 +205,10 @@ class GapFields(sie.Kept):
 
     @cached_property
     def steepest(self) -> float:
-        """Largest slope of the scaled pressure between samples, but for those beside the ends of
-        zones, where it is a root that moves with the end, and those of tips, where it is infinite.
+        """Largest slope of the scaled pressure between samples inside zones.
+
+        Samples next to ends are left out: there the pressure is a root that moves with the end. So
+        are tips, where the slope is infinite.
         """
         x, value = self.samples
         bears = value > 0
@@ -220,8 +219,9 @@ class GapFields(sie.Kept):
 
     @cached_property
     def unit_pressure(self) -> float:
-        """What errors are referred to: the peak pressure, or the mean contact pressure where the
-        peak is infinite [Pa].
+        """The pressure that errors are divided by [Pa]: the peak, or the mean contact pressure.
+
+        The mean is taken where the peak is infinite.
         """
         if np.isfinite(self.max_pressure):
             return self.max_pressure
@@ -229,40 +229,36 @@ class GapFields(sie.Kept):
 
     @cached_property
     def approach(self) -> float:
-        """min f = 0, and u has the mean of the compression: the mean of f less the mean gap, and
-        that [m].
-        """
+        """Mean f - min f, less the mean gap, plus the mean compression of the body [m]."""
         return (
             mean_shape(self.problem) + self.problem.compression * self.mean
         ) * self.problem.units.height - self.mean_gap
 
     @property
     def levels(self) -> Array:
-        """Scaled minus-approach of each zone: one number, by construction."""
+        """Scaled minus-approach of each zone: one number by construction."""
         return np.full(len(self.zones), -self.approach / self.problem.units.height)
 
     @property
     def gap_rounding(self) -> float:
-        """Scaled effect of rounding on the gap, an integral of its slope."""
+        """Scaled effect of rounding on the gap, which is an integral of its slope."""
         return 64 * EPS * float(self.gap_sizes.max())
 
     @property
     def gap_sizes(self) -> Array:
-        """A bound of the scaled gap in each interval, by its half width and its series."""
+        """A bound of the gap on each interval, scaled: half width times the size of the slope."""
         slope, gaps = self.gap_slope, self.gap_slope.zones
         jumps = np.bincount(slope.jumps.zone, np.abs(slope.jumps.height), len(gaps))
         return np.asarray(gaps.half * (np.abs(slope.coefficients).sum(axis=1) + jumps))
 
     @property
     def mean_gap(self) -> float:
-        """The gap vanishes at the ends, so its integral is minus the moment of its slope [m]."""
+        """Mean gap [m]: minus the moment of the slope, as the gap vanishes at its ends."""
         return -self.gap_slope.moment() / self.period * self.problem.units.height
 
     @cached_property
     def stiffness(self) -> float:
-        """d load / d approach [N/m^2]: the gap's response to the mean pressure, ends held, and the
-        compression's.
-        """
+        """d load / d approach [N/m^2]: response of the gaps at fixed ends, and the compression."""
         response = self.state.response(self.state.values())
         rate = (
             response.moment() / self.period + self.problem.compression

@@ -1,9 +1,9 @@
-"""A periodic, piecewise quadratic function without mean, with given jumps: what is taken out of a
-slope so that the rest is smooth.
+"""`Pieces`: a periodic, piecewise quadratic function of mean zero with given jumps.
 
-Between places s_i the second derivative is constant, and it jumps by J2 where the slope does by J1
-and the value by J0: sums from place to place, closed by the constants that make the function and
-its slope periodic. A second derivative repeats only if its jumps add up to nothing.
+It is subtracted from a slope so that the rest is smooth. The second derivative is constant between
+places s_i and jumps by J2; the slope jumps by J1 and the value by J0. All follow by summation from
+place to place, up to constants that make the value and the slope periodic. A second derivative is
+periodic only if its jumps add up to 0.
 """
 
 from functools import cached_property
@@ -16,8 +16,10 @@ from sie import Array, record
 
 @record
 class Pieces(sie.Kept):
-    """p_0 + p_1 (x - s_i) + p_2 (x - s_i)^2 from s_i to s_i+1, coefficients (n, 3), places s (n,)
-    counted from the start of the period; jumps (n, 3): those of value, slope and second derivative.
+    """The function p_0 + p_1 (x - s_i) + p_2 (x - s_i)^2 between s_i and s_i+1.
+
+    places: s (n,), from the start of the period. jumps: of value, slope and second derivative (n,
+    3). coefficients: p (n, 3).
     """
 
     start: float
@@ -28,8 +30,9 @@ class Pieces(sie.Kept):
 
     @classmethod
     def of(cls, start: float, period: float, at: Array, jumps: Array) -> "Pieces":
-        """With these jumps (n, 3), of which those of the second derivative add up to nothing, at
-        places x (n,) in any order; at one place they are added.
+        """The function with these jumps (n, 3) at places x (n,) in any order.
+
+        The jumps of the second derivative add up to 0. Jumps at one place are added.
         """
         places, which = np.unique((at - start) % period, return_inverse=True)
         value, slope, bend = (np.bincount(which, column, len(places)) for column in jumps.T)
@@ -58,14 +61,15 @@ class Pieces(sie.Kept):
         if len(self.places) == 0:
             return np.zeros(t.shape)
         piece = np.searchsorted(self.places, t, side="right") - 1
-        # Before the first place lies the end of the last piece.
+        # In front of the first place lies the end of the last piece.
         away = t - self.places[piece] + np.where(piece < 0, self.period, 0.0)
         p = self.coefficients[piece].T
         return np.asarray(p[0] + away * (p[1] + away * p[2]))
 
     def conjugate(self, x: Array) -> Array:
-        """(1/L) PV int f(xi) cot(pi (x - xi)/L) dxi where the value does not jump, in a time that
-        does not grow with the jumps.
+        """(1/L) PV int f(xi) cot(pi (x - xi)/L) dxi, where the value does not jump.
+
+        The time does not grow with the number of jumps.
         """
         t = (np.asarray(x, dtype=float) - self.start) % self.period
         return self._transform(np.where(t < self.places[0], t + self.period, t))
@@ -80,12 +84,10 @@ class Pieces(sie.Kept):
 
 
 def _before(parts: Array) -> Array:
-    """Sum of the parts before each."""
+    """Sum of all parts before each part."""
     return np.asarray(np.cumsum(parts) - parts)
 
 
 def _closed(values: Array, length: Array, more: float) -> Array:
-    """Values of the pieces, moved by one constant so that their integral and what is to be added to
-    it are nothing.
-    """
+    """Values of the pieces, shifted so that their integral is -more."""
     return np.asarray(values - (values @ length + more) / length.sum()) if len(values) else values

@@ -1,14 +1,14 @@
-"""A scene as a scaled integral equation.
+"""`Problem`: a scene as a scaled integral equation.
 
-Lengths are counted in `length`, slopes in `slope`, pressures in E* slope / 2, so that (5) and (6)
+Lengths are counted in `length`, slopes in `slope`, pressures in E* slope / 2. Equations (5) and (6)
 become (1/pi) PV int phi K = f' / slope =: g. With F = f / (slope length), the potential V of phi
-and the columns' C,
+and the columns C,
 
     V - lambda C - F = level on every zone,    level = -approach / (slope length).
 
-Where the moment is given, the tilt is one of the unknown amplitudes: F is that of the profile at a
-first guess of it, and the column C = -x, of slope -1, turns the body by what is missing. x counts
-from x = 0, where the approach is taken.
+Where the moment is given, the tilt is an unknown amplitude. Then F is the profile at a first guess
+of the tilt, and the column C = -x, of slope -1, turns the body by the rest. x counts from x = 0,
+where the approach is measured.
 """
 
 from __future__ import annotations
@@ -32,16 +32,18 @@ from sie import Array, Index, nearest_image, record
 
 
 def minus_one(x: Array) -> Array:
-    """-1 at all places: the slope of a column that turns, or of a load that presses everywhere."""
+    """-1 at all places: the slope of a column that turns the body."""
     return np.full(np.shape(x), -1.0)
 
 
 @record
 class Problem(sie.Kept):
-    """Profile, interaction, substrate and law in scaled variables. centre: of the strip; amplitude:
-    the column's, where it is given, which then is a part of the right side. reference: one strip
-    alone, of a profile that repeats: zones may lie across the border of its cell, and end at that
-    of the strip. moment: scaled, about x = 0; None where the tilt of the profile is not an unknown.
+    """Profile, interaction, substrate and law in scaled variables.
+
+    centre: of the strip. amplitude: of the strip's column if it is given; then it belongs to the
+    right side. reference: whether this is one strip alone of a profile that repeats; its zones may
+    cross the border of the cell and end at the borders of the strip. moment: scaled, about x = 0;
+    None if the tilt is no unknown.
     """
 
     profile: Profile
@@ -57,23 +59,23 @@ class Problem(sie.Kept):
 
     @property
     def tilt(self) -> float:
-        """By how much the profile is turned; where the moment is given, a first guess of it."""
+        """Angle by which the profile is turned; a first guess of it if the moment is given."""
         return self.profile.tilt if isinstance(self.profile, Tilted) else 0.0
 
     @property
     def period(self) -> float | None:
-        """Scaled period of the solution, None where nothing repeats."""
+        """Scaled period of the solution; None where nothing repeats."""
         return self.cell if self.interaction.needs_period else None
 
     @property
     def repeat_length(self) -> float:
-        """That period, of a solution that has one."""
+        """Scaled period of a solution that has one."""
         assert self.period is not None
         return self.period
 
     @property
     def cell(self) -> float | None:
-        """Scaled width of the profile's own cell, None for a profile on the whole line."""
+        """Scaled period of the profile itself; None if it has none."""
         return None if self.profile.period is None else self.profile.period / self.units.length
 
     @cached_property
@@ -94,9 +96,7 @@ class Problem(sie.Kept):
 
     @cached_property
     def corners(self) -> tuple[float, float]:
-        """Scaled sharp corners beyond which the profile ends, and borders at which a strip is cut
-        off; infinite without.
-        """
+        """Scaled sharp corners where the profile ends, or the borders of a strip; infinite if none."""
         lo, hi = -np.inf, np.inf
         if self.profile.support is not None:
             lo, hi = (float(self.units.scaled(np.array(s))) for s in self.profile.support)
@@ -110,14 +110,12 @@ class Problem(sie.Kept):
 
     @property
     def round(self) -> float | None:
-        """Scaled period around which contact may go on; None of bodies between sharp corners, too."""
+        """Scaled period that zones may go around; None without a period and between sharp corners."""
         return self.period if self.corners == (-np.inf, np.inf) else None
 
     @cached_property
     def borders(self) -> tuple[float, float]:
-        """Scaled limits that no zone may reach: of one isolated cell, or of a measured trace;
-        infinite without.
-        """
+        """Scaled limits that no zone may reach, of an isolated cell or a trace; else infinite."""
         known = None if self.period is not None or self.reference else self.profile.known
         if known is None:
             return -np.inf, np.inf
@@ -126,7 +124,7 @@ class Problem(sie.Kept):
 
     @property
     def detail(self) -> float:
-        """Scaled length over which the profile may vary; infinite where it tells of none."""
+        """Scaled length on which the profile may vary; infinite if it states none."""
         resolution = self.profile.resolution
         return np.inf if resolution is None else resolution / self.units.length
 
@@ -135,7 +133,7 @@ class Problem(sie.Kept):
         units, profile = self.units, self.profile
         kinks, jumps = profile.kinks, profile.jumps
         at = np.asarray(units.scaled(np.concatenate((kinks[:, 0], jumps[:, 0]))))
-        # A jump of f^(n) is one of the slope's derivative of order n - 1.
+        # A jump of f^(n) is a jump of the slope's derivative of order n - 1.
         orders = np.concatenate(
             (np.zeros(len(kinks), dtype=np.intp), jumps[:, 1].astype(np.intp) - 1)
         )
@@ -154,7 +152,8 @@ class Problem(sie.Kept):
                 rounding=profile.slope_rounding / units.slope,
             ),
         )
-        # Beside the border of a strip what presses beyond it varies over any length.
+        # Near the border of a strip the pressure outside it makes the right side vary on any
+        # length.
         if not self.amplitude:
             return whole
         return replace(
@@ -165,7 +164,7 @@ class Problem(sie.Kept):
 
     @cached_property
     def algebraic(self) -> sie.AlgebraicPoints | None:
-        """The profile's algebraic points as those of its scaled slope; None without any."""
+        """The algebraic points of the profile for its scaled slope; None if it has none."""
         points, units = np.asarray(self.profile.algebraic_points), self.units
         if not len(points):
             return None
@@ -175,8 +174,8 @@ class Problem(sie.Kept):
         )
         factor = exponents * units.length ** (exponents - 1.0) / units.slope
         if self.cell is not None and self.kernel.period is None:
-            # One cell alone ends at a point on its border on both sides; without this, symmetric
-            # zones would see it on one.
+            # A point on the border of a single cell acts from both sides. Without its images
+            # symmetric zones would see it on one side only.
             at, exponents, left, right, factor = (
                 np.tile(part, 3) for part in (at, exponents, left, right, factor)
             )
@@ -184,9 +183,10 @@ class Problem(sie.Kept):
         return sie.AlgebraicPoints(at, exponents - 1.0, -factor * left, factor * right)
 
     def slope(self, x: Array) -> Array:
-        """f' over the unit of slope, and what the given amplitude of the column adds: a part of the
-        right side has as many modes as it takes so near to the border of a strip, which are cheap;
-        a column, as all that is coupled, would be cut short.
+        """f' over the unit of slope, plus the slope of the column if its amplitude is given.
+
+        A given column belongs to the right side, which may take as many modes as it needs near the
+        border of a strip. Unknown columns are coupled to all zones and are truncated earlier.
         """
         slope = self._profile_slope(x)
         return slope + self.amplitude * self.columns[0].value(x) if self.amplitude else slope
@@ -195,14 +195,12 @@ class Problem(sie.Kept):
         return np.asarray(self.profile.slope(self.units.x(x))) / self.units.slope
 
     def shape(self, x: Array) -> Array:
-        """F = (f - min f) / (slope length), and the same."""
+        """F = (f - min f) / (slope length), plus the column if its amplitude is given."""
         shape = self._profile_shape(x)
         return shape + self.raised(x) if self.amplitude else shape
 
     def raised(self, x: Array) -> Array:
-        """What the given amplitude of the column, a nominal pressure beyond a strip, adds to the
-        displacement.
-        """
+        """Displacement that the nominal pressure outside a strip causes, if its amplitude is given."""
         primitive = self.columns[0].primitive
         assert primitive is not None and self.amplitude is not None
         return np.asarray(self.amplitude * primitive(x))
@@ -213,14 +211,15 @@ class Problem(sie.Kept):
             at = onto(ends, at, 4 * np.finfo(float).eps * (ends[1] - ends[0] + np.abs(at)))
         with np.errstate(
             over="ignore"
-        ):  # far outside heights may overflow to inf: nothing touches there
+        ):  # heights far away may overflow to inf: nothing touches there
             return np.asarray(
                 (np.asarray(self.profile.height(at)) - self.lowest) / self.units.height
             )
 
     def shape_rounding(self, x: Array) -> float:
-        """What rounding does to F at scaled points: its departure from straight lines over a few
-        units in the last digit.
+        """Scaled effect of rounding on F at scaled places.
+
+        It is the deviation from straight lines over a few units in the last digit.
         """
         at = self.units.x(x)
         near = at[:, None] + 4 * np.spacing(np.abs(at))[:, None] * np.arange(-4, 5)
@@ -236,34 +235,32 @@ class Problem(sie.Kept):
 
     @property
     def unknown_columns(self) -> tuple[sie.Forcing, ...]:
-        """Those whose amplitudes are unknown."""
+        """Columns whose amplitudes are unknown."""
         return self.columns if self.amplitude is None else ()
 
     @cached_property
     def compression(self) -> float:
-        """Displacement of a unit of scaled uniform pressure, in units of height; 0 where it is not
-        counted.
-        """
+        """Scaled displacement for a unit of scaled uniform pressure; 0 where it does not count."""
         return (self.operator.compression or 0.0) / self.units.length
 
     def bearing(
         self, density: sie.AnyDensity, zone: Index | int, left: Array, right: Array
     ) -> Array:
-        """What has to press on zones, at distances from their ends over the half width."""
+        """The pressure that must be positive, at distances / half width from the ends of zones."""
         return np.asarray(density.at(zone, left, right))
 
     def borne(self, density: sie.AnyDensity) -> float:
-        """Its integral over all zones."""
+        """Integral of that pressure over all zones."""
         return density.total
 
     @cached_property
     def end(self) -> sie.End:
-        """The kind of an end that is free to move, by the law."""
+        """Kind of the ends that are free to move, by the law."""
         return sie.free_with_intensity(self._intensity)
 
     @cached_property
     def held_end(self) -> sie.End:
-        """The kind of an end whose place is given."""
+        """Kind of the ends whose places are given."""
         return sie.End(moves=False, intensity=self._intensity)
 
     @property
@@ -283,7 +280,7 @@ class Problem(sie.Kept):
             )
         conditions, ends = control.conditions()
         if self.moment is not None:
-            # The tilt that is missing, in units of the slope.
+            # The correction of the tilt, in units of the slope.
             closure = (*closure, sie.moment(self.moment, about=-self.units.lever))
             columns = (
                 *columns,

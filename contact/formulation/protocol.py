@@ -1,8 +1,8 @@
-"""`Fields`, the protocol of what every route to a contact returns: zones, gaps, full contact, ...
+"""`Fields`, the protocol of what every route to a contact returns.
 
-`Solution`, its files, pictures and warnings ask these members and no others, so that they need not
-know how a contact was found. Values are in SI units unless called scaled; then they are in the units
-of `problem.units`. What a route solves for, a pressure or a slope of the gap, is not part of it.
+`Solution`, its files, pictures and warnings ask for these members only, and need not know how a
+contact was found. Values are in SI units. Those called scaled are in the units of `problem.units`.
+What a route solves for, the pressure or the slope of the gap, is not part of the protocol.
 """
 
 from typing import Protocol

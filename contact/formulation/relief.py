@@ -1,11 +1,11 @@
-r"""R, what full contact takes of the pressure: p = pbar - (E*/2) R, R_q = q f_q / L(q), of a
-periodic profile on a body of symbol L.
+r"""`Relief`: R, the transform of the slope that gives the pressure of full contact.
 
-For the half-plane L = 1 and R = H f' = (1/l) PV int f'(xi) cot(pi (x - xi)/l) dxi (cos kx -> sin
-kx, sin kx -> -cos kx); for others the few waves with L_n != 1 are put right, R = H f' + sum_n q_n
-(1/L_n - 1) 2 Re f_n exp(i q_n x). A convex jump J of f' makes R -inf there (infinite pressure), a
-concave one, a valley with a kink, +inf: the logarithm (J/pi) ln|2 sin(pi (x - s)/l)| whatever the
-body.
+p = pbar - (E*/2) R, with R_q = q f_q / L(q) for a periodic profile f on a body of symbol L. On the
+half-plane L = 1 and R = H f' (contact.formulation.conjugate). On other bodies the few waves with
+L_n != 1 are corrected: R = H f' + sum_n q_n (1/L_n - 1) 2 Re f_n exp(i q_n x).
+
+At a jump J of f', R has the logarithm (J/pi) ln|2 sin(pi (x - s)/l)| on any body. It goes to -inf
+at a convex kink, where the pressure is infinite, and to +inf at a concave one.
 """
 
 from collections.abc import Callable
@@ -14,34 +14,29 @@ from functools import cached_property
 import numpy as np
 
 import sie
-from contact.formulation.conjugate import Conjugate, log_sine, logarithms
+from contact.formulation.conjugate import OPTIONS, Conjugate, log_sine, logarithms
 from contact.formulation.noise import PLACES, STEP, noise
 from contact.formulation.problem import Problem
 from contact.formulation.quadrature import over_period
-from contact.formulation.units import Units
+from contact.formulation.units import EPS, Units
 from contact.model.operator import Operator
 from contact.model.profiles.base import Profile
 from contact.model.profiles.trigonometric import Sum, coefficients
 from sie import Array, Complex, Index, record
 
-# Samples of R a shortest length of the profile.
-_CLOSE = 20
-# Places for an estimate of the noise of heights; its largest value over its standard deviation.
-_LOOKS = 256
-_PEAK = 4.0
-
 
 @record
 class Relief(Conjugate):
-    """R of x [m] of a periodic profile, with its kinks (k, 2) as it declares them; breakpoints: the
-    profile's others.
+    """R of a periodic profile as a function of x [m].
+
+    `kinks` (k, 2) are those of the profile, `breakpoints` its other breakpoints.
     """
 
     operator: Operator
 
     @cached_property
     def smooth(self) -> Callable[[Array], Array]:
-        """All of R but the logarithms of the kinks."""
+        """R without the logarithms of the kinks."""
         conjugate, waves = self._plain.smooth, self._sum
         return (
             conjugate if waves is None else lambda x: np.asarray(conjugate(x) + self._at(x, waves))
@@ -49,12 +44,14 @@ class Relief(Conjugate):
 
     @cached_property
     def _plain(self) -> Conjugate:
-        """H f' itself, as on a half-plane."""
+        """H f' alone, as on a half-plane."""
         return Conjugate(self.profile)
 
     def of_waves(self, x: Array) -> Array:
-        """What the kinks add to R through the waves in which the body is no half-plane: (J/pi)
-        times the smooth part of the inverse kernel's potential, of all of them.
+        """Part of R that the kinks add through waves with L_n != 1.
+
+        It is the sum over all kinks of (J/pi) times the smooth part of the inverse kernel's
+        potential.
         """
         x = np.asarray(x, dtype=np.float64)
         if self._sum is None or len(self.kinks) == 0:
@@ -73,7 +70,7 @@ class Relief(Conjugate):
 
     @cached_property
     def inverse(self) -> Array:
-        """1 / L_n - 1."""
+        """1 / L_n - 1 of the harmonics of the period."""
         inverse = self.operator.inverse_excess
         assert inverse is not None
         return inverse
@@ -100,7 +97,7 @@ class Relief(Conjugate):
     def error(self) -> float:
         """Estimate of the largest error of R.
 
-        It is that of H f', and on a body with a base the noise of the heights in the waves.
+        It is the error of H f', plus the noise of the heights in the corrected waves.
         """
         if len(self.inverse) == 0:
             return self._plain.error
@@ -109,14 +106,15 @@ class Relief(Conjugate):
 
     @property
     def limit(self) -> str:
-        """Cause of that error, in words."""
+        """Cause of the error, in words."""
         return self._plain.limit or "noise of the heights is large in the transform for this body"
 
 
 @record
 class ScaledRelief(sie.Kept):
-    """R over the unit of slope, of scaled x; the kinks' places are those of the problem, bit for
-    bit.
+    """R over the unit of slope as a function of scaled x.
+
+    The places of the kinks equal those of the problem bit for bit.
     """
 
     relief: Relief
@@ -134,16 +132,16 @@ class ScaledRelief(sie.Kept):
 
     @property
     def breakpoints(self) -> Array:
-        """Scaled places beside which R is not smooth, of kinks those of the problem."""
+        """Scaled places where R is not smooth; kinks as in the problem."""
         return np.concatenate((self.at, self.units.scaled(self.relief.breakpoints)))
 
     @property
     def error(self) -> float:
-        """That of R."""
+        """Estimate of the largest error of R over the unit of slope."""
         return self.relief.error / self.units.slope
 
     def without_own(self, kinks: Index) -> Array:
-        """R at some of the kinks themselves, less the logarithm of each."""
+        """R at some of the kinks, without the own logarithm of each."""
         at, turns = self.at[kinks], (self.at[kinks, None] - self.at) / self.period
         logs = log_sine(turns - np.round(turns))
         logs[np.arange(len(kinks)), kinks] = 0.0
@@ -151,16 +149,23 @@ class ScaledRelief(sie.Kept):
 
     @property
     def spacing(self) -> float:
-        """The scaled length on which the profile varies."""
+        """Scaled length on which the profile varies."""
         return (self.relief.profile.resolution or self.relief.period / 16) / self.units.length
 
     @cached_property
     def samples(self) -> tuple[Array, Array]:
-        """(even places over a period, closer than the profile varies, R there): the same under all
-        loads.
+        """Even places over a period, closer than the profile varies, and R there.
+
+        They are computed once for all loads.
         """
-        n = int(np.clip(_CLOSE * self.period / self.spacing, 256, 2**18))
-        # Off the borders of the cell and of its halves and thirds, where kinks like to be.
+        n = int(
+            np.clip(
+                OPTIONS.samples_per_length * self.period / self.spacing,
+                OPTIONS.min_samples,
+                OPTIONS.max_samples,
+            )
+        )
+        # The offset avoids simple fractions of the cell, where kinks tend to be.
         x = (
             float(self.units.scaled(np.array(self.relief.profile.x0)))
             + self.period * (np.arange(n) + 0.4142) / n
@@ -168,11 +173,11 @@ class ScaledRelief(sie.Kept):
         return x, self(x)
 
     def smooth(self, x: Array) -> Array:
-        """All of R but the logarithms of the kinks."""
+        """R without the logarithms of the kinks."""
         return np.asarray(self.relief.smooth(self.units.x(x)) / self.units.slope)
 
     def forcing(self, x: Array) -> Array:
-        """All of R but (J/pi) times the inverse kernel's potential of the kinks."""
+        """R without (J/pi) times the inverse kernel's potential of the kinks."""
         return np.asarray(self.smooth(x) - self.relief.of_waves(self.units.x(x)) / self.units.slope)
 
     def __call__(self, x: Array) -> Array:
@@ -182,8 +187,9 @@ class ScaledRelief(sie.Kept):
 
 
 def harmonics(profile: Profile, count: int) -> Complex:
-    """f_n = (1/l) int f exp(-2 pi i n (x - x0)/l) dx, n = 1 ... count: Gauss-Legendre between
-    breakpoints, panels as short as the resolution and as the waves.
+    """Fourier coefficients f_n = (1/l) int f exp(-2 pi i n (x - x0)/l) dx, n = 1 ... count.
+
+    By Gauss-Legendre panels between breakpoints, as short as the resolution and as the waves.
     """
     x, turns, weights = over_period(profile, 2 * count)
     heights = np.asarray(profile.height(x), dtype=np.float64)
@@ -191,21 +197,25 @@ def harmonics(profile: Profile, count: int) -> Complex:
 
 
 def height_noise(profile: Profile) -> float:
-    """Largest noise of the heights of a periodic profile [m], at even places of the period."""
+    """Largest noise of the heights of a periodic profile [m]."""
     x = period_samples(profile)
-    x = x[:: max(1, len(x) // _LOOKS)]
+    x = x[:: max(1, len(x) // OPTIONS.noise_samples)]
     step = STEP * (profile.resolution or profile.period or 1.0)
     heights = np.asarray(profile.height(x + step * PLACES[:, None]), dtype=np.float64)
-    return float(np.finfo(np.float64).eps) * float(np.abs(heights).max()) + _PEAK * noise(heights)
+    return EPS * float(np.abs(heights).max()) + OPTIONS.noise_peak * noise(heights)
 
 
 def period_samples(profile: Profile) -> Array:
-    """Even samples of a period, closer than anything varies, as far as the profile tells, and its
-    algebraic points.
-    """
+    """Even samples of a period, closer than the profile varies, and its algebraic points."""
     length = profile.period
     assert length is not None
-    n = int(np.clip(16 * length / (profile.resolution or length / 16), 64, 2**17))
+    n = int(
+        np.clip(
+            OPTIONS.samples_per_length * length / (profile.resolution or length / 16),
+            OPTIONS.min_samples,
+            OPTIONS.max_samples,
+        )
+    )
     even = np.asarray(profile.x0 + length * np.arange(n + 1) / n)
     points = np.asarray(profile.algebraic_points)[:, 0]
     return np.union1d(even, points) if len(points) else even

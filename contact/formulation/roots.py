@@ -1,32 +1,39 @@
-"""A root in a bracket whose ends are known: a function that is costly, or starts from where it was
-last, is not asked there again. And the largest value of a sampled function, followed below the
-sampling.
+"""Roots and maxima of functions of one variable.
+
+`smooth_root` needs few values of a costly function in a bracket. `maximum` follows a sampled
+function between its samples.
 """
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 
+from contact.formulation.units import EPS
 from sie import Array
 
-# Values at the most, points of an inverse polynomial, and a step below which rounding may keep the
-# next from falling, over the place. A bracket so narrow over the first one is closed, wherever the
-# root.
-_MOST = 100
-_INVERSE = 4
-_ROUNDED = 1e-12
-_OF_SPAN = 1e-16
+
+@dataclass(frozen=True)
+class RootOptions:
+    """Limits of the search for a root of a smooth function in a bracket."""
+
+    max_values: int = 100
+    points: int = 4  # of the inverse interpolation
+    rounding: float = 1e-12  # relative: below it rounding may keep the steps from falling
+
+
+_OPTIONS = RootOptions()
 
 
 def smooth_root(
     function: Callable[[float], float], known: dict[float, float], rtol: float = 1e-14
 ) -> float:
-    """The root of a smooth function by the inverse polynomial through its last values: where each
-    asks for a solution these are fewer than Brent's, and none is spent on closing the bracket.
-    known: places and the values there, somewhere of opposite signs; rtol: of the last step, from
-    which on it is not taken to be worth one more value, as it is not where rounding keeps the steps
-    from falling.
+    """The root of a smooth function in a bracket, by inverse interpolation of its last values.
+
+    It needs fewer values than Brent's method, as it does not close the bracket. known: places and
+    values, two of them with opposite signs. rtol: the search stops at a step this small, or where
+    rounding keeps the steps from falling.
     """
     points, places = dict(known), sorted(known)
     low, high = next(
@@ -35,18 +42,18 @@ def smooth_root(
         if points[a] == 0.0 or points[a] * points[b] <= 0.0
     )
     rises, steps, span = points[low] < points[high], [math.inf, math.inf], high - low
-    for _ in range(_MOST):
+    for _ in range(_OPTIONS.max_values):
         here = min(points, key=lambda x: abs(points[x]))
-        if points[here] == 0.0 or high - low <= max(rtol * abs(here), _OF_SPAN * span):
+        if points[here] == 0.0 or high - low <= max(rtol * abs(here), EPS * span):
             return here
         guess = _inverse(points)
         step = abs(guess - here)
-        # What the step leaves is less of it than it is of the last one.
+        # Superlinear convergence: the next step would be below the tolerance.
         closes = math.isfinite(steps[-1]) and step * step <= rtol * abs(guess) * steps[-1]
         if (
             step <= rtol * abs(guess)
             or closes
-            or (step > 0.5 * steps[-1] and step < _ROUNDED * abs(guess))
+            or (step > 0.5 * steps[-1] and step < _OPTIONS.rounding * abs(guess))
         ):
             return guess
         if not low < guess < high or step > 0.5 * steps[-2]:
@@ -59,10 +66,8 @@ def smooth_root(
 
 
 def _inverse(points: dict[float, float]) -> float:
-    """Where the polynomial in the value, through the points of the smallest values, is at zero
-    (Neville's scheme).
-    """
-    chosen = sorted(points, key=lambda x: abs(points[x]))[:_INVERSE]
+    """The root of the inverse polynomial through the smallest values (Neville's scheme)."""
+    chosen = sorted(points, key=lambda x: abs(points[x]))[: _OPTIONS.points]
     at, values = list(chosen), [points[x] for x in chosen]
     if len(set(values)) < len(values):
         return math.nan
@@ -75,8 +80,9 @@ def _inverse(points: dict[float, float]) -> float:
 
 
 def reaches(value: Array) -> Array:
-    """How high a function may rise about each of its samples, along the last axis: twice as far
-    above a peak as a parabola through it and its neighbours; -inf at samples that are none.
+    """Upper bound of a function around each sample, along the last axis; -inf off the peaks.
+
+    A peak may be twice as high above its sample as the parabola through it and its neighbours.
     """
     beside = np.concatenate((value[..., :1], value, value[..., -1:]), axis=-1)
     before, after = beside[..., :-2], beside[..., 2:]
@@ -93,12 +99,11 @@ def maximum(
     peaks: int = 64,
     value: Array | None = None,
 ) -> tuple[float, float]:
-    """(position, value) of the maximum of `function` about the ascending samples x; every peak that
-    may be the highest is zoomed into, at most so many `peaks`. value: that at the samples, where it
-    is known.
+    """(position, value) of the maximum of a function, searched around ascending samples x.
 
-    Each of `levels` zooms narrows the bracket fourfold, and a parabola through the last samples
-    rises to the top: at a smooth maximum the value is then exact to rounding.
+    At most `peaks` samples are zoomed into, namely those whose bound reaches the highest sample.
+    Each of `levels` zooms narrows the bracket to a quarter. A parabola through the last samples
+    then gives a smooth maximum to rounding. value: the function at the samples, if known.
     """
     value = np.asarray(function(x)) if value is None else value
     value = np.where(np.isnan(value), -np.inf, value)
@@ -115,7 +120,7 @@ def maximum(
         fine = lo[:, None] + (hi - lo)[:, None] * np.linspace(0, 1, 9)
         here = np.asarray(function(fine.ravel())).reshape(fine.shape)
         here = np.where(np.isnan(here), -np.inf, here)
-        # Only those that may still be the highest.
+        # Keep the brackets that may still hold the highest value.
         may = reaches(here).max(axis=1) >= here.max()
         lo, hi, fine, here = lo[may], hi[may], fine[may], here[may]
         best, rows = np.argmax(here, axis=1), np.arange(len(here))
@@ -130,13 +135,13 @@ def maximum(
     ):
         before, after = here[row, [column - 1, column + 1]]
         bend = 2 * highest - before - after
-        # A parabola with its top between the neighbours rises above the middle sample by an eighth
-        # of the bend at most.
+        # A parabola with its top between the outer samples exceeds the middle one by an eighth of
+        # the second difference at most.
         highest += min((after - before) ** 2 / (8 * bend), 0.125 * bend) if bend > 0 else 0.0
     return sampled if sampled[1] > highest else (found, highest)
 
 
 def minimum(function: Callable[[Array], Array], x: Array) -> tuple[float, float]:
-    """(position, value) of the minimum, likewise."""
+    """(position, value) of the minimum, found as `maximum` finds it."""
     place, value = maximum(lambda at: -np.asarray(function(at)), x)
     return place, -value

@@ -1,17 +1,12 @@
-"""Tables of zones or intervals (n, 2), ascending, on a line that may repeat: rows moved by whole
-periods, and what lies between them; and runs of samples that are alike.
-"""
+"""Operations on tables of intervals (n, 2), ascending, on a line that may be periodic."""
 
 import numpy as np
 
 from sie import Array, Index, Mask
 
-# Of the widest gap.
-_WIDE = 0.1
-
 
 def begun_from(table: Array, start: float, period: float | None) -> Array:
-    """Rows moved to begin in [start, start + period); as they are where nothing repeats."""
+    """Rows moved by whole periods to begin in [start, start + period)."""
     return (
         table
         if period is None
@@ -20,17 +15,17 @@ def begun_from(table: Array, start: float, period: float | None) -> Array:
 
 
 def ascending(table: Array) -> Array:
-    """The rows from left to right."""
+    """Rows sorted from left to right."""
     return np.asarray(table[np.argsort(table[:, 0])])
 
 
 def in_cell(table: Array, start: float, period: float | None) -> Array:
-    """Rows that begin in [start, start + period), ascending."""
+    """Rows that begin in [start, start + period), sorted."""
     return ascending(begun_from(table, start, period))
 
 
 def centred_on(table: Array, centre: float, period: float | None) -> Array:
-    """Rows moved to have their middles within half a period of a centre."""
+    """Rows moved by whole periods so that their middles are nearest to a centre."""
     return (
         table
         if period is None
@@ -39,21 +34,20 @@ def centred_on(table: Array, centre: float, period: float | None) -> Array:
 
 
 def outward(before: Array, after: Array) -> Array:
-    """How far ends have moved out of their rows, the left and then the right ones (2n,)."""
+    """Outward motion of the ends between two tables, left ends and then right ends (2n,)."""
     return np.concatenate((before[:, 0] - after[:, 0], after[:, 1] - before[:, 1]))
 
 
 def located(table: Array, x: Array) -> tuple[Index, Mask]:
-    """(the last row that begins at or before each place, the first one where none does; whether the
-    place lies in it).
-    """
+    """The last row that begins at or before each place (else row 0), and whether it contains it."""
     row = np.maximum(np.searchsorted(table[:, 0], x, side="right") - 1, 0)
     return row, np.asarray((x > table[row, 0]) & (x < table[row, 1]))
 
 
 def gaps_between(table: Array, period: float | None) -> Array:
-    """The gap right of each row (n, 2), that of the last over the border of the period; where
-    nothing repeats, without end.
+    """The gap to the right of each row (n, 2).
+
+    The last one crosses the border of the period, or is infinite without a period.
     """
     return np.column_stack(
         (table[:, 1], np.append(table[1:, 0], np.inf if period is None else table[0, 0] + period))
@@ -61,18 +55,20 @@ def gaps_between(table: Array, period: float | None) -> Array:
 
 
 def room_beside(table: Array, period: float | None) -> Array:
-    """The width of each row, or of the gap beside each of its ends (n, 2), whichever is less."""
+    """The width of each row or of the gap next to each of its ends, whichever is less (n, 2)."""
     right = np.diff(gaps_between(table, period))
     return np.minimum(np.diff(table), np.column_stack((np.roll(right, 1), right)))
 
 
-def parted_at_wide(table: Array, period: float) -> Array:
-    """Rows about where they were, with a wide gap over the border of the period: the nearest one,
-    so that few are moved.
+def parted_at_wide(table: Array, period: float, wide_fraction: float = 0.1) -> Array:
+    """Rows moved so that a wide gap lies over the border of the period.
+
+    Of the gaps above `wide_fraction` of the widest, the nearest to the border is taken, which moves
+    few rows.
     """
     gaps = gaps_between(table, period)
     width = gaps[:, 1] - gaps[:, 0]
-    wide = width >= _WIDE * width.max()
+    wide = width >= wide_fraction * width.max()
     if len(table) < 2 or wide[-1]:
         return table
     middle = gaps.mean(axis=1)
@@ -87,21 +83,22 @@ def parted_at_wide(table: Array, period: float) -> Array:
 
 
 def joined_where(table: Array, meets: Mask) -> Array:
-    """The rows, those after which it is so as one with the next (n - 1,)."""
+    """Rows in which each row with meets = True is joined with the next one; meets is (n - 1,)."""
     return np.column_stack((table[np.append(True, ~meets), 0], table[np.append(~meets, True), 1]))
 
 
 def united(table: Array) -> Array:
-    """The rows, those that overlap as one."""
+    """Rows in which overlapping rows are joined."""
     table = table[np.argsort(table[:, 0], kind="stable")]
-    # A new one begins beyond all that came before.
+    # A new row begins to the right of all that came before.
     reach = np.maximum.accumulate(table[:, 1])
     return joined_where(np.column_stack((table[:, 0], reach)), ~(table[1:, 0] > reach[:-1]))
 
 
 def runs_of(flags: Mask, wraps: bool = False) -> list[tuple[int, int]]:
-    """First and last index of every run of True; wraps: of a period, whose run across the border
-    goes on beyond the last index.
+    """First and last index of every run of True.
+
+    wraps: the flags are periodic; a run over the border then ends beyond the last index.
     """
     change = np.flatnonzero(np.diff(np.concatenate(([False], flags, [False])).astype(np.int8)))
     runs = [(int(s), int(e) - 1) for s, e in zip(change[::2], change[1::2], strict=True)]

@@ -1,4 +1,4 @@
-"""What lengths, slopes, pressures and loads are counted in."""
+"""`Units`: the units of scaled lengths, slopes, pressures and loads."""
 
 from dataclasses import dataclass
 
@@ -6,12 +6,14 @@ import numpy as np
 
 from sie import Array
 
+EPS = float(np.finfo(np.float64).eps)
+
 
 @dataclass(frozen=True)
 class Units:
-    """origin and length [m], slope [1], and what follows for pressure and load; E_star [Pa].
+    """Origin and length [m], slope [1] and E* [Pa], and the units that follow from them.
 
-    The length is a power of two: counted in it, places lose no digit.
+    The length is a power of two, so that scaling loses no digit of a place.
     """
 
     origin: float
@@ -33,7 +35,7 @@ class Units:
 
     @property
     def intensity(self) -> float:
-        """Of a pressure K / sqrt(d)."""
+        """Unit of the intensity K of a pressure K / sqrt(d)."""
         return self.pressure * self.length**0.5
 
     @property
@@ -42,7 +44,7 @@ class Units:
 
     @property
     def lever(self) -> float:
-        """The origin's own place, scaled: x = length (lever + scaled x)."""
+        """Scaled position of the origin: x = length (lever + scaled x)."""
         return self.origin / self.length
 
     def x(self, scaled: Array) -> Array:
@@ -52,7 +54,7 @@ class Units:
         return np.asarray((x - self.origin) / self.length)
 
     def placed(self, scaled: Array) -> Array:
-        """Where scaled places come to stand by the rounding of x."""
+        """Scaled places as they are after x has been rounded."""
         return self.scaled(self.x(scaled))
 
     def minus_place(self, scaled: Array) -> Array:

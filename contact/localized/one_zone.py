@@ -212,7 +212,7 @@ class FirstOrder:
             f"{low.has * control.unit(units):.6g} at total width {low.width * units.length:.6g} m"
         )
         return OutOfRange(
-            f"{control.told(units)} is beyond the largest that the first-order closure carries on the branch from zero "
+            f"{control.described(units)} is beyond the largest that the first-order closure carries on the branch from zero "
             f"load, {largest}; interaction = Periodic() has no such limit"
         )
 

@@ -107,7 +107,7 @@ def full_contact_solution(
     """
     profile = scene.profile
     fields = FullFields(period_problem(scene), mean_pressure, full.relief, mean_height(scene))
-    least = mean_pressure - full.relieved
+    least = mean_pressure - full.onset_pressure
     left_out = 0 if scene.law.pressure_range.has_tension else int(np.sum(profile.kinks[:, 1] < 0))
     certificate = Certificate(
         smallest_pressure=least,

@@ -264,7 +264,7 @@ class _Path:
     def _to_full(self, low: Solution, full: Solution) -> list[Event]:
         """The events up to full contact, where the last gap closes."""
         assert low.scene.period is not None
-        load = self.curve.cache.full.relieved * low.scene.period
+        load = self.curve.cache.full.onset_pressure * low.scene.period
         # All gaps but the last are closed there.
         last = self.intermediate(max(low.load, load * (1 - _OPTIONS.same_load)), low)
         return [*self._events(low, last), *_full_event(load, full, last)]

@@ -2,10 +2,6 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-
-EPS = float(np.finfo(np.float64).eps)
-
 
 @dataclass(frozen=True)
 class Tolerances:
@@ -17,7 +13,6 @@ class Tolerances:
     dip_rounding: float = 1e-14  # a minimum of the pressure over its zone's largest value is noise
     gap_margin: float = 100.0  # times the gap that the density's error makes on the zones
     shape_mismatch: float = 1e-6  # part of the height by which height and slope may contradict
-    undecided_gap: float = 1e-9  # part of an interval of tension: nearer to its ends gap = reach
 
     # What the stated error adds.
     rounding: float = 4e-14  # of a sum of some hundred terms over the largest: the least error

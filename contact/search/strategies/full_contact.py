@@ -47,13 +47,13 @@ def full_under(context: SolveContext, control: Control, but_for_kinks: bool = Fa
     digits tell.
     """
     scene = context.scene
-    if not (context.full.told if but_for_kinks else context.full.possible):
+    if not (context.full.is_known if but_for_kinks else context.full.possible):
         return None
     held = control.approach if scene.given_load is None else control.load
     mean_pressure = None if held is None else closed_pressure(context)
     return (
         None
-        if mean_pressure is None or mean_pressure < context.full.relieved
+        if mean_pressure is None or mean_pressure < context.full.onset_pressure
         else Full(mean_pressure)
     )
 

@@ -168,7 +168,7 @@ def _on_branch(context: SolveContext, problem: Problem, control: Control) -> flo
     if control.value <= highest:
         return float(np.interp(control.value, values, half_widths))
     told, at_most = (
-        control.told(units),
+        control.described(units),
         f"{highest * control.unit(units):.6g} at half width {half_widths[-1] * units.length:.6g} m",
     )
     if problem.interaction.neighbours and half_widths[-1] == widest(problem):
@@ -207,7 +207,7 @@ def from_grid(
     if control.load is not None and not control.load > 0.0:
         # A grid is pressed together without tension.
         raise OutOfRange(
-            f"{control.told(problem.units)}: the law {context.scene.law.name} has no `bare` law to begin from, "
+            f"{control.described(problem.units)}: the law {context.scene.law.name} has no `bare` law to begin from, "
             "and without one zones are looked for under loads above 0 only: give a half width"
         )
     failure: Failure | None = None
@@ -258,7 +258,7 @@ def no_rest(problem: Problem, control: Control, why: Unrest) -> OutOfRange:
         else ("self-consistent", EXACT)
     )
     return OutOfRange(
-        f"{control.told(problem.units)}: under the {closure} closure {why.value}; {instead}"
+        f"{control.described(problem.units)}: under the {closure} closure {why.value}; {instead}"
     )
 
 
