@@ -53,16 +53,10 @@ class ConjugateOptions:
     noise_samples: int = 256  # places at which the noise of heights is estimated
     max_noise: float = 1e-9  # over the largest term: larger terms that do not decay are not noise
     no_decay: float = 0.6  # terms that fall by less than this factor in an octave do not decay
-    slowest_decay: float = (
-        1.2  # exponent of a decaying sum of powers; an undeclared jump of f' leaves 1
-    )
+    slowest_decay: float = 1.2  # exponent of a decaying sum; an undeclared jump of f' leaves 1
     checks: int = 32  # places at which a user's closed form is compared with the series
-    max_mismatch: float = (
-        1e-6  # relative: a larger one is refused, a smaller one is stated as an error
-    )
-    jump_in_samples: float = (
-        64.0  # a step this many times the median step is called a jump in messages
-    )
+    max_mismatch: float = 1e-6  # relative: larger is refused, smaller is stated as an error
+    jump_in_samples: float = 64.0  # messages call a step of this many median steps a jump
     pole_reach: float = 0.25  # periods: farther poles stay in the series (0.1 to 0.5 are the same)
     kink_reach: float = 1e-5  # periods: nearer to a kink a closed form is extrapolated linearly
 

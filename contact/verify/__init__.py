@@ -1,1 +1,1 @@
-"""Is it the solution: fields in, a certificate and a stated error out."""
+"""Checks of a solution: fields come in, a certificate and a stated error go out."""

@@ -1,10 +1,9 @@
-"""What was checked of a solution: signs of pressure and gap over the whole line, balance of load,
-one approach.
+"""`Certificate`: signs of pressure and gap on the whole line, load balance, one approach.
 
-The pressure is sampled on every zone, divided by its square-root ends so that it is positive up to
-them; the gap is sampled between the zones, closer near their ends, and its minima are followed
-below the sampling. Next to an end the sign of the gap is that of the pressure's slope A there,
-since gap ~ (4 A / 3) d^(3/2) / (E*/2).
+The pressure is sampled in every zone after division by sqrt(1 - t^2), so that it is positive up to
+the ends. The gap is sampled between the zones, more closely near their ends, and its minima are
+followed between samples. Next to an end the gap is (4 A / 3) d^(3/2) / (E*/2), with A the edge
+slope of the pressure: there its sign is that of A.
 """
 
 from __future__ import annotations
@@ -25,12 +24,12 @@ from contact.verify.minima import SAMPLING, Signs, lowest, signs_on
 from contact.verify.tolerances import TOLERANCES
 from sie import Array, Index, Mask, record
 
-# Distances from a concave kink over the half width of its zone, at which the pressure is sampled.
+# Distances from a concave kink, over the half width of its zone, at which the pressure is sampled.
 _KINK_DISTANCES = np.geomspace(NARROWEST, 0.1, SAMPLING.kink_distances)
 
 
-def _thinned() -> Array:
-    """The least number of points in (0, 1), but in the middle every second one."""
+def _min_samples() -> Array:
+    """The minimum number of points in (0, 1), with every second one in the middle left out."""
     every, second = (
         np.sin(0.5 * np.pi * (np.arange(n) + 0.5) / n) ** 2
         for n in (SAMPLING.min_gap_points, SAMPLING.min_gap_points // 2)
@@ -45,24 +44,30 @@ def _thinned() -> Array:
     )
 
 
-_THINNED = _thinned()
+_MIN_SAMPLES = _min_samples()
 
 
 @dataclass(frozen=True)
 class Certificate:
-    """smallest_pressure: over the zones, p / sqrt(1 - t^2) [Pa]. smallest_edge: least edge slope
-    over its scale. smallest_gap: between the zones [m]. load_balance: relative. level_spread:
-    largest difference of the zones' approaches [m]. points: how many were looked at. dip: least
-    minimum of p / sqrt(1 - t^2) inside a zone over its largest value there, inf if there is none.
-    undecided: a gap within `gap_rounding` of zero, or a dip within rounding of it: whether there is
-    contact in that place is below what double precision tells. moment_balance: relative to the load
-    times the farthest end of a zone; None where no moment is given. intensity: largest miss at an
-    end, over what the law asks for; stability: least eigenvalue of the second variation of the
-    energy by the motions of the ends, over twice the work of adhesion and at equal motions over
-    roots of the widths, at the control held: positive where the contact is locally stable, infinite
-    where all ends are held at sharp corners; both None under laws without. negative, overlaps:
-    where signs fail, scaled (n, 2); lowest: scaled places, values and second differences of the
-    gap's minima (n, 3), see `minima.lowest`.
+    """What was checked of a solution, and the values.
+
+    smallest_pressure: of p / sqrt(1 - t^2) over the zones [Pa]. smallest_gap: between the zones
+    [m]. points: number of samples. holds: whether all checks pass. gap_rounding: effect of rounding
+    on the gap [m]. load_balance: relative. level_spread: largest difference of the zones'
+    approaches [m]. undecided: whether a gap or a dip of the pressure is zero within rounding, so
+    that double precision cannot tell whether there is contact. note: what holds or fails, in words.
+    dip: least minimum of p / sqrt(1 - t^2) inside a zone over the largest value there; inf if there
+    is none. moment_balance: relative to the load times the farthest end of a zone; None if no
+    moment is given.
+
+    intensity: largest relative error of the intensity at an end. stability: least eigenvalue of the
+    second variation of the energy by motions of the ends, over twice the work of adhesion, scaled
+    by the roots of the widths, under the given control. It is positive if the contact is locally
+    stable, and infinite if all ends are fixed at sharp corners. Both are None under laws with one
+    equilibrium.
+
+    negative, overlaps: scaled intervals (n, 2) where a sign is wrong. lowest: scaled places, values
+    and half second derivatives of the gap's minima (n, 3), see `minima.lowest`.
     """
 
     smallest_pressure: float
@@ -124,9 +129,11 @@ def _allowed_gap(fields: ZoneFields) -> float:
 
 
 class Openings(NamedTuple):
-    """Between the zones, scaled: the least gap, where surfaces overlap (n, 2), rounding of the gap,
-    how many points were looked at; its minima; and what the gap comes to on the zones, where it is
-    zero.
+    """The scaled gap between the zones, as it was sampled.
+
+    least: smallest gap. overlaps: intervals where it is negative (n, 2). rounding: effect of
+    rounding on it. points: number of samples. lowest: its minima. on_zones: its size on the zones,
+    where it is zero.
     """
 
     least: float | None
@@ -137,115 +144,144 @@ class Openings(NamedTuple):
     on_zones: float
 
 
-def openings(fields: ZoneFields, few: float = 0.0) -> Openings:
-    """The gap, looked at everywhere. few: part of the zones that tell nothing of its error, since
-    their ends are not known.
+def openings(fields: ZoneFields, unresolved_fraction: float = 0.0) -> Openings:
+    """The gap, sampled on the whole line.
+
+    unresolved_fraction: part of the zones whose ends are not settled, and whose gap says nothing of the error.
     """
     zones = fields.density.zones
-    # There the gap is zero: what it comes to is known of it no better anywhere.
+    # The gap is zero there, and what is computed instead measures the error everywhere.
     places = (zones.middle[:, None] + zones.half[:, None] * chebyshev_nodes(4)).ravel()
-    on_zones = float(np.quantile(np.abs(fields.formal_gap(places)), 1.0 - few))
+    on_zones = float(np.quantile(np.abs(fields.formal_gap(places)), 1.0 - unresolved_fraction))
     return Openings(*_gaps(fields, fields.gap_rounding + 2 * on_zones), on_zones)
 
 
 def certify(
-    fields: ZoneFields, load: float | None, held: Control | None = None, few: float = 0.0
+    fields: ZoneFields,
+    load: float | None,
+    control: Control | None = None,
+    unresolved_fraction: float = 0.0,
 ) -> Certificate:
-    """Check the solution everywhere; `negative` and `overlaps` are the scaled intervals where it
-    fails. held: the control under which the contact has to be stable, where there are several
-    equilibria, the load if left out; under a half width it need not be. few: see `openings`.
+    """Check a solution on the whole line.
+
+    Where signs fail, `negative` and `overlaps` of the certificate are not empty. control: under
+    which the contact has to be stable if there are several equilibria; the load if None. At a given
+    half width it need not be stable. unresolved_fraction: see
+    `openings`.
     """
-    law = fields.problem.law
-    signs = _pressures(fields)
-    pulls, least, dip, (valleys, left_out) = (
-        signs.negative,
-        signs.least,
-        signs.dip,
-        _valleys(fields),
-    )
+    law, units = fields.problem.law, fields.problem.units
+    signs, (valleys, left_out) = _pressures(fields), _valleys(fields)
+    negative, dip = list(signs.negative), signs.dip
     if law.pressure_range.has_tension:
-        pulls, valleys, left_out, dip = [], [], 0, np.inf
-    new = [row for row in valleys if not any(lo < row[1] and row[0] < hi for lo, hi in pulls)]
-    pressures = np.array(sorted([*pulls, *new])).reshape(-1, 2)
-    gaps, overlaps, rounding, outside, minima, on_zones = openings(fields, few)
-    units = fields.problem.units
-    density = fields.density
-    size = fields.load_size if law.pressure_range.has_tension else fields.problem.borne(density)
-    balance = 0.0 if load is None else abs(density.total - load) / max(abs(load), size)
+        negative, valleys, left_out, dip = [], [], 0, np.inf
+    new = [row for row in valleys if not any(lo < row[1] and row[0] < hi for lo, hi in negative)]
+    negative = sorted([*negative, *new])
+    gaps = openings(fields, unresolved_fraction)
+    balance = 0.0 if load is None else _load_balance(fields, load)
     turned = _moment_balance(fields)
-    spread = float(np.ptp(fields.levels)) * units.height
-    undecided = (gaps is not None and -rounding <= gaps <= 0.0) or (
-        dip <= TOLERANCES.dip_rounding and len(pressures) == 0
-    )
     holds = (
-        (least > 0 or law.pressure_range.has_tension)
+        (signs.least > 0 or law.pressure_range.has_tension)
         and len(new) == 0
-        and len(overlaps) == 0
-        and balance < TOLERANCES.balance
-        and (turned is None or turned < TOLERANCES.balance)
+        and len(gaps.overlaps) == 0
+        and max(balance, turned or 0.0) < TOLERANCES.balance
     )
     note = unresolved_gaps_note(left_out, "their zones") if left_out else ""
-    if not on_zones <= _allowed_gap(fields):
+    equilibrium = _equilibrium(fields, control) if law.equilibria.several else None
+    if not gaps.on_zones <= _allowed_gap(fields):
         holds = False
         note = (
-            f"on the zones, where it is zero, the gap comes to {on_zones * units.height:.1e} m: "
-            "height and slope do not go together"
+            f"on the zones, where it is zero, the gap comes to {gaps.on_zones * units.height:.1e} "
+            "m: height and slope do not go together"
         )
-    missed = stability = None
-    if law.equilibria.several:
-        missed = _missed(fields)
-        name = "load" if held is None else held.name
-        if held is None or held.half_width is None:
-            stability = least_eigenvalue(
-                fields.second_variation(None if held is None else held.yields)
-            )
-        if missed > TOLERANCES.edge_condition * max(1.0, fields.bending):
-            holds, note = False, f"an end misses its intensity by {missed:.1e}"
-        elif stability is not None and not stability > 0.0:
-            holds, note = (
-                False,
-                f"not stable under a held {name}: the second variation of the energy is not "
-                "positive",
-            )
-        else:
-            told = (
-                "its ends are given" if stability is None else f"locally stable under a held {name}"
-            )
-            told = "all ends are held at sharp corners" if stability == np.inf else told
-            note = (
-                "one of several equilibria: intensities at the ends, no overlap, balance, "
-                f"{told}{'; ' + note if note else ''}"
-            )
-    broken = Told("law.fault(fields, load)", "law").text(law.fault, fields, load)
-    if broken:
-        holds, note = False, f"{law.name}: {broken}"
+    if equilibrium is not None:
+        note = equilibrium.fault or f"{equilibrium.note}{'; ' + note if note else ''}"
+    law_fault = _law_fault(fields, load)
+    undecided = (gaps.least is not None and -gaps.rounding <= gaps.least <= 0.0) or (
+        dip <= TOLERANCES.dip_rounding and not negative
+    )
     return Certificate(
-        smallest_pressure=least * units.pressure,
-        smallest_gap=None if gaps is None else gaps * units.height,
-        gap_rounding=rounding * units.height,
+        smallest_pressure=signs.least * units.pressure,
+        smallest_gap=None if gaps.least is None else gaps.least * units.height,
+        gap_rounding=gaps.rounding * units.height,
         load_balance=balance,
-        level_spread=spread,
-        points=signs.points + outside,
-        holds=bool(holds),
+        level_spread=float(np.ptp(fields.levels)) * units.height,
+        points=signs.points + gaps.points,
+        holds=bool(holds and not law_fault and not (equilibrium and equilibrium.fault)),
         undecided=bool(undecided) or left_out > 0,
-        note=note,
+        note=law_fault or note,
         dip=dip,
         moment_balance=turned,
-        intensity=missed,
-        stability=stability,
-        negative=pressures,
-        overlaps=overlaps,
-        lowest=minima,
+        intensity=None if equilibrium is None else equilibrium.intensity,
+        stability=None if equilibrium is None else equilibrium.stability,
+        negative=np.array(negative).reshape(-1, 2),
+        overlaps=gaps.overlaps,
+        lowest=gaps.lowest,
     )
+
+
+def _load_balance(fields: ZoneFields, load: float) -> float:
+    """Error of the load, over the load or over what the zones bear."""
+    law, density = fields.problem.law, fields.density
+    size = fields.load_size if law.pressure_range.has_tension else fields.problem.borne(density)
+    return float(abs(density.total - load) / max(abs(load), size))
+
+
+def _law_fault(fields: ZoneFields, load: float | None) -> str:
+    """What the law itself finds wrong, in words; empty if nothing."""
+    law = fields.problem.law
+    highest = law.pressure_range.highest
+    if np.isfinite(highest) and fields.max_pressure > highest * (1.0 + TOLERANCES.balance):
+        return (
+            f"{law.name}: the pressure reaches {fields.max_pressure:.6g} Pa, above {highest:.6g} Pa"
+        )
+    fault = Told("law.fault(fields, load)", "law").text(law.fault, fields, load)
+    return f"{law.name}: {fault}" if fault else ""
+
+
+class _Equilibrium(NamedTuple):
+    """Check of one of several equilibria: intensities at the ends, and stability if it is asked.
+
+    fault: what fails, in words. note: what holds.
+    """
+
+    intensity: float
+    stability: float | None
+    fault: str = ""
+    note: str = ""
+
+
+def _equilibrium(fields: ZoneFields, control: Control | None) -> _Equilibrium:
+    """Whether the ends have the intensity of the law and the contact is locally stable."""
+    error, stability = _intensity_error(fields), None
+    name = "load" if control is None else control.name
+    if control is None or control.half_width is None:
+        yields = None if control is None else control.yields
+        stability = least_eigenvalue(fields.second_variation(yields))
+    if error > TOLERANCES.edge_condition * max(1.0, fields.bending):
+        return _Equilibrium(error, stability, f"an end misses its intensity by {error:.1e}")
+    if stability is not None and not stability > 0.0:
+        fault = (
+            f"not stable under a held {name}: the second variation of the energy is not positive"
+        )
+        return _Equilibrium(error, stability, fault)
+    if stability is None:
+        kind = "its ends are given"
+    elif stability == np.inf:
+        kind = "all ends are held at sharp corners"
+    else:
+        kind = f"locally stable under a held {name}"
+    note = f"one of several equilibria: intensities at the ends, no overlap, balance, {kind}"
+    return _Equilibrium(error, stability, note=note)
 
 
 def unresolved_gaps_note(gaps: int, over: str) -> str:
     return f"{gaps} gaps over kinks are left out: narrower than {2 * NARROWEST:.0e} of {over}"
 
 
-def _missed(fields: ZoneFields) -> float:
-    """Largest miss of the intensity that the law asks for at the ends, over it; where one is held,
-    of what it asks for at the least.
+def _intensity_error(fields: ZoneFields) -> float:
+    """Largest relative error of the intensity that the law asks for at the ends.
+
+    An end that is fixed only needs at least that intensity.
     """
     wanted, zones = fields.problem.end.intensity, fields.density.zones
     assert wanted
@@ -257,16 +293,15 @@ def _missed(fields: ZoneFields) -> float:
 
 
 def least_eigenvalue(matrix: Array) -> float:
-    """Of its symmetric part: a second variation is symmetric but for rounding. Infinite where
-    nothing moves.
+    """Least eigenvalue of the symmetric part; infinite if nothing moves.
+
+    A second variation is symmetric up to rounding.
     """
     return float(np.linalg.eigvalsh(0.5 * (matrix + matrix.T)).min(initial=np.inf))
 
 
 def _moment_balance(fields: ZoneFields) -> float | None:
-    """What the moment is off, over the load times the farthest end of a zone; None where none is
-    given.
-    """
+    """Error of the moment, over the load times the farthest end of a zone; None if none is given."""
     given = fields.problem.moment
     if given is None:
         return None
@@ -276,7 +311,7 @@ def _moment_balance(fields: ZoneFields) -> float | None:
 
 
 def _pressures(fields: ZoneFields) -> Signs:
-    """p / sqrt(1 - t^2) on the zones, in scaled units."""
+    """Signs of p / sqrt(1 - t^2) on the zones, scaled."""
     density, noise = fields.density, fields.state.noise
 
     def over_root(zone: Index, angle: Array) -> Array:
@@ -299,11 +334,10 @@ def _pressures(fields: ZoneFields) -> Signs:
 
 
 def _valleys(fields: ZoneFields) -> tuple[list[tuple[float, float]], int]:
-    """(where the pressure is negative about valleys with a kink; how many of these have it narrower
-    than can be told).
+    """Intervals around concave kinks with negative pressure, and the number unresolved.
 
-    With J < 0 the jump of f', the pressure goes to minus infinity as (E* |J| / 2 pi) ln(distance):
-    there is a gap, however narrow.
+    At a jump J < 0 of f' the pressure goes to -inf as (E* |J| / 2 pi) ln(distance): there is a gap,
+    however narrow. It is unresolved if it is narrower than the nearest sample.
     """
     density, forcing = fields.density, fields.problem.forcing
     kinks, heights = forcing.kinks
@@ -325,16 +359,15 @@ def _valleys(fields: ZoneFields) -> tuple[list[tuple[float, float]], int]:
 
 
 def _gaps(fields: ZoneFields, rounding: float) -> tuple[float | None, Array, float, int, Array]:
-    """(smallest gap found, intervals of overlap, rounding of the gap, points, minima), scaled: the
-    points of all gaps at once, and only minima followed that may touch zero.
+    """Scaled (least gap, overlaps, rounding, points, minima), of all gaps together.
 
-    Levels that are tied from neighbour to neighbour drift by rounding along a long row of zones.
-    Far from all zones a turned or a lopsided body may touch as well: samples are not even there,
-    and all minima are followed.
+    Only minima that may be below zero are followed. rounding: gaps above -rounding are no overlap,
+    as the levels of a long row of zones drift by rounding. Far from all zones the samples are
+    uneven and a turned body may touch again, so that all minima are followed there.
     """
     open_ = list(fields.open_intervals())
     intervals, near = [(lo, hi) for lo, hi, _, _ in open_], len(open_)
-    places_of = _looked_at(fields, open_)
+    places_of = _samples_in(fields, open_)
     for x in fields.far_stretches():
         intervals.append((float(x[0]), float(x[-1])))
         places_of.append(x)
@@ -371,9 +404,10 @@ def _gaps(fields: ZoneFields, rounding: float) -> tuple[float | None, Array, flo
 
 
 def _closing(gap: Array, place: Index, rounding: float) -> Mask:
-    """Samples, by interval and from left to right, that lie between the end of a zone and the first
-    one where the gap is above its rounding: there it closes as d^(3/2), and its sign is that of the
-    pressure's slope.
+    """Samples between the end of a zone and the first sample with a gap above its rounding.
+
+    Samples are sorted by interval and place. The gap closes as d^(3/2) there, and has the sign of
+    the pressure's slope.
     """
     index, first_of = np.arange(len(gap)), np.flatnonzero(np.diff(place, prepend=-1))
     number = np.repeat(np.arange(len(first_of)), np.diff(first_of, append=len(gap)))
@@ -388,7 +422,7 @@ def _finite(gap: Array) -> Array:
 
 
 def _overlaps(x: Array, fails: Mask, lo: float, hi: float) -> list[tuple[float, float]]:
-    """From the last good sample to the next one, for every run of bad samples in (lo, hi)."""
+    """For every run of bad samples in (lo, hi): from the last good sample to the next good one."""
     return [
         (
             float(x[max(s - 1, 0)]) if s else lo,
@@ -398,9 +432,12 @@ def _overlaps(x: Array, fails: Mask, lo: float, hi: float) -> list[tuple[float, 
     ]
 
 
-def _looked_at(fields: ZoneFields, intervals: list[tuple[float, float, bool, bool]]) -> list[Array]:
-    """Points in each of these: in gaps between zones without a tip that ask for no more than the
-    least number, all at once.
+def _samples_in(
+    fields: ZoneFields, intervals: list[tuple[float, float, bool, bool]]
+) -> list[Array]:
+    """Places of samples in each interval.
+
+    Narrow gaps between zones without convex kinks need the minimum number, and are done together.
     """
     if not intervals:
         return []
@@ -411,25 +448,27 @@ def _looked_at(fields: ZoneFields, intervals: list[tuple[float, float, bool, boo
     )
     plain = between & ~tips & (4 * (hi - lo) / fields.spacing <= SAMPLING.min_gap_points // 2)
     x = np.clip(
-        lo[plain, None] + (hi - lo)[plain, None] * _THINNED, lo[plain, None], hi[plain, None]
+        lo[plain, None] + (hi - lo)[plain, None] * _MIN_SAMPLES, lo[plain, None], hi[plain, None]
     )
-    # Of gaps as narrow as rounding some are the same.
+    # In gaps as narrow as rounding some samples coincide.
     differ = np.diff(x, axis=1, prepend=-np.inf) > 0
     every = differ.all(axis=1)
     rows = iter(
         [row if whole else row[some] for row, whole, some in zip(x, every, differ, strict=True)]
     )
     return [
-        next(rows) if alike else _between(*row[:2], fields, *row[2:])
+        next(rows) if alike else _samples_between(*row[:2], fields, *row[2:])
         for row, alike in zip(intervals, plain, strict=True)
     ]
 
 
-def _between(lo: float, hi: float, fields: ZoneFields, left_zone: bool, right_zone: bool) -> Array:
-    """Points in (lo, hi), evenly at least as close as the fields' spacing asks for, quadratically
-    closer next to zones; tips among them, and the limit of what is looked at: the body may touch
-    right there. Between zones no more than the spacing asks for, if that is less than the least
-    number, but beside their ends.
+def _samples_between(
+    lo: float, hi: float, fields: ZoneFields, left_zone: bool, right_zone: bool
+) -> Array:
+    """Places of samples in (lo, hi), even, quadratically closer next to zones.
+
+    Convex kinks are among them, and the limit of a half-line: the body may touch exactly there. A
+    gap that is short for the profile's resolution has samples left out in its middle.
     """
     known = fields.problem.profile.resolution is not None and (
         fields.is_bounded or (left_zone and right_zone)
@@ -444,23 +483,25 @@ def _between(lo: float, hi: float, fields: ZoneFields, left_zone: bool, right_zo
     )
     s = (np.arange(n) + 0.5) / n
     if left_zone and right_zone:
-        s = _THINNED if asked <= SAMPLING.min_gap_points // 2 else np.sin(0.5 * np.pi * s) ** 2
+        s = _MIN_SAMPLES if asked <= SAMPLING.min_gap_points // 2 else np.sin(0.5 * np.pi * s) ** 2
     elif left_zone:
         s = np.append(s * s, 1.0)
     elif right_zone:
         s = np.append(0.0, 1 - (1 - s) ** 2)
     x = np.clip(lo + (hi - lo) * s, lo, hi)
     tips = fields.tips
-    # One at the end of a zone is in contact.
+    # A kink at the end of a zone is in contact.
     first, last = np.searchsorted(tips, lo, side="right"), np.searchsorted(tips, hi, side="left")
     return np.unique(np.concatenate((x, tips[first:last]))) if last > first else x
 
 
 @record
 class Solved:
-    """free: the Newton result. fields: under the load that the intervals have. rounds: corrections
-    it took. tolerance: of the ends. off: how far the control may have been missed, in what the
-    formulation says; of all intervals, or of each end (n, 2).
+    """Intervals that a search has found, with their certificate.
+
+    free: the result of Newton's method. fields: under the load of these intervals. rounds:
+    corrections of the number of intervals. tolerance: of the ends. off: possible error of the
+    control, of all intervals or of each end (n, 2), in units of the subclass.
     """
 
     free: sie.Free
@@ -473,5 +514,5 @@ class Solved:
 
     @property
     def error(self) -> float:
-        """Bound of the errors of the pressure and of the zones' ends: see `Solution.error`."""
+        """Bound of the errors of pressure and ends, see `Solution.error`."""
         raise NotImplementedError

@@ -1,11 +1,11 @@
-"""What is stated of a solution's error, and what keeps it from being smaller.
+"""The stated error of a solution, and in words what keeps it from being smaller.
 
-The error bounds (docs/errors.md) the ends' errors over the width of their zone, and the pressure's
-at equal normalised position over the peak. Ends are off by what Newton has left to do, by what
-truncated series shift them by, and by rounding; a zone's pressure follows its ends
-(`sie.Density.sensitivity`), and is off itself by the series' truncation.
+The error bounds (docs/errors.md) the errors of the ends over the width of their zone, and that of
+the pressure at equal normalised position over the peak. Ends are in error by the residual of
+Newton's method, by truncation of the series and by rounding. The pressure of a zone follows its
+ends (`sie.Density.sensitivity`), and is itself in error by truncation.
 
-Of nearly full contact the gaps have passed, and the error is that of the contact between them.
+A solution by gaps has unknowns in the gaps; its error is that of the contact between them.
 """
 
 from __future__ import annotations
@@ -28,8 +28,10 @@ from sie import Array, record, wrapped
 
 @record
 class SolvedZones(Solved):
-    """Zones that passed. off: how far the control may have been missed, in ends over the width of
-    their zones; rounded: whether rounding is what keeps that from being less.
+    """Zones that passed the certificate.
+
+    off: possible error of the control, as errors of the ends over the width of their zones.
+    rounded: whether rounding keeps that from being smaller.
     """
 
     fields: ZoneFields
@@ -37,7 +39,7 @@ class SolvedZones(Solved):
 
     @property
     def ends(self) -> Array:
-        """How far the ends may be off, over the widths of their zones (Z, 2)."""
+        """Errors of the ends over the widths of their zones (Z, 2)."""
         return np.asarray(self.free.end_error + self.free.end_truncation + self.off)
 
     @cached_property
@@ -52,15 +54,15 @@ class SolvedZones(Solved):
         moved = float((ends[:, 0] * by_left + ends[:, 1] * by_right).max(initial=0.0)) / peak
         on_zones = (TOLERANCES.singular_end if singular else 1) * (
             state.density_error * state.size / peak + TOLERANCES.rounding
-        ) + _of_jumps(density) / peak
+        ) + _kink_rounding(density) / peak
         error = max(
             float(ends.max(initial=0.0)) + TOLERANCES.rounding,
             position_rounding(self) + TOLERANCES.rounding,
             moved + on_zones,
-        ) + _of_body(self)
+        ) + _error_of_body(self)
         if self.control.approach is None:
             return error
-        # A stiff contact turns the rounding of its level into load.
+        # In a stiff contact the rounding of the level is a large error of the load.
         assert fields.stiffness is not None
         rounding = fields.gap_rounding / 16 + 2 * EPS * abs(density.total)
         return error + abs(
@@ -69,28 +71,30 @@ class SolvedZones(Solved):
 
     @property
     def main_cause(self) -> str:
-        """What a law adds, in words, where that is most of the error; else empty."""
+        """Main cause of the error, in words, if the law adds most of it; else empty."""
         return ""
 
 
-def _of_body(found: SolvedZones) -> float:
-    """What a body that is no half-plane adds: its smooth part, where it nearly cancels the line
-    load of the half-plane, as that of a thin layer does, leaves rounding and neglected modes that
-    are large beside the little that remains.
+def _error_of_body(found: SolvedZones) -> float:
+    """Error that a body other than a half-plane adds.
+
+    The smooth part of a thin layer's kernel nearly cancels that of the half-plane. The rest is
+    small, and rounding and neglected modes are large next to it.
     """
     operator = found.fields.problem.operator
     if operator.is_plain or operator.is_own or found.fields.state.density.slit_count:
         return 0.0
     state = found.fields.state.whole
     left = state.field_tail if np.isfinite(state.system.equation.kernel.length) else 0.0
-    return TOLERANCES.neglected_modes * left + _cancelled(
+    return TOLERANCES.neglected_modes * left + _kernel_rounding(
         found.fields.problem, state.density.zones.table
     )
 
 
-def _cancelled(problem: Problem, table: Array) -> float:
-    """Rounding of the half-plane's kernel over the compliance of a body at the longest wave of the
-    widest of scaled zones (n, 2).
+def _kernel_rounding(problem: Problem, table: Array) -> float:
+    """Rounding of the half-plane's kernel over the compliance of the body.
+
+    The compliance is taken at the longest wave of the widest scaled zone (n, 2).
     """
     width = float((table[:, 1] - table[:, 0]).max()) * problem.units.length
     return TOLERANCES.compliance_rounding / float(
@@ -99,18 +103,16 @@ def _cancelled(problem: Problem, table: Array) -> float:
 
 
 def body_limit(problem: Problem, table: Array, tolerance: float) -> str:
-    """Why the body's kernel does not let scaled zones (n, 2) be found to a tolerance; empty if it
-    does.
-    """
+    """Why the body's kernel does not allow a tolerance in scaled zones (n, 2); empty if it does."""
     operator = problem.operator
     if (
         operator.is_plain
         or operator.is_own
         or len(table) == 0
-        or not _cancelled(problem, table) > tolerance
+        or not _kernel_rounding(problem, table) > tolerance
     ):
         return ""
-    part = TOLERANCES.compliance_rounding / _cancelled(problem, table)
+    part = TOLERANCES.compliance_rounding / _kernel_rounding(problem, table)
     return (
         f"under a zone as wide as this {problem.substrate.name} gives way by {part:.1e} of what a "
         "half-plane does, and the rounding of the "
@@ -119,9 +121,7 @@ def body_limit(problem: Problem, table: Array, tolerance: float) -> str:
 
 
 def too_thin(problem: Problem, table: Array) -> str:
-    """Why scaled zones (n, 2) are too wide for the body's kernel to be solved in seconds; empty if
-    they are not.
-    """
+    """Why scaled zones (n, 2) are too wide to be solved in seconds on this body; empty if not."""
     kernel, unit = problem.kernel, problem.units.length
     width = float((table[:, 1] - table[:, 0]).max(initial=0.0))
     if not width > TOLERANCES.max_kernel_lengths * kernel.length:
@@ -141,8 +141,10 @@ def too_thin(problem: Problem, table: Array) -> str:
 
 
 def position_rounding(found: SolvedZones) -> float:
-    """What the ends, given as positions, are rounded to over their zone's width: of narrow zones
-    far from x = 0 more is known. Nothing, where what is cut off the positions is told too.
+    """Rounding of the ends as positions x [m], over the width of their zone.
+
+    Scaled ends of narrow zones far from x = 0 are known better. It is 0 where the digits that
+    rounding cuts off are stated too (`Solution.zone_remainders`).
     """
     if found.fields.problem.forcing.resolution.exact_places:
         return 0.0
@@ -151,9 +153,10 @@ def position_rounding(found: SolvedZones) -> float:
     return float((0.5 * rounding / zones.half).max())
 
 
-def _of_jumps(density: sie.AnyDensity) -> float:
-    """Rounding of the logarithms at kinks, which may cancel to a pressure far below the height of
-    the kinks. Beside an end they are small themselves.
+def _kink_rounding(density: sie.AnyDensity) -> float:
+    """Rounding of the logarithms of kinks.
+
+    They may cancel to a pressure far below the height of the kinks. Next to an end they are small.
     """
     steps = density.jumps
     return 2 * EPS * float((np.abs(steps.height) * steps.sine).max(initial=0.0))
@@ -164,10 +167,11 @@ def _is_singular(density: sie.AnyDensity) -> bool:
 
 
 def reference(density: sie.AnyDensity, free: sie.End, borne: float | None = None) -> float:
-    """What errors of the pressure are referred to: its peak, or the mean contact pressure where the
-    peak is infinite; where free ends pull, the largest p sqrt(1 - t^2), which is finite, and not
-    less than such an end makes of it. free: the kind of free ends; borne: by all zones, where that
-    is not the density's total.
+    """The pressure that errors are divided by: its peak, or the mean contact pressure.
+
+    The mean is taken where the peak is infinite. Where free ends pull, it is the largest p sqrt(1 -
+    t^2), and at least the part of the ends. free: kind of the free ends. borne: load of all zones,
+    if it is not the density's total.
     """
     if free.intensity is not None and free.intensity < 0.0:
         angle = np.arccos(chebyshev_nodes(64))
@@ -192,9 +196,10 @@ def limit(
     end: sie.End = sie.FREE,
     error: float = 0.0,
 ) -> str:
-    """What keeps the ends of zones (of: "zone" or "gap") from being known to `tol`, in words; empty
-    where it is not rounding. positions: see `position_rounding`; end: the kind of free ends; error:
-    stated of a contact by its gaps.
+    """What keeps the ends from being known to `tol`, in words; empty if it is not rounding.
+
+    of: "zone" or "gap". positions: see `position_rounding`. end: kind of the free ends. error:
+    stated error of a contact that was solved by its gaps.
     """
     if positions > 0.5 * tol:
         return (
@@ -211,7 +216,7 @@ def limit(
             f"{width[zone] / width.max():.1e} of the widest one's "
             f"width uncertain by {worst:.1e} of it (condition {worst / EPS:.0e})"
         )
-    if of != "zone":  # the density is the slope of the gap, and no pressure to refer to
+    if of != "zone":  # the density is no pressure, but the slope of the gap
         if worst < 0.5 * float(free.end_error.max()):
             return ""
         return (
@@ -234,55 +239,57 @@ def limit(
 
 @record
 class SolvedGaps(Solved):
-    """Gaps that passed. off: how far the mean pressure may be off where it was found from another
-    control.
+    """Gaps that passed the certificate.
+
+    off: possible error of the mean pressure, if it was found from another control.
     """
 
     fields: GapFields
 
     @cached_property
     def error(self) -> float:
-        """Estimated error of the pressure over its unit and of the zones' ends over their width."""
+        """Error of the pressure over its unit, and of the zones' ends over their width."""
         return self._error(self.fields.relief.error)
 
     @property
     def main_cause(self) -> str:
-        """Cause of the error of R, in words, where that is most of the error; else empty."""
+        """Cause of the error of R, in words, if it makes most of the error; else empty."""
         return self.fields.relief.relief.limit if self._error(0.0) < 0.5 * self.error else ""
 
     def _error(self, of_relief: float) -> float:
-        """The error under such an error of R.
+        """The stated error if R has this error.
 
-        An end of a gap off by delta shifts the normalised positions in the zone beside it, by delta
-        over its width; the pressure there by delta times its slope, beside a tip J / pi over the
-        distance; and the pressure beside the gap, which is of the size of its slope on the length
-        of its width, by delta over that width.
+        An error delta of an end of a gap has three effects. It shifts normalised positions in the
+        zone next to it, by delta over its width. It changes the pressure there by delta times its
+        slope; next to a tip the slope is J / pi over the distance. It changes the pressure next to
+        the gap, which varies by its slope on the length of the gap's width, by delta over that
+        width.
         """
-        # The total of every gap is given: there are no slits.
+        # The total of every gap is given, so that there are no slits.
         fields, state, gaps = self.fields, self.fields.state.whole, self.fields.gap_slope.zones
         units, profile = fields.problem.units, fields.problem.profile
         width = (gaps.b - gaps.a)[:, None]
         moved = self.free.end_error + state.end_truncation
-        # An error of R moves the ends as a change of the mean pressure does, within a small factor.
+        # An error of R moves the ends as a change of the mean pressure does, up to a small factor.
         off = self.off + TOLERANCES.relief_shift * of_relief
         if off:
             moved = moved + off * self.widening / width
-        shift = np.maximum(moved * width, self._adrift[:, None])
-        # The zone before the first gap is the last.
+        shift = np.maximum(moved * width, self._place_error[:, None])
+        # The zone before the first gap is the last zone.
         zones = fields.zones[:, 1] - fields.zones[:, 0]
         ends = float((shift / np.column_stack((np.roll(zones, 1), zones))).max())
         varies = (profile.resolution or units.length * fields.period) / units.length / (2 * np.pi)
         unit = fields.unit_pressure / units.pressure
         if not unit > 0.0:
-            return np.inf  # zones so narrow that no sample lies in them
+            return np.inf  # no sample lies in zones this narrow
         slope = min(fields.steepest / unit, 1 / varies)
-        # Away from a gap this falls as the square of width over distance.
+        # Away from a gap the effect falls as the square of width over distance.
         seen = (
             np.minimum((gaps.b - gaps.a) / (TOLERANCES.unresolved_distance * fields.period), 1.0)
             ** 2
         )
         beside = float((moved.sum(axis=1) * state.zone_sizes * seen).max()) / unit
-        # Beside a kink the logarithms that cancel are several times the pressure.
+        # Next to a kink the logarithms that cancel are several times the pressure.
         rounding = (3 if len(fields.relief.at) else 1) * TOLERANCES.rounding * (
             1 + abs(fields.mean) / unit
         ) + of_relief / unit
@@ -293,10 +300,12 @@ class SolvedGaps(Solved):
         return 2 * (ends + float(shift.max()) * slope + beside + tips) + on_zones
 
     @property
-    def _adrift(self) -> Array:
-        """How far each gap may be from its place where its ends do not tell: on a smooth top of R
-        of curvature k it may be anywhere where R is within rounding r of the top, by sqrt(2 r / k).
-        0 for gaps wider than that, and for those over kinks.
+    def _place_error(self) -> Array:
+        """Possible error of the place of each gap whose ends do not determine it, scaled.
+
+        On a smooth top of R with curvature k a narrow gap may be anywhere where R is within its
+        rounding r of the top: up to sqrt(2 r / k) away. It is 0 for wider gaps and for gaps over
+        kinks.
         """
         fields, profile = self.fields, self.fields.problem.profile
         gaps, relief = fields.gap_slope.zones, fields.relief
@@ -320,8 +329,9 @@ class SolvedGaps(Solved):
 
     @property
     def _steepest(self) -> Array:
-        """Slope of the pressure in each zone beside the largest of its tips, no nearer than stated
-        (J / pi over the distance).
+        """Slope of the pressure in each zone near its strongest tip: J / pi over the distance.
+
+        The distance is the smallest one that the error speaks of.
         """
         fields = self.fields
         zones, convex = fields.zones, fields.relief.heights > 0
@@ -338,5 +348,5 @@ class SolvedGaps(Solved):
 
     @property
     def widening(self) -> Array:
-        """How far each end of the gaps (n, 2) moves by a unit of mean pressure."""
+        """Motion of each end of the gaps (n, 2) for a unit of mean pressure."""
         return np.asarray(np.abs(moved_ends(self.fields.state)).T)

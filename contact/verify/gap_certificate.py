@@ -1,5 +1,7 @@
-"""Signs of a nearly full contact: every gap open, pressure in every zone of contact, and a gap in
-every valley with a kink.
+"""Certificate of a nearly full contact that was solved by its gaps.
+
+It checks that every gap is open, that pressures are positive in every zone, and that there is a gap
+over every concave kink.
 """
 
 import numpy as np
@@ -16,7 +18,7 @@ from sie import Array, Index, record
 
 
 def certify_gaps(fields: GapFields) -> Certificate:
-    """Signs of gap and pressure on the whole period."""
+    """Check the signs of gap and pressure on the whole period."""
     openings, minima = _openings(fields)
     least, negative, dip, points = _pressures(fields)
     valleys, left_out = _valleys(fields)
@@ -42,7 +44,7 @@ def certify_gaps(fields: GapFields) -> Certificate:
 
 
 def _openings(fields: GapFields) -> tuple[Signs, Array]:
-    """The gap between its ends, and its minima (see `lowest`)."""
+    """Signs of the gap inside the gaps, and its minima (see `lowest`)."""
     density, gaps, sizes = fields.gap_slope, fields.gap_slope.zones, fields.gap_sizes
     minima: list[Array] = []
 
@@ -60,8 +62,9 @@ def _openings(fields: GapFields) -> tuple[Signs, Array]:
 
 
 def _pressures(fields: GapFields) -> tuple[float, list[tuple[float, float]], float, int]:
-    """(least pressure over the sine of the angle, intervals where it is negative, least dip over
-    its zone's scale, points).
+    """(least pressure over the sine of the angle, intervals where negative, least dip, points).
+
+    The dip is relative to the largest value in its zone.
     """
     zones = fields.zones
     middle, half = zones.mean(axis=1), 0.5 * (zones[:, 1] - zones[:, 0])
@@ -103,8 +106,10 @@ def _pressures(fields: GapFields) -> tuple[float, list[tuple[float, float]], flo
 
 @record
 class _Samples:
-    """Samples in all contact: the run of even ones that each is of, its zone, the distances from
-    the ends of that over its half width, the pressure over the sine of the angle, its rounding.
+    """Samples of the pressure in all zones.
+
+    run: index of the row of even samples. zone: index of the zone. left, right: distances from its
+    ends over its half width. value: pressure over the sine of the angle. rough: rounding of that.
     """
 
     run: Index
@@ -119,8 +124,9 @@ class _Samples:
 
 
 def _sampled(fields: GapFields) -> _Samples:
-    """Even in the angle, closer beside the ends, but inside wide zones those that the fields have
-    anyway, whatever their ends are.
+    """Samples even in the angle, more closely near the ends.
+
+    Inside wide zones they are those that the fields have anyway, wherever the ends are.
     """
     zones, spacing = fields.zones, fields.relief.spacing
     half = 0.5 * (zones[:, 1] - zones[:, 0])
@@ -137,7 +143,7 @@ def _sampled(fields: GapFields) -> _Samples:
     inner = np.flatnonzero(
         is_wide[inside] & (np.minimum(from_left, from_right) > SAMPLING.edge_lengths * spacing)
     )
-    # Beside the ends of wide zones, some steps into their inner samples.
+    # Near the ends of wide zones, with some steps of overlap with the inner samples.
     beside = 2 * np.arcsin(
         np.sqrt(0.5 * (SAMPLING.edge_lengths * spacing + 3 * (x[1] - x[0])) / half[wide])
     )
@@ -153,7 +159,7 @@ def _sampled(fields: GapFields) -> _Samples:
     place = np.arange(len(run)) - np.repeat(np.cumsum(lengths) - lengths - first, lengths)
     zone = of_run[run]
     left, right = sides((place + 0.5) * np.pi / counts[zone])
-    # From right to left, as angles grow.
+    # From right to left, in the order of growing angles.
     inner = inner[::-1]
     pressure, zone = (
         np.concatenate((fields.pressure_in(zone, left, right), known[inner])),
@@ -162,15 +168,15 @@ def _sampled(fields: GapFields) -> _Samples:
     left = np.concatenate((left, from_left[inner] / half[inside[inner]]))
     right = np.concatenate((right, from_right[inner] / half[inside[inner]]))
     run = np.concatenate((run, len(of_run) + inside[inner]))
-    # The pressure is a difference of numbers of the size of R: next to an end only their rounding
-    # is left.
+    # The pressure is a difference of numbers as large as R, so that next to an end only their
+    # rounding is left.
     size = abs(fields.mean) + float(np.abs(pressure[np.isfinite(pressure)]).max(initial=0.0))
     over_sine = 1 / np.sqrt(left * right)
     return _Samples(run, zone, left, right, pressure * over_sine, 64 * EPS * size * over_sine)
 
 
 def _valleys(fields: GapFields) -> tuple[list[tuple[float, float]], int]:
-    """(the gap that each valley with a kink must have, where it has none; how many are too narrow)."""
+    """Gaps that concave kinks must have and do not have, and the number of unresolved ones."""
     relief = fields.relief
     kinks = np.flatnonzero((relief.heights < 0) & ~fields.gap_slope.locate(relief.at)[2])
     if len(kinks) == 0:
@@ -184,7 +190,7 @@ def _valleys(fields: GapFields) -> tuple[list[tuple[float, float]], int]:
 
 
 def valley_gaps(fields: GapFields, kinks: Index) -> Array:
-    """Scaled half widths of lone gaps over kinks that have none: see contact.formulation.gaps."""
+    """Scaled half widths of single gaps over kinks, see contact.formulation.gaps."""
     relief = fields.relief
     at, heights = relief.at[kinks], relief.heights[kinks]
     rest = fields.mean - relief.without_own(kinks) + fields.gap_slope.transform(at)

@@ -1,5 +1,6 @@
-"""Signs of a function on intervals, by samples and by dips followed below the sampling: whether a
-zone has a gap in it, or a gap a touch, that no sample has met.
+"""Signs of a function on intervals, by samples and by minima that are followed between them.
+
+They show a gap inside a zone, or a touch inside a gap, that lies between two samples.
 """
 
 from __future__ import annotations
@@ -18,21 +19,19 @@ from sie import Array, Index, Mask, record
 class SamplingOptions:
     """Samples by which the signs of pressure and gap are checked on the whole line."""
 
-    zooms: int = 7  # into a minimum; each narrows its bracket to a quarter at least
-    dip_samples: int = 4  # negative samples that show the width of a dip
-    count_digits: int = (
-        3  # binary digits of the number of samples: zones with equal ones go together
-    )
+    zooms: int = 7  # into a minimum; each one narrows its bracket to a quarter at least
+    dip_samples: int = 4  # this many negative samples show the width of a dip
+    count_digits: int = 3  # binary digits of the number of samples, so that many zones share one
     min_gap_points: int = 48
     max_gap_points: int = 2**17  # where the profile states its resolution
     max_guessed_points: int = 4000  # where the resolution is a guess
-    dense_part: float = 0.05  # of a gap at either end, sampled closely: the body may touch there
+    dense_part: float = 0.05  # of a gap at either end, sampled closely: a touch is likely there
     points_per_length: int = (
-        64  # of a zone of nearly full contact, a shortest length of the profile
+        64  # of a zone of nearly full contact; a shortest length of the profile
     )
-    kink_distances: int = 37  # from a concave kink, from the narrowest gap to a tenth of the zone
-    wide_zone: float = 16.0  # shortest lengths: zones as wide are sampled evenly inside
-    edge_lengths: float = 2.0  # shortest lengths: even samples keep this far from the ends
+    kink_distances: int = 37  # samples next to a concave kink, in the log of the distance
+    wide_zone: float = 16.0  # shortest lengths of the profile: wider zones have even samples inside
+    edge_lengths: float = 2.0  # shortest lengths of the profile between even samples and the ends
 
 
 SAMPLING = SamplingOptions()
@@ -40,9 +39,11 @@ SAMPLING = SamplingOptions()
 
 @record
 class Dips:
-    """negative: (zone, angle from, angle to) of every dip below its rounding; least: value above
-    it; relative: least of all over the zone's scale, inf without any; lowest: least of the negative
-    ones.
+    """Minima of a function that were followed between samples.
+
+    negative: (zone, angle from, angle to) of every minimum below its rounding. least: smallest
+    value above it. relative: smallest value over its zone's scale, inf if there is none. lowest:
+    smallest negative value.
     """
 
     negative: list[tuple[int, float, float]]
@@ -52,8 +53,10 @@ class Dips:
 
 
 def may_be_negative(before: Array, here: Array, after: Array) -> Mask:
-    """Whether a minimum sampled at three even places may lie below zero between them: a parabola
-    through them falls below the middle one by an eighth of their second difference at most.
+    """Whether a minimum at three even samples may lie below zero between them.
+
+    The parabola through them falls below the middle one by an eighth of their second difference at
+    most.
     """
     with np.errstate(invalid="ignore"):
         bend = before - 2 * here + after
@@ -68,10 +71,10 @@ def follow(
     scale: Array,
     rounding: Array,
 ) -> Dips:
-    """Minima of p / sqrt(1 - t^2), t = cos(angle), one in each bracket (lo, hi) of angles (n,) of
-    the zones (n,).
+    """Follow minima of p / sqrt(1 - t^2), t = cos(angle), one in each bracket of angles (lo, hi).
 
-    over_root: of zones (n, 1) and angles (n, k). scale, rounding: of the values in each bracket.
+    over_root: values at zones (n, 1) and angles (n, k). zone, scale, rounding: of each bracket
+    (n,).
     """
     negative: list[tuple[int, float, float]] = []
     least = relative = lowest = np.inf
@@ -89,8 +92,8 @@ def follow(
         for k in np.flatnonzero(fails.any(axis=1)):
             at = np.flatnonzero(fails[k])
             lo[k], hi[k] = angle[k, max(at[0] - 1, 0)], angle[k, min(at[-1] + 1, 16)]
-            # A few negative samples tell where the pressure changes sign; one may stand for much
-            # less than its spacing.
+            # A few negative samples show where the pressure changes sign. A single one may stand
+            # for an interval much shorter than the spacing.
             keep[k] = len(at) < SAMPLING.dip_samples and zoom < SAMPLING.zooms - 1
             if not keep[k]:
                 negative.append((int(zone[k]), float(lo[k]), float(hi[k])))
@@ -102,8 +105,9 @@ def follow(
 
 
 def lowest(x: Array, value: Array, at: Index) -> Array:
-    """Places, values and half the second derivatives (n, 3) of minima, by the parabolas through the
-    samples `at` and those beside.
+    """Places, values and half second derivatives (n, 3) of minima at the samples `at`.
+
+    They are those of the parabolas through each sample and its neighbours.
     """
     before, after = x[at] - x[at - 1], x[at + 1] - x[at]
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
@@ -118,9 +122,11 @@ def lowest(x: Array, value: Array, at: Index) -> Array:
 
 @record
 class Signs:
-    """negative: where it is, ascending (n, 2). least: the smallest value, of those within their
-    rounding the modulus. dip: least minimum between samples over the interval's scale, inf without
-    any. points: how many samples.
+    """Signs of a function on intervals.
+
+    negative: intervals where it is negative, ascending (n, 2). least: the smallest value; of a
+    value within its rounding, the modulus. dip: least minimum between samples over its interval's
+    scale, inf if there is none. points: number of samples.
     """
 
     negative: list[tuple[float, float]]
@@ -135,29 +141,32 @@ def signs_on(
     sampled: Callable[[Index, Array], tuple[Array, Array, Array]],
     over: Callable[[Index, Array], Array],
 ) -> Signs:
-    """counts: samples of each interval, at even angles. sampled: of intervals (k,) and angles (n,)
-    the values (k, n), their rounding and their scale (k,). over: see `follow`.
+    """Signs of a function on intervals.
+
+    counts: number of samples of each interval, at even angles. sampled: for intervals (k,) and
+    angles (n,), the values (k, n), their rounding and their scale (k,). over: see `over_root` of
+    `follow`.
     """
     negative: list[tuple[float, float]] = []
     least, points = np.inf, 0
 
     def within(i: int, first: float, last: float) -> tuple[float, float]:
-        """Between two angles, 0 and pi the ends."""
+        """The part of an interval between two angles; 0 and pi are its ends."""
         hi, lo = intervals.middle[i] + intervals.half[i] * np.cos([first, last])
         return float(intervals.a[i] if last == np.pi else lo), float(
             intervals.b[i] if first == 0.0 else hi
         )
 
-    counts = _alike(counts)
-    # Dips of all intervals are followed at once: zone, angles before and after, scale, rounding.
+    counts = _rounded_up(counts)
+    # Minima of all intervals: zone, angles before and after, scale, rounding.
     followed: list[tuple[Index, Array, Array, Array, Array]] = []
     for n in np.unique(counts):
         group = np.flatnonzero(counts == n)
         theta = (np.arange(n) + 0.5) * np.pi / n
         value, rounding, scale = sampled(group, theta)
         points += value.size
-        # Beside nearly merged intervals, and next to ends, a value is small of higher order:
-        # rounding is not a failure.
+        # Next to ends, and to other intervals, a value is small of higher order. There a negative
+        # value within rounding is no failure.
         least = min(
             least, float(np.where(np.abs(value) <= rounding[:, None], np.abs(value), value).min())
         )
@@ -179,9 +188,7 @@ def signs_on(
     return Signs(sorted(negative), min(least, dips.least, dips.lowest), dips.relative, points)
 
 
-def _alike(counts: Index) -> Index:
-    """Counts of which there are not many different ones, none lower: intervals with the same count
-    are looked at together.
-    """
+def _rounded_up(counts: Index) -> Index:
+    """Counts rounded up to a few binary digits, so that many intervals are sampled together."""
     step = 2.0 ** np.maximum(np.floor(np.log2(counts)) - SAMPLING.count_digits, 0)
     return np.asarray(np.ceil(counts / step) * step, dtype=np.intp)
