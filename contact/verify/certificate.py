@@ -147,7 +147,8 @@ class Openings(NamedTuple):
 def openings(fields: ZoneFields, unresolved_fraction: float = 0.0) -> Openings:
     """The gap, sampled on the whole line.
 
-    unresolved_fraction: part of the zones whose ends are not settled, and whose gap says nothing of the error.
+    unresolved_fraction: part of the zones whose ends are not settled; they do not count for
+    `on_zones`.
     """
     zones = fields.density.zones
     # The gap is zero there, and what is computed instead measures the error everywhere.
@@ -301,7 +302,7 @@ def least_eigenvalue(matrix: Array) -> float:
 
 
 def _moment_balance(fields: ZoneFields) -> float | None:
-    """Error of the moment, over the load times the farthest end of a zone; None if none is given."""
+    """Error of the moment over load times farthest end; None if no moment is given."""
     given = fields.problem.moment
     if given is None:
         return None
