@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 
-from contact import exact, inverse
+from contact import JKR, Dugdale, exact, inverse
 from contact.errors import SceneError
 from tests.contact import reference
 from tests.contact.strategies import adhesive_designs
@@ -101,7 +101,7 @@ def test_the_gap_closes_from_either_side(problem):
 
 def test_one_zone_is_johnson_s_wave_or_the_cylinder():
     wave = exact.JKRZone(exact.Westergaard(1e-6, 1e-4, 1.1e11, 3e-5), 0.05)
-    one = inverse.adhesive_design(wave.zones, 1.1e11, wave.load, 0.05, 1e-4)
+    one = inverse.AdhesiveDesign(wave.zones, 1.1e11, wave.load, 0.05, 1e-4)
     t, x = np.linspace(-0.999, 0.999, 21), np.linspace(-6e-5, 6e-5, 25)
     np.testing.assert_allclose(one.pressure_at(t), wave.pressure_at(t), rtol=1e-11)
     np.testing.assert_allclose(one.gap(x), wave.gap(x), rtol=1e-11, atol=1e-24)
@@ -109,7 +109,7 @@ def test_one_zone_is_johnson_s_wave_or_the_cylinder():
     assert one.approach == pytest.approx(wave.approach, rel=1e-12)
     assert one.max_pressure == pytest.approx(wave.max_pressure, rel=1e-12)
     cylinder = exact.JKRZone(exact.HertzLine(2e-3, 1.1e11, 3e-5), 0.05)
-    alone = inverse.adhesive_design(cylinder.zones, 1.1e11, cylinder.load, 0.05)
+    alone = inverse.AdhesiveDesign(cylinder.zones, 1.1e11, cylinder.load, 0.05)
     np.testing.assert_allclose(alone.pressure_at(t), cylinder.pressure_at(t), rtol=1e-11)
     np.testing.assert_allclose(
         alone.profile.coefficients, [0.0, 0.0, 250.0], rtol=1e-12, atol=1e-18
@@ -131,12 +131,12 @@ def test_ends_that_move_together_change_their_energy_as_the_load_tells(share):
     """
     state = exact.JKRZone(exact.Westergaard(0.02, 2.0, 3.0, share * 2.0), 1e-3)
     rate = exact.JKRWave(0.02, 2.0, 3.0, 1e-3)._rates(state.half_width)[0]
-    one = inverse.second_variation(inverse.adhesive_design(state.zones, 3.0, state.load, 1e-3, 2.0))
+    one = inverse.second_variation(inverse.AdhesiveDesign(state.zones, 3.0, state.load, 1e-3, 2.0))
     assert np.sum(one, axis=1) == pytest.approx(
         np.full(2, 2e-3 * rate / state.punch.load), rel=1e-10
     )
     zones = np.concatenate([state.zones, state.zones + 2.0])
-    two = inverse.second_variation(inverse.adhesive_design(zones, 3.0, 2.0 * state.load, 1e-3, 4.0))
+    two = inverse.second_variation(inverse.AdhesiveDesign(zones, 3.0, 2.0 * state.load, 1e-3, 4.0))
     np.testing.assert_allclose(
         two[:2, :2] + two[:2, 2:], one, rtol=0.0, atol=1e-10 * np.max(np.abs(one))
     )
@@ -201,14 +201,14 @@ def test_little_work_of_adhesion_leaves_the_frictionless_design():
     t = np.linspace(-0.9, 0.9, 9)
     sizes = []
     for work in (1e-12, 1e-16):
-        sticky = inverse.adhesive_design(free.zones, free.E_star, free.load, work, 1.0)
+        sticky = inverse.AdhesiveDesign(free.zones, free.E_star, free.load, work, 1.0)
         sizes.append(np.max(np.abs(sticky.pressure_at(t, 2) - free.pressure_at(t, 2))))
     assert sizes[0] / sizes[1] == pytest.approx(100.0, rel=1e-3)  # as the root of the work
 
 
 def test_a_design_for_another_work_of_adhesion_fails_the_law_of_the_ends():
     problem = inverse.random_adhesive_problem(np.random.default_rng(3), 3, 1.0)
-    wrong = inverse.adhesive_design(
+    wrong = inverse.AdhesiveDesign(
         problem.zones, problem.E_star, problem.load, 1.001 * problem.work, 1.0
     )
     d = 2.0**-41 * problem.zone_widths[1]
@@ -239,8 +239,22 @@ def test_a_pressure_off_by_one_part_in_1e8_fails_the_equation():
 
 def test_zones_work_and_period_are_refused_by_name():
     with pytest.raises(SceneError, match="work"):
-        inverse.adhesive_design([[0.0, 1.0]], 1.0, 1.0, 0.0)
+        inverse.AdhesiveDesign([[0.0, 1.0]], 1.0, 1.0, 0.0)
     with pytest.raises(SceneError, match="zones"):
-        inverse.adhesive_design([[0.0, 1.0], [1.0, 2.0]], 1.0, 1.0, 1.0)
+        inverse.AdhesiveDesign([[0.0, 1.0], [1.0, 2.0]], 1.0, 1.0, 1.0)
     with pytest.raises(SceneError, match="zones"):
-        inverse.adhesive_design([[0.0, 1.0]], 1.0, 1.0, 1.0, period=1.0)
+        inverse.AdhesiveDesign([[0.0, 1.0]], 1.0, 1.0, 1.0, period=1.0)
+
+
+def test_one_design_serves_every_law_and_refuses_what_has_none():
+    zones, cohesive = [[-1.0, 1.0]], [[-1.2, 1.2]]
+    assert isinstance(inverse.design(zones, 1.0, 0.1), inverse.DesignedContact)
+    sticky = inverse.design(zones, 1.0, -0.1, law=JKR(1e-3))
+    assert isinstance(sticky, inverse.AdhesiveDesign) and sticky.work == 1e-3
+    law = Dugdale(2.5e-4, 0.02)
+    pulled = inverse.design(zones, 1.0, 0.1, law=law, cohesive=cohesive)
+    assert isinstance(pulled, inverse.CohesiveDesign)
+    assert pulled.load == pytest.approx(0.1, rel=1e-12)
+    for wrong in (dict(law=law), dict(cohesive=cohesive), dict(law="jkr")):
+        with pytest.raises(SceneError):
+            inverse.design(zones, 1.0, 0.1, **wrong)

@@ -1,15 +1,13 @@
-"""Inverse design: exact contact problems with any number of zones at any given places, to judge
-solvers by.
+"""Inverse design: exact contact problems with any number of given zones, to judge solvers by.
+
+`design(zones, E_star, load, ...)` makes the profile of which the given zones are the exact contact.
+Nothing here imports the solver.
 """
 
-from contact.reference.inverse.adhesive import (
-    AdhesiveDesign,
-    adhesive_design,
-    is_stable,
-    second_variation,
-)
+from contact.reference.inverse.adhesive import AdhesiveDesign, is_stable, second_variation
 from contact.reference.inverse.cohesive import CohesiveDesign
-from contact.reference.inverse.designed import DesignedContact, DesignedProfile, design
+from contact.reference.inverse.design_for_law import design
+from contact.reference.inverse.designed import DesignedContact, DesignedProfile
 from contact.reference.inverse.random import (
     random_adhesive_problem,
     random_cohesive_problem,
@@ -22,7 +20,6 @@ __all__ = [
     "CohesiveDesign",
     "DesignedContact",
     "DesignedProfile",
-    "adhesive_design",
     "design",
     "is_stable",
     "random_adhesive_problem",

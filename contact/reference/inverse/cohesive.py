@@ -1,27 +1,26 @@
-r"""Inverse design under a tension of finite range: exact contacts of given zones beside which a
-stress s pulls on given intervals.
+r"""Inverse design under Dugdale's law: exact contacts of given zones and given cohesive intervals.
 
-With X^2 the product over all zone ends, p = -s on the strips between the zones and the ends of
-their intervals, and p bounded, the function
+A tension s acts on the strips, the parts of the cohesive intervals outside the zones: p = -s there.
+With X^2 the product of (z - e) over all zone ends e, and p bounded, the function
 
     X R,   R = M + (2 s/E*)(1/pi) int over the strips of d xi/(X(xi) (z - xi)),
 
-is f' - (2/E*)(1/pi) int p/(z - xi) d xi, f' its polynomial part: beside the zones it is the slope
-of the gap, on the zones p = +-(E*/2)|X| R. M is a polynomial. Its lower coefficients follow from
-linear conditions: one approach of all zones, and the reach w/s as the gap at every end of an
-interval; its highest one is free and says how sharply the body curves away. Derived from the
-general solution of N. I. Muskhelishvili, Singular Integral Equations (1953), ch. 11, which is
-bounded at the ends, and the tension of D. S. Dugdale, J. Mech. Phys. Solids 8 (1960) 100, doi
-10.1016/0022-5096(60)90013-2.
+is f' - (2/E*)(1/pi) int p/(z - xi) d xi, with f' its polynomial part. Outside the zones it is the
+slope of the gap; on the zones p = +-(E*/2)|X| R. M is a polynomial. Linear conditions determine all
+its coefficients but the highest: all zones have one approach, and the gap at every end of an
+interval is the reach w/s. The highest coefficient is free and sets the curvature of the body
+outside the zones. Derived from the solution of N. I. Muskhelishvili, Singular Integral Equations
+(1953), ch. 11, that is bounded at the ends, and the tension of D. S. Dugdale, J. Mech. Phys. Solids
+8 (1960) 100, doi 10.1016/0022-5096(60)90013-2.
 
-At a strip of width w the integral over it is, with zeta the root of the distance from the zone's
-end over w and 1/X = h/root(distance),
+Next to a strip of width w its integral is, with zeta^2 the distance from the zone's end over w and
+1/X = h/sqrt(distance),
 
-    (2/root(w)) [int_0^1 (h(tau) - h(zeta))/(zeta^2 - tau^2) d tau + (h(zeta)/zeta) artanh(zeta or
+    (2/sqrt(w)) [int_0^1 (h(tau) - h(zeta))/(zeta^2 - tau^2) d tau + (h(zeta)/zeta) artanh(zeta or
     1/zeta)],
 
-whose first part is smooth, and whose second, times X, is 2 artanh(zeta or 1/zeta), with an integral
-in closed form.
+The first part is smooth. The second part times X is 2 artanh(zeta or 1/zeta), whose integral has a
+closed form.
 """
 
 from dataclasses import dataclass
@@ -38,20 +37,28 @@ from contact.model.profiles.polynomial import Polynomial
 from contact.reference.inverse.designed import exp_of_power_sums
 from sie import Array, Mask
 
-# Gauss's nodes on a strip, on a way to the gap at a place, and places at which signs are looked at.
-_NODES = 64
-_WAY = 90
-_LOOKS = 200
-_FEW_LOOKS = 12
-# Over what the intervals span, how far beyond it is looked at.
-_BEYOND = np.geomspace(1e-3, 30.0, 60)
+
+@dataclass(frozen=True)
+class CohesiveOptions:
+    """Numbers of quadrature nodes and of points at which signs are checked."""
+
+    strip_nodes: int = 64  # Gauss nodes on a strip: designs are exact to 1e-10
+    gap_nodes: int = 90  # nodes of the integral from a zone's end to a point of the gap
+    sign_points: int = 200  # points in every zone, gap and strip
+    first_sign_points: int = 12  # a cheap check that rejects most designs first
+
+
+_OPTIONS = CohesiveOptions()
 
 
 @dataclass(frozen=True)
 class _Strip:
-    """A strip from a zone's end outward (direction +-1), or a whole gap between two zones (0), in
-    scaled coordinates. gap: in which (0: left of all zones); ends: those of zones that it is at;
-    nodes, weights: of 1/X on it; h: 1/X there times the roots of the distances from its ends.
+    """A strip of tension in scaled coordinates.
+
+    It goes from a zone's end outward (direction +-1), or fills a gap between two zones (0). `gap`
+    is the number of its gap (0: left of all zones), `ends` are the zone ends it starts from; nodes
+    and weights integrate a function times 1/X over it. `h` is 1/X at the nodes times the square
+    roots of the distances from `ends`.
     """
 
     end: float
@@ -64,14 +71,13 @@ class _Strip:
     h: Array
 
     def far(self, t: Array) -> Array:
-        """int d xi/(X (t - xi)) at places away from it."""
+        """int d xi/(X (t - xi)) at points away from the strip."""
         return np.asarray((1.0 / (t[..., None] - self.nodes)) @ self.weights)
 
 
 @dataclass(frozen=True, eq=False)
 class CohesiveDesign:
-    """An exact contact of given zones with a constant tension beside them, on given intervals that
-    hold the zones; the body is alone.
+    """An exact contact of given zones and given cohesive intervals under Dugdale's law, isolated.
 
     Derived from the general solution of N. I. Muskhelishvili, Singular Integral Equations (1953),
     ch. 11; see the head of this module.
@@ -81,8 +87,7 @@ class CohesiveDesign:
     zones : array_like, (n, 2)
         Ends of the zones [m], ascending.
     cohesive : array_like, (m, 2)
-        Ends of the intervals on which the surfaces pull [m], ascending, each with one zone or more
-        strictly within.
+        Ends of the cohesive intervals [m], ascending, each with one zone or more strictly inside.
     E_star : float
         Reduced modulus [Pa].
     work : float
@@ -90,38 +95,39 @@ class CohesiveDesign:
     stress : float
         Tension [Pa]; its reach is work/stress.
     rise : float
-        Highest coefficient of M, in Chebyshev polynomials over the hull of the zones: how sharply
-        the body curves away from it.
+        Highest coefficient of M as a Chebyshev series over the hull of the zones; it sets the
+        curvature of the body outside.
     given_load : float or None
-        The load [N/m], where M has a coefficient more for it; or two, of which one is zero, so that
-        the body rises on either side.
+        The load [N/m], for which M gets one coefficient more; or two, one of them zero, so that the
+        body rises on both sides.
 
     Attributes
     ----------
     profile : Polynomial
-        The shape that has this contact.
+        The profile that has this contact.
     load : float
-        Of all zones less the tension [N/m].
+        Load of all zones less that of the tension [N/m].
     condition : float
-        Condition number of the linear conditions that M follows from.
+        Condition number of the linear conditions for M.
     is_admissible : bool
-        Whether the surfaces press on the zones with more than -stress, keep apart elsewhere, and
-        are nearer than the reach on the intervals alone.
+        Whether p > -stress on the zones, the surfaces are separate outside of them, and the gap is
+        below the reach on the intervals only.
     pressure, gap : callable
         p [Pa] and the gap [m] at positions x [m].
 
     Raises
     ------
     SceneError
-        If a value is not positive and finite, zones and intervals do not lie as they must.
+        If a value is not positive and finite, or an interval has no zone inside.
 
     Examples
     --------
-    One zone alone, nearly that of a cylinder.
+    One zone, nearly that of a cylinder.
 
     >>> import numpy as np
     >>> from contact.inverse import CohesiveDesign
-    >>> made = CohesiveDesign([[-1.0, 1.0]], [[-1.2, 1.2]], E_star=1.0, work=2.5e-4, stress=0.02, rise=0.1)
+    >>> law = dict(work=2.5e-4, stress=0.02)
+    >>> made = CohesiveDesign([[-1.0, 1.0]], [[-1.2, 1.2]], E_star=1.0, rise=0.1, **law)
     >>> bool(np.isclose(made.gap(1.2), 2.5e-4 / 0.02)), float(made.pressure(1.1))
     (True, -0.02)
     """
@@ -139,20 +145,15 @@ class CohesiveDesign:
         keep(self, finite_or_none, "given_load")
         for name in ("zones", "cohesive"):
             table = np.array(getattr(self, name), dtype=float)
-            if (
-                table.ndim != 2
-                or table.shape[1] != 2
-                or not len(table)
-                or not np.all(np.diff(table.ravel()) > 0)
-            ):
+            shaped = table.ndim == 2 and table.shape[1] == 2 and len(table) > 0
+            if not (shaped and np.all(np.diff(table.ravel()) > 0)):
                 raise SceneError.of(
                     name, table.tolist(), "an (n, 2) array of ends, strictly increasing"
                 )
             object.__setattr__(self, name, table)
-        held = [
-            int(np.sum((self.zones[:, 0] > a) & (self.zones[:, 1] < b))) for a, b in self.cohesive
-        ]
-        if min(held) < 1 or sum(held) != len(self.zones):
+        left, right = self.zones.T
+        inside = [int(np.sum((left > a) & (right < b))) for a, b in self.cohesive]
+        if min(inside) < 1 or sum(inside) != len(self.zones):
             raise SceneError.of(
                 "cohesive",
                 self.cohesive.tolist(),
@@ -161,11 +162,10 @@ class CohesiveDesign:
 
     @property
     def reach(self) -> float:
-        """Work over stress [m]."""
+        """Work over stress [m], the largest gap with tension."""
         return self.work / self.stress
 
-    # scaled: t = (x - middle)/half over the hull of the zones
-    # -------------------------------------------------------------------
+    # Scaled coordinates: t = (x - middle)/half over the hull of the zones.
     @cached_property
     def _frame(self) -> tuple[float, float]:
         lo, hi = float(self.zones[0, 0]), float(self.zones[-1, 1])
@@ -181,72 +181,70 @@ class CohesiveDesign:
 
     @property
     def _tension(self) -> float:
-        """Of the slope: 2 s/(E* pi)."""
+        """2 s/(E* pi), the scale of the slope that the tension makes."""
         return 2 * self.stress / (self.E_star * pi)
 
     @cached_property
     def _strips(self) -> list[_Strip]:
-        intervals = self._scaled(self.cohesive)
-        beyond = [-np.inf, *self._ends, np.inf]
+        starts, stops = self._scaled(self.cohesive).T
+        borders = [-np.inf, *self._ends, np.inf]
         found = []
         for gap in range(len(self.zones) + 1):
-            left, right = beyond[2 * gap : 2 * gap + 2]
-            if np.any((intervals[:, 0] < left) & (right < intervals[:, 1])):
+            left, right = borders[2 * gap : 2 * gap + 2]
+            if np.any((starts < left) & (right < stops)):
                 found.append(self._strip((left, right), right - left, 0, gap))
                 continue
             if gap > 0:
-                found.append(
-                    self._strip((left,), min(b for b in intervals[:, 1] if b > left) - left, 1, gap)
-                )
+                width = min(stops[stops > left]) - left
+                found.append(self._strip((left,), width, 1, gap))
             if gap < len(self.zones):
-                found.append(
-                    self._strip(
-                        (right,), right - max(a for a in intervals[:, 0] if a < right), -1, gap
-                    )
-                )
+                width = right - max(starts[starts < right])
+                found.append(self._strip((right,), width, -1, gap))
         return found
 
     def _strip(self, ends: tuple[float, ...], width: float, direction: int, gap: int) -> _Strip:
         if direction:
-            tau, weights = _gauss(_NODES)
+            tau, weights = _gauss(_OPTIONS.strip_nodes)
             nodes, weights = ends[0] + direction * width * tau**2, 2 * np.sqrt(width) * weights
         else:
-            nodes = ends[0] + 0.5 * width * (1 - np.cos((np.arange(_WAY) + 0.5) * pi / _WAY))
-            weights = np.full(_WAY, pi / _WAY)
+            count = _OPTIONS.gap_nodes
+            nodes = ends[0] + 0.5 * width * (1 - np.cos((np.arange(count) + 0.5) * pi / count))
+            weights = np.full(count, pi / count)
         h = 1.0 / self._root(nodes, ends)
         return _Strip(ends[0], width, direction, gap, ends, nodes, weights * h, h)
 
     def _root(self, t: Array, without: tuple[float, ...] = ()) -> Array:
-        """X off the zones, but for the roots of the distances from some ends."""
-        past = np.sum(t[..., None] < self._ends, axis=-1)
+        """X outside the zones, without the factors of some ends."""
+        ends_right = np.sum(t[..., None] < self._ends, axis=-1)
         factors = [np.ones(t.shape), *(np.abs(t - end) for end in self._ends if end not in without)]
-        return np.sqrt(np.prod(factors, axis=0)) * np.where((past + 1) // 2 % 2, -1.0, 1.0)
+        sign = np.where((ends_right + 1) // 2 % 2, -1.0, 1.0)
+        return np.sqrt(np.prod(factors, axis=0)) * sign
 
-    def _near(self, strip: _Strip, t: Array) -> Array:
-        """X times the same in the strip's own gap, but for 2 direction artanh."""
-        away = 1.0 - 1.0 / (self._root(t, strip.ends)[..., None] * strip.h)
-        return self._root(t) * np.asarray((away / (t[..., None] - strip.nodes)) @ strip.weights)
+    def _smooth_in_own_gap(self, strip: _Strip, t: Array) -> Array:
+        """X int d xi/(X (t - xi)) in the strip's own gap, less 2 direction artanh."""
+        difference = 1.0 - 1.0 / (self._root(t, strip.ends)[..., None] * strip.h)
+        integral = (difference / (t[..., None] - strip.nodes)) @ strip.weights
+        return self._root(t) * np.asarray(integral)
 
     @cached_property
     def _count(self) -> int:
-        """Conditions on M, one less than its coefficients."""
+        """Number of conditions on M, one less than its coefficients."""
         return 3 * len(self.cohesive) - 1 + sum(strip.direction == 0 for strip in self._strips)
 
     def _smooth_slope(self, gap: int, t: Array) -> tuple[Array, Array]:
-        """Slope of the gap but for the artanh of strips in the same gap: (by the coefficients of M,
-        by the tension).
-        """
+        """Slope of the gap per coefficient of M, and of the tension less the artanh of own strips."""
         by_tension = np.zeros(t.shape)
         for strip in self._strips:
-            by_tension += self._near(strip, t) if strip.gap == gap else self._root(t) * strip.far(t)
+            if strip.gap == gap:
+                by_tension += self._smooth_in_own_gap(strip, t)
+            else:
+                by_tension += self._root(t) * strip.far(t)
         modes = chebyshev.chebvander(t, self._degree) * self._root(t)[..., None]
         return modes, self._tension * by_tension
 
-    def _risen(self, gap: int, start: float, stop: Array) -> tuple[Array, Array]:
-        """int of the slope from the end of a zone to places (P,) of the gap beside it: by the
-        coefficients, and by the tension.
-        """
-        u, weight = _gauss(_WAY)
+    def _gap_parts(self, gap: int, start: float, stop: Array) -> tuple[Array, Array]:
+        """The gap at points (P,) from a zone's end: per coefficient of M, and of the tension."""
+        u, weight = _gauss(_OPTIONS.gap_nodes)
         half = 0.5 * (stop - start)[:, None]
         t = start + half * (1 - np.cos(pi * u))
         modes, rest = self._smooth_slope(gap, t)
@@ -254,42 +252,34 @@ class CohesiveDesign:
         out = np.sum(weight * rest, axis=1)
         for strip in self._strips:
             if strip.gap == gap and strip.direction:
-                before, after = (
-                    _risen(strip.direction * (place - strip.end), strip.width)
-                    for place in (np.array(start), stop)
-                )
-                out = out + 2 * self._tension * (after - before)
+                first = _artanh_integral(strip.direction * (start - strip.end), strip.width)
+                last = _artanh_integral(strip.direction * (stop - strip.end), strip.width)
+                out = out + 2 * self._tension * (last - first)
         return np.einsum("pw,pwk->pk", weight, modes), out
 
     @cached_property
     def _conditions(self) -> tuple[Array, Array]:
-        """(matrix, right side) of the coefficients of M."""
+        """Matrix and right side of the conditions for the coefficients of M."""
         half = self._frame[1]
         conditions = []
         for strip in self._strips:
             if strip.direction:
-                by, rest = self._risen(
-                    strip.gap, strip.end, np.array([strip.end + strip.direction * strip.width])
-                )
-                conditions.append((by[0], self.reach / half - rest[0]))
+                stop = np.array([strip.end + strip.direction * strip.width])
+                per_mode, rest = self._gap_parts(strip.gap, strip.end, stop)
+                conditions.append((per_mode[0], self.reach / half - rest[0]))
         for gap in range(1, len(self.zones)):
-            by, rest = self._risen(gap, self._ends[2 * gap - 1], self._ends[2 * gap : 2 * gap + 1])
-            conditions.append((by[0], -rest[0]))
-        every = np.eye(self._degree + 1)
-        conditions.append((every[-1], self.rise))
+            start, stop = self._ends[2 * gap - 1], self._ends[2 * gap : 2 * gap + 1]
+            per_mode, rest = self._gap_parts(gap, start, stop)
+            conditions.append((per_mode[0], -rest[0]))
+        units = np.eye(self._degree + 1)
+        conditions.append((units[-1], self.rise))
         if self.given_load is not None:
-            # Of the last coefficient of the series, which is the load, what each of M's and the
-            # tension make.
-            by_load = np.array([self._series_of(unit, 0.0)[-1] for unit in every])
-            conditions.append(
-                (
-                    by_load,
-                    self._load_unit * self.given_load
-                    - self._series_of(0.0 * every[0], self._tension)[-1],
-                )
-            )
-        if len(conditions) < len(every):
-            conditions.append((every[-2], 0.0))
+            # The load is the last coefficient of the series of X R, which is linear in M.
+            per_mode = np.array([self._series_of(unit, 0.0)[-1] for unit in units])
+            of_tension = self._series_of(0.0 * units[0], self._tension)[-1]
+            conditions.append((per_mode, self._load_unit * self.given_load - of_tension))
+        if len(conditions) < len(units):
+            conditions.append((units[-2], 0.0))
         matrix, values = (np.array(part) for part in zip(*conditions, strict=True))
         size = np.abs(matrix).max(axis=1)
         return matrix / size[:, None], values / size
@@ -301,12 +291,12 @@ class CohesiveDesign:
 
     @property
     def condition(self) -> float:
-        """Condition number of the linear conditions, the largest entry of each being one."""
+        """Condition number of the linear conditions, each scaled to a largest entry of one."""
         return float(np.linalg.cond(self._conditions[0]))
 
     @property
     def _degree(self) -> int:
-        """Of M."""
+        """Degree of M."""
         if self.given_load is None:
             return self._count
         return self._count + 1 + (len(self.zones) + self._count) % 2
@@ -315,121 +305,112 @@ class CohesiveDesign:
     def _load_unit(self) -> float:
         return -1.0 / (pi * self._frame[1] * 0.5 * self.E_star)
 
-    # what it comes to
-    # -------------------------------------------------------------------------------------------------------------
     @cached_property
     def _series(self) -> Array:
         return self._series_of(self._smooth, self._tension)
 
     def _series_of(self, smooth: Array, tension: float) -> Array:
-        """Coefficients of X R, of t^N, t^(N-1), ..., t^-1, of an M and a tension."""
+        """Coefficients of X R for t^N, t^(N-1), ..., t^-1, given M and a tension."""
         nodes = np.concatenate([strip.nodes for strip in self._strips])
         weights = np.concatenate([strip.weights for strip in self._strips])
         moments = weights @ np.vander(nodes, len(self.zones) + 1, increasing=True)
         ratio = np.concatenate([chebyshev.cheb2poly(smooth)[::-1], tension * moments])
-        root = exp_of_power_sums(
-            np.array([0.5 * np.sum(self._ends**k) for k in range(len(ratio))])
-        ).real
+        power_sums = np.array([0.5 * np.sum(self._ends**k) for k in range(len(ratio))])
+        root = exp_of_power_sums(power_sums).real
         return np.asarray(np.convolve(root, ratio)[: len(ratio)])
 
     @cached_property
     def profile(self) -> Polynomial:
-        """The shape with this contact."""
+        """The profile that has this contact."""
         middle, half = self._frame
         slope = np.polynomial.Polynomial(self._series[:-1][::-1], (middle - half, middle + half))
         return Polynomial(slope.integ(lbnd=middle).convert(domain=(-1.0, 1.0)).coef)
 
     @property
     def load(self) -> float:
-        """Of all zones less the tension [N/m]."""
+        """Load of all zones less that of the tension [N/m]."""
         return float(self._series[-1] / self._load_unit)
 
     def pressure(self, x: ArrayLike) -> Array:
-        """p [Pa]."""
+        """p(x) [Pa]: -stress on the strips, 0 outside the cohesive intervals."""
         t = self._scaled(x)
         zone = np.searchsorted(self._ends, t)
-        out, on = np.where(self._pulled(x), -self.stress, 0.0), zone % 2 == 1
-        if on.any():
-            inner = t[on]
+        out, inside = np.where(self._is_cohesive(x), -self.stress, 0.0), zone % 2 == 1
+        if inside.any():
+            inner = t[inside]
             size = np.sqrt(np.prod(np.abs(inner[:, None] - self._ends), axis=1))
-            sign = np.where((len(self.zones) - (zone[on] + 1) // 2) % 2, -1.0, 1.0)
-            ratio = chebyshev.chebval(inner, self._smooth) + self._tension * sum(
-                self._beside(strip, inner) for strip in self._strips
-            )
-            out[on] = 0.5 * self.E_star * sign * size * ratio
+            sign = np.where((len(self.zones) - (zone[inside] + 1) // 2) % 2, -1.0, 1.0)
+            by_tension = sum(self._on_zones(strip, inner) for strip in self._strips)
+            ratio = chebyshev.chebval(inner, self._smooth) + self._tension * by_tension
+            out[inside] = 0.5 * self.E_star * sign * size * ratio
         return out
 
-    def _pulled(self, x: ArrayLike) -> Mask:
-        """Whether places are on the intervals."""
+    def _is_cohesive(self, x: ArrayLike) -> Mask:
+        """Mask of the points in the cohesive intervals."""
         x = np.asarray(x, dtype=float)[..., None]
         return np.any((x >= self.cohesive[:, 0]) & (x <= self.cohesive[:, 1]), axis=-1)
 
-    def _beside(self, strip: _Strip, t: Array) -> Array:
-        """int d xi/(X (t - xi)) on zones, however near to the strip."""
-        away = np.min([np.abs(t - end) for end in strip.ends], axis=0)
+    def _on_zones(self, strip: _Strip, t: Array) -> Array:
+        """int d xi/(X (t - xi)) at points of the zones, accurate up to the strip."""
+        distance = np.min([np.abs(t - end) for end in strip.ends], axis=0)
         low, high = np.sort([strip.end, strip.end + (strip.direction or 1) * strip.width])
-        near = (away < 0.5 * strip.width) & ((t > high) | (t < low))
+        close = (distance < 0.5 * strip.width) & ((t > high) | (t < low))
         if strip.direction:
-            near &= (t - strip.end) * strip.direction < 0
+            close &= (t - strip.end) * strip.direction < 0
         out = strip.far(t)
-        if near.any():
-            at = t[near]
-            # h, continued from the strip onto the zones that it begins at.
-            others = np.prod(
-                [np.abs(at - end) for end in self._ends if end not in strip.ends], axis=0
-            )
-            value = np.sign(strip.h[0]) / np.sqrt(others)
-            out[near] = (
-                (1 - value[:, None] / strip.h) / (at[:, None] - strip.nodes)
-            ) @ strip.weights
+        if close.any():
+            at = t[close]
+            # h, continued from the strip into the zone it starts from.
+            factors = [np.abs(at - end) for end in self._ends if end not in strip.ends]
+            h = np.sign(strip.h[0]) / np.sqrt(np.prod(factors, axis=0))
+            difference = (1 - h[:, None] / strip.h) / (at[:, None] - strip.nodes)
+            out[close] = difference @ strip.weights
             if strip.direction:
-                # zeta is imaginary: the same form, an arcus tangens.
-                eta = np.sqrt(away[near] / strip.width)
-                out[near] -= (
-                    strip.direction * 2 / np.sqrt(strip.width) * value * np.arctan(1 / eta) / eta
-                )
+                # zeta is imaginary on the zone, so that artanh becomes arctan.
+                eta = np.sqrt(distance[close] / strip.width)
+                unit = strip.direction * 2 / np.sqrt(strip.width)
+                out[close] -= unit * h * np.arctan(1 / eta) / eta
             else:
-                out[near] += (
-                    np.sign(at - low) * pi * value / np.sqrt(np.abs((at - low) * (at - high)))
-                )
+                root = np.sqrt(np.abs((at - low) * (at - high)))
+                out[close] += np.sign(at - low) * pi * h / root
         return out
 
     def gap(self, x: ArrayLike) -> Array:
-        """The gap [m], from the end of the nearest zone on."""
+        """The gap [m]: its slope integrated from the end of the nearest zone."""
         t = np.atleast_1d(self._scaled(x)).ravel()
-        out, zone = np.zeros(t.shape), np.searchsorted(self._ends, t)
-        for beside in np.unique(zone[zone % 2 == 0]):
-            ends = [self._ends[k] for k in (beside - 1, beside) if 0 <= k < len(self._ends)]
+        out, interval = np.zeros(t.shape), np.searchsorted(self._ends, t)
+        for i in np.unique(interval[interval % 2 == 0]):
+            ends = [self._ends[k] for k in (i - 1, i) if 0 <= k < len(self._ends)]
             nearest = np.argmin([np.abs(t - end) for end in ends], axis=0)
             for which, start in enumerate(ends):
-                here = (zone == beside) & (nearest == which)
+                here = (interval == i) & (nearest == which)
                 if here.any():
-                    by, rest = self._risen(int(beside) // 2, float(start), t[here])
-                    out[here] = self._frame[1] * (by @ self._smooth + rest)
+                    per_mode, rest = self._gap_parts(int(i) // 2, float(start), t[here])
+                    out[here] = self._frame[1] * (per_mode @ self._smooth + rest)
         return np.asarray(out.reshape(np.shape(x)))
 
     @cached_property
     def is_admissible(self) -> bool:
-        """By signs at many places; at a few of them first."""
-        return self._signs_are_right(_FEW_LOOKS) and self._signs_are_right(_LOOKS)
+        """Whether the signs of pressure and gap are right at many points."""
+        few, many = _OPTIONS.first_sign_points, _OPTIONS.sign_points
+        return self._signs_are_right(few) and self._signs_are_right(many)
 
-    def _signs_are_right(self, looks: int) -> bool:
-        u = 0.5 - 0.5 * np.cos(pi * (np.arange(looks) + 0.5) / looks)
+    def _signs_are_right(self, points: int) -> bool:
+        """Check the signs at points of every zone, gap and strip, and outside all intervals."""
+        u = 0.5 - 0.5 * np.cos(pi * (np.arange(points) + 0.5) / points)
         inner = (self.zones[:, :1] + np.diff(self.zones) * u).ravel()
         if not np.all(self.pressure(inner) > -self.stress):
             return False
         lo, hi = self.cohesive[0, 0], self.cohesive[-1, 1]
-        beyond = (hi - lo) * _BEYOND[:: len(_BEYOND) // min(looks, len(_BEYOND))]
-        if not (
-            np.all(self.gap(hi + beyond) > self.reach)
-            and np.all(self.gap(lo - beyond) > self.reach)
-        ):
+        distance = (hi - lo) * np.geomspace(1e-3, 30.0, min(points, 60))
+        outside = np.concatenate((hi + distance, lo - distance))
+        if not np.all(self.gap(outside) > self.reach):
             return False
         ends = self.zones.ravel()
         for a, b in zip(ends[1:-1:2], ends[2::2], strict=True):
             x = a + (b - a) * u
             gap = self.gap(x)
-            if not (np.all(gap > 0) and np.all((gap < self.reach) == self._pulled(x))):
+            if not (np.all(gap > 0) and np.all((gap < self.reach) == self._is_cohesive(x))):
                 return False
         strips = np.concatenate((lo + (ends[0] - lo) * u, hi - (hi - ends[-1]) * u))
         gap = self.gap(strips)
@@ -438,13 +419,14 @@ class CohesiveDesign:
 
 @lru_cache(maxsize=64)
 def _gauss(count: int) -> tuple[Array, Array]:
-    """Gauss's rule on (0, 1)."""
+    """Gauss-Legendre rule on (0, 1)."""
     x, weight = np.polynomial.legendre.leggauss(count)
     return 0.5 * (1 + x), 0.5 * weight
 
 
-def _risen(y: Array, width: float) -> Array:
-    """int_0^y artanh of the root of y/w or w/y."""
+def _artanh_integral(y: ArrayLike, width: float) -> Array:
+    """int_0^y artanh(sqrt(y/w or w/y)) dy."""
+    y = np.asarray(y, dtype=float)
     ratio = np.minimum(y, width) / np.maximum(y, width)
     with np.errstate(divide="ignore", invalid="ignore"):
         rest = (y - width) * np.arctanh(np.sqrt(ratio))

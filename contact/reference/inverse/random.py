@@ -12,19 +12,18 @@ from sie import Array
 def random_zones(
     rng: np.random.Generator, zones: int, spread: float = 10.0, fraction: float | None = None
 ) -> Array:
-    """Random zones in a cell of length 1 from 0: widths and gaps log-uniform, each within a factor
-    `spread` of its kind.
+    """Random zones in the cell [0, 1], with log-uniform widths and gaps.
 
     Parameters
     ----------
     rng : numpy.random.Generator
-        Where the numbers come from.
+        Random generator.
     zones : int
-        How many zones n.
+        Number of zones n.
     spread : float
         Largest ratio of two widths, and of two gaps.
     fraction : float or None
-        What the zones together take of the cell; random from 0.2 to 0.8 if left out.
+        Part of the cell in contact; random from 0.2 to 0.8 if left out.
 
     Returns
     -------
@@ -36,8 +35,10 @@ def random_zones(
     >>> import numpy as np
     >>> from contact.inverse import random_zones
     >>> zones = random_zones(np.random.default_rng(0), 5, fraction=0.3)
-    >>> zones.shape, bool(np.isclose(np.sum(np.diff(zones)), 0.3)), bool(np.all(np.diff(zones.ravel()) > 0))
-    ((5, 2), True, True)
+    >>> zones.shape, bool(np.isclose(np.sum(np.diff(zones)), 0.3))
+    ((5, 2), True)
+    >>> bool(np.all(np.diff(zones.ravel()) > 0))
+    True
     """
     share = rng.uniform(0.2, 0.8) if fraction is None else fraction
     width = np.exp(rng.uniform(0.0, np.log(spread), zones))
@@ -59,27 +60,26 @@ def random_problem(
     fraction: float | None = None,
     length: float = 1.0,
 ) -> DesignedContact:
-    """A random exact problem of 1 to 12 (or the given number of) zones, asymmetric and off the
-    origin.
+    """A random exact frictionless problem, without symmetry.
 
     With a period the left ends lie in [-L/2, L/2), ascending.
 
     Parameters
     ----------
     rng : numpy.random.Generator
-        Where the numbers come from.
+        Random generator.
     zones : int or None
-        How many zones; None: 1 to 12.
+        Number of zones; None: random from 1 to 12.
     period : float or None
-        Period L [m]; None: the body is alone.
+        Period L [m]; None: the body is isolated.
     E_star : float
         Reduced modulus [Pa].
     strain : float
-        The load is strain * E_star * cell, the cell being the period or, alone, `length`.
+        The load is strain * E_star * cell; the cell is the period, or `length` without one.
     spread, fraction : float
         See `random_zones`.
     length : float
-        Length of the cell of a body that is alone [m].
+        Length of the cell of an isolated body [m].
 
     Returns
     -------
@@ -121,24 +121,24 @@ def random_adhesive_problem(
     stable: bool = True,
     **shape: float,
 ) -> AdhesiveDesign:
-    """A random JKR contact of 1 to 6 (or the given number of) zones, else as `random_problem`.
+    """A random exact problem under JKR adhesion; the zones are those of `random_problem`.
 
-    The work of adhesion is that whose flat punches of these widths carry `pull` times the load
-    together, halved until the surfaces keep apart between the zones and, if it is to be stable, the
-    contact is so under its load.
+    At the work of adhesion, flat punches of the zones' widths together carry `pull` times the load.
+    `pull` is halved until the surfaces are separate between the zones and, if asked for, the
+    contact is stable.
 
     Parameters
     ----------
     rng : numpy.random.Generator
-        Where the numbers come from.
+        Random generator.
     zones : int or None
-        How many zones; None: 1 to 6.
+        Number of zones; None: random from 1 to 6.
     period : float or None
-        Period L [m]; None: the body is alone.
+        Period L [m]; None: the body is isolated.
     pull : float
-        Load of the flat punches over the load, to begin with.
+        First value of the load of the flat punches over the load.
     stable : bool
-        Whether the contact has to be locally stable under its load.
+        Whether the contact must be locally stable at its load.
     **shape : float
         E_star, strain, spread, fraction and length of `random_problem`, by name.
 
@@ -178,24 +178,23 @@ def random_cohesive_problem(
     strip: float = 0.1,
     **shape: float,
 ) -> CohesiveDesign:
-    """A random contact of 1 to 6 (or the given number of) zones alone with a constant tension
-    beside them, else as `random_problem`.
+    """A random isolated problem under Dugdale's law; its zones are those of `random_problem`.
 
-    The intervals are those on which the gap of the frictionless contact of these zones and this
-    load is below a reach: to begin with, the gap at `strip` of the narrowest zone or gap beside
-    some end. The tension is `pull` times the mean pressure, quartered until signs and gaps are as
-    they must be: with none the frictionless contact is the design.
+    In the cohesive intervals the gap of the frictionless contact with these zones is below the
+    reach. The reach is the median gap at a distance `strip`, in widths of the narrowest zone or
+    gap, from the ends. The tension is `pull` times the mean pressure, and is quartered until the
+    design is admissible; it is in the limit of no tension, the frictionless contact.
 
     Parameters
     ----------
     rng : numpy.random.Generator
-        Where the numbers come from.
+        Random generator.
     zones : int or None
-        How many zones; None: 1 to 6.
+        Number of zones; None: random from 1 to 6.
     pull : float
-        Tension over the mean pressure of the zones, to begin with.
+        First value of the tension over the mean pressure of the zones.
     strip : float
-        Width of a strip over that of the narrowest zone or gap.
+        Width of a strip of tension over that of the narrowest zone or gap.
     **shape : float
         E_star, strain, spread, fraction and length of `random_problem`, by name.
 
@@ -218,19 +217,18 @@ def random_cohesive_problem(
     """
     count = int(rng.integers(1, 7)) if zones is None else zones
     free = random_problem(rng, count, **shape)  # type: ignore[arg-type]
-    # The shape is a polynomial of x: about the middle of the zones it keeps the most digits.
+    # The profile is a polynomial of x, which is most accurate around the middle of the zones.
     ends = free.zones - 0.5 * (free.zones[0, 0] + free.zones[-1, 1])
     free = DesignedContact(ends, free.E_star, free.load)
     width = strip * float(np.diff(ends.ravel()).min())
-    beside = np.concatenate((ends[:, 0] - width, ends[:, 1] + width))
-    reach = float(np.median(free.gap(beside)))
-    before, after = (
-        [2 * ends[0, 0] - ends[-1, 1], *ends[:-1, 1]],
-        [*ends[1:, 0], 2 * ends[-1, 1] - ends[0, 0]],
-    )
-    left = [_where(free, *way, reach) for way in zip(ends[:, 0].tolist(), before, strict=True)]
-    right = [_where(free, *way, reach) for way in zip(ends[:, 1].tolist(), after, strict=True)]
-    # Beside a gap that stays below the reach there is one interval.
+    outside = np.concatenate((ends[:, 0] - width, ends[:, 1] + width))
+    reach = float(np.median(free.gap(outside)))
+    hull = ends[-1, 1] - ends[0, 0]
+    before = [ends[0, 0] - hull, *ends[:-1, 1]]
+    after = [*ends[1:, 0], ends[-1, 1] + hull]
+    left = [_first_at(free, *ab, reach) for ab in zip(ends[:, 0].tolist(), before, strict=True)]
+    right = [_first_at(free, *ab, reach) for ab in zip(ends[:, 1].tolist(), after, strict=True)]
+    # Two zones share an interval if the gap between them stays below the reach.
     rows = [[left[0], 0.0]]
     for k in range(count - 1):
         if left[k + 1] > right[k]:
@@ -248,13 +246,11 @@ def random_cohesive_problem(
         pull *= 0.25
 
 
-def _where(free: DesignedContact, start: float, stop: float, reach: float) -> float:
-    """The place nearest to the end of a zone at which the gap is a reach, before another place;
-    that if there is none.
-    """
+def _first_at(free: DesignedContact, start: float, stop: float, reach: float) -> float:
+    """The first x between start and stop at which the gap is the reach; stop if there is none."""
     x = start + (stop - start) * np.linspace(0.0, 1.0, 2001)[1:] ** 2
     above = np.flatnonzero(free.gap(x) > reach)
     if len(above) == 0:
         return stop
     before = start if above[0] == 0 else x[above[0] - 1]
-    return root(lambda place: float(free.gap(np.array(place))) - reach, before, x[above[0]])
+    return root(lambda at: float(free.gap(np.array(at))) - reach, before, x[above[0]])
