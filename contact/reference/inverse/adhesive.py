@@ -383,7 +383,7 @@ def _low_coefficients(design: AdhesiveDesign, strength: Array, unit: float) -> A
 
 
 def _pole_slope(
-    design: AdhesiveDesign, g: int, at: tuple[Array, Array], j: int, pole: Array
+    design: AdhesiveDesign, g: int, at: tuple[Array, Array], j: int, pole: Any
 ) -> Array:
     """d/dx (|X| pole_j)/|X| at distances `at` from the ends of gap g."""
     ends = design._product.zones.ravel()
