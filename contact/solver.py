@@ -11,7 +11,6 @@ contact.solution
 
 import time
 from contextlib import nullcontext
-from dataclasses import replace
 from numbers import Real
 
 from contact.closed.solve import directly
@@ -145,13 +144,15 @@ def solved_along(
     if direct is not None:
         return direct
     return _run(
-        replace(SolveContext.of(scene, tol, progress, near, _solved, cache), previous=previous)
+        SolveContext.of(
+            scene, tol, _solved, cache, progress=progress, warm_start=near, previous=previous
+        )
     )
 
 
 def context_of(scene: Scene, tol: float) -> SolveContext:
     """The context of a scene, for contacts that are followed (`solved_at`)."""
-    return SolveContext.of(scene, tol, None, None, _solved, SceneCache(scene))
+    return SolveContext.of(scene, tol, _solved)
 
 
 def solved_at(context: SolveContext, found: Outcome, told: str) -> Solution:
@@ -185,11 +186,12 @@ def _solved(
         )
     claims.of(scene.profile)
     direct = directly(scene, tol)
-    return (
-        direct
-        if direct is not None
-        else _run(SolveContext.of(scene, tol, progress, near, _solved, cache, branch))
+    if direct is not None:
+        return direct
+    context = SolveContext.of(
+        scene, tol, _solved, cache, progress=progress, warm_start=near, branch=branch
     )
+    return _run(context)
 
 
 def _run(context: SolveContext) -> Solution:

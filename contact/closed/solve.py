@@ -267,6 +267,9 @@ def _certificate(scene: Scene, ends: Ends, gap: float) -> Certificate:
 
 def _plan(scene: Scene, ends: Ends, took: float) -> Plan:
     told = plan(scene)
+    told.decide(
+        "solver", "closed form", "one symmetric interval of a half-plane needs no coupled system"
+    )
     given = scene.held(Quantity.HALF_WIDTH) is not None or ends.sheet.corner is not None
     for part in told.parts:
         if part.name == "coarse search":

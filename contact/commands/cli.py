@@ -31,7 +31,7 @@ from contact.extras import other_package, owners, require, version
 from contact.model.registry import controls, interactions, laws, profiles, substrates
 from contact.model.units import headed, quantity
 from contact.solution import export
-from contact.solution.plan import Part, plan
+from contact.solution.plan import Part, Plan, plan
 from contact.solution.plotting import plot
 from contact.solution.solution import Solution
 from contact.solution.terminal import Progress, show_columns, show_table
@@ -231,13 +231,16 @@ def plan_command(scene: Path, run: bool, tol: float) -> None:
     """
     problem = scene_of(scene)
     if not run:
-        show_table("plan", ("part", "used", "reason", "detail"), map(_cells, plan(problem).parts))
+        foreseen = plan(problem)
+        show_table("plan", ("part", "used", "reason", "detail"), map(_cells, foreseen.parts))
+        _show_decisions(foreseen)
         return
     with Progress() as progress:
         done = solve(problem, tol=tol, progress=progress).plan
     show_profile(problem.profile)
     timed = [(*_cells(part), *_time(part.seconds, done.share(part))) for part in done.parts]
     show_table("plan", ("part", "used", "reason", "detail", "time", "share"), timed, numeric=(4, 5))
+    _show_decisions(done)
     sizes = [(name.replace("_", " "), str(count)) for name, count in done.counts.items()]
     show_table(
         "sizes",
@@ -245,6 +248,12 @@ def plan_command(scene: Path, run: bool, tol: float) -> None:
         [*sizes, ("time in all", quantity(done.seconds, "s", 3))],
         numeric=(1,),
     )
+
+
+def _show_decisions(shown: Plan) -> None:
+    """Print each choice between ways with its reason."""
+    rows = [(question, choice.way, choice.reason) for question, choice in shown.decisions.items()]
+    show_table("decisions", ("question", "way", "reason"), rows)
 
 
 def _cells(part: Part) -> tuple[str, str, str, str]:

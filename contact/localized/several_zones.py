@@ -161,8 +161,7 @@ class SeveralZones:
                 Load(load),
                 start(),
                 NewtonSettings(self.context.tolerance),
-                self.context.progress,
-                timed=self.context.plan.timed,
+                self.context.observer,
             )
             if isinstance(found, SolvedZones):
                 return found

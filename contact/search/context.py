@@ -1,6 +1,6 @@
-"""What a search goes by: the scene, how tightly it is solved, a solution near by, and where it is
-told how it went; and what solves of one scene under many controls have in common, found when first
-asked for, and once.
+"""What one search is given: the scene, the tolerance, similar solutions, and the plan it fills in.
+
+Solves of one profile and model under many controls share a `SceneCache`.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from contact.model.scene import Scene
 from contact.search.topology.extrapolation import CurvePoint
 from contact.search.topology.failure import Failure
 from contact.search.topology.gap_guesses import GapGuesses
-from contact.search.topology.loop import ROUNDS, NewtonSettings, Progress, refine_topology
+from contact.search.topology.loop import NewtonSettings, Observer, Progress, refine_topology
 from contact.search.topology.pressure_form import PressureForm
 from contact.solution.assemble import in_cell, profile_fault
 from contact.solution.plan import Plan, plan, starts_from_one_zone
@@ -40,60 +40,61 @@ from sie import Array, record
 
 
 class SceneCache(sie.Kept):
-    """Of a scene whatever its control is. single: the contact begins as one zone about x = 0; full:
-    where full contact begins.
-    """
+    """What scenes share that differ in their control alone; each item is computed once."""
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
 
     def of(self, scene: Scene) -> SceneCache:
-        """The same for a scene that differs in its control alone."""
+        """This cache if the other scene differs in its control alone, else a new one."""
         own = self.scene
         same = (
             scene.profile is own.profile
             and scene.interaction is own.interaction
             and scene.substrate is own.substrate
+            and scene.law is own.law
+            and scene.E_star == own.E_star
         )
-        return (
-            self
-            if same and scene.law is own.law and scene.E_star == own.E_star
-            else SceneCache(scene)
-        )
+        return self if same else SceneCache(scene)
 
     @cached_property
     def operator(self) -> Operator:
+        """The elastic operator."""
         return self.scene.operator
 
     @cached_property
     def full(self) -> FullLimit:
+        """Where full contact begins."""
         return FullLimit(self.scene.profile, self.scene.E_star, self.operator, self.scene.law)
 
     @cached_property
     def single(self) -> bool:
+        """Whether the first guess is one zone about x = 0."""
         return starts_from_one_zone(self.scene)
 
     def relief(self, problem: Problem) -> ScaledRelief:
-        """R in the units of a problem: the same samples for all problems in the same units."""
-        return self.first_gaps(problem).relief
+        """The pressure of full contact in the units of a problem, sampled once for all of them."""
+        return self.gap_guesses(problem).relief
 
-    def first_gaps(self, problem: Problem) -> GapGuesses:
-        """First guesses of the gaps, likewise."""
+    def gap_guesses(self, problem: Problem) -> GapGuesses:
+        """First guesses of the gaps in the units of a problem."""
         key = problem.units, problem.centre
-        if key not in self._first_gaps:
-            self._first_gaps[key] = GapGuesses(ScaledRelief.of(self.full.relief, problem))
-        return self._first_gaps[key]
+        if key not in self._gap_guesses:
+            self._gap_guesses[key] = GapGuesses(ScaledRelief.of(self.full.relief, problem))
+        return self._gap_guesses[key]
 
     @cached_property
-    def _first_gaps(self) -> dict[tuple[Units, float], GapGuesses]:
+    def _gap_guesses(self) -> dict[tuple[Units, float], GapGuesses]:
         return {}
 
 
-# Solves a scene: (scene, tol, progress, near, what it has in common with others).
+# Solves a scene: (scene, tol, progress, warm start, cache).
 Solver = Callable[[Scene, float, Progress | None, Solution | None, SceneCache], Solution]
 
-# The smallest tolerance that is asked of the engine.
+# Smallest tolerance asked of the engine: ten times the round-off of one operation.
 LEAST = 2e-15
+# Tolerance of ends and density over the wanted error, which their truncation errors add up to.
+_INNER = 0.1
 
 
 @record
@@ -124,23 +125,19 @@ class SolveContext:
         cls,
         scene: Scene,
         tol: float,
-        progress: Progress | None,
-        warm_start: Solution | None,
         solver: Solver,
-        cache: SceneCache,
-        branch: str = "advancing",
+        cache: SceneCache | None = None,
+        **others: Any,
     ) -> SolveContext:
-        return cls(
-            scene,
-            tol,
-            plan(scene),
-            cache,
-            max(0.1 * tol, LEAST),
-            solver,
-            progress,
-            warm_start,
-            branch,
+        """The context of a scene, with the plan made for it. others: further fields."""
+        made = plan(scene)
+        made.decide(
+            "solver",
+            "coupled system",
+            "the closed form is for one symmetric interval of a half-plane",
         )
+        tolerance = max(_INNER * tol, LEAST)
+        return cls(scene, tol, made, cache or SceneCache(scene), tolerance, solver, **others)
 
     def solve_scene(
         self,
@@ -153,7 +150,13 @@ class SolveContext:
         return self.solver(scene, tol, progress, warm_start, self.cache.of(scene))
 
     @property
+    def observer(self) -> Observer:
+        """Where a search reports its progress and its times."""
+        return Observer(self.progress, self.plan.timed)
+
+    @property
     def operator(self) -> Operator:
+        """The elastic operator."""
         return self.cache.operator
 
     @property
@@ -163,19 +166,20 @@ class SolveContext:
 
     @property
     def single(self) -> bool:
-        """Whether the contact begins as one zone about x = 0."""
+        """Whether the first guess is one zone about x = 0."""
         return self.cache.single
 
     @property
     def follows_branch(self) -> bool:
-        """Whether there are several equilibria, of which a branch is followed."""
+        """Whether there are several equilibria, so that one branch is followed."""
         return self.scene.law.equilibria.several and self.scene.held(Quantity.HALF_WIDTH) is None
 
     def with_warm_start(self, solution: Solution | None) -> SolveContext:
+        """The same context with another warm start."""
         return replace(self, warm_start=solution)
 
     def control(self, problem: Problem) -> Control:
-        """The scene's own control, scaled."""
+        """The control of the scene, scaled; a machine where a spring is in series."""
         control, units = scaled_control(self.scene, problem.units), problem.units
         return (
             control
@@ -184,34 +188,24 @@ class SolveContext:
         )
 
     def refine_topology(
-        self,
-        problem: Problem,
-        control: Control,
-        table: Array,
-        rounds: int = ROUNDS,
-        **settings: Any,
+        self, problem: Problem, control: Control, table: Array, **settings: Any
     ) -> SolvedZones | Failure:
-        """Zones that pass, from proposed ones. settings: of `NewtonSettings`, but for the tolerance."""
+        """Zones that pass the certificate, from proposed ones, or why there are none.
+
+        settings: those of `NewtonSettings`, except the tolerance.
+        """
         newton = NewtonSettings(self.tolerance, **settings)
-        # Given ends are not searched for.
+        # With given ends there is no Newton iteration to time.
         with self.plan.timed("zone ends") if self.plan["zone ends"].used else nullcontext():
             form = PressureForm(problem)
-            return refine_topology(
-                form,
-                control,
-                form.begun(table),
-                newton,
-                self.progress,
-                timed=self.plan.timed,
-                rounds=rounds,
-            )
+            return refine_topology(form, control, form.begun(table), newton, self.observer)
 
     def record_failure(self, strategy: str, failure: Failure) -> None:
-        """Say in the plan what was tried and why it led to nothing."""
+        """Keep in the plan that a strategy failed, and why."""
         self.plan.tried.append(f"{strategy}: {failure.reason}")
 
     def error(self, failure: Failure, problem: Problem) -> ContactError:
-        """What is raised where no other way is left."""
+        """The error to raise if no other strategy is left; it carries the best state."""
         if failure.at_border:
             return OutOfRange(failure.reason)
         free = failure.free

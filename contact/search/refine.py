@@ -1,4 +1,4 @@
-"""What was found, solved more tightly, or better, where its stated error is above the wanted one."""
+"""Making a found contact as precise as wanted, if its stated error exceeds the wanted one."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -16,25 +16,26 @@ from contact.search.strategies.tightening import tightened
 from contact.search.topology.failure import Failure, attempted
 from contact.verify.error import SolvedGaps, SolvedZones, body_limit, limit, position_rounding
 
-# Zones of a lone body farther than so many times their span from the origin of places.
-_FAR_OFF = 64.0
+Search = Callable[[SolveContext], Outcome]
+
+# A lone body farther from the origin than this many times the span of its zones is solved again
+# about its place: its positions have lost 6 of their 53 bits.
+_FAR_SPANS = 64.0
 
 
-def refined(
-    context: SolveContext, found: Outcome, again: Callable[[SolveContext], Outcome]
-) -> Outcome:
-    """again: the whole search, for a context that asks for more, or that begins from nothing."""
-    outcome = _as_told(context, found, again)
-    if (
-        isinstance(outcome, Full)
-        or outcome.error <= context.tol
-        or not (context.previous or context.warm_start)
-    ):
+def refined(context: SolveContext, found: Outcome, search: Search) -> Outcome:
+    """The contact at the wanted error, or the best one.
+
+    search: the whole search, for a context with a smaller tolerance or without a warm start.
+    """
+    outcome = _refined_once(context, found, search)
+    if isinstance(outcome, Full) or outcome.error <= context.tol:
         return outcome
-    # From solutions near by ends may have come to rest where rounding moves them more than where a
-    # search would have left them.
+    if not (context.previous or context.warm_start):
+        return outcome
+    # From similar zones the ends may stop where rounding moves them more than elsewhere.
     afresh = replace(context, previous=(), warm_start=None)
-    other: Outcome | Failure = attempted(lambda: _as_told(afresh, again(afresh), again))
+    other: Outcome | Failure = attempted(lambda: _refined_once(afresh, search(afresh), search))
     if isinstance(other, Failure):
         context.record_failure(
             "a search from nothing, as from others the error is above the tolerance", other
@@ -43,11 +44,9 @@ def refined(
     return other if isinstance(other, Full) or other.error < outcome.error else outcome
 
 
-def _as_told(
-    context: SolveContext, found: Outcome, again: Callable[[SolveContext], Outcome]
-) -> Outcome:
-    """What was found by the ways of the context, as tightly as it takes."""
-    # Under a tension what belongs to it is solved as tightly as there is where it is found.
+def _refined_once(context: SolveContext, found: Outcome, search: Search) -> Outcome:
+    """The contact solved more precisely, as often as that helps."""
+    # A cohesive zone is solved as precisely as possible where it is found.
     if isinstance(found, Full) or context.scene.law.tension:
         return found
     if isinstance(found, SolvedGaps) and found.error > context.tol:
@@ -55,36 +54,39 @@ def _as_told(
     if isinstance(found, SolvedGaps):
         if found.error > context.tol:
             with context.plan.timed("zone ends"):
-                found = tightened_gaps(context, found, stuck=True)
+                found = tightened_gaps(context, found, retry=True)
         return found
-    return _tightened(context, _counted_from_there(context, found), again)
+    return _tightened(context, _from_near_origin(context, found), search)
 
 
-def _counted_from_there(context: SolveContext, found: SolvedZones) -> SolvedZones:
-    """Zones of a lone body that lie far from where they were looked for, solved again with places
-    counted from there: else these are rounded to much of the zones' widths.
+def _from_near_origin(context: SolveContext, found: SolvedZones) -> SolvedZones:
+    """Zones of a lone body far from the origin, solved again with the origin at the zones.
+
+    Without this, rounding of positions is a large part of the widths of the zones.
     """
     scene, zones = context.scene, found.free.density.zones
-    span, away = float(zones.b[-1] - zones.a[0]), float(max(-zones.a[0], zones.b[-1]))
+    span = float(zones.b[-1] - zones.a[0])
+    distance = float(max(-zones.a[0], zones.b[-1]))
     if (
         scene.interaction.needs_period
         or scene.turned
         or scene.profile.support is not None
-        or away < _FAR_OFF * span
+        or distance < _FAR_SPANS * span
     ):
         return found
     table = np.asarray(found.fields.problem.units.x(zones.table))
     scaled = scaled_scene_about(scene, 0.0, table)
-    there = context.refine_topology(
+    moved = context.refine_topology(
         scaled.problem, context.control(scaled.problem), placed(scaled.problem, table)
     )
-    return found if isinstance(there, Failure) else there
+    return found if isinstance(moved, Failure) else moved
 
 
 def _by_zones(context: SolveContext, found: SolvedGaps) -> SolvedZones | SolvedGaps:
-    """The same contact with the pressure as the unknown, if that comes out better; not where it is
-    the approach that tells too little: near full contact the level of the zones, a difference of
-    large numbers, tells no more.
+    """The same contact with the pressure as the unknown, if that has the smaller error.
+
+    That is not tried where the approach limits the error: near full contact the level of the zones
+    is a difference of large numbers as well.
     """
     if replace(found, off=0.0).error <= context.tol:
         return found
@@ -97,35 +99,33 @@ def _by_zones(context: SolveContext, found: SolvedGaps) -> SolvedZones | SolvedG
 
 
 def _tightened(
-    context: SolveContext, found: SolvedZones, whole: Callable[[SolveContext], Outcome]
+    context: SolveContext, found: SolvedZones, search: Search
 ) -> SolvedZones | SolvedGaps:
-    """Solved again from the same zones; from the start, if they do not stand up to it."""
+    """The contact solved more precisely: from its zones, or by the whole search if that fails."""
 
     def again(
         here: SolvedZones | SolvedGaps, tolerance: float
     ) -> SolvedZones | SolvedGaps | Failure:
-        sharper = replace(context, tolerance=tolerance)
+        finer = replace(context, tolerance=tolerance)
 
-        def better_found() -> Outcome:
-            same = _from_the_same(sharper, here) if isinstance(here, SolvedZones) else None
-            return same or whole(sharper)
+        def solved() -> Outcome:
+            same = _from_same_zones(finer, here) if isinstance(here, SolvedZones) else None
+            return same or search(finer)
 
-        better: Outcome | Failure = attempted(better_found)
-        return (
-            Failure("full contact, as the whole search says")
-            if isinstance(better, Full)
-            else better
-        )
+        better: Outcome | Failure = attempted(solved)
+        if isinstance(better, Full):
+            return Failure("full contact, as the whole search says")
+        return better
 
-    def at_rest(here: SolvedZones | SolvedGaps, tolerance: float) -> bool:
+    def is_limited_by_rounding(here: SolvedZones | SolvedGaps, tolerance: float) -> bool:
         return not isinstance(here, SolvedZones) or _is_rounding(context, here)
 
     first: SolvedZones | SolvedGaps = found
-    return tightened(context, first, context.tolerance, again, at_rest)
+    return tightened(context, first, context.tolerance, again, is_limited_by_rounding)
 
 
-def _from_the_same(context: SolveContext, found: SolvedZones) -> SolvedZones | None:
-    """The same zones more tightly; None where they do not stand up to it."""
+def _from_same_zones(context: SolveContext, found: SolvedZones) -> SolvedZones | None:
+    """The contact with the same zones to a smaller tolerance; None if their number changes."""
     problem, model, profile = found.fields.problem, context.scene.interaction, context.scene.profile
     control, table = context.control(problem), found.free.density.zones.table
     if not model.strip:
@@ -136,20 +136,18 @@ def _from_the_same(context: SolveContext, found: SolvedZones) -> SolvedZones | N
     strips = require("contact.localized.strips")
     if not model.follows_isolated:
         return strips.centred(context, scaled, table)
-    return strips.first_order(
-        context, replace(scaled, problem=replace(problem, amplitude=None, centre=0.0)), found
-    )
+    whole = replace(problem, amplitude=None, centre=0.0)
+    return strips.first_order(context, replace(scaled, problem=whole), found)
 
 
 def _is_rounding(context: SolveContext, found: SolvedZones) -> bool:
-    """Whether rounding alone, of a solution that no iteration left an error in, is above the wanted
-    error.
-    """
-    if found.rounded or body_limit(
-        found.fields.problem, found.free.density.zones.table, context.tol
-    ):
+    """Whether rounding alone exceeds the wanted error, and no iteration left an error."""
+    problem = found.fields.problem
+    if found.rounded or body_limit(problem, found.free.density.zones.table, context.tol):
         return True
-    end = found.fields.problem.end
-    return not found.free.state.iterated and bool(
-        limit(found.free, 4 * context.tol, "zone", 4 * position_rounding(found), end)
+    if found.free.state.iterated:
+        return False
+    # `limit` compares with a quarter of its argument.
+    return bool(
+        limit(found.free, 4 * context.tol, "zone", 4 * position_rounding(found), problem.end)
     )

@@ -1,5 +1,6 @@
-"""What a scene needs: every part of the machinery, used or left out, with the reason, its size and
-the time it took.
+"""The plan of a solve: each part used or left out, and each choice made, with the reason.
+
+A part has its size and its time. A choice is a `Decision`, under the question that it answers.
 """
 
 import time
@@ -11,12 +12,14 @@ from typing import Any
 from contact.errors import SceneError
 from contact.model.controls import Quantity
 from contact.model.scene import Scene
+from contact.solution.decision import Decision
 
 
 @dataclass
 class Part:
-    """One part: its name, whether it ran, why or why not, its size in words, and its seconds (None
-    if it has not run).
+    """One part: its name, whether it ran and why, its size in words, and its time.
+
+    seconds: None if the part has not run.
     """
 
     name: str
@@ -28,10 +31,10 @@ class Part:
 
 @dataclass
 class Plan:
-    """The parts in order, counts of work done, what was tried on the way and why it was left, and
-    the seconds that it all took.
+    """What a solve runs, and why.
 
     `plan["zone ends"]` is one part: name, used, reason, detail, seconds.
+    `plan.decisions["unknowns"]` is one choice: way, because, measured, threshold.
 
     Parameters
     ----------
@@ -40,9 +43,12 @@ class Plan:
     counts : dict
         Solves, modes and kernel evaluations.
     tried : list of str
-        What was tried and why it was left.
+        Ways that did not lead to the solution, each with the reason.
     seconds : float or None
-        Time of all; None if it has not run.
+        Time of the whole solve; None if it has not run.
+    decisions : dict
+        Each choice between ways (`way, because, measured, threshold`), under its question:
+        "solver", "first guess", "unknowns", "full contact", "control", "branch".
 
     Examples
     --------
@@ -51,12 +57,15 @@ class Plan:
     >>> solution = contact.solve(scene)
     >>> solution.plan["coarse search"].used, solution.plan.tried
     (False, [])
+    >>> print(solution.plan.decisions["solver"])
+    closed form, since one symmetric interval of a half-plane needs no coupled system
     """
 
     parts: list[Part] = field(default_factory=list)
     counts: dict[str, int] = field(default_factory=dict)
     tried: list[str] = field(default_factory=list)
     seconds: float | None = None
+    decisions: dict[str, Decision] = field(default_factory=dict)
     _within: list[float] = field(default_factory=list, repr=False)
 
     def __getitem__(self, name: str) -> Part:
@@ -65,11 +74,20 @@ class Plan:
                 return part
         raise KeyError(name)
 
+    def decide(
+        self,
+        question: str,
+        way: str,
+        because: str,
+        measured: float | None = None,
+        threshold: float | None = None,
+    ) -> None:
+        """Keep the answer to a question; a later answer replaces an earlier one."""
+        self.decisions[question] = Decision(way, because, measured, threshold)
+
     @contextmanager
     def timed(self, name: str) -> Iterator[Part]:
-        """Add the time of a block to a part, less that of the parts within it: seconds of parts add
-        up.
-        """
+        """Add the time of a block to a part, without the time of parts timed inside the block."""
         part = self[name]
         start = time.perf_counter()
         self._within.append(0.0)
@@ -82,7 +100,7 @@ class Plan:
                 self._within[-1] += took
 
     def share(self, part: Part) -> float | None:
-        """Share of the time that a part took; None if it has not run, or has no time of its own."""
+        """Share of the whole time that a part took; None if it has no time of its own."""
         return None if part.seconds is None or not self.seconds else part.seconds / self.seconds
 
     def to_dict(self) -> dict[str, Any]:
@@ -92,6 +110,10 @@ class Plan:
             "counts": dict(self.counts),
             "tried": list(self.tried),
             "seconds": self.seconds,
+            "decisions": {
+                question: {**vars(decision), "text": str(decision)}
+                for question, decision in self.decisions.items()
+            },
         }
 
     def __str__(self) -> str:
@@ -99,12 +121,15 @@ class Plan:
             f"{'used' if p.used else 'left out':9}{p.name:22}{p.reason} {p.detail}"
             for p in self.parts
         ]
-        lines += [f"{'tried':9}{left}" for left in self.tried]
+        lines += [
+            f"{'decided':9}{question:22}{decision}" for question, decision in self.decisions.items()
+        ]
+        lines += [f"{'tried':9}{failure}" for failure in self.tried]
         return "\n".join(line.rstrip() for line in lines)
 
 
 def plan(scene: Scene) -> Plan:
-    """What solving the scene would run, without running it.
+    """Return what solving the scene would run, without running it.
 
     Parameters
     ----------
@@ -117,7 +142,7 @@ def plan(scene: Scene) -> Plan:
     Raises
     ------
     SceneError
-        If it is no scene.
+        If the argument is not a scene.
 
     Examples
     --------
@@ -134,7 +159,7 @@ def plan(scene: Scene) -> Plan:
     kinks = len(profile.kinks) + len(profile.algebraic_points)
     why_no_search = "zones are given" if given else "one symmetric asperity"
     only_images = f"{model.name}: nothing repeats beyond its images"
-    return Plan(
+    made = Plan(
         [
             _part(
                 "numerical slope",
@@ -173,16 +198,24 @@ def plan(scene: Scene) -> Plan:
             Part("fields", False, "computed when asked"),
         ]
     )
+    if given:
+        made.decide("first guess", "the given zone", "the half width is given")
+    elif single:
+        made.decide("first guess", "one zone", "the profile is one symmetric asperity")
+    else:
+        made.decide("first guess", "a grid", "the number of zones is unknown")
+    if made["branch"].used:
+        made.decide("branch", "one branch is followed", f"{made['branch'].reason}")
+    return made
 
 
 def _part(name: str, used: bool, why: str, why_not: str) -> Part:
+    """One part with the reason for or against it."""
     return Part(name, used, why if used else why_not)
 
 
 def _inverse(scene: Scene) -> Part:
-    """What the model's operator offers beyond its kernel: full contact, and nearly full contact by
-    its gaps.
-    """
+    """The part that solves full contact, and nearly full contact by its gaps."""
     operator, name = (
         scene.operator,
         scene.interaction.name if scene.operator.is_own else scene.substrate.name,
@@ -200,7 +233,7 @@ def _inverse(scene: Scene) -> Part:
 
 
 def _branch(scene: Scene) -> Part:
-    """Which of several equilibria: filled in as it is followed."""
+    """The part that follows one of several equilibria."""
     if not scene.law.equilibria.several:
         return Part(
             "branch",
@@ -215,6 +248,7 @@ def _branch(scene: Scene) -> Part:
 
 
 def _symmetry(scene: Scene) -> Part:
+    """The part that solves one half of a symmetric contact."""
     if scene.turned:
         return Part("symmetry", False, "the body is turned")
     return _part(
@@ -223,7 +257,7 @@ def _symmetry(scene: Scene) -> Part:
 
 
 def _tilt(scene: Scene) -> Part:
-    """The tilt of the body: none, a part of the profile, or one more unknown."""
+    """The part that turns the body: by a given tilt, or by one that is an unknown."""
     if not scene.turned:
         return Part(
             "tilt",
@@ -240,8 +274,9 @@ def _tilt(scene: Scene) -> Part:
 
 
 def starts_from_one_zone(scene: Scene) -> bool:
-    """Whether the first guess is one zone about the tip of a symmetric asperity, as wide as on a
-    half-plane.
+    """Whether the first guess is one zone about x = 0, as wide as on a half-plane.
+
+    That is so for one symmetric asperity with its tip at x = 0.
     """
     summits = scene.profile.summits
     if not scene.operator.is_plain:

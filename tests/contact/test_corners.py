@@ -12,6 +12,7 @@ from scipy.integrate import quad
 
 import contact
 from contact.reference import exact
+from contact.search.strategies.gaps import GapOptions
 from contact.testing import check_profile
 from tests.contact import reference
 from tests.contact.corners import CorneredZone, FoldedContact, Power, Wave, polygon, rows
@@ -351,7 +352,7 @@ class TestMeasuredProfiles:
         profile = contact.Sampled(x, heights, period=1.0)
         full = solve(profile, contact.Periodic(), contact_fraction=1.0)
         by_gaps = solve(profile, contact.Periodic(), tol=1e-8, load=0.75 * full.load)
-        monkeypatch.setattr("contact.search.strategies.gaps._NEARLY_FULL", 2.0)
+        monkeypatch.setattr("contact.search.strategies.gaps.OPTIONS", GapOptions(wide_contact=2.0))
         by_zones = solve(profile, contact.Periodic(), tol=1e-7, load=0.75 * full.load)
         assert by_gaps.certificate.note == "solved by its gaps" and by_zones.certificate.note == ""
         assert by_zones.zones == pytest.approx(by_gaps.zones, abs=1e-7)

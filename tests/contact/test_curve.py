@@ -11,7 +11,7 @@ import contact.search.grid.nested_grids
 import contact.search.strategies.guesses
 import sie.ends.newton
 from contact.search import refine
-from contact.search.topology.extrapolation import CurvePoint, carried
+from contact.search.topology.extrapolation import CurvePoint, extrapolated
 from contact.search.topology.pressure_form import PressureForm
 from contact.studies.trace_kinds import drawn
 from contact.verify.certificate import certify
@@ -190,7 +190,7 @@ def test_ends_are_carried_on_by_values_and_rates_to_the_order_that_these_tell(kn
     for step in (0.08, 0.04):
         last = passed(profile, *(load * np.exp(-k * step) for k in range(known, 0, -1)))
         there = contact.solve(scene(profile, load=load), tol=1e-10)
-        zones, changes = carried(last, float(np.log(load)))
+        zones, changes = extrapolated(last, float(np.log(load)))
         assert len(there.zones) == 3 and changes == 0
         missed.append(np.abs(last[-1].problem.units.x(zones) - there.zones).max())
     assert missed[0] / missed[1] > 0.7 * 2**order
@@ -206,12 +206,12 @@ def test_zones_are_born_and_gaps_close_as_they_are_carried_on():
     for event in events:
         before = passed(profile, 0.98 * event.load)
         assert (
-            carried(before, float(np.log(0.99 * event.load)))[1]
+            extrapolated(before, float(np.log(0.99 * event.load)))[1]
             == 0
-            < carried(before, float(np.log(1.01 * event.load)))[1]
+            < extrapolated(before, float(np.log(1.01 * event.load)))[1]
         )
     birth = events[0]
-    zones, _ = carried(passed(profile, 0.98 * birth.load), float(np.log(1.01 * birth.load)))
+    zones, _ = extrapolated(passed(profile, 0.98 * birth.load), float(np.log(1.01 * birth.load)))
     # Positions lie in the cell, zones carried on may lie in the next one.
     middles = zones.mean(axis=1)
     away = np.abs(birth.position - middles - np.round(birth.position - middles))
@@ -294,7 +294,7 @@ def test_narrow_gaps_that_become_slits_of_wide_zones_or_cease_to_be_do_not_stop_
 
 @pytest.mark.parametrize("near", [False, True], ids=["along a curve", "near"])
 def test_what_a_solution_near_by_leads_to_too_roughly_is_looked_for_from_nothing(near, monkeypatch):
-    real = refine._as_told
+    real = refine._refined_once
 
     def off(context, found, again):
         outcome = real(context, found, again)
@@ -304,7 +304,7 @@ def test_what_a_solution_near_by_leads_to_too_roughly_is_looked_for_from_nothing
             else outcome
         )
 
-    monkeypatch.setattr(refine, "_as_told", off)
+    monkeypatch.setattr(refine, "_refined_once", off)
     loads = full_load(ROUGH) * np.array([0.2, 0.25])
     if near:
         first = contact.solve(scene(ROUGH, load=loads[0]))
@@ -318,10 +318,10 @@ def test_what_a_solution_near_by_leads_to_too_roughly_is_looked_for_from_nothing
 
 
 def test_what_is_no_better_from_nothing_is_refused_with_its_best_state(monkeypatch):
-    full, real = full_load(ROUGH), refine._as_told
+    full, real = full_load(ROUGH), refine._refined_once
     first = contact.solve(scene(ROUGH, load=0.2 * full))
     monkeypatch.setattr(
-        refine, "_as_told", lambda *given: dataclasses.replace(real(*given), off=1e-6)
+        refine, "_refined_once", lambda *given: dataclasses.replace(real(*given), off=1e-6)
     )
     with pytest.raises(contact.NotConverged) as refused:
         contact.solve(scene(ROUGH, load=0.25 * full), near=first)

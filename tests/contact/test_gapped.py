@@ -8,6 +8,7 @@ import pytest
 import contact
 from contact.reference import exact
 from contact.reference.inverse import random_problem
+from contact.search.strategies.gaps import GapOptions
 from tests.contact.corners import polygon
 from tests.contact.judge import pressure_error, true_error
 from tests.tiers import quick
@@ -74,7 +75,7 @@ def test_gaps_and_zones_give_the_same_contact(seed, monkeypatch):
     design = random_problem(np.random.default_rng(seed), zones=4, period=1.0, fraction=0.8)
     scene = contact.Scene(design.profile, 1.0, contact.Periodic(), load=design.load)
     by_gaps = contact.solve(scene)
-    monkeypatch.setattr("contact.search.strategies.gaps._NEARLY_FULL", 2.0)
+    monkeypatch.setattr("contact.search.strategies.gaps.OPTIONS", GapOptions(wide_contact=2.0))
     by_zones = contact.solve(scene)
     assert (by_gaps.certificate.note, by_zones.certificate.note) == ("solved by its gaps", "")
     assert by_gaps.zones == pytest.approx(design.zones, abs=1e-9)

@@ -9,6 +9,7 @@ import pytest
 
 import contact
 from contact.formulation.tables import parted_at_wide
+from contact.search.strategies.gaps import GapOptions
 
 STYLUS = Path(__file__).parents[2] / "examples" / "data" / "stylus-profile.csv"
 T = np.cos(np.pi * (np.arange(8) + 0.5) / 8)
@@ -49,7 +50,9 @@ def test_zones_and_gaps_of_a_trace_are_the_same_contact(monkeypatch):
     scene = contact.Scene(profile, 1.0, contact.Periodic(), mean_pressure=load)
     found = []
     for nearly_full in (0.999, 0.01):
-        monkeypatch.setattr("contact.search.strategies.gaps._NEARLY_FULL", nearly_full)
+        monkeypatch.setattr(
+            "contact.search.strategies.gaps.OPTIONS", GapOptions(wide_contact=nearly_full)
+        )
         found.append(contact.solve(scene))
     zones, gaps = found
     assert (

@@ -10,6 +10,7 @@ import pytest
 import contact
 from contact.reference import exact
 from contact.reference.inverse import random_problem
+from contact.search.strategies.gaps import GapOptions
 from tests.contact import numbers
 
 PERIODIC = contact.Periodic()
@@ -175,7 +176,7 @@ def test_numbers_of_a_localized_strip_are_those_of_its_pressure(closure):
 def test_zones_and_gaps_hand_out_the_same_numbers(profile, share, monkeypatch):
     monkeypatch.setattr("contact.solver.directly", lambda scene, tol: None)
     by_gaps = solved(profile, share)
-    monkeypatch.setattr("contact.search.strategies.gaps._NEARLY_FULL", 2.0)
+    monkeypatch.setattr("contact.search.strategies.gaps.OPTIONS", GapOptions(wide_contact=2.0))
     by_zones = solved(profile, share)
     assert [s.certificate.note for s in (by_gaps, by_zones)] == ["solved by its gaps", ""]
     error, unit = by_gaps.error + by_zones.error, unit_of(by_zones)

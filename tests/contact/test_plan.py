@@ -14,6 +14,7 @@ import pytest
 
 import contact
 from contact.reference.inverse import design
+from contact.solution.decision import Decision
 
 L, DELTA, E = 1.0, 1e-3, 1.0
 PERIODIC, ISOLATED = contact.Periodic(), contact.Isolated()
@@ -414,3 +415,61 @@ def test_what_no_part_of_a_scene_needs_is_not_loaded_for_it():
     assert loaded_after(
         code, [*others, "contact.adhesion.pull_off_of_solution", "tomllib", "fractions", "sie"]
     ) == {"sie"}
+
+
+class TestDecisions:
+    """Each choice between ways is in the plan, with the number that decided it."""
+
+    ROUGH = contact.Fourier(L, [-DELTA, 3e-4, 1e-4], [2e-4, -1e-4, 3e-4])
+
+    @pytest.mark.parametrize(
+        ("profile", "control", "question", "way", "because"),
+        [
+            (WAVE, {"half_width": 0.2}, "solver", "closed form", "no coupled system"),
+            (WAVE, {"half_width": 0.2}, "first guess", "the given zone", "half width is given"),
+            (ROUGH, {"mean_pressure": 2e-4}, "solver", "coupled system", "closed form is for"),
+            (ROUGH, {"mean_pressure": 2e-4}, "first guess", "a grid", "number of zones is unknown"),
+            (ROUGH, {"mean_pressure": 2e-4}, "unknowns", "zones", "of the period, below 0.7"),
+            (ROUGH, {"mean_pressure": 4e-3}, "unknowns", "gaps", "of the period, above 0.7"),
+            (ROUGH, {"mean_pressure": 0.1}, "full contact", "full contact", "Pa, above"),
+            (ROUGH, {"contact_fraction": 0.3}, "first guess", "a grid", "a contact fraction"),
+            (WAVE, {"contact_fraction": 1.0}, "full contact", "full contact", "fraction is 1"),
+        ],
+    )
+    def test_a_plan_tells_each_choice_and_its_reason(
+        self, profile, control, question, way, because
+    ):
+        plan = solve(profile, tol=1e-7, **control).plan
+        decision = plan.decisions[question]
+        assert decision.way == way and because in decision.reason
+        assert f"{way}, since {decision.reason}" in str(plan)
+        assert plan.to_dict()["decisions"][question]["text"] == str(decision)
+
+    def test_the_measured_number_is_on_the_side_of_its_threshold_that_was_chosen(self):
+        for pressure in (1e-3, 2e-3, 4e-3, 6e-3):
+            solution = solve(self.ROUGH, tol=1e-7, mean_pressure=pressure)
+            choice = solution.plan.decisions["unknowns"]
+            assert (choice.way == "gaps") == (choice.measured > choice.threshold)
+            assert choice.measured == pytest.approx(solution.contact_fraction, abs=0.05)
+
+    def test_a_near_solution_is_named_as_the_first_guess(self):
+        first = solve(self.ROUGH, tol=1e-7, mean_pressure=5e-4)
+        again = contact.solve(
+            contact.Scene(self.ROUGH, E, PERIODIC, mean_pressure=5.1e-4), near=first
+        )
+        assert again.plan.decisions["first guess"].way == "the warm start"
+
+    def test_along_a_curve_the_previous_zones_are_named(self):
+        scene = contact.Scene(self.ROUGH, E, PERIODIC, load=1.0)
+        *_, last = contact.solve_many(scene, [5e-4, 5.5e-4, 6e-4], tol=1e-7)
+        choice = last.plan.decisions["first guess"]
+        assert choice.way == "the previous zones, extrapolated"
+        assert choice.measured <= choice.threshold
+
+    def test_a_plan_made_beforehand_tells_the_first_guess(self):
+        plan = contact.plan(contact.Scene(self.ROUGH, E, PERIODIC, mean_pressure=1e-3))
+        assert str(plan.decisions["first guess"]) == "a grid, since the number of zones is unknown"
+
+    def test_a_decision_reads_as_a_sentence(self):
+        choice = Decision("gaps", "contact is {} of the period", 0.81, 0.7)
+        assert str(choice) == "gaps, since contact is 0.81 of the period, above 0.7"

@@ -229,7 +229,7 @@ def propose(
     if points is not None:
         target = limit = int(points)
     else:
-        target, limit = asked(width, resolution, max_points)
+        target, limit = points_for(width, resolution, max_points)
         if _features(width, resolution) > _FEATURES:
             # What this is wrong by, the look at the signs puts right as well.
             tol = max(tol, _PASSING)
@@ -260,7 +260,7 @@ def _features(width: float, resolution: float | None) -> float:
     return 16.0 if resolution is None else width / resolution
 
 
-def asked(width: float, resolution: float | None, most: int) -> tuple[int, int]:
+def points_for(width: float, resolution: float | None, most: int) -> tuple[int, int]:
     """(points that a cell of this width asks for, points at the most)."""
     features = _features(width, resolution)
     wanted = max(

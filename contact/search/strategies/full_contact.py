@@ -1,8 +1,6 @@
-"""Full contact, and what is refused because of where it begins."""
+"""Full contact: the load at which it begins, and the controls that it makes impossible."""
 
 import math
-
-import numpy as np
 
 from contact.errors import OutOfRange
 from contact.formulation.controls import Control
@@ -13,6 +11,10 @@ from contact.search.context import SolveContext
 from contact.solution.assemble import mean_height
 from sie import record
 
+_EPS = 2.0**-52
+# Rounding of a height, in units of EPS times the height: a few operations on it.
+_HEIGHT_ROUNDING = 8.0 * _EPS
+
 
 @record
 class Full:
@@ -22,7 +24,7 @@ class Full:
 
 
 def smallest_full(context: SolveContext) -> Full:
-    """Under the smallest mean pressure; OutOfRange where there is none, or none that could be told."""
+    """Full contact under the smallest mean pressure; OutOfRange where there is none."""
     pressure = context.full.pressure
     if math.isfinite(pressure):
         return Full(pressure)
@@ -34,98 +36,109 @@ def smallest_full(context: SolveContext) -> Full:
 
 
 def no_inverse(context: SolveContext, what: str) -> str:
+    """The message of a refusal for an interaction without a symbol."""
     name = context.scene.interaction.name
     return (
-        f"{what}: the interaction {name!r} gives a kernel and no symbol, so the pressure that flattens the surface cannot be told. "
+        f"{what}: the interaction {name!r} gives a kernel and no symbol, "
+        "so the pressure that flattens the surface cannot be told. "
         "Give it a `symbol`, or ask for less contact"
     )
 
 
 def full_under(context: SolveContext, control: Control, but_for_kinks: bool = False) -> Full | None:
-    """Full contact, if the load, or the approach of a body with a base, is that of it or above.
-    but_for_kinks: or where nothing is left of it but gaps over kinks of valleys, narrower than
-    digits tell.
+    """Full contact if the control asks for it, else None.
+
+    The load must be that of full contact or above it; so must the approach of a body with a base.
+    but_for_kinks: gaps over the kinks of valleys, narrower than digits resolve, count as closed.
     """
-    scene = context.scene
-    if not (context.full.is_known if but_for_kinks else context.full.possible):
+    limit = context.full
+    if not (limit.is_known if but_for_kinks else limit.possible):
         return None
-    held = control.approach if scene.given_load is None else control.load
-    mean_pressure = None if held is None else closed_pressure(context)
-    return (
-        None
-        if mean_pressure is None or mean_pressure < context.full.onset_pressure
-        else Full(mean_pressure)
+    controlled = control.approach if context.scene.given_load is None else control.load
+    mean_pressure = None if controlled is None else closed_pressure(context)
+    if mean_pressure is None:
+        return None
+    is_full = mean_pressure >= limit.onset_pressure
+    context.plan.decide(
+        "full contact",
+        "full contact" if is_full else "part contact",
+        "the mean pressure of closed surfaces is {} Pa",
+        mean_pressure,
+        limit.onset_pressure,
     )
+    return Full(mean_pressure) if is_full else None
 
 
 def closed_pressure(context: SolveContext) -> float | None:
-    """Mean pressure [Pa] of surfaces that are closed over the whole period, under the scene's
-    control; None where that does not tell it: an approach does where the substrate has a base, or a
-    spring is between.
+    """Mean pressure [Pa] of surfaces closed over the whole period, under the scene's control.
+
+    None where the control does not determine it. An approach determines it where the substrate has
+    a base, or a spring is in series.
     """
-    scene, period, approach = (
-        context.scene,
-        context.scene.profile.period,
-        context.scene.held(Quantity.APPROACH),
-    )
+    scene = context.scene
+    period, approach = scene.profile.period, scene.held(Quantity.APPROACH)
     if period is None:
         return None
     if scene.given_load is not None:
         return scene.given_load / period if scene.mean_pressure is None else scene.mean_pressure
-    # Beyond the mean of the profile the base gives way to a uniform pressure, and the spring to the
-    # load.
-    give = (
-        2 * (context.operator.compression or 0.0) / scene.E_star
-        + (context.spring_compliance or 0.0) * period
-    )
-    return None if approach is None or give == 0.0 else (approach - mean_height(scene)) / give
+    # The approach beyond the mean of the profile compresses the base and the spring.
+    base = 2 * (context.operator.compression or 0.0) / scene.E_star
+    compliance = base + (context.spring_compliance or 0.0) * period
+    if approach is None or compliance == 0.0:
+        return None
+    return (approach - mean_height(scene)) / compliance
 
 
 def closed(context: SolveContext) -> Full:
-    """Surfaces that adhesion has closed over the whole period; OutOfRange where the control does
-    not tell their pressure.
-    """
+    """Surfaces closed by adhesion; OutOfRange if the control does not determine their pressure."""
     mean_pressure = closed_pressure(context)
     if mean_pressure is None:
         raise OutOfRange(
-            "the surfaces close altogether, and in full contact the approach does not tell the load: give a load"
+            "the surfaces close altogether, and in full contact the approach does not tell "
+            "the load: give a load"
         )
     return Full(mean_pressure)
 
 
 def refuse_full_approach(context: SolveContext, problem: Problem, control: Control) -> None:
-    """OutOfRange for an approach that is that of full contact or above it, or that no load has."""
+    """Raise OutOfRange for an approach that no load has, or that means full contact or more."""
     if control.approach is None:
         return
-    scene, units = context.scene, problem.units
-    datum, support = context.operator.datum, scene.profile.support
-    upright = scene.is_flat and not scene.turned
-    # A punch as wide as four times the datum has that of a line load there: no load lowers it.
+    units, limit = problem.units, context.full
+    _refuse_wide_punch(context, control.approach * units.height)
     if (
-        datum is not None
-        and context.operator.is_plain
-        and support is not None
-        and upright
-        and support[1] - support[0] >= 4 * datum
-    ):
-        raise OutOfRange(
-            f"approach {control.approach * units.height:.6g} m: a flat punch of width {support[1] - support[0]:.6g} m has none above zero "
-            f"with a datum of {datum:.6g} m"
-        )
-    if (
-        not context.full.approached
-        or (context.operator.has_inverse and not context.full.possible)
+        not limit.approached
+        or (context.operator.has_inverse and not limit.possible)
         or context.operator.compression
     ):
         return
-    # Without a base u has no mean: the mean gap is that of the profile less the approach.
+    # Without a base the mean displacement is zero, so the mean gap is the mean of the profile less
+    # the approach. Both are differences from the lowest point, with the rounding of heights.
     highest = mean_shape(problem)
-    # Both are differences from the lowest point, rounded as heights are.
-    rounding = (
-        8.0 * float(np.finfo(np.float64).eps) * (highest + abs(problem.lowest) / units.height)
-    )
+    rounding = _HEIGHT_ROUNDING * (highest + abs(problem.lowest) / units.height)
     if control.approach >= highest - rounding:
         raise OutOfRange(
-            f"approach {control.approach * units.height:.15g} m is not below {highest * units.height:.15g} m, the mean of "
-            "the profile: there it is in full contact, at any load above the smallest, or as near to it as digits of the approach tell"
+            f"approach {control.approach * units.height:.15g} m is not below "
+            f"{highest * units.height:.15g} m, the mean of the profile: there it is in full "
+            "contact, at any load above the smallest, or as near to it as digits of the approach "
+            "tell"
+        )
+
+
+def _refuse_wide_punch(context: SolveContext, approach: float) -> None:
+    """Raise OutOfRange for a flat punch too wide for the datum of its approach.
+
+    A punch 4 datums wide has the approach zero under any load: its logarithmic capacity, a quarter
+    of the width, equals the datum.
+    """
+    scene, datum = context.scene, context.operator.datum
+    support = scene.profile.support
+    upright = scene.is_flat and not scene.turned
+    if datum is None or support is None or not (context.operator.is_plain and upright):
+        return
+    width = support[1] - support[0]
+    if width >= 4 * datum:
+        raise OutOfRange(
+            f"approach {approach:.6g} m: a flat punch of width {width:.6g} m has none above zero "
+            f"with a datum of {datum:.6g} m"
         )

@@ -1,8 +1,7 @@
-"""Nearly full contact: found by its gaps, where the operator has an inverse and the contact is
-wide.
-"""
+"""Nearly full contact, solved for its gaps: the operator needs an inverse, the contact is wide."""
 
 import math
+from dataclasses import dataclass
 
 from contact.formulation.controls import Control
 from contact.formulation.gaps import GapFields
@@ -17,36 +16,55 @@ from contact.search.topology.loop import NewtonSettings, refine_topology
 from contact.verify.error import SolvedGaps
 from sie import Array
 
-# Contact of more than this part of the period is solved by its gaps.
-_NEARLY_FULL = 0.7
-# The same for several asperities whose valleys have kinks: gaps over them, however narrow, are
-# unknowns like any others.
-_WITH_KINKS = 0.25
-# An end of a gap moves all of the pressure beside it: gaps are found to this part of what zones
-# are.
-OF_GAPS = 0.01
+
+@dataclass(frozen=True)
+class GapOptions:
+    """From which contact fraction gaps are the unknowns, and how precisely they are found."""
+
+    # Both ways solve a contact between 0.5 and 0.9; gaps need fewer modes above about 0.7.
+    wide_contact: float = 0.7
+    # With kinks in the valleys of several asperities: no load closes a gap over a kink, and narrow
+    # ones are lost between zones.
+    wide_contact_with_kinks: float = 0.25
+    # Tolerance of gap ends over that of zone ends. An end of a gap moves all the pressure next to
+    # it, and a gap is narrow where contact is nearly full.
+    tolerance_factor: float = 0.01
+
+
+OPTIONS = GapOptions()
 
 NOT_WIDE = Failure(
     "the contact is not wide enough to be solved by its gaps, or the operator has no inverse"
 )
 
 
-def worth_gaps(context: SolveContext, problem: Problem, width: float) -> bool:
-    """Whether contact of about this scaled width is better solved by its gaps."""
-    if (
-        not (
-            context.full.approached
-            and context.operator.has_inverse
-            and context.scene.law.routes.gaps
-        )
-        or problem.period is None
-    ):
+def gaps_are_better(
+    context: SolveContext, problem: Problem, width: float, options: GapOptions | None = None
+) -> bool:
+    """Whether contact of about this scaled width is better solved for its gaps.
+
+    The answer is kept in the plan.
+    """
+    options, period = options or OPTIONS, problem.period
+    if period is None:
+        context.plan.decide("unknowns", "zones", "a lone body has no full contact")
         return False
-    return (
-        width
-        > (_NEARLY_FULL if context.full.possible or context.single else _WITH_KINKS)
-        * problem.period
+    if not (
+        context.full.approached and context.operator.has_inverse and context.scene.law.routes.gaps
+    ):
+        context.plan.decide("unknowns", "zones", "full contact, or its operator, is not known")
+        return False
+    closes = context.full.possible or context.single
+    threshold = options.wide_contact if closes else options.wide_contact_with_kinks
+    is_wide = width > threshold * period
+    context.plan.decide(
+        "unknowns",
+        "gaps" if is_wide else "zones",
+        "contact is {} of the period",
+        min(width / period, 1.0),
+        threshold,
     )
+    return is_wide
 
 
 def by_gaps(
@@ -55,99 +73,72 @@ def by_gaps(
     control: Control,
     width: float,
     zones: Array | None = None,
-    abandon_if_far: bool = False,
-    allow_loss: bool = False,
+    **newton: bool,
 ) -> SolvedGaps | Failure:
-    """The contact solved by its gaps, where it is about as wide as that; allow_loss: see `NewtonSettings`."""
-    if control.half_width is not None or not worth_gaps(context, problem, width):
+    """The contact solved for its gaps, if its scaled width is about `width` and that is wide.
+
+    zones: about where contact is, if that is known. newton: `abandon_if_far` and `allow_loss` of
+    `NewtonSettings`.
+    """
+    if control.half_width is not None or not gaps_are_better(context, problem, width):
         return NOT_WIDE
     form = GapForm(problem, context.cache.relief(problem))
+    width = width if control.width is None else control.width
     with context.plan.timed("zone ends"):
-        found = _found(context, form, control, width, zones, abandon_if_far, allow_loss)
+        found = _from_guesses(context, form, control, width, zones, **newton)
         if isinstance(found, Failure):
             return found
         found = tightened_gaps(context, found)
-    return (
-        found
-        if math.isfinite(found.error)
-        else Failure("the gaps leave no pressure that could be told", found.free)
-    )
+    if not math.isfinite(found.error):
+        return Failure("the gaps leave no pressure that could be told", found.free)
+    return found
 
 
-def _found(
+def _from_guesses(
     context: SolveContext,
     form: GapForm,
     control: Control,
     width: float,
     zones: Array | None,
-    abandon_if_far: bool,
-    allow_loss: bool,
+    **newton: bool,
 ) -> SolvedGaps | Failure:
-    """First guesses, Newton, signs. width: about that of all contact, zones: about where it is;
-    abandon_if_far: these are those of a solution, and given up as soon as they turn out to be far.
-    """
-    tolerance, period = OF_GAPS * context.tolerance, form.problem.repeat_length
+    """Gaps from those between the known zones; else from where full contact would pull."""
+    tolerance = OPTIONS.tolerance_factor * context.tolerance
+    period, guesses = form.problem.repeat_length, context.cache.gap_guesses(form.problem)
     try:
-        width = width if control.width is None else control.width
-        mean = (
-            control.load / period
-            if control.load is not None
-            else context.cache.first_gaps(form.problem).mean_of(width)
-        )
+        mean = guesses.mean_of(width) if control.load is None else control.load / period
         if zones is not None and len(zones) > 0:
-            # Where zones are known about, so are the gaps; but not those that a grid does not see.
-            newton = NewtonSettings(
-                tolerance, mean, abandon_if_far=abandon_if_far, allow_loss=allow_loss
-            )
-            found = refine_topology(
-                form, control, united(gaps_between(zones, period), period, True, form.what), newton
-            )
-            if abandon_if_far or isinstance(found, SolvedGaps):
+            table = united(gaps_between(zones, period), period, True, form.what)
+            found = refine_topology(form, control, table, NewtonSettings(tolerance, mean, **newton))
+            # A grid does not see all gaps; the zones of a solution leave none out.
+            if newton.get("abandon_if_far") or isinstance(found, SolvedGaps):
                 return found
-        first = context.cache.first_gaps(form.problem)
-        return refine_topology(form, control, first.gaps(mean), NewtonSettings(tolerance, mean))
+        return refine_topology(form, control, guesses.gaps(mean), NewtonSettings(tolerance, mean))
     except WrongTopology as wrong:
         return wrong.failure
 
 
-def gaps_beside(
-    problem: Problem,
-    near: GapFields,
-    control: Control,
-    tolerance: float,
-    abandon_if_far: bool,
-    initial_error: float = 1.0,
+def gaps_from_fields(
+    problem: Problem, fields: GapFields, control: Control, newton: NewtonSettings
 ) -> SolvedGaps | Failure:
-    """From the gaps of fields near by. abandon_if_far: given up as soon as these turn out to be far off.
-    initial_error: see `NewtonSettings`.
-    """
-    form = GapForm(problem, near.relief)
-    return refine_topology(
-        form,
-        control,
-        near.gap_slope.zones.table,
-        NewtonSettings(
-            tolerance, near.mean, abandon_if_far=abandon_if_far, initial_error=initial_error
-        ),
-    )
+    """The contact from the gaps of a similar solution."""
+    form = GapForm(problem, fields.relief)
+    return refine_topology(form, control, fields.gap_slope.zones.table, newton)
 
 
-def tightened_gaps(context: SolveContext, found: SolvedGaps, stuck: bool = False) -> SolvedGaps:
-    """Solved again from the same gaps, where the error came out above the wanted one. stuck: even
-    where rounding has kept the ends from the tolerance before.
+def tightened_gaps(context: SolveContext, found: SolvedGaps, retry: bool = False) -> SolvedGaps:
+    """The same gaps solved more precisely, if the stated error exceeds the wanted one.
+
+    retry: also where rounding kept the ends from the tolerance before.
     """
 
     def again(here: SolvedGaps, tolerance: float) -> SolvedGaps | Failure:
-        return gaps_beside(
-            here.fields.problem,
-            here.fields,
-            here.control,
-            tolerance,
-            abandon_if_far=True,
-            initial_error=here.error,
-        )
+        mean = here.fields.mean
+        newton = NewtonSettings(tolerance, mean, abandon_if_far=True, initial_error=here.error)
+        return gaps_from_fields(here.fields.problem, here.fields, here.control, newton)
 
-    def at_rest(here: SolvedGaps, tolerance: float) -> bool:
-        return here.free.trace[-1].move > tolerance and not stuck
+    def is_limited_by_rounding(here: SolvedGaps, tolerance: float) -> bool:
+        return here.free.trace[-1].move > tolerance and not retry
 
-    return tightened(context, found, OF_GAPS * context.tolerance, again, at_rest)
+    tolerance = OPTIONS.tolerance_factor * context.tolerance
+    return tightened(context, found, tolerance, again, is_limited_by_rounding)

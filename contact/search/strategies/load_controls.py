@@ -1,12 +1,12 @@
-"""Controls that are found by loads: an approach that a grid does not find, and a contact fraction.
+"""Controls found by way of loads: an approach that a grid does not find, and a contact fraction.
 
-Solutions under a load are the sure ones: a bracket on the load (contact.search.strategies.load_search) comes
-so near that the zones under the load lead to those of the control itself.
+A contact under a load is found with certainty. A bracket on the load comes so close to the wanted
+value that the zones under the load lead to those of the control itself.
 """
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -20,58 +20,68 @@ from contact.search.grid.nested_grids import Proposal
 from contact.search.grid.proposals import of_width, placed
 from contact.search.grid.scaling import ScaledScene, scaled_scene_about
 from contact.search.grid.tilt import known_part
-from contact.search.strategies.gaps import OF_GAPS, by_gaps, gaps_beside, tightened_gaps
-from contact.search.strategies.load_search import approach, contact_fraction, nearer
+from contact.search.strategies import gaps, load_search
+from contact.search.strategies.gaps import by_gaps, gaps_from_fields, tightened_gaps
+from contact.search.strategies.load_search import LoadLimits, approach, contact_fraction, nearer
 from contact.search.topology.failure import Failure
+from contact.search.topology.loop import NewtonSettings
 from contact.solution.solution import Solution
 from contact.verify.error import SolvedGaps, SolvedZones
+from sie import Array
 
-# Of a load: near enough for the zones to lead to those of the approach, and to be about them.
-NEAR_LOAD = 1e-2
-NEARER_LOAD = 1e-5
-# Of a load: near enough for the zones to lead to those of a width; where they did not, how much
-# nearer before it is tried again.
-_NEAR_WIDTH = 5e-3
-_MUCH_NEARER = 0.1
-# A contact fraction is not told by the load where it is missed by more than this when the bracket
-# is closed.
-_JUMP = 1e-9
-# Of what is in contact, or of what is not: a change by more is searched for by a grid.
-_BESIDE = 0.3
-# Likewise: a solution farther off is no better a start than a grid.
-_FAR = 0.1
-# What is left open, of the period, where the gaps are looked for at once.
-_LAST_OPEN = 1e-3
-# Newton steps and rounds from zones so near; and where a bracket on the load is closed.
-_FEW = 12
-_FEW_ROUNDS = 5
-_CLOSED = 1e-14
-# Tolerance of solutions on the way to an approach or a contact fraction; at first, while these are
-# far off.
-_ON_THE_WAY = 1e-7
-_FIRST_ONES = 1e-5
+
+@dataclass(frozen=True)
+class LoadControlOptions:
+    """How close a load comes before the control itself is solved for."""
+
+    near_load: float = 1e-2  # relative; zones then have the number and place of the wanted ones
+    nearer_load: float = 1e-5  # relative; tried where the first was not close enough
+    near_width: float = 5e-3  # of a contact fraction, as above
+    retry_factor: float = 0.1  # how much closer the load comes before the width is tried again
+    # A fraction that the closed bracket still misses by more jumps there: rounding is 1e-14.
+    jump: float = 1e-9
+    closed: float = 1e-14  # bracket on the load of a contact fraction: round-off
+    # Of what is in contact, or of what is not: a larger change is solved from a grid.
+    max_change: float = 0.3
+    # Of the period: narrower open parts are tops of the full contact's pressure, unseen by grids.
+    last_open: float = 1e-3
+    # A similar solution starts the search if its fraction is within this part, as above.
+    close_fraction: float = 0.1
+    first_load: float = 0.3  # over E* and the approach; any start leads on
+    max_newton_steps: int = 12  # from zones so close; more are a sign of other zones
+    max_rounds: int = 5
+    tolerance: float = 1e-7  # of solutions on the way
+    first_tolerance: float = 1e-5  # of those farther away than `near_width`
+
+
+OPTIONS = LoadControlOptions()
 
 
 def at_approach(context: SolveContext, nearness: float) -> Solution:
-    """A solution under a load that has the approach of the scene, to this part of the load."""
-    scene, wanted, moment = (
-        context.scene,
-        context.scene.held(Quantity.APPROACH),
-        context.scene.moment or 0.0,
-    )
+    """A solution under a load that has the scene's approach to a relative `nearness` of the load.
+
+    Raises OutOfRange if no load has that approach.
+    """
+    scene = context.scene
+    wanted, moment = scene.held(Quantity.APPROACH), scene.moment or 0.0
     assert wanted is not None
     known = known_part(scene.profile)
     reach = math.inf if known is None or moment == 0.0 else known[1] if moment > 0 else -known[0]
     if not reach > 0.0:
         raise OutOfRange(f"moment {moment:.6g} N: the whole body lies on the other side of x = 0")
-    guess = scene.E_star * (0.3 * abs(wanted) or 1e-3 * (scene.operator.datum or 1.0))
+    own = OPTIONS.first_load * abs(wanted) or load_search.OPTIONS.first_load * (
+        scene.operator.datum or 1.0
+    )
+    guess = scene.E_star * own
     first = guess if context.warm_start is None else context.warm_start.load
-    bounded, largest = known is not None and scene.profile.support is None, -math.inf
-    concave = moment == 0.0 and context.operator.is_plain and scene.law.equilibria.unique
-    for here, off in nearer(
-        _on_the_way(context), approach, wanted, first, abs(moment) / reach, bounded, concave
-    ):
-        if off <= nearness:
+    limits = LoadLimits(
+        least=abs(moment) / reach,
+        bounded=known is not None and scene.profile.support is None,
+        concave=moment == 0.0 and context.operator.is_plain and scene.law.equilibria.unique,
+    )
+    largest = -math.inf
+    for here, error in nearer(_solver_of_loads(context), approach, wanted, first, limits):
+        if error <= nearness:
             return here
         largest = max(largest, here.approach or 0.0)
     raise OutOfRange(
@@ -80,177 +90,188 @@ def at_approach(context: SolveContext, nearness: float) -> Solution:
 
 
 def at_level(context: SolveContext) -> SolvedZones:
-    """Under the approach of a lone body, from zones of about the right load; of just about it, if
-    these do not lead on.
-    """
-    missed, problem = Failure("no load was tried"), None
-    for nearness in (NEAR_LOAD, NEARER_LOAD):
+    """The contact of a lone body under its approach, from zones of about the right load."""
+    failure, problem = Failure("no load was tried"), None
+    for nearness in (OPTIONS.near_load, OPTIONS.nearer_load):
         context = context.with_warm_start(at_approach(context, nearness))
-        assert context.warm_start is not None
-        scaled = scaled_scene_about(
-            context.scene.under("load", context.warm_start.load),
-            context.warm_start.tilt or 0.0,
-            context.warm_start.zones,
-        )
-        problem = scaled.problem
+        start = context.warm_start
+        assert start is not None
+        loaded = context.scene.under("load", start.load)
+        problem = scaled_scene_about(loaded, start.tilt or 0.0, start.zones).problem
         found = context.refine_topology(
-            problem, context.control(problem), placed(problem, context.warm_start.zones)
+            problem, context.control(problem), placed(problem, start.zones)
         )
         if isinstance(found, SolvedZones):
             return found
-        missed = found
-        context.record_failure("zones under a load of about this approach", missed)
+        failure = found
+        context.record_failure("zones under a load of about this approach", failure)
     assert problem is not None
-    raise context.error(missed, problem)
+    raise context.error(failure, problem)
 
 
 def by_fraction(context: SolveContext, scaled: ScaledScene) -> SolvedZones | SolvedGaps:
-    """A width from a solution under about the load that has it, ever nearer ones until its zones
-    lead on.
-    """
+    """The contact of a given fraction, from solutions under loads that come ever closer to it."""
     problem, control, goal = scaled.problem, scaled.control, context.scene.given_fraction
     assert goal is not None
-    if context.warm_start is None or abs(
-        (context.warm_start.contact_fraction or 0.0) - goal
-    ) > _FAR * min(goal, 1 - goal):
-        # What is open of a contact as full as this are tops of R, of which no grid tells the load.
-        if 1 - goal < _LAST_OPEN:
-            found_by_gaps = by_gaps(context, problem, control, control.value)
-            if isinstance(found_by_gaps, SolvedGaps):
-                return found_by_gaps
-            context.record_failure("gaps", found_by_gaps)
-        with context.plan.timed("coarse search"):
-            proposal = of_width(scaled, problem, control.value)
-        context.plan[
-            "coarse search"
-        ].detail = f"{proposal.points} points, {len(proposal.zones)} zones proposed"
-        first, found = proposal.load, _from_grid(context, problem, control, proposal)
-        if not isinstance(found, Failure):
-            return found
-        context.record_failure("zones of about this width from a grid", found)
+    smaller_part = min(goal, 1 - goal)
+    start = context.warm_start
+    # A similar solution is a better start than a grid only if its fraction is close.
+    if start is None or abs((start.contact_fraction or 0.0) - goal) > (
+        OPTIONS.close_fraction * smaller_part
+    ):
+        outcome = _by_first_guess(context, scaled, goal)
+        if not isinstance(outcome, float):
+            return outcome
+        first = outcome
     else:
-        first = context.warm_start.load
-    near_enough, last, off = _NEAR_WIDTH, None, 1.0
+        first = start.load
+    near_enough, last, error = OPTIONS.near_width, None, 1.0
 
-    def solved(load: float, near: Solution | None) -> Solution:
-        return _to_width(context, load, near, _FIRST_ONES if off > _NEAR_WIDTH else _ON_THE_WAY)
+    def solve(load: float, nearest: Solution | None) -> Solution:
+        far = error > OPTIONS.near_width
+        tol = OPTIONS.first_tolerance if far else OPTIONS.tolerance
+        return _under_load(context, load, nearest, tol)
 
-    for here, off_load in nearer(solved, contact_fraction, goal, first, closed=_CLOSED):
+    limits = LoadLimits(closed=OPTIONS.closed)
+    for here, load_error in nearer(solve, contact_fraction, goal, first, limits):
         last, fraction = here, contact_fraction(here)[0]
-        # Where a little more load brings much more into contact, the width is what tells how near
-        # it is.
-        off = max(off_load, abs(goal - fraction) / min(goal, 1 - goal))
-        if off > near_enough:
+        # The fraction itself tells how close it is where it grows fast with the load.
+        error = max(load_error, abs(goal - fraction) / smaller_part)
+        if error > near_enough:
             continue
-        near_enough = _MUCH_NEARER * off
-        found = _from(context, problem, control, here)
+        near_enough = OPTIONS.retry_factor * error
+        found = _from_solution(context, problem, control, here)
         if not isinstance(found, Failure):
             return found
         context.record_failure(f"zones under a load of {here.load:.6g} N/m", found)
         if found.at_border:
             raise context.error(found, problem)
     assert last is not None
-    return _under_load_of(context, problem, control, last)
+    return _at_jump(context, problem, control, last)
+
+
+def _by_first_guess(
+    context: SolveContext, scaled: ScaledScene, goal: float
+) -> SolvedZones | SolvedGaps | float:
+    """The contact of a given fraction from the gaps or a grid, or the load that the grid has."""
+    problem, control = scaled.problem, scaled.control
+    if 1 - goal < OPTIONS.last_open:
+        found_by_gaps = by_gaps(context, problem, control, control.value)
+        if isinstance(found_by_gaps, SolvedGaps):
+            return found_by_gaps
+        context.record_failure("gaps", found_by_gaps)
+    part = context.plan["coarse search"]
+    with context.plan.timed("coarse search"):
+        proposal = of_width(scaled, problem, control.value)
+    part.detail = f"{proposal.points} points, {len(proposal.zones)} zones proposed"
+    context.plan.decide("first guess", "a grid", "the load of a contact fraction is unknown")
+    found = _from_grid(context, problem, control, proposal)
+    if not isinstance(found, Failure):
+        return found
+    context.record_failure("zones of about this width from a grid", found)
+    return proposal.load
 
 
 def _from_grid(
     context: SolveContext, problem: Problem, control: Control, proposal: Proposal
 ) -> SolvedZones | SolvedGaps | Failure:
-    """From zones of about the width that a grid has found."""
+    """The contact of a given width from the zones of a grid that have about that width."""
     if proposal.full or len(proposal.zones) == 0:
         return Failure("the grid has no zones of about this width")
     table = placed(problem, proposal.zones)
     found_by_gaps = by_gaps(context, problem, control, control.value, table)
     if isinstance(found_by_gaps, SolvedGaps):
         return found_by_gaps
-    # All zones are widened alike to the wanted width: ends that start as near move by less than the
-    # kernel of a thin layer varies over.
+    # All zones are widened alike to the wanted width. Without this, ends move by more in a step
+    # than the kernel of a thin layer allows.
     half = np.diff(table) / 2
     table = table + half * [-1.0, 1.0] * (control.value / (2 * half.sum()) - 1.0)
+    return _refined(context, problem, control, table, proposal.load / problem.units.load)
+
+
+def _at_jump(
+    context: SolveContext, problem: Problem, control: Control, last: Solution
+) -> SolvedZones | SolvedGaps:
+    """The contact under the load of a given width, where the zones of the width do not settle.
+
+    That is so at a birth or a merger. Raises NotConverged where the fraction jumps with the load.
+    """
+    assert last.contact_fraction is not None and problem.period is not None
+    error = abs(last.contact_fraction - control.value / problem.period)
+    if error > OPTIONS.jump:
+        raise NotConverged(
+            "no load that double precision tells from its neighbours has the contact fraction "
+            f"{context.scene.given_fraction:.15g}: at a mean pressure of "
+            f"{last.mean_pressure:.15g} Pa it is {last.contact_fraction:.15g}, beside that beyond",
+            (),
+            last,
+        )
+    load = Load(last.load / problem.units.load)
+    found = _from_solution(context, problem, load, last)
+    if isinstance(found, Failure):
+        raise context.error(found, problem)
+    if isinstance(found, SolvedGaps):
+        return replace(found, off=found.off + OPTIONS.closed * load.value / problem.period)
+    narrowest = float(np.diff(found.free.density.zones.table, axis=1).min())
+    return replace(found, off=error * problem.period / narrowest)
+
+
+def _from_solution(
+    context: SolveContext, problem: Problem, control: Control, start: Solution
+) -> SolvedZones | SolvedGaps | Failure:
+    """The contact from the zones, or the gaps, of a similar solution."""
+    fields = start.fields
+    if not isinstance(fields, GapFields):
+        load = start.load / problem.units.load
+        return _refined(context, problem, control, placed(problem, start.zones), load)
+    newton = NewtonSettings(gaps.OPTIONS.tolerance_factor * context.tolerance, fields.mean)
+    with context.plan.timed("zone ends"):
+        found = gaps_from_fields(problem, fields, control, newton)
+        return found if isinstance(found, Failure) else tightened_gaps(context, found)
+
+
+def _refined(
+    context: SolveContext, problem: Problem, control: Control, table: Array, load: float
+) -> SolvedZones | Failure:
+    """Zones that pass the certificate, from a table that is close to them."""
     return context.refine_topology(
         problem,
         control,
         table,
-        load_guess=proposal.load / problem.units.load,
-        max_steps=_FEW,
-        rounds=_FEW_ROUNDS,
+        load_guess=load,
+        max_steps=OPTIONS.max_newton_steps,
+        max_rounds=OPTIONS.max_rounds,
     )
 
 
-def _under_load_of(
-    context: SolveContext, problem: Problem, control: Control, near: Solution
-) -> SolvedZones | SolvedGaps:
-    """The contact under the load that has the width, where the zones of the width itself do not
-    settle: right at a birth or a merger.
-    """
-    assert near.contact_fraction is not None and problem.period is not None
-    missed = abs(near.contact_fraction - control.value / problem.period)
-    if missed > _JUMP:
-        raise NotConverged(
-            f"no load that double precision tells from its neighbours has the contact fraction {context.scene.given_fraction:.15g}: at a "
-            f"mean pressure of {near.mean_pressure:.15g} Pa it is {near.contact_fraction:.15g}, beside that beyond",
-            (),
-            near,
-        )
-    load = Load(near.load / problem.units.load)
-    found = _from(context, problem, load, near)
-    if isinstance(found, Failure):
-        raise context.error(found, problem)
-    if isinstance(found, SolvedGaps):
-        return replace(found, off=found.off + _CLOSED * load.value / problem.period)
-    narrowest = float(np.diff(found.free.density.zones.table, axis=1).min())
-    return replace(found, off=missed * problem.period / narrowest)
-
-
-def _from(
-    context: SolveContext, problem: Problem, control: Control, near: Solution
-) -> SolvedZones | SolvedGaps | Failure:
-    """From the zones, or the gaps, of a solution near by."""
-    fields = near.fields
-    if not isinstance(fields, GapFields):
-        value = near.load / problem.units.load
-        return context.refine_topology(
-            problem,
-            control,
-            placed(problem, near.zones),
-            load_guess=value,
-            max_steps=_FEW,
-            rounds=_FEW_ROUNDS,
-        )
-    with context.plan.timed("zone ends"):
-        found = gaps_beside(
-            problem, fields, control, OF_GAPS * context.tolerance, abandon_if_far=False
-        )
-        return found if isinstance(found, Failure) else tightened_gaps(context, found)
-
-
-def _to_width(context: SolveContext, load: float, near: Solution | None, tol: float) -> Solution:
-    """The solution under a load; from a grid where contact is far from that of the solution near
-    by.
-    """
-    if near is not None:
-        fraction, rate = contact_fraction(near)
-        near = (
-            near if abs(rate * (load - near.load)) < _BESIDE * min(fraction, 1 - fraction) else None
-        )
+def _under_load(
+    context: SolveContext, load: float, nearest: Solution | None, tol: float
+) -> Solution:
+    """The solution under a load; from a grid if contact is far from that of the nearest one."""
+    if nearest is not None:
+        fraction, rate = contact_fraction(nearest)
+        change = abs(rate * (load - nearest.load))
+        if change >= OPTIONS.max_change * min(fraction, 1 - fraction):
+            nearest = None
     elif context.warm_start is not None and load == context.warm_start.load:
         return context.warm_start
-    return _on_the_way(context, tol)(load, near)
+    return _solver_of_loads(context, tol)(load, nearest)
 
 
-def _on_the_way(
-    context: SolveContext, tol: float = _ON_THE_WAY
+def _solver_of_loads(
+    context: SolveContext, tol: float = OPTIONS.tolerance
 ) -> Callable[[float, Solution | None], Solution]:
-    """Solutions under loads, each beside another one or that at hand."""
+    """A function that solves the scene under a load, from the nearest solution."""
 
-    def solved(load: float, near: Solution | None) -> Solution:
+    def solve(load: float, nearest: Solution | None) -> Solution:
+        loaded, start = context.scene.under("load", load), nearest or context.warm_start
         try:
-            return context.solve_scene(
-                context.scene.under("load", load), tol, near or context.warm_start, context.progress
-            )
+            return context.solve_scene(loaded, tol, start, context.progress)
         except NotConverged as failure:
-            if failure.best is None or not failure.best.error < max(1e3 * _ON_THE_WAY, 10 * tol):
+            # A rougher solution serves as well on the way.
+            allowed = max(1e3 * OPTIONS.tolerance, 10 * tol)
+            if failure.best is None or not failure.best.error < allowed:
                 raise
             return failure.best
 
-    return solved
+    return solve

@@ -1,22 +1,18 @@
-"""The load at which what grows with it has a given value: the approach of a body, or the fraction
-of a surface in contact.
+"""The load at which a quantity that grows with it has a wanted value: a bracketed Newton method.
 
-Solutions under a load are the sure ones, and a bracket on the load cannot fail. Newton's step is
-one on a power of the load, the one that the last two rates ask for: the approach goes with 1/load^2
-where a tilt makes most of it, elsewhere about with the load, the contact fraction with its root as
-a rule. Every state on the way is a solution under its load, from the zones of the nearest one.
-Upright, contact only grows with the load: the approach is concave in it, below its tangents, which
-tell soon that no load has the approach.
+A solution under a load always exists and is unique, and a bracket on the load cannot fail. Newton's
+step is one on a power of the load, read off the last two rates: the approach of a tilted body goes
+with load^-2, other approaches about with the load, a contact fraction about with its root. Each
+load is solved from the zones of the nearest one. The approach of an upright body is concave in the
+load and stays below its tangents, which soon show that no load has the wanted approach.
 
-Of controls of one's own the load whose contact has the value asked for is found by a bracket, too.
-How the quantity and the zones change with the load is told by a second load beside each. Rates of
-zones say by how much the contact may differ from that of the value itself, for what the load is
-known to.
+A control of a user's own is found by the same bracket. A second load next to each one gives the
+rates of the quantity, of the zones and of the pressure, hence the error that comes from the load.
 """
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -25,172 +21,215 @@ from contact.model.parts import Told
 from contact.model.scene import Scene
 from contact.solution.solution import Solution
 
-_CLOSED = 1e-9
-_MOST = 80
-# Of the first load: the logarithm of the datum over a width changes it by less.
-_LIGHT = 1e-4
-# Loads at which no solution was found, beside which another is tried.
-_MISSES = 4
+
+@dataclass(frozen=True)
+class LoadSearchOptions:
+    """Limits of the bracket, and the steps of differences between loads."""
+
+    max_loads: int = 80  # halving alone needs some 50
+    closed: float = 1e-9  # bracket, over the load
+    max_unsolved: int = 4  # loads without a solution; another load next to each is tried
+    # Of a first load: below it the approach of a lone body only falls, by 1e-3 of the logarithm.
+    lightest: float = 1e-4
+    first_load: float = 1e-3  # over E* and the length of the scene: any start leads on
+    rate_step: float = 1e-4  # of a load, for differences; its error is the square, 1e-8
+    tolerance_factor: float = 1e-2  # of solves for differences, over the wanted error
+    least_tolerance: float = 1e-13  # the smallest that `contact.solve` accepts
+
+
+OPTIONS = LoadSearchOptions()
+# Positions in a zone at which pressures are compared: Chebyshev points.
+_POSITIONS = np.cos(np.pi * (np.arange(8) + 0.5) / 8)
 
 # A quantity and its rate with the load [per N/m].
-Grown = Callable[[Solution], tuple[float, float]]
+Quantity = Callable[[Solution], tuple[float, float]]
+# A solution under a load, from the nearest solution.
+Solve = Callable[[float, Solution | None], Solution]
+
+
+@dataclass(frozen=True)
+class LoadLimits:
+    """What is known of the loads of a search."""
+
+    least: float = 0.0  # [N/m] too small for any solution
+    bounded: bool = False  # a large load may bring the contact to the end of the known profile
+    concave: bool = False  # the quantity is concave in the load
+    closed: float = OPTIONS.closed  # the bracket at which the search ends, over the load
 
 
 def approach(solution: Solution) -> tuple[float, float]:
-    """The approach [m], and its rate: beyond its maximum over a datum it is negative."""
+    """The approach [m] and its rate with the load; over a datum it falls beyond a maximum."""
     assert solution.approach is not None and solution.stiffness is not None
     return solution.approach, 1 / solution.stiffness
 
 
 def contact_fraction(solution: Solution) -> tuple[float, float]:
-    """The part of the period in contact, and its rate."""
+    """The contact fraction and its rate with the load."""
     assert solution.contact_fraction is not None
     return solution.contact_fraction, solution.fields.widening_rate
 
 
 def nearer(
-    solved: Callable[[float, Solution | None], Solution],
-    grown: Grown,
-    goal: float,
-    first: float,
-    least: float = 0.0,
-    bounded: bool = False,
-    concave: bool = False,
-    closed: float = _CLOSED,
+    solve: Solve, quantity: Quantity, goal: float, first: float, limits: LoadLimits = LoadLimits()
 ) -> Iterator[tuple[Solution, float]]:
-    """Solutions ever nearer to where the grown quantity has the value `goal`, with what part of
-    their load they are off by, as far as their rate tells; ends where the bracket has closed to
-    `closed` of the load, or where no load has the goal.
+    """Yield solutions whose quantity approaches the goal, each with its relative error of the load.
 
-    solved(load, near). first: a load to begin with [N/m], least: one that is too small. bounded:
-    the contact of a large load may reach the end of what is known of the body. concave: the
-    quantity is, in the load. Raises OutOfRange if no load has a solution at all.
+    first: the load to begin with [N/m]. Ends where the bracket is closed or no load has the goal.
+    Raises OutOfRange if no load has a solution at all.
     """
-    low, high, load = least, math.inf, max(first, 2 * least)
-    found: list[Solution] = []  # the last below and above the goal, the newest at the end
+    search = _Bracket(goal, limits, first)
     refused: OutOfRange | None = None
-    misses, slow = 0, 0
-    reach = (0.0, math.inf)  # loads between which tangents allow the goal
-    for _ in range(_MOST):
-        step, before = math.nan, found[-1] if found else None
-        bracket = (low, high)
+    unsolved = 0
+    for _ in range(OPTIONS.max_loads):
+        before, load = search.last, search.load
         try:
-            here = solved(
-                load,
-                min(found, key=lambda other: abs(math.log(other.load / load))) if found else None,
-            )
+            here = solve(load, search.nearest)
         except OutOfRange as refusal:
             refused = refusal
-            too_large = bounded if before is None else load > before.load
-            low, high = (low, load) if too_large else (load, high)
-            if concave and before is None and load < _LIGHT * first:
+            search.narrow(from_above=limits.bounded if before is None else load > before.load)
+            if limits.concave and before is None and load < OPTIONS.lightest * first:
                 break
+            step = math.nan
         except NotConverged:
-            misses += 1
-            if before is None or misses > _MISSES:
+            unsolved += 1
+            if before is None or unsolved > OPTIONS.max_unsolved:
                 raise
             step = math.sqrt(load * before.load)
         else:
-            value, rate = grown(here)
-            miss = goal - value
-            step = _newton(
-                here.load, rate, miss, None if before is None else (before.load, grown(before)[1])
-            )
-            # The rate is negative beyond a maximum.
-            rises = rate > 0.0 and miss > 0.0
-            found = [*(other for other in found[-2:] if (other.load > here.load) == rises), here]
-            off = abs(miss / rate / load) if rate > 0.0 else math.inf
-            yield here, off
-            if off <= closed:
+            value, rate = quantity(here)
+            last_rate = None if before is None else (before.load, quantity(before)[1])
+            error = abs((goal - value) / rate / load) if rate > 0.0 else math.inf
+            step = search.add(here, value, rate, last_rate)
+            yield here, error
+            if error <= limits.closed:
                 break
-            low, high = (load, high) if rises else (low, load)
-            tangent = load + miss / rate if rate != 0.0 else math.nan
-            reach = (tangent, reach[1]) if rises else (reach[0], tangent) if rate < 0.0 else reach
-            # Where the rate is no guide, the bracket is halved.
-            slow = 0 if high - low < 0.5 * (bracket[1] - bracket[0]) else slow + 1
-        if not low < step < high or (slow > 2 and 0.0 < low and high < math.inf):
-            step = (
-                math.sqrt(low * high)
-                if 0.0 < low and high < math.inf
-                else 10 * low
-                if low > 0.0
-                else 0.1 * high
-            )
-            slow = 0
-        if concave and not reach[0] < min(reach[1], high):
+        if search.is_over(step):
             break
-        load = step
-        if high - low <= closed * low:
-            break
-    if not found and refused is not None:
+    if search.last is None and refused is not None:
         raise refused
 
 
+class _Bracket:
+    """Loads between which the goal lies, with the solutions at its ends."""
+
+    def __init__(self, goal: float, limits: LoadLimits, first: float) -> None:
+        self.goal, self.limits = goal, limits
+        self.low, self.high = limits.least, math.inf
+        self.load = max(first, 2 * limits.least)
+        self.solutions: list[Solution] = []  # the last below and above the goal, the newest last
+        self.tangents = (0.0, math.inf)  # loads between which tangents of concave curves allow it
+        self.slow_steps = 0
+
+    @property
+    def last(self) -> Solution | None:
+        """The newest solution."""
+        return self.solutions[-1] if self.solutions else None
+
+    @property
+    def nearest(self) -> Solution | None:
+        """The solution under the nearest load."""
+        if not self.solutions:
+            return None
+        return min(self.solutions, key=lambda other: abs(math.log(other.load / self.load)))
+
+    def narrow(self, from_above: bool) -> None:
+        """Put one end of the bracket at the load."""
+        if from_above:
+            self.high = self.load
+        else:
+            self.low = self.load
+
+    def add(
+        self, here: Solution, value: float, rate: float, last_rate: tuple[float, float] | None
+    ) -> float:
+        """Narrow the bracket by a solution; return Newton's next load, nan if there is none."""
+        load, miss = self.load, self.goal - value
+        rises = rate > 0.0 and miss > 0.0  # the rate is negative beyond a maximum
+        kept = [other for other in self.solutions[-2:] if (other.load > here.load) == rises]
+        self.solutions = [*kept, here]
+        width = self.high - self.low
+        self.narrow(from_above=not rises)
+        self.slow_steps = 0 if self.high - self.low < 0.5 * width else self.slow_steps + 1
+        tangent = load + miss / rate if rate != 0.0 else math.nan
+        if rises:
+            self.tangents = (tangent, self.tangents[1])
+        elif rate < 0.0:
+            self.tangents = (self.tangents[0], tangent)
+        return _newton(here.load, rate, miss, last_rate)
+
+    def is_over(self, step: float) -> bool:
+        """Move to the next load: Newton's, or one that halves the bracket; True if it is closed."""
+        is_closed_above, is_closed_below = self.high < math.inf, self.low > 0.0
+        stalled = self.slow_steps > 2 and is_closed_above and is_closed_below
+        if not self.low < step < self.high or stalled:
+            if is_closed_above and is_closed_below:
+                step = math.sqrt(self.low * self.high)
+            else:
+                step = 10 * self.low if is_closed_below else 0.1 * self.high
+            self.slow_steps = 0
+        if self.limits.concave and not self.tangents[0] < min(self.tangents[1], self.high):
+            return True
+        self.load = step
+        return self.high - self.low <= self.limits.closed * self.low
+
+
 def _newton(load: float, rate: float, miss: float, before: tuple[float, float] | None) -> float:
-    """The load at which value = constant + B load^q is right, with the rate found here and q from
-    (load, rate) before; nan if there is none.
+    """Newton's load for value = constant + B load^q; nan if there is none.
+
+    rate: at this load. before: another load and its rate, which give q, from -4 to 1.
     """
     power = 1.0
     if before is not None and before[0] != load and before[1] * rate > 0.0:
         power += math.log(rate / before[1]) / math.log(load / before[0])
     power = min(max(power, -4.0), 1.0)
     relative = miss / rate / load if rate != 0.0 else math.nan
+    # The limit of small steps, where the power below would lose its digits.
     if abs(power * relative) < 1e-6:
         return load * (1.0 + relative)
-    grown = 1.0 + power * relative
-    return (
-        load * grown ** (1.0 / power)
-        if grown > 0.0 and abs(math.log(grown) / power) < 300.0
-        else math.nan
-    )
-
-
-# A load beside another one, and the tolerance under either, over what is wanted; the least that is
-# asked for.
-_BESIDE = 1e-4
-_TIGHTER = 1e-2
-_LEAST = 1e-13
-# Of half the peak's place to the next: where pressures are compared.
-_POSITIONS = np.cos(np.pi * (np.arange(8) + 0.5) / 8)
-# Load over E* and the length of the scene to begin with.
-_FIRST = 1e-3
+    base = 1.0 + power * relative
+    if base > 0.0 and abs(math.log(base) / power) < 300.0:  # no overflow
+        return float(load * base ** (1.0 / power))
+    return math.nan
 
 
 def by_quantity(
     scene: Scene,
     tol: float,
-    near: Solution | None,
+    warm_start: Solution | None,
     solve: Callable[[Scene, float, Solution | None], Solution],
 ) -> Solution:
-    """The contact under a control that the solver does not hold. solve: under a load."""
+    """The contact under a control of a user's own. solve: the contact under a load."""
     control, sign = scene.control_object, -1.0 if scene.control_object.falls else 1.0
-    tighter = max(_TIGHTER * tol, _LEAST)
+    tolerance = max(OPTIONS.tolerance_factor * tol, OPTIONS.least_tolerance)
     told = Told(f"{control.name}.of(solution)", "control")
-    pairs: dict[float, Solution] = {}
+    pairs: dict[float, Solution] = {}  # the solution under a slightly smaller load
 
-    def under(load: float, close: Solution | None) -> Solution:
-        here = solve(scene.under("load", load), tighter, close or near)
-        pairs[here.load] = solve(scene.under("load", load * (1.0 - _BESIDE)), tighter, here)
+    def under(load: float, start: Solution | None) -> Solution:
+        here = solve(scene.under("load", load), tolerance, start or warm_start)
+        smaller = scene.under("load", load * (1.0 - OPTIONS.rate_step))
+        pairs[here.load] = solve(smaller, tolerance, here)
         return here
 
-    def grown(solution: Solution) -> tuple[float, float]:
-        beside = pairs[solution.load]
+    def quantity(solution: Solution) -> tuple[float, float]:
+        other = pairs[solution.load]
         value = told.number(control.of, solution)
-        return sign * value, sign * (value - told.number(control.of, beside)) / (
-            solution.load - beside.load
-        )
+        change = value - told.number(control.of, other)
+        return sign * value, sign * change / (solution.load - other.load)
 
-    first = near.load if near is not None else _FIRST * scene.E_star * _length(scene)
+    first = (
+        OPTIONS.first_load * scene.E_star * _length(scene)
+        if warm_start is None
+        else warm_start.load
+    )
     best: Solution | None = None
-    for here, off in nearer(under, grown, sign * control.value, first, bounded=True):
-        value, rate = grown(here)
-        off = off + 3 * here.error * abs(value / (rate * here.load)) if rate else math.inf
-        best = replace(
-            here,
-            scene=scene,
-            error=float(here.error + off * _rate_of_error(here, pairs[here.load])),
-        )
+    goal, limits = sign * control.value, LoadLimits(bounded=True)
+    for here, load_error in nearer(under, quantity, goal, first, limits):
+        value, rate = quantity(here)
+        own = 3 * here.error * abs(value / (rate * here.load)) if rate else math.inf
+        error = here.error + (load_error + own) * _rate_of_error(here, pairs[here.load])
+        best = replace(here, scene=scene, error=float(error))
         if best.error <= tol:
+            best.plan.decide("control", "a load search", f"{control.name} is a control of its own")
             return best
     if best is None or not math.isfinite(best.error):
         raise OutOfRange(f"no load has the {control.name} {control.value:.15g}")
@@ -202,26 +241,26 @@ def by_quantity(
 
 
 def _length(scene: Scene) -> float:
+    """A length of the scene [m]."""
     return scene.profile.period or scene.profile.resolution or 1.0
 
 
-def _rate_of_error(here: Solution, beside: Solution) -> float:
-    """What ends move over their zone's width, and pressures change over the peak, with the log of
-    the load; inf where zones differ.
+def _rate_of_error(here: Solution, other: Solution) -> float:
+    """Change of ends over widths and of pressures over the peak, per logarithm of the load.
+
+    It is infinite where the numbers of zones differ.
     """
-    if len(here.zones) != len(beside.zones):
+    if len(here.zones) != len(other.zones):
         return math.inf
     if len(here.zones) == 0:
         return 1.0
-    moved = np.abs(here.zones - beside.zones).max(axis=1) / here.zone_widths
-    peak = (
-        here.max_pressure
-        if math.isfinite(here.max_pressure)
-        else here.load / float(here.zone_widths.sum())
-    )
+    moved = np.abs(here.zones - other.zones).max(axis=1) / here.zone_widths
+    peak = here.max_pressure
+    if not math.isfinite(peak):
+        peak = here.load / float(here.zone_widths.sum())
     changed = [
-        np.abs(here.pressure_at(_POSITIONS, zone) - beside.pressure_at(_POSITIONS, zone)).max()
+        np.abs(here.pressure_at(_POSITIONS, zone) - other.pressure_at(_POSITIONS, zone)).max()
         / peak
         for zone in range(len(here.zones))
     ]
-    return 2.0 * float(max(moved.max(), *changed)) / _BESIDE
+    return 2.0 * float(max(moved.max(), *changed)) / OPTIONS.rate_step

@@ -1,8 +1,7 @@
-"""Solving again with a smaller inner tolerance, where the stated error came out above the wanted
-one.
-"""
+"""Solving again with a smaller tolerance, if the stated error exceeds the wanted one."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import TypeVar
 
 from contact.search.context import LEAST, SolveContext
@@ -11,10 +10,15 @@ from contact.verify.certificate import Solved
 
 Kind = TypeVar("Kind", bound=Solved)
 
-# How often, and how much of the error a smaller tolerance must leave to be of use: what is left is
-# rounding.
-_TIMES = 3
-_USELESS = 0.5
+
+@dataclass(frozen=True)
+class TighteningOptions:
+    """When to solve again, and when further digits are rounding."""
+
+    max_solves: int = 3  # the error falls with the tolerance, so one or two suffice
+    safety: float = 0.05  # the next tolerance over the one that would just do
+    # A solve that leaves more than this part of the error shows that the rest is rounding.
+    useless_above: float = 0.5
 
 
 def tightened(
@@ -22,21 +26,26 @@ def tightened(
     found: Kind,
     tolerance: float,
     again: Callable[[Kind, float], Kind | Failure],
-    at_rest: Callable[[Kind, float], bool],
+    is_limited_by_rounding: Callable[[Kind, float], bool],
+    options: TighteningOptions = TighteningOptions(),
 ) -> Kind:
-    """The best of what was found. again: from what was found, to a tolerance; at_rest: whether
-    there is nothing to be gained. Where a smaller tolerance leaves the error, the least one is the
-    last that is tried.
+    """The best of a solution and of more precise ones of the same contact.
+
+    again: solves from a solution to a tolerance. Where a smaller tolerance does not reduce the
+    error, the smallest one is tried last.
     """
-    useless = False
-    for _ in range(_TIMES):
-        if found.error <= context.tol or tolerance <= LEAST or at_rest(found, tolerance):
+    is_useless = False
+    for _ in range(options.max_solves):
+        if found.error <= context.tol or tolerance <= LEAST:
             break
-        tolerance = LEAST if useless else max(LEAST, 0.05 * tolerance * context.tol / found.error)
+        if is_limited_by_rounding(found, tolerance):
+            break
+        wanted = options.safety * tolerance * context.tol / found.error
+        tolerance = LEAST if is_useless else max(LEAST, wanted)
         better = again(found, tolerance)
         if isinstance(better, Failure):
             context.record_failure("a smaller inner tolerance", better)
             break
-        useless = better.error > _USELESS * found.error
+        is_useless = better.error > options.useless_above * found.error
         found = better if better.error < found.error else found
     return found

@@ -1,5 +1,6 @@
-"""What changes between two contacts, by the zones of both that overlap: zones begin or vanish, meet
-or part.
+"""Changes between two contacts: zones that begin or vanish, meet or part.
+
+Zones of the two contacts correspond if they overlap.
 """
 
 from dataclasses import dataclass
@@ -9,11 +10,16 @@ import numpy as np
 from contact.formulation.tables import ascending, centred_on
 from sie import Array
 
+# Place of a merger or a split: the gap, and this part of it on either side.
+_MARGIN = 0.25
+
 
 @dataclass(frozen=True)
 class Change:
-    """kind: birth or merge, and death or split, the same on the way back; where: the zone that
-    begins or vanishes, or the gap between two that meet or part, and a little beside it.
+    """One change of the number of zones.
+
+    kind: "birth" or "merge"; on the way back "death" or "split". where: the zone that begins or
+    vanishes, or the gap between two zones that meet or part, with a margin.
     """
 
     kind: str
@@ -21,13 +27,14 @@ class Change:
 
     @property
     def of_gap(self) -> bool:
-        """Whether it is the gap that is zero there, else the pressure."""
+        """Whether the gap becomes zero there, else the pressure does."""
         return self.kind in ("birth", "death")
 
     @property
     def ahead(self) -> bool:
-        """Whether the contact before it has the zones with which its condition is a smooth one:
-        without the zone that begins, or with the two as one.
+        """Whether the earlier contact has the zones in which the change is a smooth condition.
+
+        These are the zones without the one that begins, or with the two as one.
         """
         return self.kind in ("birth", "split")
 
@@ -35,16 +42,18 @@ class Change:
 def changes(
     before: Array, after: Array, period: float | None, only_grows: bool, shared: float = 0.0
 ) -> list[Change]:
-    """Changes that lead from the zones of one contact (n, 2) to those of another (m, 2).
-    only_grows: none vanish or part; shared: see `held`.
+    """Changes from the zones of one contact (n, 2) to those of another (m, 2).
+
+    only_grows: no zone vanishes or parts. shared: see `held`.
     """
     found = _grown(before, after, period, shared, "birth", "merge")
     return found if only_grows else found + _grown(after, before, period, shared, "death", "split")
 
 
 def held(zones: Array, a: float, b: float, period: float | None, shared: float = 0.0) -> Array:
-    """Those of the zones, moved by periods, that overlap the one from a to b (k, 2), by more than a
-    part of the narrower one.
+    """The zones (k, 2), moved by periods, that overlap the one from a to b.
+
+    shared: by more than this part of the narrower one.
     """
     zones = ascending(centred_on(zones, 0.5 * (a + b), period))
     zones = zones[(zones[:, 0] < b) & (zones[:, 1] > a)]
@@ -53,14 +62,15 @@ def held(zones: Array, a: float, b: float, period: float | None, shared: float =
 
 
 def _grown(
-    low: Array, high: Array, period: float | None, shared: float, new: str, met: str
+    low: Array, high: Array, period: float | None, shared: float, birth: str, merger: str
 ) -> list[Change]:
-    """What is new among the zones `high` beside those of `low`, and which of these have met."""
+    """Zones of `high` that `low` does not have, and those that are several zones of `low`."""
     found = []
     for a, b in high.tolist():
         parts = held(low, a, b, period, shared)
         if len(parts) == 0:
-            found.append(Change(new, (a, b)))
+            found.append(Change(birth, (a, b)))
         for left, right in zip(parts[:-1, 1].tolist(), parts[1:, 0].tolist(), strict=True):
-            found.append(Change(met, (left - 0.25 * (right - left), right + 0.25 * (right - left))))
+            margin = _MARGIN * (right - left)
+            found.append(Change(merger, (left - margin, right + margin)))
     return found

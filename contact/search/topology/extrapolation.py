@@ -1,16 +1,16 @@
-"""Zones of the last solutions on a curve, carried on to another value of its control.
+"""Zones of a contact extrapolated along a curve of values of one control.
 
 With s the logarithm of the value, middles and squared half widths of zones and of gaps are smooth
-in s, through birth and merger too: a zone is born, and a gap closes, as the root of what is left.
-So each end goes by the narrower of the two intervals beside it, by Hermite's polynomial through the
-values and rates of the last solutions that have it; the rates are those of the response to the
-load. Intervals whose square falls below zero are gone by then, and where the least gap of a place
-falls below zero there is a new zone.
+in s, through births and mergers too: a zone is born, and a gap closes, where its square is zero.
+Each end follows the narrower of the zone and the gap that it bounds, by Hermite's polynomial through
+the values and rates of the last solutions that have this interval. The rates are those with the
+load. An interval whose square is negative has vanished, and where the least gap of a place becomes
+negative a zone is born.
 """
 
 from __future__ import annotations
 
-from dataclasses import field
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -21,34 +21,44 @@ from contact.formulation.gaps import GapFields
 from contact.formulation.problem import Problem
 from contact.formulation.tables import gaps_between, united
 from contact.model.controls import Quantity
-from contact.search.topology.intervals import merged
+from contact.search.topology.intervals import NEW_ZONE, merged
 from contact.solution.solution import Solution
 from sie import Array, Index, Mask, record
 
-# Of the overlap that a new zone makes good, its width at first.
-_NEW = 0.7
-# Of its width, what is left at first of an interval that may be gone; of a step, by how much it may
-# be wrong about that.
-_LEFT = 0.1
-_DOUBT = 0.5
-_SLIGHT = 0.1
-# How near to its neighbours a new zone may begin, over its distance from these.
-_CLEAR = 0.4
+
+@dataclass(frozen=True)
+class ExtrapolationOptions:
+    """Doubts about intervals that vanish on the way, and places of new zones."""
+
+    # Half width kept of an interval that may have vanished, over what it was: Newton decides.
+    doubtful_width: float = 0.1
+    # An interval has vanished for certain where its square has fallen to this part of its fall
+    # below zero. Insensitive: Newton drops the others.
+    certain_fall: float = 0.5
+    # A zone is also born where the least gap would be below this part of its change.
+    slight_gap: float = 0.1
+    # Half width of a new zone over the room on either side: its neighbours stay apart.
+    clearance: float = 0.4
+
+
+OPTIONS = ExtrapolationOptions()
 
 
 @record
 class CurvePoint(sie.Kept):
-    """A solution on the curve, with what its ends do as the control goes on."""
+    """A solution on the curve, with the rates of its ends along the curve."""
 
     solution: Solution
 
     @property
     def fields(self) -> ZoneFields | GapFields | None:
+        """Its fields, if these have rates."""
         fields = self.solution.fields
         return fields if isinstance(fields, ZoneFields | GapFields) else None
 
     @property
     def problem(self) -> Problem:
+        """Its scaled problem."""
         assert self.fields is not None
         return self.fields.problem
 
@@ -59,47 +69,49 @@ class CurvePoint(sie.Kept):
 
     @cached_property
     def zones(self) -> Array:
-        """Scaled (n, 2)."""
+        """Its scaled zones (n, 2)."""
         fields = self.fields
         assert fields is not None
         return fields.zones
 
     @cached_property
     def lowest(self) -> Array:
-        """Places, values and curvatures of the least gaps between zones, scaled (k, 3)."""
+        """Places, values and curvatures (k, 3) of the local minima of the gap, scaled."""
         return self.solution.certificate.lowest
 
     @cached_property
     def rates(self) -> tuple[Array, Array]:
-        """(how far each end moves outward, a unit of the logarithm (n, 2), by how much the lowest
-        places open (k,)).
+        """Rates per unit of the logarithm of the control's value.
+
+        First how far each end moves outward (n, 2), then by how much the least gaps open (k,).
         """
         fields = self.fields
         assert fields is not None
         outward, opening = fields.rates(self.lowest[:, 0])
         if self.solution.scene.held(Quantity.WIDTH) is None:
             return outward, opening
-        # By the logarithm of the width in contact, not of the load.
-        once = float(np.diff(self.zones, axis=1).sum()) / float(outward.sum())
-        return outward * once, opening * once
+        # The rates are with the logarithm of the load; those with the width follow.
+        per_width = float(np.diff(self.zones, axis=1).sum()) / float(outward.sum())
+        return outward * per_width, opening * per_width
 
     @cached_property
-    def own(self) -> Motion:
-        """Of the zones."""
+    def zone_motion(self) -> Motion:
+        """Motion of the zones."""
         left, right = self.rates[0].T
         return Motion.of(self.zones, -left, right)
 
     @cached_property
-    def between(self) -> Motion:
-        """Of the gaps right of each zone, the last one over the border of the period."""
+    def gap_motion(self) -> Motion:
+        """Motion of the gap to the right of each zone; the last one crosses the border."""
         left, right = self.rates[0].T
         return Motion.of(gaps_between(self.zones, self.problem.period), right, -np.roll(left, -1))
 
 
 @record
 class Motion:
-    """Intervals (n, 2) with middle and squared half width, and the rates of these: values (2, n),
-    rates (2, n).
+    """Intervals (n, 2) and how they move.
+
+    values: middle and squared half width (2, n). rates: of these (2, n).
     """
 
     table: Array
@@ -108,35 +120,37 @@ class Motion:
 
     @classmethod
     def of(cls, table: Array, left: Array, right: Array) -> Motion:
+        """Motion of intervals, from the rates of their left and right ends."""
         with np.errstate(invalid="ignore"):
             half = 0.5 * (table[:, 1] - table[:, 0])
             values = np.array([0.5 * (table[:, 0] + table[:, 1]), half**2])
             rates = np.array([0.5 * (left + right), half * (right - left)])
-            # What has no end goes nowhere.
+            # The gap beside a lone zone is infinite and does not move.
             rates = np.where(np.isfinite(values), rates, 0.0)
         return cls(table, values, rates)
 
 
-def carried(along: tuple[CurvePoint, ...], at: float) -> tuple[Array, int]:
-    """(scaled zones (n, 2) where the logarithm of the control's value is `at`, none where they fill
-    the period; how many come and go on the way, about).
+def extrapolated(previous: tuple[CurvePoint, ...], at: float) -> tuple[Array, int]:
+    """Scaled zones (n, 2) at a logarithm of the control's value, and how many come or go.
+
+    There are no zones where they fill the period.
     """
-    last = along[-1]
-    known = _alike(along)
-    period = last.problem.period
-    own = _carried_on([one.own for one in known], [one.at - at for one in known], period)
-    between = _carried_on([one.between for one in known], [one.at - at for one in known], period)
-    zones, changes = _joined(last, own, between)
+    last = previous[-1]
+    known = _alike(previous)
+    period, distances = last.problem.period, [one.at - at for one in known]
+    zones_then = _extrapolate([one.zone_motion for one in known], distances, period)
+    gaps_then = _extrapolate([one.gap_motion for one in known], distances, period)
+    zones, changes = _joined(last, zones_then, gaps_then)
     if len(zones) == 0:
         return zones, changes
     more = _with_new(zones, last, at - last.at)
     return more, changes + len(more) - len(zones)
 
 
-def _alike(along: tuple[CurvePoint, ...]) -> list[CurvePoint]:
-    """The last ones in the same units, each at a value of its own, the nearest first."""
-    last, known = along[-1], [along[-1]]
-    for one in reversed(along[:-1]):
+def _alike(previous: tuple[CurvePoint, ...]) -> list[CurvePoint]:
+    """The last points in the same units, at different values, the nearest first."""
+    last, known = previous[-1], [previous[-1]]
+    for one in reversed(previous[:-1]):
         if (
             one.fields is None
             or one.problem.units != last.problem.units
@@ -147,9 +161,11 @@ def _alike(along: tuple[CurvePoint, ...]) -> list[CurvePoint]:
     return known
 
 
-def _carried_on(known: list[Motion], away: list[float], period: float | None) -> Array:
-    """Middles and squared half widths (2, n) of the first ones' intervals, `away` back; each by as
-    many as have it.
+def _extrapolate(known: list[Motion], away: list[float], period: float | None) -> Array:
+    """Middles and squared half widths (2, n) of the intervals of the nearest point.
+
+    away: of each point from the wanted value, in the logarithm. Each interval is extrapolated from
+    as many points as have it.
     """
     first = known[0]
     out = first.values - away[0] * first.rates
@@ -173,7 +189,7 @@ def _carried_on(known: list[Motion], away: list[float], period: float | None) ->
 
 
 def _hermite(away: Array) -> tuple[Array, Array]:
-    """Weights at 0 of values and of rates at these places."""
+    """Weights of values and rates at these places in Hermite's polynomial at 0."""
     differences = away[:, None] - away
     np.fill_diagonal(differences, 1.0)
     others = ~np.eye(len(away), dtype=bool)
@@ -183,8 +199,9 @@ def _hermite(away: Array) -> tuple[Array, Array]:
 
 
 def _partners(table: Array, other: Array, period: float | None) -> tuple[Index, Array]:
-    """(the one of the others that an interval overlaps, where that overlaps no second one, else -1;
-    by how much it is to be moved).
+    """For each interval its partner in another table, else -1, and the shift to it by periods.
+
+    Partners overlap each other and no third interval.
     """
     turn = (
         np.zeros(len(other))
@@ -213,45 +230,47 @@ def _partners(table: Array, other: Array, period: float | None) -> tuple[Index, 
     )
 
 
-def _joined(last: CurvePoint, own: Array, between: Array) -> tuple[Array, int]:
-    """(zones by the ends of zones and gaps (2, n) that are carried on, of each end by the narrower
-    one; how many of these are gone, or in doubt).
+def _joined(last: CurvePoint, zones: Array, gaps: Array) -> tuple[Array, int]:
+    """Zones from extrapolated zones and gaps (2, n), and how many of these vanish.
+
+    Each end is that of the narrower of the two intervals that it bounds.
     """
     period = last.problem.period
-    width, gap = (motion.values[1] for motion in (last.own, last.between))
+    width, gap = (motion.values[1] for motion in (last.zone_motion, last.gap_motion))
     before = np.roll(gap, 1)
-    half, lost = _left(own[1], width)
-    # Of a contact solved by its zones a gap is no interval of its own that could be told to be
-    # gone.
+    half, lost = _half_widths(zones[1], width)
+    # In a contact solved by its zones Newton cannot drop a gap: it counts as closed at once.
     by_gaps = isinstance(last.fields, GapFields)
-    open_, closed = (
-        _left(between[1], gap)
+    half_gap, closed = (
+        _half_widths(gaps[1], gap)
         if by_gaps
-        else (np.sqrt(np.maximum(between[1], 0.0)), between[1] <= 0.0)
+        else (np.sqrt(np.maximum(gaps[1], 0.0)), gaps[1] <= 0.0)
     )
-    with np.errstate(invalid="ignore"):  # a gap without end
-        left = np.where(width <= before, own[0] - half, np.roll(between[0] + open_, 1))
-        right = np.where(width <= gap, own[0] + half, between[0] - open_)
+    with np.errstate(invalid="ignore"):  # of an infinite gap
+        left = np.where(width <= before, zones[0] - half, np.roll(gaps[0] + half_gap, 1))
+        right = np.where(width <= gap, zones[0] + half, gaps[0] - half_gap)
     if period is not None and width[0] > before[0]:
         left[0] -= period
     lost = lost & (width <= np.minimum(before, gap)) | (right <= left)
     closed = closed & (gap <= np.minimum(width, np.roll(width, -1)))
-    return _kept(left, right, lost, closed, period), int(
-        np.sum(own[1] <= 0.0) + np.sum(between[1] <= 0.0)
+    return _remaining(left, right, lost, closed, period), int(
+        np.sum(zones[1] <= 0.0) + np.sum(gaps[1] <= 0.0)
     )
 
 
-def _left(square: Array, before: Array) -> tuple[Array, Mask]:
-    """(half widths by squares that are carried on from what they were before, which are gone): in
-    doubt a little is left.
+def _half_widths(square: Array, before: Array) -> tuple[Array, Mask]:
+    """Half widths from extrapolated squares and the last ones, and which have vanished.
+
+    An interval that may have vanished keeps a small half width.
     """
-    gone = square <= -_DOUBT * (before - square)
-    return np.sqrt(np.maximum(square, _LEFT**2 * before)), gone
+    gone = square <= -OPTIONS.certain_fall * (before - square)
+    return np.sqrt(np.maximum(square, OPTIONS.doubtful_width**2 * before)), gone
 
 
-def _kept(left: Array, right: Array, lost: Mask, closed: Mask, period: float | None) -> Array:
-    """The zones that are left, those over closed gaps joined; none where all gaps have closed:
-    contact is full.
+def _remaining(left: Array, right: Array, lost: Mask, closed: Mask, period: float | None) -> Array:
+    """The zones that have not vanished, those over closed gaps merged.
+
+    There are none where all gaps have closed, as contact is full.
     """
     if lost.all() or (period is not None and closed.all() and not lost.any()):
         return np.zeros((0, 2))
@@ -260,25 +279,25 @@ def _kept(left: Array, right: Array, lost: Mask, closed: Mask, period: float | N
 
 
 def _with_new(zones: Array, last: CurvePoint, away: float) -> Array:
-    """Zones, and new ones where the gap is carried on to below zero."""
+    """The zones, and new ones where the extrapolated gap is negative."""
     place, value, bend = last.lowest.T
     change = away * last.rates[1]
     depth = np.where(
-        value + change < _SLIGHT * np.abs(change),
-        np.maximum(-value - change, _SLIGHT * np.abs(change)),
+        value + change < OPTIONS.slight_gap * np.abs(change),
+        np.maximum(-value - change, OPTIONS.slight_gap * np.abs(change)),
         0.0,
     )
     period = last.problem.period
     place = sie.wrapped(place, float(zones[0, 0]), period)
     with np.errstate(invalid="ignore", divide="ignore"):
-        half = _NEW * np.sqrt(np.maximum(depth, 0.0) / bend)
+        half = NEW_ZONE * np.sqrt(np.maximum(depth, 0.0) / bend)
     before = np.searchsorted(zones[:, 0], place, side="right") - 1
     gaps = gaps_between(zones, period)
     low, high = (
         np.where(before >= 0, gaps[before, 0], -np.inf),
         np.where(before >= 0, gaps[before, 1], zones[0, 0]),
     )
-    room = _CLEAR * np.minimum(place - low, high - place)
+    room = OPTIONS.clearance * np.minimum(place - low, high - place)
     new = np.flatnonzero((depth > 0.0) & (bend > 0.0) & (room > 0.0))
     half = np.minimum(half, room)[new]
     return united(np.concatenate((zones, np.column_stack((place[new] - half, place[new] + half)))))

@@ -1,4 +1,4 @@
-"""Why a way to the zones has led to none that pass: a value, for the next way to be tried."""
+"""Why a strategy has led to no contact: a value, so that the next strategy can be tried."""
 
 from __future__ import annotations
 
@@ -16,8 +16,9 @@ EXACT = "interaction = Periodic() needs no strip"
 
 
 class WrongTopology(Exception):
-    """Corrections do not lead to zones that pass; free: the last Newton result. Within a search
-    only: it hands out a Failure.
+    """Corrections do not lead to intervals that pass.
+
+    It is raised within a search only, which returns its `failure`. free: the last Newton result.
     """
 
     def __init__(self, message: str, free: sie.Free | None, at_border: bool = False) -> None:
@@ -27,8 +28,10 @@ class WrongTopology(Exception):
 
 @record
 class Failure:
-    """reason: in words. free: the last Newton result. at_border: a zone reached the border of what is
-    known of the profile. refusal: what is raised if no other way leads on.
+    """Why there is no contact from here.
+
+    reason: in words. free: the last Newton result. at_border: a zone reached the border of the
+    known part of the profile. refusal: the error to raise if no other strategy leads to a contact.
     """
 
     reason: str
@@ -37,30 +40,30 @@ class Failure:
     refusal: OutOfRange | NotConverged | None = None
 
     def same(self, other: Failure) -> bool:
-        """Whether two searches ended in the same way with the same zones."""
+        """Whether two searches ended for the same reason with the same zones."""
         if self.reason != other.reason or self.free is None or other.free is None:
             return False
         return same(self.free.density.zones.table, other.free.density.zones.table)
 
     @property
     def unresolved(self) -> bool:
-        """Whether the modes of its zones do not show the equation."""
+        """Whether the modes of its zones do not resolve the equation."""
         return self.free is not None and self.free.unresolved
 
 
 NOT_APPLICABLE = Failure("not a scene for this way")
 
 
-def attempted(way: Callable[[], Any]) -> Any:
-    """What a way leads to where others are left: its outcome, or a Failure, where it refuses too."""
+def attempted(strategy: Callable[[], Any]) -> Any:
+    """The outcome of a strategy, or a Failure in place of an error that it raises."""
     try:
-        return way()
+        return strategy()
     except (OutOfRange, NotConverged) as refusal:
         return Failure(str(refusal), refusal=refusal)
 
 
 def same(table: Array, other: Array) -> bool:
-    """Whether these are the same zones, to a millionth of their widths."""
+    """Whether these are the same intervals, to a millionth of their widths."""
     return table.shape == other.shape and bool(
         np.all(np.abs(table - other) <= 1e-6 * (table[:, 1:] - table[:, :1]))
     )

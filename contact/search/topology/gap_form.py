@@ -1,6 +1,4 @@
-"""The formulation by the gaps of a nearly full contact: gaps, open inside, pressure positive
-outside.
-"""
+"""A nearly full contact by its gaps: open inside the gaps, pressure positive outside them."""
 
 from __future__ import annotations
 
@@ -17,7 +15,7 @@ from contact.formulation.problem import Problem, minus_one
 from contact.formulation.relief import ScaledRelief, height_noise
 from contact.search.topology.failure import WrongTopology
 from contact.search.topology.intervals import united, without
-from contact.search.topology.loop import NewtonSettings
+from contact.search.topology.loop import TOLERANCES, NewtonSettings, Round
 from contact.verify.certificate import Certificate, Solved
 from contact.verify.error import SolvedGaps
 from contact.verify.gap_certificate import certify_gaps
@@ -26,8 +24,10 @@ from sie import Array, record
 
 @record
 class GapForm:
-    """A scaled problem by its gaps. relief: the pressure of full contact but for its mean.
-    most_steps: from the first guess of gaps a few are enough, or it is no problem for gaps.
+    """A scaled problem with the slope of its gaps as the unknown.
+
+    relief: the pressure of full contact less its mean. most_steps: from the first guess a few
+    Newton steps are enough, or the contact is not one for gaps.
     """
 
     problem: Problem
@@ -36,8 +36,10 @@ class GapForm:
     most_steps: int = 25
 
     def equation(self, control: Control) -> sie.Equation:
-        """The equation of the slope of the gap. The mean pressure is a column: taken off the right
-        side it would leave little but the rounding of both.
+        """The equation of the slope of the gap.
+
+        The mean pressure is an unknown column. Subtracted from the right side instead, it would
+        leave little but the rounding of both.
         """
         problem, slope = self.problem, self.problem.forcing
         right = sie.Forcing(
@@ -55,20 +57,23 @@ class GapForm:
         )
 
     def intervals(self, control: Control, table: Array) -> sie.Zones:
+        """The gaps with free ends."""
         if len(table) == 0:
             raise WrongTopology(
                 "no gap is left: they are narrower than rounding can tell from full contact", None
             )
         return sie.Zones.of(table)
 
-    def moved(self, control: Control, zones: sie.Zones, how: NewtonSettings) -> sie.Free:
-        return how.ends(self.equation(control), zones, self.most_steps, signs=(1.0, -1.0))
+    def moved(self, control: Control, zones: sie.Zones, newton: NewtonSettings) -> sie.Free:
+        """The gaps with their ends found by Newton's method."""
+        return newton.ends(self.equation(control), zones, self.most_steps, signs=(1.0, -1.0))
 
     def formal(
         self, load: float, table: Array, tolerance: float, decay: float | None = None
     ) -> GapFields:
-        """Fields with this number of gaps at a load, whatever the signs. decay: see
-        `sie.find_ends`.
+        """Fields with this number of gaps under a load, whatever the signs.
+
+        decay: see `sie.find_ends`.
         """
         equation = self.equation(Load(load))
         free = sie.find_ends(
@@ -85,9 +90,10 @@ class GapForm:
         return GapFields(self.problem, free.state, load / self.problem.repeat_length, self.relief)
 
     def refuse(self, table: Array, free: sie.Free) -> None:
-        """Gaps that shrink away or meet are what they seem."""
+        """Nothing is refused: gaps that vanish or meet are what they seem."""
 
     def fields(self, control: Control, free: sie.Free, tolerance: float) -> GapFields:
+        """Fields of the gaps under the mean pressure that was found."""
         state, mean = free.state, float(free.density.amplitudes[0])
         if control.load is None:
             equation = self.equation(Load(mean * self.problem.repeat_length))
@@ -97,33 +103,37 @@ class GapForm:
         return GapFields(self.problem, state, mean, self.relief)
 
     def certificate(self, fields: GapFields, control: Control, few: float = 0.0) -> Certificate:
+        """The check of signs on the whole period."""
         return certify_gaps(fields)
 
     def corrected(self, zones: sie.Zones, certificate: Certificate) -> Array:
-        """Those without the parts in which they overlap, and new ones where the pressure pulls."""
+        """The gaps without parts that interpenetrate, and new ones where the pressure pulls."""
         parts = np.concatenate((without(zones.table, certificate.overlaps), certificate.negative))
         return united(parts, self.problem.repeat_length, True, self.what)
 
-    def solved(
-        self,
-        free: sie.Free,
-        fields: GapFields,
-        certificate: Certificate,
-        rounds: int,
-        control: Control,
-        tolerance: float,
-    ) -> SolvedGaps:
-        off = free.value_error + _rounding_of_mean(control, fields)
-        return SolvedGaps(free, fields, certificate, rounds, control, tolerance, off)
+    def solved(self, round: Round[SolvedGaps]) -> SolvedGaps:
+        """The result of a round that passed."""
+        free, fields, control = round.free, round.fields, round.control
+        return SolvedGaps(
+            free,
+            fields,
+            round.certificate,
+            round.number,
+            control,
+            round.tolerance,
+            free.value_error + _rounding_of_mean(control, fields),
+        )
 
     def is_slight(self, found: Solved) -> bool:
-        """A dip of the pressure."""
-        return found.certificate.dip <= 10 * found.tolerance
+        """Whether the pressure outside has a dip as small as the error."""
+        return found.certificate.dip <= TOLERANCES.error_margin * found.tolerance
 
 
 def _rounding_of_mean(control: Control, fields: GapFields) -> float:
-    """How far rounding may take the mean pressure that comes with an approach: a difference of
-    numbers of the size of the profile, which hardly changes near full contact.
+    """The error that rounding makes of the mean pressure under an approach.
+
+    The approach is a difference of numbers of the size of the profile, and hardly changes near full
+    contact.
     """
     if control.approach is None:
         return 0.0

@@ -1,6 +1,4 @@
-"""First guesses of the gaps of a nearly full contact: where the pressure of full contact would
-pull.
-"""
+"""First guesses of the gaps of a nearly full contact: where full contact would pull."""
 
 from functools import cached_property
 
@@ -14,35 +12,46 @@ from contact.search.topology.failure import WrongTopology
 from contact.search.topology.intervals import united
 from sie import Array, Index, Mask, record
 
-# Gaps over kinks that are this many samples narrow are placed by their closed form.
-_UNSEEN = 4
+# Samples over which a gap is resolved; narrower ones are placed by closed forms.
+_RESOLVED = 4
+# Halvings of the bracket of a mean pressure: all digits of a first guess.
+_HALVINGS = 60
 
 
 @record
 class GapGuesses:
-    """First guesses: where samples of R exceed the mean pressure."""
+    """First guesses of the gaps: where the relief R exceeds the mean pressure.
+
+    R is the pressure of full contact, with the opposite sign, less its mean.
+    """
 
     relief: ScaledRelief
 
     @property
     def period(self) -> float:
+        """The scaled period."""
         return self.relief.period
 
     @property
     def x(self) -> Array:
+        """Places of the samples."""
         return self.relief.samples[0]
 
     @property
     def value(self) -> Array:
+        """Samples of R."""
         return self.relief.samples[1]
 
     @property
     def step(self) -> float:
+        """Distance of the samples."""
         return self.period / len(self.x)
 
     def gaps(self, mean: float) -> Array:
-        """Runs of samples above the mean pressure, widened as a lone gap in a parabola of R would
-        be; lone gaps over kinks.
+        """First guesses (n, 2) under a mean pressure.
+
+        Runs of samples above it, widened as a lone gap in a parabola of R would be, and lone gaps
+        over kinks.
         """
         valleys = self._over_kinks(mean)
         above = self.value > mean
@@ -55,7 +64,7 @@ class GapGuesses:
                 (seen.mean(axis=1)[:, None] - valleys.mean(axis=1) + half) % self.period - half
             )
             unseen = (apart < 2 * self.step).any(axis=1) & (
-                seen[:, 1] - seen[:, 0] < 2 * _UNSEEN * self.step
+                seen[:, 1] - seen[:, 0] < 2 * _RESOLVED * self.step
             )
             return united(
                 np.concatenate((self._placed(seen[~unseen], mean), valleys)),
@@ -69,12 +78,12 @@ class GapGuesses:
         return self._about(*maximum(self.relief, np.append(self.x, self.x[0] + self.period)), mean)
 
     def mean_of(self, width: float) -> float:
-        """The mean pressure whose first guess leaves about this width in contact, by bisection."""
+        """The mean pressure whose first guess leaves about this width in contact."""
         finite = self.value[np.isfinite(self.value)]
         low, high = float(finite.min()), float(finite.max())
         while self._open(high) > self.period - width and high < 1e3 * (1 + float(finite.max())):
             high += high - low
-        for _ in range(60):
+        for _ in range(_HALVINGS):
             middle = 0.5 * (low + high)
             low, high = (
                 (middle, high) if self._open(middle) > self.period - width else (low, middle)
@@ -82,6 +91,7 @@ class GapGuesses:
         return 0.5 * (low + high)
 
     def _open(self, mean: float) -> float:
+        """Total width of the first guess of the gaps."""
         try:
             table = self.gaps(mean)
         except WrongTopology:
@@ -89,31 +99,31 @@ class GapGuesses:
         return float(np.sum(table[:, 1] - table[:, 0]))
 
     def _about(self, place: float, highest: float, mean: float) -> Array:
-        """The gap about a top of R that is a parabola between the samples: (1, 2), or none."""
-        beside = np.asarray(self.relief(np.array([place - self.step, place + self.step])))
-        bend = 2 * highest - float(beside.sum())
+        """The gap (1, 2) about a top of R, a parabola between the samples; none if R is lower."""
+        sides = np.asarray(self.relief(np.array([place - self.step, place + self.step])))
+        bend = 2 * highest - float(sides.sum())
         if highest <= mean or not bend > 0:
             return np.zeros((0, 2))
         half = 2 * self.step * np.sqrt((highest - mean) / bend)
         return np.array([[place - half, place + half]])
 
     def _placed(self, seen: Array, mean: float) -> Array:
-        """Gaps as narrow as the samples show, put where their top is between the samples."""
+        """Gaps, with those of few samples placed about the top of R between the samples."""
         out = []
         for row in seen:
-            if row[1] - row[0] < _UNSEEN * self.step:
+            if row[1] - row[0] < _RESOLVED * self.step:
                 middle = int(round((0.5 * float(row.sum()) - self.x[0]) / self.step)) % len(self.x)
                 found = self._about(*self._top(middle), mean)
                 row = (
                     found[0]
-                    if len(found) and found[0, 1] - found[0, 0] < 2 * _UNSEEN * self.step
+                    if len(found) and found[0, 1] - found[0, 0] < 2 * _RESOLVED * self.step
                     else row
                 )
             out.append(row)
         return np.array(out).reshape(-1, 2)
 
     def _top(self, sample: int) -> tuple[float, float]:
-        """(place, value) of the highest R about a sample."""
+        """(place, value) of the greatest R about a sample."""
         if sample not in self._tops:
             around = self.x[0] + self.step * (sample + np.arange(-3.0, 4.0))
             self._tops[sample] = maximum(self.relief, around)
@@ -124,18 +134,19 @@ class GapGuesses:
         return {}
 
     def _over_kinks(self, mean: float) -> Array:
-        """Lone gaps over the concave kinks, where they are narrower than the samples show and wide
-        enough to have ends.
+        """Lone gaps over the kinks of valleys that the samples do not resolve.
+
+        They are wide enough to have two ends.
         """
         kinks, rest = self._valleys
         at, heights = self.relief.at[kinks], self.relief.heights[kinks]
         half = self.period / np.pi * np.exp(np.pi * np.minimum((mean - rest) / heights, 9.0))
-        which = (half < 0.5 * _UNSEEN * self.step) & (half > NARROWEST * self.period)
+        which = (half < 0.5 * _RESOLVED * self.step) & (half > NARROWEST * self.period)
         return np.column_stack((at - half, at + half))[which]
 
     @cached_property
     def _valleys(self) -> tuple[Index, Array]:
-        """The concave kinks, and R there less their own logarithm."""
+        """The kinks of valleys, and R there without the kink's own logarithm."""
         kinks = np.flatnonzero(self.relief.heights < 0)
         return kinks, self.relief.without_own(kinks)
 

@@ -1,6 +1,4 @@
-"""The algebra of intervals, be they zones or the gaps between them: parts cut out, neighbours
-merged, overlapping ones united.
-"""
+"""Operations on intervals, be they zones or gaps: cutting parts out, merging, uniting."""
 
 import numpy as np
 
@@ -8,10 +6,14 @@ from contact.formulation import tables
 from contact.search.topology.failure import WrongTopology
 from sie import Array, Index
 
+# Width of a new zone over that of the overlap that it removes: 1 / sqrt(2) in Hertz's contact of
+# spheres, and about that in the plane.
+NEW_ZONE = 0.7
+
 
 def without(table: Array, parts: Array) -> Array:
-    """Intervals (n, 2) without the parts (m, 2), both ascending."""
-    # Of very many few are cut.
+    """Intervals (n, 2) without the parts (m, 2); both are ascending."""
+    # Only the few intervals that a part overlaps are cut one by one.
     first = np.searchsorted(parts[:, 1], table[:, 0], side="right")
     after = np.searchsorted(parts[:, 0], table[:, 1], side="left")
     rows = []
@@ -28,8 +30,9 @@ def without(table: Array, parts: Array) -> Array:
 
 
 def merged(table: Array, met: Index, period: float | None) -> Array:
-    """Each of the intervals `met` with the one after it; the last one with the first of the next
-    period, if there is one.
+    """The intervals with each of those in `met` merged with the next one.
+
+    With a period, the last one is merged with the first one of the next period.
     """
     closed = np.isin(np.arange(len(table)), met)
     out = tables.joined_where(table, closed[:-1])
@@ -40,8 +43,9 @@ def merged(table: Array, met: Index, period: float | None) -> Array:
 
 
 def united(table: Array, period: float | None, around: bool, what: str) -> Array:
-    """Overlapping intervals as one. around: the last one may reach over the border of the period.
-    what: they are, for a message.
+    """The intervals with overlapping ones united; WrongTopology if they fill the period.
+
+    around: the last one may reach over the border of the period. what: their name in a message.
     """
     if len(table) == 0:
         return table

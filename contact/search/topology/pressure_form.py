@@ -1,8 +1,8 @@
-"""The formulation by the pressure: zones, pressure positive inside, the gap positive outside."""
+"""A contact by its zones: pressure positive inside them, the gap positive outside."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -14,28 +14,38 @@ from contact.formulation.fields import ZoneFields
 from contact.formulation.problem import Problem
 from contact.formulation.tables import parted_at_wide
 from contact.search.topology.failure import EXACT, WrongTopology
-from contact.search.topology.intervals import united, without
-from contact.search.topology.loop import NewtonSettings, off
+from contact.search.topology.intervals import NEW_ZONE, united, without
+from contact.search.topology.loop import TOLERANCES, NewtonSettings, Round, end_errors
 from contact.verify.certificate import Certificate, Solved, certify
 from contact.verify.error import SolvedZones, too_thin
 from sie import Array, record, wrapped
 
-# Gaps over kinks below this part of the zones beside them are not taken to close.
-_NARROW = 1e-3
-# Of an overlap: as wide as that a new zone begins.
-_NEW = 0.7
-_AT_CORNER = 0.1
+
+@dataclass(frozen=True)
+class PressureFormOptions:
+    """Widths of new zones, and gaps too narrow to be found."""
+
+    # Width of a new zone over the overlap that it removes: a lone zone in a parabola has 0.7.
+    new_zone: float = NEW_ZONE
+    new_zone_at_corner: float = 0.1  # likewise; there one end is known, and the other one grows
+    # A gap over the kink of a valley narrows with the load and never closes. One narrower than
+    # this part of the zones next to it has vanished for lack of digits.
+    narrow_valley: float = 1e-3
+
+
+OPTIONS = PressureFormOptions()
 
 
 @record
 class PressureForm:
-    """A scaled problem by its zones."""
+    """A scaled problem with the pressure on its zones as the unknown."""
 
     problem: Problem
     what: str = "zone"
     most_steps: int = 40
 
     def intervals(self, control: Control, table: Array) -> sie.Zones:
+        """The zones with their kinds of ends; WrongTopology if they cannot be those of a contact."""
         if len(table) == 0:
             raise WrongTopology("all zones vanished", None)
         _within_strip(self.problem, table)
@@ -44,9 +54,10 @@ class PressureForm:
         return kinds(self.problem, control, table)
 
     def begun(self, table: Array) -> Array:
-        """A proposed table with the border of the period in a wide gap. Levels are tied from
-        neighbour to neighbour, and over the border they are known no better than by all of these
-        steps: a narrow zone at it would feel what the widest gap is rounded to.
+        """Proposed zones, ordered so that the period begins in a wide gap.
+
+        Levels are tied from each zone to the next, and at the border of the period with the sum of
+        all rounding: a narrow zone there would feel the rounding of the widest gap.
         """
         problem = self.problem
         bounded = bool(np.isfinite(problem.corners).any())
@@ -60,23 +71,25 @@ class PressureForm:
             return table
         return parted_at_wide(table, problem.period)
 
-    def moved(self, control: Control, zones: sie.Zones, how: NewtonSettings) -> sie.Free:
+    def moved(self, control: Control, zones: sie.Zones, newton: NewtonSettings) -> sie.Free:
+        """The zones with their ends found by Newton's method."""
         problem = self.problem
-        return how.ends(
+        return newton.ends(
             problem.equation(control),
             zones,
             self.most_steps,
             limits=problem.corners,
             limited=problem.end,
-            decay=how.decay,
-            like=how.modes_like,
+            decay=newton.decay,
+            like=newton.modes_like,
         )
 
     def formal(
         self, load: float, table: Array, tolerance: float, decay: float | None = None
     ) -> ZoneFields:
-        """Fields with this number of zones at a load, whatever the signs. decay: see
-        `sie.find_ends`.
+        """Fields with this number of zones under a load, whatever the signs.
+
+        decay: see `sie.find_ends`.
         """
         control = Load(load)
         zones, equation = kinds(self.problem, control, table), self.problem.equation(control)
@@ -99,6 +112,7 @@ class PressureForm:
         return ZoneFields(self.problem, free.state)
 
     def refuse(self, table: Array, free: sie.Free) -> None:
+        """Raise WrongTopology if a narrow gap over the kink of a valley was lost."""
         valley = _narrow_valley(self.problem, table, free)
         if valley is not None:
             length = valley * self.problem.units.length
@@ -108,6 +122,7 @@ class PressureForm:
             )
 
     def fields(self, control: Control, free: sie.Free, tolerance: float) -> ZoneFields:
+        """Fields of the zones under the load that they have."""
         problem, zones = self.problem, free.density.zones
         _within_borders(problem, zones)
         if control.load is not None:
@@ -118,7 +133,7 @@ class PressureForm:
             for side in (zones.left, zones.right)
         )
         ends = replace(zones, left=left, right=right)
-        # On about the same zones: with their modes, and by iteration from their solution.
+        # The same zones need the same modes; an iteration begins from their solution.
         sizes = replace(free.state.sizes, value=0.0)
         state = sie.solve_zones(
             problem.equation(Load(total)), ends, max(0.1 * tolerance, 3e-16), sizes
@@ -126,24 +141,23 @@ class PressureForm:
         return ZoneFields(problem, state.with_bounded_ends())
 
     def certificate(self, fields: ZoneFields, control: Control, few: float = 0.0) -> Certificate:
+        """The check of signs and of the load on the whole line."""
         return certify(fields, control.load, control, few)
 
     def corrected(self, zones: sie.Zones, certificate: Certificate) -> Array:
-        """Those with pulling parts cut out, and a new one in every overlap, up to the corner or
-        border where it begins or ends there.
+        """The zones without parts that pull, and a new zone in every overlap.
+
+        A new zone reaches the corner or the border at which its overlap begins or ends.
         """
         if len(certificate.negative) == 0 and len(certificate.overlaps) == 0:
             if rounded := height_rounding.told(self.problem, zones.table):
                 raise SceneError(rounded, "profile", self.problem.profile)
             raise WrongTopology(certificate.note or "the balance of load fails", None)
         (left, right), (lo, hi) = certificate.overlaps.T, self.problem.corners
-        middle, half, narrow = (
-            0.5 * (left + right),
-            0.5 * _NEW * (right - left),
-            _AT_CORNER * (right - left),
-        )
-        # Held at a corner a zone may press that would vanish between two free ends. Its other end
-        # grows to its place, and does not shrink.
+        width = right - left
+        middle, half = 0.5 * (left + right), 0.5 * OPTIONS.new_zone * width
+        narrow = OPTIONS.new_zone_at_corner * width
+        # A zone pinned at a corner may press where one with two free ends would vanish.
         new = np.where(
             (left <= lo)[:, None],
             np.column_stack((left, left + narrow)),
@@ -156,35 +170,38 @@ class PressureForm:
             False,
             self.what,
         )
-        if len(table) > 4 * len(zones) + 64:
+        if len(table) > 4 * len(zones) + 64:  # no correction of a contact adds so many
             raise WrongTopology("the signs of pressure and gap change ever more often", None)
         return table
 
-    def solved(
-        self,
-        free: sie.Free,
-        fields: ZoneFields,
-        certificate: Certificate,
-        rounds: int,
-        control: Control,
-        tolerance: float,
-    ) -> SolvedZones:
-        return SolvedZones(free, fields, certificate, rounds, control, tolerance)
+    def solved(self, round: Round[SolvedZones]) -> SolvedZones:
+        """The result of a round that passed."""
+        return SolvedZones(
+            round.free,
+            round.fields,
+            round.certificate,
+            round.number,
+            round.control,
+            round.tolerance,
+        )
 
     def is_slight(self, found: Solved) -> bool:
-        """A dip of the pressure, or a gap between zones; nobody asks how many zones a reference
-        has.
+        """Whether a dip of the pressure, or a gap between zones, is as small as the error.
+
+        For a reference solution the number of zones does not matter.
         """
         if self.problem.reference:
             return False
-        zones, reach = found.free.density.zones, off(found.free, found.fields.state)
+        zones, reach = found.free.density.zones, end_errors(found.free, found.fields.state)
         narrow = zones.a[1:] - zones.b[:-1] <= reach[1:, 0] + reach[:-1, 1]
-        return found.certificate.dip <= 10 * found.tolerance or bool(np.any(narrow))
+        dip = TOLERANCES.error_margin * found.tolerance
+        return found.certificate.dip <= dip or bool(np.any(narrow))
 
 
 def kinds(problem: Problem, control: Control, table: Array) -> sie.Zones:
-    """Zones with the kinds of their ends: held at sharp corners and where the half width is given,
-    else as the law says.
+    """Zones with the kinds of their ends.
+
+    Ends are pinned at sharp corners, and where the half width is given; others are as the law says.
     """
     count = len(table)
     end = problem.end if control.half_width is None else problem.held_end
@@ -193,7 +210,8 @@ def kinds(problem: Problem, control: Control, table: Array) -> sie.Zones:
     table = np.clip(table, lo, hi)
     if not np.all(table[:, 0] < table[:, 1]):
         raise WrongTopology(
-            "a contact zone lies beyond the sharp corners of the body, or beyond the border of the strip",
+            "a contact zone lies beyond the sharp corners of the body, "
+            "or beyond the border of the strip",
             None,
         )
     symmetric = is_symmetric(problem, table)
@@ -207,7 +225,7 @@ def kinds(problem: Problem, control: Control, table: Array) -> sie.Zones:
 
 
 def is_symmetric(problem: Problem, table: Array) -> bool:
-    """Whether half of the zones need solving: profile and zones mirror each other about the origin."""
+    """Whether profile and zones are symmetric about the origin, so that half of them is solved."""
     if (
         not problem.profile.symmetric
         or problem.units.origin != 0.0
@@ -218,13 +236,14 @@ def is_symmetric(problem: Problem, table: Array) -> bool:
     if problem.cell is not None and max(-table[0, 0], table[-1, 1]) >= 0.5 * problem.cell:
         return False
     width = table[:, 1] - table[:, 0]
+    # Guesses of mirror images differ by less than a quarter of their widths.
     return bool(
         np.all(np.abs(table + table[::-1, ::-1]) <= 0.25 * np.minimum(width, width[::-1])[:, None])
     )
 
 
 def _within_strip(problem: Problem, table: Array) -> None:
-    """What the nominal pressure does beyond a strip has no meaning there."""
+    """Raise WrongTopology if a zone leaves the strip of a localized model."""
     if problem.interaction.strip and problem.period is not None and not problem.reference:
         if float(np.abs(table - problem.centre).max()) >= 0.5 * problem.period:
             raise WrongTopology(
@@ -233,6 +252,7 @@ def _within_strip(problem: Problem, table: Array) -> None:
 
 
 def _within_borders(problem: Problem, zones: sie.Zones) -> None:
+    """Raise WrongTopology if a zone leaves the known part of the profile, or all fill the period."""
     lo, hi = problem.borders
     if zones.a[0] <= lo or zones.b[-1] >= hi:
         raise WrongTopology(
@@ -245,8 +265,9 @@ def _within_borders(problem: Problem, zones: sie.Zones) -> None:
 
 
 def _narrow_valley(problem: Problem, table: Array, free: sie.Free) -> float | None:
-    """Width of a gap over the kink of a valley that the search has closed or taken off its kink:
-    too narrow for it. Such gaps do not close, but narrow as exp(-pressure); None if there is none.
+    """Width of a narrow gap over the kink of a valley that Newton closed or moved off its kink.
+
+    Such a gap does not close but narrows as exp(-pressure); None if no gap was lost.
     """
     kinks, heights = problem.forcing.kinks
     if not np.any(heights < 0) or len(table) < 2 or len(free.density.zones) < len(table):
@@ -257,7 +278,11 @@ def _narrow_valley(problem: Problem, table: Array, free: sie.Free) -> float | No
     at, i = at[inner], i[inner]
     lo, hi = table[i, 1], table[i + 1, 0]
     width = np.diff(table)[:, 0]
-    narrow = (at > lo) & (at < hi) & (hi - lo < _NARROW * np.minimum(width[i], width[i + 1]))
+    narrow = (
+        (at > lo)
+        & (at < hi)
+        & (hi - lo < OPTIONS.narrow_valley * np.minimum(width[i], width[i + 1]))
+    )
     now = free.density.zones
     lost = narrow & (np.isin(i, free.met) | (now.b[i] >= at) | (now.a[i + 1] <= at))
     return float((hi - lo)[lost].min()) if lost.any() else None
