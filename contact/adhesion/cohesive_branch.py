@@ -37,7 +37,7 @@ from contact.adhesion.edge_branch import bare, frame, past, way
 from contact.adhesion.full_contact import closing_foreseen
 from contact.adhesion.gradient_flow import ROUGH
 from contact.adhesion.inner_contact import TIGHT, Lost, edge_slopes
-from contact.adhesion.intervals import below, places, united_about
+from contact.adhesion.intervals import below, sample_points, united_about
 from contact.errors import NotConverged, OutOfRange
 from contact.formulation.controls import Load
 from contact.formulation.fields import ZoneFields
@@ -252,7 +252,7 @@ def _looked_on(
             min(problem.borders[1], 2 * x[-1] - x[0]),
         )
         new = [
-            places(a, b, 0.25 * problem.detail)
+            sample_points(a, b, 0.25 * problem.detail)
             for a, b, at in ((lo, x[0], gap[0]), (x[-1], hi, gap[-1]))
             if at < curve.reach and a < b
         ]

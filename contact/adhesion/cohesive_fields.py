@@ -1,6 +1,4 @@
-"""Fields of a contact with a constant tension beside it: of q = p + s on the intervals where s
-pulls, and what they are in SI units.
-"""
+"""Fields of a contact under a cohesive law in SI units, computed from q = p + s."""
 
 from functools import cached_property
 
@@ -20,8 +18,10 @@ from sie import Array, record
 
 @record
 class PulledFields(ZoneFields):
-    """problem: `Pulled`; law_problem: the same with the scene's law; rate: d load/d approach,
-    scaled, None under tension everywhere.
+    """The fields of a contact with tension around it.
+
+    problem: the deformed profile (`Pulled`), whose pressure is q; law_problem: the problem with the
+    scene's law; rate: d load/d approach, scaled, None under tension everywhere.
     """
 
     law_problem: Problem | None = None
@@ -38,17 +38,16 @@ class PulledFields(ZoneFields):
 
     @property
     def cohesive(self) -> Array:  # type: ignore[override]
-        """The intervals in which the gap is below the reach of the tension, contact within them
-        included (m, 2) [m].
-        """
+        """The intervals of tension, including the zones within them (m, 2) [m]."""
         units, tension = self.problem.units, self.tension
         if tension.everywhere:
             first = float(self.density.zones.middle[0]) - 0.5 * tension.width
             return np.asarray(units.x(np.array([[first, first + tension.width]])))
         return np.asarray(units.x(tension.table))
 
-    # the shape is the profile's own, and the displacement the tension's, too
     def standing_shape(self, x: Array) -> Array:
+        # The gap is measured from the undeformed profile; the deformation by the tension is part of
+        # the displacement.
         return self.pulled.own_shape(x)
 
     def _raised(self, x: Array, potential: Array) -> Array:
@@ -85,7 +84,7 @@ class PulledFields(ZoneFields):
 
     @cached_property
     def loads(self) -> Array:
-        """Of the zones of contact; the tension beside them is not in it."""
+        """Loads of the zones, without the tension around them [N/m]."""
         zones = self.density.zones
         own = self.tension.stress * (zones.b - zones.a)
         for end, _ in self.tension.spreads:
@@ -109,7 +108,7 @@ class PulledFields(ZoneFields):
 
     @property
     def _pull(self) -> float:
-        """The tension [Pa], to the digit."""
+        """The tension [Pa] as given in the law, not rescaled."""
         assert self.law_problem is not None
         return self.law_problem.law.tension
 
@@ -127,7 +126,7 @@ class PulledFields(ZoneFields):
 
     @property
     def _not_pulled(self) -> float:
-        """int (1 - eta) F dx on zones that are held at sharp corners."""
+        """Integral of (1 - eta) F over the zones pinned at sharp corners."""
         out, breaks = 0.0, self.pulled.forcing.jumps.broken_at
         for end, zone in self.tension.spreads:
             places, weights = zone.lacking(end, int(np.ceil(4 * zone.half / self.spacing)), breaks)
@@ -136,7 +135,7 @@ class PulledFields(ZoneFields):
 
     @cached_property
     def opened(self) -> float:
-        """int gap dx over the intervals of tension [m^2]."""
+        """Integral of the gap over the intervals of tension [m^2]."""
         units = self.problem.units
         return (
             beside(self.scaled_gap, self.pulled, self.density.zones.table, self.spacing)
@@ -146,7 +145,7 @@ class PulledFields(ZoneFields):
 
 
 def fields_of(curve: Cohesive, here: Point) -> PulledFields | LooseFields:
-    """What acts at an equilibrium, or where the surfaces only pull."""
+    """The fields at a state of the curve, with or without contact."""
     problem, everywhere = curve.problem, isinstance(here, CohesivePoint) and here.everywhere
     if isinstance(here, CohesivePoint) and here.q is not None:
         return PulledFields(here.q.problem, here.q.state, law_problem=problem)
@@ -158,8 +157,9 @@ def fields_of(curve: Cohesive, here: Point) -> PulledFields | LooseFields:
 
 
 def scaled_second_variation(here: CohesivePoint) -> Array:
-    """d^2 energy/ds_i ds_j by outward motions of the free ends of the tension, times the roots of
-    their intervals' widths and over 2 w.
+    """The scaled Hessian of the energy with respect to outward motions of the free tension ends.
+
+    It is d^2 energy/ds_i ds_j times the square roots of the widths of both intervals, over 2 w.
     """
     free = ~here.held
     root = np.sqrt(here.widths[free])
@@ -168,20 +168,21 @@ def scaled_second_variation(here: CohesivePoint) -> Array:
 
 @record
 class PulledGapFields(GapFields):
-    """Nearly full contact under tension everywhere, by its gaps: the bare contact less the tension
-    (scaled).
+    """Nearly full contact under tension everywhere, solved by its gaps.
+
+    It is the frictionless contact with the uniform tension `stress` (scaled) subtracted.
     """
 
     stress: float = 0.0
 
     @property
     def opened(self) -> float:
-        """int gap dx over the period [m^2]."""
+        """Integral of the gap over the period [m^2]."""
         return self.mean_gap * self.period * self.problem.units.length
 
     @property
     def borne_beside(self) -> float:  # type: ignore[override]
-        # Of q the whole of it is borne by the zones; less the tension on all of the period.
+        # The zones carry all of q; the uniform tension over the period is subtracted.
         own = mean_shape(self.problem) - self.mean_gap / self.problem.units.height
         return -self.stress * self.period * own
 

@@ -1,19 +1,21 @@
-r"""Curves of equilibria under a law that pulls with a constant tension s where the gap is below its
-reach h.
+r"""Curves of equilibria of a cohesive law: a constant tension s where the gap is below the reach h.
 
-The ends c of the intervals I = {gap < h} are the unknowns. Under the tension on given I the contact
-is the frictionless one of a deformed profile (pulled.py): convex, its zones unique. By an outward
-motion of an end the energy changes by -s (h - gap(c)) ds, so
+The unknowns are the ends c of the intervals I = {gap < h}. For given I, the contact is the
+frictionless contact of a deformed profile (deformed_profile.py); this problem is convex and its
+zones are unique. An outward motion ds of an end changes the energy by -s (h - gap(c)) ds. So the
+residual and its Jacobian are
 
-    r = 1 - gap(c)/h,   J = dr/ds = -(1/h) d gap(c)/ds,
+    r = 1 - gap(c)/h,   J = dr/ds = -(1/h) d gap(c)/ds.
 
-play the part that the intensities have in `equilibria`: under a held load tension anywhere brings
-the surfaces nearer everywhere, so J is positive off its diagonal, the map I -> {gap < h} keeps
-order, and from intervals all of whose ends are driven outward they advance to the least equilibrium
-that holds them. Under a held approach of a period that is not so: the level stays, and far from a
-tension the surfaces move apart. In J the zones follow: what an end of I adds is a unit source at c,
-to first order answered by the density of zones that are held with singular ends, whose intensities
-move these by 2 K/A.
+They have the role of the edge intensities in `curve`. Under load control, tension anywhere brings
+the surfaces closer everywhere. Then J is positive off its diagonal and the map I -> {gap < h} is
+monotone: intervals whose ends are all driven outward grow to the smallest equilibrium that contains
+them. Under approach control of a period this does not hold, since far from a tension the surfaces
+move apart.
+
+J includes the motion of the zones. Moving an end of I adds a point source at c. To first order the
+answer is the density of fixed zones with singular ends, whose intensities K move the zones by 2
+K/A.
 """
 
 import math
@@ -45,33 +47,43 @@ from contact.formulation.problem import Problem
 from contact.formulation.tables import outward
 from sie import Array, Mask, record
 
-# Surfaces that overlap by this part of the reach only touch.
-_TOUCHING = 1e-12
-# To which the densities are solved that rates are told of where zones are many: of a state, and of
-# one on the way.
-_OF_RATES = 1e-10
-_OF_ROUGH_RATES = 1e-4
-# Newton's steps to an equilibrium near by; over the widths, a step that is rounding, and one that
-# is of another equilibrium.
-_SETTLING = 8
-_SETTLED = 1e-15
-_ANOTHER = 1e-2
-# Over the widest zone, strips below which a state on the way is solved as tightly as any, and its
-# rates more tightly by as much: they go by how far the ends of zones are off over their strips,
-# times zones over strips.
-_NARROW = 1e-3
-# Over the widths, tight states no farther apart than this have the same rates.
-_ALIKE = 1e-9
-# States that are remembered.
-_KNOWN = 256
+
+@dataclass(frozen=True)
+class CohesiveOptions:
+    """Tolerances of states on a curve of equilibria, and of Newton's method to one of them."""
+
+    # Overlap of surfaces over the reach that is round-off.
+    overlap: float = 1e-12
+    # Tolerance of the densities behind the rates if they are solved by iteration.
+    rate_tolerance: float = 1e-10
+    # The same for a state that is not an answer: Newton's method only needs rough rates.
+    rough_rate_tolerance: float = 1e-4
+    # Newton steps to an equilibrium from a state close to it.
+    max_newton_steps: int = 8
+    # Step over the widths that is round-off.
+    converged_step: float = 1e-15
+    # Step over the widths that leads to another equilibrium.
+    max_step: float = 1e-2
+    # If strips of tension are narrower than this part of the widest zone, states are solved to
+    # round-off: the error of rates is that of the ends times (zone width/strip width)^2.
+    narrow_strip: float = 1e-3
+    # Step over the widths below which the rates of the previous state are kept.
+    reuse_rates_below: float = 1e-9
+    # States remembered for warm starts.
+    max_known: int = 256
+
+
+_OPTIONS = CohesiveOptions()
 
 
 @record
 class CohesivePoint(Point):
-    """table: the intervals I, none where everywhere is set; zones: the contact within them (n, 2);
-    q: its fields, None where the surfaces only pull; by_ends, level_rates: motions of the zones'
-    ends (2n,), and of the level, by those of I and by the value of the control, the last column;
-    seen: what was looked at, None where nothing was.
+    """A state of the curve.
+
+    table: the intervals I (empty if the tension acts everywhere); zones: the contact (n, 2); q: its
+    fields, None without contact; by_ends, level_rates: rates of the zones' ends (2n,) and of the
+    level with respect to the ends of I and, in the last column, the value of the control; seen: the
+    sampled gap, None if it was not sampled.
     """
 
     zones: Array
@@ -91,7 +103,7 @@ class CohesivePoint(Point):
         q: ZoneFields | None,
         seen: tuple[Array, Array],
     ) -> "CohesivePoint":
-        """Under tension in all of a period, of which no end moves."""
+        """A state under tension on the whole period, which has no ends."""
         none, still = np.zeros(0), np.zeros((2 * len(zones), 1))
         return cls(
             np.zeros((0, 2)),
@@ -111,7 +123,7 @@ class CohesivePoint(Point):
 
     @cached_property
     def look(self) -> tuple[Array, Array]:
-        """(sampled places without contact, ascending, the gap there)."""
+        """(sample points without contact, ascending; the gap there)."""
         if self.seen is not None:
             return self.seen
         assert self.q is not None
@@ -119,7 +131,7 @@ class CohesivePoint(Point):
 
     @property
     def rate(self) -> float:
-        """d load/d approach on the curve of equilibria, of a state under a held load."""
+        """d load/d approach along the curve of equilibria, for a state under load control."""
         ends = np.linalg.solve(-self.rates, self.by_value)
         return float(-1.0 / (self.level_rates[-1] + self.level_rates[:-1] @ ends))
 
@@ -129,13 +141,13 @@ class CohesivePoint(Point):
 
     @property
     def gains(self) -> Array:
-        """1: the slope of the energy goes with the gap itself."""
+        """Factors 1: the derivative of the energy is linear in the gap."""
         return np.ones(len(self.residual))
 
 
 @record
 class Known:
-    """Of a state, what first guesses of others come from."""
+    """The part of a state that is kept for warm starts."""
 
     table: Array
     value: float
@@ -145,7 +157,7 @@ class Known:
 
 @record
 class Loose(Point):
-    """A state of which only its intervals, zones (n, 2), load and level are told."""
+    """A state given by its intervals, zones (n, 2), load and level only."""
 
     zones: Array
 
@@ -163,11 +175,11 @@ class Loose(Point):
 
 @dataclass(frozen=True)
 class Cohesive(Equilibria):
-    """Those of a problem whose law has a tension and a reach, both scaled here.
+    """The curve of equilibria of a cohesive law; tension and reach are scaled.
 
-    recent: the last state, of which curve, and how tightly solved; loose: surfaces that pull
-    without touching are states, too, where the load is not held; formal: the number of zones stays
-    as it is, whatever the signs of q and of the gap.
+    known: earlier states for warm starts; recent: the last state with its curve and tolerance;
+    loose: whether states without contact are allowed (if the load is not controlled); formal:
+    whether the number of zones is kept and the signs of q and of the gap are not checked.
     """
 
     problem: Problem
@@ -189,17 +201,17 @@ class Cohesive(Equilibria):
 
     @cached_property
     def strip(self) -> float:
-        """About how wide tension acts beside a zone that is far wider."""
+        """Approximate width of the tension next to a much wider zone."""
         law, units = self.problem.law, self.problem.units
         return 0.25 * math.pi * units.E_star * law.reach / law.tension / units.length
 
     @property
     def everywhere(self) -> Pulled:
-        """The problem under tension in all of a period."""
+        """The problem under tension on the whole period."""
         return Pulled.of(self.problem, self.stress, np.zeros((0, 2)), everywhere=True)
 
-    # one state
-    # --------------------------------------------------------------------------------------------------------
+    # One state.
+
     def at(
         self,
         table: Array,
@@ -208,9 +220,10 @@ class Cohesive(Equilibria):
         held: Mask | None = None,
         alike: CohesivePoint | None = None,
     ) -> CohesivePoint:
-        """The contact under the tension on given intervals, no farther than to sharp corners; zones
-        are looked for from those of the last state. held: at corners; None: those that are there
-        and are not driven inward. alike: a state that has the same rates.
+        """The state with tension on given intervals, cut at sharp corners.
+
+        The zones start from those of the nearest known state. held: ends pinned at corners; None:
+        all ends at corners that are not driven inward. alike: a state whose rates may be reused.
         """
         table = self.within(table)
         near = self.nearest(table, value) if self.known else None
@@ -218,7 +231,8 @@ class Cohesive(Equilibria):
         try:
             here = self.from_zones(table, value, zones, tolerance, alike)
         except Covered:
-            # Zones that a state has lost are not found again where others are driven on for them.
+            # The nearest state may have lost zones, and the others grow without end. The known
+            # state with the most zones is tried.
             more = max(
                 (one for one in self.known if one.table.shape == table.shape),
                 key=lambda one: len(one.zones),
@@ -242,7 +256,7 @@ class Cohesive(Equilibria):
         return fitted(zones, table, self.problem.round, corners=self.problem.corners)
 
     def _followed(self, before: Known, table: Array, value: float) -> Array:
-        """Where the zones of a state are about to be after its intervals and the value have moved."""
+        """The zones of a known state, extrapolated to other intervals and another value."""
         zones = before.zones
         if len(before.table) != len(table):
             return self.fitted(zones, table)
@@ -253,7 +267,7 @@ class Cohesive(Equilibria):
         left = np.clip(move[:count], -0.4 * width, None)
         right = np.clip(move[count:], -0.4 * width, None)
         new = zones + np.column_stack((-left, right))
-        # Nearer to the end of an interval than a part of what it was a zone does not come at once.
+        # A zone keeps at least a fifth of its distance to the end of the interval.
         room = np.array([zones[:, 0] - before.table[i, 0], before.table[i, 1] - zones[:, 1]])
         new[:, 0] = np.maximum(new[:, 0], table[i, 0] + 0.2 * room[0])
         new[:, 1] = np.minimum(new[:, 1], table[i, 1] - 0.2 * room[1])
@@ -267,9 +281,7 @@ class Cohesive(Equilibria):
         return np.asarray(new)
 
     def nearest(self, table: Array, value: float) -> Known:
-        """Of the states known, the one of the nearest intervals as many as these, and under the
-        nearest value; else the last.
-        """
+        """The known state with as many intervals and the nearest ends, then value; else the last."""
 
         def away(one: Known) -> tuple[float, float]:
             return float(np.abs(one.table - table).max()), abs(one.value - value)
@@ -286,14 +298,14 @@ class Cohesive(Equilibria):
         tolerance: float = TIGHT,
         alike: CohesivePoint | None = None,
     ) -> CohesivePoint:
-        """The same from a first guess of the zones."""
-        table, narrow = (
-            self.within(table),
-            self.strip / float(np.diff(zones, axis=1).max(initial=0.0) or np.inf),
-        )
-        asked, of_rates = tolerance, _OF_RATES if tolerance <= TIGHT else _OF_ROUGH_RATES
-        if 0.0 < narrow < _NARROW:
-            tolerance, of_rates = TIGHT, max(_OF_RATES, of_rates * narrow)
+        """The state with tension on given intervals, from a first guess of the zones."""
+        table = self.within(table)
+        narrow = self.strip / float(np.diff(zones, axis=1).max(initial=0.0) or np.inf)
+        asked, of_rates = tolerance, _OPTIONS.rough_rate_tolerance
+        if tolerance <= TIGHT:
+            of_rates = _OPTIONS.rate_tolerance
+        if 0.0 < narrow < _OPTIONS.narrow_strip:
+            tolerance, of_rates = TIGHT, max(_OPTIONS.rate_tolerance, of_rates * narrow)
         for curve, last, tightly in self.recent:
             if (
                 tightly <= asked
@@ -313,10 +325,11 @@ class Cohesive(Equilibria):
             if self._may_be_loose and len(zones) == 0
             else None
         )
-        if point is None or (not self.formal and point.look[1].min() < -_TOUCHING * self.reach):
+        overlap = -_OPTIONS.overlap * self.reach
+        if point is None or (not self.formal and point.look[1].min() < overlap):
             try:
                 tolerances = (
-                    Tolerances(tolerance) if asked <= TIGHT else Tolerances.on_the_way(tolerance)
+                    Tolerances(tolerance) if asked <= TIGHT else Tolerances.intermediate(tolerance)
                 )
                 point = self._point(
                     table,
@@ -331,7 +344,7 @@ class Cohesive(Equilibria):
                 point = self._without_contact(table, value, pulled)
         self.recent[:] = [(self, point, asked)]
         self.known.append(Known(table, value, point.zones, point.by_ends))
-        del self.known[:-_KNOWN]
+        del self.known[: -_OPTIONS.max_known]
         return point
 
     @property
@@ -341,9 +354,7 @@ class Cohesive(Equilibria):
     def contact_under(
         self, pulled: Pulled, value: float, zones: Array
     ) -> tuple[ZoneFields, tuple[Array, Array]]:
-        """(fields of q on the zones of contact under a tension and a value of the control, the gap
-        beside them).
-        """
+        """The fields of q under a tension at a value of the control, and the sampled gap."""
         fields, look = self._contact_under(pulled, value, zones, Tolerances())
         return fields, look_at(fields) if look is None else look
 
@@ -355,7 +366,7 @@ class Cohesive(Equilibria):
         )
 
     def under_all(self, value: float, zones: Array) -> CohesivePoint:
-        """The contact under tension in all of a period; as stable as the frictionless one."""
+        """The state under tension on the whole period; it is stable like frictionless contact."""
         pulled, none = self.everywhere, np.zeros((0, 2))
         pull = pulled.pulling.total
         loose: CohesivePoint | None = None
@@ -364,7 +375,8 @@ class Cohesive(Equilibria):
             loose = CohesivePoint.under_all(
                 value, -pull, level, none, None, looked(lambda y: pulled.shape(y) + level, x)
             )
-            if len(zones) == 0 and (self.formal or loose.look[1].min() >= -_TOUCHING * self.reach):
+            apart = loose.look[1].min() >= -_OPTIONS.overlap * self.reach
+            if len(zones) == 0 and (self.formal or apart):
                 return loose
         try:
             fields, look = self.contact_under(pulled, value, zones)
@@ -378,23 +390,23 @@ class Cohesive(Equilibria):
         )
 
     def control(self, pulled: Pulled, value: float) -> Control:
-        """That of q: its load has the tension, too."""
+        """The control of q, whose load includes the tension."""
         return replace(self.held, value=value + self.yields * pulled.pulling.total)
 
     @property
     def yields(self) -> float:
-        """What a unit of load adds to the value of the control."""
+        """The change of the control's value per unit of load."""
         if self.held.load is not None:
             return 1.0
         return float(self.held.yields or 0.0)
 
     def fields(self, here: Point, tolerance: float = TIGHT) -> ZoneFields:
-        """As tightly as it was solved."""
+        """The fields of a state, with the tolerance with which it was solved."""
         assert isinstance(here, CohesivePoint) and here.q is not None
         return here.q
 
     def gap(self, here: Point, x: Array) -> Array:
-        """The scaled gap at places, rounding left as it is in contact."""
+        """The scaled gap at points x; in contact it is round-off, not exactly 0."""
         assert isinstance(here, CohesivePoint)
         if here.q is not None:
             return here.q.formal_gap(x)
@@ -406,7 +418,7 @@ class Cohesive(Equilibria):
     def unit(self, here: Point) -> float:
         if here.whole.by_value.any():
             return super().unit(here)
-        # Contact covers all ends: what the tension could bear, or its reach.
+        # No end moves with the control: the scale is the force of the tension, or the reach.
         bears = self.stress * float(np.diff(here.table, axis=1).sum())
         return bears if self.held.load is not None else self.reach + self.yields * bears
 
@@ -417,11 +429,14 @@ class Cohesive(Equilibria):
     def has_right_zones(self, here: Point) -> bool:
         assert isinstance(here, CohesivePoint)
         if here.q is None:
-            return bool(here.look[1].min() >= -_TOUCHING * self.reach)
+            return bool(here.look[1].min() >= -_OPTIONS.overlap * self.reach)
         return signs_hold(here.q, here.look)
 
     def vanishes(self, here: Point, motion: Array) -> float:
-        """By the squares of the zones' widths, which fall evenly."""
+        """The part of a motion at which the first zone vanishes.
+
+        The square of a zone's width is linear near the point where it vanishes.
+        """
         assert isinstance(here, CohesivePoint)
         widths = np.diff(here.zones, axis=1)[:, 0]
         narrower = -(here.by_ends @ motion).reshape(2, -1).sum(axis=0)
@@ -430,21 +445,22 @@ class Cohesive(Equilibria):
                 np.where(narrower > 0.0, 0.5 * widths / narrower, np.inf).min(initial=np.inf)
             )
 
-    # how it follows
-    # ---------------------------------------------------------------------------------------------------
+    # The rates.
+
     def settled(self, here: Point) -> CohesivePoint:
-        """The equilibrium near by, tightly."""
+        """The nearest equilibrium, solved to round-off."""
         assert isinstance(here, CohesivePoint)
         if not any(last is here for _, last, _ in self.recent):
             here = self.at(here.table, here.value)
         before = np.inf
-        for _ in range(_SETTLING):
+        for _ in range(_OPTIONS.max_newton_steps):
             size, tight = float(np.abs(here.newton / here.widths).max()), self.recent[0][2] <= TIGHT
-            # Steps that do not fall any more are rounding.
-            if size > _ANOTHER or (tight and (size < _SETTLED or size > 0.5 * before)):
+            # Steps that no longer decrease are round-off.
+            converged = tight and (size < _OPTIONS.converged_step or size > 0.5 * before)
+            if size > _OPTIONS.max_step or converged:
                 break
             before = size if tight else np.inf
-            alike = here if tight and size < _ALIKE else None
+            alike = here if tight and size < _OPTIONS.reuse_rates_below else None
             here = self.at(here.moved(here.newton), here.value, alike=alike)
         return self.at(here.table, here.value)
 
@@ -457,8 +473,9 @@ class Cohesive(Equilibria):
         of_rates: float,
         alike: CohesivePoint | None,
     ) -> CohesivePoint:
-        """alike: a state whose intervals are so near that all follows their ends as there, if it
-        has as many zones.
+        """The state made of given fields, with residual and rates.
+
+        alike: a state so close that its rates are reused, if it has as many zones.
         """
         pulled, state = fields.problem, fields.state.whole
         assert isinstance(pulled, Pulled)
@@ -467,7 +484,7 @@ class Cohesive(Equilibria):
             fields.density.total - pulled.pulling.total,
             float(fields.level),
         )
-        # An end that zones cover is held at its corner.
+        # An end covered by a zone is pinned at a corner: its residual is 1 and its rates are 0.
         at = table.T.ravel()
         beside, residual = ~np.isin(at, zones), np.ones(len(at))
         residual[beside] -= fields.formal_gap(at[beside]) / self.reach
@@ -490,7 +507,7 @@ class Cohesive(Equilibria):
                 )
             )
         if state.iteration is not None:
-            # There are as many right sides as ends: a matrix once, not an iteration for each.
+            # There are as many right sides as ends, so a matrix is factored instead of iterating.
             state = sie.solve_fixed(
                 pulled.equation(self.control(pulled, value)),
                 state.density.zones,
@@ -505,7 +522,7 @@ class Cohesive(Equilibria):
         if self.held.load is not None:
             values[first, :-1], values[first, -1] = self.stress, 1.0
         else:
-            # Minus the value stands in the row of every zone.
+            # Under approach control, the row of every zone has minus the value on its right side.
             values[first : first + len(density.zones)] = np.append(
                 np.full(len(free), -self.yields * self.stress), -1.0
             )
@@ -548,16 +565,14 @@ class Cohesive(Equilibria):
         )
 
     def _at_corners(self, here: CohesivePoint) -> CohesivePoint:
-        """With ends held that are at sharp corners and not driven inward."""
+        """The state with the ends pinned that are at sharp corners and not driven inward."""
         corners = np.array(self.problem.corners)
         if not np.isfinite(corners).all():
             return here
         return here.holding((here.table == corners).T.ravel() & (here.residual >= -HELD))
 
     def _without_contact(self, table: Array, value: float, pulled: Pulled) -> CohesivePoint:
-        """The surfaces as they pull without touching, the load not being held: their gap is
-        explicit.
-        """
+        """The state without contact, if the load is not controlled; its gap is explicit."""
         count, pull = len(table), pulled.pulling.total
         at = np.concatenate((table[:, 0], table[:, 1]))
         level = -value - self.yields * pull
@@ -584,15 +599,16 @@ class Cohesive(Equilibria):
         )
 
     def explicit(self, pulled: Pulled, at: Array, transform: Array) -> Array:
-        """Rates of the gap at the ends of the tension by their outward motions, but for what the
-        contact answers; transform: of q there.
+        """Rates of the gap at the ends of the tension by their outward motions, for fixed contact.
+
+        transform: the transform of q at the ends.
         """
         tension, count = pulled.pulling, len(at) // 2
         lag = at[:, None] - at
         np.fill_diagonal(lag, 1.0)
         between = self.stress / np.pi * tension.log(lag)
-        # The slope that all other ends make there; of its own and of its motion nothing is left
-        # together.
+        # The slope at an end due to all other ends: the singular contributions of the end itself
+        # and of its motion cancel.
         slopes = (
             self.stress
             / np.pi

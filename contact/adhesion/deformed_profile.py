@@ -1,18 +1,17 @@
-r"""The profile that a constant tension on given intervals has deformed, and its frictionless
-contact.
+r"""The profile deformed by a uniform tension on given intervals, and its frictionless contact.
 
-With p = q - s on the intervals I, contact within them included, the equation for q on the zones is
-that of frictionless contact of the profile that the tension alone has deformed,
+Let p = q - s on the intervals I, the zones within them included. Then q solves the frictionless
+contact of the profile that the tension alone has deformed,
 
     (1/pi) PV int q K = f' + s T(x),
 
-of height f + s V (contact.adhesion.uniform_tension), and q vanishes where a zone ends: the
+of height f + s V (contact.adhesion.uniform_tension). q vanishes at the ends of a zone: the
 logarithms of T lie at the ends of I, outside the zones.
 
-Where a zone is held at a sharp corner its interval ends there, too, and p has no tension in it:
-there p = q - s eta, eta falling from 1 at the zone's other end to 0 at the corner as the angle over
-pi does. That is a tension whose end is spread over the zone (contact.adhesion.spread_end),
-and q has roots alone at both ends.
+If a zone is pinned at a sharp corner, its interval ends there, too. In this zone p = q - s eta,
+where eta falls from 1 at the other end to 0 at the corner, linearly in the angle of the zone. This
+is a tension whose end is spread over the zone (contact.adhesion.spread_end), and q has square roots
+at both ends.
 """
 
 from __future__ import annotations
@@ -31,17 +30,15 @@ from sie import Array, Index, record
 
 @record
 class Pulled(Problem):
-    """The frictionless problem of the profile that the tension alone has deformed: its pressure is
-    q.
-    """
+    """The frictionless problem of the profile deformed by a tension; its pressure is q."""
 
     tension: Tension | None = field(default=None)
 
     @classmethod
     def of(cls, problem: Problem, stress: float, table: Array, everywhere: bool = False) -> Pulled:
-        """stress: scaled."""
+        """The problem under a scaled tension on intervals, or everywhere on a period."""
         operator = problem.operator
-        # Of a strip and its images, too, nothing is beyond poles.
+        # The kernel of a half-plane, alone or with images, has poles only.
         plain = operator.is_half_plane or problem.kernel.regular is None
         tension = Tension(
             stress, np.asarray(table), problem.kernel, plain, everywhere, problem.compression
@@ -59,8 +56,10 @@ class Pulled(Problem):
         )
 
     def over(self, zones: Array) -> Pulled:
-        """The same with the tension's ends spread over the first and the last zone where these are
-        held at sharp corners.
+        """The problem for given zones.
+
+        If the first or the last zone is pinned at a sharp corner, the tension's end is spread over
+        it.
         """
         tension, (lo, hi) = self.pulling, self.corners
         if len(tension.table) == 0 or len(zones) == 0 or not np.isfinite(lo):
@@ -76,7 +75,7 @@ class Pulled(Problem):
     def bearing(
         self, density: sie.AnyDensity, zone: Index | int, left: Array, right: Array
     ) -> Array:
-        """p + s."""
+        """p + s on the zones."""
         last, tension = len(density.zones) - 1, self.pulling
         return super().bearing(density, zone, left, right) + tension.stress * tension.lacks(
             zone, last, left, right
@@ -93,8 +92,8 @@ class Pulled(Problem):
 
     @cached_property
     def forcing(self) -> sie.Forcing:
-        # Between zones the ends of the intervals lie. The profile was looked at under the bare law,
-        # and what the tension adds is known.
+        # The ends of the intervals, singular points of the slope, lie between the zones. The
+        # profile's slope was checked under the bare law, so this forcing is not checked again.
         bare, ends = super().forcing, self.pulling.table
         return replace(
             bare,
@@ -109,9 +108,9 @@ class Pulled(Problem):
         return super().shape(x) + self.pulling.height(x)
 
     def own_slope(self, x: Array) -> Array:
-        """f' without the tension's."""
+        """The slope of the undeformed profile."""
         return super().slope(x)
 
     def own_shape(self, x: Array) -> Array:
-        """F without the tension's."""
+        """The height of the undeformed profile."""
         return super().shape(x)

@@ -1,11 +1,12 @@
-"""Sums over the ends of many intervals of a function of the distance from there, at many places.
+"""Fast sums over the ends of many intervals of a function of the distance from each end.
 
-The line is cut into cells: between neighbouring ends, and halved where more than a few ends are
-near. What ends do that are farther from a cell than its width is a short Chebyshev series on it,
-made when a place in it is first met; the near ones are taken one by one.
+The line is divided into cells between neighbouring ends; a cell with more than a few ends near it
+is halved. The sum over ends farther away than the width of a cell is a short Chebyshev series on
+the cell, computed at the first evaluation there. Near ends are summed directly.
 """
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import cache, cached_property
 
 import numpy as np
@@ -14,20 +15,32 @@ from numpy.polynomial import chebyshev
 import sie
 from sie import Array, Index, Mask, nearest_image, record, wrapped
 
-# Terms of a series, of which the last are rounding where what is summed up is singular no nearer
-# than a cell's width; ends that may be near a cell, halvings, and ends that are few enough to be
-# taken one by one everywhere.
-_TERMS = 20
-_NEAR = 6
-_HALVINGS = 40
-_FEW = 16
-# Pairs of places and ends handled at once.
-_BLOCK = 2**15
+
+@dataclass(frozen=True)
+class EndSumOptions:
+    """Sizes of the cells and of their series."""
+
+    # Terms of a series. With singularities a cell's width away, (3 + sqrt(8))^-20 is round-off.
+    terms: int = 20
+    # Ends that may be near a cell; more of them halve it.
+    near_ends: int = 6
+    # Halvings of a cell: ends closer than 2^-40 of the largest cell are summed directly.
+    max_halvings: int = 40
+    # With fewer ends, everything is summed directly.
+    min_ends: int = 16
+    # Pairs of points and ends evaluated together; bounds the memory.
+    block: int = 2**15
+
+
+_OPTIONS = EndSumOptions()
 
 
 @record
 class Cells(sie.Kept):
-    """of ends (e,), ascending, in one period if there is one; longest: of a cell."""
+    """The cells for given ends.
+
+    ends: (e,), ascending, within one period if there is one; longest: largest width of a cell.
+    """
 
     ends: Array
     period: float | None
@@ -35,16 +48,16 @@ class Cells(sie.Kept):
 
     @cached_property
     def edges(self) -> Array:
-        """Where they begin, and where the last one ends."""
+        """The borders of the cells, ascending."""
         ends = (
             self.ends if self.period is None else np.append(self.ends, self.ends[0] + self.period)
         )
         edges = np.unique(ends)
-        for _ in range(_HALVINGS):
+        for _ in range(_OPTIONS.max_halvings):
             long = np.diff(edges) > self.longest
-            dense = np.flatnonzero(long | (self._is_near(edges).sum(axis=1) > _NEAR))
+            dense = np.flatnonzero(long | (self._is_near(edges).sum(axis=1) > _OPTIONS.near_ends))
             middle = 0.5 * (edges[dense] + edges[dense + 1])
-            # Ends next to one another have no place between them.
+            # Two neighbouring floating-point numbers have no midpoint.
             middle = middle[(middle > edges[dense]) & (middle < edges[dense + 1])]
             if len(middle) == 0:
                 break
@@ -52,19 +65,19 @@ class Cells(sie.Kept):
         return np.asarray(edges)
 
     def _is_near(self, edges: Array) -> Mask:
-        """Whether ends are no farther from cells than these are wide (cells, e)."""
+        """Mask (cells, e) of ends no farther from a cell than its width."""
         middle, half = 0.5 * (edges[1:] + edges[:-1])[:, None], 0.5 * np.diff(edges)[:, None]
         return np.asarray(np.abs(nearest_image(self.ends - middle, 0.0, self.period)) < 3.0 * half)
 
     @cached_property
     def near(self) -> tuple[Index, Index]:
-        """(the ends near each cell, the first ones in each row, how many)."""
+        """(indices of the near ends of each cell, first in each row; their number)."""
         near = self._is_near(self.edges)
         count = near.sum(axis=1)
         return np.argsort(~near, axis=1, kind="stable")[:, : int(count.max())], count
 
     def far(self, cells: Index) -> Mask:
-        """The ends that are not near these cells (cells, e)."""
+        """Mask (cells, e) of the ends that are not near the given cells."""
         far = np.ones((len(cells), len(self.ends)), dtype=bool)
         order, count = self.near
         row, k = np.nonzero(np.arange(order.shape[1]) < count[cells][:, None])
@@ -73,8 +86,9 @@ class Cells(sie.Kept):
 
 
 class EndSum:
-    """sum_k weights_k function(x - ends_k), the weights of the two ends of an interval of opposite
-    signs.
+    """The function x -> sum_k weights_k function(x - ends_k).
+
+    The two ends of an interval have weights of opposite signs, so they are added in pairs.
     """
 
     def __init__(self, cells: Cells, weights: Array, function: Callable[[Array], Array]) -> None:
@@ -85,20 +99,23 @@ class EndSum:
     def __call__(self, x: Array) -> Array:
         x = np.asarray(x, dtype=float)
         cells, flat = self._cells, x.ravel()
-        if len(cells.ends) <= _FEW:
-            return self._one_by_one(flat).reshape(x.shape)
+        if len(cells.ends) <= _OPTIONS.min_ends:
+            return self._direct(flat).reshape(x.shape)
         place, out = wrapped(flat, float(cells.ends[0]), cells.period), np.empty(flat.size)
         within = (place >= cells.edges[0]) & (place < cells.edges[-1])
         inner = np.flatnonzero(within)
-        out[~within] = self._one_by_one(flat[~within])
-        block = _BLOCK // _NEAR
+        out[~within] = self._direct(flat[~within])
+        block = _OPTIONS.block // _OPTIONS.near_ends
         for start in range(0, len(inner), block):
             here = inner[start : start + block]
             out[here] = self._inside(place[here], flat[here])
         return out.reshape(x.shape)
 
     def _inside(self, x: Array, given: Array) -> Array:
-        """given: the places before they were moved by periods, which may round them."""
+        """The sums at points x within the cells.
+
+        given: the same points before a shift by periods, which rounds them.
+        """
         edges, (near, count) = self._cells.edges, self._cells.near
         cell = np.searchsorted(edges, x, side="right") - 1
         series = self._of_cells(np.unique(cell))
@@ -114,32 +131,32 @@ class EndSum:
         return out
 
     def _of_cells(self, cells: Index) -> Array:
-        """The series of all cells (_TERMS, cells), those of these ones made."""
-        edges = self._cells.edges
+        """The series of all cells (terms, cells); those of the given cells are computed if needed."""
+        edges, terms = self._cells.edges, _OPTIONS.terms
         if self._series is None:
-            self._series, self._made = (
-                np.zeros((_TERMS, len(edges) - 1)),
-                np.zeros(len(edges) - 1, dtype=bool),
-            )
+            self._series = np.zeros((terms, len(edges) - 1))
+            self._made = np.zeros(len(edges) - 1, dtype=bool)
         new = cells[~self._made[cells]]
         t, to_series = _nodes()
-        block = max(1, _BLOCK // (_TERMS * len(self._cells.ends)))
+        block = max(1, _OPTIONS.block // (terms * len(self._cells.ends)))
         for start in range(0, len(new), block):
             some = new[start : start + block]
             a, b = edges[some], edges[some + 1]
-            # Distances from the beginning of a cell are not rounded as places are.
+            # Distances are computed from the left border of a cell: fewer digits are lost than with
+            # coordinates.
             lags = (a[:, None] - self._cells.ends)[:, None, :] + (0.5 * (b - a)[:, None] * (1 + t))[
                 :, :, None
             ]
             weights = np.where(self._cells.far(some), self._weights, 0.0)
-            # Of what is near nothing is taken, so that nothing there may be infinite.
+            # Near ends have weight 0, and the function may be infinite there.
             values = np.nan_to_num(self._function(lags))
             self._series[:, some] = to_series @ _paired(values * weights[:, None, :]).T
         self._made[new] = True
         return self._series
 
-    def _one_by_one(self, x: Array) -> Array:
-        out, block = np.zeros(len(x)), max(1, _BLOCK // max(1, len(self._cells.ends)))
+    def _direct(self, x: Array) -> Array:
+        """The sums at points x, term by term."""
+        out, block = np.zeros(len(x)), max(1, _OPTIONS.block // max(1, len(self._cells.ends)))
         for start in range(0, len(x), block):
             out[start : start + block] = _paired(
                 self._function(x[start : start + block, None] - self._cells.ends) * self._weights
@@ -149,13 +166,13 @@ class EndSum:
 
 @cache
 def _nodes() -> tuple[Array, Array]:
-    """(places on (-1, 1), the matrix that makes a series of values there)."""
-    t = chebyshev.chebpts1(_TERMS)
+    """(Chebyshev points on (-1, 1), matrix from values there to a Chebyshev series)."""
+    t = chebyshev.chebpts1(_OPTIONS.terms)
     return np.asarray(t), np.asarray(
-        np.linalg.inv(chebyshev.chebvander(t, _TERMS - 1)), dtype=np.float64
+        np.linalg.inv(chebyshev.chebvander(t, _OPTIONS.terms - 1)), dtype=np.float64
     )
 
 
 def _paired(values: Array) -> Array:
-    """Sums over the last axis, both ends of an interval first: these all but cancel."""
+    """Sums over the last axis; the two ends of an interval, which nearly cancel, are added first."""
     return np.asarray((values[..., ::2] + values[..., 1::2]).sum(axis=-1))

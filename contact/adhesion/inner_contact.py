@@ -1,21 +1,21 @@
-"""The contact under the tension on given intervals: frictionless, of the profile that the tension
-has deformed.
+"""The contact under a tension on given intervals: frictionless contact of the deformed profile.
 
-Newton's steps 2 K/A of the zones' ends stay within the intervals, at whose ends the deformed
-profile has logarithms: beside one K goes with the root of the distance from there. Where q is
-negative a zone is cut, where the surfaces overlap one begins.
+The ends of the zones are moved by Newton steps 2 K/A within the intervals. At an end of an interval
+the deformed profile has a logarithmic slope, and near it K varies as the square root of the
+distance. A zone is cut where q is negative; a new zone begins where the surfaces overlap.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 
 import sie
 from contact.adhesion.curve import NoState
 from contact.adhesion.deformed_profile import Pulled
-from contact.adhesion.intervals import fitted, interval_of, places
+from contact.adhesion.intervals import fitted, interval_of, sample_points
 from contact.errors import NotConverged
 from contact.formulation.controls import Control
 from contact.formulation.fields import ZoneFields
@@ -24,41 +24,49 @@ from contact.formulation.roots import reaches
 from contact.formulation.tables import gaps_between, joined_where, runs_of
 from sie import Array, Index, Mask, record
 
-# Newton's steps of the zones under a given tension, and how often their number may change.
-_STEPS = 80
-_ROUNDS = 16
-# Of a density that is solved as tightly as any.
+# The tolerance of a density solved to round-off.
 TIGHT = 1e-14
-# After so many rounds
-_PLAIN = 1
-# A zone's end moves at most by these parts of its width, and of the gap beside it; it comes so much
-# nearer to the end of its interval.
-_INWARD = 0.3
-_OUTWARD = 0.5
-_INTO_GAP = 0.45
-_NEARER = 0.25
-# Of what an end was off by, from which on Newton's steps only take it to and fro.
-_AS_FAR = 0.3
-# What rounding may leave of a step, over the strip of tension beside an end.
-_ROUNDED = 1e-5
-# So near to the end of its interval, over its width, a zone that goes on covers it.
-_COVERED = 1e-6
-# A zone narrower than this part of what it was, and a gap beside which both ends go on, are gone.
-_GONE = 1e-3
-# Of an overlap, as wide a new zone begins.
-_NEW = 0.5
-# How far from the zones of a lone body it is looked, and in which parts, over what these span.
-_FAR = 1e3
-_CUTS = np.array([0.25, 1.0, 4.0, 16.0, 64.0])
-# How often a gap is looked at more closely about its extremes.
-_CLOSER = 3
-# Below minus this part of its largest value q pulls; and where it is looked at more closely between
-# two places.
-_PULLS = 1e-9
-_BETWEEN = np.linspace(0.0, 1.0, 17)[1:-1]
-# Angles of a zone at which the sign of q is looked at, at the most, where the profile does not vary
-# faster.
-_SIGNS = 128
+# Fractions of a sample interval at which a function is refined about a minimum.
+_REFINED = np.linspace(0.0, 1.0, 17)[1:-1]
+# Borders of the sampled parts beyond the zones of an isolated body, over the span of the zones.
+_OUTER_PARTS = np.array([0.25, 1.0, 4.0, 16.0, 64.0])
+
+
+@dataclass(frozen=True)
+class InnerContactOptions:
+    """Newton's method for the zones within the intervals of tension, and the correction of signs."""
+
+    max_newton_steps: int = 80
+    # Changes of the number of zones.
+    max_rounds: int = 16
+    # Largest motion of an end inward and outward, over the width of its zone.
+    max_inward: float = 0.3
+    max_outward: float = 0.5
+    # Largest motion of an end into a gap to another zone, over the gap: both ends may move.
+    max_into_gap: float = 0.45
+    # Part of the distance to the end of its interval that a step leaves.
+    left_of_room: float = 0.25
+    # If a step overshoots and leaves more than this part of the residual, the secant is used.
+    max_overshoot: float = 0.3
+    # A stagnating step below this part of the strip of tension is round-off.
+    max_round_off: float = 1e-5
+    # A growing zone closer than this (over its width) to the end of its interval covers it.
+    covered_below: float = 1e-6
+    # Zones (or gaps) that have shrunk to this part of their width (or of their zones) vanish.
+    vanished_below: float = 1e-3
+    # Width of a new zone over that of the overlap of the surfaces.
+    new_zone_width: float = 0.5
+    # Distance up to which the gap of an isolated body is sampled, over the span of its zones.
+    far: float = 1e3
+    # Refinements of samples about extrema.
+    refinements: int = 3
+    # q is negative below minus this part of its largest value: round-off of the density.
+    negative_below: float = 1e-9
+    # Largest number of samples of q on a zone, unless the profile varies faster.
+    sign_samples: int = 128
+
+
+_OPTIONS = InnerContactOptions()
 
 
 class Lost(NoState):
@@ -66,7 +74,7 @@ class Lost(NoState):
 
 
 class Covered(NoState):
-    """Contact goes on to the ends of intervals of tension. ends: which (2m,)."""
+    """A zone reaches ends of intervals of tension; ends: their mask (2m,)."""
 
     def __init__(self, ends: Mask) -> None:
         super().__init__("contact reaches the end of an interval of tension")
@@ -75,8 +83,11 @@ class Covered(NoState):
 
 @record
 class Tolerances:
-    """How a contact is solved: the density; and what ends miss, and Newton's last step but one,
-    over the strips beside them.
+    """Tolerances of a contact under tension.
+
+    density: of the density; ends: of the last Newton step over the strips of tension next to the
+    ends; last: a smaller step than this is followed by one more step without a check, since
+    Newton's method squares it.
     """
 
     density: float = TIGHT
@@ -84,8 +95,8 @@ class Tolerances:
     last: float = 1e-9
 
     @classmethod
-    def on_the_way(cls, density: float) -> Tolerances:
-        """To a state: its ends are told roughly."""
+    def intermediate(cls, density: float) -> Tolerances:
+        """Tolerances for a state that is not an answer: its ends may be rough."""
         return cls(density, 1e-5, 1e-3)
 
 
@@ -96,16 +107,18 @@ def contact_under(
     formal: bool,
     tolerances: Tolerances,
 ) -> tuple[ZoneFields, tuple[Array, Array] | None]:
-    """(fields of q on the zones of contact under a tension, the gap beside them). control: that of
-    q; formal: as many zones as are given, whatever the signs, which are not looked at.
+    """The fields of q under a tension, and the sampled gap between the zones.
+
+    control: that of q as a function of the problem; zones: a first guess; formal: whether the
+    number of zones is kept and the signs are not checked (the gap is then None).
     """
     load = control(pulled).load
     if load is not None and not load > 0.0:
         raise Lost
     if len(zones) == 0:
         zones = _lowest(pulled)
-    for done in range(_ROUNDS):
-        fields = ZoneFields(*_with_ends(pulled, control, zones, tolerances, done < _PLAIN))
+    for done in range(_OPTIONS.max_rounds):
+        fields = ZoneFields(*_with_ends(pulled, control, zones, tolerances, done == 0))
         if formal:
             return fields, None
         look = look_at(fields)
@@ -127,8 +140,10 @@ def _with_ends(
     tolerances: Tolerances,
     plain: bool,
 ) -> tuple[Pulled, sie.AnyState]:
-    """The ends of zones about these. Where narrow gaps close or open within an interval, their ends
-    act on each other: the engine's own steps know how, where plain ones are not asked for or fail.
+    """The zones found from a first guess, and their state.
+
+    Plain Newton steps are tried first if `plain` is set. If they fail, the engine's search is used:
+    it accounts for the interaction of ends beside narrow gaps. It does not know sharp corners.
     """
     cornered = pulled.corners != (-np.inf, np.inf)
     if plain or cornered:
@@ -141,20 +156,21 @@ def _with_ends(
 
 
 def _lowest(pulled: Pulled) -> Array:
-    """A narrow zone about the lowest place of the deformed profile."""
-    tension = pulled.pulling
+    """A narrow zone about the lowest sampled point of the deformed profile."""
+    tension, count = pulled.pulling, _OPTIONS.sign_samples
     table = np.array([[0.0, tension.width]]) if tension.everywhere else tension.table
-    x = table[:, :1] + np.diff(table, axis=1) * (np.arange(_SIGNS) + 0.5) / _SIGNS
+    x = table[:, :1] + np.diff(table, axis=1) * (np.arange(count) + 0.5) / count
     i, j = np.unravel_index(int(np.argmin(pulled.shape(x.ravel()))), x.shape)
-    half = 0.5 * float(table[i, 1] - table[i, 0]) / _SIGNS
+    half = 0.5 * float(table[i, 1] - table[i, 0]) / count
     return np.array([[x[i, j] - half, x[i, j] + half]])
 
 
 def _settled(
     pulled: Pulled, control: Callable[[Pulled], Control], zones: Array, tolerances: Tolerances
 ) -> tuple[Pulled, sie.State]:
-    """Newton on the ends of zones whose number is given, or falls; (the tension as these zones have
-    it, the state).
+    """Newton's method for the ends of the zones; returns the problem for these zones and its state.
+
+    The number of zones may only fall.
     """
     first = np.diff(zones, axis=1)[:, 0]
     before: tuple[Array, Array] | None = None
@@ -173,38 +189,23 @@ def _settled(
                 "zones under a given tension came too near to one another, or to its ends"
             ) from failure
 
-    for _ in range(_STEPS):
+    for _ in range(_OPTIONS.max_newton_steps):
         here, state = solved(zones)
-        k, slope = np.array(state.density.intensities), edge_slopes(here, state)
         width, (room, shared) = np.diff(zones, axis=1)[:, 0], _room(pulled, zones)
-        held, rests = _held(here, zones, k)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            step = np.where(slope > 0, 2 * k / slope, np.copysign(np.inf, k))
-        if before is not None and len(before[0]) == len(zones):
-            # An end that has gone too far, and nearly as far as it was off, is between its last two
-            # places.
-            back = np.array([zones[:, 0] - before[0][:, 0], before[0][:, 1] - zones[:, 1]])
-            turned = (k * before[1] < 0) & (np.abs(k) > _AS_FAR * np.abs(before[1])) & ~held
-            step = np.where(turned, back * k / np.where(turned, k - before[1], 1.0), step)
+        held, rests = _held(here, zones, np.array(state.density.intensities))
+        k, step = _steps((here, state), zones, before, (room, shared), (held, rests))
         before = zones, k
-        # Beside the end of an interval K goes with the root of the distance from there.
-        alone = ~shared & np.isfinite(step) & (room > 0)
-        own = np.where(alone, room, 1.0)
-        near = np.clip(1 - np.where(alone, step, 0.0) / (2 * own), np.sqrt(_NEARER), 4.0)
-        rooted = np.where(alone, own * (1 - near**2), step)
-        step = np.where(np.abs(step) < 0.1 * room, step, rooted)
-        step = np.where(held, np.where(rests, 0.0, _released(here, k, step)), step)
         least = np.minimum(width, np.where(shared | held, np.inf, np.maximum(room, 1e-300)))
         miss = float(np.abs(step / least).max())
         best, stuck = min(best, miss), stuck + 1 if miss > 0.5 * best else 0
-        # Of narrow strips rounding leaves more.
-        if miss < tolerances.ends or (stuck > 2 and miss < _ROUNDED):
+        # Next to narrow strips of tension, round-off may exceed the tolerance.
+        if miss < tolerances.ends or (stuck > 2 and miss < _OPTIONS.max_round_off):
             return here, state
         reaches = _reaches(here, zones, k, step, room, shared)
-        # At a sharp corner nothing is covered, and the strip may be as narrow as it comes.
+        # A strip of tension that ends at a sharp corner may be arbitrarily narrow.
         covers = (
             ~shared
-            & (room < _COVERED * width)
+            & (room < _OPTIONS.covered_below * width)
             & (step > 0.5 * room)
             & ~_beside_corners(here, zones)
         )
@@ -214,12 +215,15 @@ def _settled(
             for side in (0, 1):
                 ends[side, i[covers[side]]] = True
             raise Covered(ends.ravel())
-        limit = np.minimum(_OUTWARD * width, np.where(shared, _INTO_GAP, 1 - _NEARER) * room)
-        moved = np.where(reaches, room, np.clip(step, -_INWARD * width, limit))
-        # Newton's steps square what is missed, and one more is taken.
+        share = np.where(shared, _OPTIONS.max_into_gap, 1 - _OPTIONS.left_of_room)
+        limit = np.minimum(_OPTIONS.max_outward * width, share * room)
+        inward = _OPTIONS.max_inward * width
+        moved = np.where(reaches, room, np.clip(step, -inward, limit))
+        # Newton's method squares the error: one more step suffices and is not checked.
         if float(np.abs(moved / least).max()) < tolerances.last and not reaches.any():
             return solved(_moved(here, zones, moved, reaches))
-        lost = (width < _GONE * first) & ((step < -_INWARD * width) | (held & rests)).all(axis=0)
+        shrinks = ((step < -inward) | (held & rests)).all(axis=0)
+        lost = (width < _OPTIONS.vanished_below * first) & shrinks
         if lost.any():
             if lost.all():
                 raise Lost
@@ -230,15 +234,50 @@ def _settled(
     raise NotConverged("the ends of zones under a given tension did not come to rest")
 
 
+def _steps(
+    found: tuple[Pulled, sie.State],
+    zones: Array,
+    before: tuple[Array, Array] | None,
+    around: tuple[Array, Mask],
+    corners: tuple[Mask, Mask],
+) -> tuple[Array, Array]:
+    """The intensities K (2, n) and the outward Newton steps of the ends.
+
+    before: zones and K of the previous step; around: distance to the next obstacle, and whether that
+    is a zone (`_room`); corners: ends at sharp corners, and those that stay there (`_held`).
+    """
+    (here, state), (room, shared), (held, rests) = found, around, corners
+    k, slope = np.array(state.density.intensities), edge_slopes(here, state)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        step = np.where(slope > 0, 2 * k / slope, np.copysign(np.inf, k))
+    if before is not None and len(before[0]) == len(zones):
+        # After an overshoot the end lies between its last two positions: the secant is used.
+        back = np.array([zones[:, 0] - before[0][:, 0], before[0][:, 1] - zones[:, 1]])
+        overshot = np.abs(k) > _OPTIONS.max_overshoot * np.abs(before[1])
+        turned = (k * before[1] < 0) & overshot & ~held
+        step = np.where(turned, back * k / np.where(turned, k - before[1], 1.0), step)
+    # Near the end of an interval, K is linear in the square root of the distance from it: the
+    # Newton step is made in that root.
+    alone = ~shared & np.isfinite(step) & (room > 0)
+    own = np.where(alone, room, 1.0)
+    least_root = np.sqrt(_OPTIONS.left_of_room)
+    root = np.clip(1 - np.where(alone, step, 0.0) / (2 * own), least_root, 4.0)
+    rooted = np.where(alone, own * (1 - root**2), step)
+    step = np.where(np.abs(step) < 0.1 * room, step, rooted)
+    step = np.where(held, np.where(rests, 0.0, _released(here, k, step)), step)
+    return k, step
+
+
 def _moved(pulled: Pulled, zones: Array, moved: Array, reaches: Mask) -> Array:
-    """The zones with ends moved outward, those that reach a sharp corner up to it."""
+    """The zones with ends moved outward; ends that reach a sharp corner are put on it."""
     zones = zones + np.column_stack((-moved[0], moved[1]))
     return np.where(reaches.T, np.broadcast_to(pulled.corners, zones.shape), zones)
 
 
 def edge_slopes(pulled: Pulled, state: sie.AnyState) -> Array:
-    """A at the ends (2, Z) of p + s, of which K is told by a motion of the end: where the other end
-    is held at a corner q has less.
+    """The edge slopes A of p + s at the ends (2, Z).
+
+    In a zone pinned at a corner, q has a smaller slope at the other end than p + s.
     """
     slope, zones = np.array(state.density.edge_slopes), state.density.zones
     more = 2 * pulled.pulling.stress / np.pi / np.sqrt(2 * zones.half)
@@ -248,16 +287,18 @@ def edge_slopes(pulled: Pulled, state: sie.AnyState) -> Array:
 
 
 def _held(pulled: Pulled, zones: Array, k: Array) -> tuple[Mask, Mask]:
-    """Which ends (2, n) are at sharp corners, and which of these stay there: pressed on, or by
-    rounding not.
+    """Masks (2, n) of the ends at sharp corners, and of those that stay there.
+
+    An end stays if its K is compressive, up to round-off.
     """
     held = (zones == np.array(pulled.corners)).T
-    return held, held & (k >= -_PULLS * np.abs(k).max())
+    return held, held & (k >= -_OPTIONS.negative_below * np.abs(k).max())
 
 
 def _released(pulled: Pulled, k: Array, step: Array) -> Array:
-    """Outward steps of ends that leave a corner: of a strip with the tension s that has -K, (pi K/2
-    s)^2, where it is narrow.
+    """Steps of ends that leave a corner.
+
+    A narrow strip of width (pi K/2 s)^2 under the tension s has the intensity -K.
     """
     stress = pulled.pulling.stress if len(pulled.pulling.table) else 0.0
     return (
@@ -268,15 +309,17 @@ def _released(pulled: Pulled, k: Array, step: Array) -> Array:
 
 
 def _beside_corners(pulled: Pulled, zones: Array) -> Mask:
-    """Which ends (2, n) have a sharp corner next to them, not the end of an interval or nothing."""
+    """Mask (2, n) of the ends whose interval ends at a sharp corner."""
     return np.asarray((_own(pulled, zones) == np.array(pulled.corners)).T)
 
 
 def _reaches(
     pulled: Pulled, zones: Array, k: Array, step: Array, room: Array, shared: Mask
 ) -> Mask:
-    """Which ends go up to the sharp corner that is next to them: of K the strip up to there takes 2
-    s/pi times the root of its width.
+    """Mask (2, n) of the ends that move to the sharp corner next to them.
+
+    They do if K exceeds the intensity of a strip of tension up to the corner, 2 s/pi times the
+    square root of its width.
     """
     lo, hi = pulled.corners
     if not np.isfinite(lo) or len(zones) == 0:
@@ -288,7 +331,7 @@ def _reaches(
     )
     for side, i, corner in ((0, 0, lo), (1, -1, hi)):
         if zones[i, side] != corner and not shared[side, i] and beside[side, i]:
-            narrow = room[side, i] < _INWARD * (zones[i, 1] - zones[i, 0])
+            narrow = room[side, i] < _OPTIONS.max_inward * (zones[i, 1] - zones[i, 0])
             part = 2 / np.pi * pulled.pulling.stress * np.sqrt(room[side, i]) if len(table) else 0.0
             out[side, i] = (
                 narrow
@@ -301,9 +344,9 @@ def _reaches(
 def _searched(
     pulled: Pulled, control: Callable[[Pulled], Control], zones: Array, tolerances: Tolerances
 ) -> tuple[Pulled, sie.AnyState]:
-    """The same by the engine's search, of zones that stay within their intervals."""
+    """The zones found by the engine's search, if they stay within their intervals."""
     equation = pulled.equation(control(pulled))
-    for _ in range(_ROUNDS):
+    for _ in range(_OPTIONS.max_rounds):
         free = sie.find_ends(equation, sie.Zones.of(zones, pulled.end, pulled.end), 1e-10)
         ended = free.density.zones.table
         if len(free.lost):
@@ -324,8 +367,9 @@ def _searched(
 
 
 def _room(pulled: Pulled, zones: Array) -> tuple[Array, Mask]:
-    """(how far each end (2, n) is from what is next to it, whether that is another zone: else the
-    end of its interval).
+    """The distance of each end (2, n) to the next obstacle, and whether that is another zone.
+
+    The other obstacle is the end of its interval.
     """
     right = np.diff(gaps_between(zones, pulled.round))[:, 0]
     beside, own = np.array([np.roll(right, 1), right]), _own(pulled, zones)
@@ -334,7 +378,7 @@ def _room(pulled: Pulled, zones: Array) -> tuple[Array, Mask]:
 
 
 def _own(pulled: Pulled, zones: Array) -> Array:
-    """The interval of tension that each zone lies in (n, 2), or what is between sharp corners."""
+    """The interval of tension around each zone (n, 2); without tension, the sharp corners."""
     table = pulled.pulling.table
     return (
         table[interval_of(zones, table)]
@@ -344,11 +388,11 @@ def _own(pulled: Pulled, zones: Array) -> Array:
 
 
 def _joined(zones: Array, first: Array, step: Array) -> tuple[Array, Array]:
-    """Zones between which nothing is left as one."""
+    """Zones whose gap has closed, united; `first` (their first widths) follows."""
     gap = zones[1:, 0] - zones[:-1, 1]
     width = np.diff(zones, axis=1)[:, 0]
     meets = (
-        (gap < _GONE * np.minimum(width[1:], width[:-1]))
+        (gap < _OPTIONS.vanished_below * np.minimum(width[1:], width[:-1]))
         & (step[1, :-1] > 0.3 * gap)
         & (step[0, 1:] > 0.3 * gap)
     )
@@ -356,19 +400,20 @@ def _joined(zones: Array, first: Array, step: Array) -> tuple[Array, Array]:
 
 
 def look_at(fields: ZoneFields) -> tuple[Array, Array]:
-    """(places without contact, the gap there)."""
+    """(sample points without contact, ascending; the gap there)."""
     pulled = fields.problem
     assert isinstance(pulled, Pulled)
     return looked(fields.formal_gap, look_around(pulled, fields.density.zones.table))
 
 
 def looked(gap: Callable[[Array], Array], x: Array) -> tuple[Array, Array]:
-    """(places, the gap there), those of its extremes among them, as parabolas have them: what
-    begins there begins without width.
+    """Samples of the gap, refined at its extrema by parabolas.
+
+    A new zone or interval begins at an extremum with no width, so samples alone would miss it.
     """
     order = np.argsort(x)
     x, value = x[order], gap(x[order])
-    for _ in range(_CLOSER):
+    for _ in range(_OPTIONS.refinements):
         a, b, c = x[:-2], x[1:-1], x[2:]
         left, right = (value[1:-1] - value[:-2]) / (b - a), (value[2:] - value[1:-1]) / (c - b)
         turns = (left * right <= 0.0) & (left != right)
@@ -385,7 +430,7 @@ def looked(gap: Callable[[Array], Array], x: Array) -> tuple[Array, Array]:
 
 
 def look_around(pulled: Pulled, zones: Array) -> Array:
-    """Places without contact, closer beside the ends of the zones and of the tension."""
+    """Sample points without contact, denser near the ends of zones and of the tension."""
     table, period = pulled.pulling.table, pulled.round
     lo, hi = (
         np.maximum(pulled.borders[0], pulled.corners[0]),
@@ -399,39 +444,41 @@ def look_around(pulled: Pulled, zones: Array) -> Array:
     else:
         span = float(both.max() - both.min())
         marks = np.concatenate(
-            (table.ravel(), both.min() - span * _CUTS, both.max() + span * _CUTS)
+            (table.ravel(), both.min() - span * _OUTER_PARTS, both.max() + span * _OUTER_PARTS)
         )
-        left, right = max(lo, both.min() - _FAR * span), min(hi, both.max() + _FAR * span)
+        far = _OPTIONS.far * span
+        left, right = max(lo, both.min() - far), min(hi, both.max() + far)
         edges = np.column_stack((np.append(left, zones[:, 1]), np.append(zones[:, 0], right)))
         edges = edges[edges[:, 0] < edges[:, 1]]
     found = []
     for begin, end in edges.tolist():
         cuts = [begin, *np.sort(marks[(marks > begin) & (marks < end)]).tolist(), end]
         found += [
-            places(a, b, 0.25 * pulled.detail) for a, b in zip(cuts[:-1], cuts[1:], strict=True)
+            sample_points(a, b, 0.25 * pulled.detail)
+            for a, b in zip(cuts[:-1], cuts[1:], strict=True)
         ]
     kinks = pulled.forcing.kinks[0]
     if period is not None and len(kinks):
         kinks = np.concatenate((kinks - period, kinks, kinks + period))
-    held = [kinks[(kinks > a) & (kinks < b)] for a, b in edges]
-    # A body is lowest at its corners, or not.
+    inner_kinks = [kinks[(kinks > a) & (kinks < b)] for a, b in edges]
+    # The gap may be smallest at a free corner.
     free = [
         corner for corner in pulled.corners if np.isfinite(corner) and not np.any(zones == corner)
     ]
-    return np.unique(np.concatenate((np.zeros(0), *found, *held, free)))
+    return np.unique(np.concatenate((np.zeros(0), *found, *inner_kinks, free)))
 
 
-def _looked_closer(
+def _refined(
     fields: ZoneFields, zone: int, place: Array, q: Array, least: float
 ) -> tuple[Array, Array]:
-    """Samples of q on a zone, and more of them about minima that may lie below the least."""
+    """Samples of q on a zone, refined about minima that may lie below `least`."""
     density, zones = fields.density, fields.density.zones
-    for _ in range(_CLOSER):
+    for _ in range(_OPTIONS.refinements):
         inner = np.flatnonzero((q >= least) & (reaches(-q) > 0.0))
         inner = inner[(inner > 0) & (inner < len(q) - 1)]
         if len(inner) == 0:
             break
-        x = np.concatenate([place[i - 1] + (place[i + 1] - place[i - 1]) * _BETWEEN for i in inner])
+        x = np.concatenate([place[i - 1] + (place[i + 1] - place[i - 1]) * _REFINED for i in inner])
         x = np.unique(x[~np.isin(x, place)])
         left, right = (x - zones.a[zone]) / zones.half[zone], (zones.b[zone] - x) / zones.half[zone]
         more = fields.problem.bearing(density, np.full(len(x), zone), left, right) / np.sqrt(
@@ -447,30 +494,30 @@ def _by_zone(values: Array, counts: Index) -> list[Array]:
 
 
 def signs_hold(fields: ZoneFields, look: tuple[Array, Array]) -> bool:
-    """Whether q presses on all zones and the surfaces overlap nowhere within the tension."""
+    """Whether q is positive on all zones and the surfaces do not overlap within the tension."""
     return _corrected(fields, look) is None
 
 
 def _corrected(fields: ZoneFields, look: tuple[Array, Array]) -> Array | None:
-    """Zones with pulling parts cut out and new ones where the surfaces overlap; None where there
-    are no such places.
+    """Zones without the parts where q is negative, and with new ones where the surfaces overlap.
+
+    None if there are no such places.
     """
     assert isinstance(fields.problem, Pulled)
     density, (x, gap) = fields.density, look
     zones, out, changed = density.zones, [], False
     varies = fields.spacing if fields.problem.profile.resolution is not None else np.inf
-    # Beside the ends, where the tension bends it sharply, q does not change its sign.
-    counts = np.minimum(
-        density.sampling, np.maximum(_SIGNS, 8 * zones.half / varies).astype(np.intp)
-    )
+    # Near the ends q varies fast because of the tension, but does not change its sign.
+    wanted = np.maximum(_OPTIONS.sign_samples, 8 * zones.half / varies).astype(np.intp)
+    counts = np.minimum(density.sampling, wanted)
     at = [(np.arange(n) + 0.5) * np.pi / n for n in counts]
     theta, zone = np.concatenate(at), np.repeat(np.arange(len(zones)), counts)
     left, right = sides(theta)
     borne = fields.problem.bearing(density, zone, left, right) / np.sqrt(left * right)
     for i, (q, far) in enumerate(zip(_by_zone(borne, counts), _by_zone(left, counts), strict=True)):
         q, place = q[::-1], zones.a[i] + zones.half[i] * far[::-1]
-        begin, least = float(zones.a[i]), -_PULLS * np.abs(q).max()
-        place, q = _looked_closer(fields, int(i), place, q, least)
+        begin, least = float(zones.a[i]), -_OPTIONS.negative_below * np.abs(q).max()
+        place, q = _refined(fields, int(i), place, q, least)
         for s, e in runs_of(q < least):
             changed = True
             if s > 0:
@@ -481,14 +528,15 @@ def _corrected(fields: ZoneFields, look: tuple[Array, Array]) -> Array | None:
     rounding = fields.gap_rounding + 2 * float(np.abs(fields.formal_gap(zones.middle)).max())
     free, tension = ~density.locate(x)[2], fields.problem.pulling
     if len(tension.table):
-        # Beyond the intervals of tension it is for these to grow first.
+        # An overlap outside the intervals is left to the growth of the intervals.
         free &= tension.holds(x)
     for s, e in runs_of((gap < -rounding) & free):
         lo, hi = x[max(s - 1, 0)], x[min(e + 1, len(x) - 1)]
         if (s == 0 or lo in zones.table) and (e == len(x) - 1 or hi in zones.table):
             continue
-        middle, half = 0.5 * (x[s] + x[e]), 0.5 * _NEW * max(x[e] - x[s], 0.2 * (hi - lo))
-        # At a sharp corner it begins there.
+        middle = 0.5 * (x[s] + x[e])
+        half = 0.5 * _OPTIONS.new_zone_width * max(x[e] - x[s], 0.2 * (hi - lo))
+        # A zone at a sharp corner begins at the corner.
         middle += (
             half
             if x[s] == fields.problem.corners[0]

@@ -1,4 +1,4 @@
-"""The algebra of intervals of tension and of the zones within them, over a period if there is one."""
+"""Operations on the intervals of tension and on the zones within them, with or without a period."""
 
 import numpy as np
 
@@ -7,19 +7,19 @@ from contact.errors import OutOfRange
 from contact.formulation.tables import ascending, begun_from, joined_where, located, runs_of, united
 from sie import Array, Index, Mask, wrapped
 
-# Points between two zones, or in a part of an interval, at the least, and at the most.
-_FEWEST = 24
-_MOST = 20000
+# Sample points of a part of an interval: at least, and at most (which bounds the memory).
+_MIN_POINTS = 24
+_MAX_POINTS = 20000
 
 
-def places(a: float, b: float, spacing: float) -> Array:
-    """Points in (a, b), closer beside its ends."""
-    count = int(np.clip((b - a) / spacing, _FEWEST, _MOST))
+def sample_points(a: float, b: float, spacing: float) -> Array:
+    """Points in (a, b), denser near its ends."""
+    count = int(np.clip((b - a) / spacing, _MIN_POINTS, _MAX_POINTS))
     return a + (b - a) * np.sin(0.5 * np.pi * (np.arange(count) + 0.5) / count) ** 2
 
 
 def within(x: Array, a: float, b: float, period: float | None) -> tuple[Index, Array]:
-    """(which places lie in (a, b), from left to right; where they do)."""
+    """(indices of the points in (a, b) from left to right, their positions there)."""
     place = wrapped(x, a, period)
     inner = np.flatnonzero((place > a) & (place < b))
     inner = inner[np.argsort(place[inner])]
@@ -27,7 +27,7 @@ def within(x: Array, a: float, b: float, period: float | None) -> tuple[Index, A
 
 
 def interval_of(zones: Array, table: Array) -> Index:
-    """The interval that each zone lies in."""
+    """The index of the interval that contains each zone."""
     return located(table, zones.mean(axis=1))[0]
 
 
@@ -38,8 +38,9 @@ def fitted(
     everywhere: bool = False,
     corners: tuple[float, float] = (-np.inf, np.inf),
 ) -> Array:
-    """Zones moved by periods into intervals, and cut to lie within; up to sharp corners they may
-    reach.
+    """The zones shifted by periods into the intervals and cut to lie strictly within them.
+
+    A zone may reach a sharp corner. Zones outside all intervals are dropped.
     """
     if everywhere or len(table) == 0:
         return ascending(zones)
@@ -64,9 +65,11 @@ def below(
     wide: bool = False,
     corners: tuple[float, float] = (-np.inf, np.inf),
 ) -> Array:
-    """Intervals about zones in which the gap is below the reach, by its samples beside these, and
-    up to half of the way to where it is told to be equal, or up to sharp corners; wide: beyond
-    that. Closed where it is so everywhere.
+    """Intervals around the zones in which the sampled gap is below the reach.
+
+    look: sample points without contact and the gap there. Each interval ends half-way between the
+    last sample below the reach and the interpolated crossing (wide: half-way beyond it), or at a
+    sharp corner. Raises Closed if the gap is below the reach everywhere.
     """
     ends = zones.ravel() if period is None else np.append(zones.ravel(), zones[0] + period)
     x, gap = np.concatenate((look[0], ends)), np.concatenate((look[1], np.zeros(len(ends))))
@@ -101,7 +104,7 @@ def below(
 def joined(
     table: Array, joins: Mask, new: list[tuple[float, float]], period: float | None
 ) -> Array:
-    """The intervals, those after which joins is set as one with the next, and the new ones."""
+    """The intervals, united with the next one where `joins` is set, together with new ones."""
     joins = joins.copy()
     if period is None:
         joins[-1] = False
@@ -118,10 +121,10 @@ def joined(
 
 
 def united_about(table: Array, zones: Array, period: float | None) -> Array:
-    """Intervals widened to hold these zones, which lie in them but for their ends."""
+    """The intervals widened to contain zones whose ends may lie slightly outside."""
     rows = np.concatenate((table, begun_from(zones, float(table[0, 0]), period)))
     if period is not None:
-        # One that begins just before the first interval is counted from there.
+        # A zone that begins just before the first interval is shifted to it.
         late = (rows[:, 1] >= table[0, 0] + period) & (rows[:, 0] > table[-1, 1])
         rows[late] -= period
     return united(rows)

@@ -1,6 +1,4 @@
-"""Surfaces that pull at each other without touching: a constant tension on intervals, and no
-contact anywhere.
-"""
+"""Fields of surfaces that attract each other without contact: a uniform tension on intervals."""
 
 from collections.abc import Callable
 from functools import cached_property
@@ -19,8 +17,10 @@ from sie import Array, record, wrapped
 def beside(
     function: Callable[[Array], Array], pulled: Pulled, zones: Array, spacing: float
 ) -> float:
-    """Scaled integral of a function over the intervals of tension less the zones, by panels between
-    their ends and where the profile or one of its derivatives jumps, none wider than the spacing.
+    """Scaled integral of a function over the intervals of tension without the zones.
+
+    The quadrature has panels no wider than the spacing, with borders where the profile or one of
+    its derivatives jumps.
     """
     return sum(_integral(function, pulled, a, b, spacing) for a, b in _parts_beside(pulled, zones))
 
@@ -28,22 +28,22 @@ def beside(
 def on_zones(
     function: Callable[[Array], Array], pulled: Pulled, zones: Array, spacing: float
 ) -> float:
-    """The same over the zones."""
+    """Scaled integral of a function over the zones."""
     return sum(_integral(function, pulled, float(a), float(b), spacing) for a, b in zones)
 
 
 def _parts_beside(pulled: Pulled, zones: Array) -> list[tuple[float, float]]:
-    """Parts of the intervals that are no contact."""
+    """The parts of the intervals outside the zones."""
     tension, parts = pulled.pulling, []
     for lo, hi in _intervals(tension, zones):
         shifts = (0.0,) if tension.period is None else (-tension.period, 0.0, tension.period)
-        held = sorted(
+        inside = sorted(
             (float(a + shift), float(b + shift))
             for a, b in zones
             for shift in shifts
             if b + shift > lo and a + shift < hi
         )
-        ends = [lo, *(min(max(end, lo), hi) for zone in held for end in zone), hi]
+        ends = [lo, *(min(max(end, lo), hi) for zone in inside for end in zone), hi]
         parts += [(a, b) for a, b in zip(ends[::2], ends[1::2], strict=True) if b > a]
     return parts
 
@@ -65,8 +65,10 @@ def _integral(
 
 @record
 class LooseFields(NoZones):
-    """pulled: with the tension that acts; problem: the same with the scene's law; level: minus the
-    scaled approach. The stiffness is not told: the tension's ends move with the approach.
+    """The fields of surfaces without contact under a tension.
+
+    problem: with the scene's law; pulled: with the tension that acts; level: minus the scaled
+    approach. The stiffness is None, since the ends of the tension move with the approach.
     """
 
     problem: Problem
@@ -96,7 +98,7 @@ class LooseFields(NoZones):
 
     @property
     def cohesive(self) -> Array:  # type: ignore[override]
-        """The intervals in which the surfaces pull (m, 2) [m]."""
+        """The intervals of tension (m, 2) [m]."""
         return np.asarray(
             self.problem.units.x(np.array(_intervals(self.tension, np.zeros((0, 2)))))
         )
@@ -133,7 +135,7 @@ class LooseFields(NoZones):
 
     @cached_property
     def opened(self) -> float:
-        """int gap dx over the intervals of tension [m^2]."""
+        """Integral of the gap over the intervals of tension [m^2]."""
         units = self.problem.units
         return (
             beside(self.scaled_gap, self.pulled, np.zeros((0, 2)), self._spacing)

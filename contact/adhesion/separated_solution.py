@@ -1,5 +1,6 @@
-"""The solution of surfaces that pull at each other without touching: loaded by the scenes whose law
-pulls at a distance.
+"""The solution of surfaces that attract each other without contact.
+
+Only scenes with a cohesive law import this module.
 """
 
 import numpy as np
@@ -12,30 +13,28 @@ from contact.solution.plan import Plan
 from contact.solution.solution import Solution
 from contact.verify.certificate import Certificate, least_eigenvalue
 
-# A miss of the reach, over it.
-_MISSED = 1e-7
+# Residual |1 - gap/reach| at the ends of the tension that the certificate accepts.
+_MAX_RESIDUAL = 1e-7
 
 
 def separated_solution(
     scene: Scene, fields: LooseFields, here: CohesivePoint, plan: Plan, branch: str
 ) -> Solution:
-    """On the intervals that were followed."""
+    """The certified solution at an equilibrium without contact."""
     for name in ("zone ends", "coarse search"):
         plan[name].used, plan[name].reason = False, "the surfaces pull without touching"
-    ends, least, missed = (
-        len(here.table) > 0,
-        float(here.look[1].min()),
-        float(np.abs(here.residual).max(initial=0.0)),
-    )
+    ends, least = len(here.table) > 0, float(here.look[1].min())
+    residual = float(np.abs(here.residual).max(initial=0.0))
     stability = least_eigenvalue(scaled_second_variation(here)) if ends else None
-    holds = least > 0.0 and missed <= _MISSED and (stability is None or stability > 0.0)
+    stable = stability is None or stability > 0.0
+    holds = least > 0.0 and residual <= _MAX_RESIDUAL and stable
     certificate = Certificate(
         smallest_pressure=-scene.law.tension,
         smallest_gap=least * fields.problem.units.height,
         points=len(here.look[0]),
         holds=holds,
         note="the surfaces pull at each other without touching",
-        intensity=missed,
+        intensity=residual,
         stability=stability,
     )
     off = np.abs(np.linalg.solve(here.rates, here.residual)) / here.widths if ends else np.zeros(1)

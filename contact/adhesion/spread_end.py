@@ -1,13 +1,15 @@
-"""An end of a tension that is spread over a zone (a, b) as its equilibrium measure mu = d xi/(pi
-sqrt((xi - a)(b - xi))).
+"""An end of a uniform tension that is spread over a zone (a, b) of contact.
 
-With z = (x - middle)/half, outside the zone, and arcosh and root zero on it,
+It is spread as the equilibrium measure mu of the zone, d mu = d xi/(pi sqrt((xi - a)(b - xi))).
+With z = (x - middle)/half,
 
-    int ln|x - xi| d mu = ln(half/2) + arcosh|z|, int (x - xi)(ln|x - xi| - 1) d mu = half [z
-    ln(half/2) + sgn(z) (|z| arcosh|z| - sqrt(z^2 - 1))].
+    int ln|x - xi| d mu = ln(half/2) + arcosh|z|,
+    int (x - xi)(ln|x - xi| - 1) d mu
+        = half [z ln(half/2) + sgn(z) (|z| arcosh|z| - sqrt(z^2 - 1))],
 
-What is smooth is summed by Gauss's rule for mu: equal weights at the cosines of even angles. With a
-period so is what is left of ln|2 sin(pi y/L)| after the poles at 0, L and -L.
+where arcosh and the root are zero on the zone. Smooth functions are integrated by the Gauss rule of
+mu: equal weights at the cosines of equidistant angles. With a period, this includes the remainder
+of ln|2 sin(pi y/L)| without its singularities at 0, L and -L.
 """
 
 from collections.abc import Callable
@@ -18,14 +20,15 @@ import numpy as np
 from contact.formulation.quadrature import gauss
 from sie import Array, nearest_image
 
-# Nodes of smooth sums, and of Gauss's rule on a panel of angles.
-_NODES = 64
-_PANEL = 16
+# Nodes for integrals of smooth functions: the remainders vary on the scale of the period.
+_SMOOTH_NODES = 64
+# Gauss nodes per panel of angles.
+_PANEL_NODES = 16
 
 
 @dataclass(frozen=True)
 class Spread:
-    """The zone."""
+    """An end of tension spread over the zone (a, b)."""
 
     a: float
     b: float
@@ -54,14 +57,15 @@ class Spread:
 
     def mean(self, function: Callable[[Array], Array], x: Array) -> Array:
         """int function(x - xi) d mu of a smooth function."""
-        xi = self.middle + self.half * np.cos(np.pi * (np.arange(_NODES) + 0.5) / _NODES)
+        angle = np.pi * (np.arange(_SMOOTH_NODES) + 0.5) / _SMOOTH_NODES
+        xi = self.middle + self.half * np.cos(angle)
         return np.asarray(function(x[:, None] - xi).mean(axis=1))
 
     def periodic_log(self, x: Array, period: float) -> Array:
         """int ln|2 sin(pi (x - xi)/L)| d mu."""
         x = nearest_image(x, self.middle, period)
 
-        def left(lag: Array) -> Array:
+        def remainder(lag: Array) -> Array:
             u = np.abs(lag) / period
             far = np.sinc(1 - u) / np.where(u > 0.5, u * (1 + u), 1.0)
             return np.asarray(
@@ -73,28 +77,30 @@ class Spread:
             + self.log(x - period)
             + self.log(x + period)
             + np.log(2 * np.pi / period**3)
-            + self.mean(left, x)
+            + self.mean(remainder, x)
         )
 
     def periodic_primitive(
         self, x: Array, period: float, primitive: Callable[[Array], Array]
     ) -> Array:
-        """Its antiderivative; primitive: of ln|2 sin(pi y/L)|."""
-        # Less what a period adds: that of the mean of the logarithm, which is zero.
+        """The antiderivative of `periodic_log`; primitive: that of ln|2 sin(pi y/L)|."""
+        # The mean of the logarithm over a period is zero, so the antiderivative is periodic.
         x = nearest_image(x, self.middle, period)
         rate = np.log(2 * np.pi / period**3)
 
         def of_poles(y: Array, of_one: Callable[[Array], Array]) -> Array:
             return np.asarray(of_one(y) + of_one(y - period) + of_one(y + period))
 
-        def left(lag: Array) -> Array:
-            return np.asarray(primitive(lag) - of_poles(lag, _point) - rate * lag)
+        def remainder(lag: Array) -> Array:
+            return np.asarray(primitive(lag) - of_poles(lag, _log_primitive) - rate * lag)
 
-        return of_poles(x, self.primitive) + rate * (x - self.middle) + self.mean(left, x)
+        return of_poles(x, self.primitive) + rate * (x - self.middle) + self.mean(remainder, x)
 
     def lacking(self, end: int, panels: int, breaks: Array) -> tuple[Array, Array]:
-        """(places, weights) of a rule for int (1 - eta) on the zone, the left (0) or the right one
-        (-1), by parts between breaks.
+        """(points, weights) of a quadrature rule for int (1 - eta) ... dx over the zone.
+
+        end: 0 if the left end of the tension is spread, -1 if the right one is. The rule has panels
+        between the `breaks`.
         """
         inner = breaks[(breaks > self.a) & (breaks < self.b)]
         cuts = np.unique(
@@ -103,11 +109,11 @@ class Spread:
                 np.arccos((inner - self.middle) / self.half),
             )
         )
-        angle, weight = gauss(cuts, _PANEL)
+        angle, weight = gauss(cuts, _PANEL_NODES)
         part = 1 - angle / np.pi if end else angle / np.pi
         return self.middle + self.half * np.cos(angle), self.half * weight * np.sin(angle) * part
 
 
-def _point(y: Array) -> Array:
-    """y (ln|y| - 1)."""
+def _log_primitive(y: Array) -> Array:
+    """y (ln|y| - 1), the antiderivative of ln|y|."""
     return np.asarray(y * (np.log(np.maximum(np.abs(y), 1e-300)) - 1.0))

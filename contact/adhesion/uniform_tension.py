@@ -1,11 +1,11 @@
-r"""A constant tension on given intervals, and by how much it deforms a profile.
+r"""A uniform tension on given intervals, and the deformation of the profile by it.
 
-Its slope is s T and its height s V, V' = T,
+The tension s changes the slope by s T and the height by s V, V' = T, with
 
     T = (1/pi) sum [Lambda(x - l) - Lambda(x - r)] over the intervals (l, r).
 
-V comes from the double antiderivative of K, y (ln|y| - 1) for a pole, Clausen's integral for all
-periods: -(L/2 pi) Cl_2(2 pi y/L) (DLMF 25.12.9).
+V follows from the second antiderivative of the kernel K: y (ln|y| - 1) for a pole, and Clausen's
+integral -(L/2 pi) Cl_2(2 pi y/L) with a period (DLMF 25.12.9).
 """
 
 from collections.abc import Callable
@@ -21,17 +21,19 @@ from contact.formulation.quadrature import gauss
 from contact.formulation.tables import located
 from sie import Array, Index, Mask, nearest_image, record, wrapped
 
-# Nodes on a panel of the quadrature of a kernel's regular potential, and panels to the length over
-# which it varies.
-_NODES = 16
-_PER_LENGTH = 4.0
+# Gauss nodes per panel for the regular part of a kernel.
+_PANEL_NODES = 16
+# Panels per length over which the regular part varies.
+_PANELS_PER_LENGTH = 4.0
 
 
 @record
 class Tension(sie.Kept):
-    """stress: scaled; table: the intervals (m, 2), scaled, ascending; everywhere: it acts on a
-    whole period. spread: the zones held at the left and at the right corner, over which the first
-    and the last end are spread.
+    """A uniform tension on intervals; all quantities are scaled.
+
+    table: the intervals (m, 2), ascending; everywhere: whether it acts on the whole period; plain:
+    whether the kernel has no regular part; spread: the zones pinned at the left and at the right
+    corner, over which the first and the last end are spread.
     """
 
     stress: float
@@ -48,14 +50,14 @@ class Tension(sie.Kept):
 
     @property
     def spreads(self) -> list[tuple[int, Spread]]:
-        """(0 for the first end or -1 for the last one, the zone), of those that are spread."""
+        """The spread ends: (0 for the first end or -1 for the last one, its zone)."""
         return [
             (end, zone) for end, zone in zip((0, -1), self.spread, strict=True) if zone is not None
         ]
 
     @property
     def width(self) -> float:
-        """Of all intervals together."""
+        """Total width of the intervals."""
         if self.everywhere:
             assert self.period is not None
             return self.period
@@ -63,12 +65,13 @@ class Tension(sie.Kept):
 
     @property
     def total(self) -> float:
-        """Of the tension in q - p."""
+        """The integral of q - p, the total force of the tension."""
         return self.stress * (self.width - sum(zone.half for _, zone in self.spreads))
 
     def lacks(self, zone: Index | int, last: int, left: Array, right: Array) -> Array:
-        """1 - eta on zones, at distances from their ends over the half width; last: index of the
-        last zone.
+        """1 - eta on zones; left, right: distances from their ends over the half-width.
+
+        last: index of the last zone.
         """
         out = np.zeros(np.broadcast_shapes(np.shape(zone), np.shape(left)))
         for end, _ in self.spreads:
@@ -82,7 +85,7 @@ class Tension(sie.Kept):
         return out
 
     def share(self, x: Array) -> Array:
-        """eta on the intervals, else 0."""
+        """eta on the intervals (1 unless an end is spread), and 0 elsewhere."""
         out = self.holds(x).astype(float)
         for end, zone in self.spreads:
             t = nearest_image(x - zone.middle, 0.0, self.period) / zone.half
@@ -101,13 +104,13 @@ class Tension(sie.Kept):
         return np.asarray((x >= self.table[i, 0]) & (x <= self.table[i, 1]))
 
     def slope(self, x: Array) -> Array:
-        """s T."""
+        """The change of slope, s T."""
         if self.everywhere:
             return np.zeros(np.shape(x))
         return self.stress / np.pi * self._between(self._log_sum, self._spread_log, x)
 
     def height(self, x: Array) -> Array:
-        """s V."""
+        """The change of height, s V."""
         if self.everywhere:
             return np.full(np.shape(x), -self.stress * self.compression)
         out = self._between(self._primitive_sum, self._spread_primitive, x)
@@ -116,7 +119,7 @@ class Tension(sie.Kept):
         return self.stress / np.pi * out
 
     def logs(self, x: Array) -> Array:
-        """Lambda at places (P,) of unit loads at all left and then all right ends (P, 2 m)."""
+        """Lambda at points (P,) for unit loads at all left ends, then all right ends (P, 2 m)."""
         values = self.log(x[:, None] - self.table.ravel())
         for end, zone in self.spreads:
             values[:, end] = self._spread_log(x, zone)
@@ -135,12 +138,12 @@ class Tension(sie.Kept):
         return Cells(
             self.table.ravel(),
             self.period,
-            np.inf if self.plain else self.kernel.length / _PER_LENGTH,
+            np.inf if self.plain else self.kernel.length / _PANELS_PER_LENGTH,
         )
 
     @cached_property
     def _signs(self) -> Array:
-        """Of the ends; none of those that are spread."""
+        """The signs of the ends in the sums; 0 for those that are spread."""
         signs = np.tile((1.0, -1.0), len(self.table))
         signs[[end for end, _ in self.spreads]] = 0.0
         return signs
@@ -148,7 +151,7 @@ class Tension(sie.Kept):
     def _between(
         self, of_ends: EndSum, spread: Callable[[Array, Spread], Array], x: Array
     ) -> Array:
-        """Sum of the differences of a function of the distance from both ends of the intervals."""
+        """The sum over intervals of a function at the left end minus that at the right end."""
         x = np.asarray(x, dtype=float)
         out = of_ends(x) if len(self.table) else np.zeros(x.shape)
         for end, zone in self.spreads:
@@ -167,7 +170,7 @@ class Tension(sie.Kept):
         return (
             out
             if self.plain
-            else out + zone.mean(self._rest, nearest_image(x, zone.middle, self.period))
+            else out + zone.mean(self._regular_log, nearest_image(x, zone.middle, self.period))
         )
 
     def _spread_primitive(self, x: Array, zone: Spread) -> Array:
@@ -183,7 +186,7 @@ class Tension(sie.Kept):
         )
 
     def log(self, lag: Array) -> Array:
-        """Lambda, of the distance from a line load."""
+        """Lambda, the kernel's potential, as a function of the distance from a line load."""
         kernel, period = self.kernel, self.period
         lag = nearest_image(np.asarray(lag, dtype=float), 0.0, period)
         with np.errstate(divide="ignore"):
@@ -194,10 +197,10 @@ class Tension(sie.Kept):
                     (np.log(np.abs(lag - pole) / kernel.datum) for pole in kernel.poles),
                     np.zeros(np.shape(lag)),
                 )
-        return np.asarray(out if self.plain else out + self._rest(lag))
+        return np.asarray(out if self.plain else out + self._regular_log(lag))
 
-    def _rest(self, lag: Array) -> Array:
-        """Lambda less its poles, or less all of Hilbert's."""
+    def _regular_log(self, lag: Array) -> Array:
+        """Lambda without its poles; with a period, without the Hilbert kernel's potential."""
         whole = self.kernel.regular_potential
         assert whole is not None
         rest = whole(lag, np.zeros(1))
@@ -209,7 +212,7 @@ class Tension(sie.Kept):
         return np.asarray(rest)
 
     def _primitive(self, lag: Array) -> Array:
-        """Antiderivative of the poles' Lambda, or of Hilbert's."""
+        """Antiderivative of the singular part of Lambda (poles, or the Hilbert kernel's)."""
         if self.period is not None:
             turns = np.asarray(lag) / self.period
             return -self.period / (2 * np.pi) * clausen2(turns - np.round(turns))
@@ -220,26 +223,25 @@ class Tension(sie.Kept):
         return out
 
     def _regular(self, x: Array) -> Array:
-        """int over the intervals of Lambda's rest, by Gauss's rule on panels."""
+        """The integral of the regular part of Lambda over the intervals, by Gauss quadrature."""
         at, weights = self._panels
         flat, out = x.ravel(), np.zeros(x.size)
         block = max(1, 2**20 // len(at))
         for start in range(0, len(flat), block):
             lag = nearest_image(flat[start : start + block, None] - at, 0.0, self.period)
-            out[start : start + block] = self._rest(lag) @ weights
+            out[start : start + block] = self._regular_log(lag) @ weights
         return out.reshape(x.shape)
 
     @cached_property
     def _panels(self) -> tuple[Array, Array]:
         length = min(self.kernel.length, 1.0 if self.period is None else 0.25 * self.period)
+        per_unit = _PANELS_PER_LENGTH / length
         rules = [
-            gauss(np.linspace(a, b, int(np.ceil(_PER_LENGTH * (b - a) / length)) + 1), _NODES)
+            gauss(np.linspace(a, b, int(np.ceil(per_unit * (b - a))) + 1), _PANEL_NODES)
             for a, b in self.table
         ]
         for end, zone in self.spreads:
-            places, lacking = zone.lacking(
-                end, int(np.ceil(_PER_LENGTH * 2 * zone.half / length)), np.zeros(0)
-            )
+            places, lacking = zone.lacking(end, int(np.ceil(per_unit * 2 * zone.half)), np.zeros(0))
             rules.append((places, -lacking))
         at, weights = zip(*rules, strict=True)
         return np.concatenate(at), np.concatenate(weights)
