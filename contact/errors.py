@@ -1,9 +1,8 @@
-"""What can go wrong, by name: every error of the package is a ContactError.
+"""The errors of the package: each is a ContactError.
 
-Bad input is a SceneError that names the field, the value and what is allowed; a run that does not
-reach its tolerance is a NotConverged that carries its best state; a load or approach no zone can
-carry is OutOfRange. What is solved all the same, though the model hardly covers it, is a
-ModelWarning.
+Bad input is a SceneError with the field, the value and what is allowed. A run that misses its
+tolerance is a NotConverged with the best state. A load or an approach without a contact is
+OutOfRange. Where the model hardly holds but the scene is solved, there is a ModelWarning.
 """
 
 import warnings
@@ -14,7 +13,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-_LONGEST_VALUE = 80
+_MAX_VALUE_LENGTH = 80
 
 
 class ContactError(Exception):
@@ -30,17 +29,18 @@ class ContactError(Exception):
     amplitude = -1.0 is refused: it must be a finite number > 0
     """
 
-    # A longer message loses its middle. What a terminal shows in five lines.
+    # A longer message loses its middle: this is about five lines on a terminal.
     longest: ClassVar[int] = 400
 
     def __str__(self) -> str:
-        """The message, at most `longest` characters of it."""
+        """The message, shortened to `longest` characters."""
         return _cut(super().__str__(), self.longest)
 
 
 class SceneError(ContactError, ValueError):
-    """Bad input; `field`, `value` and `allowed` are None where the message is about more than one
-    field.
+    """Bad input: which field, its value and what is allowed.
+
+    The three are None if the message is about more than one field.
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ class SceneError(ContactError, ValueError):
 
     @classmethod
     def unknown(cls, what: str, name: Any, known: Iterable[str]) -> "SceneError":
-        """A name that is not among the known ones, with the nearest of them."""
+        """An unknown name, with the nearest known one."""
         names = sorted(known)
         near = get_close_matches(name, names, n=1) if isinstance(name, str) else []
         hint = f" (did you mean {near[0]!r}?)" if near else ""
@@ -94,8 +94,7 @@ class SceneError(ContactError, ValueError):
 
 
 class NotConverged(ContactError):
-    """The tolerance was not met: `trace` is the list of steps, `best` the best solution reached or
-    None.
+    """The tolerance was not met: `trace` has the steps, `best` the best solution or None.
 
     Parameters
     ----------
@@ -124,7 +123,7 @@ class NotConverged(ContactError):
 
 
 class OutOfRange(ContactError):
-    """No contact answers the control: a load past full contact, an approach or zone past its limit.
+    """No contact answers the control, such as a load beyond full contact.
 
     Examples
     --------
@@ -139,8 +138,7 @@ class OutOfRange(ContactError):
 
 
 class MissingExtra(ContactError, ImportError):
-    """An optional package is needed that is not installed; the message names the extra that brings
-    it.
+    """An optional package is missing; the message names the extra that installs it.
 
     Examples
     --------
@@ -151,12 +149,13 @@ class MissingExtra(ContactError, ImportError):
 
 
 class ModelWarning(UserWarning):
-    """The model hardly covers what is asked of it, or a file's numbers are not those of a surface.
+    """The model hardly holds, or the numbers of a file are not those of a surface.
 
     Examples
     --------
     >>> import contact, warnings
-    >>> steep = contact.Scene(contact.Sinusoid(0.1, 1.0), 1e9, contact.Periodic(), contact_fraction=0.1)
+    >>> wave = contact.Sinusoid(0.1, 1.0)
+    >>> steep = contact.Scene(wave, 1e9, contact.Periodic(), contact_fraction=0.1)
     >>> with warnings.catch_warnings(record=True) as given:
     ...     warnings.simplefilter("always")
     ...     solution = contact.solve(steep)
@@ -166,34 +165,35 @@ class ModelWarning(UserWarning):
 
 
 def warn(messages: Iterable[str], stacklevel: int = 3) -> None:
-    """Give out each message as a ModelWarning of the line that called the caller."""
+    """Issue each message as a ModelWarning at the line that called the caller."""
     for message in messages:
         warnings.warn(_cut(message, ContactError.longest), ModelWarning, stacklevel=stacklevel)
 
 
 @contextmanager
 def unwarned() -> Iterator[None]:
-    """Without ModelWarnings: of solutions on the way to another one, which has its own."""
+    """Context without ModelWarnings, for intermediate solutions."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ModelWarning)
         yield
 
 
 def shown(value: Any) -> str:
-    """A value as it stands in a message: on one line, of an array its first and last numbers, the
-    middle of a long text left out (a path's end names the file).
+    """A value as it appears in a message: one line, with the middle of long values left out.
+
+    Arrays show their first and last numbers. The end of a path, which names the file, is kept.
     """
     if isinstance(value, np.ndarray):
         text = np.array2string(value, separator=", ", threshold=8, edgeitems=3)
     else:
-        # Numbers of numpy as plain ones, in lists too.
+        # Numbers of numpy appear as plain ones, in lists as well.
         with np.printoptions(legacy="1.25"):
             text = repr(value)
-    return _cut(" ".join(text.split()), _LONGEST_VALUE)
+    return _cut(" ".join(text.split()), _MAX_VALUE_LENGTH)
 
 
 def _cut(text: str, longest: int) -> str:
-    """A text with its middle left out where it is longer than that."""
+    """A text without its middle if it is longer than `longest`."""
     if len(text) <= longest:
         return text
     kept = longest - 3

@@ -1,5 +1,6 @@
-"""The one place where packages are imported on demand: `import contact` loads numpy and nothing
-heavier.
+"""Imports on demand: `import contact` loads numpy and nothing heavier.
+
+This is the only module that imports by name.
 """
 
 import importlib
@@ -10,7 +11,7 @@ from typing import Any
 from contact.errors import MissingExtra
 from sie import uncollected
 
-# Which extra installs a package that a plain install does not bring.
+# The extra that installs a package which a plain install lacks.
 EXTRAS = {
     "matplotlib": "plot",
     "xarray": "io",
@@ -26,47 +27,43 @@ EXTRAS = {
     "cloudpickle": "cluster",
 }
 
-# The folder that this package stands in: that of its source, or among the installed packages.
+# The folder with this package: the source, or the installed packages.
 SOURCE = Path(__file__).parents[1]
 
 
 def require(name: str) -> Any:
-    """The module of a name; MissingExtra that says what installs it where it cannot be imported."""
+    """The module of that name; raises MissingExtra with the remedy if it cannot be imported."""
     try:
         with uncollected():
             return importlib.import_module(name)
     except ImportError as error:
-        # A room of this package is there: what it lacks is what it imports.
+        # Rooms of this package exist; what is missing is a package that they import.
         package = (error.name if name.startswith("contact.") and error.name else name).partition(
             "."
         )[0]
         extra = EXTRAS.get(package)
         remedy = installing(extra) if extra else f"pip install {package}"
-        # A submodule of an installed package can fail for other reasons; keep the cause.
+        # A submodule of an installed package may fail for other reasons, so the cause is kept.
         raise MissingExtra(
             f"{name} is needed here and cannot be imported ({error}): {remedy}", name=package
         ) from error
 
 
 def installing(extra: str) -> str:
-    """The command that brings an extra: of the package, or of the folder of source that this runs
-    from.
-    """
+    """The command that installs an extra, for the package or for its source folder."""
     if (SOURCE / "pyproject.toml").is_file() and (SOURCE / "contact" / "extras.py").is_file():
         return f"pip install -e '.[{extra}]' in {SOURCE}"
     return f"pip install 'sie-contact[{extra}]'"
 
 
 def entry_points(group: str) -> Iterable[Any]:
-    """Entry points of the installed packages in one group."""
+    """Entry points of the installed packages in a group."""
     found: Iterable[Any] = require("importlib.metadata").entry_points(group=group)
     return found
 
 
 def version() -> str:
-    """The version of this package as it is installed; of a folder of source that is not, one that
-    says so.
-    """
+    """Installed version of this package; for a source folder that is not installed, a note."""
     metadata = require("importlib.metadata")
     try:
         installed: str = metadata.version("sie-contact")
@@ -76,9 +73,7 @@ def version() -> str:
 
 
 def other_package() -> str:
-    """What to say where the package of the index that is called `contact`, another project, is
-    installed too; empty where it is not.
-    """
+    """A message if another project named `contact` is installed as well; else empty."""
     metadata = require("importlib.metadata")
     try:
         other = metadata.version("contact")
@@ -93,8 +88,9 @@ def other_package() -> str:
 
 
 def owners() -> tuple[str, ...]:
-    """Other installed packages, whatever they are called, that bring something imported as
-    `contact`. Looks through all of them: 0.5 s.
+    """Other installed packages that provide a module `contact`, whatever their names.
+
+    It examines all installed packages, which takes 0.5 s.
     """
     found = require("importlib.metadata").packages_distributions().get("contact", ())
     return tuple(

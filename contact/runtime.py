@@ -7,18 +7,24 @@ import ctypes
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from enum import IntEnum
 from functools import cache
 from threading import Lock
 from typing import Any
 
 from contact.extras import require
 
-# Parameters of mallopt, numbered as in <malloc.h>.
-_TRIM_THRESHOLD = -1  # free bytes at the top of the heap that go back to the system
-_MMAP_MAX = -4  # largest number of blocks that are mapped one by one
+
+class _Mallopt(IntEnum):
+    """Parameters of mallopt, numbered as in <malloc.h>."""
+
+    TRIM_THRESHOLD = -1  # free bytes at the top of the heap that go back to the system
+    MMAP_MAX = -4  # largest number of blocks that are mapped one by one
+
+
 # Values that glibc reaches by itself in a process of large arrays.
-_GLIBC_DEFAULTS = {_TRIM_THRESHOLD: 1 << 26, _MMAP_MAX: 1 << 16}
-_KEEP_ALL = {_TRIM_THRESHOLD: -1, _MMAP_MAX: 0}
+_GLIBC_DEFAULTS = {_Mallopt.TRIM_THRESHOLD: 1 << 26, _Mallopt.MMAP_MAX: 1 << 16}
+_KEEP_ALL = {_Mallopt.TRIM_THRESHOLD: -1, _Mallopt.MMAP_MAX: 0}
 
 
 class SharedState:
@@ -72,9 +78,9 @@ def _stop_keeping(libc: Any) -> None:
     libc.malloc_trim(0)
 
 
-def _set(libc: Any, parameters: dict[int, int]) -> None:
+def _set(libc: Any, parameters: dict[_Mallopt, int]) -> None:
     for name, value in parameters.items():
-        libc.mallopt(name, value)
+        libc.mallopt(int(name), value)
 
 
 _freed_memory_is_kept = SharedState(_start_keeping, _stop_keeping)
@@ -96,7 +102,8 @@ def _blas_libraries(scipy_is_loaded: bool) -> Any:
 
 
 def _limit_to_one_thread() -> Any:
-    # numpy and scipy may each bring a BLAS. The search for them takes milliseconds, so it is cached.
+    # numpy and scipy may each bring a BLAS. The search for them takes milliseconds
+    # and is cached.
     return _blas_libraries("scipy.linalg" in sys.modules).limit(limits=1, user_api="blas")
 
 

@@ -1,16 +1,16 @@
-"""Scene -> formulation -> first guess -> zones -> certificate -> solution.
+"""Solve a scene, in this order:
 
-scene          what is given, checked when it is made
-contact.model formulation    a scaled equation, by the pressure, by the gaps, or none in full
-contact   contact.formulation first guess    ways to the zones, in order; what was left and why is
-in the plan        contact.search.find zones          Newton on their ends, signs, corrections, and
-again                      contact.search.topology certificate    what was looked at on the whole
-line, and the stated error               contact.verify solution       in SI units, with its plan
-contact.solution
+scene          what is given, checked when it is made            contact.model
+formulation    a scaled equation by the pressure or the gaps     contact.formulation
+first guess    strategies in order; the plan keeps failures      contact.search.find
+zones          Newton on their ends, signs, corrections          contact.search.topology
+certificate    checks on the whole line, and the stated error    contact.verify
+solution       in SI units, with its plan                        contact.solution
 """
 
 import time
 from contextlib import nullcontext
+from dataclasses import dataclass
 from numbers import Real
 
 from contact.closed.solve import directly
@@ -32,10 +32,16 @@ from contact.solution import assemble, model_warnings
 from contact.solution.solution import Solution
 from contact.verify.error import SolvedGaps
 
-# Smallest lengths of a shape in its period, or where it is known: from where on BLAS takes one
-# thread, and memory is kept.
-_ROUGH = 2**6
-_LARGE = 2**17
+
+@dataclass(frozen=True)
+class SolverOptions:
+    """Sizes from which a scene changes the process: number of shortest lengths in a period."""
+
+    one_blas_thread: int = 2**6  # its matrices are small, and threads of BLAS would wait
+    keep_memory: int = 2**17  # its arrays are large, and the system would clear them again
+
+
+_OPTIONS = SolverOptions()
 
 
 def solve(
@@ -45,24 +51,23 @@ def solve(
     near: Solution | None = None,
     branch: str = "advancing",
 ) -> Solution:
-    """Solve a scene: zones, pressure, gap, and numbers, with error at most `tol` (see
-    `Solution.error`).
+    """Solve a scene: zones, pressure, gap and numbers with a stated error of at most `tol`.
 
     Parameters
     ----------
     scene : Scene
-        What is asked.
+        The scene.
     tol : float
-        Largest stated error, relative, 1e-13 <= tol < 1.
+        Largest stated error (`Solution.error`), relative, 1e-13 <= tol < 1.
     progress : callable or None
         Called with (stage, done, total or None).
     near : Solution or None
-        A solution of the same profile and model whose zones are a good start; it saves the search,
-        and never changes the answer.
+        A solution of the same profile and model with similar zones. It saves the search and never
+        changes the answer.
     branch : str
-        Which of several equilibria is meant, under laws that have more than one: "advancing",
-        reached from first touch by raising the control to its value (under tension: raised to no
-        load, then lowered), or "receding", reached by lowering it from the greatest contact.
+        Which of several equilibria is meant, under laws that have more than one. "advancing" is
+        reached from first touch by raising the control to its value (tension: raised to zero load,
+        then lowered). "receding" is reached by lowering it from the largest contact.
 
     Returns
     -------
@@ -73,14 +78,14 @@ def solve(
     SceneError
         If the input is bad.
     OutOfRange
-        If no contact answers the control.
+        If no contact has the given value of the control.
     NotConverged
-        If the tolerance was not met; it carries the best state.
+        If the tolerance was not met; the error has the best state.
 
     Warns
     -----
     ModelWarning
-        What the model hardly covers; also in the `warnings` of the solution.
+        If the model hardly holds; also in the `warnings` of the solution.
 
     Examples
     --------
@@ -90,7 +95,8 @@ def solve(
     >>> import contact
     >>> import numpy as np
     >>> wave = contact.Sinusoid(amplitude=1e-6, period=1e-4)
-    >>> solution = contact.solve(contact.Scene(wave, 1e9, contact.Periodic(), contact_fraction=0.5), tol=1e-10)
+    >>> scene = contact.Scene(wave, 1e9, contact.Periodic(), contact_fraction=0.5)
+    >>> solution = contact.solve(scene, tol=1e-10)
     >>> bool(np.isclose(solution.mean_pressure, 0.5 * np.pi * 1e9 * 1e-2, rtol=1e-10))
     True
     >>> solution.error <= 1e-10, solution.certificate.holds
@@ -115,14 +121,14 @@ def solve(
 
 
 def tolerance(tol: object) -> float:
-    """A tolerance as it was given, checked."""
+    """The tolerance as a float; raises SceneError if it is none."""
     if isinstance(tol, bool) or not isinstance(tol, Real) or not 1e-13 <= float(tol) < 1.0:
         raise SceneError.of("tol", tol, "a number from 1e-13 to below 1")
     return float(tol)
 
 
 def _of(scene: Scene) -> tuple[object, ...]:
-    """All of a scene but its control and its modulus."""
+    """Everything in a scene except its control and its modulus."""
     return scene.profile, scene.interaction, scene.substrate, scene.law
 
 
@@ -133,8 +139,9 @@ def solved_along(
     cache: SceneCache,
     previous: tuple[CurvePoint, ...],
 ) -> Solution:
-    """One scene on a curve of its control's values. cache: what it has in common with the others;
-    previous: the last of them.
+    """One scene on a curve of values of its control.
+
+    cache: what it shares with the other scenes. previous: the last solutions on the curve.
     """
     near = previous[-1].solution if previous else None
     if scene.control_object.held(scene) is None:
@@ -155,9 +162,10 @@ def context_of(scene: Scene, tol: float) -> SolveContext:
     return SolveContext.of(scene, tol, _solved)
 
 
-def solved_at(context: SolveContext, found: Outcome, told: str) -> Solution:
-    """A contact that was followed to where it is, by the branch of the context; told: how it was come
-    by.
+def solved_at(context: SolveContext, found: Outcome, message: str) -> Solution:
+    """The solution of a contact that was reached by following its branch.
+
+    message: how it was reached, for the plan.
     """
 
     def lost(_: SolveContext) -> Outcome:
@@ -165,7 +173,7 @@ def solved_at(context: SolveContext, found: Outcome, told: str) -> Solution:
             "only the contact that was followed is meant, and no other search for it"
         )
 
-    context.plan["branch"].detail = told
+    context.plan["branch"].detail = message
     return _solution(context, refined(context, found, lost))
 
 
@@ -198,8 +206,8 @@ def _run(context: SolveContext) -> Solution:
     start, features = time.perf_counter(), _features(context.scene)
     try:
         with (
-            keep_freed_memory(features > _LARGE),
-            one_blas_thread() if features > _ROUGH else nullcontext(),
+            keep_freed_memory(features > _OPTIONS.keep_memory),
+            one_blas_thread() if features > _OPTIONS.one_blas_thread else nullcontext(),
         ):
             return _solution(context, refined(context, _found(context), _found))
     finally:
@@ -207,7 +215,7 @@ def _run(context: SolveContext) -> Solution:
 
 
 def _found(context: SolveContext) -> Outcome:
-    """The contact of a scene: by the law's own module, on a branch of equilibria, or by search."""
+    """The contact of a scene: by the law's module, on a branch of equilibria, or by search."""
     module = context.scene.law.routes.module
     if module is None and context.follows_branch:
         module = "contact.adhesion.branch"
@@ -215,7 +223,7 @@ def _found(context: SolveContext) -> Outcome:
 
 
 def _features(scene: Scene) -> float:
-    """How many of its smallest lengths a shape has in its period, or where it is known."""
+    """Number of shortest lengths of a shape in its period, or where it is known."""
     profile = scene.profile
     known = profile.known
     return (

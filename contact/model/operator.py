@@ -1,36 +1,35 @@
-r"""The elastic operator of a scene: what the pressure does to the surface, composed of the
-interaction and the substrate.
+r"""`Operator`: what the pressure does to the surface, from the interaction and the substrate.
 
-The symbol of the substrate is the one source of all of it:
+All of it follows from the symbol L of the substrate:
 
-    kernel        of a line load, 1/r + int (L - 1) sin(qr) dq (contact.model.symbols), alone or with the images of a strip;
-                  of all periods, Hilbert's and sum (L_n - 1) sin(2 pi n r / l) 2 pi / l
-                  (contact.model.symbols)
+    kernel        of a line load: 1/r + int (L - 1) sin(qr) dq (contact.model.line_load), alone or
+                  with the images of a strip; of all periods: Hilbert's kernel plus
+                  sum (L_n - 1) sin(2 pi n r / l) 2 pi / l (contact.model.symbols)
     grid          the multiplier 2 L / (E* q)
     full contact  p_q = -E* q f_q / 2 L(q) + mean
-    by the gaps   the slope of the gap as the unknown, under the symbol 1/L: sum (1/L_n - 1) sin(2 pi n r / l) 2 pi / l beside Hilbert's
-    a maximum     u is harmonic below the surface: half-plane sources and nothing else; contact only grows with the load, and a flat
-                  top is in contact as a whole
+    gaps          the kernel for the slope of the gap has the symbol 1/L
+    half-plane    u is harmonic below the surface: contact only grows with the load, and a flat
+                  top touches as a whole
 
-An interaction of someone's own may give a kernel itself, for zones, their pressure and what is
-certified; without the symbol of that kernel the operator has no inverse: neither full contact nor
-the gap formulation is offered.
+An interaction of a user may give its own kernel for the pressure and the certificate. Without the
+symbol of that kernel there is no inverse operator: neither full contact nor the gap formulation is
+offered.
 
-A uniform nominal pressure beyond a strip of half width W/2 about its centre would everywhere
-displace the surface by 2 pbar c / E*, c the substrate's compression, or, of a body without a base,
-by nothing in the mean of a period; within the strip it does so by its potential, so that beyond it
+A uniform nominal pressure outside a strip of half width W/2 adds a term to the right side. If it
+acted everywhere, it would displace the surface by 2 pbar c / E*, with c the compression of the
+substrate, or by a mean of 0 without a base. The part inside the strip is given by its potential.
+With y = x - centre, the rest is
 
-    (pbar/pi) [Lambda(W/2 + y) - Lambda(W/2 - y)],    y = x - centre,
+    (pbar/pi) [Lambda(W/2 + y) - Lambda(W/2 - y)],
 
-goes to the right side: (2 pbar/pi) artanh(2y/W) on a half-plane, equation (13) of Goryacheva &
-Tsukanov (2020).
+that is (2 pbar/pi) artanh(2y/W) on a half-plane, equation (13) of Goryacheva & Tsukanov (2020).
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cache, cached_property, partial
 
 import numpy as np
@@ -40,33 +39,38 @@ import scipy.special
 import sie
 from contact.errors import SceneError
 from contact.model.interactions.base import Interaction, Scaled
+from contact.model.line_load import SmoothPart
 from contact.model.parts import Told
 from contact.model.substrates.base import Substrate
-from contact.model.symbols import SmoothPart, checked, excess, kernel_of
+from contact.model.symbols import checked, excess, kernel_of
 from sie import Array, record
 
 Potential = Callable[[Array, Array], Array]
 Symbol = Callable[[Array], Array]
-# Of lags and the width of a cell.
+# A function of lags and of the width of a cell.
 Rest = Callable[[Array, float], Array]
 
-# Places over a period at which a kernel is compared with Hilbert's, and what rounding makes of no
-# difference.
-_PLACES = 4096
-_NOTHING = 1e-13
-# Of cells nearer to a source than some widths the mean is taken: over panels that are halved
-# towards the middle, by some nodes each.
-_WITHIN = 4.5
-_PANELS = 32
-_PER_PANEL = 6
-# The smallest compliance over the half-plane's.
-_SOFTEST = 1e-9
+
+@dataclass(frozen=True)
+class OperatorOptions:
+    """How the kernel of a user's interaction is sampled for grids."""
+
+    places: int = 4096  # of a period, at which it is compared with Hilbert's
+    rounding: float = 1e-13  # a difference from Hilbert's kernel that counts as none
+    near_cells: float = 4.5  # cell widths: nearer to the source the kernel is averaged over a cell
+    panels: int = 32  # of half a cell, halved towards its middle
+    panel_nodes: int = 6
+    softest: float = 1e-9  # least compliance over the half-plane's
+
+
+_OPTIONS = OperatorOptions()
 
 
 @record
 class Operator(sie.Kept):
-    """The operator of an interaction on a substrate under a period [m] of the solution, None where
-    nothing repeats.
+    """The operator of an interaction on a substrate.
+
+    period: of the solution [m]; None where nothing repeats.
     """
 
     interaction: Interaction
@@ -75,26 +79,24 @@ class Operator(sie.Kept):
 
     @property
     def is_periodic(self) -> bool:
-        """Whether all periods act, so that harmonics stay harmonics."""
+        """Whether all periods act, so that harmonics remain harmonics."""
         return self.period is not None and not self.interaction.strip
 
     @property
     def is_own(self) -> bool:
-        """Whether the interaction gives a kernel, or the symbol of one, and asks nothing of the
-        substrate.
-        """
-        return self._gives("kernel") or self._gives("symbol")
+        """Whether the interaction gives its own kernel or symbol and does not use the substrate."""
+        return self._overrides("kernel") or self._overrides("symbol")
 
-    def _gives(self, name: str) -> bool:
-        """Whether the interaction has a method of its own of that name."""
+    def _overrides(self, name: str) -> bool:
+        """Whether the interaction overrides the method of that name."""
         return getattr(type(self.interaction), name) is not getattr(Interaction, name)
 
     @cached_property
     def symbol(self) -> Symbol | None:
-        """L of q [1/m]; None of an interaction's own kernel without one."""
+        """L as a function of q [1/m]; None for an own kernel without a symbol."""
         if not self.is_own:
             return self.substrate.symbol
-        return self.interaction.symbol if self._gives("symbol") else None
+        return self.interaction.symbol if self._overrides("symbol") else None
 
     @property
     def _named(self) -> str:
@@ -102,7 +104,7 @@ class Operator(sie.Kept):
 
     @cached_property
     def excess(self) -> Array | None:
-        """L_n - 1 of the harmonics of the period, as far as it is not zero; None without a symbol."""
+        """L_n - 1 of the harmonics up to the last that is not 0; None without a symbol."""
         if not self.is_periodic or self.symbol is None:
             return None
         assert self.period is not None
@@ -110,24 +112,25 @@ class Operator(sie.Kept):
 
     @property
     def has_inverse(self) -> bool:
-        """Whether the pressure of a given displacement is known: full contact, and the gap
-        formulation.
+        """Whether the pressure follows from a given displacement.
+
+        If so, there are full contact and the gap formulation.
         """
         return self.excess is not None
 
     @cached_property
     def inverse_excess(self) -> Array | None:
-        """1 / L_n - 1, the same of the inverse operator."""
+        """1 / L_n - 1, the same for the inverse operator."""
         return None if self.excess is None else np.asarray(-self.excess / (1 + self.excess))
 
     @property
     def is_half_plane(self) -> bool:
-        """Whether L = 1, and the displacement is that of a half-plane."""
+        """Whether L = 1 and a uniform pressure displaces nothing."""
         return self.excess is not None and len(self.excess) == 0 and not self.compression
 
     @cached_property
     def is_plain(self) -> bool:
-        """Whether there is nothing beyond half-plane sources."""
+        """Whether the kernel is that of half-plane sources only."""
         if self.is_own:
             return self.interaction.strip or self.rest is None
         return self.compression is None and (
@@ -136,16 +139,12 @@ class Operator(sie.Kept):
 
     @property
     def compression(self) -> float | None:
-        """By how much a uniform pressure p displaces the surface, over 2 p / E* [m]; None where
-        that is not counted, or not finite.
-        """
+        """Displacement by a uniform pressure p, over 2 p / E* [m]; None if it is not counted."""
         return None if self.is_own else self.substrate.compression
 
-    # Displacements and what they count from
-    # ---------------------------------------------------------------------------
     @property
     def smooth_part(self) -> SmoothPart:
-        """Of a line load on the substrate."""
+        """Smooth part of the kernel of a line load on the substrate."""
         return self.substrate.smooth_part
 
     @property
@@ -158,21 +157,21 @@ class Operator(sie.Kept):
 
     @property
     def datum(self) -> float | None:
-        """The length in the logarithm of a line load's displacement, where nothing repeats [m];
-        None where there is no approach.
+        """Length in the logarithm of a line load's displacement [m]; None without an approach.
+
+        It is for bodies that do not repeat.
         """
         return self.smooth_part.scale if self.compression is not None else self.interaction.datum
 
     def inverse_kernel(self, unit: float) -> sie.Kernel:
-        """The kernel of symbol 1 / L in scaled lengths: what the slope of the gap is to the
-        pressure, as the pressure to that.
-        """
+        """The kernel of symbol 1 / L in scaled lengths: from the slope of the gap to the pressure."""
         assert self.period is not None and self.inverse_excess is not None
         return kernel_of(self.inverse_excess, self.period / unit)
 
     def kernel(self, unit: float) -> sie.Kernel:
-        """The kernel in scaled lengths; that of all periods with a potential that has no mean but
-        that of the compression.
+        """The kernel in scaled lengths.
+
+        If all periods act, the mean of its potential is that of the compression only.
         """
         period = None if self.period is None else self.period / unit
         if self.is_own:
@@ -187,13 +186,14 @@ class Operator(sie.Kept):
         return replace(
             kernel,
             regular_potential=partial(
-                _lowered, kernel.regular_potential, np.pi * self.compression / unit / period
+                _less_constant, kernel.regular_potential, np.pi * self.compression / unit / period
             ),
         )
 
     def _line_kernel(self, period: float | None, unit: float) -> sie.Kernel:
-        """1/r and the smooth part of a line load, with the images of a strip; its length vanishes
-        far away, or in the datum.
+        """1/r and the smooth part of a line load, with the images of a strip.
+
+        The potential vanishes at the datum, or far away on a body with a base.
         """
         smooth, own = self.smooth_part, self.compression is not None
         shifts = 0 if period is None else self.interaction.neighbours
@@ -204,13 +204,16 @@ class Operator(sie.Kept):
         )
         if smooth.is_zero:
             return plain
-        potential = partial(_lines, smooth.potential, plain.poles, unit, 1.0, self._raised(datum))
+        potential = partial(
+            _lines, smooth.potential, plain.poles, unit, 1.0, self._datum_constant(datum)
+        )
         value = partial(_lines, smooth.value, plain.poles, unit, unit, 0.0)
         return plain + sie.Smooth(value, potential, of_lag=True, length=smooth.length / unit)
 
-    def _raised(self, datum: float | None) -> float:
-        """What makes the potential of a line load vanish in the datum [m], or far away from a body
-        with a base.
+    def _datum_constant(self, datum: float | None) -> float:
+        """Constant that makes the potential of a line load vanish at the datum [m].
+
+        It is 0 on a body with a base, whose potential vanishes far away.
         """
         return (
             0.0
@@ -219,7 +222,7 @@ class Operator(sie.Kept):
         )
 
     def _own_kernel(self, period: float | None, unit: float) -> sie.Kernel:
-        if self._gives("kernel"):
+        if self._overrides("kernel"):
             kernel = self.interaction.kernel(period, unit)
         elif period is not None and self.excess is not None:
             kernel = kernel_of(self.excess, period)
@@ -234,22 +237,31 @@ class Operator(sie.Kept):
                 kernel,
                 "a sie.Kernel, such as sie.hilbert(period) + sie.Smooth(...)",
             )
-        # Of the lag alone: that is held when a scene is made.
+        # The kernel depends on the lag only; that was checked with the scene.
         kernel = replace(kernel, of_lag=True)
         if not self.is_periodic or kernel.regular_potential is None or self.is_half_plane:
             return kernel
         assert period is not None
-        # Over a period Hilbert's has no mean.
-        mean = float(_beyond(kernel, period, period * (np.arange(_PLACES) + 0.5) / _PLACES).mean())
-        return replace(kernel, regular_potential=partial(_lowered, kernel.regular_potential, mean))
+        # The potential of Hilbert's kernel has mean 0 over a period.
+        mean = float(
+            _smooth_rest(
+                kernel, period, period * (np.arange(_OPTIONS.places) + 0.5) / _OPTIONS.places
+            ).mean()
+        )
+        return replace(
+            kernel, regular_potential=partial(_less_constant, kernel.regular_potential, mean)
+        )
 
     @property
     def own_columns(self) -> bool:
-        """Whether the interaction gives columns of its own, of which nothing is known."""
-        return self._gives("columns") or self._gives("placed_columns")
+        """Whether the interaction gives its own columns, of which nothing is known."""
+        return self._overrides("columns") or self._overrides("placed_columns")
 
     def columns(self, centre: float, unit: float, scaled: Scaled) -> tuple[sie.Forcing, ...]:
-        """Terms of the right side with an unknown amplitude, scaled, about the centre of the strip."""
+        """Terms of the right side with unknown amplitudes, scaled.
+
+        centre: of the strip.
+        """
         interaction = self.interaction
         period = None if self.period is None else self.period / unit
         if self.is_own or self.own_columns or not interaction.strip:
@@ -264,26 +276,25 @@ class Operator(sie.Kept):
             ),
         )
 
-    # For grids
-    # --------------------------------------------------------------------------------------------------------
     def multiplier(self, q: Array) -> Array:
-        """L of the first harmonics q of the period: declared, or found from the kernel."""
+        """L of the first harmonics q of the period, from the symbol or from the kernel."""
         assert self.period is not None
         if self.symbol is not None:
             return checked(self.symbol, q, self._named)
         rest = self.rest
         if rest is None:
             return np.ones_like(q)
-        places = _PLACES * -(-2 * (len(q) + 1) // _PLACES)
+        places = _OPTIONS.places * -(-2 * (len(q) + 1) // _OPTIONS.places)
         values = rest(np.asarray(self.period / places * np.arange(places)), 0.0)
         n = np.arange(1, len(q) + 1)
         found = 1.0 - q / np.pi * (self.period / places) * scipy.fft.rfft(values).real[n]
-        return np.asarray(np.maximum(found, _SOFTEST), dtype=np.float64)
+        return np.asarray(np.maximum(found, _OPTIONS.softest), dtype=np.float64)
 
     @cached_property
     def rest(self) -> Rest | None:
-        """Potential of the lag x - xi [m], less that of half-plane sources, in the mean of cells of
-        a width [m]; None where there is nothing else, or only a strip.
+        """Potential of the lag x - xi [m] without half-plane sources, averaged over cells.
+
+        None if there is nothing else, and for a strip.
         """
         if self.interaction.strip or (not self.is_own and self.is_plain):
             return None
@@ -291,20 +302,22 @@ class Operator(sie.Kept):
             kernel = self.kernel(1.0)
             if self.is_own:
                 return None if kernel.regular is None else partial(_rest, kernel, None)
-            return partial(_cells, self.smooth_part.primitive, (0.0,), self._raised(self.datum))
+            return partial(
+                _cells, self.smooth_part.primitive, (0.0,), self._datum_constant(self.datum)
+            )
         if self.is_half_plane:
             return None
         kernel = self.kernel(1.0)
-        lag = self.period * (np.arange(_PLACES) + 0.5) / _PLACES
+        lag = self.period * (np.arange(_OPTIONS.places) + 0.5) / _OPTIONS.places
         return (
             partial(_rest, kernel, self.period)
-            if float(np.abs(_beyond(kernel, self.period, lag)).max()) > _NOTHING
+            if float(np.abs(_smooth_rest(kernel, self.period, lag)).max()) > _OPTIONS.rounding
             else None
         )
 
     @cached_property
     def strip_rest(self) -> Rest | None:
-        """The same of a strip and its images, up to a constant; None on a half-plane."""
+        """The same for a strip and its images, up to a constant; None on a half-plane."""
         if self.is_own or self.smooth_part.is_zero:
             return None
         return partial(_cells, self.smooth_part.primitive, self.kernel(1.0).poles, 0.0)
@@ -319,9 +332,7 @@ def _lines(
     x: Array,
     xi: Array,
 ) -> Array:
-    """A function of x - xi - s [m] summed over the poles s, times a factor and raised by a constant
-    for each.
-    """
+    """factor * sum of a function at x - xi - s [m] over poles s, plus a constant for each pole."""
     lag = x - xi
     total = sum((of((lag - pole) * unit) for pole in poles), np.zeros(np.shape(lag)))
     return np.asarray(factor * total + len(poles) * raised)
@@ -334,8 +345,9 @@ def _cells(
     lag: Array,
     width: float,
 ) -> Array:
-    """The mean of a potential over a cell about the lag [m], by its primitive, summed over images:
-    cells may be wider than it varies.
+    """Mean of a potential over a cell around the lag [m], by its primitive, summed over images.
+
+    Cells may be wider than the length on which it varies.
     """
     rise = sum(
         (primitive(lag - s + 0.5 * width) - primitive(lag - s - 0.5 * width) for s in poles),
@@ -344,22 +356,20 @@ def _cells(
     return np.asarray(rise / width + raised)
 
 
-def _lowered(potential: Potential, by: float, x: Array, xi: Array) -> Array:
+def _less_constant(potential: Potential, by: float, x: Array, xi: Array) -> Array:
     """A potential less a constant."""
     return np.asarray(potential(x, xi) - by)
 
 
 def _rest(kernel: sie.Kernel, period: float | None, lag: Array, width: float = 0.0) -> Array:
-    """The potential of a kernel less the logarithm of its lag; with a period, less all of
-    Hilbert's: at the lags, or its means over cells of a width about them.
-    """
-    found = _beyond(kernel, period, lag)
-    near = np.flatnonzero(np.abs(lag) < _WITHIN * width)
+    """The potential of a kernel less that of half-plane sources, at lags or averaged over cells."""
+    found = _smooth_rest(kernel, period, lag)
+    near = np.flatnonzero(np.abs(lag) < _OPTIONS.near_cells * width)
     if len(near):
-        # Of a source at a depth below a cell's width, the middle of the cell tells nothing.
-        places, weights = _graded()
+        # If the source is less than a cell deep, the middle of the cell does not represent it.
+        places, weights = _crowded_nodes()
         found[near] = (
-            _beyond(kernel, period, (lag[near][:, None] + width * places).ravel()).reshape(
+            _smooth_rest(kernel, period, (lag[near][:, None] + width * places).ravel()).reshape(
                 len(near), -1
             )
             @ weights
@@ -367,7 +377,7 @@ def _rest(kernel: sie.Kernel, period: float | None, lag: Array, width: float = 0
     return found
 
 
-def _beyond(kernel: sie.Kernel, period: float | None, lag: Array) -> Array:
+def _smooth_rest(kernel: sie.Kernel, period: float | None, lag: Array) -> Array:
     if period is None:
         return smooth_potential(kernel, lag)
     lag = sie.nearest_image(lag, 0.0, period)
@@ -375,17 +385,17 @@ def _beyond(kernel: sie.Kernel, period: float | None, lag: Array) -> Array:
 
 
 @cache
-def _graded() -> tuple[Array, Array]:
-    """Places in a cell about 0 of width 1, closer and closer towards its middle, and their weights."""
-    node, weight = np.polynomial.legendre.leggauss(_PER_PANEL)
-    ends = np.append(0.5 ** np.arange(1.0, _PANELS + 1), 0.0)
+def _crowded_nodes() -> tuple[Array, Array]:
+    """Places and weights in a cell around 0 of width 1, ever closer towards its middle."""
+    node, weight = np.polynomial.legendre.leggauss(_OPTIONS.panel_nodes)
+    ends = np.append(0.5 ** np.arange(1.0, _OPTIONS.panels + 1), 0.0)
     half, middle = 0.5 * (ends[:-1] - ends[1:])[:, None], 0.5 * (ends[:-1] + ends[1:])[:, None]
     places, weights = (middle + half * node).ravel(), (half * weight).ravel()
     return np.concatenate((-places, places)), np.concatenate((weights, weights))
 
 
 def smooth_potential(kernel: sie.Kernel, lag: Array) -> Array:
-    """Lambda(lag) - ln|lag|, less the constant of the datum where that is one of a lone body."""
+    """Lambda(lag) - ln|lag|, less the constant of the datum for a single body."""
     out = np.zeros(np.shape(lag))
     if kernel.period is not None:
         out -= np.log(kernel.datum)
@@ -396,13 +406,11 @@ def smooth_potential(kernel: sie.Kernel, lag: Array) -> Array:
     return out
 
 
-_INSIDE = 1 - 1e-15
-
-
 @record
 class BeyondStrip:
-    """Of a unit of nominal pressure, scaled; unit [m]: that of lengths, for the substrate's smooth
-    part and compression.
+    """The term of a unit of nominal pressure outside a strip, scaled.
+
+    half: half width of the strip. unit: of lengths [m], for the smooth part and the compression.
     """
 
     half: float
@@ -413,10 +421,10 @@ class BeyondStrip:
     compression: float | None
 
     def slope(self, x: Array) -> Array:
-        # Zones on their way may pass the border of the strip for a step: the term stays finite
-        # there.
-        y = x - self.centre
-        out = 2 / np.pi * np.arctanh(np.clip(y / self.half, -_INSIDE, _INSIDE))
+        # During Newton steps zones may cross the border of the strip, where the term must stay
+        # finite.
+        y, inside = x - self.centre, 1 - 4 * np.finfo(np.float64).eps
+        out = 2 / np.pi * np.arctanh(np.clip(y / self.half, -inside, inside))
         if not self.smooth.is_zero:
             potential, unit = self.smooth.potential, self.unit
             out = (
@@ -427,7 +435,8 @@ class BeyondStrip:
 
     def height(self, x: Array) -> Array:
         half, smooth, unit = self.half, self.smooth, self.unit
-        # A line load displaces nothing at this distance, or, of a body with a base, far away.
+        # Length at which a line load causes no displacement; on a body with a base it is in
+        # `smooth`.
         length = self.period if smooth.scale is None else smooth.scale / unit
         before, after = half + (x - self.centre), half - (x - self.centre)
         total = length * (_entropy(before / length) + _entropy(after / length)) - 2 * half
@@ -446,6 +455,6 @@ class BeyondStrip:
 
 
 def _entropy(x: Array) -> Array:
-    """x ln x, zero at zero."""
+    """x ln x, and 0 at x = 0."""
     x = np.maximum(x, 0.0)
     return np.asarray(scipy.special.xlogy(x, x))

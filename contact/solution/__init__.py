@@ -1,1 +1,1 @@
-"""What comes out: the solution with its plan, as numbers, files, tables and pictures."""
+"""The solution with its plan, as numbers, files, tables and figures."""

@@ -1,6 +1,4 @@
-"""Solutions made of what a search has found: zones in metres, the stated error, and what the plan
-says of the way.
-"""
+"""Solutions from what a search has found: zones in metres, stated error, entries of the plan."""
 
 from __future__ import annotations
 
@@ -42,8 +40,9 @@ def zone_solution(
     branch: str | None = None,
     find_pull_off: Callable[[ZoneFields], PullOff] | None = None,
 ) -> Solution:
-    """The solution of zones; NotConverged with it where its error is above the tolerance. branch,
-    find_pull_off: see `Solution`.
+    """The solution of zones; raises NotConverged with it if its error exceeds the tolerance.
+
+    branch, find_pull_off: see `Solution`.
     """
     density, problem = found.fields.density, found.fields.problem
     zones = density.zones
@@ -65,7 +64,7 @@ def zone_solution(
         ].detail = f"{density.slit_count} in {len(zones) - density.slit_count} wide zones"
     else:
         plan["slits"].reason = "no narrow gaps between zones"
-    _tell_sizes(plan, len(zones), found.free.state)
+    _record_sizes(plan, len(zones), found.free.state)
     table = in_cell(scene, np.asarray(problem.units.x(zones.table)))
     claimed = claims.of(scene.profile, table)
     error = found.error + claimed.error
@@ -73,25 +72,26 @@ def zone_solution(
         scene, table, found.fields, error, found.certificate, plan, found.free.trace
     )
     solution = replace(solution, branch=branch, find_pull_off=find_pull_off)
-    beside = claimed.limit if claimed.error > found.error else found.main_cause
-    return _within(tol, solution, found.free, "zone", position_rounding(found), beside)
+    cause = claimed.limit if claimed.error > found.error else found.main_cause
+    return _checked(tol, solution, found.free, "zone", position_rounding(found), cause)
 
 
 def gap_solution(scene: Scene, found: SolvedGaps, plan: Plan, tol: float) -> Solution:
-    """The solution of a nearly full contact from its gaps; NotConverged with it where its error is
-    above the tolerance.
+    """The solution of a nearly full contact from its gaps.
+
+    Raises NotConverged with the solution if its error exceeds the tolerance.
     """
     fields = found.fields
     plan["zone ends"].reason = "nearly full contact: the gaps are solved for"
     plan["zone ends"].detail = f"{len(found.free.trace)} Newton steps, {len(fields.zones)} gaps"
     plan["symmetry"].used, plan["symmetry"].reason = False, "the gaps are solved for"
-    _tell_sizes(plan, len(fields.zones), found.free.state)
+    _record_sizes(plan, len(fields.zones), found.free.state)
     table = in_cell(scene, np.asarray(fields.problem.units.x(fields.zones)))
     claimed = claims.of(scene.profile)
     error = found.error + claimed.error
     solution = Solution(scene, table, fields, error, found.certificate, plan, found.free.trace)
-    beside = claimed.limit if claimed.error > found.error else found.main_cause
-    return _within(tol, solution, found.free, "gap", beside=beside)
+    cause = claimed.limit if claimed.error > found.error else found.main_cause
+    return _checked(tol, solution, found.free, "gap", cause=cause)
 
 
 def full_contact_solution(
@@ -102,25 +102,25 @@ def full_contact_solution(
     tol: float,
     branch: str | None = None,
 ) -> Solution:
-    """Full contact; NotConverged with it where rounding of the heights leaves an error above the
-    tolerance.
+    """The solution in full contact.
+
+    Raises NotConverged with it if rounding of the heights makes its error exceed the tolerance.
     """
     profile = scene.profile
     fields = FullFields(period_problem(scene), mean_pressure, full.relief, mean_height(scene))
     least = mean_pressure - full.onset_pressure
-    left_out = 0 if scene.law.pressure_range.has_tension else int(np.sum(profile.kinks[:, 1] < 0))
+    unresolved = 0 if scene.law.pressure_range.has_tension else int(np.sum(profile.kinks[:, 1] < 0))
     certificate = Certificate(
         smallest_pressure=least,
         smallest_gap=None,
         points=len(period_samples(profile)),
         holds=True,
-        undecided=left_out > 0,
-        note=_told_of_full(scene, least, left_out),
+        undecided=unresolved > 0,
+        note=_full_contact_note(scene, least, unresolved),
     )
     for name in ("zone ends", "coarse search"):
         plan[name].used, plan[name].reason = False, "full contact"
-    # Rounding of the closed form, in terms of the peak pressure, or of the mean where the peak is
-    # infinite.
+    # Rounding of the closed form over the peak pressure, or over the mean if the peak is infinite.
     peak = (
         max(abs(fields.max_pressure), abs(least))
         if math.isfinite(fields.max_pressure)
@@ -139,7 +139,7 @@ def full_contact_solution(
 
 
 def apart_solution(scene: Scene, problem: Problem, approach: float | None, plan: Plan) -> Solution:
-    """Surfaces that do not touch, at an approach [m] or where none is held."""
+    """Surfaces that do not touch, at an approach [m], or at none."""
     for name in ("zone ends", "coarse search"):
         plan[name].used, plan[name].reason = False, "the surfaces are apart"
     gap, holds = (None, True) if approach is None else (-approach, approach <= 0.0)
@@ -161,29 +161,29 @@ def apart_solution(scene: Scene, problem: Problem, approach: float | None, plan:
     )
 
 
-def _told_of_full(scene: Scene, least: float, left_out: int) -> str:
-    if left_out:
-        return f"full contact; {unresolved_gaps_note(left_out, 'the period')}"
+def _full_contact_note(scene: Scene, least: float, unresolved: int) -> str:
+    if unresolved:
+        return f"full contact; {unresolved_gaps_note(unresolved, 'the period')}"
     if least >= 0.0 or not scene.law.pressure_range.has_tension:
         return "full contact: the pressure is nowhere negative"
     if scene.law.tension:
         return "full contact, under tension in places: nowhere above what the surfaces pull with"
-    # Half width c of a flaw under a tension s, K = s sqrt(c/2), that releases the work of adhesion
-    # w = (pi/E*) K^2.
+    # A flaw of half width c under a tension s has K = s sqrt(c/2), and releases the work of
+    # adhesion w = (pi/E*) K^2.
     flaw = 2 * (scene.law.intensity(scene.E_star) / least) ** 2
-    told = "full contact, under tension in places: what is closed stays closed"
-    return f"{told}; a flaw there of half width {quantity(flaw, 'm', 3)} would open"
+    message = "full contact, under tension in places: what is closed stays closed"
+    return f"{message}; a flaw there of half width {quantity(flaw, 'm', 3)} would open"
 
 
 def period_problem(scene: Scene) -> Problem:
-    """The scene scaled by its period."""
+    """The scene as a problem scaled by its period."""
     profile = scene.profile
     units = Units(0.0, profile.period or 1.0, 1.0, scene.E_star)
     return Problem(profile, scene.interaction, scene.substrate, scene.law, units, lowest(profile))
 
 
 def mean_height(scene: Scene) -> float:
-    """mean f - min f over the period [m]."""
+    """Mean f - min f over the period [m]."""
     problem = period_problem(scene)
     return mean_shape(problem) * problem.units.height
 
@@ -194,9 +194,9 @@ def in_cell(scene: Scene, table: Array) -> Array:
 
 
 def profile_fault(scene: Scene, zones: Array | None = None) -> str:
-    """The first fault of a profile of someone's own, in words; empty if there is none.
+    """The first fault of a user's profile, in words; empty if there is none.
 
-    zones: where to look at a shape without ends [m].
+    zones: where to examine a shape without ends [m].
     """
     for profile in scene.profile.bodies.values():
         if type(profile).__module__.startswith("contact."):
@@ -213,7 +213,7 @@ def profile_fault(scene: Scene, zones: Array | None = None) -> str:
     return ""
 
 
-def _tell_sizes(plan: Plan, zones: int, state: sie.AnyState) -> None:
+def _record_sizes(plan: Plan, zones: int, state: sie.AnyState) -> None:
     sizes = state.sizes
     if sizes.iterations:
         sums = plan["fast sums"]
@@ -229,15 +229,13 @@ def _tell_sizes(plan: Plan, zones: int, state: sie.AnyState) -> None:
     )
 
 
-def _within(
-    tol: float,
-    solution: Solution,
-    free: sie.Free,
-    of: str,
-    positions: float = 0.0,
-    beside: str = "",
+def _checked(
+    tol: float, solution: Solution, free: sie.Free, of: str, positions: float = 0.0, cause: str = ""
 ) -> Solution:
-    """beside: what a law adds, in words, where that is most of the error."""
+    """The solution; raises NotConverged with it if its error exceeds the tolerance.
+
+    cause: main cause of the error, in words, if the law or the profile adds most of it.
+    """
     if solution.error > tol:
         fields = solution.fields
         body = (
@@ -249,13 +247,15 @@ def _within(
         why = (
             limit_of_approach(solution, tol)
             or body
-            or beside
+            or cause
             or limit(free, tol, of, positions, end, solution.error)
         )
-        told = (
+        message = (
             f"the stated error {solution.error:.2g} is above the tolerance "
             f"{tol:.2g}{': ' if why else ''}{why}"
         )
         fault = "" if why else profile_fault(solution.scene, solution.zones)
-        raise NotConverged(f"{told}; the best state is attached{fault}", solution.trace, solution)
+        raise NotConverged(
+            f"{message}; the best state is attached{fault}", solution.trace, solution
+        )
     return solution

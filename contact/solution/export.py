@@ -1,9 +1,8 @@
-"""Solutions as data: plain dictionaries and JSON, tables of the zones and of the fields as CSV, and
-netCDF with both.
+"""Solutions as data: dictionaries, JSON, CSV tables of zones and fields, and netCDF.
 
-SI units everywhere. What a scene does not define (None) and what is infinite, as the peak pressure
-under a sharp corner, is null in JSON, which has no infinities. A file that is there is written over
-only when that is asked for.
+All values are in SI units. JSON has no infinity: what a scene does not define (None) and what is
+infinite, such as the peak pressure at a sharp corner, are null. An existing file is overwritten
+only on request.
 """
 
 import csv
@@ -47,7 +46,7 @@ UNITS = {
     "error": "1",
 }
 
-# HDF5 keeps the attributes of an object in one header of 64 KiB: longer arrays are told by their
+# HDF5 keeps the attributes of an object in a header of 64 KiB. Longer arrays are given by their
 # shape.
 _LONGEST_ARRAY = 64
 
@@ -60,12 +59,10 @@ _FIELDS = {
 
 
 def to_dict(solution: Solution) -> dict[str, Any]:
-    """The solution's zones and numbers as JSON has them: floats, strings, lists, dictionaries and
-    None.
-    """
+    """Zones and numbers of the solution in the types of JSON."""
     values = {
         **{name: getattr(solution, name) for name in UNITS if name != "rotational_stiffness"},
-        # One more solution: worth it only where turning is what the scene is about.
+        # It takes one more solution, and matters only to scenes with a tilt or a moment.
         "rotational_stiffness": solution.rotational_stiffness if solution.scene.turning else None,
         "certificate": solution.certificate.to_dict(),
         "plan": solution.plan.to_dict(),
@@ -79,14 +76,12 @@ def to_dict(solution: Solution) -> dict[str, Any]:
 
 
 def to_json(solution: Solution) -> str:
-    """One JSON object, one line."""
+    """The dictionary of `to_dict` as one line of JSON."""
     return json.dumps(to_dict(solution), allow_nan=False)
 
 
 def plain(value: Any) -> Any:
-    """A value in the types of JSON; numpy's become Python's, and a number that is not finite
-    becomes None.
-    """
+    """A value in the types of JSON; numpy becomes Python, and a number that is not finite None."""
     if isinstance(value, (np.ndarray, np.generic)):
         return plain(value.tolist())
     if value is None or isinstance(value, (bool, str, int)):
@@ -101,7 +96,7 @@ def plain(value: Any) -> Any:
 
 
 def zone_table(solution: Solution) -> list[tuple[float, ...]]:
-    """A row a zone, from left to right, of ZONE_COLUMNS in ZONE_UNITS."""
+    """One row for each zone, from left to right: ZONE_COLUMNS in ZONE_UNITS."""
     loads, widths = np.asarray(solution.zone_loads), np.asarray(solution.zone_widths)
     return list(
         map(
@@ -114,9 +109,7 @@ def zone_table(solution: Solution) -> list[tuple[float, ...]]:
 
 
 def zone_frame(solution: Solution) -> Any:
-    """The zone table as a pandas.DataFrame; where pandas is not installed, a dictionary of an array
-    for each column.
-    """
+    """The zone table as a pandas.DataFrame, or without pandas as a dictionary of arrays."""
     table = np.reshape(zone_table(solution), (-1, len(ZONE_COLUMNS)))
     columns = dict(zip(ZONE_COLUMNS, table.T, strict=True))
     try:
@@ -128,22 +121,21 @@ def zone_frame(solution: Solution) -> Any:
 
 
 def to_csv(solution: Solution) -> str:
-    """The zone table with a header line, every number in full precision; at full contact the header
-    alone.
-    """
+    """The zone table as CSV with a header line, in full precision."""
     return csv_of(ZONE_COLUMNS, zone_table(solution))
 
 
 def fields_to_csv(solution: Solution) -> str:
-    """FIELD_COLUMNS [m, Pa, m, m, m] on positions closer at the zones' ends, with a header line, in
-    full precision.
+    """Fields as CSV: FIELD_COLUMNS [m, Pa, m, m, m], with a header line, in full precision.
+
+    Positions are closer near the ends of zones.
     """
     fields = _fields(solution)
     return csv_of(FIELD_COLUMNS, np.column_stack([fields[name] for name in FIELD_COLUMNS]).tolist())
 
 
 def csv_of(columns: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
-    """A table with a header line, its numbers in full precision."""
+    """A table as CSV with a header line, in full precision."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(columns)
@@ -154,26 +146,24 @@ def csv_of(columns: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
 
 
 def write_csv(solution: Solution, path: str | PathLike[str], overwrite: bool = False) -> None:
-    """Write the zone table."""
+    """Write the zone table as CSV."""
     new_file(path, overwrite).write_text(to_csv(solution), encoding="utf-8")
 
 
 def write_fields(solution: Solution, path: str | PathLike[str], overwrite: bool = False) -> None:
-    """Write the table of the fields."""
+    """Write the table of the fields as CSV."""
     new_file(path, overwrite).write_text(fields_to_csv(solution), encoding="utf-8")
 
 
 def write_json(solution: Solution, path: str | PathLike[str], overwrite: bool = False) -> None:
-    """Write the object of `to_json`."""
+    """Write the line of `to_json`."""
     new_file(path, overwrite).write_text(to_json(solution) + "\n", encoding="utf-8")
 
 
 def new_file(
     path: str | PathLike[str], overwrite: bool, endings: Sequence[str] = (), field: str = "path"
 ) -> Path:
-    """The path of a file that may be written: one that is not there, or may be written over, with
-    one of the endings if these are given.
-    """
+    """The path of a file to be written; raises SceneError if it exists or has a wrong ending."""
     if not isinstance(path, (str, PathLike)) or (
         endings and Path(path).suffix.lower() not in endings
     ):
@@ -204,13 +194,16 @@ def _fields(solution: Solution) -> dict[str, Any]:
 
 
 def to_xarray(solution: Solution) -> Any:
-    """An xarray.Dataset: zones, their loads and peaks, the fields on positions closer at the zones'
-    ends, the scene.
+    """An xarray.Dataset of zones, their loads and peaks, the fields, and the scene.
+
+    Positions of the fields are closer near the ends of zones.
     """
     fields = _fields(solution)
-    told = {name: {"units": units, "long_name": label} for name, (units, label) in _FIELDS.items()}
+    attributes = {
+        name: {"units": units, "long_name": label} for name, (units, label) in _FIELDS.items()
+    }
     data: dict[str, Any] = {
-        name: ("x", np.asarray(fields[name]), said) for name, said in told.items()
+        name: ("x", np.asarray(fields[name]), named) for name, named in attributes.items()
     }
     data["zones"] = (
         ("zone", "end"),
@@ -243,7 +236,7 @@ def write_netcdf(solution: Solution, path: str | PathLike[str], overwrite: bool 
 
 
 def describe(scene: Scene) -> dict[str, Any]:
-    """The scene in the tables of a scene file; an array too long to read is told by its shape."""
+    """The scene as the tables of a scene file; long arrays are replaced by their shape."""
     return {
         place: {name: _short(value) for name, value in table.items() if value is not None}
         for place, table in tables(scene).items()
@@ -255,9 +248,7 @@ def _short(value: Any) -> Any:
 
 
 def _attributes(solution: Solution) -> dict[str, Any]:
-    """The numbers of the solution, with those the scene does not define left out; netCDF has no
-    None.
-    """
+    """The numbers of the solution, without those that are None, which netCDF lacks."""
     values = {
         name: getattr(solution, name)
         for name in UNITS

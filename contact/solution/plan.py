@@ -53,7 +53,8 @@ class Plan:
     Examples
     --------
     >>> import contact
-    >>> scene = contact.Scene(contact.Sinusoid(1e-6, 1e-4), 1e9, contact.Periodic(), mean_pressure=1e6)
+    >>> wave = contact.Sinusoid(1e-6, 1e-4)
+    >>> scene = contact.Scene(wave, 1e9, contact.Periodic(), mean_pressure=1e6)
     >>> solution = contact.solve(scene)
     >>> solution.plan["coarse search"].used, solution.plan.tried
     (False, [])
@@ -147,7 +148,8 @@ def plan(scene: Scene) -> Plan:
     Examples
     --------
     >>> import contact
-    >>> scene = contact.Scene(contact.Sinusoid(1e-6, 1e-4), 1e9, contact.Periodic(), mean_pressure=1e6)
+    >>> wave = contact.Sinusoid(1e-6, 1e-4)
+    >>> scene = contact.Scene(wave, 1e9, contact.Periodic(), mean_pressure=1e6)
     >>> part = contact.plan(scene)["periodic kernel"]
     >>> part.used, part.reason
     (True, 'the whole period repeats')

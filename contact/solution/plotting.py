@@ -1,20 +1,20 @@
-"""One figure of a solution: the surfaces above, the pressure below, both over the same positions.
+"""Figure of a solution: surfaces above, pressure below, over the same positions.
 
-Above, the profile is drawn where the approach has put it, touching the deformed surface along the
-zones. Heights are measured from the undeformed surface where the displacement is known absolutely.
-The body is above, its asperities pointing down; the counter-face below, flat or with heights of its
-own, is given the displacement of both. A scene of many zones, or of zones narrow beside the stretch
-shown, has a second column: the same two panels close to the highest pressure.
+The profile is drawn where the approach puts it, touching the deformed surface along the zones.
+Heights count from the undeformed surface if the displacement is known absolutely. The body is
+above, with its asperities pointing down. The counter-face is below, flat or with heights of its
+own, and carries the displacement of both. If there are many zones, or very narrow ones, a second
+column shows both panels near the highest pressure.
 
-All figures are matplotlib's own, drawn by Agg without pyplot: no window, no backend and no setting
-is touched.
-
-In a notebook a solution is a table of its numbers, and its figure where matplotlib is installed.
+Figures are drawn by matplotlib's Agg without pyplot, so that no window, backend or setting changes.
+In a notebook a solution shows as a table of its numbers, with its figure if matplotlib is
+installed.
 """
 
 import base64
 import io
 from collections.abc import Sequence
+from dataclasses import dataclass
 from html import escape
 from typing import Any
 
@@ -41,19 +41,22 @@ _PRESSURE = "#b3261e"
 _ZONE = "#f2c14e"
 _CLOSE = "#3d7a4a"
 
-# Beyond these a zone cannot be made out on the full width of a printed figure.
-_ZONES_READABLE = 8
-_WIDTH_READABLE = 0.06
-_PRESSURE_READABLE = 0.03
 
-# Points on one stretch: a few on each pixel column of a printed figure.
-_POINTS = 6000
+@dataclass(frozen=True)
+class FigureOptions:
+    """What can be read on a printed figure of full width, and how finely it is drawn."""
+
+    max_zones: int = 8  # with more, a second column shows the surroundings of the highest pressure
+    min_zone_width: float = 0.06  # over the width shown; narrower zones get the second column too
+    min_mean_pressure: float = 0.03  # over the peak: a lower line of the mean is left out
+    points: int = 6000  # a few on each column of pixels
+
+
+_OPTIONS = FigureOptions()
 
 
 def plot(solution: Solution) -> Any:
-    """A matplotlib Figure: profile and deformed surface with the zones marked, and the pressure on
-    them.
-    """
+    """A matplotlib Figure of profile, deformed surface, zones and pressure."""
     stretches = [window(solution)]
     close = _close_up(solution, *stretches[0])
     if close is not None:
@@ -98,8 +101,8 @@ def summary(solution: Solution) -> str:
 
 
 def _draw(top: Any, bottom: Any, solution: Solution, lo: float, hi: float) -> None:
-    """Both panels over one stretch."""
-    x = positions(solution, lo, hi, _POINTS)
+    """Draw both panels from lo to hi."""
+    x = positions(solution, lo, hi, _OPTIONS.points)
     zones = zones_within(solution, lo, hi)
     along, letter = prefix(max(abs(lo), abs(hi)))
     bottom.set(xlabel=f"$x$ [{letter}m]", xlim=(lo * along, hi * along))
@@ -108,7 +111,7 @@ def _draw(top: Any, bottom: Any, solution: Solution, lo: float, hi: float) -> No
     _draw_pressure(bottom, solution, x, zones, along)
     for axes in (top, bottom):
         axes.tick_params(direction="in", top=True, right=True)
-        for left, right in zones * along if len(zones) <= _ZONES_READABLE else ():
+        for left, right in zones * along if len(zones) <= _OPTIONS.max_zones else ():
             axes.axvspan(left, right, facecolor=_ZONE, alpha=0.18, edgecolor="none", zorder=0)
 
 
@@ -119,7 +122,7 @@ def _draw_surfaces(axes: Any, solution: Solution, x: Array, zones: Array, along:
     low, high = float(heights.min()), float(heights.max())
     reach = high - low or max(abs(high), 1e-12)
     up, letter = prefix(max(reach, abs(low), abs(high)) if reach > 0.05 * abs(high) else reach)
-    # A sharp-cornered body rises without end beside its support; its flanks leave the panel.
+    # A sharp-cornered body is infinitely high outside its support; its sides leave the panel.
     outline, surface = np.where(seen, body, high + reach), np.where(below, surface, low - reach)
     ceiling = high + (0.22 if seen.all() else 0.6) * reach
     floor = low - (0.24 if below.all() else 0.6) * reach
@@ -127,12 +130,12 @@ def _draw_surfaces(axes: Any, solution: Solution, x: Array, zones: Array, along:
     axes.fill_between(x * along, floor * up, surface * up, color=_SURFACE, alpha=0.10, linewidth=0)
     axes.plot(x * along, outline * up, color=_BODY, linewidth=1.2, label="profile")
     axes.plot(x * along, surface * up, color=_SURFACE, linewidth=1.4, label="deformed surface")
-    # Not a number between the zones: one line, broken there, shows them all.
+    # With NaN between the zones a single line shows them all.
     touching = np.where(on_zones(x, zones), surface, np.nan)
-    weight = 2.6 if len(zones) <= _ZONES_READABLE else 1.8
+    weight = 2.6 if len(zones) <= _OPTIONS.max_zones else 1.8
     axes.plot(x * along, touching * up, color=_PRESSURE, linewidth=weight, label="contact")
     axes.set(ylim=(floor * up, ceiling * up), ylabel=f"height [{letter}m]")
-    # Above a place in contact there is body, whatever its outline.
+    # The label stands over a place in contact, where there is body whatever its outline.
     middle = float(zones[len(zones) // 2].mean()) if len(zones) else float(0.5 * (x[0] + x[-1]))
     where = float(np.clip((middle - x[0]) / (x[-1] - x[0]), 0.06, 0.94))
     for place, height, side, style in (
@@ -155,7 +158,10 @@ def _draw_pressure(axes: Any, solution: Solution, x: Array, zones: Array, along:
         x * along, 0.0, shown, where=on_zones(x, zones), color=_PRESSURE, alpha=0.22, linewidth=0
     )
     axes.plot(x * along, shown, color=_PRESSURE, linewidth=1.2)
-    if solution.mean_pressure is not None and solution.mean_pressure > _PRESSURE_READABLE * top:
+    if (
+        solution.mean_pressure is not None
+        and solution.mean_pressure > _OPTIONS.min_mean_pressure * top
+    ):
         axes.axhline(
             solution.mean_pressure * scale, color="black", linewidth=0.8, linestyle=(0, (6, 4))
         )
@@ -177,22 +183,23 @@ def _draw_pressure(axes: Any, solution: Solution, x: Array, zones: Array, along:
             va="top",
             fontsize=9,
         )
-    # Tension without bound beside zones that adhere is cut off as far below as the peak is above.
+    # Unbounded tension next to adhesive zones is cut off as far below zero as the peak is above.
     lowest = max(float(np.min(pressure, initial=0.0)), -top)
     axes.set(ylim=(1.08 * lowest * scale, 1.08 * top * scale), ylabel=f"pressure [{letter}Pa]")
 
 
 def _close_up(solution: Solution, lo: float, hi: float) -> tuple[float, float] | None:
-    """The stretch around the highest pressure that shows its zone and the next ones, if the whole
-    cannot.
+    """The interval around the highest pressure with its zone and the next ones.
+
+    None if the whole figure shows the zones well enough.
     """
     zones = zones_within(solution, lo, hi)
     widths = np.diff(zones).ravel()
     if len(solution.zones) == 0 or (
-        len(zones) <= _ZONES_READABLE and widths.max() >= _WIDTH_READABLE * (hi - lo)
+        len(zones) <= _OPTIONS.max_zones and widths.max() >= _OPTIONS.min_zone_width * (hi - lo)
     ):
         return None
-    x = positions(solution, lo, hi, _POINTS)
+    x = positions(solution, lo, hi, _OPTIONS.points)
     centre = peak_position(solution, x, solution.pressure(x))
     own = float(widths[np.argmin(np.abs(zones.mean(axis=1) - centre))])
     reach = min(3.0 * own, 0.5 * (hi - lo))
@@ -201,11 +208,9 @@ def _close_up(solution: Solution, lo: float, hi: float) -> tuple[float, float] |
 
 
 def _mark_close_up(axes: Any, solution: Solution, lo: float, hi: float) -> None:
-    """Say on the full width what the second column shows: by a pointer above the panels, and shade
-    behind what is drawn.
+    """Mark on the full width what the second column shows: a pointer above, shading behind.
 
-    Nothing is drawn over the stretch itself: on the full width it may be no wider than the line of
-    the spike it holds.
+    The interval itself is left free: it may be no wider than the line of the peak in it.
     """
     along, _ = prefix(max(abs(end) for end in window(solution)))
     for whole in axes[:, 0]:
@@ -227,16 +232,14 @@ def _mark_close_up(axes: Any, solution: Solution, lo: float, hi: float) -> None:
 
 
 def new_figure(width: float, height: float) -> Any:
-    """An empty figure of a size [inch]."""
+    """An empty figure of a given size [inch]."""
     figure = require("matplotlib.figure").Figure(figsize=(width, height), layout="constrained")
     require("matplotlib.backends.backend_agg").FigureCanvasAgg(figure)
     return figure
 
 
 def panels(ax: Any, count: int) -> tuple[Any, Sequence[Any]]:
-    """A new figure and so many axes beside each other; or those given, one or as many, and their
-    figure.
-    """
+    """A new figure with `count` axes side by side, or the given axes and their figure."""
     if ax is None:
         figure = new_figure(4.6 * count + 0.6, 3.9)
         return figure, figure.subplots(1, count, squeeze=False)[0]
@@ -253,7 +256,7 @@ def panels(ax: Any, count: int) -> tuple[Any, Sequence[Any]]:
 
 
 def finish(axes: Any, across: str, up: str, legend: bool = True) -> None:
-    """Names of the axes, ticks inside, each label once in a legend."""
+    """Set axis labels and inner ticks, and a legend with each label once."""
     axes.set(xlabel=across, ylabel=up)
     axes.tick_params(direction="in", top=True, right=True)
     handles = dict(zip(*reversed(axes.get_legend_handles_labels()), strict=True))
@@ -262,9 +265,7 @@ def finish(axes: Any, across: str, up: str, legend: bool = True) -> None:
 
 
 def to_html(solution: Solution) -> str:
-    """Numbers with their units, the stated error, what the certificate says, and the figure as a
-    picture within the page.
-    """
+    """HTML with numbers and units, stated error, certificate, and the figure as an image."""
     checked = solution.certificate.to_dict()
     rows = [
         ("zones", str(len(solution.zones))),
@@ -291,4 +292,5 @@ def _picture(solution: Solution) -> str:
         plot(solution).savefig(stream, format="png", dpi=96)
     except MissingExtra as error:
         return f"<p>{escape(str(error))}</p>"
-    return f'<img alt="surfaces and pressure" src="data:image/png;base64,{base64.b64encode(stream.getvalue()).decode()}">'
+    data = base64.b64encode(stream.getvalue()).decode()
+    return f'<img alt="surfaces and pressure" src="data:image/png;base64,{data}">'

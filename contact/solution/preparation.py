@@ -1,6 +1,6 @@
-"""Load in the unmeasured intervals of a trace (contact.model.traces.unmeasured): share and places.
+"""Warnings about load in the unmeasured intervals of a trace (contact.model.traces.unmeasured).
 
-Every route to a solution is asked the same: its zones, their loads, and the pressure at places.
+They need only the zones of a solution, their loads and the pressure.
 """
 
 from __future__ import annotations
@@ -17,15 +17,15 @@ from sie import Array
 
 @dataclass(frozen=True)
 class ShareOptions:
-    """Accuracy of the share of an interval, and the share from which it is told."""
+    """Accuracy of the share of an interval, and the share from which it is reported."""
 
-    told_from: float = 0.01  # part of the load: more than a short taper bears of a heavy load
-    places: int = 4096  # over all zones, as many in each: shares are then good to about 1e-3
-    intervals_told: int = 3  # in one message; the others are counted
+    min_share: float = 0.01  # part of the load: above what a short taper bears at high load
+    places: int = 4096  # over all zones, equally many in each; shares are accurate to about 1e-3
+    max_intervals: int = 3  # named in one message; the others are counted
 
 
 class Borne(NamedTuple):
-    """Share of the load in the intervals of one kind of a body; `highest`: the peak is there."""
+    """Share of the load in intervals of one kind; `highest`: whether the peak is among them."""
 
     place: str
     kind: Any
@@ -37,17 +37,17 @@ class Borne(NamedTuple):
 def preparation_warnings(
     solution: Solution, options: ShareOptions = ShareOptions()
 ) -> tuple[str, ...]:
-    """A sentence for each kind of interval that bears load or the highest pressure."""
-    told = (
+    """One sentence for each kind of interval that bears load or the highest pressure."""
+    reported = (
         borne
         for borne in shares(solution, options)
-        if borne.share > options.told_from or borne.highest
+        if borne.share > options.min_share or borne.highest
     )
-    return tuple(_sentence(borne, options) for borne in told)
+    return tuple(_sentence(borne, options) for borne in reported)
 
 
 def shares(solution: Solution, options: ShareOptions = ShareOptions()) -> list[Borne]:
-    """The share of each kind of interval, for every body that has some."""
+    """The share of each kind of interval, for every body that has such intervals."""
     profile = solution.scene.profile
     bodies = {place: body.unmeasured for place, body in profile.bodies.items() if body.unmeasured}
     if not bodies:
@@ -57,7 +57,7 @@ def shares(solution: Solution, options: ShareOptions = ShareOptions()) -> list[B
         return []
     peak, found = int(np.argmax(pressure)), []
     for place, intervals in bodies.items():
-        # Each body counts its own positions, in its own cell.
+        # Each body has its own cell and counts positions in it.
         own = np.asarray(profile.bodies[place].wrap(profile.facing(at)[place]))
         for kind in dict.fromkeys(interval.kind for interval in intervals):
             of_kind = [interval for interval in intervals if interval.kind is kind]
@@ -79,20 +79,20 @@ def _sentence(borne: Borne, options: ShareOptions) -> str:
     of = "" if borne.place == "profile" else f" of the {borne.place}"
     places = [f"{quantity(left, 'm')} to {quantity(right, 'm')}" for left, right, _ in borne.where]
     more = (
-        f" and {len(places) - options.intervals_told} more"
-        if len(places) > options.intervals_told
+        f" and {len(places) - options.max_intervals} more"
+        if len(places) > options.max_intervals
         else ""
     )
-    where = f"x = {', '.join(places[: options.intervals_told])}{more}"
+    where = f"x = {', '.join(places[: options.max_intervals])}{more}"
     lies = " and the highest pressure lie" if borne.highest else " lies"
     return f"{share}{lies} in {what}{of} ({where}): {cure}"
 
 
 def _places_in_contact(solution: Solution, options: ShareOptions) -> tuple[Array, Array, Array]:
-    """Places in contact, the load about each (without its sign), and the pressure there."""
+    """Places in contact, the modulus of the load around each, and the pressure there."""
     profile, zones = solution.scene.profile, np.asarray(solution.zones)
     if not len(zones):
-        if profile.period is None or not solution.load > 0.0:  # surfaces apart
+        if profile.period is None or not solution.load > 0.0:  # the surfaces are apart
             return np.zeros(0), np.zeros(0), np.zeros(0)
         at = profile.x0 + profile.period * (np.arange(options.places) + 0.5) / options.places
         pressure = np.asarray(solution.pressure(at))

@@ -1,10 +1,11 @@
-"""Where to sample the fields of a solution: evenly over the scene, and closer at the ends of its
-zones.
+"""Positions at which the fields of a solution are sampled for figures and files.
 
-Pressure leaves an end as sqrt(d) and the gap as d^(3/2), d the distance, so each zone has its own
-Chebyshev points, which are quadratically closer at the ends: sqrt(d) is smooth in the angle that
-counts them.
+They are even over the scene, with Chebyshev points on each zone in addition. Pressure leaves an end
+as sqrt(d) and the gap as d^(3/2), with d the distance; both are smooth in the angle of these
+points.
 """
+
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -12,16 +13,25 @@ from contact.errors import SceneError
 from contact.solution.solution import Solution
 from sie import Array, Mask
 
-_EVEN_POINTS = 1000
-_MOST_POINTS = 20_000
-_POINTS_A_ZONE = (9, 97)
-# Distances from a kink over the zone's half width: the pressure is logarithmic there.
-_KINK_LADDER = 10.0 ** -np.arange(1.0, 7.0)
+
+@dataclass(frozen=True)
+class PointOptions:
+    """How many positions show the fields of a solution as polylines."""
+
+    even_points: int = 1000  # at least
+    max_points: int = 20_000
+    min_zone_points: int = 9  # on each zone, in addition to the even ones
+    max_zone_points: int = 97
+    kink_decades: int = 6  # positions next to a kink, where the pressure is logarithmic
+
+
+_OPTIONS = PointOptions()
 
 
 def window(solution: Solution) -> tuple[float, float]:
-    """The stretch of x that shows the solution: the period, all of a trace, or the zones and once
-    their span on either side.
+    """The interval that shows the solution.
+
+    It is the period, all of a trace, or the zones and as much again on either side.
     """
     profile, period = solution.scene.profile, solution.scene.period
     if period is not None:
@@ -30,7 +40,8 @@ def window(solution: Solution) -> tuple[float, float]:
         return profile.known
     if len(solution.zones) == 0:
         raise SceneError(
-            "a lone body that touches nothing has no stretch to be shown on: its surfaces are apart",
+            "a lone body that touches nothing has no stretch to be shown on: "
+            "its surfaces are apart",
             "zones",
         )
     lo, hi = float(solution.zones.min()), float(solution.zones.max())
@@ -38,8 +49,9 @@ def window(solution: Solution) -> tuple[float, float]:
 
 
 def zones_within(solution: Solution, lo: float, hi: float) -> Array:
-    """The zones and their periodic images, cut to [lo, hi]; all of it at full contact, none of
-    surfaces apart.
+    """Zones and their periodic images, cut to [lo, hi].
+
+    All of [lo, hi] in full contact, nothing if the surfaces are apart.
     """
     zones, period = solution.zones, solution.scene.period
     if len(zones) == 0 and not solution.contact_fraction:
@@ -55,29 +67,29 @@ def zones_within(solution: Solution, lo: float, hi: float) -> Array:
     return np.asarray(cut[cut[:, 1] > cut[:, 0]])
 
 
-def positions(solution: Solution, lo: float, hi: float, most: int = _MOST_POINTS) -> Array:
-    """Ascending positions in [lo, hi], both included, where straight lines between the samples show
-    every field.
+def positions(solution: Solution, lo: float, hi: float, most: int = _OPTIONS.max_points) -> Array:
+    """Ascending positions from lo to hi between which straight lines show every field.
 
-    `most`: of the even points, and about as many on the zones together, though never fewer than a
+    most: number of even positions at most, and about as many on all zones together, but at least a
     few on each.
     """
     profile = solution.scene.profile
-    even = _EVEN_POINTS
+    even = _OPTIONS.even_points
     if profile.resolution is not None:
         even = int(np.clip(10 * (hi - lo) / profile.resolution, even, most))
     zones = zones_within(solution, lo, hi)
-    angles = np.linspace(0.0, np.pi, int(np.clip(most // max(len(zones), 1), *_POINTS_A_ZONE)))
+    count = np.clip(most // max(len(zones), 1), _OPTIONS.min_zone_points, _OPTIONS.max_zone_points)
+    angles = np.linspace(0.0, np.pi, int(count))
     within = zones[:, :1] + np.diff(zones) * np.sin(0.5 * angles) ** 2
     within[:, -1] = zones[:, 1]
     x = np.concatenate(
-        [np.linspace(lo, hi, even + 1), within.ravel(), _near_kinks(solution, zones)]
+        [np.linspace(lo, hi, even + 1), within.ravel(), _next_to_kinks(solution, zones)]
     )
     return np.unique(x[(x >= lo) & (x <= hi)])
 
 
 def on_zones(x: Array, zones: Array) -> Mask:
-    """Whether each position lies on a zone, ends included; the zones ascend."""
+    """Whether each position is in a zone, ends included; the zones ascend."""
     if len(zones) == 0:
         return np.zeros(x.shape, dtype=bool)
     nearest = np.maximum(np.searchsorted(zones[:, 0], x, side="right") - 1, 0)
@@ -85,23 +97,21 @@ def on_zones(x: Array, zones: Array) -> Mask:
 
 
 def top_pressure(solution: Solution) -> float:
-    """The highest pressure [Pa], or four times the mean on the zones where that is infinite."""
+    """The highest pressure [Pa], or four times the mean on the zones if it is infinite."""
     if np.isfinite(solution.max_pressure):
         return solution.max_pressure
     return float(4.0 * abs(solution.load) / max(np.sum(solution.zone_widths), 1e-300))
 
 
 def surfaces(solution: Solution, x: Array) -> tuple[Array, Array]:
-    """(counter-face, body): heights [m], upwards, of the lower surface, which is given the
-    displacement of both, and of the upper one.
+    """Heights [m] of the lower surface, which carries the displacement, and of the body above.
 
-    Beyond the sharp corners of a body there is none: the upper surface is inf and the lower one
-    -inf there.
+    Outside the sharp corners of a body there is none: the upper height is inf, the lower one -inf.
     """
     profile = solution.scene.profile
     face = profile.counter_height(x)
     surface = face - np.max(face[np.isfinite(face)], initial=-np.inf) - solution.displacement(x)
-    # The body is not deformed: where it stands at one place says where it stands.
+    # The body is rigid in the figure, so that one place fixes its position.
     own = np.asarray(profile.bodies["profile"].height(x)) - (solution.tilt or 0.0) * x
     zones = zones_within(solution, float(x[0]), float(x[-1]))
     there = np.isfinite(surface) & np.isfinite(own)
@@ -111,20 +121,21 @@ def surfaces(solution: Solution, x: Array) -> tuple[Array, Array]:
     return surface, own + (surface[place] + away - own[place])
 
 
-def _near_kinks(solution: Solution, zones: Array) -> Array:
-    """Points closing in on each kink that lies in a zone."""
+def _next_to_kinks(solution: Solution, zones: Array) -> Array:
+    """Positions that approach each kink inside a zone."""
     profile, period = solution.scene.profile, solution.scene.period
     kinks = profile.kinks[:, 0]
     if period is not None:
         kinks = np.concatenate([kinks - period, kinks, kinks + period])
     owner, kink = np.nonzero((zones[:, :1] < kinks) & (kinks < zones[:, 1:]))
-    steps = 0.5 * np.diff(zones)[owner] * np.concatenate([-_KINK_LADDER, _KINK_LADDER])
+    away = 10.0 ** -np.arange(1.0, _OPTIONS.kink_decades + 1)
+    steps = 0.5 * np.diff(zones)[owner] * np.concatenate([-away, away])
     return np.asarray((kinks[kink, None] + steps).ravel())
 
 
 def peak_position(solution: Solution, x: Array, pressure: Array) -> float:
-    """The middle of the zone of the highest sampled pressure, or the place of it at full contact."""
-    # Equal peaks differ by rounding; the one nearest the middle is shown best.
+    """The middle of the zone with the highest sampled pressure; its place in full contact."""
+    # Equal peaks differ by rounding; the one nearest to the middle is shown.
     highest = x[pressure >= (1.0 - 1e-9) * np.max(pressure)]
     peak = float(highest[np.argmin(np.abs(highest - 0.5 * (x[0] + x[-1])))])
     for left, right in zones_within(solution, float(x[0]), float(x[-1])):

@@ -1,4 +1,4 @@
-"""`Solution`: zones, fields and numbers of a solved scene, and their export to files and figures."""
+"""`Solution`: zones, fields and numbers of a solved scene, and its files and figures."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -97,7 +97,7 @@ class Solution(sie.Kept):
         error: float,
         builders: Mapping[str, Callable[[], Any]],
     ) -> Self:
-        """A solution that builds its certificate and its plan at first use, by these functions."""
+        """A solution that builds certificate and plan at first use, by these functions."""
         self = cls.__new__(cls)
         self.__dict__.update(
             scene=scene, zones=zones, fields=fields, error=error, trace=(), _builders=builders
@@ -124,8 +124,9 @@ class Solution(sie.Kept):
         return self.fields.pressure(real("x", x))
 
     def pressure_at(self, t: ArrayLike, zone: int = 0) -> Array:
-        """Contact pressure [Pa] at normalised positions t in [-1, 1] of one zone, without loss of
-        digits at its ends.
+        """Contact pressure [Pa] at normalised positions t in [-1, 1] of one zone.
+
+        No digits are lost near the ends of the zone.
         """
         if len(self.zones) == 0:
             raise SceneError.of(
@@ -138,7 +139,8 @@ class Solution(sie.Kept):
             raise SceneError.of(
                 "zone",
                 zone,
-                f"a whole number from 0 to {count - 1}, there being {count} zone{'s' * (count > 1)}",
+                f"a whole number from 0 to {count - 1}, there being {count} "
+                f"zone{'s' * (count > 1)}",
             )
         t = real("t", t)
         if np.any(np.abs(t) > 1):
@@ -150,20 +152,21 @@ class Solution(sie.Kept):
         return self.fields.gap(real("x", x))
 
     def displacement(self, x: ArrayLike) -> Array:
-        """Displacement into the body [m]; for an isolated punch without a datum, less the approach."""
+        """Displacement into the body [m]; without a datum it counts from the approach."""
         return self.fields.displacement(real("x", x))
 
     @cached_property
     def _order(self) -> Index:
-        """Place among the fields' own zones of each zone of `zones`."""
+        """Index in the order of `fields` of each zone of `zones`."""
         return np.argsort(
             wrapped(self.fields.zone_table[:, 0], self.scene.profile.x0, self.scene.period)
         )
 
     @property
     def load(self) -> float:
-        """Load [N/m], per period where there is one: as given, else off by at most 3 error p times
-        the width in contact.
+        """Load [N/m], per period where there is one.
+
+        As given, or else with an error of at most 3 error p times the width in contact.
         """
         return self.fields.load
 
@@ -175,16 +178,18 @@ class Solution(sie.Kept):
 
     @property
     def zone_loads(self) -> Array:
-        """Load of each zone (n,) [N/m], off by at most 3 error p times its width; their sum is the
-        load to rounding.
+        """Load of each zone (n,) [N/m]; the error is at most 3 error p times its width.
+
+        Their sum is the load to rounding.
         """
         return np.asarray(self.fields.loads[self._order])
 
     @property
     def zone_remainders(self) -> Array:
-        """What rounding has cut off the ends in `zones` (n, 2) [m], where that is known, else 0: of
-        very fine roughness, whose zones are narrow beside a unit in the last digit of their places,
-        it is the ends zones + zone_remainders that `error` speaks of.
+        """Digits that rounding cuts off the ends in `zones` (n, 2) [m], or 0 if they are unknown.
+
+        Zones of very fine roughness are narrow even in units of the last digit of their places.
+        There `error` speaks of the ends zones + zone_remainders.
         """
         return np.zeros(self.zones.shape) if self._remainders is None else self._remainders
 
@@ -194,35 +199,39 @@ class Solution(sie.Kept):
 
     @property
     def zone_widths(self) -> Array:
-        """Width of each zone (n,) [m], off by at most 2 error of itself."""
+        """Width of each zone (n,) [m]; the relative error is at most 2 error."""
         widths, rest = self.zones[:, 1] - self.zones[:, 0], self._remainders
         return widths if rest is None else widths + np.diff(rest)[:, 0]
 
     @cached_property
     def zone_peaks(self) -> Array:
-        """Highest pressure of each zone (n,) [Pa], off by at most error p; inf under a sharp corner
-        or a tip with a kink.
+        """Highest pressure of each zone (n,) [Pa]; the error is at most error p.
+
+        inf at a sharp corner or a convex kink.
         """
         return peaks(self.scene, self.zones, self.pressure_at)
 
     @property
     def max_pressure(self) -> float:
-        """Highest pressure [Pa], off by at most error of itself; inf under a sharp corner or a tip
-        with a kink.
+        """Highest pressure [Pa]; the relative error is at most `error`.
+
+        inf at a sharp corner or a convex kink.
         """
         return self.fields.max_pressure
 
     @property
     def approach(self) -> float | None:
-        """Approach [m], off by at most about 3 error p L / E* (L: the period); None for an isolated
-        punch without a datum.
+        """Approach [m]; the error is at most about 3 error p L / E*, with L the period.
+
+        None for an isolated punch without a datum.
         """
         return self.fields.approach
 
     @property
     def contact_fraction(self) -> float | None:
-        """Width in contact over the period, off by at most 2 error of itself; None without a
-        period.
+        """Width in contact over the period; None without a period.
+
+        The relative error is at most 2 error.
         """
         if self.scene.period is None:
             return None
@@ -230,8 +239,9 @@ class Solution(sie.Kept):
 
     @cached_property
     def energy(self) -> Energy | None:
-        """Elastic energy and that of the interface [J/m], per period where there is one; None where
-        there is no approach, and for localized contact, whose strip is not all of the body.
+        """Elastic and surface energy [J/m], per period where there is one.
+
+        None without an approach, and for localized contact, whose strip is not the whole body.
         """
         elastic, period = elastic_energy(self.fields), self.scene.period
         if elastic is None:
@@ -246,17 +256,19 @@ class Solution(sie.Kept):
 
     @property
     def stiffness(self) -> float | None:
-        """d load / d approach [N/m^2], at the given moment where one is given, else at the tilt;
-        inf in full contact, None where there is no approach. Its inverse is off by about 4 error /
-        E*, times the width of zones over that of narrower gaps beside them.
+        """d load / d approach [N/m^2], at the given moment or else at the given tilt.
+
+        inf in full contact on a half-plane, None without an approach. The error of its inverse is
+        about 4 error / E*, times the width of zones over that of narrower gaps next to them.
         """
         return self.fields.stiffness
 
     @cached_property
     def pull_off(self) -> PullOff | None:
-        """Where the contact comes apart as its load (or its approach, where that is given) falls,
-        under a law that bears tension; None for full contact, which does not open, and for surfaces
-        apart. Parts of it may come apart before: it is where the last do.
+        """The last equilibrium as the load (or the given approach) falls, under adhesion.
+
+        Parts of the contact may separate before it. None in full contact, which does not open, and
+        for surfaces that are apart.
         """
         law = self.scene.law
         if not law.equilibria.several or self.scene.held(Quantity.HALF_WIDTH) is not None:
@@ -280,9 +292,10 @@ class Solution(sie.Kept):
 
     @property
     def cohesive(self) -> Array:
-        """Intervals [m], (m, 2), in which the gap is below the reach of the law's tension, contact
-        within them included: all of it is pulled, and the pressure beside the contact is minus that
-        tension. (0, 2) under laws that do nothing beside the contact.
+        """Intervals [m], (m, 2), in which the gap is below the reach of the law's tension.
+
+        They include the contact inside them. Around it the pressure is minus the tension. (0, 2)
+        under laws without tension outside the contact.
         """
         table, period = self.fields.cohesive, self.scene.period
         return (
@@ -293,60 +306,62 @@ class Solution(sie.Kept):
 
     @property
     def tilt(self) -> float | None:
-        """By how much the body is turned [rad]: the gap at zero load is f(x) - tilt x; None for
-        what repeats.
+        """Angle by which the body is turned [rad]: the gap at zero load is f(x) - tilt x.
+
+        None for bodies that repeat.
         """
         return self.fields.tilt if self.scene.interaction.turns else None
 
     @property
     def moment(self) -> float | None:
-        """int p x dx, about x = 0 [N], off as the loads of the zones are at their distances; None
-        for what repeats.
+        """int p x dx about x = 0 [N]; None for bodies that repeat.
+
+        Its error is that of the zone loads times their distances.
         """
         return self.fields.moment if self.scene.interaction.turns else None
 
     @property
     def rotational_stiffness(self) -> float | None:
-        """d moment / d tilt at the given load [N]; None for what repeats."""
+        """d moment / d tilt at the given load [N]; None for bodies that repeat."""
         return self.fields.rotational_stiffness if self.scene.interaction.turns else None
 
     @property
     def mean_gap(self) -> float | None:
-        """Mean of the gap over a period [m], off by at most about 3 error p L / E* (L: the period);
-        None without one.
+        """Mean gap over a period [m]; None without a period.
+
+        The error is at most about 3 error p L / E*, with L the period.
         """
         return None if self.scene.period is None else self.fields.mean_gap
 
     @cached_property
     def warnings(self) -> list[str]:
-        """What the model hardly covers: slopes, pressures, a modulus, a trace; given out as
-        ModelWarnings too.
+        """Warnings about slopes, pressures, modulus and trace that the model hardly covers.
+
+        They are also issued as ModelWarnings.
         """
         messages: list[str] = require(_WARNINGS).all_warnings(self)
         return messages
 
     def plot(self) -> Any:
-        """The surfaces and the pressure, as a matplotlib figure of its own; MissingExtra without
-        matplotlib.
-        """
+        """A matplotlib figure of surfaces and pressure; raises MissingExtra without matplotlib."""
         return require(_FIGURES).plot(self)
 
     def to_dataset(self) -> Any:
-        """Zones, fields and numbers as an xarray.Dataset with units; MissingExtra without xarray."""
+        """An xarray.Dataset of zones, fields and numbers; raises MissingExtra without xarray."""
         return require(_FILES).to_xarray(self)
 
     def _repr_html_(self) -> str:
         return require(_FIGURES).to_html(self)
 
     def zone_table(self) -> Any:
-        """left, right, width [m], load [N/m], mean_pressure, max_pressure [Pa] of each zone: a
-        pandas.DataFrame where pandas is installed, else a dictionary of an array for each column.
+        """One row for each zone: ends and width [m], load [N/m], mean and highest pressure [Pa].
+
+        A pandas.DataFrame if pandas is installed, else a dictionary of arrays.
         """
         return require(_FILES).zone_frame(self)
 
     def save(self, path: str | PathLike[str], overwrite: bool = False) -> None:
-        """Write zones, numbers and scene as JSON, or those and the fields as netCDF: .json or .nc
-        says which.
+        """Write zones, numbers and scene as JSON (.json), or with the fields as netCDF (.nc).
 
         Raises
         ------
@@ -359,29 +374,30 @@ class Solution(sie.Kept):
         write(self, file, overwrite)
 
     def save_zones(self, path: str | PathLike[str], overwrite: bool = False) -> None:
-        """Write the zone table as CSV, SI, in full precision; a file that is there only with
-        `overwrite`.
+        """Write the zone table as CSV, in SI units and full precision.
+
+        An existing file is replaced only with `overwrite`.
         """
         require(_FILES).write_csv(self, path, overwrite)
 
     def save_fields(self, path: str | PathLike[str], overwrite: bool = False) -> None:
-        """Write x, pressure, gap, displacement, profile as CSV, SI, in full precision; a file that
-        is there only with `overwrite`.
+        """Write x, pressure, gap, displacement and profile as CSV, in SI units and full precision.
+
+        An existing file is replaced only with `overwrite`.
         """
         require(_FILES).write_fields(self, path, overwrite)
 
     def to_dict(self) -> dict[str, Any]:
-        """All of it in plain types; None for what is infinite or undefined."""
+        """The whole solution in plain types; None for what is infinite or undefined."""
         return require(_FILES).to_dict(self)
 
 
 def limit_of_approach(solution: Solution, tol: float) -> str:
-    """That the digits of a given approach keep the load from being known to `tol`, in words; empty
-    where they do not.
+    """Why the digits of a given approach do not fix the load to `tol`, in words; else empty.
 
-    Near full contact the approach is the mean of the profile less a mean gap that goes with the
-    square of narrow gaps over kinks, with the fourth power of others: the load hangs on the last
-    digits of what is given.
+    Near full contact the approach is the mean of the profile less a mean gap. That gap goes as the
+    square of the width of narrow gaps over kinks, and as the fourth power of others, so that the
+    load depends on the last digits of the approach.
     """
     approach, stiffness = solution.scene.held(Quantity.APPROACH), solution.stiffness
     if approach is None or stiffness is None or not np.isfinite(stiffness):

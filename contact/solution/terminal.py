@@ -8,7 +8,7 @@ from typing import Any
 from contact.errors import MissingExtra
 from contact.extras import require
 
-# Without a terminal nothing is known of the reader's width: wide enough that no cell is broken.
+# The width of the reader's window is unknown without a terminal; this breaks no cell.
 _WIDTH_OF_A_FILE = 200
 
 
@@ -19,8 +19,9 @@ def show_table(
     numeric: Iterable[int] = (),
     close: bool = False,
 ) -> None:
-    """One table on stdout; `numeric` are the columns that align to the right; `close`: one blank
-    between two, of three otherwise.
+    """Print a table; `numeric` columns align to the right.
+
+    close: one blank between columns instead of three.
     """
     right = set(numeric)
     padding = (0, 0) if close else (0, 1)
@@ -32,7 +33,7 @@ def show_table(
     for row in rows:
         table.add_row(*row)
     width = None if sys.stdout.isatty() else _WIDTH_OF_A_FILE
-    # Square brackets in a reason or a unit are text here, not rich's markup.
+    # Square brackets in a reason or a unit are text here, not markup of rich.
     require("rich.console").Console(
         file=sys.stdout, width=width, markup=False, highlight=False
     ).print(table)
@@ -44,7 +45,7 @@ def show_columns(
     words: Iterable[int] = (),
     close: bool = False,
 ) -> None:
-    """The same of columns, each a name and its cells; `words` are those that align to the left."""
+    """Print a table given by columns, each a name and its cells; `words` align to the left."""
     names, cells = zip(*columns, strict=True)
     show_table(
         title, names, zip(*cells, strict=True), set(range(len(names))).difference(words), close
@@ -52,8 +53,9 @@ def show_columns(
 
 
 class Progress:
-    """What `contact.solve(progress=...)` calls: a bar on stderr, on a terminal, once the work has
-    lasted a second.
+    """The callable for `contact.solve(progress=...)`: a bar on stderr.
+
+    It appears on a terminal only, once the work has lasted `patience` seconds.
     """
 
     def __init__(
@@ -81,18 +83,18 @@ class Progress:
         self._bar.update(self._task, completed=done, total=total)
 
     def say(self, line: str) -> None:
-        """A result on the way, on stderr and above the bar."""
+        """Print an intermediate result on stderr, above the bar."""
         if self._bar is None:
             print(line, file=sys.stderr, flush=True)
         else:
             self._bar.console.print(line, markup=False, highlight=False)
 
     def _start(self) -> bool:
-        """Whether there is a bar."""
+        """Start the bar; False if rich is missing."""
         try:
             console = require("rich.console").Console(file=sys.stderr)
             self._bar = require("rich.progress").Progress(console=console, transient=True)
-        except MissingExtra:  # a bar is not worth stopping for
+        except MissingExtra:  # the work goes on without a bar
             self._wanted = False
         else:
             self._bar.start()

@@ -11,7 +11,7 @@ import pytest
 
 import contact
 from contact.model import registry
-from contact.model.symbols import SmoothPart
+from contact.model.line_load import SmoothPart
 from contact.studies.grid_judge import judge_line, judge_period
 from contact.testing import SubstrateFault, check_substrate
 from tests.contact.judge import solve, true_error

@@ -11,8 +11,8 @@ from functools import cached_property
 from typing import ClassVar
 
 import sie
+from contact.model.line_load import SmoothPart
 from contact.model.registry import Named
-from contact.model.symbols import SmoothPart
 from sie import Array
 
 

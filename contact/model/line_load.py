@@ -1,0 +1,265 @@
+r"""`SmoothPart`: the kernel of a line load on an elastic body, without the half-plane's 1/r.
+
+With L(q) the symbol of the body, the kernel is 1/r + m(r) and its primitive ln(r / d) + M(r), where
+
+    m(r) = int_0^inf (L(q) - 1) sin(qr) dq,    M' = m.
+
+m is odd and M is even in r. On a body with a base (L(0) = 0) the primitive vanishes far away: it is
+-int_0^inf L(q) cos(qr) dq / q. On others M(0) = 0, and the user chooses the datum d. The primitive N
+of M gives the displacement of a uniform pressure.
+
+Small r: up to some hundred waves over the range of L - 1 the integral is a sum of Gauss-Legendre
+panels in q that halve towards 0. Large r: the double exponential formula of Ooura & Mori (1999), J.
+Comput. Appl. Math. 112, 229-241, doi 10.1016/S0377-0427(99)00223-X, whose nodes run into the zeros of
+the sine. Panels of r double in width until r m(r) has reached its limit L(0) - 1. A Chebyshev series
+of 24 terms in each panel is accurate to rounding, as the singularities of m are off the real axis or
+at r = 0.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from contact.model.symbols import ONE, WAVES, Symbol
+from sie import Array, record
+
+
+@dataclass(frozen=True)
+class LineLoadOptions:
+    """Series, panels and nodes of the smooth part; with them it is accurate to rounding."""
+
+    terms: int = 24  # of the Chebyshev series in a panel of r
+    first_panel: float = (
+        12.0  # end of the first panel of r, times the shortest wave number of L - 1
+    )
+    max_panels: int = 120  # of r, each twice as wide as the one before
+    max_summed_phase: float = 400.0  # q r up to which panels of q are summed
+    panel_phase: float = 20.0  # of the longest panel of q
+    panel_nodes: int = 32
+    halvings: int = 60  # of panels of q towards 0
+
+
+_OPTIONS = LineLoadOptions()
+EPS = float(np.finfo(np.float64).eps)
+
+
+@record
+class SmoothPart:
+    """m, M and N as functions of the distance r [m].
+
+    first: end of the first panel [m]; the next ones double in width. m, M, N: Chebyshev
+    coefficients (panels, terms), with lengths in units of `first`. limit: r m beyond the last
+    panel. scale: the length in the logarithm, of a body with a base [m]; None without a base.
+    length: distance of the singularities of m from the real axis, roughly [m].
+    """
+
+    first: float
+    m: Array
+    M: Array
+    N: Array
+    limit: float
+    scale: float | None
+    length: float
+
+    @classmethod
+    def of(cls, symbol: Symbol, grounded: bool) -> SmoothPart:
+        """The smooth part for a symbol of q [1/m]; grounded: whether the body has a base."""
+        top = _shortest(symbol)
+        if top is None:
+            zero = np.zeros((1, _OPTIONS.terms))
+            return cls(1.0, zero, zero, zero, 0.0, None, np.inf)
+        first = _OPTIONS.first_panel / top
+        integral = _integral(symbol, top)
+        # r m(r) settles for r above the inverse of the wave at which L reaches its long-wave limit.
+        slow = _longest(symbol)
+        panels: list[Array] = []
+        lo, hi, limit = 0.0, first, 0.0
+        while len(panels) < _OPTIONS.max_panels:
+            r = 0.5 * (lo + hi) + 0.5 * (hi - lo) * _POINTS
+            values = integral(r)
+            panels.append(_TO_SERIES @ (values * first))
+            limit = float((r * values)[0])
+            spread = float(np.ptp(r * values))
+            lo, hi = hi, 2 * hi
+            if lo > 10 / slow and spread <= 16 * EPS * max(1.0, abs(limit)):
+                break
+        if grounded:
+            limit = -1.0
+        m = np.array(panels)
+        # Half widths of the panels in units of `first`.
+        half = 0.5 * np.concatenate(([1.0], 2.0 ** np.arange(len(m) - 1)))
+        start = -(np.log(2.0 * half[-1] * 2 if len(m) > 1 else 1.0) if grounded else 0.0)
+        M = _integrated(m, half)
+        M[:, 0] += start - _at_end(M) if grounded else 0.0
+        N = _integrated(M, half)
+        # L - 1 falls about as exp(-q length).
+        return cls(first, m, M, N, limit, first if grounded else None, -np.log(ONE) / top)
+
+    @property
+    def is_zero(self) -> bool:
+        return not self.m.any()
+
+    def value(self, r: Array) -> Array:
+        """m(r), the smooth part of the kernel [1/m]."""
+        t = np.abs(r) / self.first
+        inner = _summed(self.m, t)
+        with np.errstate(divide="ignore"):
+            out = np.where(t > self._end, self.limit / t, inner)
+        return np.asarray(np.sign(r) * out / self.first)
+
+    def potential(self, r: Array) -> Array:
+        """M(r); on a body with a base it goes with ln(r / scale)."""
+        t = np.abs(r) / self.first
+        out = _summed(self.M, t)
+        far = t > self._end
+        return np.where(
+            far, _at_end(self.M) + self.limit * np.log(np.where(far, t, self._end) / self._end), out
+        )
+
+    def primitive(self, r: Array) -> Array:
+        """N(r) = int_0^r M [m]."""
+        t = np.abs(r) / self.first
+        end, x = self._end, np.maximum(t / self._end, 1.0)
+        beyond = end * ((x - 1) * _at_end(self.M) + self.limit * (x * np.log(x) - x + 1))
+        return np.asarray(np.sign(r) * self.first * (_summed(self.N, np.minimum(t, end)) + beyond))
+
+    @property
+    def _end(self) -> float:
+        """End of the last panel in units of `first`."""
+        return float(2.0 ** (len(self.m) - 1))
+
+
+def _shortest(symbol: Symbol) -> float | None:
+    """The wave [1/m] above which L = 1; None if L = 1 everywhere."""
+    off = np.abs(np.asarray(symbol(WAVES)) - 1)
+    # The shortest waves show the rounding of L.
+    level = max(ONE, 4 * float(off[-8:].max()))
+    seen = np.flatnonzero(off > level)
+    if len(seen) == 0:
+        return None
+    lo, hi = WAVES[seen[-1]], WAVES[min(seen[-1] + 1, len(WAVES) - 1)]
+    finer = np.geomspace(lo, hi, 33)
+    return float(finer[np.flatnonzero(np.abs(np.asarray(symbol(finer)) - 1) > level)[-1]])
+
+
+def _longest(symbol: Symbol) -> float:
+    """The wave [1/m] below which L is constant."""
+    values = np.asarray(symbol(WAVES))
+    changes = np.flatnonzero(np.abs(values - values[0]) > 1e-3 * np.abs(values - 1).max())
+    return float(WAVES[max(changes[0] - 1, 0)])
+
+
+def _integral(symbol: Symbol, top: float) -> Callable[[Array], Array]:
+    """The function m(r) of distances r [m], by quadrature."""
+    # A compliance that grows without bound has no limit to subtract.
+    first, next_ = np.asarray(symbol(WAVES[:2]))
+    base = float(first) if abs(next_ - first) <= 1e-3 * abs(first) or first < 1 else 1.0
+    edges = np.concatenate(([0.0], top * 2.0 ** np.arange(-_OPTIONS.halvings, 1.0)))
+    counts = np.maximum(
+        np.ceil(np.diff(edges) * _OPTIONS.max_summed_phase / (top * _OPTIONS.panel_phase)), 1
+    ).astype(int)
+    cuts = np.concatenate(
+        [
+            np.linspace(a, b, n + 1)[:-1]
+            for a, b, n in zip(edges[:-1], edges[1:], counts, strict=True)
+        ]
+        + [[top]]
+    )
+    nodes, weights = np.polynomial.legendre.leggauss(_OPTIONS.panel_nodes)
+    half, middle = 0.5 * np.diff(cuts), 0.5 * (cuts[1:] + cuts[:-1])
+    q = (middle[:, None] + half[:, None] * nodes).ravel()
+    weighted = (half[:, None] * weights).ravel() * (np.asarray(symbol(q)) - 1)
+
+    def integral(r: Array) -> Array:
+        near = r * top <= _OPTIONS.max_summed_phase
+        out = np.empty(len(r))
+        if near.any():
+            out[near] = np.sin(r[near, None] * q) @ weighted
+        if not near.all():
+            far = r[~near, None]
+            # The integral of the sine alone is 1. The sum is over L less its limit, which vanishes
+            # far away.
+            out[~near] = (
+                base - 1 + (np.asarray(symbol(_OOURA / far)) - base) @ _OOURA_WEIGHTS
+            ) / far[:, 0]
+        return out
+
+    return integral
+
+
+def _ooura_mori(density: float = 40.0, reach: float = 7.0) -> tuple[Array, Array]:
+    """Nodes x and weights w of int_0^inf f(x) sin x dx = sum w f(x), by Ooura and Mori.
+
+    density: half the number of nodes in a unit of their variable. reach: where the sum ends.
+    """
+    h = np.pi / density
+    t = h * np.arange(-int(reach / h), int(reach / h) + 1)
+    beta = 0.25
+    alpha = beta / np.sqrt(1 + density * np.log1p(density) / (4 * np.pi))
+    with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
+        exponent = -2 * t - alpha * -np.expm1(-t) - beta * np.expm1(t)
+        rate = -2 - alpha * np.exp(-t) - beta * np.exp(t)
+        grown = np.exp(exponent)
+        below = -np.expm1(exponent)
+        phi = t / below
+        slope = 1 / below + t * grown * rate / below**2
+    # Limits at t = 0.
+    zero = np.abs(t) < 1e-12
+    first, second = 2 + alpha + beta, (alpha - beta)
+    phi[zero], slope[zero] = 1 / first, 0.5 * (1 + second / first**2)
+    # Where the exponential overflows phi is 0.
+    tiny = ~np.isfinite(phi) | ~np.isfinite(slope)
+    phi[tiny], slope[tiny] = 0.0, 0.0
+    x = density * phi
+    # For t > 0 nodes tend to multiples of pi; the sine is that of the small difference.
+    n = np.rint(t / h)
+    left = density * np.where(t > 0, t * grown / np.where(t > 0, below, 1.0), 0.0)
+    sine = np.where(t > 0, np.cos(np.pi * n) * np.sin(left), np.sin(x))
+    weights = np.pi * sine * slope
+    used = np.abs(weights) > 1e-300
+    return x[used], weights[used]
+
+
+_OOURA, _OOURA_WEIGHTS = _ooura_mori()
+
+
+def _chebyshev_transform(terms: int) -> tuple[Array, Array]:
+    """Chebyshev nodes on (-1, 1), and the matrix from values at them to coefficients."""
+    angles = (np.arange(terms) + 0.5) * np.pi / terms
+    matrix = 2 / terms * np.cos(np.arange(terms)[:, None] * angles)
+    matrix[0] *= 0.5
+    return np.cos(angles), matrix
+
+
+_POINTS, _TO_SERIES = _chebyshev_transform(_OPTIONS.terms)
+
+
+def _integrated(series: Array, half: Array) -> Array:
+    """Series of the integral from 0 of a function given by series on panels."""
+    out, before = np.empty((len(series), series.shape[1] + 1)), 0.0
+    for k, (row, width) in enumerate(zip(series, half, strict=True)):
+        out[k] = width * np.polynomial.chebyshev.chebint(row, lbnd=-1)
+        out[k, 0] += before
+        before = float(out[k].sum())
+    return out
+
+
+def _at_end(series: Array) -> float:
+    return float(series[-1].sum())
+
+
+def _summed(series: Array, t: Array) -> Array:
+    """The series at t >= 0, in units of the first panel; beyond the last one its value at the end."""
+    panels = len(series)
+    t = np.minimum(t, 2.0 ** (panels - 1))
+    panel = np.where(t <= 1, 0, np.frexp(np.maximum(t, 1.0) * (1 - 1e-16))[1]).astype(np.intp)
+    panel = np.clip(panel, 0, panels - 1)
+    width = np.where(panel == 0, 1.0, np.ldexp(1.0, panel - 1))
+    x = 2 * (t - np.where(panel == 0, 0.0, width)) / width - 1
+    b1, b2 = np.zeros(np.shape(t)), np.zeros(np.shape(t))
+    for row in series.T[:0:-1]:
+        b1, b2 = row[panel] + 2 * x * b1 - b2, b1
+    return np.asarray(series[:, 0][panel] + x * b1 - b2)
