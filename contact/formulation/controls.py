@@ -129,7 +129,7 @@ class Approach(Control):
 
 @dataclass(frozen=True)
 class Machine(Control):
-    """The approach of the far end of a spring: approach of the contact plus `give` times the load."""
+    """The approach of the far end of a spring: that of the contact plus give * load."""
 
     give: float
     name, counted_in = "machine", "height"

@@ -128,7 +128,7 @@ class ZoneFields(sie.Kept):
 
     @cached_property
     def levels(self) -> Array:
-        """Potential less columns less F on each solved zone, scaled; they are equal in a solution."""
+        """Potential - columns - F on each solved zone, scaled; all are equal in a solution."""
         zones = self.density.zones
         if len(zones) == 1:
             end = zones.b
@@ -182,7 +182,7 @@ class ZoneFields(sie.Kept):
 
     @property
     def bending(self) -> float:
-        """Intensities that the largest coefficients of the density make, over the prescribed ones."""
+        """Intensity of the largest coefficients of the density over the prescribed one."""
         zones, wanted = self.density.zones, self.problem.end.intensity
         assert wanted
         return float(
@@ -338,7 +338,7 @@ class ZoneFields(sie.Kept):
 
     @cached_property
     def largest_shape(self) -> float:
-        """A bound of the displacement on the zones, scaled: the shape at their ends plus the level."""
+        """Scaled bound of the displacement on the zones: shape at their ends plus level."""
         zones = self.density.zones
         return float(np.abs(self.problem.shape(np.concatenate((zones.a, zones.b)))).max()) + abs(
             self.level
@@ -388,7 +388,7 @@ class ZoneFields(sie.Kept):
         return self.problem.period is not None or bool(np.all(np.isfinite(self._limits)))
 
     def far_stretches(self) -> Iterator[Array]:
-        """Scaled places on half-lines farther away than `open_intervals`, logarithmically spaced."""
+        """Scaled places on half-lines beyond `open_intervals`, logarithmically spaced."""
         if self.is_bounded:
             return
         zones, (lo, hi) = self.density.zones, self._limits

@@ -96,7 +96,7 @@ class Problem(sie.Kept):
 
     @cached_property
     def corners(self) -> tuple[float, float]:
-        """Scaled sharp corners where the profile ends, or the borders of a strip; infinite if none."""
+        """Scaled sharp corners where the profile ends, or borders of a strip; else infinite."""
         lo, hi = -np.inf, np.inf
         if self.profile.support is not None:
             lo, hi = (float(self.units.scaled(np.array(s))) for s in self.profile.support)
@@ -110,7 +110,7 @@ class Problem(sie.Kept):
 
     @property
     def round(self) -> float | None:
-        """Scaled period that zones may go around; None without a period and between sharp corners."""
+        """Scaled period that zones may go around; None without a period or with corners."""
         return self.period if self.corners == (-np.inf, np.inf) else None
 
     @cached_property
@@ -200,7 +200,7 @@ class Problem(sie.Kept):
         return shape + self.raised(x) if self.amplitude else shape
 
     def raised(self, x: Array) -> Array:
-        """Displacement that the nominal pressure outside a strip causes, if its amplitude is given."""
+        """Displacement by the nominal pressure outside a strip, if its amplitude is given."""
         primitive = self.columns[0].primitive
         assert primitive is not None and self.amplitude is not None
         return np.asarray(self.amplitude * primitive(x))

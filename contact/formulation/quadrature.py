@@ -48,7 +48,7 @@ def gauss(cuts: Array, count: int) -> tuple[Array, Array]:
 
 
 def cuts_between(a: float, b: float, spacing: float, breaks: Array) -> Array:
-    """Places from a to b, no farther apart than the spacing, with the breaks in (a, b) among them."""
+    """Places from a to b, at most the spacing apart, and the breaks between them."""
     even = np.linspace(a, b, max(1, math.ceil((b - a) / spacing)) + 1)
     return np.unique(np.concatenate((even, breaks[(breaks > a) & (breaks < b)])))
 

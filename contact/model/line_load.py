@@ -5,15 +5,15 @@ With L(q) the symbol of the body, the kernel is 1/r + m(r) and its primitive ln(
     m(r) = int_0^inf (L(q) - 1) sin(qr) dq,    M' = m.
 
 m is odd and M is even in r. On a body with a base (L(0) = 0) the primitive vanishes far away: it is
--int_0^inf L(q) cos(qr) dq / q. On others M(0) = 0, and the user chooses the datum d. The primitive N
-of M gives the displacement of a uniform pressure.
+-int_0^inf L(q) cos(qr) dq / q. On others M(0) = 0, and the user chooses the datum d. The primitive
+N of M gives the displacement of a uniform pressure.
 
-Small r: up to some hundred waves over the range of L - 1 the integral is a sum of Gauss-Legendre
-panels in q that halve towards 0. Large r: the double exponential formula of Ooura & Mori (1999), J.
-Comput. Appl. Math. 112, 229-241, doi 10.1016/S0377-0427(99)00223-X, whose nodes run into the zeros of
-the sine. Panels of r double in width until r m(r) has reached its limit L(0) - 1. A Chebyshev series
-of 24 terms in each panel is accurate to rounding, as the singularities of m are off the real axis or
-at r = 0.
+For small r, up to some hundred waves over the range of L - 1, it is a sum of Gauss-Legendre
+panels in q that halve towards 0. For large r it is the double exponential formula of Ooura & Mori
+(1999), J. Comput. Appl. Math. 112, 229-241, doi 10.1016/S0377-0427(99)00223-X, whose nodes run into
+the zeros of the sine. Panels of r double in width until r m(r) has reached its limit L(0) - 1. A
+Chebyshev series of 24 terms in each panel is accurate to rounding, as the singularities of m are off
+the real axis or at r = 0.
 """
 
 from __future__ import annotations
@@ -252,7 +252,7 @@ def _at_end(series: Array) -> float:
 
 
 def _summed(series: Array, t: Array) -> Array:
-    """The series at t >= 0, in units of the first panel; beyond the last one its value at the end."""
+    """The series at t >= 0, in units of the first panel; constant beyond the last one."""
     panels = len(series)
     t = np.minimum(t, 2.0 ** (panels - 1))
     panel = np.where(t <= 1, 0, np.frexp(np.maximum(t, 1.0) * (1 - 1e-16))[1]).astype(np.intp)

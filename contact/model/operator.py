@@ -164,7 +164,7 @@ class Operator(sie.Kept):
         return self.smooth_part.scale if self.compression is not None else self.interaction.datum
 
     def inverse_kernel(self, unit: float) -> sie.Kernel:
-        """The kernel of symbol 1 / L in scaled lengths: from the slope of the gap to the pressure."""
+        """The kernel of symbol 1 / L in scaled lengths, for the slope of the gap."""
         assert self.period is not None and self.inverse_excess is not None
         return kernel_of(self.inverse_excess, self.period / unit)
 

@@ -1,8 +1,8 @@
 r"""The symbol L(q) of an elastic body: checked, over the harmonics of a period, and as a kernel.
 
 A pressure p_q exp(iqx) displaces the surface by u_q = 2 L(q) p_q / (E* q). L is the compliance of
-the surface over that of the half-plane, and tends to 1 for short waves. With L_n = L(2 pi n / l), the
-kernel for a period l is Hilbert's plus the smooth
+the surface over that of the half-plane, and tends to 1 for short waves. With L_n = L(2 pi n / l),
+the kernel for a period l is Hilbert's plus the smooth
 
     K = (2 pi / l) sum_n (L_n - 1) sin(2 pi n d / l),
     Lambda = -sum_n (L_n - 1) cos(2 pi n d / l) / n,      d = x - xi,
@@ -85,7 +85,10 @@ def excess(symbol: Callable[[Array], Array], period: float, of: str) -> Array:
         if len(seen) == 0 or seen[-1] < 0.9 * count:
             return off[: seen[-1] + 1] if len(seen) else np.zeros(0)
         if count >= _OPTIONS.max_harmonics:
-            allowed = f"1 for short waves: to {_OPTIONS.rounding:.0e} from harmonic {_OPTIONS.max_harmonics} of the period on"
+            allowed = (
+                f"1 for short waves: to {_OPTIONS.rounding:.0e} from harmonic "
+                f"{_OPTIONS.max_harmonics} of the period on"
+            )
             raise SceneError.of(f"{of}.symbol(q)", float(found[-1]), allowed)
         count *= 4
 

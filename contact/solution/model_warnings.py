@@ -71,7 +71,8 @@ def _length_warnings(scene: Scene) -> tuple[str, ...]:
     depth = 0.5 * profile.slope_sizes[1] * length
     if 0.0 < depth < _LIMITS.shallowest:
         return (
-            f"{message} is no deeper than {quantity(depth, 'm', 2)}, less than an atom: all lengths "
+            f"{message} is no deeper than {quantity(depth, 'm', 2)}, less than an atom: all "
+            "lengths "
             "of a scene are in metres",
         )
     return ()
