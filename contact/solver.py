@@ -1,11 +1,13 @@
-"""Solve a scene, in this order:
+"""Solve a scene.
 
-scene          what is given, checked when it is made            contact.model
-formulation    a scaled equation by the pressure or the gaps     contact.formulation
-first guess    strategies in order; the plan keeps failures      contact.search.find
-zones          Newton on their ends, signs, corrections          contact.search.topology
-certificate    checks on the whole line, and the stated error    contact.verify
-solution       in SI units, with its plan                        contact.solution
+The steps and their rooms are, in this order:
+
+    scene          what is given, checked when it is made            contact.model
+    formulation    a scaled equation by the pressure or the gaps     contact.formulation
+    first guess    strategies in order; the plan keeps failures      contact.search.find
+    zones          Newton on their ends, signs, corrections          contact.search.topology
+    certificate    checks on the whole line, and the stated error    contact.verify
+    solution       in SI units, with its plan                        contact.solution
 """
 
 import time
@@ -51,7 +53,7 @@ def solve(
     near: Solution | None = None,
     branch: str = "advancing",
 ) -> Solution:
-    """Solve a scene: zones, pressure, gap and numbers with a stated error of at most `tol`.
+    """Solve a scene: zones, pressure, gap, numbers, with a stated error of at most `tol`.
 
     Parameters
     ----------

@@ -8,11 +8,11 @@ m is odd and M is even in r. On a body with a base (L(0) = 0) the primitive vani
 -int_0^inf L(q) cos(qr) dq / q. On others M(0) = 0, and the user chooses the datum d. The primitive
 N of M gives the displacement of a uniform pressure.
 
-For small r, up to some hundred waves over the range of L - 1, it is a sum of Gauss-Legendre
-panels in q that halve towards 0. For large r it is the double exponential formula of Ooura & Mori
-(1999), J. Comput. Appl. Math. 112, 229-241, doi 10.1016/S0377-0427(99)00223-X, whose nodes run into
-the zeros of the sine. Panels of r double in width until r m(r) has reached its limit L(0) - 1. A
-Chebyshev series of 24 terms in each panel is accurate to rounding, as the singularities of m are off
+For small r, up to some hundred waves over the range of L - 1, it is a sum of Gauss-Legendre panels
+in q that halve towards 0. For large r it is the double exponential formula of Ooura & Mori (1999),
+J. Comput. Appl. Math. 112, 229-241, doi 10.1016/S0377-0427(99)00223-X, whose nodes run into the
+zeros of the sine. Panels of r double in width until r m(r) has reached its limit L(0) - 1. A
+Chebyshev series of 24 terms in each panel is accurate to rounding: the singularities of m are off
 the real axis or at r = 0.
 """
 
