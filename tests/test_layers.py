@@ -22,7 +22,7 @@ ROOT = Path(__file__).parents[1]
 ORDER = {
     "sie": "basis trees jumps equation density dense fast states slits ends reasons solver __init__",
     "contact": """
-        errors interrupts extras runtime model jump_checks testing reference exact inverse axisymmetric
+        errors interrupts extras runtime model testing reference exact inverse axisymmetric
         formulation verify solution closed search localized adhesion solver sweeps explorer __init__ paper studies commands __main__
     """,
     "contact.search": "topology grid context feasibility strategies find refine __init__",

@@ -18,11 +18,9 @@ from functools import lru_cache
 import numpy as np
 
 from contact.errors import SceneError
-from contact.formulation.noise import PLACES, STEP, deviations, noise
 from contact.model.profiles.base import Profile, is_of_package
+from contact.model.profiles.noise import EPS, PLACES, STEP, deviations, rounding
 from sie import Array, record
-
-_EPS = float(np.finfo(np.float64).eps)
 
 
 @dataclass(frozen=True)
@@ -184,10 +182,9 @@ class _Panels:
         inward = np.concatenate((a + STEP * (b - a) * PLACES[:, None], b[None]))
         heights = np.asarray(profile.height(inward), dtype=np.float64)
         largest = float(np.abs(slope).max(initial=0.0, where=np.isfinite(slope)))
-        rounding = 2 * _EPS * float(np.abs(heights).max(initial=0.0, where=np.isfinite(heights)))
-        rounding += OPTIONS.margin * noise(heights[:-1])
-        doubt = OPTIONS.margin * (np.ptp(sums, axis=1) + rounding + deviations(heights[:-1]))
-        doubt += OPTIONS.rounded_slopes * _EPS * largest * (b - a)
+        noise = rounding(heights[:-1])
+        doubt = OPTIONS.margin * (np.ptp(sums, axis=1) + noise + deviations(heights[:-1]))
+        doubt += OPTIONS.rounded_slopes * EPS * largest * (b - a)
         return cls(
             a,
             b,
@@ -198,7 +195,7 @@ class _Panels:
             x.ravel(),
             slope.ravel(),
             heights[[0, -1]],
-            rounding,
+            noise,
         )
 
     @property
@@ -301,7 +298,7 @@ def _of_period(profile: Profile, panels: _Panels) -> str:
 
 def _differ(x: Array, here: Array, there: Array, panels: _Panels, told: str, y: Array) -> str:
     """The pair of heights, at x and y, that differs most, in words; empty if all agree."""
-    places = 8 * _EPS * (np.abs(x) + np.abs(y)) * panels.largest
+    places = 8 * EPS * (np.abs(x) + np.abs(y)) * panels.largest
     off = np.abs(here - there) - OPTIONS.margin * (panels.noise + places)
     # Beyond sharp corners heights are infinite.
     off = np.where(np.isfinite(off), off, -np.inf)

@@ -47,13 +47,12 @@ class ConjugateOptions:
     max_samples: int = 2**18
     samples_per_length: int = 16  # of a shortest length of the profile
     block: int = 1 << 20  # pairs of a point and a jump that are handled at once; bounds the memory
-    noise_peak: float = (
-        4.0  # largest value of noise over its standard deviation, in some thousand places
-    )
+    # Error of H f' over the largest residual of the slope: noise needs 2, a corner that is seen at
+    # 1e-5 of the period 8.
+    residual_margin: float = 8.0
     noise_samples: int = 256  # places at which the noise of heights is estimated
     max_noise: float = 1e-9  # over the largest term: larger terms that do not decay are not noise
     no_decay: float = 0.6  # terms that fall by less than this factor in an octave do not decay
-    slowest_decay: float = 1.2  # exponent of a decaying sum; an undeclared jump of f' leaves 1
     checks: int = 32  # places at which a user's closed form is compared with the series
     max_mismatch: float = 1e-6  # relative: larger is refused, smaller is stated as an error
     jump_in_samples: float = 64.0  # messages call a step of this many median steps a jump
@@ -162,7 +161,7 @@ class Conjugate(sie.Kept):
                 "profile",
                 self.profile,
             )
-        return OPTIONS.noise_peak * float(off[worst])
+        return OPTIONS.residual_margin * float(off[worst])
 
     def __call__(self, x: ArrayLike) -> Array:
         x = np.asarray(x, dtype=float)
@@ -257,26 +256,24 @@ def _series(profile: Profile, length: float) -> Transform:
             + over_jumps(x, first, over * length**2 / (4 * pi**3), length, clausen3)
         )
 
-    error = _series_error(size, len(k), noise)
+    error = _series_error(coefficients, len(k), rounding)
     return Transform(
         smooth, error, _limit_of_series(x, slope - closed(x), size, settled), settled, scale
     )
 
 
-def _series_error(size: Array, used: int, noise: float) -> float:
-    """Error of the sum, by noise in the terms in use and by the terms that are left out.
+def _series_error(coefficients: Array, used: int, rounding: float) -> float:
+    """Estimate of the largest error of the sum of the terms in use.
 
-    size: of all terms. used: number of terms in use. noise: size below which terms are left out.
-    Terms of noise have equal size, and their sum grows as the root of their number. Terms that fall
-    as a power p, from the n-th on, add up to n/(p - 1) times the n-th.
+    coefficients: of the slope at even places; used: number of terms in use. The terms that are
+    left out, at least the last octave, leave a residual at those places: the noise of the slope,
+    an undeclared jump, or the truncation. The conjugate of the residual is of the same size, but
+    for a factor that grows as a logarithm near a jump.
     """
-    n = len(size) - 1
-    last, before = (float(np.sqrt(np.mean(size[k : 2 * k] ** 2))) for k in (n // 2, n // 4))
-    of_noise = (OPTIONS.noise_peak * np.sqrt(2.0) * last + noise) * np.sqrt(used)
-    if last >= OPTIONS.no_decay * before or last <= noise:
-        return float(of_noise)
-    fall = float(np.log2(before / last)) if last else np.inf
-    return float(of_noise + 4 * n * last / max(fall - 1.0, OPTIONS.slowest_decay - 1.0))
+    n = len(coefficients) - 1
+    left_out = np.where(np.arange(n + 1) < min(used, n // 2), 0.0, coefficients)
+    residual = fft.irfft(left_out, 2 * n) * (2 * n)
+    return OPTIONS.residual_margin * float(np.abs(residual).max()) + rounding
 
 
 def _limit_of_series(x: Array, smooth: Array, size: Array, settled: bool) -> str:

@@ -24,7 +24,7 @@ from contact.formulation.units import Units
 from contact.model.interactions.base import Interaction
 from contact.model.laws.base import Law
 from contact.model.operator import Operator
-from contact.model.parts import Told
+from contact.model.plugin_checks.forms import AuthorMethod
 from contact.model.profiles.base import Profile, onto
 from contact.model.profiles.tilted import Tilted
 from contact.model.substrates.base import Substrate
@@ -274,7 +274,7 @@ class Problem(sie.Kept):
         if self.amplitude is None and self.interaction.follows_isolated:
             closure = (sie.Amplitude(0, 0.0),)
         elif self.amplitude is None:
-            told = Told("interaction.side_conditions(period)", "interaction")
+            told = AuthorMethod("interaction.side_conditions(period)", "interaction")
             closure = told.rows(
                 sie.Condition, self.interaction.placed_conditions, self.period, self.units.scaled
             )

@@ -15,12 +15,12 @@ import numpy as np
 
 import sie
 from contact.formulation.conjugate import OPTIONS, Conjugate, log_sine, logarithms
-from contact.formulation.noise import PLACES, STEP, noise
 from contact.formulation.problem import Problem
 from contact.formulation.quadrature import over_period
-from contact.formulation.units import EPS, Units
+from contact.formulation.units import Units
 from contact.model.operator import Operator
 from contact.model.profiles.base import Profile
+from contact.model.profiles.noise import noise_at
 from contact.model.profiles.trigonometric import Sum, coefficients
 from sie import Array, Complex, Index, record
 
@@ -200,9 +200,7 @@ def height_noise(profile: Profile) -> float:
     """Largest noise of the heights of a periodic profile [m]."""
     x = period_samples(profile)
     x = x[:: max(1, len(x) // OPTIONS.noise_samples)]
-    step = STEP * (profile.resolution or profile.period or 1.0)
-    heights = np.asarray(profile.height(x + step * PLACES[:, None]), dtype=np.float64)
-    return EPS * float(np.abs(heights).max()) + OPTIONS.noise_peak * noise(heights)
+    return noise_at(profile.height, x, profile.resolution or profile.period or 1.0)
 
 
 def period_samples(profile: Profile) -> Array:

@@ -40,7 +40,7 @@ import sie
 from contact.errors import SceneError
 from contact.model.interactions.base import Interaction, Scaled
 from contact.model.line_load import SmoothPart
-from contact.model.parts import Told
+from contact.model.plugin_checks.forms import AuthorMethod
 from contact.model.substrates.base import Substrate
 from contact.model.symbols import checked, excess, kernel_of
 from sie import Array, record
@@ -265,7 +265,7 @@ class Operator(sie.Kept):
         interaction = self.interaction
         period = None if self.period is None else self.period / unit
         if self.is_own or self.own_columns or not interaction.strip:
-            told = Told("interaction.columns(period, centre)", "interaction")
+            told = AuthorMethod("interaction.columns(period, centre)", "interaction")
             return told.rows(sie.Forcing, interaction.placed_columns, period, centre, scaled)
         assert period is not None
         half = 0.5 * (2 * interaction.neighbours + 1) * period

@@ -20,12 +20,12 @@ import sie
 from contact.errors import SceneError
 from contact.model.checks import finite, finite_or_none, keep, poisson_ratio, positive
 from contact.model.controls import CONTROLS, TURNING, Control, Quantity, fields_under
-from contact.model.declared import require_body, require_declared, require_elastic
 from contact.model.interactions.base import Interaction
 from contact.model.laws import Frictionless, Law
 from contact.model.operator import Operator
-from contact.model.parts import (
-    Told,
+from contact.model.plugin_checks.declarations import require_declared
+from contact.model.plugin_checks.forms import (
+    AuthorMethod,
     held_by,
     is_own,
     require_attributes,
@@ -34,15 +34,16 @@ from contact.model.parts import (
     require_form,
     require_law,
 )
+from contact.model.plugin_checks.operators import require_body, require_elastic
 from contact.model.profiles.base import Profile
 from contact.model.registry import CONTROLS as REGISTERED
 from contact.model.registry import remade
 from contact.model.substrates import HalfPlane, Substrate
 
 # What is asked of a control and a law of someone's own.
-_SIGNED = Told("control.signed(scene)", "control")
-_CHECK = Told("control.check(scene)", "control")
-_REFUSES = Told("law.refuses(scene)", "law")
+_SIGNED = AuthorMethod("control.signed(scene)", "control")
+_CHECK = AuthorMethod("control.check(scene)", "control")
+_REFUSES = AuthorMethod("law.refuses(scene)", "law")
 
 
 def E_star(E1: float, nu1: float, E2: float | None = None, nu2: float | None = None) -> float:

@@ -14,6 +14,7 @@ from contact.search.strategies.gaps import tightened_gaps
 from contact.search.strategies.guesses import Outcome
 from contact.search.strategies.tightening import tightened
 from contact.search.topology.failure import Failure, attempted
+from contact.solution.assemble import undeclared_corner
 from contact.verify.error import SolvedGaps, SolvedZones, body_limit, limit, position_rounding
 
 Search = Callable[[SolveContext], Outcome]
@@ -117,11 +118,15 @@ def _tightened(
             return Failure("full contact, as the whole search says")
         return better
 
-    def is_limited_by_rounding(here: SolvedZones | SolvedGaps, tolerance: float) -> bool:
-        return not isinstance(here, SolvedZones) or _is_rounding(context, here)
+    def cannot_improve(here: SolvedZones | SolvedGaps, tolerance: float) -> bool:
+        return (
+            not isinstance(here, SolvedZones)
+            or _is_rounding(context, here)
+            or _holds_corner(context, here)
+        )
 
     first: SolvedZones | SolvedGaps = found
-    return tightened(context, first, context.tolerance, again, is_limited_by_rounding)
+    return tightened(context, first, context.tolerance, again, cannot_improve)
 
 
 def _from_same_zones(context: SolveContext, found: SolvedZones) -> SolvedZones | None:
@@ -138,6 +143,12 @@ def _from_same_zones(context: SolveContext, found: SolvedZones) -> SolvedZones |
         return strips.centred(context, scaled, table)
     whole = replace(problem, amplitude=None, centre=0.0)
     return strips.first_order(context, replace(scaled, problem=whole), found)
+
+
+def _holds_corner(context: SolveContext, found: SolvedZones) -> bool:
+    """Whether a zone holds an undeclared corner of the profile, which no tolerance resolves."""
+    table = found.fields.problem.units.x(found.free.density.zones.table)
+    return bool(undeclared_corner(context.scene, np.asarray(table)))
 
 
 def _is_rounding(context: SolveContext, found: SolvedZones) -> bool:

@@ -22,6 +22,7 @@ from contact.formulation.full_contact import (
 )
 from contact.formulation.problem import Problem
 from contact.formulation.units import Units
+from contact.model.profiles.base import is_of_package
 from contact.model.scene import Scene
 from contact.model.units import quantity
 from contact.solution.plan import Plan
@@ -196,10 +197,12 @@ def in_cell(scene: Scene, table: Array) -> Array:
 def profile_fault(scene: Scene, zones: Array | None = None) -> str:
     """The first fault of a user's profile, in words; empty if there is none.
 
-    zones: where to examine a shape without ends [m].
+    zones: of the contact [m]: where corners are searched for, and a shape without ends examined.
     """
+    if corner := undeclared_corner(scene, zones):
+        return f"; {corner}"
     for profile in scene.profile.bodies.values():
-        if type(profile).__module__.startswith("contact."):
+        if is_of_package(profile):
             continue
         window = None
         if zones is not None and len(zones) and not (profile.known or profile.support):
@@ -211,6 +214,14 @@ def profile_fault(scene: Scene, zones: Array | None = None) -> str:
                 f"; the profile contradicts itself, says contact.testing.check_profile: {faults[0]}"
             )
     return ""
+
+
+def undeclared_corner(scene: Scene, zones: Array | None) -> str:
+    """A corner in zones [m] that a user's profile of one body does not declare, in words."""
+    profile = scene.profile
+    if zones is None or len(profile.bodies) > 1 or is_of_package(profile):
+        return ""
+    return str(require("contact.model.plugin_checks.corners").undeclared_corner(profile, zones))
 
 
 def _record_sizes(plan: Plan, zones: int, state: sie.AnyState) -> None:

@@ -19,7 +19,7 @@ from contact.formulation.protocol import Fields
 from contact.formulation.tables import in_cell
 from contact.model.checks import real
 from contact.model.controls import Quantity
-from contact.model.parts import Told
+from contact.model.plugin_checks.forms import AuthorMethod
 from contact.model.scene import Scene
 from contact.solution.plan import Plan
 from contact.solution.quantities import Energy, PullOff, peaks
@@ -251,7 +251,7 @@ class Solution(sie.Kept):
             if period is None
             else self.fields.contact_fraction * period
         )
-        told = Told("law.surface_energy(fields, width)", "law")
+        told = AuthorMethod("law.surface_energy(fields, width)", "law")
         return Energy(elastic, told.number(self.scene.law.surface_energy, self.fields, width) + 0.0)
 
     @property

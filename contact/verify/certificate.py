@@ -19,7 +19,7 @@ from contact.formulation.fields import ZoneFields
 from contact.formulation.full_contact import NARROWEST
 from contact.formulation.quadrature import chebyshev_nodes, sides
 from contact.formulation.tables import runs_of
-from contact.model.parts import Told
+from contact.model.plugin_checks.forms import AuthorMethod
 from contact.verify.minima import SAMPLING, Signs, lowest, signs_on
 from contact.verify.tolerances import TOLERANCES
 from sie import Array, Index, Mask, record
@@ -235,7 +235,7 @@ def _law_fault(fields: ZoneFields, load: float | None) -> str:
         return (
             f"{law.name}: the pressure reaches {fields.max_pressure:.6g} Pa, above {highest:.6g} Pa"
         )
-    fault = Told("law.fault(fields, load)", "law").text(law.fault, fields, load)
+    fault = AuthorMethod("law.fault(fields, load)", "law").text(law.fault, fields, load)
     return f"{law.name}: {fault}" if fault else ""
 
 

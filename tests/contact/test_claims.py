@@ -14,7 +14,8 @@ import pytest
 import contact
 from contact.formulation import claims
 from contact.formulation.conjugate import Conjugate
-from contact.formulation.noise import PLACES, STEP, noise
+from contact.model.plugin_checks.corners import corner
+from contact.model.profiles.noise import PLACES, STEP, noise
 from tests.tiers import quick
 
 pytestmark = pytest.mark.filterwarnings("ignore::contact.ModelWarning")
@@ -255,7 +256,25 @@ def test_a_corner_that_nobody_declares_is_named(route):
 @pytest.mark.parametrize("route", ROUTES)
 def test_a_corner_that_nobody_declares_is_certified_by_no_route(route, slope):
     profile = Own(corner=KINK) if slope else Heights(corner=KINK)
-    assert right_or_refused(route, profile, Told(corner=KINK))
+    said = right_or_refused(route, profile, Told(corner=KINK))
+    assert "the slope jumps by" in said and "kinks" in said
+
+
+@pytest.mark.parametrize("size", [1e-7, 1e-5, 1e-3, 1e-1])
+@pytest.mark.parametrize("shape", [Heights, Own])
+def test_a_faint_corner_is_found_where_it_is(shape, size):
+    """Heights and slopes of 0.06, with two corners of a thousandth of that to a millionth."""
+    profile, jump = shape(corner=0.5 * size), size
+    for at, jump in ((AT, size), (AT - 0.5 * PERIOD, -size)):
+        found = corner(profile, at - 0.23 * PERIOD, at + 0.31 * PERIOD)
+        assert found is not None
+        assert abs(found[0] - at) < 1e-3 * PERIOD and abs(found[1] / jump - 1) < 0.02
+        assert corner(profile, at + 0.02 * PERIOD, at + 0.45 * PERIOD) is None
+
+
+def test_a_faint_corner_in_a_zone_is_named_by_the_refusal():
+    said = right_or_refused("zones under a load", Heights(corner=1e-5), Told(corner=1e-5))
+    assert "the slope jumps by" in said and "kinks" in said
 
 
 @pytest.mark.parametrize("times", [-1.0, 1.001, 1 + 1e-7, 1 + 1e-10])
@@ -453,3 +472,52 @@ def test_the_noise_of_values_is_told_from_their_shape(size):
         rng.random(200) + 2 * np.pi * STEP * PLACES[:, None]
     ) + size * rng.standard_normal((7, 200))
     assert 0.7 * size < noise(values) < 1.3 * size
+
+
+def exact_wave(x, origin, terms):
+    """Slope and conjugate of harmonics about an origin, in extended precision; period 1."""
+    turns = np.asarray(x).astype(np.longdouble) - np.longdouble(origin)
+    k = np.arange(1, terms + 1)
+    phase = 2 * np.longdouble(np.pi) * ((turns[..., None] * k) % 1.0)
+    return np.cos(phase).sum(axis=-1), np.sin(phase).sum(axis=-1)
+
+
+@pytest.mark.parametrize("terms", [1, 2, 12])
+def test_the_error_of_a_series_covers_the_noise_of_places_far_from_the_origin(terms):
+    rng = np.random.default_rng(terms)
+    for _ in range(12):
+        origin = float(np.round(10 ** rng.uniform(1, 6)) + rng.uniform(-0.5, 0.5))
+        k = 2 * np.pi * np.arange(1, terms + 1)
+        shape = own(
+            lambda x, at=origin, k=k: np.sin((x - at)[..., None] * k) @ (1 / k),
+            lambda x, at=origin, k=k: np.cos((x - at)[..., None] * k).sum(axis=-1),
+            period=1.0,
+            resolution=1.0 / terms,
+        )
+        transform, x = Conjugate(shape), rng.random(500) - 0.5
+        off = np.abs(transform(x) - exact_wave(x, origin, terms)[1]).max()
+        assert off <= transform.error + 1e-14 * terms
+
+
+@pytest.mark.parametrize("jump", [1e-13, 1e-12, 1e-11, 1e-10, 1e-8, 1e-5])
+def test_the_error_of_a_series_covers_a_faint_corner_that_nobody_declares(jump):
+    def corner(x):
+        return jump * (np.where(x % 1.0 < 0.5, 0.5, -0.5))
+
+    def triangle(x):
+        return 0.5 * jump * np.minimum(x % 1.0, -x % 1.0)
+
+    def shape(slope, **said):
+        height = lambda x: np.sin(2 * np.pi * x) / (2 * np.pi) + triangle(x - 0.3)  # noqa: E731
+        return own(height, slope, period=1.0, resolution=0.5, **said)
+
+    rng = np.random.default_rng(5)
+    kinks = np.array([[0.3, jump], [-0.2, -jump]])
+    x = rng.random(1000) - 0.5
+    known = Conjugate(shape(lambda x: np.cos(2 * np.pi * x) + corner(x - 0.3), kinks=kinks))(x)
+    for noise_of_slope in (0.0, 1e-14, 1e-13, 1e-12):
+        noisy = lambda x: (  # noqa: E731
+            np.cos(2 * np.pi * x) + corner(x - 0.3) + noise_of_slope * np.sin(1e9 * x)  # noqa: B023
+        )
+        transform = Conjugate(shape(noisy))
+        assert np.abs(transform(x) - known).max() <= transform.error + 1e-14

@@ -21,7 +21,7 @@ from contact import (
     Sinusoid,
     Wedge,
 )
-from contact.jump_checks import jumps_at
+from contact.model.plugin_checks.jumps import jumps_at
 from contact.model.profiles.tilted import Tilted
 
 _POSITIONS = (0.0, 1.0, -100.0)  # of a trace's first point, in lengths of the trace

@@ -129,6 +129,8 @@ def test_units_are_found_wherever_headers_have_them(
     ("content", "word"),
     [
         ("x;z\nfurlong;smoot\n" + table(), "furlong"),
+        ("X_furlongs;Height_smoot\n" + table(), "furlongs"),
+        ("X furlongs;Height smoot\n" + table(), "furlongs"),
         ("x;z\n[mm];[smoot]\n" + table(), "smoot"),
         ("a;b\nsmoot;smoot\n" + table(), "smoot"),
         ("X/smoot;Z/µm\n" + table(), "smoot"),

@@ -310,3 +310,18 @@ def test_solutions_that_no_pickle_holds_are_solved_in_this_process() -> None:
     with pytest.warns(RuntimeWarning, match="cannot send solutions back"):
         found = contact.solve_many(scene(BALL, Pair(1e-4), load=1e3), loads, tol=1e-5, workers=2)
     assert [solution.load for solution in found] == pytest.approx(loads)
+
+
+@pytest.mark.parametrize("tables", [None, {}, {"profile": None}, {"profile": {"scale": 1.0}}])
+def test_tables_of_a_profile_that_no_scene_file_holds_are_refused(tables) -> None:
+    class Tabled(contact.Profile):
+        period = 1.0
+
+        def height(self, x):
+            return 1e-3 * np.cos(2 * np.pi * np.asarray(x))
+
+        def tables(self):
+            return tables
+
+    with pytest.raises(contact.SceneError, match=r"profile\.tables\(\)"):
+        contact.Scene(Tabled(), 1e9, contact.Periodic(), load=1.0)

@@ -18,78 +18,64 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
+from contact.model.profiles.noise import EPS
 from sie import Array, record
 
 # The complex step: its square vanishes beside any length, so there is no truncation error.
 _TINY = 1e-100
-_EPS = float(np.finfo(np.float64).eps)
 
 Function = Callable[[Any], Any]
 
 
 @dataclass(frozen=True)
 class VerdictOptions:
-    """How rises of a height are compared with integrals of its slope."""
+    """How rises of a height are compared with integrals of its slope.
 
-    # Chebyshev points of an interval: insensitive, 7 to 13 decide the same.
+    nodes: Chebyshev points of an interval; insensitive, 7 to 13 decide the same.
+    ratio: an interval over the next smaller one.
+    finer, wider: number of intervals below and above the scale of a place.
+    differs: least discrepancy of a contradiction, over truncation and round-off of both sides.
+    counts: least discrepancy of a contradiction, over the rise.
+    digits: most truncation of heights that have digits, over their variation.
+    covers: a checked interval covers a set of places this many times narrower.
+    """
+
     nodes: int = 9
-    # An interval over the next smaller one; intervals below and above the scale of a place.
     ratio: float = 8.0
     finer: int = 12
     wider: int = 4
-    # Discrepancy over truncation and rounding of both sides: more is neither.
     differs: float = 100.0
-    # Discrepancy over the rise: less does not count.
     counts: float = 1e-6
-    # Last coefficients that show the truncation: two of them may vanish by chance.
-    last: int = 4
-    # Truncated part of the heights, over their variation, up to which they have digits.
     digits: float = 1e-3
+    covers: float = 16.0
 
 
 @dataclass(frozen=True)
 class DifferenceOptions:
-    """Steps of the central differences, each twice the one before, and the rounding of heights."""
+    """Steps of the central differences, each twice the one before, and the round-off of heights.
 
-    # Steps below the scale of a place: down to 1e-11 of it.
+    finer: number of steps below the scale of a place, down to 1e-11 of it.
+    wider: number of steps above it; heights with a large constant need wide ones.
+    of_period: the widest step over the period of a height that repeats.
+    sure: steps that agree before a run is sure; the last one has 2^-8 of the first's round-off.
+    level: steps over which round-off stays level before truncation shows.
+    margin: round-off of an extrapolated quotient, over that of a height over the least step.
+    together: places side by side that share their round-off; insensitive, 16 to 64.
+    at_once: places worked on together, which bounds the memory.
+    """
+
     finer: int = 36
-    # Steps above it: heights with a large constant or with hidden rounding need wide ones.
     wider: int = 24
-    # The widest step over the period of a height that repeats.
     of_period: float = 0.25
-    # Steps that agree before a run is sure: the rounding of the last one is 2^8 times smaller.
     sure: int = 8
-    # Rounding of an extrapolated quotient, over that of a height over the least step: below 2.
-    margin: float = 3.0
-    # Places that are worked on together, which bounds the memory.
-    at_once: int = 2**12
-    # Places side by side that share their rounding: insensitive, 16 to 64 give the same.
+    level: int = 6
+    margin: float = 8.0
     together: int = 32
-    # Steps whose median roughness is compared with that of as many wider ones.
-    half_window: int = 3
-    # Growth of that roughness up to which it is rounding: at a kink it grows by eight.
-    level: float = 2.0
-    # Rounding over what the first height that changes by it shows: the weights' ratio.
-    begins: float = 128.0
-    # A largest rounding over the median one.
-    spread: float = 4.0
-    # Hidden rounding over that of the highest heights met: places may be counted from far away.
-    hides: float = 1e7
-
-
-@dataclass(frozen=True)
-class CheckOptions:
-    """Where complex steps are checked."""
-
-    # Places of a set: errors of a formula are as wide as its terms.
-    places: int = 32
-    # Width of the interval checked before, over that of a set, up to which it covers the set.
-    covers: float = 16.0
+    at_once: int = 2**12
 
 
 VERDICTS = VerdictOptions()
 DIFFERENCES = DifferenceOptions()
-CHECKS = CheckOptions()
 
 
 class DerivedSlope:
@@ -145,8 +131,10 @@ class DerivedSlope:
             return None
         lo, hi = float(x.min()), float(x.max())
         known = self._checked[0] <= lo and hi <= self._checked[1]
-        if not (known and self._checked[1] - self._checked[0] <= CHECKS.covers * (hi - lo)):
-            few = np.sort(x)[np.linspace(0, x.size - 1, min(x.size, CHECKS.places)).astype(np.intp)]
+        if not (known and self._checked[1] - self._checked[0] <= VERDICTS.covers * (hi - lo)):
+            few = np.sort(x)[
+                np.linspace(0, x.size - 1, min(x.size, DIFFERENCES.together)).astype(np.intp)
+            ]
             judged = verdicts(
                 self._height, self._step, few, scale_of(few, self._length, self._ends)
             )
@@ -258,9 +246,9 @@ def _compared(
     off = np.ptp(heights - integral, axis=1)
     total, steepest = np.ptp(heights, axis=1), np.abs(slopes).max(axis=1)
     size = np.maximum(total, h * steepest)
-    last = fit[-options.last :].T
+    last = fit[-options.nodes // 2 :].T
     of_heights, of_slopes = (np.abs(part @ last).max(axis=1) for part in (heights, slopes))
-    rounded = _EPS * (np.abs(heights).max(axis=1) + np.abs(x) * steepest)
+    rounded = EPS * (np.abs(heights).max(axis=1) + np.abs(x) * steepest)
     # Heights that do not change may hide a change below their rounding.
     tells = (total > 0) & (of_heights <= options.digits * total) & np.isfinite(off)
     tells &= rounded <= options.digits * size
@@ -310,10 +298,10 @@ def _quotients(
     blocks = min(options.together, len(x))
     finite = np.where(np.isfinite(here), np.abs(here), 0.0)
     highest = np.repeat(finite.reshape(-1, blocks).max(axis=1), blocks)
-    rounding = _EPS * (
+    rounding = EPS * (
         np.maximum(np.maximum(np.abs(right), np.abs(left)), highest) + np.abs(x * quotients)
     )
-    hidden = np.repeat(_hidden(right - 2 * here + left, rounding, blocks, options), blocks)
+    hidden = np.repeat(_hidden(right - 2 * here + left, blocks, options), blocks)
     # Combined so that no terms of h^2, h^4 and h^6 are left.
     values = (
         4096 * quotients[:-3] - 1344 * quotients[1:-2] + 84 * quotients[2:-1] - quotients[3:]
@@ -362,39 +350,37 @@ def _first_run(values: Array, noise: Array, options: DifferenceOptions) -> tuple
     return best, doubt
 
 
-def _hidden(evens: Array, rounding: Array, blocks: int, options: DifferenceOptions) -> Array:
-    """Rounding of heights in each block that their size hides, as of cosh(x) - 1; else 0.
+def _hidden(evens: Array, blocks: int, options: DifferenceOptions) -> Array:
+    """Round-off of heights in each block that their size hides, as of cosh(x) - 1.
 
-    evens: second differences. A combination of them of sixth order is level while it is rounding,
-    and grows with the step where it is not.
+    evens: second differences by growing steps. A combination of them of sixth order is level while
+    it is round-off, and grows with the step where it is not: its least level is the round-off.
     """
     rough = np.abs(evens[2:] - 20 * evens[1:-1] + 64 * evens[:-2]) / 128
-    rough = np.median(
-        np.where(np.isfinite(rough), rough, np.inf).reshape(len(rough), -1, blocks), axis=2
+    rough = np.where(np.isfinite(rough), rough, np.inf).reshape(len(rough), -1, blocks)
+    windows = np.lib.stride_tricks.sliding_window_view(
+        np.median(rough, axis=2), options.level, axis=0
     )
-    windows = np.lib.stride_tricks.sliding_window_view(rough, 2 * options.half_window, axis=0)
-    before, after = (np.median(half, axis=2) for half in np.split(windows, 2, axis=2))
-    level = (before > 0.0) & np.isfinite(before) & (after <= options.level * before)
-    found = np.where(level, np.max(windows, axis=2), np.inf)
-    found = np.where(found <= options.begins * np.min(found, axis=0), found, 0.0)
-    found = np.max(np.where(np.isfinite(found), found, 0.0), axis=0)
-    sizes = np.where(np.isfinite(rounding), rounding, 0.0).reshape(len(rounding), -1, blocks)
-    return np.asarray(
-        np.minimum(options.spread * found, options.hides * np.max(sizes, axis=(0, 2)))
-    )
+    # Steps too short to change a height show no round-off.
+    level = np.where(np.median(windows, axis=2) > 0.0, np.max(windows, axis=2), np.inf)
+    least = np.min(level, axis=0)
+    return np.where(np.isfinite(least), least, 0.0)
 
 
 @dataclass(frozen=True)
 class DetailOptions:
-    """How the smallest length of a shape is found from its Chebyshev series."""
+    """How the smallest length of a shape is found from its Chebyshev series.
 
-    # Heights at first and at the most.
+    first: heights at first; most: heights at the most.
+    counts: terms of the slope that count, over the largest one.
+    counts_of_sharp: the same of a series that has not ended.
+    coarsest: the largest answer is the interval over this number.
+    """
+
     first: int = 256
     most: int = 2**14
-    # Terms of the slope that count, over the largest; and of a series that has not ended.
     counts: float = 1e-5
     counts_of_sharp: float = 0.1
-    # Parts of the interval that are looked at whatever the shape is.
     coarsest: int = 16
 
 

@@ -37,6 +37,11 @@ _NAMES = frozenset(
     "x y z r h pos position dist distance height heights profile lateral length depth path "
     "weg hohe tiefe abscisse hauteur altura высота длина координата 高度 位置 高さ".split()
 )
+# Words that follow a name in a header and are no units.
+_NO_UNITS = frozenset(
+    "raw data axis value values coord coordinate profile signal filtered corrected levelled "
+    "leveled smoothed mean average abs rel left right top measured axe achse wert werte".split()
+)
 # Parts of names of heights that grow into the body.
 _DEPTHS = (
     "depth", "tiefe", "profondeur", "profundi", "profondit", "diepte", "djup", "глубин", "深",
@@ -115,6 +120,7 @@ _TO_BRACKET = re.compile(r"[^\[(<{\])>}]+[\[(<{][^\])>}]*[\])>}]")  # words up t
 _NAME_MARK = re.compile(r"\s*([/:,])\s+(\S)|\s(in|en|в)\s+(\S)")  # between a name and a word
 _MARKED = re.compile(r"(?:[/,:=]|\s(?:in|en|в)\s)\s*(\S+)$")  # the word behind a mark
 _LAST_WORD = re.compile(r"(?:^.*[\s_.-]|^[xyzXYZ])(\S+?)$")
+_NAME_WORD = re.compile(r"^([^\W_]+)([\s_.-]+)([^\W\d_]{2,})$")  # a name and one more word
 _VALUE = re.compile(r"([.,]\d+|[=:]\s*\d+)[\s_]*\D+$")  # "pitch 0.5 um" is no name
 _WORDS = re.compile(r"[^\W\d_]+")
 _NUMBER_FIRST = re.compile(r"[+-]?[\d.,]*\d")
@@ -148,19 +154,31 @@ def unit_of(field: str, short: bool = False) -> Unit | None:
 def units_of(cells: Sequence[str]) -> tuple[Unit | None, ...]:
     """The units in the fields of a header.
 
-    A single letter behind a name is one where all fields have one, or where it is a volt; so is
-    any word that stands behind all names.
+    A single letter behind a name is one where all fields have one, or where it is a volt. A word
+    that stands behind every name is a unit, though perhaps an unknown one.
     """
     units = tuple(unit_of(cell) for cell in cells)
     ends = {last[1] if (last := _LAST_WORD.match(cell)) else "" for cell in cells}
     word = ends.pop()
-    if len(cells) > 1 and not (any(units) or ends or is_name(word) or re.search(r"\d|^$", word)):
+    if len(cells) > 1 and not (
+        any(units) or ends or is_name(word) or re.search(r"\d|^$", word) or word in _NO_UNITS
+    ):
         return (Unit(word, scale_of(word)),) * len(cells)
+    if not any(units) and all(unknown := [_word_behind_name(cell) for cell in cells]):
+        return tuple(Unit(word, scale_of(word)) for word in unknown)
     letters = tuple(unit_of(cell, short=True) for cell in cells)
     no_length = any(unit is not None and unit.why_not for unit in letters) and not any(units)
     if no_length or all(unit is not None and len(unit.word) == 1 for unit in letters):
         return letters
     return units
+
+
+def _word_behind_name(field: str) -> str:
+    """The word behind a usual name, as in "Height_smoot"; empty where it may be no unit."""
+    found = _NAME_WORD.match(field.strip())
+    if found is None or not is_name(found[1]) or is_name(found[3]):
+        return ""
+    return "" if found[3].lower() in _NO_UNITS else found[3]
 
 
 def units_row(cells: Sequence[str], above: Sequence[str]) -> tuple[Unit | None, ...] | None:

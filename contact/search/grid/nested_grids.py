@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from contact.errors import OutOfRange
 from contact.formulation.tables import in_cell, runs_of
-from contact.model.declared import require_numbers
+from contact.model.plugin_checks.declarations import require_numbers
 from contact.model.profiles.base import Profile
 from contact.search.grid.centring import Unrest
 from contact.search.grid.conjugate_gradient import GridState, Response, solve_grid

@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from contact.errors import NotConverged, OutOfRange
-from contact.model.parts import Told
+from contact.model.plugin_checks.forms import AuthorMethod
 from contact.model.scene import Scene
 from contact.solution.solution import Solution
 
@@ -201,7 +201,7 @@ def by_quantity(
     """The contact under a control of a user's own. solve: the contact under a load."""
     control, sign = scene.control_object, -1.0 if scene.control_object.falls else 1.0
     tolerance = max(OPTIONS.tolerance_factor * tol, OPTIONS.least_tolerance)
-    told = Told(f"{control.name}.of(solution)", "control")
+    told = AuthorMethod(f"{control.name}.of(solution)", "control")
     pairs: dict[float, Solution] = {}  # the solution under a slightly smaller load
 
     def under(load: float, start: Solution | None) -> Solution:

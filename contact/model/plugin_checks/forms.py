@@ -1,8 +1,8 @@
-"""Checks of a scene's parts whose classes are someone's own: the form of attributes and methods.
+"""Check of the attributes and methods of a scene's parts that users wrote.
 
 `require_form` runs once, when a scene is made. It checks the attributes and the arguments that the
-methods take, and names the first that is wrong. `Told.number`, `Told.text` and `Told.rows` check
-what the methods return, where they are called.
+methods take, and names the first that is wrong. `AuthorMethod` checks what the methods return,
+where they are called.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from contact.model.substrates.base import Substrate
 
 
 class Form(NamedTuple):
-    """What an attribute must be: a test of its value, and the same in words."""
+    """Form of an attribute: a test of its value, and the same in words."""
 
     holds: Callable[[Any], bool]
     allowed: str
@@ -49,42 +49,48 @@ def _are_places(value: Any) -> bool:
     return bool(places.dtype.kind in "iuf" and places.ndim == 1 and np.isfinite(places).all())
 
 
-_PARTS = np.array(
-    [[0.07, 0.213, 0.441], [0.61, 0.787, 0.932]]
-)  # of a period, at which a transform is asked
+def _is_flag(value: Any) -> bool:
+    return isinstance(value, (bool, np.bool_))
+
+
+def _is_text(value: Any) -> bool:
+    return isinstance(value, str) and bool(value.strip())
+
+
+def _is_not_negative(value: Any) -> bool:
+    return _is_number(value) and bool(value >= 0)
+
+
+def _is_length_or_none(value: Any) -> bool:
+    return value is None or (_is_number(value) and bool(value > 0))
+
+
+def _is_count(value: Any) -> bool:
+    return isinstance(value, (int, np.integer)) and not isinstance(value, bool) and bool(value >= 0)
+
+
+def _is_position(value: Any) -> bool:
+    return isinstance(value, (int, float)) and not isnan(value)
+
+
+def _is_or_none(kind: type) -> Callable[[Any], bool]:
+    return lambda value: value is None or isinstance(value, kind)
+
+
 _NO_METHOD = "(a property, not a method)"
-_FLAG = Form(lambda value: isinstance(value, (bool, np.bool_)), f"True or False {_NO_METHOD}")
-_TEXT = Form(lambda value: isinstance(value, str) and bool(value.strip()), "a non-empty string")
-_NOT_BELOW_0 = Form(
-    lambda value: _is_number(value) and value >= 0, f"a finite number >= 0 {_NO_METHOD}"
-)
-_LENGTH = Form(
-    lambda value: value is None or (_is_number(value) and value > 0),
-    f"None, or a length > 0 [m] {_NO_METHOD}",
-)
-_COUNT = Form(
-    lambda value: (
-        isinstance(value, (int, np.integer)) and not isinstance(value, bool) and bool(value >= 0)
-    ),
-    "a whole number >= 0",
-)
+_FLAG = Form(_is_flag, f"True or False {_NO_METHOD}")
+_TEXT = Form(_is_text, "a non-empty string")
+_NOT_BELOW_0 = Form(_is_not_negative, f"a finite number >= 0 {_NO_METHOD}")
+_LENGTH = Form(_is_length_or_none, f"None, or a length > 0 [m] {_NO_METHOD}")
+_COUNT = Form(_is_count, "a whole number >= 0")
 _NAMES = Form(_are_controls, f"a tuple of names of controls, of {', '.join(CONTROLS)}")
 _TABLE = Form(
-    lambda value: value is None or isinstance(value, Mapping),
+    _is_or_none(Mapping),  # type: ignore[type-abstract]
     'None, or a dictionary of units by parameter, such as {"depth": "m"}',
 )
-_QUANTITY = Form(
-    lambda value: value is None or isinstance(value, Quantity),
-    "None, or a contact.model.controls.Quantity",
-)
-_BARE = Form(
-    lambda value: value is None or isinstance(value, Law),
-    "None, or a law, such as contact.Frictionless()",
-)
-_START = Form(
-    lambda value: isinstance(value, (int, float)) and not isnan(value),
-    f"a position [m] {_NO_METHOD}",
-)
+_QUANTITY = Form(_is_or_none(Quantity), "None, or a contact.model.controls.Quantity")
+_BARE = Form(_is_or_none(Law), "None, or a law, such as contact.Frictionless()")
+_START = Form(_is_position, f"a position [m] {_NO_METHOD}")
 _PLACES = Form(_are_places, f"a one-dimensional array of positions [m] {_NO_METHOD}")
 
 # By kind of part: the forms of its attributes, and the arguments of its methods.
@@ -119,7 +125,7 @@ _METHODS: dict[type, dict[str, tuple[str, ...]]] = {
 
 
 def is_own(part: Any) -> bool:
-    """Whether the class of a part is someone's own."""
+    """Whether the class of a part is a user's."""
     return not type(part).__module__.startswith("contact.")
 
 
@@ -168,22 +174,27 @@ def require_conjugate(profile: Profile) -> None:
     """SceneError where the transform of the slope has another shape than its argument."""
     if profile.period is None:
         return
-    x = profile.x0 + profile.period * _PARTS
-    told = Told("profile.slope_conjugate(x)", "slope_conjugate")
-    value = told.value(profile.slope_conjugate, x.copy())
+    x = profile.x0 + profile.period * np.random.default_rng(0).random((2, 3))
+    method = AuthorMethod("profile.slope_conjugate(x)", "slope_conjugate")
+    value = method.value(profile.slope_conjugate, x.copy())
     array = np.zeros(x.shape) if value is None else as_array(value)
     if array.dtype.kind not in "iuf" or array.shape != x.shape:
-        raise SceneError.of(told.what, value, f"None, or real numbers of the shape of x, {x.shape}")
+        raise SceneError.of(
+            method.what, value, f"None, or real numbers of the shape of x, {x.shape}"
+        )
 
 
-class Told(NamedTuple):
-    """A call of an author's method: how messages name it, and the part of the scene that has it."""
+class AuthorMethod(NamedTuple):
+    """Calls of an author's method, checked.
+
+    what: how messages name the method; part: the part of the scene that has it.
+    """
 
     what: str
     part: str
 
     def value(self, method: Callable[..., Any], *arguments: Any) -> Any:
-        """The value that it returns; SceneError where it raises.
+        """The value that the method returns; SceneError where it raises.
 
         The package's own methods are called directly: the guard takes a few microseconds.
         """
@@ -197,18 +208,18 @@ class Told(NamedTuple):
     def number(
         self, method: Callable[..., Any], *arguments: Any, allowed: str = "a finite real number"
     ) -> float:
-        """The finite number that it returns."""
+        """The finite number that the method returns."""
         return such(self.what, self.value(method, *arguments), allowed, lambda number: True)
 
     def text(self, method: Callable[..., Any], *arguments: Any) -> str:
-        """The words that it returns, empty for None."""
+        """The words that the method returns, empty for None."""
         value = self.value(method, *arguments)
         if value is None or isinstance(value, str):
             return value or ""
         raise SceneError.of(self.what, value, "words that end a sentence, or None")
 
     def rows(self, kind: type, method: Callable[..., Any], *arguments: Any) -> tuple[Any, ...]:
-        """The objects of one kind that it returns."""
+        """The objects of one kind that the method returns."""
         value = self.value(method, *arguments)
         if isinstance(value, Iterable):
             value = tuple(value)
@@ -223,11 +234,11 @@ def require_law(law: Law, E_star: float) -> None:
     if not is_own(law):
         finite("law.intensity(E_star)", law.intensity(E_star), allowed)
         return
-    told = Told("law.intensity(E_star)", "law")
-    intensity = told.number(law.intensity, E_star, allowed=allowed)
+    method = AuthorMethod("law.intensity(E_star)", "law")
+    intensity = method.number(law.intensity, E_star, allowed=allowed)
     if intensity > 0:
         why = "no pressure rises without bound at an end that is free to move"
-        raise SceneError.of(told.what, intensity, f"{allowed} and at most 0: {why}")
+        raise SceneError.of(method.what, intensity, f"{allowed} and at most 0: {why}")
     if intensity < 0 and not law.pulls:
         raise SceneError.of(
             "law.pulls",
@@ -243,13 +254,14 @@ def require_law(law: Law, E_star: float) -> None:
 
 
 def held_by(control: Control, scene: Any) -> Held | None:
-    """The quantity that the solver holds under a control; SceneError where it has neither that nor
-    `of`.
+    """The quantity that the solver prescribes under a control; None where it has to be searched for.
+
+    Raises SceneError where the control has neither `held` nor `of`.
     """
     if not is_own(control):
         return control.held(scene)
-    told = Told("control.held(scene)", "control")
-    held = told.value(control.held, scene)
+    method = AuthorMethod("control.held(scene)", "control")
+    held = method.value(control.held, scene)
     if held is None and type(control).of is Control.of:
         allowed = (
             "defined: it returns the value that a solution has (or define `held` or `quantity`)"
@@ -257,6 +269,6 @@ def held_by(control: Control, scene: Any) -> Held | None:
         raise SceneError.of("control.of(solution)", None, allowed)
     if held is not None and not (isinstance(held, Held) and isinstance(held.quantity, Quantity)):
         raise SceneError.of(
-            told.what, held, "None, or contact.model.controls.Held(Quantity..., value)"
+            method.what, held, "None, or contact.model.controls.Held(Quantity..., value)"
         )
     return held

@@ -1,0 +1,170 @@
+"""Corners of a profile: declared kinks against the slope, and corners that nobody declares.
+
+A strong corner is enclosed by halving intervals towards the larger change of the slope. A faint one
+stands out in differences of sixth order, in which smooth parts vanish. A bend that is smooth, only
+sharp, looks like a corner from afar: its jump must stay as the distance shrinks.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from contact.model.plugin_checks.jumps import CHECKS, jumps_at, room_around, slope_jumps
+from contact.model.profiles.base import Profile
+from contact.model.profiles.noise import EPS, PLACES, deviations
+from sie import Array
+
+
+@dataclass(frozen=True)
+class CornerOptions:
+    """Search for faint corners.
+
+    samples_per_length: samples in the smallest length of the shape; (2 pi / 200)^6 is 1e-9.
+    min_samples, max_samples: limits of the number of samples.
+    stands_out: difference over the median one at which a place is examined; 16 to 256 find the
+        same corners.
+    """
+
+    samples_per_length: float = 200.0
+    min_samples: int = 2**10
+    max_samples: int = 2**15
+    stands_out: float = 64.0
+
+
+_OPTIONS = CornerOptions()
+
+
+def kinks(profile: Profile, x: Array) -> Iterator[str]:
+    """Faults of the declared kinks: false jumps, and corners that are not declared."""
+    lo, hi = float(x[0]), float(x[-1])
+    width = hi - lo
+    if profile.period is not None:
+        # The cell starts off any likely kink, so that its border lies inside.
+        width = profile.period
+        lo = profile.x0 - CHECKS.off_border * width
+    scale = float(np.max(np.abs(np.asarray(profile.slope(x)))))
+    declared = np.asarray(profile.kinks, dtype=np.float64).reshape(-1, 2)
+    slope, reach, rounding = _sharp_slope(profile, width, x)
+    points = np.asarray(profile.algebraic_points, dtype=np.float64)
+    for s, jump in declared:
+        seen = float(np.diff(slope(np.array([s - 2 * reach, s + 2 * reach])))[0])
+        # An algebraic point of an exponent near 1 looks like a kink from anywhere.
+        seen -= sum(
+            (left + right) * n * (2 * reach) ** (n - 1) for at, n, left, right in points if at == s
+        )
+        if abs(seen - jump) > CHECKS.jump * max(scale, abs(jump)) + rounding:
+            yield f"kink declared at {s:.6g} with jump {jump:.6g}: the slope jumps by {seen:.6g} there"
+    for s, jump in slope_jumps(slope, lo, lo + width, reach, max(scale, rounding / CHECKS.jump)):
+        at = float(profile.wrap(s)) if profile.period is not None else s
+        away = np.abs(np.append(declared[:, 0], points[:, 0]) - at)
+        if profile.period is not None:
+            away = np.minimum(away, profile.period - away)
+        if np.any(away <= max(4 * reach, 1e-6 * width)):
+            continue
+        found = _followed(profile, s, jump, 4 * reach)
+        if found is not None:
+            at = float(profile.wrap(found[0])) if profile.period is not None else found[0]
+            yield f"the slope jumps by {found[1]:.6g} at {at:.9g}, and kinks does not say so"
+
+
+def _followed(profile: Profile, s: float, jump: float, h: float) -> tuple[float, float] | None:
+    """Place and jump of a corner near s, seen from ever shorter distances h; None without one.
+
+    The jump of a bend that is only sharp falls with the distance, that of round-off grows.
+    """
+    least, found = max(64 * EPS * abs(s), CHECKS.nearest * h), None
+    while h > least:
+        at = s + h * np.linspace(-1, 1, 17)
+        h /= 4
+        if profile.slope_is_derived:
+            right, here, left = (np.asarray(profile.height(at + k * h)) for k in (1, 0, -1))
+            bends = (right - 2 * here + left) / h
+            rounding = 4 * EPS * float(np.max(np.abs(here))) / h
+        else:
+            right, left = (np.asarray(profile.slope(at + k * h)) for k in (1, -1))
+            bends, rounding = right - left, 4 * EPS * float(np.max(np.abs(right)))
+        if rounding > CHECKS.clear * abs(jump):
+            break
+        s = float(at[np.argmax(np.abs(bends))])
+        around = s + h * np.array([-3.0, -1.0, 1.0, 3.0])
+        if profile.slope_is_derived:
+            rises = np.diff(np.asarray(profile.height(around))) / (2 * h)
+            seen = float(rises[2] - rises[0])
+        else:
+            seen = float(np.diff(np.asarray(profile.slope(around[1:3])))[0])
+        if not 0.5 < abs(seen / jump) < 3.0:
+            return None
+        jump, found = seen, (s, seen)
+    return found
+
+
+def _sharp_slope(
+    profile: Profile, width: float, x: Array
+) -> tuple[Callable[[Array], Array], float, float]:
+    """The slope, the distance at which its two sides can be told apart, and its round-off."""
+    if not profile.slope_is_derived:
+        return (lambda x: np.asarray(profile.slope(x))), 1e-10 * width, 0.0
+    # The derived slope fails near a corner; short differences of the height blur it by their step.
+    h = 1e-6 * width
+    rounding = 4 * EPS * float(np.max(np.abs(np.asarray(profile.height(x))))) / h
+
+    def slope(x: Array) -> Array:
+        rise = np.asarray(profile.height(x + h)) - np.asarray(profile.height(x - h))
+        return np.asarray(rise / (2 * h))
+
+    return slope, h, rounding
+
+
+def undeclared_corner(profile: Profile, intervals: Array) -> str:
+    """The first corner in intervals (n, 2) [m] that the profile does not declare, in words."""
+    for lo, hi in intervals.tolist():
+        found = corner(profile, lo, hi)
+        if found is not None:
+            at = float(profile.wrap(found[0]))
+            return f"the slope jumps by {found[1]:.6g} at {at:.9g}, and kinks does not say so"
+    return ""
+
+
+def corner(profile: Profile, lo: float, hi: float) -> tuple[float, float] | None:
+    """Place and jump of the slope at the clearest undeclared corner in an interval, or None."""
+    function = profile.height if profile.slope_is_derived else profile.slope
+    count = _OPTIONS.samples_per_length * (hi - lo) / (profile.resolution or hi - lo)
+    count = int(np.clip(count, _OPTIONS.min_samples, _OPTIONS.max_samples))
+    x = np.linspace(lo, hi, count + 1)
+    rough, last = _roughness(function, x)
+    declared = _repeated(profile, np.asarray(profile.breakpoints, dtype=np.float64))
+    holds_one = np.diff(np.searchsorted(declared, (x[:-last], x[last:])), axis=0)[0] > 0
+    rough[holds_one] = 0.0
+    i = int(np.argmax(rough))
+    if not rough[i] > _OPTIONS.stands_out * float(np.median(rough)):
+        return None
+    a, b = float(x[i]), float(x[i + last])
+    # The corner is enclosed more narrowly until round-off hides it.
+    while b - a > 64 * EPS * max(abs(a), abs(b)):
+        x = np.linspace(a, b, 4 * last + 1)
+        rough, last = _roughness(function, x)
+        i = int(np.argmax(rough))
+        if not rough[i] > 64 * EPS * float(np.abs(function(x)).max()):
+            break
+        a, b = float(x[i]), float(x[i + last])
+    at = np.array([0.5 * (a + b)])
+    room = room_around(at, np.append(declared, (lo, hi)), hi - lo, periodic=False)
+    seen = jumps_at(profile, at, room, nearest=4 * (b - a))
+    jump, doubt = float(seen.height[0, 0]), float(seen.doubt[0, 0])
+    return (float(at[0]), jump) if seen.sharp[0, 0] and abs(jump) > 10 * doubt else None
+
+
+def _roughness(function: Callable[[Array], Array], x: Array) -> tuple[Array, int]:
+    """Deviation of each group of successive values from a smooth function, and a group's width."""
+    values = np.asarray(function(x), dtype=np.float64)
+    groups = np.lib.stride_tricks.sliding_window_view(values, len(PLACES))
+    rough = deviations(groups.T)
+    return np.where(np.isfinite(rough), rough, 0.0), len(PLACES) - 1
+
+
+def _repeated(profile: Profile, places: Array) -> Array:
+    """Places in the cell and in the cells next to it, ascending."""
+    if profile.period is not None:
+        places = np.concatenate([places + turn * profile.period for turn in (-1, 0, 1)])
+    return np.sort(places)

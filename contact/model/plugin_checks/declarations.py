@@ -1,0 +1,185 @@
+"""Check of the form of a user's profile, once, when a scene is made.
+
+A wrong shape is named here, and does not come up as an error of numpy's in the middle of a
+solution. Whether the values agree with each other is for `contact.testing.check_profile`.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from contact.errors import SceneError, shown
+from contact.model.checks import as_array, of_author, positive_or_none
+from contact.model.profiles.base import Profile
+from sie import Array
+
+
+@dataclass(frozen=True)
+class DeclarationLimits:
+    """Where and how far the heights of a profile are looked at.
+
+    places: of a cell, or of a part that is known, at which heights must be numbers.
+    largest_height: variation of heights [m] whose square is still a number with a length's.
+    """
+
+    places: int = 4097
+    largest_height: float = 1e120
+
+
+_LIMITS = DeclarationLimits()
+
+# Columns of the arrays that have one row a place.
+_COLUMNS = {
+    "kinks": ("position", "jump of the slope"),
+    "jumps": ("position", "order", "jump of that derivative"),
+    "algebraic_points": (
+        "position",
+        "exponent",
+        "the coefficients of that power of the distance on the left",
+        "on the right",
+    ),
+}
+
+
+def require_declared(profile: Profile) -> None:
+    """SceneError that names the first attribute or method of the profile of a wrong form."""
+    require_declarations(profile)
+    x = _places(profile)
+    _require_by_elements(profile, "height", x)
+    _require_heights(profile, x)
+    _require_by_elements(profile, "slope", x)
+    _require_tables(profile)
+
+
+def _require_tables(profile: Profile) -> None:
+    """SceneError where an author's `tables()` is not what a scene file can hold."""
+    if type(profile).tables is Profile.tables:
+        return
+    with of_author("profile.tables()", "profile"):
+        tables: Any = profile.tables()
+    tabled = isinstance(tables, Mapping) and all(isinstance(t, Mapping) for t in tables.values())
+    if not (tabled and "shape" in tables.get("profile", {})):
+        allowed = 'a dictionary of tables, such as {"profile": {"shape": "cosh", "scale": 1.0}}'
+        raise SceneError.of("profile.tables()", tables, allowed)
+
+
+def _require_heights(profile: Profile, x: Array) -> None:
+    """SceneError where heights are no numbers, or larger than can be squared.
+
+    x: where to look at a profile without ends.
+    """
+    ends = profile.known or profile.support
+    x = np.linspace(*ends, _LIMITS.places) if ends is not None else x
+    with of_author("profile.height(x)", "height"):
+        heights = np.asarray(profile.height(x.copy()), dtype=np.float64)
+    # Without ends, far places need not matter: they do where the contact is searched for.
+    if ends is not None:
+        require_numbers(x, heights)
+    central = heights if ends is not None else heights[np.abs(x) <= np.median(np.abs(x))]
+    with np.errstate(over="ignore"):
+        finite = central[np.isfinite(central)]
+        size = float(np.ptp(finite)) if finite.size else 0.0
+    if not size < _LIMITS.largest_height:
+        reason = (
+            f"profile.height(x) varies by {size:.3g} m about x = {np.median(x):.3g} m: more than "
+            f"{_LIMITS.largest_height:.0e} m cannot be squared as a number; "
+            "is the unit of length the metre?"
+        )
+        raise SceneError(reason, "height", size)
+
+
+def require_numbers(x: Array, heights: Array) -> None:
+    """SceneError that names the first place at which a height is nan or -inf."""
+    lost = np.isnan(heights) | np.isneginf(heights)
+    if lost.any():
+        x, heights = x[lost], heights[lost]
+        k = int(np.argmin(x))
+        reason = (
+            f"profile.height(x) is {heights.ravel()[k]} at x = {x.ravel()[k]:.9g} m: "
+            "it must be a number, or +inf where there is no body"
+        )
+        raise SceneError(reason, "height", float(heights.ravel()[k]))
+
+
+def require_declarations(profile: Profile) -> None:
+    """SceneError that names the first attribute of the profile of a wrong form."""
+    positive_or_none("profile.period", _read(profile, "period"))
+    for name in ("support", "extent"):
+        ends = _read(profile, name)
+        if ends is not None and not (
+            _is_real(ends, 1) and np.shape(ends) == (2,) and ends[0] < ends[1]
+        ):
+            raise SceneError.of(
+                f"profile.{name}", ends, "None, or a left and a larger right end [m]"
+            )
+    positive_or_none("profile.resolution", _read(profile, "resolution"))
+    for name, columns in _COLUMNS.items():
+        table, count = _read(profile, name), len(columns)
+        if not (isinstance(table, np.ndarray) and _is_real(table, 2) and table.shape[1] == count):
+            meaning = f"{', '.join(columns[:-1])} and {columns[-1]}"
+            allowed = (
+                f"a numpy array of finite rows of {count}: {meaning} (a property, not a method)"
+            )
+            raise SceneError.of(f"profile.{name}", table, allowed)
+    low = profile.algebraic_points[profile.algebraic_points[:, 1] <= 1.0]
+    if len(low):
+        allowed = "rows whose exponent is above 1 (1 is a kink: declare it in kinks; below 1 is a cusp, infinitely steep)"
+        raise SceneError.of("profile.algebraic_points", low[0].tolist(), allowed)
+    tips = _read(profile, "summits")
+    if tips is not None and not (_is_real(tips, 1) and np.size(tips)):
+        raise SceneError.of(
+            "profile.summits", tips, "None, or a one-dimensional array of positions [m]"
+        )
+    if not isinstance(symmetric := _read(profile, "symmetric"), (bool, np.bool_)):
+        raise SceneError.of(
+            "profile.symmetric", symmetric, "True or False (a property, not a method)"
+        )
+
+
+def _read(profile: Profile, name: str) -> Any:
+    with of_author(f"profile.{name}", f"profile.{name}"):
+        value = getattr(profile, name)
+    return value
+
+
+def _is_real(value: Any, axes: int) -> bool:
+    array = as_array(value)
+    return array.dtype.kind in "iuf" and array.ndim == axes and bool(np.isfinite(array).all())
+
+
+def _places(profile: Profile) -> Array:
+    """Six places (2, 3) at which there should be a profile."""
+    ends = profile.known if profile.period is not None else profile.support or profile.extent
+    spread = np.random.default_rng(0).uniform(-0.5, 0.5, (2, 3))
+    if ends is not None:
+        return np.asarray(0.5 * (ends[0] + ends[1]) + (ends[1] - ends[0]) * spread)
+    # Nobody says how large the shape is: the places are decades apart.
+    decades = np.array([[1.0, 1e-3, 1e-9], [1e-6, 1e-4, 1.0]])
+    return np.asarray((profile.resolution or 1.0) * spread * decades)
+
+
+def _require_by_elements(profile: Profile, name: str, x: Array) -> None:
+    for given in (x, x.ravel()):
+        hint = "; it must work on arrays, element by element (numpy's functions, not math's)"
+        with (
+            of_author(f"profile.{name}(x)", name, f" for an array of shape {given.shape}", hint),
+            warnings.catch_warnings(),
+        ):
+            warnings.simplefilter("ignore")
+            value = np.asarray(getattr(profile, name)(given.copy()))
+        if value.dtype.kind not in "iuf" or value.shape != given.shape:
+            got = f"for x of shape {given.shape} gives {shown(value)}, of type {value.dtype} and shape {value.shape}"
+            raise SceneError(
+                f"profile.{name}(x) {got}: it must be real and of the shape of x", name, value
+            )
+        if not (np.isfinite(value) | (np.isposinf(value) & (name == "height"))).any():
+            raise SceneError(
+                f"profile.{name}(x) is nowhere a finite number: not at x = {x.ravel().tolist()}",
+                name,
+                value,
+            )

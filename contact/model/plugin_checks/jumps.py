@@ -1,0 +1,320 @@
+"""Jumps of derivatives and algebraic points of a profile, seen from its values.
+
+Jumps of f', f'' and f''' at a place are seen from its two sides. On either side a polynomial goes
+through points s +- h, s +- 2h, ... and is differentiated at s, for a ladder of steps h. Long steps
+reach past what the shape does near s, short ones lose their digits to round-off: the step is chosen
+where two neighbours agree best. A bend that is smooth, only sharp, looks like a jump from afar: a
+jump counts as one only if it stays when seen from as near as round-off permits.
+"""
+
+import dataclasses
+from collections.abc import Callable, Iterator
+from math import ceil, comb, factorial, log2
+
+import numpy as np
+
+from contact.model.profiles.base import Profile
+from contact.model.profiles.derive import detail_of
+from contact.model.profiles.noise import EPS
+from sie import Array, Mask
+
+
+@dataclasses.dataclass(frozen=True)
+class JumpOptions:
+    """How jumps and powers are told from smooth shapes.
+
+    points: on either side of a place.
+    differences: order of the differences that separate powers from smooth parts.
+    halvings: steps of the ladder, each half of the one before.
+    samples: values that show whether a shape is smooth in a window.
+    clear: round-off below this part of a jump still shows the jump.
+    unchanged: change of a jump seen from nearer, up to which it is the same jump.
+    nearest: shortest distance from which a corner is seen, over the first one.
+    jump: jump of the slope over the largest slope; a smaller one may be a steep slope.
+    same: difference from a declared jump of f'' or f''' that is round-off, relative.
+    farthest: longest distance from which a place is seen, over the window.
+    bend_step: step of the differences that show the second derivative, over the window.
+    power: part of a declared power that may be missing.
+    off_border: shift of a cell's border, over the period, to no likely place of a kink.
+    """
+
+    points: int = 6
+    differences: int = 8
+    halvings: int = 30
+    samples: int = 400
+    clear: float = 0.05
+    unchanged: float = 0.2
+    nearest: float = 1e-8
+    jump: float = 1e-3
+    same: float = 1e-6
+    farthest: float = 0.1
+    bend_step: float = 1e-7
+    power: float = 2e-3
+    off_border: float = 0.0123456789
+
+
+CHECKS = JumpOptions()
+
+
+@dataclasses.dataclass(frozen=True)
+class Seen:
+    """Jumps of f^(1), f^(2), f^(3), one place a row.
+
+    height: of the jumps; doubt: their errors; sharp: whether each stays when seen from nearer.
+    """
+
+    height: Array
+    doubt: Array
+    sharp: Mask
+
+
+def jumps_at(profile: Profile, places: Array, reach: Array, nearest: float = 0.0) -> Seen:
+    """Jumps at places, seen from distances up to `reach`, one for each place.
+
+    nearest: the shortest step, for places that are not known to the last digit.
+    """
+    # f' where the author gives it, else f: a derived slope takes its points from both sides.
+    first = 0 if profile.slope_is_derived else 1
+    function = profile.height if profile.slope_is_derived else profile.slope
+    k = np.arange(1.0, CHECKS.points + 1)
+    # Row m of the inverse holds the weights of the m-th derivative at 0 over m!, for unit steps.
+    taylor = np.linalg.inv(np.vander(k, increasing=True))
+    shape = (CHECKS.halvings, len(places), 3)
+    seen, rounding = np.zeros(shape), np.full(shape, np.inf)
+    for j in range(CHECKS.halvings):
+        h = reach / CHECKS.points * 0.5**j
+        if j > 1 and not np.any(h >= nearest):
+            break
+        right, left = (
+            np.asarray(function(places[:, None] + side * h[:, None] * k), dtype=float)
+            for side in (1, -1)
+        )
+        size = np.maximum(np.abs(right), np.abs(left)).max(axis=1)
+        # The round-off of the place itself moves the values.
+        moved = np.abs(places) / h * np.maximum(np.ptp(right, axis=1), np.ptp(left, axis=1))
+        for order in (1, 2, 3):
+            m = order - first
+            weights = taylor[m] * factorial(m)
+            seen[j, :, order - 1] = (right @ weights - (-1.0) ** m * (left @ weights)) / h**m
+            rounding[j, :, order - 1] = 2 * EPS * (size + moved) * np.abs(weights).sum() / h**m
+        rounding[j, h < nearest] = np.inf
+    change = np.abs(np.diff(seen, axis=0)) + rounding[1:]
+    best = np.argmin(change, axis=0)
+    height, doubt = (np.take_along_axis(a, best[None], axis=0)[0] for a in (seen[1:], change))
+    nearer = np.arange(CHECKS.halvings - 1)[:, None, None] >= best
+    nearer &= rounding[1:] <= CHECKS.clear * np.abs(height)
+    same = np.abs(seen[1:] - height) <= CHECKS.unchanged * np.abs(height)
+    return Seen(height, doubt, np.all(~nearer | same, axis=0))
+
+
+def slope_jumps(
+    slope: Callable[[Array], Array], lo: float, hi: float, reach: float, scale: float
+) -> list[tuple[float, float]]:
+    """Places and jumps of a function in an interval.
+
+    Intervals of a fine grid are halved towards the larger change, down to `reach`; a change counts
+    if it is not small over `scale`.
+    """
+    cells = 5 * CHECKS.samples
+    edges = np.linspace(lo, hi, cells + 1)
+    a, b = edges[:-1], edges[1:]
+    fa, fb = slope(a), slope(b)
+    for _ in range(max(0, ceil(log2((hi - lo) / cells / (4 * reach))))):
+        m = (a + b) / 2
+        fm = slope(m)
+        left = np.abs(fm - fa) >= np.abs(fb - fm)
+        a, fa = np.where(left, a, m), np.where(left, fa, fm)
+        b, fb = np.where(left, m, b), np.where(left, fm, fb)
+    found = np.abs(fb - fa) > CHECKS.jump * scale
+    places: list[tuple[float, float]] = []
+    for s, jump in zip((a + b)[found] / 2, (fb - fa)[found], strict=True):
+        if not places or s - places[-1][0] > 16 * reach:
+            places.append((float(s), float(jump)))
+    return places
+
+
+def higher_jumps(profile: Profile, x: Array) -> Iterator[str]:
+    """Faults of the declared jumps of f'' and f''', and such jumps that are not declared."""
+    jumps = np.asarray(profile.jumps)
+    if jumps.ndim != 2 or jumps.shape[1] != 3 or not np.isin(jumps[:, 1], (2, 3)).all():
+        yield "jumps must be an array of shape (k, 3): position, order 2 or 3, jump of that derivative"
+        return
+    lo, hi = window_of(profile) if profile.period is not None else (float(x[0]), float(x[-1]))
+    width, periodic, ends = hi - lo, profile.period is not None, ends_of(profile)
+    declared = _declared_places(profile, lo, width)
+    room = room_around(declared, np.append(declared, ends), width, periodic)
+    scale = float(np.max(np.abs(np.asarray(profile.slope(x)))))
+    seen = jumps_at(profile, declared, room)
+    yield from _against_declared(profile, declared, seen, scale, width)
+    if profile.slope_is_derived or not scale > 0:
+        return
+    found = _bends(profile, lo, width, scale)
+    away = np.abs(found[:, None] - np.append(declared, _rough(profile)))
+    away = np.minimum(away, width - away) if periodic else away
+    found = np.sort(found[np.all(away > 1e-5 * width, axis=1)])
+    if len(found):
+        step = CHECKS.bend_step * width
+        room = room_around(found, np.concatenate((declared, found, ends)), width, periodic)
+        seen = jumps_at(profile, found, room, nearest=100 * step)
+        # The slopes of both sides, continued to a place next to the jump, differ by the distance
+        # times the jump: the quotient moves the place onto the jump.
+        distance = seen.height[:, 0] / np.where(seen.height[:, 1] == 0, np.inf, seen.height[:, 1])
+        found = found - np.where(np.abs(distance) < 10 * step, distance, 0.0)
+        seen = jumps_at(profile, found, room, nearest=step / 100)
+        yield from _against_declared(profile, found, seen, scale, width)
+
+
+def _declared_places(profile: Profile, lo: float, width: float) -> Array:
+    """Places where a derivative may jump by the profile's own claims, with the cell's border."""
+    tips = [] if profile.summits is None else [np.asarray(profile.summits, dtype=np.float64)]
+    border = [lo] if profile.period is not None else []
+    places = np.unique(
+        np.concatenate(
+            (border, profile.kinks[:, 0], profile.jumps[:, 0], profile.breakpoints, *tips)
+        )
+    )
+    apart = np.diff(places, prepend=-np.inf) > _one_place(width)
+    # Derivatives of low powers are infinite at such points; `powers` checks these.
+    places = np.setdiff1d(places[apart], _rough(profile))
+    if ends := ends_of(profile):
+        places = places[(places > ends[0]) & (places < ends[1])]
+    return np.asarray(places)
+
+
+def _one_place(width: float) -> float:
+    """Distance up to which two places in a window are one."""
+    return 4096 * EPS * width
+
+
+def _rough(profile: Profile) -> Array:
+    """Algebraic points at which the third derivative is not continuous."""
+    points = np.asarray(profile.algebraic_points, dtype=np.float64)
+    return np.asarray(np.unique(points[points[:, 1] <= 3.0, 0]))
+
+
+def powers(profile: Profile, x: Array) -> Iterator[str]:
+    """Faults of the declared algebraic points, by differences of high order on either side.
+
+    In such differences smooth parts vanish faster than the powers.
+    """
+    points = np.asarray(profile.algebraic_points, dtype=np.float64)
+    lo, hi = window_of(profile)
+    others = np.concatenate((profile.breakpoints, ends_of(profile)))
+    for s in np.unique(points[:, 0]):
+        periodic = profile.period is not None
+        room = float(room_around(np.array([s]), others, hi - lo, periodic)[0])
+        for side, column in ((-1.0, 2), (1.0, 3)):
+            n, c = points[points[:, 0] == s][:, [1, column]].T
+            ratio = _missing_power(profile, float(s), side * room, n, c)
+            if ratio > CHECKS.power:
+                terms = ", ".join(
+                    f"{one:.6g} |x - s|^{power:.6g}" for power, one in zip(n, c, strict=True)
+                )
+                where = "left" if side < 0 else "right"
+                yield f"algebraic point declared at {s:.6g}, {terms} on its {where}: the profile differs by {ratio:.2g} of that"
+
+
+def _missing_power(profile: Profile, s: float, room: float, n: Array, c: Array) -> float:
+    """Least part of declared powers that the differences do not show, over a ladder of steps.
+
+    It is 0 where round-off hides the powers, or hides them before smooth parts have vanished.
+    """
+    derived = profile.slope_is_derived
+    function = profile.height if derived else profile.slope
+    power, size = (n, c) if derived else (n - 1, np.sign(room) * n * c)
+    order = CHECKS.differences
+    weights = np.array([(-1.0) ** k * comb(order, k) for k in range(order + 1)])
+    found = []
+    for j in range(CHECKS.halvings):
+        # Not at s itself: of a low power the round-off of the place is seen there.
+        y = abs(room) / (order + 1) * 0.5**j * np.arange(1, order + 2)
+        values = np.asarray(function(s + np.sign(room) * y), dtype=np.float64)
+        declared = float(weights @ (y[:, None] ** power @ size))
+        # Places next to s are rounded, too.
+        rounding = EPS * float(np.abs(weights) @ np.abs(values)) * (1.0 + abs(s) / y[0])
+        if abs(declared) > 10 * rounding / CHECKS.power:
+            found.append(abs(float(weights @ values) - declared) / abs(declared))
+    # Smooth parts still fall from step to step.
+    return 0.0 if len(found) < 3 or found[-1] < 0.7 * found[-2] else min(found)
+
+
+def room_around(places: Array, others: Array, width: float, periodic: bool) -> Array:
+    """Distance from each place within which there is no other one."""
+    others = np.concatenate((others, others - width, others + width)) if periodic else others
+    others = np.concatenate(([-np.inf], np.sort(others), [np.inf]))
+    before = others[np.searchsorted(others, places - _one_place(width)) - 1]
+    after = others[np.searchsorted(others, places + _one_place(width))]
+    nearest = np.minimum(places - before, after - places)
+    return np.asarray(np.minimum(0.9 * nearest, CHECKS.farthest * width))
+
+
+def _against_declared(
+    profile: Profile, places: Array, seen: Seen, scale: float, width: float
+) -> Iterator[str]:
+    """Faults of the declared jumps of f'' and f''' at places; `corners.kinks` checks f'."""
+    for order in (2, 3):
+        listed = profile.jumps[profile.jumps[:, 1] == order]
+        which = np.searchsorted(places, listed[:, 0] - _one_place(width))
+        known = which < len(places)
+        known[known] = places[which[known]] <= listed[known, 0] + _one_place(width)
+        claimed = np.bincount(which[known], listed[known, 2], len(places))
+        height, doubt = seen.height[:, order - 1], seen.doubt[:, order - 1]
+        error = np.abs(height - claimed) - 10 * doubt
+        size = np.maximum(np.abs(height), np.abs(claimed))
+        least = CHECKS.same * np.maximum(size, scale / width ** (order - 1))
+        for i in np.flatnonzero((error > least) & ((claimed != 0) | seen.sharp[:, order - 1])):
+            s = places[i]
+            if claimed[i]:
+                yield f"jump declared at {s:.6g} of order {order}, {claimed[i]:.6g}: the profile shows {height[i]:.6g}"
+            else:
+                row = f"[{s:.9g}, {order}, {height[i]:.6g}]"
+                yield f"derivative {order} jumps by {height[i]:.6g} at {s:.9g}, and jumps does not say so: {row}"
+
+
+def _bends(profile: Profile, lo: float, width: float, scale: float) -> Array:
+    """Places where the second derivative seems to jump, to a few steps of its differences."""
+    h, periodic = CHECKS.bend_step * width, profile.period is not None
+    if periodic:
+        lo -= CHECKS.off_border * width
+
+    def bend(x: Array) -> Array:
+        rise = np.asarray(profile.slope(x + h)) - np.asarray(profile.slope(x - h))
+        return np.asarray(rise / (2 * h))
+
+    first, last = (lo, lo + width) if periodic else (lo + 2 * h, lo + width - 2 * h)
+    size = float(np.max(np.abs(bend(np.linspace(first, last, CHECKS.samples)))))
+    found = slope_jumps(bend, first, last, 2 * h, max(size, scale / width))
+    # A shape of noise seems to bend everywhere: a tenth of the samples is enough to see it.
+    places = np.array([s for s, _ in found][: CHECKS.samples // 10])
+    return np.asarray(profile.wrap(places), dtype=np.float64) if periodic else places
+
+
+def window_of(profile: Profile) -> tuple[float, float]:
+    """The interval [m] in which a profile is checked."""
+    ends = profile.support or profile.extent or profile.known
+    if ends is not None:
+        return ends
+    length = profile.resolution
+    if length is None and dataclasses.is_dataclass(profile):
+        sizes = [getattr(profile, f.name) for f in dataclasses.fields(profile)]
+        length = next((float(s) for s in sizes if isinstance(s, float) and s > 0), None)
+    half = length or _half_window(profile)
+    return -half, half
+
+
+def _half_window(profile: Profile) -> float:
+    """Half width [m] of a window about 0 in which a shape is smooth and finite, else 1 m."""
+    half = 1.0
+    for _ in range(CHECKS.halvings):
+        with np.errstate(all="ignore"):
+            x = np.linspace(-half, half, CHECKS.samples)
+            finite = np.isfinite(np.asarray(profile.height(x))).all()
+        if finite and detail_of(profile.height, -half, half) > 0.01 * half:
+            return half
+        half /= 4
+    return 1.0
+
+
+def ends_of(profile: Profile) -> tuple[float, ...]:
+    """Ends of the body of a profile without a period; empty if it has none."""
+    return (profile.support or profile.extent or ()) if profile.period is None else ()

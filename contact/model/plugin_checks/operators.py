@@ -1,0 +1,249 @@
+"""Check that a user's interaction or substrate is one elastic body.
+
+An interaction gives an elastic operator in several forms that must agree. The kernel must be one of
+x - xi alone and odd: what a load at one place does at another it does from there as well. It must
+scale with the unit of length, be the derivative of its own potential, and repeat with the period or
+not at all. A symbol must be that of the kernel. Each claim is tested at a few places.
+
+A substrate gives the symbol of an elastic body. It must be real, finite and of the shape of q, from
+waves of the length of a planet to those of an atom; above zero; 1 for short waves; and for long
+ones as the `compression` says.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+import sie
+from contact.errors import SceneError, shown
+from contact.model.checks import of_author, such
+from contact.model.operator import Operator, smooth_potential
+from contact.model.substrates.base import Substrate
+from contact.model.symbols import WAVES, checked
+from sie import Array
+
+
+@dataclass(frozen=True)
+class OperatorTolerances:
+    """How values of kernels and symbols are compared.
+
+    lags: lags over the scale, at which values are compared; all below half a period.
+    step: width of a step of the potential, over the scale.
+    same: relative difference of values that agree.
+    harmonics: waves at which a symbol is compared with that of the kernel.
+    limit: relative difference from a limit for long waves; the longest is 1e-8 1/m.
+    slowest_fall: L - 1 of short waves must fall faster than this power of q.
+    """
+
+    lags: tuple[float, ...] = (0.0137, 0.113, 0.239, 0.318, 0.461)
+    step: float = 1e-3
+    same: float = 1e-7
+    harmonics: int = 64
+    limit: float = 1e-6
+    slowest_fall: float = -8.0
+
+
+_TOLERANCES = OperatorTolerances()
+_LAGS = np.array(_TOLERANCES.lags)
+_EPS = float(np.finfo(np.float64).eps)
+
+
+def require_elastic(operator: Operator, scale: float) -> None:
+    """SceneError that names the first false claim of a user's interaction.
+
+    scale: a length over which the contact varies [m].
+    """
+    interaction, period = operator.interaction, operator.period
+    unit = period or scale
+    kernel = _kernel(operator, unit)
+    if kernel.regular is not None:
+        _require_regular(kernel)
+    if interaction.strip:
+        return
+    repeats = None if period is None else period / unit
+    if kernel.period != repeats:
+        wanted = (
+            "that of the profile, since the model needs one"
+            if repeats
+            else "None, since the model needs none"
+        )
+        raise SceneError.of("interaction.kernel.period", kernel.period, f"{wanted}: {repeats}")
+    if repeats is not None:
+        here, there = _value(kernel, _LAGS), _value(kernel, _LAGS - repeats)
+        _require_same(here, there, "kernel", "does not repeat with the period")
+    other = _kernel(operator, 2 * unit)
+    what = (
+        "does not scale with the unit of length: lengths in it are those of the scene over `unit`"
+    )
+    _require_same(0.5 * _value(other, 0.5 * _LAGS), _value(kernel, _LAGS), "kernel", what)
+    datum = getattr(interaction, "datum", None)
+    if period is None and datum is not None and abs(kernel.datum * unit / datum - 1) > 1e-9:
+        raise SceneError.of(
+            "interaction.datum",
+            datum,
+            f"the length in the kernel's logarithm, {kernel.datum * unit:.6g} m",
+        )
+    if repeats is not None:
+        _require_symbol(operator, kernel)
+
+
+def _kernel(operator: Operator, unit: float) -> sie.Kernel:
+    with of_author("interaction.kernel(period, unit)", "interaction"):
+        kernel = operator.kernel(unit)
+    return kernel
+
+
+def _require_regular(kernel: sie.Kernel) -> None:
+    """SceneError that names the first fault of the smooth part, whose scale is 1."""
+    regular, potential = kernel.regular, kernel.regular_potential
+    assert regular is not None
+    if potential is None:
+        what = "the smooth part of interaction.kernel has no potential, by which the gap is known: give sie.Smooth both"
+        raise SceneError(what, "interaction")
+    zero = np.zeros(1)
+    for name, function in (("value", regular), ("potential", potential)):
+        x, xi = _LAGS[:, None], _LAGS[:2]
+        with of_author(
+            f"the {name} of the smooth part of interaction.kernel", "interaction", " for arrays"
+        ):
+            table = np.asarray(function(x, xi))
+        if (
+            table.dtype.kind not in "iuf"
+            or table.shape != (len(_LAGS), 2)
+            or not np.all(np.isfinite(table))
+        ):
+            got = f"the {name} of the smooth part of interaction.kernel for x (5, 1) and xi (2,) gives {shown(table)}"
+            raise SceneError(
+                f"{got}: it must be real, finite and of the shape of x - xi", "interaction"
+            )
+        # Both places are moved by one shift.
+        _require_same(
+            function(x + _LAGS[1], xi + _LAGS[1]),
+            table,
+            f"smooth part's {name}",
+            "is not one of x - xi alone",
+        )
+    value, minus = regular(_LAGS, zero), regular(-_LAGS, zero)
+    _require_same(
+        -minus,
+        value,
+        "smooth part",
+        "is not odd in x - xi: what a load does elsewhere, one elsewhere does here",
+    )
+    nodes, weights = np.polynomial.legendre.leggauss(5)
+    half = 0.5 * _TOLERANCES.step
+    rise = potential(_LAGS + half, zero) - potential(_LAGS - half, zero)
+    within = half * np.asarray(regular(_LAGS[:, None] + half * nodes, zero)) @ weights
+    # The rise is a difference of potentials: their round-off stays.
+    size = 4096 * _EPS * float(np.abs(potential(_LAGS, zero)).max())
+    _require_same(rise, within, "smooth part", "is not the derivative in x of its potential", size)
+
+
+def _require_symbol(operator: Operator, kernel: sie.Kernel) -> None:
+    """SceneError where the kernel's symbol is not above zero, or not the declared one.
+
+    The symbol is L_n = 1 - 2 n int rest cos(2 pi n u) du.
+    """
+    harmonics, places = _TOLERANCES.harmonics, _TOLERANCES.harmonics**2
+    turns = np.arange(places) / places
+    lag = turns - np.round(turns)
+    plain = sie.hilbert(1.0)
+    rest = smooth_potential(kernel, lag) - smooth_potential(plain, lag)
+    n = np.arange(1, harmonics + 1)
+    found = 1 - 2 * n * np.fft.rfft(rest).real[1 : harmonics + 1] / places
+    if not np.all(found > 0):
+        k = int(np.argmin(found))
+        allowed = "one of an elastic body, of a symbol above 0: else pressure lifts the surface, and no contact is the only one"
+        raise SceneError.of(
+            "interaction.kernel", f"of symbol {found[k]:.6g} at wave {k + 1} of the period", allowed
+        )
+    excess = operator.excess
+    if excess is not None:
+        declared = 1 + np.concatenate((excess, np.zeros(harmonics)))[:harmonics]
+        if not np.allclose(declared, found, rtol=0, atol=1e-9 * np.arange(1, harmonics + 1)):
+            k = int(np.argmax(np.abs(declared - found)))
+            wanted = f"that of the kernel at wave {k + 1} of the period, {found[k]:.9g}"
+            raise SceneError.of("interaction.symbol", float(declared[k]), wanted)
+
+
+def _value(kernel: sie.Kernel, lag: Array) -> Array:
+    out = sum((1 / (lag - pole) for pole in kernel.poles), np.zeros(len(lag)))
+    return out if kernel.regular is None else out + np.asarray(kernel.regular(lag, np.zeros(1)))
+
+
+def _require_same(one: Array, other: Array, what: str, fault: str, rounding: float = 0.0) -> None:
+    """SceneError that names the fault where two arrays differ by more than round-off."""
+    # A sum of large parts may vanish at one place: the size is that of all places.
+    difference, size = np.abs(np.asarray(one) - other), np.abs(np.asarray(other))
+    if not np.all(difference <= _TOLERANCES.same * size.max() + rounding):
+        k = int(np.argmax(difference))
+        values = f"{np.ravel(one)[k]:.9g} against {np.ravel(other)[k]:.9g}"
+        raise SceneError(f"the {what} of interaction.kernel {fault}: {values}", "interaction")
+
+
+def require_body(substrate: Substrate) -> None:
+    """SceneError that names the first false claim of a substrate."""
+    values = checked(substrate.symbol, WAVES, "substrate")
+    checked(substrate.symbol, WAVES[: 2 * (len(WAVES) // 2)].reshape(2, -1), "substrate")
+    again = checked(substrate.symbol, WAVES[::-1], "substrate")[::-1]
+    if not np.allclose(again, values, rtol=1e-12, atol=0):
+        raise SceneError(
+            "substrate.symbol(q) depends on the other waves of q: it must be taken element by element",
+            "substrate",
+        )
+    _require_fast(values)
+    if not abs(values[-1] - 1) < 512 * _EPS:
+        raise SceneError.of(
+            "substrate.symbol(q)",
+            float(values[-1]),
+            f"1 for short waves, as it is not at q = {WAVES[-1]:.0e} 1/m: what is solved is the "
+            "body's compliance over that of a half-plane of its own surface's modulus E_star",
+        )
+    with of_author("substrate.compression", "substrate.compression"):
+        compression: Any = substrate.compression
+    if compression is not None:
+        allowed = "None, or a length of at least 0 [m] (a property, not a method)"
+        compression = such(
+            "substrate.compression", compression, allowed, lambda length: length >= 0
+        )
+    long, wave = float(values[0]), float(WAVES[0])
+    if compression is None:
+        if long < _TOLERANCES.limit:
+            raise SceneError.of(
+                "substrate.compression",
+                None,
+                f"given, since the symbol vanishes for long waves (L = {long:.3g} at q = {wave:.0e} 1/m): "
+                "the body has a base, and the limit of L(q)/q is by how much a uniform pressure compresses it",
+            )
+        return
+    # The height of the body [m] is about the inverse of the wave at which L rises to 1.
+    found, height = long / wave, float(1 / WAVES[np.argmax(values > 0.5)])
+    if not abs(found - compression) <= _TOLERANCES.limit * max(abs(compression), 1e-3 * height):
+        raise SceneError.of(
+            "substrate.compression",
+            compression,
+            f"the limit of L(q)/q for long waves, about {found:.6g} m",
+        )
+
+
+def _require_fast(values: Array) -> None:
+    """SceneError unless L tends to 1 as an exponential does, not as a power of q."""
+    rest = np.abs(values - 1)
+    # The last wave at which L - 1 has digits.
+    digits = np.flatnonzero(rest > 2**16 * _EPS)
+    k = int(digits[-1]) if len(digits) else 0
+    if k == 0 or rest[-1] >= 0.9 * rest[k // 2]:  # another limit is another fault
+        return
+    power = -np.inf
+    if rest[k - 1] > 0:
+        power = float(np.log(rest[k] / rest[k - 1]) / np.log(WAVES[k] / WAVES[k - 1]))
+    if power > _TOLERANCES.slowest_fall:
+        raise SceneError.of(
+            "substrate.symbol(q)",
+            float(values[k]),
+            f"1 for short waves as by exp(-q h), and not as q^{power:.2g}, as about q = "
+            f"{WAVES[k]:.3g} 1/m: a modulus that varies from the very surface on has no smooth kernel; give it a uniform surface layer",
+        )

@@ -1,0 +1,394 @@
+"""Reports on users' profiles and substrates: every claim of one is compared with its values.
+
+The claims of a profile (slope, period, symmetry, kinks, tips, conjugate) are compared with its
+height, those of a substrate with its symbol.
+"""
+
+import copy
+import dataclasses
+import warnings
+from collections.abc import Callable, Iterator
+from math import ceil
+from typing import Any
+
+import numpy as np
+
+from contact.errors import ContactError, SceneError, shown
+from contact.model.plugin_checks.corners import kinks
+from contact.model.plugin_checks.declarations import require_declarations
+from contact.model.plugin_checks.jumps import CHECKS, higher_jumps, powers, slope_jumps, window_of
+from contact.model.plugin_checks.operators import require_body
+from contact.model.profiles.base import Profile
+from contact.model.profiles.derive import scale_of, verdicts
+from contact.model.profiles.noise import EPS
+from contact.model.substrates.base import Substrate
+from sie import Array
+
+
+@dataclasses.dataclass(frozen=True)
+class ReportTolerances:
+    """How values are compared.
+
+    same: difference of two evaluations of one quantity, over its largest value.
+    slope: error of differences of the height, over the largest slope.
+    """
+
+    same: float = 1e-9
+    slope: float = 1e-6
+
+
+_TOLERANCES = ReportTolerances()
+
+
+class Fault(ContactError, AssertionError):
+    """Error of a plug-in that contradicts itself; `report` has the whole list."""
+
+    # A report is a list.
+    longest = 10**6
+
+    def __init__(self, report: "Report") -> None:
+        super().__init__(str(report))
+        self.report = report
+
+
+class ProfileFault(Fault):
+    """Error of a profile that contradicts itself."""
+
+
+class SubstrateFault(Fault):
+    """Error of a substrate that contradicts itself."""
+
+
+@dataclasses.dataclass(frozen=True)
+class Report:
+    """What was checked, what is wrong, and what could be better."""
+
+    subject: str
+    checked: tuple[str, ...]
+    faults: tuple[str, ...]
+    notes: tuple[str, ...]
+
+    @property
+    def ok(self) -> bool:
+        return not self.faults
+
+    def __str__(self) -> str:
+        head = f"{self.subject}: " + (
+            "nothing wrong found" if self.ok else f"{len(self.faults)} fault(s)"
+        )
+        lines = [f"  - {fault}" for fault in self.faults] + [
+            f"  (note: {note})" for note in self.notes
+        ]
+        return "\n".join([head, *lines, f"  checked: {', '.join(self.checked)}"])
+
+
+def check_profile(
+    profile: Profile, window: tuple[float, float] | None = None, raises: bool = True
+) -> Report:
+    """Check what a profile says of itself against its height.
+
+    Parameters
+    ----------
+    profile : Profile
+        The profile.
+    window : (float, float) or None
+        Where to look [m]; None: its support, extent, cell or a length among its fields.
+    raises : bool
+        Whether a fault is raised, or only reported.
+
+    Returns
+    -------
+    Report
+        What was checked, what is wrong, and what could be better.
+
+    Raises
+    ------
+    ProfileFault
+        If anything is wrong; it carries the report.
+
+    Examples
+    --------
+    >>> import contact
+    >>> from contact.testing import check_profile
+    >>> check_profile(contact.Sinusoid(1e-6, 1e-4)).ok
+    True
+    """
+    checked: list[str] = []
+    faults: list[str] = []
+    notes: list[str] = []
+    if not isinstance(profile, Profile):
+        faults.append(f"{type(profile).__name__} does not derive from contact.Profile")
+    else:
+        x: Array | None = None
+        for what, check in _CHECKS:
+            checked.append(what)
+            try:
+                if x is None:
+                    x = _points(profile, window)
+                with warnings.catch_warnings(), np.errstate(all="ignore"):
+                    warnings.simplefilter("ignore")
+                    found = list(check(profile, x))
+            except Exception as error:  # the author's code may fail in any way; the report says how
+                found = [f"{what}: raises {type(error).__name__}: {error}"]
+            faults += [f for f in found if not f.startswith("note: ")]
+            notes += [f.removeprefix("note: ") for f in found if f.startswith("note: ")]
+            if faults and what in ("declarations", "values"):
+                break  # the rest would only repeat it
+        if profile.slope_is_derived:
+            notes.append(
+                "slope(x) is derived from the height: a closed form is faster and more accurate"
+            )
+    return _reported(
+        Report(shown(profile), tuple(checked), tuple(faults), tuple(notes)),
+        ProfileFault if raises else None,
+    )
+
+
+def check_substrate(substrate: Substrate, raises: bool = True) -> Report:
+    """Check a substrate: that its symbol is one of an elastic body, and that scenes can hold and
+    compare it.
+
+    Parameters
+    ----------
+    substrate : Substrate
+        The body.
+    raises : bool
+        Whether a fault is raised, or only reported.
+
+    Returns
+    -------
+    Report
+        What was checked, what is wrong, and what could be better.
+
+    Raises
+    ------
+    SubstrateFault
+        If anything is wrong; it carries the report.
+
+    Examples
+    --------
+    >>> import contact
+    >>> from contact.testing import check_substrate
+    >>> check_substrate(contact.Layer(thickness=1e-3, nu=0.3)).ok
+    True
+    """
+    faults: list[str] = []
+    notes: list[str] = []
+    if not isinstance(substrate, Substrate):
+        faults.append(f"{type(substrate).__name__} does not derive from contact.Substrate")
+    else:
+        try:
+            require_body(substrate)
+        except ContactError as error:
+            faults.append(str(error))
+        try:
+            if substrate != copy.copy(substrate) or hash(substrate) != hash(copy.copy(substrate)):
+                faults.append("it does not equal its own copy: make it a frozen dataclass")
+        except Exception as error:  # the author's code may fail in any way; the report says how
+            faults.append(
+                f"it cannot be compared or hashed ({type(error).__name__}: {error}): make it a frozen dataclass"
+            )
+        if not getattr(type(substrate), "name", ""):
+            notes.append(
+                'it has no name: @contact.register_substrate("...") makes it known to scene files'
+            )
+    report = Report(
+        shown(substrate), ("symbol", "compression", "copies"), tuple(faults), tuple(notes)
+    )
+    return _reported(report, SubstrateFault if raises else None)
+
+
+def _reported(report: Report, fault: type[Fault] | None) -> Report:
+    """The report, or the fault that it is raised as."""
+    if fault is not None and not report.ok:
+        raise fault(report)
+    return report
+
+
+def _points(profile: Profile, window: tuple[float, float] | None) -> Array:
+    """Seeded positions in the window, none on a kink."""
+    lo, hi = window_of(profile) if window is None else window
+    x = np.sort(np.random.default_rng(1).uniform(lo, hi, CHECKS.samples))
+    kinks = profile.kinks
+    if np.ndim(kinks) == 2 and np.size(kinks):
+        away = np.min(np.abs(x[:, None] - np.asarray(kinks)[None, :, 0]), axis=1) > 1e-4 * (hi - lo)
+        x = x[away]
+    return x
+
+
+def _declarations(profile: Profile, x: Array) -> Iterator[str]:
+    try:
+        require_declarations(profile)
+    except SceneError as error:
+        yield str(error)
+        return
+    period = profile.period
+    if period is not None:
+        for name in ("kinks", "algebraic_points"):
+            outside = [
+                s
+                for s in getattr(profile, name)[:, 0].tolist()
+                if not profile.x0 <= s < profile.x0 + period
+            ]
+            if outside:
+                yield f"{name} at {outside} lie outside the cell [{profile.x0:g}, {profile.x0 + period:g})"
+    if not dataclasses.is_dataclass(profile) or not profile.__dataclass_params__.frozen:
+        yield "note: not a frozen dataclass: changed after a solve, it is not what was solved"
+
+
+def _values(profile: Profile, x: Array) -> Iterator[str]:
+    for name in ("height", "slope"):
+        value = np.asarray(getattr(profile, name)(x.copy()))
+        if value.shape != x.shape:
+            yield f"{name}(x) of shape {x.shape} has shape {value.shape}: it must have the shape of x"
+        elif value.dtype.kind not in "fiu":
+            yield f"{name}(x) is of type {value.dtype}: it must be real"
+        elif not np.isfinite(value).all():
+            i = int(np.flatnonzero(~np.isfinite(value))[0])
+            yield f"{name}({x[i]:.6g}) is {value[i]}: it must be finite inside [{x[0]:.3g}, {x[-1]:.3g}]"
+    if profile.support is not None:
+        lo, hi = profile.support
+        out = [lo - 1e-3 * (hi - lo), hi + 1e-3 * (hi - lo)]
+        if not np.all(np.isposinf(profile.height(np.array(out)))):
+            yield f"height is not +inf just outside the support ({lo:g}, {hi:g})"
+
+
+def _shapes(profile: Profile, x: Array) -> Iterator[str]:
+    for name in ("height", "slope"):
+        function = getattr(profile, name)
+        given = x[:6].copy()
+        whole = np.asarray(function(given))
+        size = float(np.max(np.abs(np.asarray(function(x.copy())))))
+        if not np.array_equal(given, x[:6]):
+            yield f"{name}(x) changes the array it is given"
+        # A derived slope chooses its steps from all its points, so single values may differ a
+        # little.
+        tolerance = (
+            _TOLERANCES.slope if name == "slope" and profile.slope_is_derived else _TOLERANCES.same
+        ) * size
+        tries: list[tuple[str, Any, Array]] = [
+            ("an array of shape (2, 3)", x[:6].reshape(2, 3), whole.reshape(2, 3)),
+            ("an empty array", np.empty(0), np.empty(0)),
+        ]
+        for what, argument, expected in tries:
+            try:
+                got = np.asarray(function(argument))
+            except Exception as error:
+                yield f"{name}(x) raises {type(error).__name__} for {what}: {error}"
+                continue
+            if got.shape != np.shape(expected):
+                yield f"{name}(x) for {what} has shape {got.shape}, not {np.shape(expected)}"
+            elif np.any(np.abs(got - expected) > tolerance):
+                yield f"{name}(x) for {what} differs from its values elsewhere: it must work by elements"
+        for what, argument in (("a number", float(x[0])), ("a list", x[:6].tolist())):
+            try:
+                function(argument)
+            except Exception:
+                yield f"note: {name}(x) takes no {what[2:]}: np.asarray(x) lets it"
+
+
+def _periodicity(profile: Profile, x: Array) -> Iterator[str]:
+    if profile.period is None:
+        return
+    for name in ("height",) if profile.slope_is_derived else ("height", "slope"):
+        function = getattr(profile, name)
+        here = np.asarray(function(x))
+        size = np.ptp(here) if name == "height" else np.max(np.abs(here))
+        for turns in (-2, 1, 3):
+            off = np.abs(np.asarray(function(x + turns * profile.period)) - here)
+            if name == "height" and profile.support is not None:
+                off = off[np.isfinite(here)]
+            if off.size and not np.max(off) <= max(_TOLERANCES.slope * size, 0.0):
+                i = int(np.argmax(off))
+                yield f"{name} is not periodic: at {x[i]:.6g} and {turns} period(s) on it off by {off[i]:.3g}"
+                break
+
+
+def _slope(profile: Profile, x: Array) -> Iterator[str]:
+    if profile.slope_is_derived:
+        return
+    scale = scale_of(x, profile.resolution, (float(x[0]), float(x[-1])))
+    judged = verdicts(profile.height, profile.slope, x, scale)
+    if judged.contradicted.any():
+        i = int(np.argmax(np.where(judged.contradicted, judged.off, 0.0)))
+        means = f"about x = {x[i]:.6g} its mean is {judged.claimed[i]:.9g}, and the height rises by {judged.seen[i]:.9g} a length"
+        yield f"slope disagrees with the height: {means}"
+
+
+def _continuity(profile: Profile, x: Array) -> Iterator[str]:
+    lo, hi = float(x[0]), float(x[-1])
+    heights = np.asarray(profile.height(x))
+    size = max(float(np.ptp(heights)), 4 * EPS * float(np.max(np.abs(heights))) / CHECKS.jump)
+    for s, step in slope_jumps(
+        lambda t: np.asarray(profile.height(t)), lo, hi, 1e-10 * (hi - lo), size
+    ):
+        yield f"the height jumps by {step:.6g} at {s:.6g}: it must be continuous"
+        return
+
+
+def _symmetry(profile: Profile, x: Array) -> Iterator[str]:
+    both = x[(-x >= x[0]) & (-x <= x[-1])]
+    if both.size == 0:
+        if profile.symmetric and profile.extent is None and profile.support is None:
+            yield "note: symmetric is claimed but the window has no point whose mirror image lies in it"
+        return
+    right, left = np.asarray(profile.height(both)), np.asarray(profile.height(-both))
+    off = float(np.max(np.abs(right - left)))
+    even = off <= _TOLERANCES.slope * float(np.ptp(right)) or off == 0
+    if profile.symmetric and not even:
+        i = int(np.argmax(np.abs(right - left)))
+        at = f"{left[i]:.6g} at {-both[i]:.6g} and {right[i]:.6g} at {both[i]:.6g}"
+        yield f"symmetric is claimed, but the height is {at}"
+    if even and not profile.symmetric and both.size > x.size // 2:
+        yield "note: the height looks symmetric; a property symmetric = True would halve the work"
+
+
+def _summits(profile: Profile, x: Array) -> Iterator[str]:
+    if profile.summits is None:
+        return
+    tips = np.asarray(profile.summits, dtype=np.float64)
+    near = 1e-4 * (profile.resolution or float(x[-1] - x[0]))
+    top = np.asarray(profile.height(tips))
+    for side in (-near, near):
+        lower = np.asarray(profile.height(tips + side)) < top - _TOLERANCES.same * float(
+            np.ptp(profile.height(x))
+        )
+        if lower.any():
+            yield f"summits names {tips[lower].tolist()}, but the height is smaller beside: tips are minima"
+            return
+
+
+def _conjugate(profile: Profile, x: Array) -> Iterator[str]:
+    if profile.period is None:
+        return
+    at = x[:: max(1, x.size // 20)]
+    given = profile.slope_conjugate(at)
+    if given is None:
+        return
+    # (1/L) PV int f'(x - s) cot(pi s/L) ds by the midpoint rule, which the pole falls between.
+    n = max(1 << 14, 16 * ceil(profile.period / (profile.resolution or profile.period)))
+    s = (np.arange(n) + 0.5) / n
+    slope = np.asarray(profile.slope(at[:, None] - profile.period * s))
+    expected = slope @ (1 / np.tan(np.pi * s)) / n
+    off = np.abs(np.asarray(given) - expected)
+    i = int(np.argmax(off))
+    if off[i] > 2 * CHECKS.jump * max(
+        float(np.max(np.abs(slope))), float(np.max(np.abs(expected)))
+    ):
+        yield f"slope_conjugate({at[i]:.6g}) = {given[i]:.6g}, the slope's integral is {expected[i]:.6g}"
+
+
+_CHECKS: tuple[tuple[str, Callable[[Profile, Array], Iterator[str]]], ...] = (
+    ("declarations", _declarations),
+    ("values", _values),
+    ("shapes", _shapes),
+    ("periodicity", _periodicity),
+    ("continuity", _continuity),
+    ("slope", _slope),
+    ("symmetry", _symmetry),
+    ("kinks", kinks),
+    ("jumps", higher_jumps),
+    ("powers", powers),
+    ("summits", _summits),
+    ("conjugate", _conjugate),
+)

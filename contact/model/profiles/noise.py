@@ -1,0 +1,50 @@
+"""Noise of a function: rounding of heights with a large constant, or of places far from x = 0.
+
+A difference of high order of values at even places leaves their noise alone: that of order k of
+independent values has the variance (2k)! / k!^2 times theirs (J. J. More & S. M. Wild, Estimating
+Computational Noise, SIAM J. Sci. Comput. 33, 2011, 1292, doi 10.1137/100786125).
+"""
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from sie import Array
+
+EPS = float(np.finfo(np.float64).eps)
+# Difference of sixth order of seven values.
+WEIGHTS = np.array([1.0, -6.0, 15.0, -20.0, 15.0, -6.0, 1.0])
+PLACES = np.arange(len(WEIGHTS), dtype=np.float64)
+# Part of the shortest wave between two values: (2 pi step)^6 is below round-off. Places are
+# rounded to less than a step up to 1e12 waves from x = 0.
+STEP = 3e-4
+# Median of the size of a normal variable, over its standard deviation.
+_MEDIAN = 0.6745
+_SPREAD = math.sqrt(WEIGHTS @ WEIGHTS)
+
+
+def deviations(values: Array) -> Array:
+    """Deviation of each group of values (7, n) at even places from a smooth function (n,)."""
+    return np.asarray(np.abs(np.tensordot(WEIGHTS, values, axes=1)) / _SPREAD)
+
+
+def noise(values: Array) -> float:
+    """Standard deviation of the noise of values (7, n) at even places.
+
+    It is a median, so that a few groups may contain corners.
+    """
+    return float(np.median(deviations(values))) / _MEDIAN
+
+
+def rounding(values: Array) -> float:
+    """Round-off and noise of values (7, n) at even places, of the largest of them."""
+    finite = np.isfinite(values)
+    largest = float(np.abs(values).max(initial=0.0, where=finite))
+    return EPS * largest + 4.0 * noise(values)
+
+
+def noise_at(function: Callable[[Array], Array], x: Array, length: float) -> float:
+    """Round-off and noise of a function near places x, whose shortest wave has this length."""
+    at = x + STEP * length * PLACES[:, None]
+    return rounding(np.asarray(function(at), dtype=np.float64))

@@ -1,0 +1,228 @@
+"""Two bodies face to face: where each stands, the common period, and the interval they share.
+
+A body is placed by a shift and perhaps mirrored. Sharp corners (`support`) and the ends of measured
+traces (`extent`) bound the interval in which the bodies face each other.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from contact.errors import SceneError
+from contact.extras import require
+from contact.model.profiles.base import Profile, onto
+from contact.model.profiles.noise import EPS
+from sie import Array, record
+
+Window = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class CombinedLimits:
+    """Cells that are counted one by one.
+
+    cells_in_period: of either body in the common period.
+    repeats: of a body with corners under one that goes on for ever, on either side; they hold at
+        most 2 cells_in_period corners.
+    """
+
+    cells_in_period: int = 10_000
+    repeats: int = 200
+
+
+_LIMITS = CombinedLimits()
+
+
+@record
+class PlacedBody:
+    """A body whose x = 0 is at `shift`; where it is mirrored, its x runs backwards."""
+
+    body: Profile
+    shift: float = 0.0
+    mirrored: bool = False
+
+    def common_x(self, places: Array) -> Array:
+        """Common positions of places of the body."""
+        return np.asarray(self.shift - places if self.mirrored else self.shift + places)
+
+    def own_x(self, x: Array, slack: Array) -> Array:
+        """Places of the body at common positions.
+
+        Those that round-off has put just outside its ends are moved back.
+        """
+        at = np.asarray(self.shift - x if self.mirrored else x - self.shift)
+        ends = self.body.support or (self.body.extent if self.body.period is None else None)
+        return at if ends is None else onto(ends, np.asarray(self.body.wrap(at)), slack)
+
+    def window(self, ends: Window) -> Window:
+        """An interval of the body in common positions."""
+        lo, hi = np.sort(self.common_x(np.array(ends))).tolist()
+        return lo, hi
+
+    def algebraic_rows(self) -> Array:
+        """Algebraic points at common positions; a mirror exchanges left and right coefficients."""
+        columns = [0, 1, 3, 2] if self.mirrored else slice(None)
+        rows = np.array(self.body.algebraic_points, dtype=np.float64)[:, columns]
+        rows[:, 0] = self.common_x(rows[:, 0])
+        return rows
+
+    def jump_rows(self) -> Array:
+        """Common position, order and jump of kinks (order 1), jumps and breakpoints (order 0)."""
+        body = self.body
+        places = np.asarray(body.breakpoints)
+        others = np.column_stack((places, np.zeros(len(places)), np.ones(len(places))))
+        rows = np.concatenate((np.insert(body.kinks, 1, 1, axis=1), body.jumps, others))
+        rows[:, 0] = self.common_x(rows[:, 0])
+        if self.mirrored:
+            # A mirror changes the sign of odd derivatives and exchanges the sides of a jump.
+            rows[rows[:, 1] == 2, 2] *= -1
+        return rows
+
+
+@record
+class Overlap:
+    """The interval in which two placed bodies face each other.
+
+    support: between sharp corners; extent: where both are known; None without such ends.
+    """
+
+    support: Window | None
+    extent: Window | None
+
+    @classmethod
+    def of(cls, placed: Sequence[PlacedBody], period: float | None) -> "Overlap":
+        """SceneError where the bodies do not face each other on one interval."""
+        shift = placed[1].shift
+        extents = [one.window(one.body.extent) for one in placed if one.body.extent is not None]
+        known = (max(lo for lo, _ in extents), min(hi for _, hi in extents)) if extents else None
+        if known is not None and not known[0] < known[1]:
+            ends = ", ".join(f"{lo:.6g} to {hi:.6g}" for lo, hi in extents)
+            allowed = f"such that both bodies face each other (they are known from, to: {ends})"
+            raise SceneError.of("shift", shift, allowed)
+        if known is None and period is None:
+            known = _cells_under_lone_body(placed)
+        supports = _supports(placed, period, known)
+        if supports is None:
+            return cls(None, known)
+        if len(supports) != 1:
+            many = f"face each other on {len(supports)} stretches"
+            what = many if supports else "touch nowhere"
+            allowed = (
+                f"such that corners bound one stretch (and one a period): the two bodies {what}"
+            )
+            raise SceneError.of("counter", placed[1].body, allowed)
+        (lo, hi) = supports[0]
+        if known is None or known[0] <= lo and hi <= known[1]:
+            return cls((lo, hi), None)
+        if lo <= known[0] and known[1] <= hi:
+            return cls(None, known)
+        allowed = (
+            f"such that the corners at {lo:.6g} and {hi:.6g} both face what is known of the other "
+            f"body, {known[0]:.6g} to {known[1]:.6g}, or neither does"
+        )
+        raise SceneError.of("shift", shift, allowed)
+
+    @property
+    def ends(self) -> Window | None:
+        """Ends of the support, or else of the extent."""
+        return self.support or self.extent
+
+
+def _cells_under_lone_body(placed: Sequence[PlacedBody]) -> Window | None:
+    """Cells of a periodic body with corners, under the tip of a body without an end.
+
+    Only so many cells have their corners listed; None where there is no such pair.
+    """
+    lone, row = sorted(placed, key=lambda one: one.body.period is not None)
+    body, period = row.body, row.body.period
+    if period is None or lone.body.period is not None or lone.body.support is not None:
+        return None
+    corners = len(body.kinks) + len(body.jumps) + len(body.breakpoints)
+    if not corners:
+        return None
+    tips = lone.body.summits
+    if tips is None:
+        tips = lone.body.kinks[lone.body.kinks[:, 1] > 0, 0]
+    at = float(np.mean(tips)) if len(tips) else 0.0
+    repeats = min(_LIMITS.repeats, max(1, _LIMITS.cells_in_period // corners))
+    return lone.window((at - repeats * period, at + repeats * period))
+
+
+def _supports(
+    placed: Sequence[PlacedBody], period: float | None, known: Window | None
+) -> list[Window] | None:
+    """Intervals between sharp corners that the bodies share; None without any corners.
+
+    They are those of one period, or all.
+    """
+    found = [
+        (one.window(one.body.support), one.body.period)
+        for one in placed
+        if one.body.support is not None
+    ]
+    if not found:
+        return None
+    searched = known or next((first for first, own in found if own is None), None)
+    if period is not None:
+        searched = found[0][0][0], found[0][0][0] + period
+    lists = [_copies(placed, first, own, searched) for first, own in found]
+    if len(lists) == 1:
+        return lists[0]
+    shared = [(max(a[0], b[0]), min(a[1], b[1])) for a in lists[0] for b in lists[1]]
+    largest = max((abs(end) for window in shared for end in window), default=0.0)
+    least = 8 * EPS * (abs(placed[1].shift) + largest)
+    return [(lo, hi) for lo, hi in shared if hi - lo > least]
+
+
+def _copies(
+    placed: Sequence[PlacedBody], first: Window, period: float | None, searched: Window | None
+) -> list[Window]:
+    """Copies of an interval by whole periods that reach into the searched interval."""
+    if period is None:
+        return [first]
+    if searched is None:
+        allowed = (
+            "without a period of its own, or facing a body that ends: "
+            "corners without end bound no one stretch"
+        )
+        raise SceneError.of("counter", placed[1].body, allowed)
+    start, stop = searched
+    slack = same_place(np.array(searched), placed[1].shift, None)
+    turns = np.arange(
+        np.floor((start - first[1]) / period), np.ceil((stop - first[0]) / period) + 1
+    )
+    copies = [(float(first[0] + turn * period), float(first[1] + turn * period)) for turn in turns]
+    return [copy for copy in copies if copy[1] > start + slack and copy[0] < stop - slack]
+
+
+def same_place(places: Array, shift: float, period: float | None) -> float:
+    """Distance up to which two places are one: the round-off of a sum."""
+    largest = float(np.max(np.abs(places), initial=0.0))
+    return 16 * EPS * (largest + abs(shift) + (period or 0.0))
+
+
+def common_period(one: float | None, other: float | None) -> float | None:
+    """The shortest length that is a whole number of both periods; None without one of them."""
+    if one is None or other is None:
+        return None
+    most = _LIMITS.cells_in_period
+    cells = np.arange(1, most + 1, dtype=np.float64)
+    others = np.round(cells * (one / other))
+    rest = np.abs(cells * one - others * other)
+    fits = (others >= 1) & (others <= most) & (rest <= 8 * EPS * cells * one)
+    if fits.any():
+        return float(cells[np.argmax(fits)] * one)
+    Fraction = require("fractions").Fraction
+    ratio = (
+        Fraction(one / other).limit_denominator(10)
+        if one > other
+        else 1 / Fraction(other / one).limit_denominator(10)
+    )
+    length = one * ratio.denominator / ratio.numerator
+    example = f"{length!r} ({ratio.denominator} of the profile's on {ratio.numerator} of its own)"
+    allowed = (
+        f"in a ratio of whole numbers, at most {most}, to the profile's {one!r}, "
+        f"so that both repeat together: such as {example}"
+    )
+    raise SceneError.of("counter.period", other, allowed)
