@@ -15,7 +15,7 @@ from contextlib import nullcontext
 from dataclasses import dataclass
 from numbers import Real
 
-from contact.closed.solve import directly
+from contact.closed.solve import solve_closed
 from contact.errors import NotConverged, SceneError, warn
 from contact.extras import require
 from contact.formulation import claims
@@ -149,7 +149,7 @@ def solved_along(
     if scene.control_object.held(scene) is None:
         return _solved(scene, tol, progress, near, cache)
     claims.of(scene.profile)
-    direct = directly(scene, tol)
+    direct = solve_closed(scene, tol)
     if direct is not None:
         return direct
     return _run(
@@ -195,7 +195,7 @@ def _solved(
             lambda loaded, tighter, beside: _solved(loaded, tighter, progress, beside, cache),
         )
     claims.of(scene.profile)
-    direct = directly(scene, tol)
+    direct = solve_closed(scene, tol)
     if direct is not None:
         return direct
     context = SolveContext.of(

@@ -1,128 +1,107 @@
-"""Signs of a contact that is one interval: the pressure inside, the gap outside, of one load or of
-several in rows; and its stated error.
+"""Signs of the pressure inside a zone and of the gap outside, and the stated error.
 
-Inside, p / sqrt(1 - t^2) is a polynomial (and a part of the kink, which is positive): no lower than
-its first coefficient less what all others can make, by k |g_k|; where that does not tell it is
-sampled so closely that nothing is hidden between. Outside the slope of the gap is
+Inside, p / sqrt(1 - t^2) is a polynomial plus a positive part of the kink. It is at least its first
+coefficient less the sum of k |g_k| over the others. Where that does not decide, the polynomial is
+sampled so closely that no zero is hidden between samples. Outside, the slope of the gap is
 
-    gap' = w (G - sum g_k rho^k)     and     J/pi arccos(tan A / tan u)     of the kink,
+    gap' = w (G - sum g_k rho^k),     plus     J/pi arccos(tan A / tan u)     of the kink.
 
-and where it is nowhere negative outwards, and nowhere positive between the zones of a pair, the gap
-is least at the ends, where it is zero. Where it is, as beside the border of a lone wave, the gap
-itself is looked at.
+Where it is nowhere negative the gap is least at the ends, where it is zero. Where it falls, as at
+the border of a lone wave, the gap itself is sampled.
 
-The stated error is that of the ends over the width of a zone, and of the pressure over the mean on
-it, which is at most its peak.
-
-Ends are off by what Newton has left and by rounding. At a place of the interval that stays, the
-pressure follows them, and by what the weight w changes; itself it is off by the coefficients that
-were left off, which fall as a geometric series, and by rounding.
-
-Ends that move by parts of the half length add q(+-1) / sqrt(1 - t^2) to Phi, and the place moves
-with them. With t = cos(a) the first changes sum k g_k sin(k a) by k g_k (1 - cos(a) cos(k a)) /
-sin(a) of odd orders as the half length grows, and so on of even ones, and as the middle moves:
-(cos(a) - cos(k a)) / sin(a), (1 - cos(k a)) / sin(a) and cos(a) (1 - cos(k a)) / sin(a), none of
-them above k.
+The stated error is the larger one of two: the error of an end over the width of the zone, and that
+of the pressure over its mean, which is at most the peak. Ends are off by Newton's last step and by
+round-off. The pressure follows them, and it is off by the coefficients that were left off and by
+round-off. If the half length is off by a part e of itself, t = cos(a), then sum k g_k sin(k a)
+changes by at most e sum k^2 |g_k|: each term by e k g_k (1 - cos(a) cos(k a)) / sin(a), at most
+e k^2 |g_k|.
 """
 
 import math
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
-from contact.closed.ends import Ends
-from contact.closed.maps import Value, column, everywhere, largest, least, smallest
-from contact.closed.series import WIDENED, Table, off, off_integral, table
+from contact.closed.line import Value, column, everywhere, largest, least
+from contact.closed.series import SAMPLES_PER_DEGREE, off, off_integral, table
+from contact.closed.zone import EPS, ROUND_OFF, ClosedZone
 from sie import Array
 
-# Places outside: beside the zones, per length over which the shape varies, at the most; and how far
-# away, in half lengths.
-_BESIDE = 32
-_PER_FEATURE = 4
-_MOST = 4096
-_FARTHEST = 1e12
-_FAR = 512
-# Of the largest gap slope, or gap: what is not told from rounding, over the coarseness of the
-# values next to an end.
-_CLEAR = 1e-12
-# Of the largest q: what is clear of zero.
-_PLAIN = 1e-3
-_SAMPLED = 1e-9
-_EPS = float(np.finfo(float).eps)
+
+@dataclass(frozen=True)
+class SignOptions:
+    """Options of the checks of signs and of the stated error."""
+
+    clear_of_zero: float = (
+        1e-9  # least pressure or fall of a gap, over the largest: round-off x 1e6
+    )
+    border_places: int = 32  # places at which the gap is looked at up to the border
+    places_per_feature: int = 4  # and no fewer per length over which the shape varies
+    max_places: int = 4096  # shapes that vary more closely have no closed form of use
+    far_places: int = 512  # places without a border, evenly in ln t
+    farthest: float = 1e12  # half lengths; the profile dwarfs every load there
+    least_of_widest: float = 0.05  # gap past its maximum that is not taken for a contact
+    stated_round_off: float = 4e-14  # sums of some hundred terms; the other routes state it too
+    edge_peak: float = 8.0  # pressure at a corner over its mean, where errors are looked at
 
 
-def signs(ends: Ends) -> tuple[Value, Value]:
-    """(whether both are right, beyond doubt; the least gap [m] at a place that was looked at, inf
-    where the gap opens all the way).
+OPTIONS = SignOptions()
+
+
+def signs(zone: ClosedZone) -> tuple[Value, Value]:
+    """Whether both signs are right beyond doubt, and the least sampled gap [m].
+
+    The gap is inf where it opens all the way, and was not sampled.
     """
-    if ends.sheet.corner is not None:
-        return ends.punch > 0.0, math.inf
-    pushes = _pushes(ends)
-    opens, gap = _opens(ends)
+    if zone.problem.corner is not None:
+        return zone.punch > 0.0, math.inf
+    pushes = _pushes(zone)
+    opens, gap = _opens(zone)
     return pushes & opens, gap
 
 
-# inside
-# ---------------------------------------------------------------------------------------------------------------
-def _pushes(ends: Ends) -> Value:
-    """Whether q, and the kink's part where it is least, are clear of zero."""
-    _, most, _ = ends.sums
-    kinked, first = ends.sheet.kink / math.pi, ends.first
-    clear = kinked + first + abs(first) - most > _PLAIN * (kinked + most)
-    if everywhere(clear):
-        return clear
-    value = _looks(ends).samples(ends.g) + kinked
-    low, high = least(value), largest(value)
-    clear = clear | (low - 0.5 * WIDENED * (high - low) > _PLAIN * high)
-    if everywhere(clear):
-        return clear
-    # Not so even that the hull would tell: by how much a polynomial falls below its samples where
-    # it bends as they do, twice over.
+# Inside
+
+
+def _pushes(zone: ClosedZone) -> Value:
+    """Whether q, with the least part of the kink, is clear of zero."""
+    most, kinked, first = zone.sums[1], zone.problem.kink / math.pi, zone.first
+    bounded = kinked + first + abs(first) - most > OPTIONS.clear_of_zero * (kinked + most)
+    if everywhere(bounded):
+        return bounded
+    value = table(zone.nodes // 2).samples(zone.g) + kinked
+    # Twice the depth to which a parabola through three samples falls below them.
     bend = np.abs(value[..., :-2] - 2.0 * value[..., 1:-1] + value[..., 2:])
-    return clear | (np.minimum(low, least(value[..., 1:-1] - 0.25 * bend)) > _SAMPLED * high)
+    low = np.minimum(least(value), least(value[..., 1:-1] - 0.25 * bend))
+    return bounded | (low > OPTIONS.clear_of_zero * largest(value))
 
 
-def _looks(ends: Ends) -> Table:
-    nodes = max(int(np.max(ends.nodes)), 2)
-    return table(nodes if ends.sheet.map.pair else nodes // 2, ends.odd)
+def least_inside(zone: ClosedZone) -> tuple[float, int]:
+    """The least p / sqrt(1 - t^2) of one load over E*/2 at the samples, and their number."""
+    if zone.problem.corner is not None:
+        return float(zone.punch), 0
+    looks = table(zone.nodes // 2)
+    weight = zone.problem.map.at(zone.half * looks.cosines)[1]
+    value = looks.samples(zone.g) + zone.problem.kink / math.pi
+    return float((value * weight).min()), SAMPLES_PER_DEGREE * zone.nodes // 2
 
 
-def least_inside(ends: Ends) -> tuple[float, int]:
-    """(the least p / sqrt(1 - t^2) of one load, over E*/2, at places as close as signs may be told
-    by; how many).
-    """
-    if ends.sheet.corner is not None:
-        return float(ends.punch), 0
-    way, looks = ends.sheet.map, _looks(ends)
-    y = ends.middle + ends.half * looks.cosines
-    return float(((looks.samples(ends.g) + ends.sheet.kink / math.pi) * way.at(y)[1]).min()), y.size
+# Outside
 
 
-# outside
-# --------------------------------------------------------------------------------------------------------------
-def places(ends: Ends) -> Array:
-    """Places t (..., places) at which the gap is looked at: above 1 beyond the outer end, below -1
-    between the zones of a pair. They are closer beside a zone, and as close everywhere as the shape
-    varies, where that is known.
-    """
-    profile, limit, middle, half = (
-        ends.sheet.profile,
-        ends.sheet.limit,
-        column(ends.middle),
-        column(ends.half),
-    )
-    if not math.isfinite(limit):
-        beyond = _to_far_away() + 0.0 * half
-    else:
-        feature, count = profile.resolution, _BESIDE
-        if feature is not None:
-            count = int(
-                min(max(_PER_FEATURE * (limit - smallest(ends.outer)) / feature, _BESIDE), _MOST)
-            )
-        beyond = 1.0 + ((ends.sheet.top - middle) / half - 1.0) * _squares(count)
-    if not ends.sheet.map.pair:
-        return beyond
-    return np.concatenate((beyond, -1.0 - (middle / half - 1.0) * _squares(_BESIDE)), axis=-1)
+def places(zone: ClosedZone) -> Array:
+    """Places t > 1 (..., places) at which the gap is looked at, closer beside the zone."""
+    problem, half = zone.problem, column(zone.half)
+    if not math.isfinite(problem.limit):
+        return _to_far_away() + 0.0 * half
+    feature, count = problem.profile.resolution, OPTIONS.border_places
+    if feature is not None:
+        room = problem.limit - float(np.min(zone.half_width))
+        count = int(
+            min(max(OPTIONS.places_per_feature * room / feature, count), OPTIONS.max_places)
+        )
+    return 1.0 + (problem.top / half - 1.0) * _squares(count)
 
 
 @lru_cache(maxsize=8)
@@ -133,115 +112,69 @@ def _squares(count: int) -> Array:
 
 @lru_cache(maxsize=1)
 def _to_far_away() -> Array:
-    """Places from 1 on, closer there, and evenly in the logarithm far away."""
-    return np.concatenate((1.0 + 3.0 * _squares(_BESIDE), np.geomspace(4.5, _FARTHEST, _FAR)))
+    """Places from 1 to the farthest one, closer next to 1."""
+    far = np.geomspace(4.5, OPTIONS.farthest, OPTIONS.far_places)
+    return np.concatenate((1.0 + 3.0 * _squares(OPTIONS.border_places), far))
 
 
-def _opens(ends: Ends) -> tuple[Value, Value]:
-    """(whether the gap opens away from the zones, or at least stays open; the least gap that was
-    seen where it was looked at).
-    """
-    sheet, t = ends.sheet, places(ends)
-    y = column(ends.middle) + column(ends.half) * t
-    x, weight = sheet.map.at(y)
-    slope = np.asarray(sheet.profile.slope(x), dtype=float)
-    own = (slope - 0.5 * sheet.kink if sheet.kink else slope) / weight
-    rises = own - off(ends.g, ends.odd, t)
-    if sheet.map.pair:
-        rises *= np.sign(t)
-    if sheet.kink > 0.0:
-        ratio = (
-            1.0 / t
-            if sheet.map.period is None
-            else weight / (t * np.sqrt(1.0 - column(ends.half) ** 2))
-        )
-        rises += sheet.kink / math.pi * np.arccos(np.minimum(ratio, 1.0)) / weight
+def _opens(zone: ClosedZone) -> tuple[Value, Value]:
+    """Whether the gap opens away from the zone, or stays clear of zero; the least sampled gap."""
+    problem, t = zone.problem, places(zone)
+    half = column(zone.half)
+    x, weight = problem.map.at(half * t)
+    slope = np.asarray(problem.profile.slope(x), dtype=float)
+    own = (slope - 0.5 * problem.kink) / weight
+    rises = own - off(zone.g, t)
+    if problem.kink > 0.0:
+        ratio = 1.0 / t if problem.map.period is None else weight / (t * np.sqrt(1.0 - half**2))
+        rises += problem.kink / math.pi * np.arccos(np.minimum(ratio, 1.0)) / weight
     opens = least(rises) > 0.0
     if everywhere(opens):
         return opens, math.inf
-    # Far away heights may overflow: nothing touches there.
+    # Heights far away may overflow; nothing touches there.
     rises[np.isposinf(slope)] = math.inf
     if rises.ndim == 1:
-        return _stays_open(ends, t, own, rises)
+        return _stays_open(zone, t, own, rises)
     gap = np.full(len(opens), math.inf)
     for k in map(int, np.flatnonzero(~opens)):
-        opens[k], gap[k] = _stays_open(ends.rows(k), t[k], own[k], rises[k])
+        opens[k], gap[k] = _stays_open(zone.rows(k), t[k], own[k], rises[k])
     return opens, gap
 
 
-def _stays_open(ends: Ends, t: Array, own: Array, rises: Array) -> tuple[bool, float]:
-    """Of one load whose gap does not open all the way: whether it does to rounding, or else is
-    clearly above zero where it does not; and how small it is seen to be there.
-    """
-    # What the places of narrow zones are rounded to.
-    rounding = 16.0 * _EPS * (1.0 + 4.0 * ends.middle / ends.half)
-    falls = ~(rises > -rounding * (np.abs(own) + ends.sums[0] + abs(ends.sheet.kink)))
-    opens, gap = True, math.inf
-    for side in (1.0, -1.0) if ends.sheet.map.pair else (1.0,):
-        here = t * side > 0.0
-        if falls[here].any() or not rises[here].max() > 0.0:
-            stays, seen = _smallest(ends, t[here], side)
-            opens, gap = opens and stays, min(gap, seen)
-    return opens, gap
-
-
-def _smallest(ends: Ends, t: Array, side: float) -> tuple[bool, float]:
-    """Whether the gap on one side is clearly above zero past where it is widest, and the least of
-    it there.
-    """
-    sheet = ends.sheet
-    if sheet.kink or not math.isfinite(sheet.limit):
+def _stays_open(zone: ClosedZone, t: Array, own: Array, rises: Array) -> tuple[bool, float]:
+    """The same for one load whose gap does not open beyond doubt: it may up to round-off."""
+    problem, clear = zone.problem, OPTIONS.clear_of_zero
+    rounding = 4.0 * ROUND_OFF * (np.abs(own) + zone.sums[0] + problem.kink)
+    if (rises > -rounding).all() and rises.max() > 0.0:
+        return True, math.inf
+    if problem.kink or not math.isfinite(problem.limit):
         return False, math.inf
-    height = np.asarray(sheet.profile.height(sheet.map.x(ends.middle + ends.half * t)), dtype=float)
-    start = float(sheet.profile.height(ends.outer if side > 0 else ends.inner))
-    gap = height - start - sheet.map.rise_factor * ends.half * off_integral(ends.g, ends.odd, t)
+    height = np.asarray(problem.profile.height(problem.map.at(zone.half * t)[0]), dtype=float)
+    sunk = problem.map.load_factor * zone.half * off_integral(zone.g, t)
+    gap = height - float(problem.profile.height(zone.half_width)) - sunk
     top = int(np.argmax(gap))
-    rising = bool(np.all(np.diff(gap[: top + 1]) >= -_CLEAR * gap[top]))
-    # Past its top no sample comes near zero: between samples it may not fall by as much as it has
-    # fallen in all.
-    return rising and float(gap[top:].min()) > 0.05 * float(gap[top]) > 0.0, float(gap[top:].min())
+    lowest = float(gap[top:].min())
+    # Between samples past its maximum the gap falls less than it has fallen in all.
+    rising = bool(np.all(np.diff(gap[: top + 1]) >= -clear * gap[top]))
+    return rising and lowest > OPTIONS.least_of_widest * float(gap[top]) > 0.0, lowest
 
 
-# What sums of some hundred terms are rounded to: no error is stated below it, as by the other ways.
-# Beside a singular end the pressure is several times the mean, to which its error is referred.
-_ROUNDING = 4e-14
-_SINGULAR = 8.0
-# Of a unit in the last digit: what coefficients are rounded to, over their sum.
-_OF_SUM = 4.0
-# Coefficients over which they fall to an e-th at the least, if so many bring them from 1 to
-# rounding; with a margin.
-_LEAST = 4.0
-_PER_NODE = 1.0 / 16.0
+# The stated error
 
 
-def stated(ends: Ends) -> Value:
-    sheet = ends.sheet
-    if sheet.corner is not None:
-        return _SINGULAR * _ROUNDING + 0.0 * ends.half
-    way, (scale, _, follows) = sheet.map, ends.sums
-    mean = ends.totals / (ends.zones * ends.widths)
-    scale = scale + abs(sheet.kink)
-    most_of = largest(np.abs(ends.g)) if ends.g.size else 0.0
-    left = most_of * (_LEAST + _PER_NODE * ends.nodes) * ends.tail
-    most, least, turns = _weights(ends)
-    moved = ends.off * (follows * most + scale * turns)
-    pressure = (moved + (left + _OF_SUM * _EPS * scale) * most) / mean
-    # dy/dx = w / rise_factor, least at one of the ends.
-    of_ends = (ends.off * ends.half * way.rise_factor / least + _EPS * ends.outer) / ends.widths
-    return _ROUNDING + np.maximum(of_ends, pressure)
-
-
-def _weights(ends: Ends) -> tuple[Value, Value, Value]:
-    """(largest w in a zone, least at its ends, and what it changes by with the half length, in
-    parts of that, from above).
-    """
-    way = ends.sheet.map
-    if way.period is None:
-        return (
-            (ends.outer, ends.inner, 0.5 * ends.half / ends.inner) if way.pair else (1.0, 1.0, 0.0)
-        )
-    outer = way.weight(ends.outer)
-    if not way.pair:
-        return 1.0, outer, 1.0 / outer
-    least = np.minimum(outer, way.weight(ends.inner))
-    return 1.0, least, 4.0 * ends.half / least
+def stated(zone: ClosedZone) -> Value:
+    """The stated error of ends and pressure, before what the profile's own claims add."""
+    problem, way = zone.problem, zone.problem.map
+    if problem.corner is not None:
+        return OPTIONS.edge_peak * OPTIONS.stated_round_off + 0.0 * zone.half
+    scale, _, follows = zone.sums
+    scale = scale + abs(problem.kink)
+    # Coefficients fall as a geometric series from 1 to round-off: the sum of those left off.
+    left = 4.0 * (1.0 - zone.nodes / math.log(EPS)) * zone.tail
+    weight = way.weight(zone.half_width)
+    # w changes by h tan A of itself as the half length grows.
+    turns = 0.0 if way.period is None else 1.0 / weight
+    pressure = zone.end_error * (follows + scale * turns) + left + ROUND_OFF * scale
+    rise = way.load_factor / weight
+    of_ends = zone.end_error * zone.half * rise / zone.widths + 0.5 * EPS
+    return OPTIONS.stated_round_off + np.maximum(of_ends, pressure * zone.widths / zone.totals)

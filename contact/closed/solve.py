@@ -1,26 +1,30 @@
-"""Scenes that need no coupled system: one zone about a symmetric tip, or a pair about two tips, in
-one interval of a line.
+"""Solutions of scenes that are one symmetric zone about the tip of a profile.
 
-A half-plane, without friction or adhesion, alone or with all periods. What is found is certified by
-its signs and has a stated error, or is left to the general ways: by doubt at a sign, by a series
-that does not end, by an error above the tolerance.
+The scene is a half-plane without friction or adhesion, alone or with all periods. The zone is
+certified by the signs of its series and has a stated error. Where a sign is in doubt, the series
+does not end or the error is above the tolerance, the general search solves the scene.
 """
 
 import math
 import time
-from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from collections.abc import Sequence
 from functools import partial
 from typing import Any
 
 import numpy as np
 
-from contact.closed.ends import Ends, Sheet, ends_at, ends_under
-from contact.closed.fields import DirectFields
-from contact.closed.maps import Map
+from contact.closed.fields import ClosedFields
+from contact.closed.line import LineMap, Value
 from contact.closed.signs import least_inside, places, signs, stated
+from contact.closed.zone import (
+    ROUND_OFF,
+    ClosedZone,
+    OneZoneProblem,
+    zone_at_approach,
+    zone_of_width,
+    zone_under,
+)
 from contact.formulation import claims
-from contact.formulation.full_contact import lowest
 from contact.model.controls import Quantity
 from contact.model.interactions import Interaction
 from contact.model.laws import Law
@@ -30,42 +34,47 @@ from contact.solution.plan import Plan, plan
 from contact.solution.solution import Solution
 from contact.verify.certificate import Certificate
 
-# Of the period in contact, beyond which the gaps are the better unknowns.
-_WIDEST = 0.95
-# Kinks nearer to the origin than this part of a cell are at the tip.
-_AT_TIP = 1e-15
-# What rounding may do to a gap, over the height of the profile at the end of a zone.
-_ROUNDING = 64 * 2.2e-16
-# Steps to a given approach, how far one goes in the logarithm of the load, after which one the next
-# is the last, and how many may lead to more than the interval can bear; what rounding does to an
-# approach.
-_STEPS = 40
-_FAR = 4.0
-_NEAR = 1e-8
-_MISSES = 4
-_EPS = 4 * 2.2e-16
+# Fraction of the period in contact from which on the gap is the better unknown, and solved for.
+WIDEST = 0.95
 _NOTE = "one interval: the signs of its series, inside and outside"
 
 
-def sheets(scene: Scene) -> Iterator[Sheet]:
-    """What a scene may be solved by directly, the likelier one first; none where it may not."""
-    profile = scene.profile
+def one_zone_problem(scene: Scene) -> OneZoneProblem | None:
+    """The problem of one zone about the tip; None where a scene is none, or may be another."""
+    profile, law = scene.profile, scene.law
     tips = profile.summits
     if (
         tips is None
-        or not 1 <= len(tips) <= 2
+        or len(tips) != 1
+        or tips[0] != 0.0
         or not profile.symmetric
         or profile.slope_is_derived
         or profile.extent is not None
+        or scene.turned
+        or not _asks_for_pressure_only(law, scene.E_star)
+        or not _is_half_plane(scene)
     ):
-        return
-    if scene.turned or not _asks_no_more(scene.law, scene.E_star) or not _is_half_plane(scene):
-        return
+        return None
     limit = math.inf if profile.period is None else 0.5 * profile.period
-    yield from _of_tips(scene, np.asarray(tips, dtype=float).tolist(), limit)
+    corner = None
+    if profile.support is not None:
+        # Zones that end at corners with a slope there are left to the general search.
+        if not scene.is_flat or scene.given_load is None:
+            return None
+        corner = profile.support[1]
+    kink, inside = 0.0, limit * (1.0 - ROUND_OFF)
+    for at, height in np.asarray(profile.kinks).tolist():
+        if abs(at) <= ROUND_OFF * (scene.period or 1.0) and height > 0.0:
+            kink = height
+        elif abs(at) < inside:
+            return None
+    broken = np.append(np.asarray(profile.jumps)[:, 0], np.asarray(profile.algebraic_points)[:, 0])
+    if any(abs(at) < inside for at in broken.tolist()):
+        return None
+    return OneZoneProblem(profile, LineMap(scene.period), kink, corner, limit)
 
 
-def _asks_no_more(law: Law, E_star: float) -> bool:
+def _asks_for_pressure_only(law: Law, E_star: float) -> bool:
     """Whether all that a law asks for is a pressure that pushes, and vanishes at the ends."""
     return (
         law.routes.module is None
@@ -93,210 +102,119 @@ def _is_half_plane(scene: Scene) -> bool:
     )
 
 
-def _of_tips(scene: Scene, tips: list[float], limit: float) -> Iterator[Sheet]:
-    profile, period = scene.profile, scene.period
-    corner = None
-    if profile.support is not None:
-        # Zones that end at corners under other slopes are the general machine's.
-        if not scene.is_flat or scene.given_load is None:
-            return
-        corner = profile.support[1]
-    kink, inside = 0.0, limit * (1.0 - 1e-12)
-    for at, height in np.asarray(profile.kinks).tolist():
-        if len(tips) == 1 and abs(at) <= _AT_TIP * (period or 1.0) and height > 0.0:
-            kink = height
-        elif abs(at) < inside:
-            return
-    broken = np.append(np.asarray(profile.jumps)[:, 0], np.asarray(profile.algebraic_points)[:, 0])
-    if any(abs(at) < inside for at in broken.tolist()):
-        return
-    low, high = min(tips), max(tips)
-    if low != -high:
-        return
-    if high > 0.0:
-        yield Sheet(profile, Map(period, True), 0.0, None, limit, high)
-    yield Sheet(profile, Map(period, False), kink, corner, limit)
-
-
-def directly(scene: Scene, tol: float) -> Solution | None:
-    """The solution of a scene that needs no coupled system; None where it does, or where anything
-    is in doubt.
-    """
+def solve_closed(scene: Scene, tol: float) -> Solution | None:
+    """The solution of a scene with one symmetric zone; None where anything is in doubt."""
     start = time.perf_counter()
     held = scene.control_object.held(scene)
-    if held is None:
-        return None
-    if (
-        held.quantity is Quantity.WIDTH
-        and scene.profile.period is not None
-        and held.value > _WIDEST * scene.profile.period
-    ):
+    problem = None if held is None else one_zone_problem(scene)
+    if held is None or problem is None:
         return None
     with np.errstate(all="ignore"):
-        for sheet in sheets(scene):
-            if held.quantity is Quantity.LOAD:
-                ends = ends_under(sheet, held.value / (0.5 * scene.E_star))
-            elif held.quantity is Quantity.APPROACH:
-                ends = _ends_approached(scene, sheet, held.value)
-            elif sheet.map.pair or len(sheet.profile.summits) > 1:  # type: ignore[arg-type]
-                return None
-            else:
-                ends = ends_at(
-                    sheet, held.value if held.quantity is Quantity.HALF_WIDTH else 0.5 * held.value
-                )
-            if ends.found and _narrow(ends):
-                holds, error, gap = _judged(ends, tol)
-                if holds:
-                    return _solution(
-                        scene, ends, float(error), float(gap), time.perf_counter() - start
-                    )
-    return None
+        if held.quantity is Quantity.LOAD:
+            zone = zone_under(problem, held.value / (0.5 * scene.E_star))
+        elif held.quantity is Quantity.APPROACH:
+            zone = zone_at_approach(problem, held.value, scene.operator.datum)
+        else:
+            half = 1.0 if held.quantity is Quantity.HALF_WIDTH else 0.5
+            zone = zone_of_width(problem, half * held.value)
+        if not zone.found:
+            return None
+        holds, error, gap = _judged(zone, tol)
+    took = time.perf_counter() - start
+    return _solution(scene, zone, float(error), float(gap), took) if holds else None
 
 
-def all_directly(scenes: Sequence[Scene], tol: float) -> list[Solution | None]:
-    """The same of scenes that differ in their loads alone, all at once."""
+def solve_all_closed(scenes: Sequence[Scene], tol: float) -> list[Solution | None]:
+    """The same for scenes that differ in their loads alone, all at once."""
     start = time.perf_counter()
-    out: list[Solution | None] = [None] * len(scenes)
     if not scenes or scenes[0].given_load is None:
-        return [directly(scene, tol) for scene in scenes]
-    left = np.arange(len(scenes))
+        return [solve_closed(scene, tol) for scene in scenes]
+    out: list[Solution | None] = [None] * len(scenes)
+    problem = one_zone_problem(scenes[0])
+    if problem is None:
+        return out
     with np.errstate(all="ignore"):
         loads = np.array([scene.given_load for scene in scenes]) / (0.5 * scenes[0].E_star)
-        for sheet in sheets(scenes[0]):
-            if not len(left):
-                break
-            ends = ends_under(sheet, loads[left])
-            may = ends.found & _narrow(ends)
-            if not may.any():
-                continue
-            ends, mine = ends.rows(may), left[may]
-            holds, error, gap = _judged(ends, tol)
-            gap = np.broadcast_to(gap, holds.shape)
-            took = (time.perf_counter() - start) / len(scenes)
-            for row in map(int, np.flatnonzero(holds)):
-                scene = scenes[mine[row]]
-                out[mine[row]] = _solution(
-                    scene, ends.rows(row), float(error[row]), float(gap[row]), took
-                )
-            left = np.setdiff1d(left, mine[holds])
+        zone = zone_under(problem, loads)
+        rows = np.flatnonzero(zone.found)
+        if len(rows):
+            zone = zone.rows(zone.found)
+            holds, error, gap = _judged(zone, tol)
+            gap, took = np.broadcast_to(gap, holds.shape), (time.perf_counter() - start) / len(rows)
+            for k in map(int, np.flatnonzero(holds)):
+                one = zone.rows(k)
+                out[rows[k]] = _solution(scenes[rows[k]], one, float(error[k]), float(gap[k]), took)
     return out
 
 
-def _ends_approached(scene: Scene, sheet: Sheet, approach: float) -> Ends:
-    """Newton on the logarithm of the load. The approach follows the load as if the ends stood
-    still: pressure and gap vanish there.
-    """
-    unit, least, most, misses, rests = 0.5 * scene.E_star, 0.0, math.inf, 0, False
-    load = unit * approach
-    for _ in range(_STEPS):
-        ends = ends_under(sheet, load / unit)
-        if ends.found:
-            fields = DirectFields(scene, ends)
-            here, share = fields.approach, load / fields.stiffness  # type: ignore[operator]
-            if here is None or not (here > 0.0 and 0.0 < share < math.inf):
-                break
-            move = math.log(approach / here) * here / share
-            rounding = _EPS * (abs(lowest(scene.profile)) + approach + share) / share
-            if rests or abs(move) <= rounding:
-                rate = max(*ends.spreading) / ends.half
-                return replace(ends, off=ends.off + rate * (abs(move) + rounding))
-            least, most = (load, most) if move > 0.0 else (least, load)
-            load, rests = load * math.exp(min(max(move, -_FAR), _FAR)), abs(move) <= _NEAR
-        else:
-            # More than the interval can bear.
-            most, misses = load, misses + 1
-        if misses > _MISSES:
-            break
-        if not (rests or least < load < most):
-            load = 0.5 * (least + most)
-    return replace(ends, found=False)
-
-
-def _narrow(ends: Ends) -> Any:
-    """Whether the gaps are not the better unknowns."""
-    period = ends.sheet.map.period
-    return (
-        period is None
-        or ends.sheet.corner is not None
-        or ends.widths * ends.zones <= _WIDEST * period
-    )
-
-
-def _judged(ends: Ends, tol: float) -> tuple[Any, Any, Any]:
-    """(which of the loads may be given out, the stated errors, the least gaps that were looked at)."""
-    holds, gap = signs(ends)
-    error = stated(ends) + _of_claims(ends)
+def _judged(zone: ClosedZone, tol: float) -> tuple[Any, Value, Value]:
+    """Whether a zone is an answer; the stated error; the least sampled gap."""
+    problem = zone.problem
+    holds, gap = signs(zone)
+    error = stated(zone)
+    if not is_of_package(problem.profile):
+        outer = np.ravel(zone.half_width)
+        errors = [claims.of(problem.profile, np.array([[-half, half]])).error for half in outer]
+        error = error + np.reshape(errors, np.shape(zone.half_width))
+    if problem.map.period is not None and problem.corner is None:
+        holds = holds & (zone.widths <= WIDEST * problem.map.period)
     return holds & (error <= tol), error, gap
 
 
-def _of_claims(ends: Ends) -> Any:
-    """Errors that the claims of the profile add, see contact.formulation.claims."""
-    profile, outer = ends.sheet.profile, np.ravel(ends.outer)
-    if is_of_package(profile):
-        return 0.0
-    errors = [claims.of(profile, np.array([[-half, half]])).error for half in outer]
-    return np.reshape(errors, np.shape(ends.outer))
-
-
-def _solution(scene: Scene, ends: Ends, error: float, gap: float, took: float) -> Solution:
-    fields = DirectFields(scene, ends)
+def _solution(scene: Scene, zone: ClosedZone, error: float, gap: float, took: float) -> Solution:
+    fields = ClosedFields(scene, zone)
     parts: dict[str, Any] = {
-        "certificate": partial(_certificate, scene, ends, gap),
-        "plan": partial(_plan, scene, ends, took),
+        "certificate": partial(_certificate, scene, zone, gap),
+        "plan": partial(_plan, scene, zone, took),
     }
     return Solution.deferred(scene, fields.zone_table, fields, error, parts)
 
 
-def _certificate(scene: Scene, ends: Ends, gap: float) -> Certificate:
-    load, corner = scene.given_load, ends.sheet.corner is not None
+def _certificate(scene: Scene, zone: ClosedZone, gap: float) -> Certificate:
+    load, corner = scene.given_load, zone.problem.corner is not None
     unit = 0.5 * scene.E_star
     with np.errstate(all="ignore"):
-        least, inside = least_inside(ends)
-        points = inside if corner else inside + places(ends).size
+        least, inside = least_inside(zone)
+        points = inside if corner else inside + places(zone).size
     return Certificate(
         smallest_pressure=unit * least,
-        # Where the gap grows all the way, it is least at the ends.
+        # A gap that opens all the way is least at the ends.
         smallest_gap=None if corner else gap if math.isfinite(gap) else 0.0,
-        gap_rounding=_ROUNDING * abs(float(scene.profile.height(ends.outer))),
-        load_balance=0.0 if load is None else abs(unit * float(ends.totals) / load - 1.0),
+        gap_rounding=16 * ROUND_OFF * abs(float(scene.profile.height(zone.half_width))),
+        load_balance=0.0 if load is None else abs(unit * float(zone.totals) / load - 1.0),
         points=points,
         holds=True,
         note=_NOTE,
     )
 
 
-def _plan(scene: Scene, ends: Ends, took: float) -> Plan:
+def _plan(scene: Scene, zone: ClosedZone, took: float) -> Plan:
     told = plan(scene)
     told.decide(
         "solver", "closed form", "one symmetric interval of a half-plane needs no coupled system"
     )
-    given = scene.held(Quantity.HALF_WIDTH) is not None or ends.sheet.corner is not None
+    given = scene.held(Quantity.HALF_WIDTH) is not None or zone.problem.corner is not None
     for part in told.parts:
         if part.name == "coarse search":
             part.used, part.reason = False, "one interval of a line, without a coupled system"
         elif part.name == "zone ends":
-            part.detail = (
-                ""
-                if given
-                else f"{int(ends.steps)} Newton steps in one series of {int(ends.nodes)} nodes"
-            )
+            steps = f"{zone.steps} Newton steps in one series of {zone.nodes} nodes"
+            part.detail = "" if given else steps
             part.seconds = took if part.used else None
         elif part.name == "kinks":
-            part.used = ends.sheet.kink > 0.0
-            part.reason = (
-                "1 jumps of the slope or its derivatives inside zones" if part.used else part.reason
-            )
+            part.used = zone.problem.kink > 0.0
+            if part.used:
+                part.reason = "1 jumps of the slope or its derivatives inside zones"
         elif part.name == "symmetry":
             part.used = True
         elif part.name == "certificate":
             part.detail = "by the signs of the series"
-    zones, nodes = ends.zones, int(ends.nodes)
     told.counts.update(
-        zones=zones,
-        own_modes=zones * nodes,
+        zones=1,
+        own_modes=zone.nodes,
         coupled_unknowns=1,
         kernel_evaluations=0,
-        profile_evaluations=nodes * int(ends.steps + 1),
+        profile_evaluations=zone.nodes * (zone.steps + 1),
         solves=1,
     )
     told.seconds = took

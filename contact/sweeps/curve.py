@@ -1,6 +1,6 @@
 """A curve: one scene at many values of one control, each solve warm-started from earlier ones."""
 
-from contact.closed.solve import all_directly
+from contact.closed.solve import solve_all_closed
 from contact.model.scene import Scene
 from contact.runtime import one_blas_thread
 from contact.search.context import SceneCache
@@ -32,7 +32,7 @@ class Curve:
     def solve_in_closed_form(self, values: Array) -> None:
         """Solve, all at once, the values whose contact is one zone in closed form, and keep them."""
         scenes = [self._scene(float(value)) for value in values]
-        found = all_directly(scenes, self.tol)
+        found = solve_all_closed(scenes, self.tol)
         self.known = {
             float(value): solution
             for value, solution in zip(values, found, strict=True)

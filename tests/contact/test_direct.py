@@ -11,14 +11,9 @@ import pytest
 
 import contact
 import contact.solver
-from contact.closed.fields import DirectFields
-from contact.closed.solve import all_directly, directly
-from contact.reference.exact import (
-    IsolatedBiquadratic,
-    PeriodicParabola,
-    PeriodicWedge,
-    Westergaard,
-)
+from contact.closed.fields import ClosedFields
+from contact.closed.solve import solve_all_closed, solve_closed
+from contact.reference.exact import PeriodicParabola, PeriodicWedge, Westergaard
 
 PERIODIC, ISOLATED = contact.Periodic(), contact.Isolated(datum=3.0)
 
@@ -70,13 +65,11 @@ SHAPES = {
     "one of the parabolas": (lambda L, slope, room: contact.Parabola(L / slope, L), False),
     "wedges": (lambda L, slope, room: contact.Wedge(slope, L), True),
     "wedge": (lambda L, slope, room: contact.Wedge(slope), False),
-    "pairs": (lambda L, slope, room: contact.Biquadratic(L / slope, L, room * L), True),
-    "pair": (lambda L, slope, room: contact.Biquadratic(L / slope, L), False),
     "punches": (lambda L, slope, room: contact.Flat(L, room * L), True),
     "punch": (lambda L, slope, room: contact.Flat(L), False),
     "own body": (lambda L, slope, room: Even(room), False),
-    "own waves": (lambda L, slope, room: Waves(room / 6, L), True),
-    "one of them": (lambda L, slope, room: Waves(room / 6, L), False),
+    "own waves": (lambda L, slope, room: Waves(room / 24, L), True),
+    "one of them": (lambda L, slope, room: Waves(room / 24, L), False),
 }
 
 
@@ -95,7 +88,7 @@ def drawn(name, rng):
 
 def generally(scene, monkeypatch, tol=1e-7):
     with monkeypatch.context() as patched:
-        patched.setattr(contact.solver, "directly", lambda scene, tol: None)
+        patched.setattr(contact.solver, "solve_closed", lambda scene, tol: None)
         return contact.solve(scene, tol)
 
 
@@ -118,7 +111,7 @@ def test_the_direct_way_has_the_answer_of_the_general_one_over_ten_decades_of_lo
             with pytest.raises(contact.OutOfRange):
                 contact.solve(scene, 1e-8)
             continue
-        direct += isinstance(one.fields, DirectFields)
+        direct += isinstance(one.fields, ClosedFields)
         assert one.certificate.holds and one.zones.shape == other.zones.shape
         if len(one.zones) == 0:
             continue
@@ -163,7 +156,7 @@ def test_the_true_error_is_at_most_the_stated_one(fraction):
         (PeriodicWedge(0.01, 1.0, 1.0, a), contact.Wedge(0.01, 1.0)),
     ]:
         found = contact.solve(contact.Scene(profile, 1.0, PERIODIC, load=answer.load), 1e-11)
-        assert isinstance(found.fields, DirectFields)
+        assert isinstance(found.fields, ClosedFields)
         assert abs(found.zones[0, 1] - a) <= 2 * a * found.error
         t = np.linspace(-0.99, 0.99, 40)
         assert np.all(
@@ -171,14 +164,10 @@ def test_the_true_error_is_at_most_the_stated_one(fraction):
         )
 
 
-@pytest.mark.parametrize("inner", [0.049, 0.02, 1e-3])
-def test_a_pair_is_found_up_to_where_its_zones_meet(inner):
-    answer = IsolatedBiquadratic.from_inner_end(inner, radius=1.0, spacing=0.1, E_star=1.0)
-    found = contact.solve(
-        contact.Scene(contact.Biquadratic(1.0, 0.1), 1.0, ISOLATED, load=answer.load), 1e-9
-    )
-    assert isinstance(found.fields, DirectFields) and len(found.zones) == 2
-    assert np.all(np.abs(found.zones - answer.zones) <= found.error * found.zone_widths[:, None])
+@pytest.mark.parametrize("load", [1e-5, 1e-2])
+def test_two_tips_are_left_to_the_general_ways(load):
+    scene = contact.Scene(contact.Biquadratic(1.0, 0.1), 1.0, ISOLATED, load=load)
+    assert solve_closed(scene, 1e-8) is None
 
 
 def test_a_given_width_and_a_load_lead_to_each_other():
@@ -209,12 +198,12 @@ def test_a_given_approach_and_a_load_lead_to_each_other(name, monkeypatch):
             under_load.approach
             > 1e-9 * np.abs(scene.profile.height(np.array(under_load.zones))).max()
         )
-        if not isinstance(under_load.fields, DirectFields) or not (
+        if not isinstance(under_load.fields, ClosedFields) or not (
             under_load.stiffness > 0 and told
         ):
             continue
         back = contact.solve(scene.under("approach", under_load.approach), 1e-6)
-        direct += isinstance(back.fields, DirectFields)
+        direct += isinstance(back.fields, ClosedFields)
         assert (
             back.certificate.holds
             and abs(back.approach / under_load.approach - 1) <= 1e-12 + back.error
@@ -229,7 +218,7 @@ def test_a_given_approach_and_a_load_lead_to_each_other(name, monkeypatch):
 def test_an_approach_beyond_what_one_interval_bears_is_left_to_the_general_ways():
     for approach in (0.999999e-3, 1.1e-3):
         assert (
-            directly(
+            solve_closed(
                 contact.Scene(contact.Sinusoid(1e-3, 1.0), 1.0, PERIODIC, approach=approach), 1e-9
             )
             is None
@@ -270,7 +259,7 @@ class Stuck(contact.Law):
     ids=["turned", "layer", "lone layer", "localized", "adhesion", "nearly full", "tips unknown"],
 )
 def test_what_is_more_than_one_interval_is_left_to_the_general_ways(scene):
-    assert not isinstance(contact.solve(scene).fields, DirectFields)
+    assert not isinstance(contact.solve(scene).fields, ClosedFields)
 
 
 def test_a_law_with_a_word_of_its_own_is_asked():
@@ -300,13 +289,13 @@ class Shouldered(contact.Profile):
 
 def test_a_profile_that_touches_beside_its_tip_is_not_taken_for_one_zone():
     found = contact.solve(contact.Scene(Shouldered(), 1.0, ISOLATED, load=0.3), 1e-3)
-    assert len(found.zones) > 1 and not isinstance(found.fields, DirectFields)
+    assert len(found.zones) > 1 and not isinstance(found.fields, ClosedFields)
 
 
 def test_all_members_work_and_survive_a_pickle_and_a_copy():
     for scene in (
         contact.Scene(contact.Sinusoid(1e-3, 1.0), 1.0, PERIODIC, load=1e-3),
-        contact.Scene(contact.Biquadratic(1.0, 0.1), 1.0, ISOLATED, load=1e-4),
+        contact.Scene(contact.Wedge(0.1), 1.0, ISOLATED, load=1e-4),
         contact.Scene(contact.Flat(0.5, 1.0), 1.0, PERIODIC, load=1e-3),
     ):
         first = contact.solve(scene)
@@ -338,8 +327,8 @@ def test_one_load_and_several_at_once_have_the_same_answer(name):
     for _ in range(4):
         scene = drawn(name, rng)
         loads = scene.load * np.array([1.0, 1.3, 0.01])
-        alone = [directly(scene.under("load", load), 1e-8) for load in loads]
-        several = all_directly([scene.under("load", load) for load in loads], 1e-8)
+        alone = [solve_closed(scene.under("load", load), 1e-8) for load in loads]
+        several = solve_all_closed([scene.under("load", load) for load in loads], 1e-8)
         for a, b in zip(alone, several, strict=True):
             assert (a is None) == (b is None)
             assert (
@@ -348,24 +337,20 @@ def test_one_load_and_several_at_once_have_the_same_answer(name):
             )
 
 
-def bounded(k, middle, half, a):
-    """Phi at middle + half cos(a) of G = T_k on an interval beside [-1, 1]."""
-    inside = np.polynomial.Chebyshev.basis(k)(np.polynomial.Chebyshev([middle, half]))
+def bounded(k, half, a):
+    """Phi at half cos(a) of G = T_k on an interval beside [-1, 1]."""
+    inside = np.polynomial.Chebyshev.basis(k)(np.polynomial.Chebyshev([0.0, half]))
     return np.sin(np.outer(a, np.arange(k + 1))) @ inside.coef
 
 
-@pytest.mark.parametrize("k", range(1, 12))
+@pytest.mark.parametrize("k", range(1, 12, 2))
 def test_pressures_follow_the_ends_no_faster_than_the_stated_error_has_it(k):
     a, d = np.linspace(1e-3, np.pi - 1e-3, 2001), 1e-6
-    t, flat = np.cos(a), (1 - np.cos(k * a)) / np.sin(a)
-    uneven = (1 - t * np.cos(k * a)) / np.sin(a), (t - np.cos(k * a)) / np.sin(a)
-    by_half, by_middle = uneven if k % 2 else (t * flat, flat)
-    assert max(np.abs(by_half).max(), np.abs(by_middle).max()) <= k * (1 + 1e-12)
+    by_half = (1 - np.cos(a) * np.cos(k * a)) / np.sin(a)
+    assert np.abs(by_half).max() <= k * (1 + 1e-12)
     some = slice(200, 1900, 100)
-    grown = (bounded(k, 0.0, 1 + d, a[some]) - bounded(k, 0.0, 1 - d, a[some])) / (2 * d)
-    moved = (bounded(k, d, 1.0, a[some]) - bounded(k, -d, 1.0, a[some])) / (2 * d)
+    grown = (bounded(k, 1 + d, a[some]) - bounded(k, 1 - d, a[some])) / (2 * d)
     assert grown == pytest.approx(k * by_half[some], rel=1e-6, abs=1e-6)
-    assert moved == pytest.approx(k * by_middle[some], rel=1e-6, abs=1e-6)
 
 
 def test_one_zone_costs_a_few_looks_at_its_shape(monkeypatch):
@@ -412,7 +397,7 @@ def test_loads_that_numbers_hardly_hold_are_answered_or_left(load):
         for model in (PERIODIC, ISOLATED) if profile.period else (ISOLATED,):
             for E_star in (1e-300, 1.0, 1e300):
                 scene = contact.Scene(profile, E_star, model, load=load)
-                alone, several = directly(scene, 1e-8), all_directly([scene, scene], 1e-8)
+                alone, several = solve_closed(scene, 1e-8), solve_all_closed([scene, scene], 1e-8)
                 assert (alone is None) == (several[0] is None) == (several[1] is None)
                 assert alone is None or (
                     alone.certificate.holds
@@ -423,17 +408,15 @@ def test_loads_that_numbers_hardly_hold_are_answered_or_left(load):
 
 def test_a_flat_top_is_left_to_the_general_ways():
     scene = contact.Scene(Plateau(), 1.0, PERIODIC, load=1e-3)
-    assert directly(scene, 1e-2) is None
+    assert solve_closed(scene, 1e-2) is None
     # What a series makes of its edges is stated to about 0.05 to 0.07.
     assert 0.3 < contact.solve(scene, 0.1).zones[0, 1] < 0.35
 
 
-@pytest.mark.parametrize("name", ["wave", "wedge", "pair", "parabolas"])
+@pytest.mark.parametrize("name", ["wave", "wedge", "parabolas"])
 def test_the_ends_of_zones_move_as_the_rates_have_it(name):
     scene = drawn(name, np.random.default_rng(3)).under("load", 1.0)
-    scene = scene.under(
-        "load", 0.1 * scene.E_star * (1e-6 if name == "pair" else 1e-4) * (scene.period or 1.0)
-    )
+    scene = scene.under("load", 0.1 * scene.E_star * 1e-4 * (scene.period or 1.0))
     low, here, high = (
         contact.solve(scene.under("load", scene.load * np.exp(d)), 1e-11)
         for d in (-1e-4, 0.0, 1e-4)

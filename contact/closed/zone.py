@@ -1,0 +1,257 @@
+"""One symmetric zone under a control, for one load or for several at once: Newton's method on ln h.
+
+h is the half length of the zone on the line of `contact.closed.line`. Of a tip with a kink
+J = f'(0+) - f'(0-), the part J/2 sgn(x) is taken off f'. With A = pi a/L its pressure and load are
+
+    p = (E*/2) (J/pi) arcosh(tan A / tan |u|),      load = (E*/2) (J L/pi) artanh(sin A)
+
+(Goryacheva & Tsukanov 2020, (25), as corrected in docs/theory.md), and (J/pi) arcosh(a/|x|) and J a
+without a period. Between sharp corners and without slope, p = load cos u / (L sqrt(sin^2 A - sin^2
+u)), or load / (pi sqrt(a^2 - x^2)) without a period (Sadowsky 1928).
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
+
+import numpy as np
+
+from contact.closed.line import LineMap, Value, choose, column, everywhere, largest
+from contact.closed.series import orders, powers, table
+from contact.formulation.full_contact import lowest
+from contact.model.profiles.base import Profile
+from sie import Array, Mask, record
+
+EPS = float(np.finfo(float).eps)
+# Round-off of a sum of a few terms.
+ROUND_OFF = 4 * EPS
+# Smaller numbers lose digits.
+SMALLEST = float(np.finfo(float).tiny) / EPS
+# Gauss points of the mean height over a quarter turn; the heights of a zone are smooth there.
+GAUSS_POINTS = 64
+
+
+@dataclass(frozen=True)
+class OneZoneOptions:
+    """Options of Newton's method on the half length of a zone."""
+
+    first_nodes: int = 8  # a sinusoid or a parabola needs no more
+    finer: int = 4  # factor to the next number of nodes, where these do not resolve the series
+    max_nodes: int = 512  # contact over 0.95 of a period, the widest taken, needs some 250
+    max_steps: int = 60  # five are usual; a load that no zone bears uses all of them
+    settled_step: float = 1e-9  # in ln h; the step after it is below round-off
+    refine_below: float = 0.1  # step in ln h from which on the series is about that of the solution
+
+
+@record
+class OneZoneProblem:
+    """What is common to all loads.
+
+    kink: J at x = 0. corner: half width of a punch without slope, None where there are no corners.
+    limit: half width [m] that no zone exceeds.
+    """
+
+    profile: Profile
+    map: LineMap
+    kink: float
+    corner: float | None
+    limit: float
+
+    @cached_property
+    def top(self) -> float:
+        """The limit on the line."""
+        return float(self.map.y(self.limit)) if math.isfinite(self.limit) else math.inf
+
+    def slopes(self, y: Array) -> Array:
+        """G at y, less the part of the kink."""
+        x, weight = self.map.at(y)
+        slope = np.asarray(self.profile.slope(x), dtype=np.float64)
+        return np.asarray((slope - 0.5 * self.kink) / weight)
+
+    def kink_load(self, half: Value) -> tuple[Value, Value]:
+        """Load over E*/2 of the kink, and its rate with the half length."""
+        if self.kink == 0.0:
+            return 0.0, 0.0
+        if self.map.period is None:
+            return self.kink * half, self.kink
+        factor = self.kink * self.map.load_factor
+        return factor * np.arctanh(half), factor / ((1.0 - half) * (1.0 + half))
+
+    def mean_height(self, half: Value) -> Value:
+        """Mean of f - min f [m] over the angle on the zone."""
+        t, weights = _quarter_turn()
+        height = np.asarray(self.profile.height(self.map.at(column(half) * t)[0]))
+        return (height - lowest(self.profile)).dot(weights)
+
+    def even_level(self, half: Value, datum: float | None) -> Value:
+        """Logarithmic potential of a unit load that presses the zone evenly; -pi E*/2 times the
+        compliance of the fixed zone.
+        """
+        if self.map.period is not None:
+            return np.log(half)
+        assert datum is not None
+        return np.log(half / (2.0 * datum))
+
+
+@record
+class ClosedZone:
+    """One zone, of one load in numbers or of several in rows.
+
+    half_width [m]; half: half length on the line; g: coefficients (..., orders); tail: the last ones
+    and those left off; end_error: error of ln half; punch: load over E*/2 and
+    pi half, of a flat punch; found: whether Newton's method converged to a zone below the limit.
+    """
+
+    problem: OneZoneProblem
+    half_width: Value
+    half: Value
+    g: Array
+    tail: Value
+    end_error: Value
+    steps: int
+    nodes: int
+    punch: Value
+    found: Value
+
+    def rows(self, chosen: Mask | int) -> "ClosedZone":
+        """Some of the loads, or one."""
+        names = ("half_width", "half", "g", "tail", "end_error", "punch", "found")
+        return replace(self, **{name: getattr(self, name)[chosen] for name in names})
+
+    @property
+    def first(self) -> Value:
+        """g_1."""
+        return self.g[..., 0] if self.g.shape[-1] else 0.0
+
+    @cached_property
+    def sums(self) -> tuple[Value, Value, Value]:
+        """Sums of |g_k|, of k |g_k|, which bounds |q|, and of k^2 |g_k|."""
+        plain, once, twice = np.abs(self.g).dot(powers(self.g.shape[-1])).T
+        return plain, once, twice
+
+    @property
+    def widths(self) -> Value:
+        """Width of the zone [m]."""
+        return 2.0 * self.half_width
+
+    @property
+    def growth(self) -> Value:
+        """Outward motion of an end [m] as the load grows by a factor of e; 0 at corners."""
+        problem, way = self.problem, self.problem.map
+        if problem.corner is not None:
+            return 0.0 * self.half
+        edge = self.g @ orders(self.g.shape[-1])
+        rate = way.load_factor * math.pi * edge + problem.kink_load(self.half)[1]
+        return self.totals / rate * way.load_factor / way.weight(self.half_width)
+
+    @cached_property
+    def totals(self) -> Value:
+        """Load over E*/2 [m]."""
+        smooth = math.pi * self.half * (0.5 * self.first + self.punch)
+        return self.problem.map.load_factor * smooth + self.problem.kink_load(self.half)[0]
+
+
+# From half length, load over E*/2 and its rate with the half length: ln(wanted/present), the rate
+# of ln(present) with ln(half), and the round-off of ln(present).
+Residual = Callable[[Value, Value, Value], tuple[Value, Value, Value]]
+
+
+def zone_under(problem: OneZoneProblem, loads: Value) -> ClosedZone:
+    """The zone under loads over E*/2 [m], one or several."""
+    if problem.corner is not None:
+        return _punch(problem, problem.corner, loads)
+
+    def residual(half: Value, total: Value, rate: Value) -> tuple[Value, Value, Value]:
+        return np.log(loads / total), half * rate / total, ROUND_OFF
+
+    start = 0.25 * problem.top if math.isfinite(problem.top) else 1.0
+    return _newton(problem, start + 0.0 * loads, residual)
+
+
+def zone_at_approach(problem: OneZoneProblem, approach: float, datum: float | None) -> ClosedZone:
+    """The zone at an approach [m]. With the zone fixed the approach grows with the load: pressure
+    and gap vanish at its ends, so that their motion adds nothing.
+    """
+
+    def residual(half: Value, total: Value, rate: Value) -> tuple[Value, Value, Value]:
+        give = -problem.even_level(half, datum) / math.pi
+        present = problem.mean_height(half) + give * total
+        lost = ROUND_OFF * (abs(lowest(problem.profile)) + approach + abs(give) * total) / present
+        return np.log(approach / present), give * half * rate / present, lost
+
+    return _newton(problem, 0.25 * problem.top if math.isfinite(problem.top) else 1.0, residual)
+
+
+def zone_of_width(problem: OneZoneProblem, half_width: float) -> ClosedZone:
+    """The zone of a given half width [m]."""
+
+    def residual(half: Value, total: Value, rate: Value) -> tuple[Value, Value, Value]:
+        return 0.0, 1.0, ROUND_OFF
+
+    zone = _newton(problem, problem.map.y(half_width), residual)
+    return replace(zone, half_width=half_width)
+
+
+def _punch(problem: OneZoneProblem, corner: float, loads: Value) -> ClosedZone:
+    """A flat punch from corner to corner."""
+    zero = 0.0 * loads
+    half = problem.map.y(zero + corner)
+    punch = loads / (problem.map.load_factor * math.pi * half)
+    g, found = np.zeros((*np.shape(loads), 0)), np.isfinite(punch)
+    return ClosedZone(problem, zero + corner, half, g, zero, zero, 0, 1, punch, found)
+
+
+def _newton(
+    problem: OneZoneProblem,
+    half: Value,
+    residual: Residual,
+    options: OneZoneOptions = OneZoneOptions(),
+) -> ClosedZone:
+    """Newton's method for ln half, of all loads together, on as many nodes as the series asks for.
+
+    Loads and widths that follow a power law are on a straight line there.
+    """
+    size, settled = options.first_nodes, half != half
+    factor = problem.map.load_factor * math.pi
+    for _step in range(options.max_steps):
+        nodal = table(size)
+        values = problem.slopes(column(half) * nodal.t)
+        first, edge, one, other = values.dot(nodal.sums).T
+        scale = largest(np.abs(values)) + abs(problem.kink)
+        tail = abs(one) + abs(other)
+        resolved = tail <= ROUND_OFF * scale
+        kinked, kinked_rate = problem.kink_load(half)
+        total = 0.5 * factor * half * first + kinked
+        missing, slope, lost = residual(half, total, factor * edge + kinked_rate)
+        move, rounding = missing / slope, ROUND_OFF + lost / abs(slope)
+        fails = move != move
+        done = resolved & (settled | (abs(move) <= 4.0 * rounding))
+        if everywhere(done | fails):
+            break
+        settled = abs(move) <= options.settled_step
+        if not everywhere(fails | resolved | (abs(move) > options.refine_below)):
+            size *= options.finer
+            if size > options.max_nodes:
+                break
+        longer = half * np.exp(move)
+        longer = choose(longer >= problem.top, 0.5 * (half + problem.top), longer)
+        half = choose(fails, half, longer)
+    g = values.dot(nodal.matrix)
+    size_of = np.abs(g) / column(scale)
+    # All coefficients after the last one above round-off are left off.
+    count = size - int(
+        ((size_of if size_of.ndim == 1 else size_of.max(axis=0))[::-1] > EPS).argmax()
+    )
+    tail = tail + (size - count) * EPS * scale
+    width, error = problem.map.at(half)[0], abs(move) + rounding
+    found = done & (total > 0.0) & (width < problem.limit) & (half > SMALLEST)
+    g = g[..., :count]
+    return ClosedZone(problem, width, half, g, tail, error, _step + 1, 2 * size, 0.0 * half, found)
+
+
+@lru_cache(maxsize=1)
+def _quarter_turn() -> tuple[Array, Array]:
+    """Gauss points t = cos(angle) and weights of the mean over angles of a quarter turn."""
+    s, weights = np.polynomial.legendre.leggauss(GAUSS_POINTS)
+    return np.cos(0.25 * math.pi * (1.0 + s)), 0.5 * weights
