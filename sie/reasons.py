@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sie.basis.data import EPS, record
+from sie.basis.data import EPS, SUM_ROUNDING, record
 from sie.dense import modes
 from sie.ends.newton import Free
 from sie.slits.system import AnyState, SlitState
@@ -19,18 +19,13 @@ class ReasonOptions:
     """Sizes from which a measured cause is named as the reason."""
 
     # A cause is named if it is at least this part of the tolerance; the number of modes multiplies
-    # it.
+    # it. An iteration is named if its error is at least this part of the rest, and a cause of this
+    # size is the reason whatever the side conditions do.
     min_part: float = 0.01
-    # Causes below a few units of round-off are none.
-    min_cause: float = 8 * EPS
-    # An iteration is the cause if it leaves this part of the error.
-    min_iteration_part: float = 1e-3
     # A residual below this many units of round-off of its terms is their round-off.
     rounding_units: float = 1e3
     # Side conditions nearly depend on each other if they magnify the residual by more than this.
     max_magnification: float = 1e4
-    # From this size on a cause is the reason, whatever the side conditions do.
-    unresolved: float = 1e-2
 
 
 OPTIONS = ReasonOptions()
@@ -55,7 +50,7 @@ def of_error(state: AnyState, search: Free | None, tol: float) -> str:
             )
     iteration, conditions, resolution = _parts(state)
     # The residual contains the error of an iteration once for each mode.
-    if iteration > max(0.1 * tol, OPTIONS.min_iteration_part * resolution):
+    if iteration > max(0.1 * tol, OPTIONS.min_part * resolution):
         return (
             "the iteration by which so many zones are solved does not come to rest: "
             f"{iteration:.1e} of the density is open, as where "
@@ -64,7 +59,7 @@ def of_error(state: AnyState, search: Free | None, tol: float) -> str:
     worst = _Worst.of(state)
     largest = max(_causes(worst).values())
     rows = max(largest, EPS * worst.terms / max(state.size, 1e-300))
-    if largest < OPTIONS.unresolved and conditions > max(
+    if largest < OPTIONS.min_part and conditions > max(
         resolution, OPTIONS.max_magnification * rows
     ):
         return (
@@ -169,7 +164,7 @@ def _of_resolution(worst: _Worst, tol: float) -> str:
     state, m, causes = worst.state, int(worst.state.system.layout.m[worst.zone]), _causes(worst)
     neighbour, rounded, noisy = causes["neighbour"], causes["places"], _is_noisy(worst)
     cause = max(causes, key=lambda name: causes[name])
-    if causes[cause] < max(OPTIONS.min_part * tol, OPTIONS.min_cause):
+    if causes[cause] < max(OPTIONS.min_part * tol, SUM_ROUNDING):
         cause = "none"
     if cause == "neighbour":
         return (

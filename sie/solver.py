@@ -23,10 +23,9 @@ from sie.states.solve import SingularSystem
 class SolveOptions:
     """Tolerances of the parts of a solution."""
 
-    # Tolerance of the coefficients over that of the solution.
-    decay_part: float = 0.1
-    # Tolerances of the ends over that of the solution, tried in turn until the error is met.
-    end_parts: tuple[float, ...] = (0.1, 1e-3, 1e-5)
+    # Tolerances over that of the solution: of the coefficients (the first), and of the ends, tried
+    # in turn until the error is met.
+    parts: tuple[float, ...] = (0.1, 1e-3, 1e-5)
     # Round-off of a value of the density: of coefficients, of the root and of both ends.
     evaluation_rounding: float = 4 * EPS
 
@@ -247,7 +246,7 @@ def _best(solutions: Iterator[Solution], tol: float) -> Solution:
 
 def _fixed(equation: Equation, zones: Zones, tol: float) -> Iterator[Solution]:
     """Solutions on zones with fixed ends; the second with all modes that round-off allows."""
-    for decay in (max(OPTIONS.decay_part * tol, EPS), EPS):
+    for decay in (max(OPTIONS.parts[0] * tol, EPS), EPS):
         yield _with_errors(solve_zones(equation, zones, decay))
         if _unresolvable(equation, zones, tol):
             break  # there are no more modes
@@ -262,7 +261,7 @@ def _free(
     max_steps: int,
 ) -> Iterator[Solution]:
     """Solutions with free ends, with ever smaller tolerances of the ends."""
-    for part in OPTIONS.end_parts:
+    for part in OPTIONS.parts:
         free = find_ends(equation, zones, max(part * tol, EPS), max_steps, value=value, signs=signs)
         yield _with_errors(free.state, free)
         if not free.converged:
@@ -317,4 +316,4 @@ def _reason(found: Solution, tol: float) -> str:
 def _unresolvable(equation: Equation, zones: Zones, tol: float) -> bool:
     """Whether a zone is so close to another one that the most modes cannot resolve it."""
     fallen = modes.decay(zones, equation.kernel) * modes.COUPLED_SIZES[-1]
-    return float(fallen.min()) < -math.log(OPTIONS.decay_part * tol)
+    return float(fallen.min()) < -math.log(OPTIONS.parts[0] * tol)

@@ -51,6 +51,16 @@ def sides(angle: Array) -> tuple[Array, Array]:
     return 2 * np.cos(0.5 * angle) ** 2, 2 * np.sin(0.5 * angle) ** 2
 
 
+def root_weight(left: Any, right: Any) -> Array:
+    """X = (1 - t^2)^(1/2) by the distances from both ends over w."""
+    return np.asarray(np.sqrt(left * right))
+
+
+def half_angles(left: Any, right: Any) -> tuple[Array, Array]:
+    """(cos(theta/2), sin(theta/2)) by the distances from both ends over w."""
+    return np.asarray(np.sqrt(0.5 * left)), np.asarray(np.sqrt(0.5 * right))
+
+
 def by_angle(of: Callable[[Array, Array], Array], angle: Array) -> tuple[Array, Array]:
     """(value, derivative by the angle) of a function of both distances, by central differences."""
     step = np.minimum(_STEP, 0.5 * np.minimum(angle, np.pi - angle))
@@ -66,6 +76,11 @@ def nearer_angle(left: Array, right: Array) -> Array:
 def decay_rate(excess: Any) -> Array:
     """-log|rho| at |zeta| = 1 + excess, the decay rate of rho^l with l."""
     return np.asarray(2 * np.arcsinh(np.sqrt(0.5 * excess)))
+
+
+def excess_of(rate: float) -> float:
+    """|zeta| - 1 at which -log|rho| is `rate`; the inverse of `decay_rate`."""
+    return 2 * float(np.sinh(0.5 * rate)) ** 2
 
 
 class Seen:
@@ -326,7 +341,7 @@ def values_on(
     vanishing: whether the density is zero at the left and at the right end of each interval. There
     the round-off in alpha and beta is not divided by zero.
     """
-    root = np.sqrt(left * right)
+    root = root_weight(left, right)
     with np.errstate(divide="ignore", invalid="ignore"):
         a, b = alpha[row], beta[row]
         edge = _edge(a, b, left, right) / root

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sie.basis import chebyshev
-from sie.basis.data import Array, record
+from sie.basis.data import SUM_ROUNDING, Array, record
 from sie.basis.kernels import Kernel, Regular
 from sie.basis.sums import OPTIONS as BLOCKS
 
@@ -28,9 +28,6 @@ class LagTableOptions:
     cells_per_length: float = 25.0
     # A larger table takes more than 300 MB.
     max_cells: int = 2**21
-    # Error between the nodes over the largest value; above it the declared length is wrong, and no
-    # table is used.
-    max_error: float = 1e-13
 
 
 OPTIONS = LagTableOptions()
@@ -67,7 +64,8 @@ class LagTable:
         table = cls(step, cells, np.ascontiguousarray((series @ powers).T))
         between = middles + 0.5 * step * np.cos(np.arange(len(middles)))
         error = np.abs(table(between) - np.asarray(function(between, np.zeros(1)))).max()
-        return table if error <= OPTIONS.max_error * np.abs(series).max() else None
+        # A larger error shows that the declared length is wrong.
+        return table if error <= OPTIONS.terms * SUM_ROUNDING * np.abs(series).max() else None
 
     def __call__(self, lag: Array) -> Array:
         """Values at lags of any shape."""

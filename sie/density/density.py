@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from sie.basis.data import Array, Mask, by_rows
 from sie.basis.sums import OPTIONS as BLOCKS
 from sie.density.plane import Plane
-from sie.density.series import OPTIONS, Series, from_zones, regular_at
+from sie.density.series import Series, from_zones, regular_at
 from sie.density.treecode import Treecode
 from sie.trees.far import reaches
 
@@ -87,9 +87,7 @@ class Density(Series):
             np.repeat(self.kernel.poles, len(self.zones)),
         )
         fast = (
-            self.treecode
-            if self.has_series or len(flat) * len(zone) > OPTIONS.min_fast_pairs
-            else None
+            self.treecode if self.has_series or len(flat) * len(zone) > BLOCKS.cache_pairs else None
         )
         if fast is not None:
             out = fast.potential(flat) if potential else fast.transform(flat)

@@ -32,15 +32,12 @@ class DensityOptions:
     # Distance from a singular end or a kink, over the half width, within which no error of the
     # density is stated: there it is infinite.
     end_distance: float = 0.01
-    # Angles of a zone: at least and at most these many show all of its density.
+    # Angles of a zone that resolve its density, at least.
     min_samples: int = 24
-    max_samples: int = 2**14
     # Angles of a zone at which its response to motions of the ends is evaluated, and its largest
     # kinks next to which it is.
     max_angles: int = 256
     max_kinks: int = 32
-    # Pairs of a point and a zone from which far zones are summed fast.
-    min_fast_pairs: int = 40_000
 
 
 OPTIONS = DensityOptions()
@@ -85,7 +82,7 @@ class Series(Located):
         modes = np.count_nonzero(self.coefficients, axis=1)
         jumps = np.zeros(len(self.zones), dtype=np.intp)
         jumps[: len(self.jumps.count)] = self.jumps.count
-        return np.clip(2 * modes + 4 * jumps, OPTIONS.min_samples, OPTIONS.max_samples)
+        return np.clip(2 * modes + 4 * jumps, OPTIONS.min_samples, BLOCKS.cache_pairs)
 
     def first(self, count: int) -> Array:
         """First coefficients of the whole density, jumps included (Z, count)."""
@@ -167,8 +164,8 @@ class Series(Located):
             out[1:] += bounded.largest_changes(bent, beside)[1:]
         # A zone with one fixed end spreads its load over another width when the other end moves.
         alpha, beta = self.singular
-        out[1:] += (np.abs(alpha) + np.abs(beta)) / np.sqrt(
-            OPTIONS.end_distance * (2 - OPTIONS.end_distance)
+        out[1:] += (np.abs(alpha) + np.abs(beta)) / interval.root_weight(
+            OPTIONS.end_distance, 2 - OPTIONS.end_distance
         )
         return out[0], out[1], out[2]
 

@@ -32,7 +32,7 @@ import numpy as np
 
 from sie.basis.data import Array, Index, record
 from sie.basis.interval import LOG2 as _LOG2
-from sie.basis.interval import Complex, InPlane, OnLine, theta
+from sie.basis.interval import Complex, InPlane, OnLine, root_weight, theta
 from sie.basis.kernels import Kernel
 from sie.basis.sums import Grouped
 from sie.basis.zones import Zones
@@ -219,7 +219,7 @@ class DensityJumps(ForcingJumps):
         For q = 0 by partial fractions of -sum_j (cos(j phi)/j) (-rho^{j-1}/(j-1) +
         rho^{j+1}/(j+1)); for others see `_potential`.
         """
-        root = np.sqrt(np.maximum(seen.left * seen.right, 0.0))
+        root = root_weight(np.maximum(seen.left, 0.0), np.maximum(seen.right, 0.0))
         rho = np.where(seen.on, 0.5 * (seen.left - seen.right) + 1j * root, seen.rho)
         log, kinks = np.log(2 * np.abs(rho)), self._kinks
         out = kinks.summed(zone, lambda at, k: kinks.of_kinks(k, log[at], rho[at]).real)

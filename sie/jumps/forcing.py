@@ -34,7 +34,7 @@ from typing import Self
 import numpy as np
 
 from sie.basis.data import Array, Index, Mask, record
-from sie.basis.interval import Complex, InPlane, OnLine, of_t, theta
+from sie.basis.interval import Complex, InPlane, OnLine, half_angles, of_t, theta
 from sie.basis.sums import Grouped
 from sie.basis.zones import Zones
 from sie.jumps.exterior import NOWHERE, ExteriorLogarithms
@@ -441,7 +441,7 @@ class ForcingJumps(Jumps):
     # Values at complex points, see `sie.density.plane`.
     def logarithm(self, k: Index, seen: InPlane, away: Complex) -> Complex:
         """-i log(B / A) of jumps k."""
-        c, s = np.sqrt(0.5 * self.left[k]), np.sqrt(0.5 * self.right[k])
+        c, s = half_angles(self.left[k], self.right[k])
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.asarray(
                 -1j

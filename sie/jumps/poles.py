@@ -34,25 +34,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import cosdg, sindg
 
-from sie.basis.data import Array, Complex, Index, record
-from sie.basis.interval import LOG2, InPlane, OnLine, What, theta
+from sie.basis.data import DIGITS, Array, Complex, Index, record
+from sie.basis.interval import LOG2, InPlane, OnLine, What, root_weight, theta
 from sie.basis.sums import PerZone
 from sie.basis.zones import Zones
 from sie.jumps.formulas import OPTIONS as JUMPS
 
-
-@dataclass(frozen=True)
-class PoleOptions:
-    """Step and depth of the trapezoidal rule."""
-
-    step: float = 0.25
-    """Step in log(eta): exp(-pi^2/step) is 7e-18."""
-    nearest: float = 39.0
-    """-log of the part of |y|^p, or of its integral, in the omitted poles next to the point: 1e-17.
-    """
-
-
-_OPTIONS = PoleOptions()
+# Step of the trapezoidal rule in log(eta), with an error of exp(-pi^2/step) = exp(-DIGITS).
+_STEP = np.pi**2 / DIGITS
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,9 +118,9 @@ class AlgebraicPoints:
         """
         rows = self._at(place)
         p, weights = np.asarray(self.exponents)[rows], self.weights[rows]
-        depth = _OPTIONS.nearest / np.minimum(1.0 + p, np.maximum(p, 1.0)).min()
-        away = farthest * np.exp(-_OPTIONS.step * np.arange(int(depth / _OPTIONS.step) + 1))
-        return away, _OPTIONS.step * (away[:, None] ** (p + 1.0)) @ weights
+        depth = DIGITS / np.minimum(1.0 + p, np.maximum(p, 1.0)).min()
+        away = farthest * np.exp(-_STEP * np.arange(int(depth / _STEP) + 1))
+        return away, _STEP * (away[:, None] ** (p + 1.0)) @ weights
 
     def left_out(self, place: int, farthest: float) -> complex:
         """Sum of c / eta over the omitted poles, which are closer to the place than those of
@@ -142,12 +131,7 @@ class AlgebraicPoints:
         p = np.asarray(self.exponents)[self._at(place)]
         with np.errstate(divide="ignore", invalid="ignore"):
             nearest = self.poles(place, farthest)[0][-1]
-            parts = (
-                _OPTIONS.step
-                * self.weights[self._at(place)]
-                * nearest**p
-                / np.expm1(_OPTIONS.step * p)
-            )
+            parts = _STEP * self.weights[self._at(place)] * nearest**p / np.expm1(_STEP * p)
         return complex(parts.sum()) if np.all(p > 0.0) else complex(np.inf, -np.inf)
 
     def _at(self, place: int) -> Index:
@@ -250,7 +234,7 @@ class Poles(PerZone):
         return self.summed(zone, part)
 
     def density(self, zone: Index, left: Array, right: Array) -> Array:
-        root = np.sqrt(np.maximum(left * right, 0.0))
+        root = root_weight(np.maximum(left, 0.0), np.maximum(right, 0.0))
         out = root * self.summed(
             zone, lambda at, k: np.real(-0.5 * self.q[k] / self._past(at, k, left, right))
         )
@@ -260,7 +244,7 @@ class Poles(PerZone):
 
     def integral(self, zone: Index, left: Array, right: Array) -> Array:
         """Integral of the density from the zone's left end, over w."""
-        angle, sine = theta(right, left), np.sqrt(np.maximum(left * right, 0.0))
+        angle, sine = theta(right, left), root_weight(np.maximum(left, 0.0), np.maximum(right, 0.0))
         p, m = self.roots
         tangent = np.sqrt(left / np.maximum(right, 1e-300))
 

@@ -55,17 +55,19 @@ class SplineOptions:
     min_density_jumps: int = 128
     # Gauss nodes on a piece of the spline or on a part of one.
     gauss_nodes: int = 16
-    # Largest angle by which cos(l theta) turns over these nodes, or over a panel: 16 nodes and 24
-    # moments then give all digits.
-    max_turn: float = 8.0
     # Pieces nearer than this many of their lengths are integrated in closed form, others by Gauss's
     # rule, whose error is (4 * 2.5)^-32.
     near_lengths: float = 2.5
-    # Moments of a panel, which is seen from at least twice its half width beyond its middle: the
-    # error is 3^-24.
-    panel_moments: int = 24
     # Coefficients for each knot that show the potential off the zone.
     coefficients_per_knot: int = 8
+
+    @property
+    def max_turn(self) -> float:
+        """Largest angle by which cos(l theta) turns over the nodes of a part, or over a panel.
+
+        At two nodes a radian, Gauss's rule has no error above round-off.
+        """
+        return self.gauss_nodes / 2
 
 
 OPTIONS = SplineOptions()
@@ -418,17 +420,15 @@ class ConjugateSpline(Kept):
         half, middle = 0.5 * np.diff(cuts), 0.5 * (cuts[1:] + cuts[:-1])
         u = (phi - middle[panel]) / half[panel]
         # T moments of each panel, then weights of Gauss-Chebyshev nodes with the same moments.
-        moments = np.empty((len(half), OPTIONS.panel_moments))
+        moments = np.empty((len(half), TERMS))
         one, two = np.ones(len(u)), u
-        for k in range(OPTIONS.panel_moments):
+        for k in range(TERMS):
             moments[:, k] = np.bincount(panel, values * one, len(half))
             one, two = two, 2 * u * two - one
         moments[:, 1:] *= 2
-        place = np.cos((np.arange(OPTIONS.panel_moments) + 0.5) * np.pi / OPTIONS.panel_moments)
+        place = np.cos((np.arange(TERMS) + 0.5) * np.pi / TERMS)
         return (middle[:, None] + half[:, None] * place).ravel(), (
-            moments
-            @ chebyshev.t_matrix(OPTIONS.panel_moments, OPTIONS.panel_moments).T
-            / OPTIONS.panel_moments
+            moments @ chebyshev.t_matrix(TERMS, TERMS).T / TERMS
         ).ravel()
 
     @cached_property
@@ -477,13 +477,13 @@ class ConjugateSpline(Kept):
         nearest = np.array([0.25, 0.5])
         cuts = np.concatenate((nearest * cuts[0], cuts, np.pi - nearest[::-1] * (np.pi - cuts[-1])))
         half, middle = 0.5 * np.diff(cuts), 0.5 * (cuts[1:] + cuts[:-1])
-        place = np.cos((np.arange(OPTIONS.panel_moments) + 0.5) * np.pi / OPTIONS.panel_moments)
+        place = np.cos((np.arange(TERMS) + 0.5) * np.pi / TERMS)
         phi, weight = self._nodes
         theta = (middle[:, None] + half[:, None] * place).ravel()
         values = ((1 / np.tan(0.5 * (theta[:, None] + phi))) @ weight / np.pi).reshape(
-            len(half), OPTIONS.panel_moments
+            len(half), TERMS
         )
-        return cuts, np.ascontiguousarray((values @ chebyshev.to_series(OPTIONS.panel_moments)).T)
+        return cuts, np.ascontiguousarray((values @ chebyshev.to_series(TERMS)).T)
 
     def density(self, left: Array, right: Array) -> Array:
         """The density at points given by their distances from both ends."""

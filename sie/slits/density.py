@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from sie.basis import chebyshev
 from sie.basis.data import DIGITS, Array, Index, Mask, widened, wrapped
-from sie.basis.interval import Outside, sides, slope_scale
+from sie.basis.interval import Outside, excess_of, root_weight, sides, slope_scale
 from sie.basis.interval import theta as theta_of
 from sie.basis.kernels import Kernel, cauchy
 from sie.basis.sums import pair_blocks
@@ -28,7 +28,7 @@ from sie.slits.slits import OPTIONS, Merged, Slits, outside_slit
 
 # Half widths from a wide zone beyond which the coefficients of the slack that other zones see have
 # all of it.
-_FAR = float(np.cosh(DIGITS / OPTIONS.min_slack_modes)) - 1
+_FAR = excess_of(DIGITS / OPTIONS.min_slack_modes)
 
 
 @dataclass(frozen=True, eq=False)
@@ -190,7 +190,7 @@ class SlitDensity(Located):
                     out[on] += kink.outside_slit(
                         from_left[on], from_right[on], away / slit.width, past
                     )
-            out[on] += np.sqrt(from_left[on] * from_right[on]) * added
+            out[on] += root_weight(from_left[on], from_right[on]) * added
         if self.bounded_ends:
             at_left, at_right = self.zones.bounded[:, piece]
             out[at_left & (lf == 0) | at_right & (rt == 0)] = 0.0
@@ -309,7 +309,7 @@ class SlitDensity(Located):
         """X at the left and right end of each slit (2, slits)."""
         from_left, from_right = self._end_distances
         return np.asarray(
-            np.sqrt(from_left * from_right) / self.merged.wide.half[self.merged.slit_zone]
+            root_weight(from_left, from_right) / self.merged.wide.half[self.merged.slit_zone]
         )
 
     # Totals.
@@ -478,7 +478,7 @@ class SlitDensity(Located):
         for _, kink in self.kinks_of(here):
             left, right, _, weight = kink.seen
             away = seen.excess[:, None] + np.where(past[:, None], right, left)
-            total += seen.sign / np.pi * ((np.sqrt(left * right) / away) @ weight)
+            total += seen.sign / np.pi * ((root_weight(left, right) / away) @ weight)
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.asarray(total / seen.root)
 

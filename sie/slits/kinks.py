@@ -35,7 +35,7 @@ import numpy as np
 
 from sie.basis import chebyshev
 from sie.basis.data import Array, Kept, Mask, legendre, record
-from sie.basis.interval import Outside, sides, theta
+from sie.basis.interval import Outside, root_weight, sides, theta
 from sie.jumps.formulas import HIGHEST
 
 
@@ -147,7 +147,7 @@ class SlitKink(Kept):
     def _over_root(self) -> Array:
         """Weights of psi / (pi X)."""
         from_left, from_right, _, weight = self.seen
-        return np.asarray(weight / np.sqrt(from_left * from_right) / np.pi)
+        return np.asarray(weight / root_weight(from_left, from_right) / np.pi)
 
     @property
     def total(self) -> float:
@@ -187,7 +187,7 @@ class SlitKink(Kept):
         # Differences of phi and of sin(phi) from those at the nodes, without cancellation.
         away, roots = (
             self.half * (cosine - self.zeta),
-            np.sqrt(self.from_left * self.from_right) + np.sqrt(l * r),
+            root_weight(self.from_left, self.from_right) + root_weight(l, r),
         )
         angles = 2 * np.arctan2(away, roots)
         mean = float(np.mean(angles))
@@ -210,7 +210,7 @@ class SlitKink(Kept):
 
         The points are on this slit or on another one; z: their places in this slit.
         """
-        root, (a_0, a_1) = np.sqrt(from_left * from_right), self.edge
+        root, (a_0, a_1) = root_weight(from_left, from_right), self.edge
         value = (
             self.jump / np.pi * self._spread(from_left, from_right, z)
             - self._turn(from_left, from_right) * root
@@ -243,7 +243,7 @@ class SlitKink(Kept):
         spread = self._spread(from_left, from_right, z)
         return np.asarray(
             -self.jump / np.pi * (own - spread)
-            - self._turn(from_left, from_right) * np.sqrt(from_left * from_right)
+            - self._turn(from_left, from_right) * root_weight(from_left, from_right)
         )
 
     def _summed(self, from_left: Array, from_right: Array, outside: Array, past: Mask) -> Array:
@@ -251,7 +251,7 @@ class SlitKink(Kept):
         lefts = self.seen[0]
         inward = np.where(past[:, None], self.start + 2 * self.half - lefts, lefts - self.start)
         away = np.where(past, 1.0, -1.0)[:, None] * (self.half * outside[:, None] + inward)
-        return np.asarray(np.sqrt(from_left * from_right) * ((1 / away) @ self._over_root))
+        return np.asarray(root_weight(from_left, from_right) * ((1 / away) @ self._over_root))
 
     def _spread(self, from_left: Array, from_right: Array, z: Array) -> Array:
         """The function that (t - s)^q kappa is spread to; see the head of this file."""
@@ -298,7 +298,11 @@ class SlitKink(Kept):
 
 def _spread_powers(left: Array, right: Array) -> tuple[Array, Array, Array, Array]:
     """b_k = bar((z - .)_+^k), k = 0 ... 3, at distances from the slit's ends over w."""
-    angle, z, root = theta(right, left) / np.pi, 0.5 * (left - right), np.sqrt(left * right) / np.pi
+    angle, z, root = (
+        theta(right, left) / np.pi,
+        0.5 * (left - right),
+        root_weight(left, right) / np.pi,
+    )
     second, third = (
         angle * (z * z + 0.5) + 1.5 * z * root,
         angle * z * (z * z + 1.5) + root * (11 * z * z + 4) / 6,

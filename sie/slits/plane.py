@@ -29,7 +29,16 @@ import numpy as np
 
 from sie.basis import chebyshev
 from sie.basis.data import DIGITS, EPS, Array, legendre, record
-from sie.basis.interval import Complex, InPlane, What, complex_of, transform_of, transform_slope_of
+from sie.basis.interval import (
+    Complex,
+    InPlane,
+    What,
+    complex_of,
+    half_angles,
+    root_weight,
+    transform_of,
+    transform_slope_of,
+)
 from sie.basis.sums import pair_blocks
 from sie.density.density import Density
 from sie.jumps.formulas import HIGHEST
@@ -143,21 +152,15 @@ def _of_kink(kink: SlitKink, seen: InPlane, inner: InPlane, what: What) -> Compl
     (a_0, a_1), (turn, bend), scale = kink.edge, kink.polynomial, kink.jump / np.pi
     constant = turn - bend * 0.5 * (kink.start - kink.rest)
     log_b, log_rho, mean_log = (
-        seen.turned(np.sqrt(0.5 * l), np.sqrt(0.5 * r)),
+        seen.turned(*half_angles(l, r)),
         np.log(2.0) - seen.log,
         np.log(0.5 * half) + inner.log,
     )
-    away, c, s = (
-        seen.left - kink.from_left,
-        np.sqrt(0.5 * kink.from_left),
-        np.sqrt(0.5 * kink.from_right),
-    )
-    own, sine = (
-        -1j * np.log((c - 1j * s) ** 2 * (c * seen.m + 1j * s * seen.p) ** 2 / away),
-        2 * c * s,
-    )
+    away, (c, s) = seen.left - kink.from_left, half_angles(kink.from_left, kink.from_right)
+    own = -1j * np.log((c - 1j * s) ** 2 * (c * seen.m + 1j * s * seen.p) ** 2 / away)
+    sine = 2 * c * s
     sines, nodes, moves = (
-        np.sqrt(l * r),
+        root_weight(l, r),
         0.5 * (l - r),
         (seen.left[:, None] - l) / half,
     )  # moves: zeta - s' at the nodes

@@ -28,7 +28,7 @@ import numpy as np
 
 from sie.basis import chebyshev
 from sie.basis.data import Array, Index, Kept, Mask, record, sum_error, wrapped
-from sie.basis.interval import Outside, decay_rate, theta, transform_of
+from sie.basis.interval import Outside, decay_rate, root_weight, theta, transform_of
 from sie.basis.zones import Zones
 from sie.dense.lu import Factored
 from sie.dense.modes import gaps
@@ -60,8 +60,6 @@ class SlitOptions:
     min_slack_modes: int = 48
     # Gauss nodes on each panel of the path along which a complex potential is integrated.
     path_nodes: int = 12
-    # GMRES solutions; the second corrects for the rounding of the first.
-    solutions: int = 2
     # Tolerance of the wide zones' own iteration, which only starts that with slits.
     start_tolerance: float = 0.1
     # Largest last change over the largest coefficient that is stated as an error; above it there
@@ -251,7 +249,7 @@ class Slit(Kept):
 
     def root(self, left: Array, right: Array) -> Array:
         """X = sqrt(1 - t^2) at distances from the slit's ends over its half width."""
-        return np.sqrt((self.start + self.half * left) * (self.rest + self.half * right))
+        return root_weight(self.start + self.half * left, self.rest + self.half * right)
 
     @cached_property
     def nodes(self) -> int:

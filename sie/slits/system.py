@@ -14,7 +14,7 @@ import numpy as np
 from scipy.linalg import norm
 
 from sie.basis.data import EPS, Array, Index, Kept, record, row_sizes, widened
-from sie.basis.interval import edge_scale, sides
+from sie.basis.interval import edge_scale, root_weight, sides
 from sie.basis.zones import Zones
 from sie.dense.system import System
 from sie.density.density import Density
@@ -160,7 +160,7 @@ class SlitSystem(Kept):
         # A slit changes its surroundings by the square of its width over its distance: a few steps
         # suffice.
         folded = start + base.solver(slit_response(start))
-        for _ in range(OPTIONS.solutions):
+        for _ in range(2):  # the second solution corrects for the rounding of the first
             folded = folded + gmres(operator, start - operator(folded), EPS * float(norm(folded))).x
         change = float(np.abs(start - operator(folded)).max()) / max(
             float(np.abs(folded).max()), 1e-300
@@ -392,7 +392,7 @@ class SlitState(Answered):
         zones, merged, t = self.density.zones, self.merged, np.cos(THETA)
         left = merged.start[:, None] + (zones.half[:, None] * (1 + t))
         right = merged.rest[:, None] + (zones.half[:, None] * (1 - t))
-        return np.asarray(np.sqrt(left * right) / merged.wide.half[merged.piece_zone][:, None])
+        return np.asarray(root_weight(left, right) / merged.wide.half[merged.piece_zone][:, None])
 
     def _wide_residuals(self, wide: Index, theta: Array) -> Array:
         """Residual of the equation times sqrt(1 - t^2) on wide zones (n,) at angles (n, points).

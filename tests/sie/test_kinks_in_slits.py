@@ -73,7 +73,7 @@ def test_what_a_jump_and_its_release_make_of_the_density_is_the_quadrature(
     for z in (-7.0, -1.3, 2.5, 12.0):
         t = m + r * z
         wanted = (quadrature(one, m, r, zeta, z) - a_0 - a_1 * t) / np.sqrt(1 - t * t)
-        found = one.beside(
+        found = one.outside_slit(
             np.array([1 + t]), np.array([1 - t]), np.array([abs(z) - 1]), np.array([z > 0])
         )
         assert found[0] == pytest.approx(wanted, abs=1e-10)
@@ -103,7 +103,7 @@ def test_beside_the_ends_of_its_zone_it_goes_with_the_angle(order: int) -> None:
     for side, slope in zip((-1.0, 1.0), one.edge_slopes, strict=True):
         outside = np.array([(1 - side * m - r - e) / r])
         near, far = np.array([e]), np.array([2 - e])
-        value = one.beside(
+        value = one.outside_slit(
             *((near, far) if side < 0 else (far, near)), outside, np.array([side > 0])
         )
         assert value[0] / np.sqrt(2 * e) == pytest.approx(slope, rel=1e-4)
