@@ -26,8 +26,6 @@ class SolveOptions:
     # Tolerances over that of the solution: of the coefficients (the first), and of the ends, tried
     # in turn until the error is met.
     parts: tuple[float, ...] = (0.1, 1e-3, 1e-5)
-    # Round-off of a value of the density: of coefficients, of the root and of both ends.
-    evaluation_rounding: float = 4 * EPS
 
 
 OPTIONS = SolveOptions()
@@ -287,13 +285,11 @@ def _with_errors(state: AnyState, search: Free | None = None) -> Solution:
         )
     moved = moved + _jump_rounding(state)
     sizes = np.where(state.zone_sizes > 0.0, state.zone_sizes, math.inf)
-    error = (
-        max(
-            float(of_ends.max()), float(moved.max()) / max(state.size, 1e-300) + state.density_error
-        )
-        + OPTIONS.evaluation_rounding
-    )
-    errors = np.maximum(of_ends, moved / sizes + state.zone_errors) + OPTIONS.evaluation_rounding
+    of_density = float(moved.max()) / max(state.size, 1e-300) + state.density_error
+    # Four roundings of a value: of its coefficients, of the root and of both ends.
+    evaluation = 4 * EPS
+    error = max(float(of_ends.max()), of_density) + evaluation
+    errors = np.maximum(of_ends, moved / sizes + state.zone_errors) + evaluation
     return Solution(state.density, zones, error, value, errors=errors, state=state, search=search)
 
 

@@ -334,14 +334,14 @@ def transform_slope_of(alpha: Array, beta: Array, u: Array, seen: InPlane, row: 
 
 # on the interval
 def values_on(
-    alpha: Array, beta: Array, u: Array, row: Index, left: Array, right: Array, vanishing: Mask
+    bounded: tuple[Array, Array, Array], row: Index, left: Array, right: Array, vanishing: Mask
 ) -> Array:
     """(alpha + beta t) / X + X sum u_k U_k at distances from both ends over w.
 
     vanishing: whether the density is zero at the left and at the right end of each interval. There
     the round-off in alpha and beta is not divided by zero.
     """
-    root = root_weight(left, right)
+    (alpha, beta, u), root = bounded, root_weight(left, right)
     with np.errstate(divide="ignore", invalid="ignore"):
         a, b = alpha[row], beta[row]
         edge = _edge(a, b, left, right) / root

@@ -305,17 +305,17 @@ class _HilbertSlopeRest(_OfPeriod):
 # Bernoulli's numbers B_2, B_4, ... for the asymptotic series of psi' (DLMF 5.15.8). At z + 10 the
 # series has all digits.
 _BERNOULLI = (1 / 6, -1 / 30, 1 / 42, -1 / 30, 5 / 66, -691 / 2730, 7 / 6)
-_UP = 10
 
 
 def _trigamma(z: Array) -> Array:
     """The trigamma function psi' at real or complex z, Re z >= 1."""
-    far = 1 / (z + _UP)
+    up = 10
+    far = 1 / (z + up)
     total = np.zeros_like(far)
     for number in _BERNOULLI[::-1]:
         total = (total + number) * far * far
     out = far * (1 + 0.5 * far + total)
-    for k in range(_UP):
+    for k in range(up):
         out = out + 1 / (z + k) ** 2
     return np.asarray(out)
 

@@ -179,7 +179,7 @@ class Series(Located):
         left, right = np.asarray(left, dtype=float), np.asarray(right, dtype=float)
         zone, left, right = np.broadcast_arrays(np.asarray(zone, dtype=np.intp), left, right)
         # At an end where the density is bounded, the round-off of K is not divided by zero.
-        out = interval.values_on(*self.bounded, zone, left, right, self.zones.bounded)
+        out = interval.values_on(self.bounded, zone, left, right, self.zones.bounded)
         if len(self.jumps):
             out = out + self.jumps.density(zone.ravel(), left.ravel(), right.ravel()).reshape(
                 out.shape

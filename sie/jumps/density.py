@@ -38,10 +38,13 @@ from sie.basis.sums import Grouped
 from sie.basis.zones import Zones
 from sie.jumps.exterior import ExteriorLogarithms, potential_series
 from sie.jumps.forcing import ForcingJumps
-from sie.jumps.formulas import HIGHEST, OPTIONS, raised
+from sie.jumps.formulas import HIGHEST, raised
 from sie.jumps.poles import NO_POLES
 from sie.jumps.spline import OPTIONS as SPLINES
 from sie.jumps.spline import QuadraticSpline
+
+# Coefficients of the potential of a spline of the density on the line: they fall as l^-3.
+_POTENTIAL_TERMS = SPLINES.coefficients_per_knot * SPLINES.min_density_jumps
 
 
 @record
@@ -207,9 +210,9 @@ class DensityJumps(ForcingJumps):
         return -scale * (-self.left) ** self.order, scale * self.right**self.order
 
     def high_coefficients(self, zones: Zones) -> Array:
-        out = np.zeros((len(zones), OPTIONS.potential_terms if self.splines else 0))
+        out = np.zeros((len(zones), _POTENTIAL_TERMS if self.splines else 0))
         for zone, spline in self.splines.items():
-            out[zone] = spline.t_coefficients(OPTIONS.potential_terms)
+            out[zone] = spline.t_coefficients(_POTENTIAL_TERMS)
         return out
 
     # Transforms and potentials.
@@ -281,9 +284,7 @@ class DensityJumps(ForcingJumps):
             away == 0, 0.5 * (from_right - from_left), np.where(away > 0, from_right, -from_left)
         )
 
-    def _potential(
-        self, q: int, k: Index, away: Any, z: Any, turn: Any, grown: Any, root: Any
-    ) -> Any:
+    def _potential(self, q: int, k: Index, parts: tuple[Any, ...]) -> Any:
         """Potential for q = 1 and 2: the primitive of the transform that behaves as -c_0 ln(2
         |rho|) far away.
 
@@ -295,6 +296,7 @@ class DensityJumps(ForcingJumps):
 
         On the zone R = g = 0.
         """
+        away, z, turn, grown, root = parts
         s, g = self.s[k], grown
         main = raised(away, q + 1) * (turn / (q + 1) - 1 / (q + 1) ** 2)
         if q == 1:

@@ -29,8 +29,6 @@ class JumpOptions:
     # summed. The next larger value pays off from `far_jumps` jumps on.
     far_rho: tuple[float, ...] = (0.25, 0.6, 0.87)
     far_jumps: tuple[int, ...] = (10, 36)
-    # Coefficients of the potential of a spline of the density: they fall as l^-3.
-    potential_terms: int = 1024
 
     @property
     def far_terms(self) -> Index:
@@ -178,18 +176,17 @@ class Jumps(PerZone):
         orders = self.order[k]
         if np.all(orders == orders[:1]):
             return (
-                self._potential(int(orders[0]), k, away, z, turn, grown, root) if len(k) else turn
+                self._potential(int(orders[0]), k, (away, z, turn, grown, root)) if len(k) else turn
             )
         parts, out = np.broadcast_arrays(away, z, turn, grown, root), np.empty_like(turn)
         for q in np.unique(orders).tolist():
             of = np.flatnonzero(orders == q)
-            out[..., of] = self._potential(q, k[of], *(part[..., of] for part in parts))
+            out[..., of] = self._potential(q, k[of], tuple(part[..., of] for part in parts))
         return out
 
-    def _potential(
-        self, q: int, k: Index, away: Any, z: Any, turn: Any, grown: Any, root: Any
-    ) -> Any:
+    def _potential(self, q: int, k: Index, parts: tuple[Any, ...]) -> Any:
         """The closed potential of jumps of order q."""
+        away, z, turn, grown, root = parts
         s, sine = self.s[k], self.sine[k]
         if q == 0:
             rest = grown - LOG2 - 1

@@ -151,19 +151,13 @@ def _of_kink(kink: SlitKink, seen: InPlane, inner: InPlane, what: What) -> Compl
     zeta, rho, root, half, q = seen.zeta, seen.rho, seen.root, kink.half, kink.order
     (a_0, a_1), (turn, bend), scale = kink.edge, kink.polynomial, kink.jump / np.pi
     constant = turn - bend * 0.5 * (kink.start - kink.rest)
-    log_b, log_rho, mean_log = (
-        seen.turned(*half_angles(l, r)),
-        np.log(2.0) - seen.log,
-        np.log(0.5 * half) + inner.log,
-    )
+    log_b, log_rho = seen.turned(*half_angles(l, r)), np.log(2.0) - seen.log
+    mean_log = np.log(0.5 * half) + inner.log
     away, (c, s) = seen.left - kink.from_left, half_angles(kink.from_left, kink.from_right)
     own = -1j * np.log((c - 1j * s) ** 2 * (c * seen.m + 1j * s * seen.p) ** 2 / away)
     sine = 2 * c * s
-    sines, nodes, moves = (
-        root_weight(l, r),
-        0.5 * (l - r),
-        (seen.left[:, None] - l) / half,
-    )  # moves: zeta - s' at the nodes
+    sines, nodes = root_weight(l, r), 0.5 * (l - r)
+    moves = (seen.left[:, None] - l) / half  # zeta - s' at the nodes
     first = inner.zeta * (mean_log + 1) - inner.root
 
     def means() -> Iterator[Complex]:

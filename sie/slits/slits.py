@@ -27,7 +27,7 @@ from functools import cached_property
 import numpy as np
 
 from sie.basis import chebyshev
-from sie.basis.data import Array, Index, Kept, Mask, record, sum_error, wrapped
+from sie.basis.data import DIGITS, TINY, Array, Index, Kept, Mask, record, sum_error, wrapped
 from sie.basis.interval import Outside, decay_rate, root_weight, theta, transform_of
 from sie.basis.zones import Zones
 from sie.dense.lu import Factored
@@ -348,20 +348,11 @@ class Slits(Kept):
         )
         self.rest = merged.wide.before_b(b, every) - cut_b
         start, rest, half = self.start / w, self.rest / w, merged.slits.half[self.which]
-        # The nearest singularities are the far ends of the pieces on both sides, and jumps.
-        before = np.concatenate(([start[0] * w], a[1:] - b[:-1]))
-        after = np.concatenate((a[1:] - b[:-1], [rest[-1] * w]))
-        near = np.minimum(before, after) / half
         self._inside, self._knots = _within(jumps, zone, start, 2 * half / w)
         self.kinks = [
-            (
-                i,
-                SlitKink(
-                    height, float(start[i]), float(rest[i]), float(half[i]) / w, left, right, order
-                ),
-            )
+            (i, SlitKink(height, *(float(one[i]) for one in (start, rest, half / w)), *place))
             for within in (jumps.chosen(self._inside), self._knots)
-            for i, height, left, right, order in zip(
+            for i, height, *place in zip(
                 (np.searchsorted(start, within.left, side="right") - 1).tolist(),
                 within.height.tolist(),
                 within.left.tolist(),
@@ -370,26 +361,14 @@ class Slits(Kept):
                 strict=True,
             )
         ]
-        sharp = np.setdiff1d(
-            np.flatnonzero((jumps.zone == zone) & (jumps.order == 0)), self._inside
-        )
-        if len(sharp):
-            away = np.abs(jumps.left[sharp][:, None] - (start + half / w)) * w / half - 1
-            near = np.minimum(near, away.min(axis=0))
+        # The far ends of the pieces on both sides are singularities of the slits.
+        gaps_between = a[1:] - b[:-1]
+        before = np.concatenate(([self.start[0]], gaps_between))
+        after = np.concatenate((gaps_between, [self.rest[-1]]))
         middle = theta(start + half / w, rest + half / w)
         waves = modes * half / w / np.sin(middle)
-        need = 37 / decay_rate(np.maximum(near, 1e-4)) + 2 * waves
-        if zone in jumps.by_zone:
-            # Jumps next to a slit are weak singularities: the terms of the series soon become
-            # small.
-            place, order = jumps.places(zone)
-            other = ~np.isin(place, np.append(jumps.left[self._inside], self._knots.left))
-            place, order = place[other], order[other]
-            away = np.maximum(np.abs(place[:, None] - (start + half / w)) * w / half - 1, 1e-4)
-            most = np.array(OPTIONS.max_modes_for_jump)[order][:, None]
-            need = np.maximum(
-                need, np.minimum(37 / decay_rate(away), most).max(axis=0, initial=0.0)
-            )
+        nearest = np.minimum(before, after) / half
+        need = self._modes_needed(jumps, start + half / w, half / w, nearest, 2 * waves)
         size = np.clip(np.ceil(need), OPTIONS.min_modes, OPTIONS.max_modes).astype(int)
         self.slits = [
             Slit(float(s), float(r), float(h) / w, float(h), int(n))
@@ -400,6 +379,33 @@ class Slits(Kept):
         self.modes = modes
         nodes = (chebyshev.lobatto(slit.modes) for slit in self.slits)
         self._angles = [(left[1:-1], right[1:-1]) for _, right, left in nodes]
+
+    def _modes_needed(
+        self, jumps: ForcingJumps, middle: Array, half: Array, nearest: Array, waves: Array
+    ) -> Array:
+        """Modes of each slit down to round-off, by its nearest singularities.
+
+        middle, half: of the slits, over the zone's half width; nearest: distance to the nearest far
+        end of a piece over the slit's half width; waves: modes that the zone's own series needs
+        there. Jumps outside the slits are singularities, too.
+        """
+        sharp = np.setdiff1d(
+            np.flatnonzero((jumps.zone == self.zone) & (jumps.order == 0)), self._inside
+        )
+        if len(sharp):
+            away = np.abs(jumps.left[sharp][:, None] - middle) / half - 1
+            nearest = np.minimum(nearest, away.min(axis=0))
+        need = DIGITS / decay_rate(np.maximum(nearest, TINY)) + waves
+        if self.zone not in jumps.by_zone:
+            return np.asarray(need)
+        # Jumps next to a slit are weak singularities: the terms of the series soon become small.
+        place, order = jumps.places(self.zone)
+        other = ~np.isin(place, np.append(jumps.left[self._inside], self._knots.left))
+        place, order = place[other], order[other]
+        away = np.maximum(np.abs(place[:, None] - middle) / half - 1, TINY)
+        most = np.array(OPTIONS.max_modes_for_jump)[order][:, None]
+        of_jumps = np.minimum(DIGITS / decay_rate(away), most).max(axis=0, initial=0.0)
+        return np.maximum(need, of_jumps)
 
     @cached_property
     def by_coefficients(self) -> Array:

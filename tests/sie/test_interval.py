@@ -96,6 +96,6 @@ def test_what_vanishes_at_an_end_has_no_singularity_beside_it():
     assert transform_of(np.ones(1), -np.ones(1), u, plane, row) == pytest.approx([1.25], rel=1e-14)
     nowhere = np.zeros(1, dtype=bool), np.zeros(1, dtype=bool)
     beside = np.array([2.0]), np.array([1e-30])
-    assert values_on(np.ones(1), -np.ones(1), 0 * u, row, *beside, nowhere) == pytest.approx(
+    assert values_on((np.ones(1), -np.ones(1), 0 * u), row, *beside, nowhere) == pytest.approx(
         [np.sqrt(0.5e-30)], rel=1e-14
     )
