@@ -241,7 +241,7 @@ class InPlane:
 
     @cached_property
     def root(self) -> Complex:
-        """R = p m."""
+        """The root R = p m."""
         return self.p * self.m
 
     @cached_property
@@ -405,7 +405,7 @@ def edge_scale(w: Any) -> Any:
 
 
 def intensities(alpha: Array, beta: Array, w: Array) -> tuple[Array, Array]:
-    """K at the left and at the right end of (alpha + beta t) / X + X sum u_k U_k."""
+    """Intensities K at the left and at the right end of (alpha + beta t) / X + X sum u_k U_k."""
     root = edge_scale(w)
     return root * (alpha - beta), root * (alpha + beta)
 
@@ -418,7 +418,7 @@ def slope_scale(w: Any) -> Any:
 def edge_slopes(
     alpha: Array, beta: Array, at_left: Array, at_right: Array, w: Array
 ) -> tuple[Array, Array]:
-    """A at the left and at the right end of (alpha + beta t) / X + X sum u_k U_k.
+    """Coefficients A of sqrt(d) at both ends of (alpha + beta t) / X + X sum u_k U_k.
 
     at_left, at_right: values of sum u_k U_k at the ends.
     """

@@ -99,7 +99,7 @@ class Grouped:
 
 
 class PerZone(Kept):
-    """Base of records of things in zones or beside them; zone (n,): the zone of each."""
+    """Base of records of things in zones or close to them; zone (n,): the zone of each."""
 
     zone: Index
 

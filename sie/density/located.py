@@ -138,7 +138,7 @@ class Located(Kept):
         raise NotImplementedError
 
     def transform_slope(self, z: ArrayLike) -> Complex:
-        """F'(z), the derivative of `transform` at complex z (any shape)."""
+        """The derivative F'(z) of `transform` at complex z (any shape)."""
         return self._in_plane(z, "derivative")
 
     def _in_plane(self, z: ArrayLike, what: What) -> NDArray[Any]:

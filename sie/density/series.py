@@ -110,12 +110,12 @@ class Series(Located):
 
     @cached_property
     def intensities(self) -> tuple[Array, Array]:
-        """K at both ends of each zone: the density is K / sqrt(d) at a distance d."""
+        """Intensities K at both ends of each zone: the density is K / sqrt(d) at a distance d."""
         return interval.intensities(*self.singular, self.zones.half)
 
     @cached_property
     def edge_slopes(self) -> tuple[Array, Array]:
-        """A at the left and the right end of each zone: the density is K / sqrt(d) + A sqrt(d)."""
+        """Coefficients A at both ends of each zone: the density is K / sqrt(d) + A sqrt(d)."""
         left, right = interval.edge_slopes(
             *self.singular, *chebyshev.slopes_at_ends(self.coefficients), self.zones.half
         )
@@ -157,11 +157,11 @@ class Series(Located):
             np.maximum.at(
                 out[0], zone, np.abs(bounded.at(zone, *interval.sides(np.concatenate(even))))
             )
-            beside = [
+            near_kinks = [
                 angles_at_kinks(*self.jumps.sharpest(i), theta)
                 for i, theta in zip(bent.tolist(), even, strict=True)
             ]
-            out[1:] += bounded.largest_changes(bent, beside)[1:]
+            out[1:] += bounded.largest_changes(bent, near_kinks)[1:]
         # A zone with one fixed end spreads its load over another width when the other end moves.
         alpha, beta = self.singular
         out[1:] += (np.abs(alpha) + np.abs(beta)) / interval.root_weight(

@@ -268,9 +268,9 @@ def _check_lag(kernel: Kernel, x: Array, half: Array) -> None:
         )
     size = np.abs(values[0]).max(initial=0.0)
     rounding = _of_places(x, shift, values[0])
-    off = np.abs(values[1] - values[0])
-    worst = int(np.argmax(off))
-    if off[worst] > OPTIONS.max_claim_error * size + rounding:
+    difference = np.abs(values[1] - values[0])
+    worst = int(np.argmax(difference))
+    if difference[worst] > OPTIONS.max_claim_error * size + rounding:
         raise ValueError(
             "the kernel's regular part is said to depend on x - xi alone (of_lag=True), but for x "
             f"- xi = {lag[worst]:.6g} it is "
@@ -281,14 +281,14 @@ def _check_lag(kernel: Kernel, x: Array, half: Array) -> None:
 
 def _check_symmetry(name: str, here: Array, there: Array, x: Array) -> None:
     size = np.abs(here).max(initial=0.0)
-    off = np.abs(here + there).reshape(len(x), -1).max(axis=1)
-    worst = int(np.argmax(off))
-    if np.isfinite(off).all() and off[worst] > MAX_ASYMMETRY * size:
+    difference = np.abs(here + there).reshape(len(x), -1).max(axis=1)
+    worst = int(np.argmax(difference))
+    if np.isfinite(difference).all() and difference[worst] > MAX_ASYMMETRY * size:
         raise ValueError(
             f"zones with symmetric=True need data that are mirror images too, but {name} is not "
             f"odd: at x = {x[worst]:.6g} and at "
-            f"{-x[worst]:.6g} it differs from being so by {off[worst]:.3g}; solve all of the "
-            "zones, symmetric=False"
+            f"{-x[worst]:.6g} it differs from being so by {difference[worst]:.3g}; solve all "
+            "of the zones, symmetric=False"
         )
 
 

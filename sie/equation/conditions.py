@@ -70,7 +70,7 @@ class Rows(Protocol):
         """
 
     def intensities(self) -> tuple[Linear, Linear]:
-        """K at the left and at the right end of each zone."""
+        """Intensities K at the left and at the right end of each zone."""
 
     def amplitude(self, k: int) -> Linear:
         """The amplitude of column k."""

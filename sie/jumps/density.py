@@ -240,7 +240,7 @@ class DensityJumps(ForcingJumps):
 
     # Values at complex points, see `sie.density.plane`.
     def logarithm(self, k: Index, seen: InPlane, away: Complex) -> Complex:
-        """log(A B) of jumps k."""
+        """The logarithm log(A B) of jumps k."""
         with np.errstate(divide="ignore"):
             return np.asarray(np.log(2 * seen.rho[:, None] * away))
 
@@ -278,7 +278,7 @@ class DensityJumps(ForcingJumps):
         return np.asarray(np.log((1 - np.abs(rho)) ** 2 + 2 * np.abs(rho) * end))
 
     def shape(self, k: Index, left: Array, right: Array) -> Array:
-        """eta at points given by their distances from the zone's ends over w."""
+        """The function eta at points given by their distances from the zone's ends over w."""
         away, from_right, from_left = left - self.left[k], theta(left, right), theta(right, left)
         return np.where(
             away == 0, 0.5 * (from_right - from_left), np.where(away > 0, from_right, -from_left)

@@ -38,7 +38,7 @@ from sie.basis.interval import Complex, InPlane, OnLine, half_angles, of_t, thet
 from sie.basis.sums import Grouped
 from sie.basis.zones import Zones
 from sie.jumps.exterior import NOWHERE, ExteriorLogarithms
-from sie.jumps.formulas import HIGHEST, OPTIONS, Jumps, of_sines
+from sie.jumps.formulas import HIGHEST, OPTIONS, PlacedJumps, of_sines
 from sie.jumps.poles import NO_POLES, Poles
 from sie.jumps.spline import OPTIONS as SPLINES
 from sie.jumps.spline import ConjugateSpline, QuadraticSpline, with_jumps
@@ -50,7 +50,7 @@ MakeSpline = Callable[[Array, Array, Callable[[Array], Array]], tuple[Spline, Ar
 
 
 @record
-class ForcingJumps(Jumps):
+class ForcingJumps(PlacedJumps):
     """Jumps inside the zones.
 
     splines: the spline of each zone with very many jumps of order 2, in place of most of them.
@@ -440,7 +440,7 @@ class ForcingJumps(Jumps):
 
     # Values at complex points, see `sie.density.plane`.
     def logarithm(self, k: Index, seen: InPlane, away: Complex) -> Complex:
-        """-i log(B / A) of jumps k."""
+        """The logarithm -i log(B / A) of jumps k."""
         c, s = half_angles(self.left[k], self.right[k])
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.asarray(
@@ -473,8 +473,8 @@ class ForcingJumps(Jumps):
 
 
 def _from_left(f: Callable[[Array], Array], zones: Zones, zone: int, left: Array) -> Array:
-    """f at distances from the zone's left end over its half width."""
+    """Values of f at distances from the zone's left end over its half width."""
     return f(zones.a[zone] + zones.half[zone] * left)
 
 
-_NONE = ForcingJumps(*Jumps.nothing())
+_NONE = ForcingJumps(*PlacedJumps.nothing())

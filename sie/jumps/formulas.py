@@ -40,7 +40,7 @@ OPTIONS = JumpOptions()
 
 
 @record
-class Jumps(PerZone):
+class PlacedJumps(PerZone):
     """Jumps inside the zones.
 
     zone: zone of each; left, right: distances from the zone's ends over w; height: h = J w^q / q!;
@@ -98,7 +98,7 @@ class Jumps(PerZone):
         return np.where(second, -1.5 * self.s, first) * self.sine, np.where(second, self.sine, 0.0)
 
     def polynomial(self, k: Index, t: NDArray[Any]) -> NDArray[Any]:
-        """P_q(t) of jumps k."""
+        """Polynomial P_q(t) of jumps k."""
         constant, slope = self.line
         return np.asarray(slope[k] * t + constant[k])
 
@@ -113,7 +113,7 @@ class Jumps(PerZone):
         return np.asarray(2 * np.arctan2(rho * self.sine[k], 1 - rho * np.cos(self.phi[k])))
 
     def shape(self, k: Index, left: Array, right: Array) -> Array:
-        """kappa at points given by their distances from the zone's ends over w."""
+        """The function kappa at points given by their distances from the zone's ends over w."""
         return kappa(
             np.sqrt(right * self.left[k]), np.sqrt(left * self.right[k]), left - self.left[k]
         )
@@ -200,7 +200,7 @@ class Jumps(PerZone):
 
     # Series of jumps k.
     def sine_weights(self, k: Index, j: Array) -> Array:
-        """b_j of jumps k, whose function is sum_j (2/j) b_j sin(j theta)."""
+        """Weights b_j of jumps k, whose function is sum_j (2/j) b_j sin(j theta)."""
         from_left = (self.psi < self.phi)[k][:, None]
         sines = np.sin(j * np.minimum(self.phi, self.psi)[k][:, None])
         return np.asarray(np.where(from_left & (j % 2 == 0), -sines, sines))

@@ -97,7 +97,7 @@ class AlgebraicPoints:
 
     @cached_property
     def weights(self) -> Complex:
-        """c_k / (h eta_k^(p+1)) of each point."""
+        """Factor c_k / (h eta_k^(p+1)) of the pole coefficients of each point."""
         p, left, right = (np.asarray(part) for part in (self.exponents, self.left, self.right))
         # In degrees the zeros of sine and cosine are exact, so that a polynomial has no poles.
         odd, even = cosdg(90.0 * p) * (right - left), sindg(90.0 * p) * (right + left)
@@ -188,8 +188,8 @@ class Poles(PerZone):
             return NO_POLES
         table = [np.concatenate(parts) for parts in zip(*found, strict=True)]
         own, at_left, exponent, unseen = np.array(inside, dtype=np.float64).reshape(-1, 4).T
-        held = own.astype(np.intp), at_left, exponent, unseen
-        return cls(table[0].astype(np.intp), table[1], table[2], table[3], table[4], held)
+        places = own.astype(np.intp), at_left, exponent, unseen
+        return cls(table[0].astype(np.intp), table[1], table[2], table[3], table[4], places)
 
     @cached_property
     def roots(self) -> tuple[Complex, Complex]:

@@ -301,7 +301,7 @@ class QuadraticSpline(Kept):
         knots, p = self.knots, self.pieces
         h = np.diff(knots)
         places, weights = legendre(knots, OPTIONS.gauss_nodes)
-        held = self(places) * weights
+        weighted = self(places) * weights
         power = 1 if what == "transform" else 2
         sign = 1.0 if what == "transform" else -1.0
         out = np.empty(seen.left.shape, dtype=complex)
@@ -309,7 +309,7 @@ class QuadraticSpline(Kept):
             at = seen.left[here]
             # Each distance is from the knot that keeps the most digits.
             close = np.abs(at[:, None] - (knots[:-1] + 0.5 * h)) < OPTIONS.near_lengths * h
-            terms = sign * held / (at[:, None] - places) ** power
+            terms = sign * weighted / (at[:, None] - places) ** power
             value = np.where(np.repeat(close, OPTIONS.gauss_nodes, axis=1), 0.0, terms).sum(axis=1)
             i, j = np.nonzero(close)
             one, two, three, size = *p[j].T, h[j]
@@ -467,7 +467,7 @@ class ConjugateSpline(Kept):
 
     # Values on the zone.
     def own_transform(self, left: Array) -> Array:
-        """g less its mean over theta."""
+        """Transform on the zone: g less its mean over theta."""
         return self.spline(left) - self.mean
 
     @cached_property
@@ -492,8 +492,10 @@ class ConjugateSpline(Kept):
         close = (from_right >= cuts[0]) & (from_right <= cuts[-1])
         out = np.empty(from_right.shape)
         out[close] = self._on_cells(from_right[close], left[close])
-        beside = (from_left, from_right > cuts[-1]), (from_right, from_right < cuts[0])
-        for (angle, here), slope, cubic in zip(beside, self.edge_slopes, self._cubics, strict=True):
+        at_ends = (from_left, from_right > cuts[-1]), (from_right, from_right < cuts[0])
+        for (angle, here), slope, cubic in zip(
+            at_ends, self.edge_slopes, self._cubics, strict=True
+        ):
             out[here] = angle[here] * (slope + cubic * angle[here] ** 2)
         return out
 

@@ -109,7 +109,7 @@ class SlitDensity(Located):
     # Series of the slits.
     @cached_property
     def series(self) -> list[list[Array]]:
-        """d of each slit, without traces of K if these are removed."""
+        """Series d of each slit, without traces of K if these are removed."""
         split = [np.split(d, here.offset[1:-1]) for here, d in zip(self.slits, self.d, strict=True)]
         return [[_closed(one) for one in row] for row in split] if self.bounded_ends else split
 
@@ -127,12 +127,12 @@ class SlitDensity(Located):
 
     @cached_property
     def sigma(self) -> Density:
-        """sigma on all slits, as a density."""
+        """The function sigma on all slits, as a density."""
         return self._on_slits(self.series)
 
     @cached_property
     def _slack(self) -> Density:
-        """s on all slits, as a density."""
+        """Slack s on all slits, as a density."""
         return self._on_slits(self._of_slits(1))
 
     def _on_slits(self, series: list[list[Array]]) -> Density:
@@ -198,7 +198,7 @@ class SlitDensity(Located):
 
     @cached_property
     def intensities(self) -> tuple[Array, Array]:
-        """K at the left and right end of each piece.
+        """Intensities K at the left and right end of each piece.
 
         Beyond the end of a slit sigma / X continues as the density; at its left end K changes its
         sign.
@@ -207,7 +207,7 @@ class SlitDensity(Located):
 
     @cached_property
     def edge_slopes(self) -> tuple[Array, Array]:
-        """A at the left and right end of each piece.
+        """Coefficients A of sqrt(d) at the left and right end of each piece.
 
         At the right end of a slit it is that of sigma with the opposite sign.
         """
@@ -228,14 +228,14 @@ class SlitDensity(Located):
         by_left, by_right = (
             0.5 / from_end - 0.5 / to_end
             for from_end, to_end in zip(*self._end_distances, strict=True)
-        )  # d log X / dx
+        )  # derivative of log X by x
         slopes_left = slopes_left - np.where(before < 0, 0.0, (k_left * by_right[before]))
         slopes_right = slopes_right + np.where(after < 0, 0.0, (k_right * by_left[after]))
         return slopes_left, slopes_right
 
     @cached_property
     def _sigma_slopes(self) -> tuple[Array, Array]:
-        """A of sigma, psi included, at the left and right end of each slit."""
+        """Coefficients A of sqrt(d) of sigma, psi included, at both ends of each slit."""
         left, right = (part.copy() for part in self.sigma.edge_slopes)
         root_left, root_right = self.slit_roots
         for here in self.slits:
@@ -381,7 +381,7 @@ class SlitDensity(Located):
         return inside, opened
 
     def slack(self, place: Array) -> Array:
-        """s at places on the wide zones, zero off the slits."""
+        """Slack s at places on the wide zones, zero off the slits."""
         out = self._slack(place)
         for kink, _, some, left, right in self._in_kinks(place):
             out[some] += kink.slope(left, right)
@@ -431,7 +431,7 @@ class SlitDensity(Located):
 
     @cached_property
     def _slack_density(self) -> Density:
-        """s as other zones see it, on the wide zones that have slits."""
+        """The slack s as other zones see it, on the wide zones that have slits."""
         some = np.array([here.zone for here in self.slits])
         count = max(self.whole.coefficients.shape[1], self.smooth.coefficients.shape[1])
         whole, smooth = (widened(d.coefficients[some], count) for d in (self.whole, self.smooth))

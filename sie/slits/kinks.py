@@ -96,7 +96,7 @@ class SlitKink(Kept):
     # The slack psi.
     @cached_property
     def _weights(self) -> tuple[float, ...]:
-        """e_0 ... e_q of `mixed`."""
+        """Coefficients e_0 ... e_q of the sum in `mixed`."""
         return ((1.0,), (-self.zeta, 1.0), (self.zeta**2 - 0.5, -2 * self.zeta, 1.0))[self.order]
 
     def mixed(self, of_powers: Iterable[Any]) -> Any:
@@ -110,8 +110,9 @@ class SlitKink(Kept):
         )
 
     def slope(self, left: Array, right: Array) -> Array:
-        """psi at distances from the slit's ends over its half width; the mean of both sides at a
-        jump.
+        """Slack psi at distances from the slit's ends over its half width.
+
+        At a jump it is the mean of both sides.
         """
         place = left - self._jump_distances[0]
         own = np.heaviside(place, 0.5) * (self.half * place) ** self.order
@@ -127,8 +128,9 @@ class SlitKink(Kept):
 
     @property
     def at_ends(self) -> float:
-        """J of psi = -+(J/pi) sqrt(2 delta) at the slit's ends, delta the distance over its half
-        width.
+        """Coefficient J of the slack psi = -+(J/pi) sqrt(2 delta) at the slit's ends.
+
+        delta is the distance over the slit's half width.
         """
         return self.jump * self.half**self.order * self._weights[0]
 

@@ -54,7 +54,7 @@ class SlitOptions:
     # Modes of the slack in a slit.
     min_modes: int = 12
     max_modes: int = 512
-    # Largest number of modes that a jump of order 0, 1 or 2 next to a slit asks for.
+    # Largest number of modes that a jump of order 0, 1 or 2 next to a slit needs.
     max_modes_for_jump: tuple[int, ...] = (64, 256, 160)
     # Coefficients of the slack that other zones see, at least.
     min_slack_modes: int = 48
@@ -349,18 +349,12 @@ class Slits(Kept):
         self.rest = merged.wide.before_b(b, every) - cut_b
         start, rest, half = self.start / w, self.rest / w, merged.slits.half[self.which]
         self._inside, self._knots = _within(jumps, zone, start, 2 * half / w)
-        self.kinks = [
-            (i, SlitKink(height, *(float(one[i]) for one in (start, rest, half / w)), *place))
-            for within in (jumps.chosen(self._inside), self._knots)
-            for i, height, *place in zip(
-                (np.searchsorted(start, within.left, side="right") - 1).tolist(),
-                within.height.tolist(),
-                within.left.tolist(),
-                within.right.tolist(),
-                within.order.tolist(),
-                strict=True,
-            )
-        ]
+        self.kinks: list[tuple[int, SlitKink]] = []
+        for within in (jumps.chosen(self._inside), self._knots):
+            for k, i in enumerate((np.searchsorted(start, within.left, side="right") - 1).tolist()):
+                slit = (float(start[i]), float(rest[i]), float(half[i]) / w)
+                place = (float(within.left[k]), float(within.right[k]), int(within.order[k]))
+                self.kinks.append((i, SlitKink(float(within.height[k]), *slit, *place)))
         # The far ends of the pieces on both sides are singularities of the slits.
         gaps_between = a[1:] - b[:-1]
         before = np.concatenate(([self.start[0]], gaps_between))

@@ -179,7 +179,7 @@ class SlitSystem(Kept):
         return s
 
     def slack(self, d: tuple[Array, ...], homogeneous: bool) -> dict[int, Array]:
-        """s_k of every wide zone with slits."""
+        """Slack coefficients s_k of every wide zone with slits."""
         return {
             here.zone: here.slack_matrix @ one + (0.0 if homogeneous else here.slack_of_kinks)
             for here, one in zip(self.slits, d, strict=True)
@@ -316,8 +316,7 @@ class SlitState(Answered):
         return self.whole.noise[self.merged.piece_zone]
 
     def _intensities_of(self, of_coefficients: Array, at_slits: float = 1.0) -> Array:
-        """K at the left and right ends of the pieces (2, n) for errors of the wide zones'
-        coefficients.
+        """Intensities K at the ends of the pieces (2, n), from errors of the coefficients.
 
         of_coefficients: sum of the errors for each wide zone; at_slits: a factor at ends of slits.
         """
@@ -356,8 +355,8 @@ class SlitState(Answered):
     @cached_property
     def _neglected(self) -> Array:
         """Sum of the neglected coefficients of each wide zone, as in `State`."""
-        beside = beside_ends(self.whole.kept, self._wide_residuals)
-        return np.asarray(np.minimum(self.whole.left_out, 10 * np.maximum(self._residual, beside)))
+        at_ends = beside_ends(self.whole.kept, self._wide_residuals)
+        return np.asarray(np.minimum(self.whole.left_out, 10 * np.maximum(self._residual, at_ends)))
 
     @cached_property
     def missing(self) -> Array:
@@ -495,9 +494,9 @@ def solve_zones(
     --------
     >>> import numpy as np, sie
     >>> still = sie.Forcing(np.zeros_like, np.zeros_like)
-    >>> beside = sie.Zones.of([[-1.0, -0.001], [0.001, 1.0]])
+    >>> near = sie.Zones.of([[-1.0, -0.001], [0.001, 1.0]])
     >>> charge = sie.Equation(sie.cauchy(), still, (sie.Total(1.0), sie.EqualPotential()))
-    >>> state = sie.solve_zones(charge, beside)
+    >>> state = sie.solve_zones(charge, near)
     >>> state.density.totals.round(9).tolist()
     [0.5, 0.5]
     """
