@@ -1,19 +1,20 @@
-r"""Equations of known solution for the engine alone: what it states is held against what it is off.
+r"""Equations of known solution for the engine alone: true errors against stated ones.
 
     python -m contact.studies.engine_problems FIRST COUNT [--tol 1e-10]
 
-Widths and gaps of the zones lie over up to ten decades, their ends are singular, bounded, free or
-have a prescribed intensity, and the conditions are totals, totals of zones or differences of
-levels. The kernel is Cauchy's, Cauchy's with a smooth part, or Hilbert's. On zones with the ends e,
-with y = x or sin(pi x / L) for differences, the density is designed,
+Widths and gaps of the zones vary over up to ten decades. Ends are singular, bounded, free or have a
+prescribed intensity. Conditions are totals, totals of zones or differences of levels. The kernel is
+Cauchy's, Cauchy's with a smooth part, or Hilbert's. The density is designed: with the ends e of the
+zones and y = x, or sin(pi x/L) with a period,
 
-    phi = +-P |Y|,     Y = prod y(x - e)^(+-1/2)  (-: singular),     P = product of as many y(x - r) as make g a constant or linear,
+    phi = +-P |Y|,     Y = prod y(x - e)^(+-1/2)  (-: singular),     P = prod y(x - r).
 
-g from P Y far away and from the smooth part, totals and levels by the trapezoidal rule in s =
-log((x - a) / (b - x)), which converges at a rate that no gap slows down (M. Mori, Publ. RIMS 41,
-2005, 897-935). One line for every fault: `dishonest`, an error above the stated one of all zones or
-of one of them, `exception`, `slow`. Then how many there were, and the worst ratio of true to stated
-error.
+P has as many roots r as make g a constant or linear. g follows from P Y far away and from the
+smooth part; totals and levels by the trapezoidal rule in s = log((x - a)/(b - x)), whose
+convergence does not depend on the gaps (M. Mori, Publ. RIMS 41, 2005, 897-935).
+
+Each fault is printed: `dishonest` for a true error above the stated one, of all zones or of one,
+`exception`, or `slow`. At the end come the counts and the largest ratio of true to stated error.
 """
 
 from __future__ import annotations
@@ -33,17 +34,20 @@ import sie
 
 Array = NDArray[Any]
 
-# The trapezoidal rule: its step leaves exp(-2 pi^2 / step) = 1e-21, and its last node exp(-step
-# nodes / 2) = 1e-20.
-STEP = 0.4
-NODES = 230
 # Angles of each zone at which densities are compared.
 ANGLES = (np.arange(9) + 0.5) * np.pi / 9
-SLOW_SECONDS = 20.0
-# Two answers whose ends differ by more than this part of a width are two roots of the same problem.
-OTHER_ROOT = 1e-3
-# Errors below this are the rounding of the designed density and of its conditions.
-ROUNDING = 4e-15
+
+
+@dataclass(frozen=True)
+class JudgingLimits:
+    """Limits of the judgement."""
+
+    slow_seconds: float = 20.0
+    other_root: float = 1e-3  # ends further away, over the width, are another root of the problem
+    round_off: float = 4e-15  # of the designed density and its conditions
+
+
+LIMITS = JudgingLimits()
 
 
 class Parts(sie.Condition):
@@ -72,8 +76,10 @@ class Steps(Parts):
 
 @dataclass(frozen=True)
 class Design:
-    """ends (n, 2); signs (n, 2): twice the exponents at the ends; roots (k,) of P, and its factor;
-    period or None for a line.
+    """A designed density.
+
+    `ends` and `signs` are (n, 2); the signs are twice the exponents at the ends. `roots` and
+    `factor` are those of P. Without a period the zones lie on a line.
     """
 
     ends: Array
@@ -82,30 +88,32 @@ class Design:
     factor: float
     period: float | None
 
-    def apart(self, distance: Array) -> Array:
-        """y of distances."""
+    def y(self, distance: Array) -> Array:
+        """y of distances, in extended precision."""
         scaled = np.asarray(distance, dtype=np.longdouble)
         return (
             scaled if self.period is None else np.sin(np.longdouble(np.pi) / self.period * scaled)
         )
 
     def product(self, start: Array, away: Array, skipped: int = -1) -> Array:
-        """P |Y| at start + away; start: an end, from which distances keep their digits; skipped: an
-        end left out of Y.
+        """P |Y| at start + away, accurate for small distances `away` from an end `start`.
+
+        The factor of the end number `skipped` is left out.
         """
         start, away = np.asarray(start, dtype=np.longdouble), np.asarray(away, dtype=np.longdouble)
         out = np.full(np.broadcast(start, away).shape, np.longdouble(self.factor))
         for root in self.roots:
-            out = out * self.apart((start - np.longdouble(root)) + away)
+            out = out * self.y((start - np.longdouble(root)) + away)
         for number, (e, sign) in enumerate(zip(self.ends.ravel(), self.signs.ravel(), strict=True)):
             if number != skipped:
-                size = np.sqrt(np.abs(self.apart((start - np.longdouble(e)) + away)))
+                size = np.sqrt(np.abs(self.y((start - np.longdouble(e)) + away)))
                 out = out * size if sign > 0 else out / size
         return out
 
     def orientation(self, zone: int) -> int:
-        """Sign of Y in the gap right of a zone: each zone to the right with two ends of one kind
-        turns it.
+        """Sign of Y in the gap right of a zone.
+
+        Each zone further right with two ends of one kind changes it.
         """
         return int(np.prod(np.where(self.signs[zone + 1 :, 0] == self.signs[zone + 1 :, 1], -1, 1)))
 
@@ -119,38 +127,46 @@ class Design:
         )
 
     def integral(
-        self, a: float, b: float, weight: Callable[[Array], Array] = np.ones_like
+        self,
+        a: float,
+        b: float,
+        weight: Callable[[Array], Array] = np.ones_like,
+        step: float = 0.4,
+        nodes: int = 230,
     ) -> float:
-        """Of P |Y| times a weight from an end to the next one."""
-        s = STEP * np.arange(-NODES, NODES + 1, dtype=np.longdouble)
+        """int P |Y| weight dx from an end to the next one, by the trapezoidal rule in s.
+
+        Its step leaves exp(-2 pi^2/step) = 1e-21, its last node exp(-step nodes/2) = 1e-20.
+        """
+        s = step * np.arange(-nodes, nodes + 1, dtype=np.longdouble)
         width = np.longdouble(b) - np.longdouble(a)
         left, right = width / (1 + np.exp(-s)), width / (1 + np.exp(s))
         start, away = (
             np.where(s < 0, np.longdouble(a), np.longdouble(b)),
             np.where(s < 0, left, -right),
         )
-        return float(
-            STEP * (self.product(start, away) * weight(start + away) * left * right / width).sum()
-        )
+        values = self.product(start, away) * weight(start + away) * left * right / width
+        return float(step * values.sum())
 
     def total(self, zone: int, weight: Callable[[Array], Array] = np.ones_like) -> float:
+        """int phi weight dx over a zone."""
         a, b = self.ends[zone].tolist()
         return -self.orientation(zone) * int(self.signs[zone, 1]) * self.integral(a, b, weight)
 
     def step(self, zone: int) -> float:
-        """Level of the next zone less that of a zone."""
+        """Level of the next zone less that of this zone."""
         return self.orientation(zone) * self.integral(self.ends[zone, 1], self.ends[zone + 1, 0])
 
     def intensity(self, zone: int, side: int) -> float:
-        """K at an end, 0 where the density is bounded."""
+        """K at an end; 0 if the density is bounded there."""
         if self.signs[zone, side] > 0:
             return 0.0
         scale = 1.0 if self.period is None else np.sqrt(self.period / np.pi)
-        beside = float(self.product(self.ends[zone, side], np.zeros(()), 2 * zone + side))
-        return -self.orientation(zone) * int(self.signs[zone, 1]) * scale * beside
+        size = float(self.product(self.ends[zone, side], np.zeros(()), 2 * zone + side))
+        return -self.orientation(zone) * int(self.signs[zone, 1]) * scale * size
 
     def polynomial(self) -> list[float]:
-        """g without a smooth part of the kernel, lowest power first: less what P Y is far away."""
+        """g for a kernel without a smooth part, lowest power first: minus P Y far away."""
         if self.period is not None:
             turn = np.pi / self.period * (self.roots.sum() + 0.5 * (self.signs * self.ends).sum())
             return [float(-self.factor * np.cos(turn))]
@@ -166,13 +182,15 @@ class Design:
 
 @dataclass(frozen=True)
 class Problem:
+    """A design, its equation, and the zones to start from."""
+
     design: Design
     equation: sie.Equation
     start: sie.Zones
 
 
 def problem(seed: int) -> Problem:
-    """Zones, kinds of ends, kernel and conditions by chance."""
+    """Return the problem of a seed: random zones, kinds of ends, kernel and conditions."""
     rng = np.random.default_rng([41, seed])
     moving = rng.random() < 0.4
     count = int(rng.choice([1, 2, 3, 5, 8, 30], p=[0.15, 0.25, 0.2, 0.2, 0.15, 0.05]))
@@ -201,9 +219,9 @@ def problem(seed: int) -> Problem:
         [_end(design, i, side, bool(moves[i, side])) for i in range(count)] for side in (0, 1)
     )
     between = np.diff(ends.ravel(), prepend=-np.inf, append=np.inf)
-    room = np.minimum(between[:-1], between[1:]).reshape(-1, 2)
-    off = 10.0 ** rng.uniform(-4, -1.5) * room * np.clip(rng.normal(size=ends.shape), -2, 2)
-    return Problem(design, equation, sie.Zones.of(ends + np.where(moves, off, 0.0), left, right))
+    limit = np.minimum(between[:-1], between[1:]).reshape(-1, 2)
+    error = 10.0 ** rng.uniform(-4, -1.5) * limit * np.clip(rng.normal(size=ends.shape), -2, 2)
+    return Problem(design, equation, sie.Zones.of(ends + np.where(moves, error, 0.0), left, right))
 
 
 def _end(design: Design, zone: int, side: int, moves: bool) -> sie.End:
@@ -213,7 +231,7 @@ def _end(design: Design, zone: int, side: int, moves: bool) -> sie.End:
 
 
 def _equation(rng: np.random.Generator, design: Design, index: int) -> sie.Equation:
-    """Kernel, right side and as many conditions as the kinds of ends ask for."""
+    """Kernel, right side, and as many conditions as the kinds of ends need."""
     g = np.polynomial.Polynomial(design.polynomial())
     rise, zones = g.integ(), range(len(design.ends))
     kernel = sie.cauchy() if design.period is None else sie.hilbert(design.period)
@@ -243,78 +261,77 @@ def _equation(rng: np.random.Generator, design: Design, index: int) -> sie.Equat
 
 @dataclass(frozen=True)
 class Judged:
-    """What became of a problem: `fault` or "", and the largest ratios of true to stated error, of
-    all zones and of one by itself.
+    """The outcome of a problem, with the largest ratios of true to stated error.
+
+    `ratio` is that of all zones together, `zone_ratio` that of a single zone.
     """
 
     what: str
     seconds: float
     ratio: float = 0.0
     zone_ratio: float = 0.0
-    told: str = ""
+    message: str = ""
 
     @property
     def fault(self) -> str:
+        """The kind of fault; empty if there is none."""
         if self.what == "exception":
             return self.what
-        return (
-            "dishonest"
-            if max(self.ratio, self.zone_ratio) > 1.0
-            else "slow"
-            if self.seconds > SLOW_SECONDS
-            else ""
-        )
+        if max(self.ratio, self.zone_ratio) > 1.0:
+            return "dishonest"
+        return "slow" if self.seconds > LIMITS.slow_seconds else ""
 
 
 def judged(seed: int, tol: float = 1e-10) -> Judged:
-    """One problem solved, and its errors against those stated."""
+    """Solve one problem and compare its true errors with the stated ones."""
     posed = problem(seed)
-    what, told, began = "solved", "", time.process_time()
+    what, message, began = "solved", "", time.process_time()
     try:
         found = sie.solve(posed.equation, posed.start, tol)
     except sie.NotConverged as stopped:
         if stopped.best is None:
-            return Judged("refused", time.process_time() - began, told=stopped.reason)
-        what, told, found = "refused", stopped.reason, stopped.best
+            return Judged("refused", time.process_time() - began, message=stopped.reason)
+        what, message, found = "refused", stopped.reason, stopped.best
     except Exception as error:
-        if isinstance(
-            error.__cause__, sie.SingularSystem
-        ):  # to rounding the conditions depend on each other
-            return Judged("refused", time.process_time() - began, told=str(error))
-        return Judged("exception", time.process_time() - began, told=traceback.format_exc(limit=-2))
+        seconds = time.process_time() - began
+        if isinstance(error.__cause__, sie.SingularSystem):  # the conditions are nearly dependent
+            return Judged("refused", seconds, message=str(error))
+        return Judged("exception", seconds, message=traceback.format_exc(limit=-2))
     seconds, design, zones = time.process_time() - began, posed.design, found.zones
     width = np.diff(design.ends, axis=1)
-    off = np.abs((zones.table - design.ends) + zones.rest.T) / width
-    if not np.isfinite(found.error) or off.max() > OTHER_ROOT:
-        return Judged(what if what == "refused" else "other root", seconds, told=told)
+    ends = np.abs((zones.table - design.ends) + zones.rest.T) / width
+    if not np.isfinite(found.error) or ends.max() > LIMITS.other_root:
+        return Judged(what if what == "refused" else "other root", seconds, message=message)
     each, sides = np.arange(len(width)), (2 * np.cos(ANGLES / 2) ** 2, 2 * np.sin(ANGLES / 2) ** 2)
     exact = np.array([design.density(zone, ANGLES) for zone in range(len(width))])
     missed = (np.abs(found.density.at(each[:, None], *sides) - exact) * np.sin(ANGLES)).max(axis=1)
-    ratio = max(off.max(), missed.max() / found.state.size) / (found.error + ROUNDING)
+    largest = max(ends.max(), missed.max() / found.state.size)
+    ratio = largest / (found.error + LIMITS.round_off)
     sizes = np.maximum(found.state.zone_sizes, 1e-300)
-    zone_ratio = (np.maximum(off.max(axis=1), missed / sizes) / (found.errors + ROUNDING)).max()
-    return Judged(what, seconds, float(ratio), float(zone_ratio), told)
+    errors = np.maximum(ends.max(axis=1), missed / sizes)
+    zone_ratio = (errors / (found.errors + LIMITS.round_off)).max()
+    return Judged(what, seconds, float(ratio), float(zone_ratio), message)
 
 
 def main() -> None:
+    """Judge the problems of some seeds and print the faults."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("first", type=int)
     parser.add_argument("count", type=int)
     parser.add_argument("--tol", type=float, default=1e-10)
     given = parser.parse_args()
-    met: Counter[str] = Counter()
+    counts: Counter[str] = Counter()
     ratios, zone_ratios = [0.0], [0.0]
     for seed in range(given.first, given.first + given.count):
         one = judged(seed, given.tol)
-        met.update([one.what, one.fault] if one.fault else [one.what])
+        counts.update([one.what, one.fault] if one.fault else [one.what])
         ratios, zone_ratios = [*ratios, one.ratio], [*zone_ratios, one.zone_ratio]
         if one.fault:
-            figures = f"true over stated {one.ratio:.2g}, of one zone {one.zone_ratio:.2g}, {one.seconds:.1f} s"
-            print(f"{seed} {one.fault} ({one.what}): {figures} {one.told}", flush=True)
-    print(
-        dict(met),
-        f"largest true over stated error {max(ratios):.2g}, of one zone {max(zone_ratios):.2g}",
-    )
+            figures = f"true over stated {one.ratio:.2g}, of one zone {one.zone_ratio:.2g}"
+            figures += f", {one.seconds:.1f} s"
+            print(f"{seed} {one.fault} ({one.what}): {figures} {one.message}", flush=True)
+    largest = f"{max(ratios):.2g}, of one zone {max(zone_ratios):.2g}"
+    print(dict(counts), f"largest true over stated error {largest}")
 
 
 if __name__ == "__main__":

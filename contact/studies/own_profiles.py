@@ -1,13 +1,13 @@
-"""Profiles of a user's own, true and false, judged by answers that do not come from the solver.
+"""Profiles of a user's own, with true and false declarations, judged by exact solutions.
 
-python -m contact.studies.own_profiles FIRST COUNT [--tol 1e-8] [--limit 60] [--out FILE.csv]
+    python -m contact.studies.own_profiles FIRST COUNT [--tol 1e-8] [--limit 60] [--out FILE.csv]
 
-A scene has a shape with a known answer: an inverse-designed contact of any number of zones, a
-Fourier series in full contact, or a closed form. The solver gets the shape as a user might write
-it: heights alone, with a constant of up to 1e6 amplitudes, far from x = 0, or with a claim that is
-false. A solution must be within its stated error of the known answer; a false claim may be refused.
-Two families have no known answer: ripples on a parabola, which heights alone must solve as heights
-and slope do, and flat tops, which an approach must solve as the load of that approach does.
+A scene has a shape with a known solution: an inverse-designed contact, a Fourier series in full
+contact, or a closed form. The solver gets the shape as a user might write it: heights alone, with a
+constant of up to 1e6 amplitudes, far from x = 0, or with a false declaration. A solution must be
+within its stated error of the known one; a false declaration may be refused. Two families have no
+known solution. Ripples on a parabola are solved from heights alone and from heights and slope; flat
+tops are solved at a load and at the approach of that load. Both answers must agree.
 """
 
 from __future__ import annotations
@@ -28,13 +28,13 @@ from contact.studies.random_scenes import Drawn, main, unsound
 
 Array = NDArray[np.float64]
 
-# Angles at which pressures are compared; the ends themselves carry no pressure.
+# Angles at which pressures are compared, not quite up to the ends.
 ANGLES = np.linspace(0.02, np.pi - 0.02, 160)
 
 
 @dataclass(frozen=True, eq=False)
-class Told(contact.Profile):
-    """A shape told by its heights alone: moved by `offset`, raised by `constant`."""
+class HeightsOnly(contact.Profile):
+    """A shape given by its heights alone, moved by `offset` and raised by `constant`."""
 
     shape: Any
     constant: float = 0.0
@@ -47,8 +47,8 @@ class Told(contact.Profile):
 
 
 @dataclass(frozen=True, eq=False)
-class Sloped(Told):
-    """Heights and slopes; the slopes are wrong by a factor other than 1."""
+class Sloped(HeightsOnly):
+    """Heights and slopes; a factor other than 1 makes the slopes wrong."""
 
     factor: float = 1.0
 
@@ -59,7 +59,7 @@ class Sloped(Told):
 
 @dataclass(frozen=True, eq=False)
 class Phantom(Sloped):
-    """Heights and slopes, and a kink that is not there."""
+    """Heights and slopes, and a declared kink that the shape does not have."""
 
     kink: tuple[float, float] = (0.0, 0.0)
 
@@ -71,7 +71,7 @@ class Phantom(Sloped):
 
 @dataclass(frozen=True, eq=False)
 class Conjugate(Sloped):
-    """Heights, slopes and a conjugate that is wrong by a factor other than 1."""
+    """Heights, slopes and conjugate; a factor other than 1 makes the conjugate wrong."""
 
     conjugate: float = 1.0
 
@@ -82,7 +82,7 @@ class Conjugate(Sloped):
 
 @dataclass(frozen=True, eq=False)
 class Even(Sloped):
-    """Heights and slopes, said to be symmetric."""
+    """Heights and slopes, declared symmetric."""
 
     symmetric = True  # type: ignore[assignment]
 
@@ -98,12 +98,12 @@ def conjugate(series: contact.Fourier, x: Array) -> Array:
 
 @dataclass(frozen=True)
 class Known(Drawn):
-    """A scene and what must be true of its solution."""
+    """A scene and a judge of its solution."""
 
     judge: Callable[[contact.Solution, float], str] = field(default=lambda solution, tol: "")
 
     def fault(self, solution: contact.Solution, tol: float) -> str:
-        """What is wrong with a solution; empty if nothing is."""
+        """Return what is wrong with a solution; empty if nothing is."""
         return unsound(self.scene, solution, tol) or self.judge(solution, tol)
 
 
@@ -111,7 +111,7 @@ Judge = Callable[[contact.Solution, float], str]
 
 
 def against(answer: Any, offset: float = 0.0, known_to: float = 1e-13) -> Judge:
-    """A judge by known zones and pressures, which are themselves good to `known_to`."""
+    """Return a judge by known zones and pressures, which are accurate to `known_to`."""
 
     def judge(solution: contact.Solution, tol: float) -> str:
         if solution.certificate.undecided:
@@ -125,40 +125,39 @@ def against(answer: Any, offset: float = 0.0, known_to: float = 1e-13) -> Judge:
         # A zone at the border of the cell may be the first or the last.
         zones = np.arange(len(right))
 
-        def away_of(order: Any) -> Array:
-            away = solution.zones - offset - answer.zones[order]
-            return away - (np.round(away / period) * period if np.isfinite(period) else 0.0)
+        def difference(order: Any) -> Array:
+            found = solution.zones - offset - answer.zones[order]
+            return found - (np.round(found / period) * period if np.isfinite(period) else 0.0)
 
         orders = [np.roll(zones, -turn) for turn in zones]
-        order = min(orders, key=lambda order: float(np.abs(away_of(order)).max()))
-        away = away_of(order)
-        # The positions of the ends are numbers of double precision.
+        order = min(orders, key=lambda order: float(np.abs(difference(order)).max()))
+        # Round-off of the positions themselves does not count.
         spacing = 2 * np.spacing(np.abs(solution.zones).max() + abs(offset))
-        ends = float(((np.abs(away) - spacing) / right[order, None]).max())
+        ends = float(((np.abs(difference(order)) - spacing) / right[order, None]).max())
         t = np.cos(ANGLES)
         found = np.array([solution.pressure_at(t, int(k)) for k in zones])
         known = np.array([answer.pressure_at(t, int(k)) for k in order])
         pressure = float(np.abs(found - known).max() / np.abs(known).max())
-        told = f"ends off by {ends:.1e}, pressure by {pressure:.1e}, stated {solution.error:.1e}"
-        return told if max(ends, pressure) > solution.error + known_to else ""
+        message = f"ends off by {ends:.1e}, pressure by {pressure:.1e}, stated {solution.error:.1e}"
+        return message if max(ends, pressure) > solution.error + known_to else ""
 
     return judge
 
 
 def _against_full_twin(solution: contact.Solution, twin: Any, known_to: float) -> str:
-    """What is wrong with full contact, by the pressure of another solution."""
+    """Return what is wrong with full contact, compared with the pressure of another solution."""
     profile, period = solution.scene.profile, solution.scene.period
     assert period is not None
-    # Midway between places of a kink, where pressures are infinite.
+    # These positions avoid kinks, where pressures are infinite.
     x = profile.x0 + period * (np.arange(777) + 0.4142) / 777
     right = twin.pressure(x)
-    off = float(np.abs(solution.pressure(x) - right).max() / np.abs(right).max())
-    told = f"pressure off by {off:.1e}, stated {solution.error:.1e}"
-    return told if off > solution.error + known_to else ""
+    error = float(np.abs(solution.pressure(x) - right).max() / np.abs(right).max())
+    message = f"pressure off by {error:.1e}, stated {solution.error:.1e}"
+    return message if error > solution.error + known_to else ""
 
 
 def against_full(series: contact.Fourier, offset: float) -> Judge:
-    """A judge by p = mean p - (E*/2) H f'."""
+    """Return a judge by the pressure of full contact, p = mean p - (E*/2) H f'."""
 
     def judge(solution: contact.Solution, tol: float) -> str:
         if len(solution.zones):
@@ -166,15 +165,15 @@ def against_full(series: contact.Fourier, offset: float) -> Judge:
         x = series.period * np.linspace(-0.5, 0.5, 777)
         assert solution.mean_pressure is not None
         right = solution.mean_pressure - 0.5 * solution.scene.E_star * conjugate(series, x)
-        off = float(np.abs(solution.pressure(x + offset) - right).max() / np.abs(right).max())
-        told = f"pressure off by {off:.1e}, stated {solution.error:.1e}"
-        return told if off > solution.error + 1e-13 else ""
+        error = float(np.abs(solution.pressure(x + offset) - right).max() / np.abs(right).max())
+        message = f"pressure off by {error:.1e}, stated {solution.error:.1e}"
+        return message if error > solution.error + 1e-13 else ""
 
     return judge
 
 
 def against_twin(twin: contact.Scene) -> Judge:
-    """A judge by the same shape, fully declared, or under another control."""
+    """Return a judge by the same shape with true declarations, or under another control."""
 
     def judge(solution: contact.Solution, tol: float) -> str:
         try:
@@ -188,8 +187,8 @@ def against_twin(twin: contact.Scene) -> Judge:
 
 def _disguise(
     rng: np.random.Generator, shape: Any, period: float | None, length: float, span: float
-) -> tuple[str, Told]:
-    """A shape as a user might write it, and what is told of it."""
+) -> tuple[str, HeightsOnly]:
+    """Return a shape as a user might write it, with the name of the disguise."""
     constant = float(rng.choice([0.0, span * 10 ** rng.uniform(-1, 6)]))
     away = length * (np.round(10 ** rng.uniform(0, 6)) + rng.uniform(-0.5, 0.5))
     offset = float(rng.choice([0.0, 0.0, away]))
@@ -197,11 +196,11 @@ def _disguise(
     off = float(rng.choice([-1, 1])) * 10 ** rng.uniform(-9, 0)
     at = offset + length * rng.uniform(-0.5, 0.5)
     kinked = Kinked(shape, span * abs(off), at - offset, length)
-    kinds: dict[str, Callable[[], Told]] = {
-        "heights": lambda: Told(**plain),
+    kinds: dict[str, Callable[[], HeightsOnly]] = {
+        "heights": lambda: HeightsOnly(**plain),
         "slope": lambda: Sloped(**plain),
         "slope false": lambda: Sloped(**plain, factor=1 + off),
-        "kink undeclared": lambda: Told(**{**plain, "shape": kinked}),
+        "kink undeclared": lambda: HeightsOnly(**{**plain, "shape": kinked}),
         "kink false": lambda: Phantom(**plain, kink=(at, off * span / length)),
         "symmetric false": lambda: Even(**plain),
     }
@@ -217,7 +216,7 @@ def _disguise(
 
 @dataclass(frozen=True, eq=False)
 class Kinked:
-    """A shape and a triangle wave that nobody declares."""
+    """A shape with a triangle wave added."""
 
     shape: Any
     size: float
@@ -225,12 +224,12 @@ class Kinked:
     length: float
 
     def height(self, x: ArrayLike) -> Array:
-        """Heights of both [m]."""
+        """Heights of the sum [m]."""
         away = (np.asarray(x) - self.at) / self.length
         return np.asarray(self.shape.height(x) + self.size * np.abs(away - np.round(away)))
 
     def slope(self, x: ArrayLike) -> Array:
-        """Slopes of both."""
+        """Slopes of the sum."""
         away = (np.asarray(x) - self.at) / self.length
         side = np.sign(away - np.round(away))
         return np.asarray(self.shape.slope(x) + self.size / self.length * side)
@@ -272,11 +271,11 @@ def designed(rng: np.random.Generator, seed: int, length: float, modulus: float)
 
 @dataclass(frozen=True, eq=False)
 class Declared(Sloped):
-    """Heights, slopes and the kinks of the triangle wave."""
+    """Heights, slopes and the declared kinks of the triangle wave."""
 
     @property
     def kinks(self) -> Array:
-        """The two kinks in the cell."""
+        """The kinks in the cell, or near an isolated contact."""
         s = self.shape
         at = self.offset + s.at + s.length * np.array([0.0, 0.5])
         jump = 2 * s.size / s.length
@@ -287,7 +286,7 @@ class Declared(Sloped):
         return np.column_stack((at, np.where(np.arange(len(at)) % 2 == 0, jump, -jump)))
 
 
-def _declared(profile: Told) -> Declared:
+def _declared(profile: HeightsOnly) -> Declared:
     return Declared(profile.shape, profile.constant, profile.offset, profile.period)
 
 
@@ -334,7 +333,7 @@ def closed(rng: np.random.Generator, seed: int, length: float, modulus: float) -
 
 @dataclass(frozen=True)
 class _At:
-    """A closed form whose one zone is asked by normalised positions."""
+    """A closed form of one zone, with the interface of a solution."""
 
     answer: Any
 
@@ -364,7 +363,7 @@ class Rippled(contact.Profile):
 
 @dataclass(frozen=True, eq=False)
 class RippledSlope(Rippled):
-    """The same with its slope."""
+    """The same profile with its slope."""
 
     def slope(self, x: ArrayLike) -> Array:
         """f'."""
@@ -373,10 +372,10 @@ class RippledSlope(Rippled):
 
 
 def rippled(rng: np.random.Generator, seed: int, length: float, modulus: float) -> Drawn:
-    """Ripples on a parabola: from one zone to some thirty."""
+    """Ripples on a parabola, in contact in one to some thirty zones."""
     radius, wave = length * 10 ** rng.uniform(0, 2), length * 10 ** rng.uniform(-3, -1)
     amplitude = wave * 10 ** rng.uniform(-3.5, -1.5)
-    # Hertz's zone of this load holds up to thirty waves.
+    # Up to thirty waves lie in Hertz's zone of this load.
     half = wave * 10 ** rng.uniform(-1, 1.2)
     load = np.pi * modulus * half**2 / (4 * radius)
     plain = radius, amplitude, wave
@@ -386,7 +385,7 @@ def rippled(rng: np.random.Generator, seed: int, length: float, modulus: float) 
 
 
 def flat_top(rng: np.random.Generator, seed: int, length: float, modulus: float) -> Drawn:
-    """A few of forty samples stand equally high; the approach of a load must lead back to it."""
+    """A trace of forty samples of which some are equally high, at the approach of a given load."""
     heights = np.zeros(40)
     start, count = int(rng.integers(40)), int(rng.integers(1, 12))
     heights[(start + np.arange(count)) % 40] = length * 10 ** rng.uniform(-6, -2)
@@ -402,7 +401,7 @@ def flat_top(rng: np.random.Generator, seed: int, length: float, modulus: float)
 
 
 def power(rng: np.random.Generator, seed: int, length: float, modulus: float) -> Drawn:
-    """A power-law indenter, and one whose author does not say so."""
+    """A power-law indenter, declared or given by its heights alone."""
     exponent = float(rng.choice([rng.uniform(1.05, 8), 1.5, 2.5, 3.0]))
     half = length * 10 ** rng.uniform(-3, 0)
     coefficient = 10 ** rng.uniform(-3, -1) * length ** (1 - exponent)
@@ -410,14 +409,14 @@ def power(rng: np.random.Generator, seed: int, length: float, modulus: float) ->
     profile: Any = contact.Power(coefficient, exponent)
     name = "power"
     if rng.random() < 0.3:
-        profile, name = Told(profile), "power, heights"
+        profile, name = HeightsOnly(profile), "power, heights"
     scene = contact.Scene(profile, modulus, contact.Isolated(), load=answer.load)
     return Known(seed, name, scene, against(_At(answer), known_to=1e-12))
 
 
 Family = Callable[[np.random.Generator, int, float, float], Drawn]
 
-# Shares of the families.
+# Every family with its probability.
 FAMILIES: tuple[tuple[float, Family], ...] = (
     (0.35, designed),
     (0.15, full),
@@ -429,7 +428,7 @@ FAMILIES: tuple[tuple[float, Family], ...] = (
 
 
 def draw(seed: int) -> Drawn | contact.ContactError:
-    """The scene of a seed; the error where the drawn parts do not make one."""
+    """Return the scene of a seed, or the error if the drawn parts do not fit together."""
     rng = np.random.default_rng([4, seed])
     length, modulus = 10.0 ** rng.uniform(-6, 1), 10.0 ** rng.uniform(5, 12)
     share = [share for share, _ in FAMILIES]

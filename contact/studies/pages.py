@@ -11,7 +11,10 @@ import shutil
 import sys
 from pathlib import Path
 
-DOCS = Path(__file__).parents[2] / "docs"
+import contact
+
+ROOT = Path(contact.__file__).parent.parent
+DOCS = ROOT / "docs"
 PAGES = ("benchmarks.md", "engine.md", "many-zones.md", "stability.md", "tests.md")
 PLACE = re.compile(r"(<!-- measured: ([\w-]+) -->\n).*?(<!-- end -->)", re.DOTALL)
 

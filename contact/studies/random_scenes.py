@@ -251,7 +251,7 @@ def unsound(scene: contact.Scene, solution: contact.Solution, tol: float) -> str
 
 
 def _against_tighter(scene: contact.Scene, solution: contact.Solution, tol: float) -> str:
-    """Return how a solution differs from one a thousand times as tight; empty within both errors."""
+    """Return how a solution differs from one a thousand times as tight; else empty."""
     try:
         tight = contact.solve(scene, tol=max(1e-3 * tol, 1e-13))
     except contact.NotConverged as error:
@@ -318,7 +318,8 @@ def _against_cells(
     ):
         for start, stop in _runs(mask):
             if stop - start >= least_cells and not other[start:stop].any():
-                return f"{what} of {stop - start} cells at {x[start]:.6g} is not there on a grid of {found.points}"
+                where = f"{stop - start} cells at {x[start]:.6g}"
+                return f"{what} of {where} is not there on a grid of {found.points}"
     return ""
 
 

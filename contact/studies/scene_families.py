@@ -1,9 +1,9 @@
 """Random profiles and interaction models for `random_scenes`.
 
-A family is a function of a random generator and the length of a cell. It returns a profile, periodic
-or not, whose slopes are about 1e-3 to 1e-1. The interaction models are written as a reader of
-docs/own-profile.md would write them. Each gives its kernel in closed form, and by `multiplier` or
-`rest` what an independent grid needs (contact.studies.grid_judge).
+A family is a function of a random generator and the length of a cell. It returns a profile,
+periodic or not, whose slopes are about 1e-3 to 1e-1. The interaction models are written as a reader
+of docs/own-profile.md would write them. Each gives its kernel in closed form, and by `multiplier`
+or `rest` what an independent grid needs (contact.studies.grid_judge).
 """
 
 from __future__ import annotations

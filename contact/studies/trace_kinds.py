@@ -1,7 +1,6 @@
-"""Periodic traces of many kinds, as instruments record surfaces: what a solver of measured profiles
-must stand.
+"""Random periodic traces of many kinds of surfaces, as instruments record them.
 
-`drawn(rng, kind, points)` is one of them, a `contact.Sampled` of one period; `KINDS` names the
+`drawn(rng, kind, points)` returns one of them, a `contact.Sampled` of one period; `KINDS` names the
 kinds. Lengths are those of stylus traces: a pitch of 0.1 to 1 um, heights of 0.01 to 10 um.
 """
 
@@ -21,8 +20,9 @@ Rng = np.random.Generator
 def self_affine_heights(
     rng: Rng, n: int, hurst: float, longest: int = 1, shortest: float = 0.25
 ) -> Array:
-    """Heights whose spectrum falls as k^-(1/2 + H) from harmonic `longest` to `shortest` of the
-    points, random phases, rms of 1.
+    """Heights of rms 1 whose amplitudes fall as k^-(1/2 + H), with random phases.
+
+    The harmonics go from `longest` to the fraction `shortest` of the number of points.
     """
     k = np.arange(n // 2 + 1)
     size = np.where(
@@ -35,14 +35,14 @@ def self_affine_heights(
 
 
 def rough(rng: Rng, n: int) -> Array:
-    """Self-affine, any exponent, often with a roll-off."""
+    """A self-affine surface of random Hurst exponent, often with a roll-off."""
     return self_affine_heights(
         rng, n, rng.uniform(0.2, 1.0), int(rng.choice([1, 3, 10])), rng.choice([0.02, 0.1, 0.5])
     )
 
 
 def ground(rng: Rng, n: int) -> Array:
-    """Many scratches of all depths, each with a ridge beside it, on a rough base."""
+    """Many scratches of all depths, each with ridges at its sides, on a rough base."""
     x, out = np.arange(n) / n, 0.1 * rough(rng, n)
     for at, depth, width in zip(
         rng.random(60), rng.exponential(1.0, 60), rng.uniform(2, 30, 60) / n, strict=True
@@ -62,7 +62,7 @@ def honed(rng: Rng, n: int) -> Array:
 
 
 def plateaus(rng: Rng, n: int) -> Array:
-    """Ground down to a height, with fine roughness left on the plateaus."""
+    """A rough surface worn down to one height, with fine roughness on the plateaus."""
     base = rough(rng, n)
     return np.asarray(
         np.minimum(base, np.quantile(base, rng.uniform(0.3, 0.9)))
@@ -71,20 +71,20 @@ def plateaus(rng: Rng, n: int) -> Array:
 
 
 def wear_flats(rng: Rng, n: int) -> Array:
-    """Cut off at a height: plateaus that are flat to the last digit."""
+    """A rough surface cut off at one height: the plateaus are exactly flat."""
     base = self_affine_heights(rng, n, rng.uniform(0.5, 1.0))
     return np.asarray(np.minimum(base, np.quantile(base, rng.uniform(0.5, 0.95))))
 
 
 def quantized(rng: Rng, n: int) -> Array:
-    """Heights in steps of the converter: 1e-5 to 1e-2 of their range."""
+    """Heights quantized by a converter: steps of 1e-5 to 1e-2 of their range."""
     base = rough(rng, n)
     step = np.ptp(base) * 10 ** rng.uniform(-5, -2)
     return np.asarray(np.round(base / step) * step)
 
 
 def spikes(rng: Rng, n: int) -> Array:
-    """Smooth waves with a few readings that are off by as much as their height."""
+    """Smooth waves with a few outliers as high as the waves."""
     out = self_affine_heights(rng, n, 1.0, 2, 0.01)
     at = rng.choice(n, 12, replace=False)
     out[at] += rng.uniform(-3, 3, 12)
@@ -101,18 +101,18 @@ def steps(rng: Rng, n: int) -> Array:
 
 
 def white_noise(rng: Rng, n: int) -> Array:
-    """Nothing but noise."""
+    """White noise."""
     return np.asarray(rng.normal(size=n))
 
 
 def turned(rng: Rng, n: int) -> Array:
-    """The arcs that a turning tool leaves, with noise."""
+    """The arcs of a turning tool, with noise."""
     t = (np.arange(n) * int(rng.integers(3, 30)) / n) % 1
     return np.asarray(4 * (t - 0.5) ** 2 + 10 ** rng.uniform(-5, -1) * rng.normal(size=n))
 
 
 def waviness(rng: Rng, n: int) -> Array:
-    """Long waves with roughness a thousand times as low."""
+    """Long waves with roughness a thousand times lower."""
     return np.asarray(self_affine_heights(rng, n, 1.0, 1, 8 / n) + 1e-3 * rough(rng, n))
 
 
@@ -123,7 +123,7 @@ def texture(rng: Rng, n: int) -> Array:
 
 
 def staircase(rng: Rng, n: int) -> Array:
-    """A coarse converter: waves of a few dozen height steps, flat for many points at a time."""
+    """Waves quantized to a few dozen steps, each flat over many points."""
     return np.asarray(np.round(self_affine_heights(rng, n, 1.0, 1, 12 / n) * rng.uniform(3, 12)))
 
 
@@ -145,13 +145,14 @@ KINDS: dict[str, Callable[[Rng, int], Array]] = {
         staircase,
     )
 }
-# How the positions were recorded.
+# Kinds of positions: see `drawn`.
 POSITIONS = ("even", "rounded", "uneven")
 
 
 def drawn(rng: Rng, kind: str, points: int, positions: str = "even") -> contact.Sampled:
-    """One trace of a kind. positions: "even"; "rounded" to a hundredth of the pitch; "uneven", off
-    by up to 0.4 of it.
+    """Return one trace of a kind.
+
+    Its positions are "even", "rounded" to a hundredth of the pitch, or "uneven" by up to 0.4 of it.
     """
     pitch, height = 10.0 ** rng.uniform(-7, -6), 10.0 ** rng.uniform(-8, -5)
     at = np.arange(points, dtype=float)
@@ -160,7 +161,7 @@ def drawn(rng: Rng, kind: str, points: int, positions: str = "even") -> contact.
     elif positions == "uneven":
         at = at + rng.uniform(-0.4, 0.4, points)
     values = KINDS[kind](rng, points)
-    # Slopes as surfaces have them, at most: noise on a fine pitch is low.
+    # No slope is above 1, as on real surfaces.
     steepest = float(np.abs(np.diff(values)).max()) / pitch
     return contact.Sampled(
         at * pitch,

@@ -15,7 +15,7 @@ SEEDS = [*(seed for seed in range(24) if seed not in (2, 14)), 28, 36, 40]
 @pytest.mark.parametrize("seed", SEEDS)
 def test_of_a_designed_problem_no_error_is_above_the_stated_one(seed: int) -> None:
     one = judged(seed)
-    assert one.what != "exception", one.told
+    assert one.what != "exception", one.message
     assert max(one.ratio, one.zone_ratio) <= 1.0, one
 
 
@@ -29,7 +29,7 @@ def test_errors_enlarged_by_the_conditions_are_stated_by_a_matrix_and_by_iterati
     """Faint zones beside strong ones: the errors of all rows reach them through the conditions."""
     monkeypatch.setattr("sie.states.solve.MANY_UNKNOWNS", 600 if iterated else 10**9)
     one = judged(seed, tol)
-    assert one.fault != "exception", one.told
+    assert one.fault != "exception", one.message
     assert max(one.ratio, one.zone_ratio) <= 1.0, one
 
 
@@ -122,6 +122,6 @@ def test_conditions_that_nearly_depend_on_each_other_are_refused_with_a_reason_a
     one = judged(1038)
     assert (
         one.what == "refused"
-        and ("nearly depend" in one.told or "so close to another" in one.told)
+        and ("nearly depend" in one.message or "so close to another" in one.message)
         and not one.fault
     )

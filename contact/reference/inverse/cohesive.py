@@ -232,7 +232,7 @@ class CohesiveDesign:
         return 3 * len(self.cohesive) - 1 + sum(strip.direction == 0 for strip in self._strips)
 
     def _smooth_slope(self, gap: int, t: Array) -> tuple[Array, Array]:
-        """Slope of the gap per coefficient of M, and of the tension less the artanh of own strips."""
+        """Slope of the gap per coefficient of M, and of the tension without own artanh."""
         by_tension = np.zeros(t.shape)
         for strip in self._strips:
             if strip.gap == gap:

@@ -56,9 +56,8 @@ def random_problem(
     *,
     E_star: float = 1.0,
     strain: float = 0.05,
-    spread: float = 10.0,
-    fraction: float | None = None,
     length: float = 1.0,
+    **spacing: float | None,
 ) -> DesignedContact:
     """A random exact frictionless problem, without symmetry.
 
@@ -76,10 +75,10 @@ def random_problem(
         Reduced modulus [Pa].
     strain : float
         The load is strain * E_star * cell; the cell is the period, or `length` without one.
-    spread, fraction : float
-        See `random_zones`.
     length : float
         Length of the cell of an isolated body [m].
+    **spacing : float
+        spread and fraction of `random_zones`, by name.
 
     Returns
     -------
@@ -102,7 +101,7 @@ def random_problem(
     """
     count = int(rng.integers(1, 13)) if zones is None else zones
     cell = length if period is None else period
-    unit = random_zones(rng, count, spread, fraction)
+    unit = random_zones(rng, count, **spacing)  # type: ignore[arg-type]
     shift = rng.uniform(-0.5, 0.5)
     if period is None:
         ends = cell * (unit + (shift - 0.5))

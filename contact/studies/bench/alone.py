@@ -1,4 +1,4 @@
-"""Measurements in a process of their own, on one thread, so that peak memory is that of one case."""
+"""Measurements in a process of their own, on one thread, for the peak memory of one case."""
 
 from __future__ import annotations
 

@@ -1,6 +1,4 @@
-"""The scenes of the suite, each with a solution to judge by: closed form, inverse design, or
-another formulation.
-"""
+"""The scenes of the suite, each with an exact solution or one by another formulation."""
 
 from __future__ import annotations
 
@@ -33,15 +31,13 @@ from contact.studies.bench.truth import Exact
 
 Array = NDArray[np.float64]
 
-E_STAR = 1.1e11
-PERIOD = 1e-4
-
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """A scene under periodic contact and how its truth is known; `exact` is made when first asked
-    for. single: one zone a period; localized: the localized models are run on it too; law: where it
-    is not frictionless contact, no other program is asked.
+    """A periodic scene and its reference solution, which is computed on first use.
+
+    `single`: it has one zone a period. `localized`: the localized models run on it too. Peers run
+    only if the law is frictionless.
     """
 
     name: str
@@ -66,32 +62,35 @@ class Case:
 
 
 def closed(name: str, profile: Profile, exact: Any) -> Case:
-    """A case whose solution is known in closed form."""
+    """A case with a closed form."""
     single = len(exact.zones) == 1
     return Case(
         name, profile, exact.E_star, exact.mean_pressure, lambda scene: exact, "closed form", single
     )
 
 
-def wave(fraction: float = 0.4) -> Case:
+def wave(fraction: float = 0.4, E_star: float = 1.1e11, period: float = 1e-4) -> Case:
+    """Westergaard's wave at a contact fraction."""
     exact = Westergaard.from_contact_fraction(
-        fraction, amplitude=1e-6, period=PERIOD, E_star=E_STAR
+        fraction, amplitude=1e-6, period=period, E_star=E_star
     )
-    return closed(f"wave 2a/L={fraction:g}", Sinusoid(1e-6, PERIOD), exact)
+    return closed(f"wave 2a/L={fraction:g}", Sinusoid(1e-6, period), exact)
 
 
-def wedge() -> Case:
-    exact = PeriodicWedge.from_contact_fraction(0.4, wedge_slope=0.05, period=PERIOD, E_star=E_STAR)
-    return closed("wedge", Wedge(0.05, PERIOD), exact)
+def wedge(E_star: float = 1.1e11, period: float = 1e-4) -> Case:
+    """A periodic wedge at a contact fraction of 0.4."""
+    exact = PeriodicWedge.from_contact_fraction(0.4, wedge_slope=0.05, period=period, E_star=E_star)
+    return closed("wedge", Wedge(0.05, period), exact)
 
 
-def parabola() -> Case:
-    exact = PeriodicParabola.from_contact_fraction(0.4, radius=1e-3, period=PERIOD, E_star=E_STAR)
-    return closed("parabola", Parabola(1e-3, PERIOD), exact)
+def parabola(E_star: float = 1.1e11, period: float = 1e-4) -> Case:
+    """A periodic parabola at a contact fraction of 0.4."""
+    exact = PeriodicParabola.from_contact_fraction(0.4, radius=1e-3, period=period, E_star=E_star)
+    return closed("parabola", Parabola(1e-3, period), exact)
 
 
 def biquadratic() -> Case:
-    """The paper's own: R = 1, c = 0.05, L = 2.4 c, at a mean pressure of 0.00109 E*."""
+    """The paper's example: R = 1, c = 0.05, L = 2.4 c, at a mean pressure of 0.00109 E*."""
     exact = PeriodicBiquadratic(
         radius=1.0, spacing=0.1, period=0.12, E_star=1.0, mean_pressure=0.00109
     )
@@ -99,6 +98,7 @@ def biquadratic() -> Case:
 
 
 def designed(zones: int = 8, seed: int = 8, spread: float = 10.0) -> Case:
+    """A random inverse-designed problem."""
     problem = random_problem(
         np.random.default_rng(seed), zones=zones, period=1.0, fraction=0.4, spread=spread
     )
@@ -114,7 +114,7 @@ def designed(zones: int = 8, seed: int = 8, spread: float = 10.0) -> Case:
 
 
 def rough_profile(harmonics: int, seed: int = 3) -> Fourier:
-    """Self-affine with Hurst exponent 0.8 beyond the fourth harmonic, random phases, period 1."""
+    """A self-affine profile of Hurst exponent 0.8 from the fourth harmonic on, period 1."""
     rng = np.random.default_rng(seed)
     k = np.arange(1, harmonics + 1)
     amplitude = 1e-3 * np.maximum(k, 4) ** (-1.3)
@@ -123,7 +123,7 @@ def rough_profile(harmonics: int, seed: int = 3) -> Fourier:
 
 
 def rough(harmonics: int, mean_pressure: float, zones: int) -> Case:
-    """`solve` takes the zones; it is judged by the gaps."""
+    """A rough scene solved by its zones and judged by its gaps."""
     return Case(
         f"rough, {zones} zones",
         rough_profile(harmonics),
@@ -136,7 +136,7 @@ def rough(harmonics: int, mean_pressure: float, zones: int) -> Case:
 
 
 def adhesive(law: JKR | Dugdale) -> Case:
-    """Johnson's wave, or one under Maugis's law, hanging: under a load about half way to pull-off."""
+    """An adhesive wave under a tensile load, half of that at pull-off."""
     amplitude, E_star = 0.01, 1.0
     curve = (
         JKRWave(amplitude, 1.0, E_star, law.work)
@@ -158,7 +158,7 @@ def adhesive(law: JKR | Dugdale) -> Case:
 
 
 def rough_nearly_full() -> Case:
-    """`solve` takes the gaps; it is judged by the zones."""
+    """A rough scene solved by its gaps and judged by its zones."""
     return Case(
         "rough, nearly full",
         rough_profile(64),
@@ -171,7 +171,7 @@ def rough_nearly_full() -> Case:
 
 
 def best(scene: Scene, tol: float) -> Solution:
-    """The solution to a tolerance, or the best there is."""
+    """Return the solution at a tolerance, or the best one that was found."""
     try:
         return solve(scene, tol)
     except NotConverged as error:
@@ -182,7 +182,7 @@ def best(scene: Scene, tol: float) -> Solution:
 
 
 def suite(quick: bool) -> list[Case]:
-    """The scenes of the work-precision part."""
+    """Return the scenes of the study of work and precision."""
     cases = [
         wave(0.4),
         wave(0.9),

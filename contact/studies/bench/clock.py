@@ -15,11 +15,9 @@ T = TypeVar("T")
 
 
 def seconds(call: Callable[[], Any], patience: float = 0.3, most: int = 25) -> float:
-    """Least processor time [s] of repeated calls, until `patience` seconds or `most` calls are
-    spent; at least one call.
+    """Least processor time [s] of repeated calls, for `patience` seconds or `most` calls.
 
-    The least, because what else runs on the machine only adds to it; processor time, because
-    waiting is not work.
+    The least, because other work on the machine only adds to it.
     """
     best, spent, count = float("inf"), 0.0, 0
     collects = gc.isenabled()
@@ -37,7 +35,7 @@ def seconds(call: Callable[[], Any], patience: float = 0.3, most: int = 25) -> f
 
 
 def short_seconds(call: Callable[[], Any], patience: float = 0.05) -> float:
-    """The same for calls of microseconds, which are repeated within one reading of the clock."""
+    """The same for calls of microseconds: the clock is read around many of them."""
     call()
     start = time.process_time()
     count = 0
@@ -54,9 +52,7 @@ def short_seconds(call: Callable[[], Any], patience: float = 0.05) -> float:
 
 
 def peak_bytes(call: Callable[[], Any]) -> int:
-    """Most memory [bytes] that Python and numpy held at once during a call, above what they held
-    before it.
-    """
+    """Peak memory [bytes] that Python and numpy allocated during a call."""
     gc.collect()
     tracemalloc.start()
     try:
@@ -71,10 +67,10 @@ class TooLong(Exception):
 
 
 def limited(call: Callable[[], T], seconds: float) -> T:
-    """The call's result, or TooLong after so much processor time; without a limit where there are
-    no such signals.
+    """Return the call's result, or raise TooLong after this processor time [s].
 
-    numpy cannot be interrupted: the exception comes when it returns.
+    There is no limit on systems without the signal. numpy cannot be interrupted: the exception is
+    raised when it returns.
     """
     if not hasattr(signal, "SIGPROF") or threading.current_thread() is not threading.main_thread():
         return call()

@@ -1,4 +1,4 @@
-"""Curves of many loads: time for all of them together, each with its error and its certificate."""
+"""Time of load curves: many loads of one scene, each with error and certificate."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from contact.model.profiles import Biquadratic, Sinusoid
 from contact.model.scene import Scene
 from contact.model.units import quantity
 from contact.studies.bench import clock
-from contact.studies.bench.cases import PERIOD, rough_profile
+from contact.studies.bench.cases import rough_profile
 from contact.studies.bench.report import Table
 from contact.sweeps.solve_many import solve_many
 
@@ -22,9 +22,8 @@ Array = NDArray[np.float64]
 
 def _waves(count: int) -> tuple[Scene, Array]:
     full = np.pi * 1e9 * 1e-6
-    return Scene(Sinusoid(1e-6, PERIOD), 1e9, Periodic(), load=1.0), np.linspace(
-        0.005, 0.975, count
-    ) * full
+    scene = Scene(Sinusoid(1e-6, 1e-4), 1e9, Periodic(), load=1.0)
+    return scene, np.linspace(0.005, 0.975, count) * full
 
 
 def _pair(count: int) -> tuple[Scene, Array]:
@@ -43,6 +42,7 @@ CURVES: dict[str, tuple[Callable[[int], tuple[Scene, Array]], int, int]] = {
 
 
 def table(quick: bool) -> Table:
+    """The table of the load curves."""
     rows: list[tuple[str, ...]] = []
     for name, (make, many, few) in CURVES.items():
         scene, loads = make(few if quick else many)

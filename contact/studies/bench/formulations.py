@@ -1,14 +1,14 @@
-"""The same contact by another formulation: what a solution is judged by where no closed form is
-known.
+"""The same contact by another formulation, the reference where no closed form is known.
 
 A periodic contact can be solved for the pressure p on its zones or for the slope s of the gap on
 its gaps (see contact.formulation.gaps),
 
-    (1/pi) PV int_zones p K = (E*/2) f'  on the zones,      (1/pi) PV int_gaps s K = R - 2 pbar/E*  on the gaps, int_gap s = 0:
+    (1/pi) PV int_zones p K = (E*/2) f'        on the zones,
+    (1/pi) PV int_gaps s K = R - 2 pbar/E*     on the gaps, int_gap s = 0.
 
-other unknowns, another right side, other intervals, other side conditions. Each starts from what
-`solve` found, with every end moved by a thousandth of its interval, so that it finds the ends by
-itself.
+The two have different unknowns, right sides, intervals and side conditions. Each starts from the
+solution of `solve` with every end moved by a thousandth of its interval, so that it finds the ends
+independently.
 """
 
 from __future__ import annotations
@@ -35,11 +35,6 @@ from contact.verify.error import SolvedZones
 
 Array = NDArray[np.float64]
 
-# Ends are moved by this part of their intervals before the other formulation starts.
-_MOVED = 1e-3
-# Below what `solve` may be asked for: how well it does is what is measured.
-_TOLERANCE = 2e-15
-
 
 def scaled(scene: Scene) -> Problem:
     """The scaled problem of a periodic scene."""
@@ -63,7 +58,7 @@ def scaled(scene: Scene) -> Problem:
 
 
 def _mean_pressure(scene: Scene) -> float:
-    """[Pa], from either control."""
+    """Mean pressure [Pa], from either control."""
     assert scene.period is not None
     if scene.mean_pressure is not None:
         return scene.mean_pressure
@@ -72,7 +67,7 @@ def _mean_pressure(scene: Scene) -> float:
 
 
 def _in_cell(table: Array, scene: Scene) -> tuple[Array, NDArray[np.intp]]:
-    """Intervals with left ends in [x0, x0 + L), ascending, and where each came from."""
+    """Intervals sorted by left ends in [x0, x0 + L), and the order that sorts them."""
     assert scene.period is not None
     table = begun_from(table, scene.profile.x0, scene.period)
     order = np.argsort(table[:, 0])
@@ -81,8 +76,9 @@ def _in_cell(table: Array, scene: Scene) -> tuple[Array, NDArray[np.intp]]:
 
 @dataclass(frozen=True, eq=False)
 class Formulated:
-    """A periodic contact in SI units, its zones in the profile's cell; order: which of the fields'
-    zones each is.
+    """A periodic contact in SI units, with zones in the profile's cell.
+
+    `order` has the number of every zone in `fields`.
     """
 
     fields: GapFields | ZoneFields
@@ -105,20 +101,20 @@ class Formulated:
         return np.asarray(self.fields.pressure(x))
 
 
-def solved_by_gaps(scene: Scene) -> Formulated:
-    """With the slope of the gap as the unknown."""
+def solved_by_gaps(scene: Scene, moved: float = 1e-3, tol: float = 2e-15) -> Formulated:
+    """Solve for the slope of the gap."""
     problem = scaled(scene)
     units = problem.units
     assert problem.period is not None
     start = units.scaled(solve(scene, 1e-6).zones)
     gaps = gaps_between(start, problem.period)
-    gaps += _MOVED * np.minimum(np.diff(gaps, axis=1), np.diff(start, axis=1).min()) * [[-1.0, 1.0]]
+    gaps += moved * np.minimum(np.diff(gaps, axis=1), np.diff(start, axis=1).min()) * [[-1.0, 1.0]]
 
     relief = ScaledRelief.of(Relief(scene.profile, scene.operator), problem)
     mean = _mean_pressure(scene) / units.pressure
     form = gap_form.GapForm(problem, relief)
     found = refine_topology(
-        form, Load(mean * problem.period), gaps, NewtonSettings(_TOLERANCE), formal=True
+        form, Load(mean * problem.period), gaps, NewtonSettings(tol), formal=True
     )
     if isinstance(found, Failure):
         raise NotConverged("the gaps' formulation does not converge from these zones")
@@ -127,15 +123,15 @@ def solved_by_gaps(scene: Scene) -> Formulated:
     return Formulated(fields, zones, order, found.error)
 
 
-def solved_by_zones(scene: Scene) -> Formulated:
-    """With the pressure as the unknown."""
+def solved_by_zones(scene: Scene, moved: float = 1e-3, tol: float = 2e-15) -> Formulated:
+    """Solve for the pressure."""
     problem = scaled(scene)
     units = problem.units
     assert problem.period is not None
     start = units.scaled(solve(scene, 1e-6).zones)
     gaps = np.diff(gaps_between(start, problem.period))[:, 0]
-    start = start + _MOVED * np.column_stack((np.roll(gaps, 1), -gaps))
-    # The zones' formulation wants them within one cell, which may begin at any gap.
+    start = start + moved * np.column_stack((np.roll(gaps, 1), -gaps))
+    # The formulation needs the zones in one cell, which starts at the widest gap.
     turn = (
         int(
             np.argmax(
@@ -149,7 +145,7 @@ def solved_by_zones(scene: Scene) -> Formulated:
     start = start + np.where(start[:, :1] < start[0, 0], problem.period, 0.0)
     load = _mean_pressure(scene) * problem.period * units.length / units.load
     found = refine_topology(
-        pressure_form.PressureForm(problem), Load(load), start, NewtonSettings(_TOLERANCE)
+        pressure_form.PressureForm(problem), Load(load), start, NewtonSettings(tol)
     )
     assert isinstance(found, SolvedZones)
     zones, order = _in_cell(np.asarray(units.x(found.free.density.zones.table)), scene)

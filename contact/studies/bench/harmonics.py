@@ -1,7 +1,6 @@
-"""One zone a period under an even Fourier series, f = -sum_n d_n cos(n phi), phi = 2 pi x/L, in
-closed form.
+"""Closed form of one zone a period under f = -sum_n d_n cos(n phi), phi = 2 pi x/L.
 
-With c = cos(2 pi a / L), the load per period is, by Mehler and Dirichlet's integral of the Legendre
+With c = cos(2 pi a / L), the load per period is, by the Mehler-Dirichlet integral of the Legendre
 polynomials P_n,
 
     P(a) = (pi E*/2) sum_n n d_n (P_{n-1}(c) - P_n(c)),
@@ -11,7 +10,7 @@ polynomials P_n,
 
     p(x) = -(2 sqrt2 cos(phi/2) / L) int_0^V P'(c') dv,   V^2 = cos(phi) - c,
 
-of a polynomial, which Gauss and Legendre integrate exactly (derived here).
+whose integrand is a polynomial, so that Gauss-Legendre quadrature is exact (derived here).
 """
 
 from __future__ import annotations
@@ -31,8 +30,9 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class HarmonicZone(SymmetricZone):
-    """The zone [-a, a] of period 1; amplitudes d_1, d_2, ... as long as the pressure is positive
-    and the gap open.
+    """The zone [-a, a] of period 1 under amplitudes d_1, d_2, ...
+
+    It is the contact if the pressure is positive and the gap open.
     """
 
     amplitudes: tuple[float, ...]
@@ -56,7 +56,7 @@ class HarmonicZone(SymmetricZone):
         return float(self.pressure_at(np.linspace(0.0, 1.0, 101)).max())
 
     def _pressure(self, r: Array, d: Array) -> Array:
-        # cos(phi) - cos(2 pi a) from the distances to both ends.
+        # V^2 = cos(phi) - cos(2 pi a) = 2 sin(pi d) sin(pi (a + r))
         top = np.sqrt(2 * np.sin(pi * d) * np.sin(pi * (self.half_width + r)))
         nodes, weights = legendre.leggauss(len(self.amplitudes) + 1)
         v = 0.5 * (1 + nodes) * top[..., None]

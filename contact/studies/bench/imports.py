@@ -1,6 +1,4 @@
-"""What a program pays before its first answer: importing contact and a small solve, beside numpy
-and the parts of scipy that it uses.
-"""
+"""Processor time before the first answer, of importing contact and of a small solve."""
 
 from __future__ import annotations
 
@@ -12,23 +10,26 @@ from contact.model.units import quantity
 from contact.studies.bench.report import Table
 
 BASE = "import numpy, scipy.fft, scipy.linalg, scipy.special"
-_SCENE = "contact.Scene(contact.{}, 1e9, contact.Periodic(), mean_pressure=1e7)"
+SOLVED = (
+    "import contact; "
+    "contact.solve(contact.Scene(contact.{}, 1e9, contact.Periodic(), mean_pressure=1e7))"
+)
 PROGRAMS = {
     "numpy and scipy's fft, linalg, special": BASE,
     "contact": "import contact",
-    "contact, and a wave solved": f"import contact; contact.solve({_SCENE.format('Sinusoid(1e-6, 1e-4)')})",
-    "contact, and a Fourier series solved": f"import contact; contact.solve({_SCENE.format('Fourier(1e-4, [-1e-6, 2e-7])')})",
+    "contact, and a wave solved": SOLVED.format("Sinusoid(1e-6, 1e-4)"),
+    "contact, and a Fourier series solved": SOLVED.format("Fourier(1e-4, [-1e-6, 2e-7])"),
 }
-_RUNS = 5
-# A process of its own runs the program and says what processor time that took.
-_TIMED = "import os, subprocess, sys; subprocess.run([sys.executable, '-c', sys.argv[1]], check=True); t = os.times(); print(t[2] + t[3])"
+# Runs a program in a child process and prints the processor time of the child.
+_TIMED = (
+    "import os, subprocess, sys; subprocess.run([sys.executable, '-c', sys.argv[1]], check=True); "
+    "t = os.times(); print(t[2] + t[3])"
+)
 
 
-def seconds(program: str, runs: int = _RUNS) -> float:
-    """Least processor time [s] of a fresh interpreter that runs the program, the interpreter's own
-    included.
-    """
-    # Compiled once, by the first run.
+def seconds(program: str, runs: int = 5) -> float:
+    """Least processor time [s] of a new interpreter that runs the program."""
+    # The first run writes the compiled files.
     environment = {
         name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"
     }
@@ -44,6 +45,7 @@ def seconds(program: str, runs: int = _RUNS) -> float:
 
 
 def table() -> Table:
+    """The table of the programs."""
     times = {name: seconds(program) for name, program in PROGRAMS.items()}
     base = next(iter(times.values()))
     rows: list[tuple[str, ...]] = [

@@ -4,7 +4,7 @@
 
 TABLE is one of
 
-- `self-affine`: Hurst exponent 0.8, harmonics 4 to kmax, rms slope 0.1, mean pressure 0.05 E* slope;
+- `self-affine`: Hurst exponent 0.8, harmonics 4 to kmax, rms slope 0.1, mean pressure 0.005 E*;
 - `measured-trace`: the stylus trace of docs/stylus.md, at fractions of its full-contact load;
 - `sampling`: one surface of 198 harmonics at one load, sampled ever more finely;
 - `kinds-10000`, `kinds-20000`: a trace of each kind of `contact.studies.trace_kinds` with that many
@@ -34,9 +34,8 @@ from contact.errors import unwarned
 from contact.studies.bench import clock
 from contact.studies.bench.alone import measured, publish
 from contact.studies.bench.report import Table
+from contact.studies.pages import ROOT
 from contact.studies.trace_kinds import KINDS, drawn
-
-STYLUS = Path(__file__).parents[3] / "examples" / "data" / "stylus-profile.csv"
 
 
 @dataclass(frozen=True)
@@ -74,7 +73,12 @@ def self_affine(kmax: int) -> contact.Fourier:
 def stylus() -> contact.Sampled:
     """The trace as docs/stylus.md prepares it, with tapers of a twentieth of the length each."""
     return contact.Sampled.from_file(
-        STYLUS, units="um", detrend="quadratic", regrid=True, taper=0.05, period=True
+        ROOT / "examples" / "data" / "stylus-profile.csv",
+        units="um",
+        detrend="quadratic",
+        regrid=True,
+        taper=0.05,
+        period=True,
     )
 
 

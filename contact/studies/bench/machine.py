@@ -1,4 +1,4 @@
-"""What the measurements were made with."""
+"""The machine and the versions that the measurements were made with."""
 
 from __future__ import annotations
 
@@ -25,9 +25,7 @@ def table(peers: Sequence[str]) -> Table:
 
 
 def commit() -> str:
-    """The commit of the source that is measured, and whether it has been changed since; the version
-    where there is none.
-    """
+    """Return the commit of the source and whether it has changes; without git, the version."""
     try:
         run = subprocess.run(
             ["git", "describe", "--always", "--abbrev=10", "--dirty= with changes", "--exclude=*"],
@@ -50,7 +48,7 @@ def _version(package: str) -> str:
 
 
 def _processor() -> str:
-    """The model's name where the system tells it."""
+    """Return the name of the processor."""
     try:
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
     except OSError:

@@ -1,13 +1,13 @@
-"""One symmetric zone of a lone body under any slope, by quadrature over its pieces: what a measured
-profile is judged by.
+"""One isolated symmetric zone under any slope, by quadrature: the judge of measured profiles.
 
 With xi = a sin(theta), since PV int dtheta / (a sin(theta) - x) = 0,
 
-    p(x) = (E*/2 pi) sqrt(a^2 - x^2) int [f'(a sin theta) - f'(x)] / (a sin theta - x) dtheta,     -pi/2 < theta < pi/2,
-    P = E* int_0^(pi/2) a sin(theta) f'(a sin theta) dtheta
+    p(x) = (E*/2 pi) sqrt(a^2 - x^2) int [f'(a sin theta) - f'(x)] / (a sin theta - x) dtheta,
+    P = E* int_0^(pi/2) a sin(theta) f'(a sin theta) dtheta,
 
-(the inverse of the finite Hilbert transform, bounded at both ends). Between two breaks of a spline
-the integrand is smooth, and Gauss and Legendre's rule of eight points leaves nothing.
+the first integral over -pi/2 < theta < pi/2. It is the inverse of the finite Hilbert transform that
+is bounded at both ends. Between two breaks of a spline the integrand is smooth, and eight
+Gauss-Legendre points integrate it to round-off.
 """
 
 from __future__ import annotations
@@ -23,7 +23,8 @@ from contact.reference.exact import SymmetricZone
 
 Array = NDArray[np.float64]
 
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
+# Gauss-Legendre nodes and weights on (-1, 1).
+_RULE = np.polynomial.legendre.leggauss(8)
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,24 +39,24 @@ class ByPieces(SymmetricZone):
 
     @cached_property
     def _edges(self) -> Array:
-        """The pieces' borders in theta."""
+        """Borders of the pieces in theta."""
         inside = self.breaks[np.abs(self.breaks) < self.half_width] / self.half_width
         return np.concatenate(([-0.5 * np.pi], np.arcsin(np.unique(inside)), [0.5 * np.pi]))
 
     def _rule(self, edges: Array) -> tuple[Array, Array, Array]:
-        """Positions, slopes there, and weights in theta, of pieces between the edges."""
+        """Positions, slopes and weights of the quadrature over pieces with these edges."""
         half = 0.5 * np.diff(edges)
-        theta = (0.5 * (edges[1:] + edges[:-1]))[:, None] + half[:, None] * _NODES
+        theta = (0.5 * (edges[1:] + edges[:-1]))[:, None] + half[:, None] * _RULE[0]
         x = (self.half_width * np.sin(theta)).ravel()
-        return x, np.asarray(self.profile.slope(x)), (half[:, None] * _WEIGHTS).ravel()
+        return x, np.asarray(self.profile.slope(x)), (half[:, None] * _RULE[1]).ravel()
 
     @cached_property
-    def _whole(self) -> tuple[Array, Array, Array]:
+    def _rule_of_zone(self) -> tuple[Array, Array, Array]:
         return self._rule(self._edges)
 
     @cached_property
     def load(self) -> float:  # type: ignore[override]
-        x, slope, weight = self._whole
+        x, slope, weight = self._rule_of_zone
         return 0.5 * self.E_star * float(np.sum(x * slope * weight))
 
     @cached_property
@@ -63,25 +64,28 @@ class ByPieces(SymmetricZone):
         return float(self.pressure_at(np.cos((np.arange(24) + 0.5) * np.pi / 24)).max())
 
     def _pressure(self, r: Array, d: Array) -> Array:
-        x, slope, weight = self._whole
+        x, slope, weight = self._rule_of_zone
         edges = self._edges
         out = np.empty(r.size)
         for k, here in enumerate(r.ravel()):
             angle = float(np.arcsin(here / self.half_width))
             there = self.profile.slope(here)
             piece = int(np.clip(np.searchsorted(edges, angle), 1, len(edges) - 1))
-            near = slice(max(piece - 3, 0), min(piece + 3, len(edges)))
+            close = slice(max(piece - 3, 0), min(piece + 3, len(edges)))
             far = np.ones(len(x), dtype=bool)
-            far[near.start * len(_NODES) : (near.stop - 1) * len(_NODES)] = False
+            n = len(_RULE[0])
+            far[close.start * n : (close.stop - 1) * n] = False
             total = np.sum((slope[far] - there) / (x[far] - here) * weight[far])
-            xi, f, w = self._rule(_graded(edges[near], angle))
+            xi, f, w = self._rule(_graded(edges[close], angle))
             out[k] = total + np.sum((f - there) / (xi - here) * w)
         return 0.5 * self.E_star / np.pi * np.sqrt(d * (self.half_width + r)) * out.reshape(r.shape)
 
 
 def _graded(edges: Array, at: float) -> Array:
-    """The edges, and more beside the piece around `at`: the next ones have other polynomials, whose
-    quotient has a pole at `at`, so that a piece may be as wide as its distance from there.
+    """The edges, refined next to the piece that contains `at`.
+
+    In the next pieces the difference quotient has a pole at `at`, so that a piece may be no wider
+    than its distance from there.
     """
     steps = 2.0 ** np.arange(60) - 1
     left, right = edges[edges < at], edges[edges > at]

@@ -1,4 +1,4 @@
-"""Truths of a lone body under a power, and of many equal zones."""
+"""Exact solutions of an isolated even power, and of many equal waves."""
 
 from __future__ import annotations
 
@@ -15,9 +15,10 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class PowerPunch(SymmetricZone):
-    """f = x^n / n, n even, on [-1, 1] with E* = 1: p = (1/2) sqrt(1 - x^2) sum_k b_k x^(n-2-2k),
-    b_k = (2k choose k) / 4^k, the polynomial part of x^(n-1) / sqrt(x^2 - 1); P = (pi/2) n/... by
-    its residue, b_(n/2) E* pi / 2 (Shtaerman 1949).
+    """f = x^n/n, n even, in contact on [-1, 1] with E* = 1 (Shtaerman 1949).
+
+    p = (1/2) sqrt(1 - x^2) sum_k b_k x^(n-2-2k), b_k = (2k choose k)/4^k, from the polynomial part
+    of x^(n-1)/sqrt(x^2 - 1); P = (pi/2) b_(n/2) from its residue.
     """
 
     order: int
@@ -43,8 +44,9 @@ class PowerPunch(SymmetricZone):
 
 @dataclass(frozen=True, eq=False)
 class Repeated:
-    """Waves that repeat `count` times in a period of length 1, their first tip `shift` of their
-    length from the origin; the left ends of the zones lie in [-1/2, 1/2).
+    """`count` equal waves in a period of length 1, with left ends of the zones in [-1/2, 1/2).
+
+    The first tip is at x = shift/count.
     """
 
     one: Westergaard

@@ -1,8 +1,7 @@
-"""Work and precision: true and stated error against processor time, as the tolerance runs from 1e-2
-to 1e-13.
+"""Work and precision: true and stated error against processor time, for tolerances 1e-2 to 1e-13.
 
-On the same scenes also the hierarchy of localized models: their error is that of the model, however
-exactly they are solved.
+The localized models run on the same scenes; their error is that of the model, however exactly they
+are solved.
 """
 
 from __future__ import annotations
@@ -19,14 +18,14 @@ from contact.solver import solve
 from contact.studies.bench import clock, truth
 from contact.studies.bench.cases import Case
 
-NEIGHBOURS = (0, 1, 2, 4, 8, 16)
-
 
 @dataclass(frozen=True)
 class Row:
-    """One run. error: of pressure at equal normalised positions and of ends over widths (what is
-    stated); at_x, mean_at_x: largest and mean error of the pressure at equal places. All over the
-    peak; None: not defined for this method.
+    """One run of a method on a scene.
+
+    `error` is the true error in the sense of the stated one: of pressures at equal normalised
+    positions and of ends over widths. `at_x` and `mean_at_x` are the largest and mean error of the
+    pressure at equal x. All are relative to the peak; None: not defined for this method.
     """
 
     scene: str
@@ -42,13 +41,12 @@ class Row:
 
 
 def tolerances(quick: bool) -> list[float]:
+    """The tolerances of the runs, descending."""
     return [10.0**-k for k in ((2, 4, 6, 8, 10, 12, 13) if quick else range(2, 14))]
 
 
 def ours(case: Case, quick: bool) -> Iterator[Row]:
-    """The solver over its tolerances; where a tolerance is out of reach, the best state, and no
-    time for more tries.
-    """
+    """Run the solver at each tolerance; stop at the first that it does not reach."""
     scene = case.scene
     for tol in tolerances(quick):
         row, found = _run(case, "contact", tol, scene, tol, quick)
@@ -58,16 +56,17 @@ def ours(case: Case, quick: bool) -> Iterator[Row]:
 
 
 def hierarchy(case: Case, quick: bool) -> Iterator[Row]:
-    """Localized models, self-consistent with m neighbours a side, and first order, solved to 1e-8."""
+    """Run the localized models, self-consistent with neighbours and first order, at 1e-8."""
     models: list[tuple[str, float, Interaction]] = [
-        (f"localized, m={m}", m, Localized("self-consistent", neighbours=m)) for m in NEIGHBOURS
+        (f"localized, m={m}", m, Localized("self-consistent", neighbours=m))
+        for m in (0, 1, 2, 4, 8, 16)
     ]
     models.append(("localized, first order", 0.0, Localized("first-order")))
     for name, setting, model in models:
         scene = Scene(case.profile, case.E_star, model, mean_pressure=case.mean_pressure)
         try:
             yield _run(case, name, setting, scene, 1e-8, quick)[0]
-        except (OutOfRange, NotConverged):  # the closure carries no such load: nothing to compare
+        except (OutOfRange, NotConverged):  # the closure has no solution at this load
             continue
 
 

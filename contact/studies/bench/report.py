@@ -1,4 +1,4 @@
-"""Tables of the measurements as CSV files and in words."""
+"""Tables of the measurements, as CSV files and as Markdown."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from contact.studies.bench.stability import Verdict
 
 
 class Table(NamedTuple):
-    """A table: the name of its file and of its place in a page, its title, and its cells."""
+    """A table: `key` is the name of its file and of its place in a page."""
 
     key: str
     title: str
@@ -28,15 +28,19 @@ class Table(NamedTuple):
 
 
 OURS = "contact"
-# What a single scene may take for each of its zones: seconds, of the time of 100 dense solves
-# (`scaling.yardstick`), and floors at all.
-A_ZONE = 5e-4
-OF_SOLVES = 0.12
-FLOORS = 25.0
+
+
+@dataclasses.dataclass(frozen=True)
+class SingleZoneLimits:
+    """The processor time that a single scene may take, as docs/benchmarks.md requires."""
+
+    seconds_per_zone: float = 5e-4
+    dense_solves: float = 0.12  # per zone, of the time of 100 dense solves (`scaling.yardstick`)
+    floors: float = 25.0  # times the floor of `scaling.floor_seconds`
 
 
 def write_csv(path: Path, rows: Sequence[Any]) -> None:
-    """Dataclasses of one kind as a table, in full precision."""
+    """Write dataclasses of one kind as CSV, in full precision."""
     names = [field.name for field in dataclasses.fields(rows[0])]
     with path.open("w", encoding="utf-8", newline="") as stream:
         writer = csv.writer(stream, lineterminator="\n")
@@ -45,7 +49,7 @@ def write_csv(path: Path, rows: Sequence[Any]) -> None:
 
 
 def markdown(table: Table) -> str:
-    """The table as a page has it."""
+    """Return the table in Markdown."""
     lines = [table.columns, ["---"] * len(table.columns), *table.rows]
     return (
         "\n".join(
@@ -55,29 +59,31 @@ def markdown(table: Table) -> str:
     )
 
 
-def told_of(rows: list[Row], scene: str) -> str:
-    """A scene in a line, once it is measured: the time to the smallest error that was met."""
+def line_of_scene(rows: list[Row], scene: str) -> str:
+    """Return the time and the errors at the smallest tolerance that a scene reached."""
     best = min(of(rows, scene, OURS), key=lambda row: (not row.met, row.setting))
-    return f"{scene}: {_time(best.seconds)} to tol {best.setting:.0e}, true error {_number(best.error)}, stated {_number(best.stated)}"
+    errors = f"true error {_number(best.error)}, stated {_number(best.stated)}"
+    return f"{scene}: {_time(best.seconds)} to tol {best.setting:.0e}, {errors}"
 
 
-def told_of_size(row: Scaled) -> str:
-    return f"{row.series}, {row.size}: {_time(row.seconds)}, {row.seconds / row.floor:.3g} times the floor"
+def line_of_size(row: Scaled) -> str:
+    """Return the time of one size of a series, and that over its floor."""
+    floors = f"{row.seconds / row.floor:.3g} times the floor"
+    return f"{row.series}, {row.size}: {_time(row.seconds)}, {floors}"
 
 
 def of(rows: Iterable[Row], scene: str, method: str) -> list[Row]:
+    """Return the rows of one method on one scene."""
     return [row for row in rows if row.scene == scene and row.method == method]
 
 
 def names(rows: Iterable[Row]) -> list[str]:
-    """Scenes in order."""
+    """Return the names of the scenes, in order."""
     return list(dict.fromkeys(row.scene for row in rows))
 
 
 def precision_table(rows: list[Row]) -> Table:
-    """Ours: time and errors at every other tolerance, the stated error beside the true one; all are
-    in the CSV.
-    """
+    """Time, true and stated error of the solver at every other tolerance."""
     out: list[tuple[str, ...]] = []
     for scene in names(rows):
         for row in of(rows, scene, OURS):
@@ -103,6 +109,7 @@ def precision_table(rows: list[Row]) -> Table:
 
 
 def hierarchy_table(rows: list[Row]) -> Table:
+    """Time and errors of the localized models."""
     chosen = [row for row in rows if row.method.startswith("localized")]
     out: list[tuple[str, ...]] = [
         (row.scene, row.method, _time(row.seconds), _number(row.error), _number(row.stated))
@@ -118,9 +125,7 @@ def peers_table(
     scenes: Sequence[str],
     targets: Sequence[float] = (1e-2, 1e-3, 1e-4),
 ) -> Table:
-    """Times to an error of the pressure at equal places that is kept from there on, and the ratio
-    to the faster peer, of the scenes that peers were asked for.
-    """
+    """Times to an error of p(x) that all finer runs keep, and the ratio to the faster peer."""
     out: list[tuple[str, ...]] = []
     for measure, label in (("at_x", "max"), ("mean_at_x", "mean")):
         for scene in scenes:
@@ -166,6 +171,7 @@ def _reach(rows: list[Row], seconds: float | None, measure: str) -> str:
 
 
 def scaling_table(rows: list[Scaled]) -> Table:
+    """Time and memory of every size of every series."""
     out: list[tuple[str, ...]] = [
         (
             row.series,
@@ -195,6 +201,7 @@ def scaling_table(rows: list[Scaled]) -> Table:
 
 
 def exponents_table(rows: list[Scaled]) -> Table:
+    """Fitted exponents of time and memory for every series."""
     out: list[tuple[str, ...]] = []
     for series in dict.fromkeys(row.series for row in rows):
         some = fitted([row for row in rows if row.series == series])
@@ -221,16 +228,17 @@ def exponents_table(rows: list[Scaled]) -> Table:
 
 
 def single_table(rows: list[Scaled], solves: float) -> Table:
-    """Single scenes against half a millisecond a zone, their floor, and 100 dense solves."""
+    """Times of single scenes against their limits."""
+    limits = SingleZoneLimits()
     out: list[tuple[str, ...]] = [
         (
             row.series,
             _time(row.seconds),
-            _time(row.zones * A_ZONE),
+            _time(row.zones * limits.seconds_per_zone),
             f"{row.seconds / row.floor:.3g}",
-            f"{FLOORS:g}",
+            f"{limits.floors:g}",
             f"{row.seconds / solves:.3f}",
-            f"{row.zones * OF_SOLVES:g}",
+            f"{row.zones * limits.dense_solves:g}",
             "yes" if within(row, solves) else "no",
         )
         for row in rows
@@ -249,13 +257,14 @@ def single_table(rows: list[Scaled], solves: float) -> Table:
 
 
 def within(row: Scaled, solves: float) -> bool:
-    """Whether a single scene takes no longer than it may."""
-    return row.seconds <= min(
-        row.zones * A_ZONE, row.zones * OF_SOLVES * solves, FLOORS * row.floor
-    )
+    """Whether a single scene stays within all limits."""
+    limits = SingleZoneLimits()
+    by_zones = row.zones * min(limits.seconds_per_zone, limits.dense_solves * solves)
+    return row.seconds <= min(by_zones, limits.floors * row.floor)
 
 
 def stability_table(verdicts: list[Verdict]) -> Table:
+    """Allowed, true and stated error of every extreme scene."""
     out: list[tuple[str, ...]] = [
         (
             v.group,

@@ -1,15 +1,15 @@
-"""The figures that were asked of the solver, beside those measured, and why where one is missed."""
+"""The figures that are required of the solver, compared with the measured ones."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from contact.model.units import quantity
 from contact.studies.bench.cases import Case
 from contact.studies.bench.peers import time_to
 from contact.studies.bench.precision import Row
-from contact.studies.bench.report import FLOORS, OF_SOLVES, OURS, Table, of, within
+from contact.studies.bench.report import OURS, SingleZoneLimits, Table, of, within
 from contact.studies.bench.scaling import Scaled
 
 _PYTHON = "the time is that of calls from Python, not arithmetic: see the floor"
@@ -17,7 +17,7 @@ _PYTHON = "the time is that of calls from Python, not arithmetic: see the floor"
 
 @dataclass(frozen=True)
 class Figure:
-    """What was asked, what was measured, whether that is enough, and why not."""
+    """A required figure, the measured one, whether it is met, and why not."""
 
     asked: str
     measured: str
@@ -32,6 +32,7 @@ def table(
     solves: float,
     peers: Sequence[str],
 ) -> Table:
+    """The table of all figures; those that compare with peers need their rows."""
     single = [case.name for case in cases if case.single]
     figures = [_millisecond(rows, single), _floor(floors, solves), *_estimates(rows)]
     if peers:
@@ -44,8 +45,9 @@ def table(
 
 
 def _hundredfold(rows: list[Row], single: Sequence[str], peers: Sequence[str]) -> Figure:
-    """Peer time over ours at an error of p(x) of 1e-4; a peer that does not reach it counts with
-    its longest run, from below.
+    """Peer time over ours at an error of p(x) of 1e-4.
+
+    A peer that does not reach the error counts with its longest run, as a lower bound.
     """
     found: list[tuple[float, str]] = []
     for scene in single:
@@ -76,14 +78,14 @@ _HUNDRED = (
 
 def _millisecond(rows: list[Row], single: Sequence[str]) -> Figure:
     times = {scene: time_to(of(rows, scene, OURS), 1e-3) for scene in single}
-    told = "; ".join(
+    measured = "; ".join(
         f"{scene}: {'not reached' if t is None else quantity(t, 's', 3)}"
         for scene, t in times.items()
     )
     met = all(t is not None and t <= 1e-3 for t in times.values())
     return Figure(
         "at an error of p(x) of 1e-3, never slower than a millisecond on a single zone",
-        told,
+        measured,
         met,
         _PYTHON,
     )
@@ -100,15 +102,15 @@ def _rough(rows: list[Row], peers: Sequence[str]) -> list[Figure]:
         ours = time_to(of(rows, scene, OURS), 1e-8, "error")
         theirs = [t for t in (time_to(of(rows, scene, p), 1e-3) for p in peers) if t is not None]
         longest = min(max((r.seconds for r in of(rows, scene, p)), default=0.0) for p in peers)
-        told = f"{'not reached' if ours is None else quantity(ours, 's', 3)} against "
-        told += (
+        measured = f"{'not reached' if ours is None else quantity(ours, 's', 3)} against "
+        measured += (
             quantity(min(theirs), "s", 3) if theirs else f"more than {quantity(longest, 's', 3)}"
         )
         met = ours is not None and ours < (min(theirs) if theirs else longest)
         out.append(
             Figure(
                 f"{scene}: 1e-8 in less than the faster peer's time to 1e-3",
-                told,
+                measured,
                 met,
                 "too many unknowns",
             )
@@ -117,40 +119,44 @@ def _rough(rows: list[Row], peers: Sequence[str]) -> list[Figure]:
 
 
 def _floor(floors: list[Scaled], solves: float) -> Figure:
-    told = "; ".join(
-        f"{row.series}: {quantity(row.seconds, 's', 3)}, {row.seconds / row.floor:.3g} floors, {row.seconds / solves:.2g}"
+    measured = "; ".join(
+        f"{row.series}: {quantity(row.seconds, 's', 3)}, "
+        f"{row.seconds / row.floor:.3g} floors, {row.seconds / solves:.2g}"
         for row in floors
     )
+    limits = SingleZoneLimits()
     asked = (
-        f"single scenes to 1e-12 within half a millisecond, {FLOORS:g} floors and {OF_SOLVES:g} of 100 dense solves of 33 unknowns, of two "
-        "zones within twice the first and the last"
+        f"single scenes to 1e-12 within half a millisecond, {limits.floors:g} floors and "
+        f"{limits.dense_solves:g} of 100 dense solves of 33 unknowns, of two zones within twice "
+        "the first and the last"
     )
-    return Figure(asked, told, all(within(row, solves) for row in floors), _PYTHON)
+    return Figure(asked, measured, all(within(row, solves) for row in floors), _PYTHON)
 
 
 def _estimates(rows: list[Row]) -> list[Figure]:
-    """Over every scene and tolerance: the true error at most the stated, the stated at most 100
-    max(true, 1e-13).
-    """
+    """The true error is at most the stated one, and that at most 100 max(true, 1e-13)."""
     mine = [
         (row.error, row.stated)
         for row in rows
         if row.method == OURS and row.error is not None and row.stated is not None
     ]
     below = sum(error <= stated for error, stated in mine)
-    near = sum(stated <= 100 * max(error, 1e-13) for error, stated in mine)
-    told: Callable[[int], str] = lambda count: f"{count} of {len(mine)} runs"  # noqa: E731
+    sharp = sum(stated <= 100 * max(error, 1e-13) for error, stated in mine)
+
+    def count_of(count: int) -> str:
+        return f"{count} of {len(mine)} runs"
+
     return [
         Figure(
             "the true error is at most the stated one",
-            told(below),
+            count_of(below),
             below == len(mine),
             "an estimate, not a bound",
         ),
         Figure(
             "the stated error is at most 100 times the true one (or 1e-13) in nine of ten",
-            told(near),
-            near >= 0.9 * len(mine),
+            count_of(sharp),
+            sharp >= 0.9 * len(mine),
             "the estimate errs on the safe side",
         ),
     ]

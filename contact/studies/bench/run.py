@@ -1,6 +1,4 @@
-"""The suites as the commands run them: measure, write CSV, tables and figures, and hand the tables
-back.
-"""
+"""The suites of the commands: they measure, write files, and return the tables."""
 
 from __future__ import annotations
 
@@ -28,36 +26,31 @@ from contact.studies.bench.scaling import Scaled
 
 
 class Progress(Protocol):
-    """Where it is told how far the measurements are, and what came of them so far."""
+    """Shows how far the measurements are and what they have found so far."""
 
     def __call__(self, stage: str, done: int, total: int | None) -> None: ...
     def say(self, line: str) -> None: ...
 
 
-# A run of a peer after which no finer grid is tried.
-LONGEST = 4.0
-LONGEST_QUICK = 0.5
-
-
 def bench(folder: Path, quick: bool, with_peers: bool, progress: Progress) -> list[Table]:
-    """Work and precision, peers, cost against size; files go to `folder`."""
+    """Measure work and precision, peers, and cost against size; files go to `folder`."""
     chosen: Sequence[peers.Peer] = peers.PEERS if with_peers else ()
     if with_peers:
         peers.require_both()
-    # Before anything: the source may be worked on while it is measured.
+    # The source may change while it is measured.
     made = machine.commit()
     rows: list[Row] = []
     cases = suite(quick)
     total = (
         len(cases)
         + sum(len(sizes) for _, sizes, _, _ in scaling.series(quick))
-        + len(scaling.SINGLE)
+        + len(scaling.single_scenes())
     )
     with unwarned():
         for k, case in enumerate(cases):
             progress("measured", k, total)
             rows += _case(case, quick, chosen)
-            progress.say(report.told_of(rows, case.name))
+            progress.say(report.line_of_scene(rows, case.name))
     tables = [report.precision_table(rows), report.hierarchy_table(rows)]
     if chosen:
         tables.append(
@@ -73,7 +66,7 @@ def bench(folder: Path, quick: bool, with_peers: bool, progress: Progress) -> li
         for row in measured:
             found.append(row)
             progress("measured", len(cases) + len(scaled) + len(single), total)
-            progress.say(report.told_of_size(row))
+            progress.say(report.line_of_size(row))
     solves = scaling.yardstick(0.2 if quick else 0.6)
     tables += [
         report.scaling_table(scaled),
@@ -94,21 +87,22 @@ def bench(folder: Path, quick: bool, with_peers: bool, progress: Progress) -> li
 
 
 def _case(case: Case, quick: bool, chosen: Sequence[peers.Peer]) -> list[Row]:
+    """All runs on one scene."""
     rows = list(precision.ours(case, quick))
     if case.localized:
         rows += precision.hierarchy(case, quick)
     for peer in chosen if _asks_peers(case) else ():
-        rows += peers.rows(peer, case, quick, LONGEST_QUICK if quick else LONGEST)
+        rows += peers.rows(peer, case, quick, longest=0.5 if quick else 4.0)
     return rows
 
 
 def _asks_peers(case: Case) -> bool:
-    """Of peers, frictionless contact alone is asked."""
+    """Whether the peers can solve the scene: they run on frictionless contact only."""
     return case.law.routes.gaps
 
 
 def extremes(folder: Path | None, quick: bool, progress: Progress) -> tuple[Table, int]:
-    """The matrix of stiff and extreme scenes, and how many fail for no known reason."""
+    """Run the extreme scenes; return their table and the number of unexplained failures."""
     made = machine.commit()
     verdicts = stability.run_matrix(quick, progress)
     table = report.stability_table(verdicts)
@@ -119,7 +113,7 @@ def extremes(folder: Path | None, quick: bool, progress: Progress) -> tuple[Tabl
 
 
 def _write(folder: Path, tables: list[Table], made: str) -> None:
-    """made: the commit they were made at."""
+    """Write tables in Markdown, with the commit that was measured."""
     for table in tables:
         (folder / f"{table.key}.md").write_text(
             report.markdown(table) + f"\nMade at {made}.\n", encoding="utf-8"

@@ -1,8 +1,8 @@
 """Time and memory against zones, nodes and harmonics, and against the floor.
 
-The floor is the least that a solver of this equation by direct sums can do: the profile once at the
-final nodes and the kernel applied to them once, every node acting on every other, as numpy does it.
-Fast sums go below it. Exponents are fitted to the larger sizes, all solved with the same machinery.
+The floor is the least work of any solver by direct sums: one evaluation of the profile at the final
+nodes, and one application of the kernel, every node on every other, in numpy. Fast sums go below
+it. Exponents are fitted to the larger sizes, which all use fast sums or all use a matrix.
 """
 
 from __future__ import annotations
@@ -21,16 +21,22 @@ from contact.model.scene import Scene
 from contact.solution.solution import Solution
 from contact.solver import solve
 from contact.studies.bench import clock
-from contact.studies.bench.cases import biquadratic, designed, parabola, rough_profile, wave, wedge
+from contact.studies.bench.cases import (
+    Case,
+    biquadratic,
+    designed,
+    parabola,
+    rough_profile,
+    wave,
+    wedge,
+)
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class Scaled:
-    """One size of one series. seconds and bytes of `solve`, floor in seconds, and what the solution
-    counts.
-    """
+    """One size of one series: time and memory of `solve`, the floor [s], and counts."""
 
     series: str
     size: int
@@ -45,9 +51,7 @@ class Scaled:
 
 
 def floor_seconds(solution: Solution) -> float:
-    """Processor time of one evaluation of the profile at the final nodes and one application of the
-    kernel to them.
-    """
+    """Processor time of the floor: one evaluation of the profile, one application of the kernel."""
     fields, profile = solution.fields, solution.scene.profile
     assert isinstance(fields, ZoneFields)
     zones = fields.density.zones
@@ -71,9 +75,7 @@ def floor_seconds(solution: Solution) -> float:
 
 
 def equal_waves(zones: int) -> Scene:
-    """n equal waves a period, in contact on a fifth of it: mean pressure p* sin^2(pi/10), p* = pi
-    E* n A / L.
-    """
+    """n equal waves a period, in contact on a fifth: p = p* sin^2(pi/10), p* = pi E* n A/L."""
     amplitude = 1e-3 / zones
     profile = Fourier(1.0, [0.0] * (zones - 1) + [-amplitude])
     return Scene(
@@ -85,9 +87,7 @@ def equal_waves(zones: int) -> Scene:
 
 
 def rippled(order: int) -> Scene:
-    """One zone under a wave with a ripple of a high order, weak enough not to open it: 0.1 of the
-    slope at most.
-    """
+    """One zone under a wave with a ripple of high order, too weak to open the zone."""
     cosine = np.zeros(order)
     cosine[0], cosine[-1] = -1e-3, -1e-5 / order
     return Scene(
@@ -99,18 +99,17 @@ def rippled(order: int) -> Scene:
 
 
 def rough_scene(harmonics: int) -> Scene:
+    """A self-affine profile at a fixed mean pressure."""
     return Scene(rough_profile(harmonics), 1.0, Periodic(), mean_pressure=0.002)
 
 
 def _designed(zones: int) -> Scene:
-    """Widths within a factor 3: among many more unlike zones there is one of next to no load, a
-    matter of stability.
-    """
+    """A designed scene with widths within a factor of 3, so that no zone is nearly unloaded."""
     return designed(zones, seed=2, spread=3.0).scene
 
 
 def series(quick: bool) -> list[tuple[str, list[int], Callable[[int], Scene], float]]:
-    """(name, sizes, scene of a size, tolerance)."""
+    """Return (name, sizes, scene of a size, tolerance) of every series."""
     return [
         (
             "zones, inverse design",
@@ -135,14 +134,14 @@ def series(quick: bool) -> list[tuple[str, list[int], Callable[[int], Scene], fl
 
 
 def measure(quick: bool) -> Iterator[Scaled]:
-    """Every series over its sizes."""
+    """Measure every size of every series."""
     for name, sizes, scene_of, tol in series(quick):
         for size in sizes:
             yield one(name, size, scene_of(size), tol, 0.2 if quick else 0.5)
 
 
 def yardstick(patience: float) -> float:
-    """Processor time of 100 solves of a dense system of 33 unknowns, as numpy does them."""
+    """Processor time of 100 dense solves of 33 unknowns by numpy."""
     rng = np.random.default_rng(0)
     matrix, right = rng.normal(size=(33, 33)), rng.normal(size=33)
 
@@ -153,20 +152,23 @@ def yardstick(patience: float) -> float:
     return clock.seconds(solves, patience, 200)
 
 
-SINGLE = (lambda: wave(0.4), lambda: wave(0.9), wedge, parabola, biquadratic)
+def single_scenes() -> list[Case]:
+    """Return the scenes of one zone, and one of two."""
+    return [wave(0.4), wave(0.9), wedge(), parabola(), biquadratic()]
 
 
 def floors(quick: bool) -> Iterator[Scaled]:
-    """Single scenes to 1e-12 against their floor."""
-    for case in (make() for make in SINGLE):
+    """Measure single scenes at 1e-12."""
+    for case in single_scenes():
         yield one(case.name, 1, case.scene, 1e-12, 0.2 if quick else 0.6)
 
 
 def one(name: str, size: int, scene: Scene, tol: float, patience: float) -> Scaled:
+    """Measure one scene; `patience` is the time [s] for repeated runs."""
     try:
         solution = solve(scene, tol)
     except NotConverged:
-        # What cannot be had to this tolerance is measured at the next one; the row says at which.
+        # A tolerance that is not reached is replaced by ten times it; the row says which it was.
         if tol > 1e-3:
             raise
         return one(name, size, scene, 10 * tol, patience)
@@ -186,8 +188,9 @@ def one(name: str, size: int, scene: Scene, tol: float, patience: float) -> Scal
 
 
 def fitted(rows: list[Scaled]) -> list[Scaled]:
-    """The rows of a series to fit an exponent to: the upper half of those with fast sums if the
-    largest has them, else of all; three at least, if there are so many.
+    """Return the rows to fit an exponent to: the upper half, at least three.
+
+    If the largest size uses fast sums, only rows with fast sums count.
     """
     same = [row for row in rows if row.fast == rows[-1].fast]
     same = same if len(same) >= 3 else rows

@@ -1,4 +1,4 @@
-"""Runs the matrix of stiff and extreme scenes: the error reached against what the condition allows."""
+"""Runs the stiff and extreme scenes: the error reached against what the condition allows."""
 
 from __future__ import annotations
 
@@ -18,19 +18,15 @@ from contact.studies.bench import clock, truth
 from contact.studies.bench.extremes import Extreme, matrix
 from contact.studies.bench.truth import Exact
 
-# Tolerances are asked for from the first to the second of these.
-FINEST = 1e-13
-COARSEST = 1e-2
-# A solve that takes longer is given up [s].
-PATIENCE = 60.0
-
 
 @dataclass(frozen=True)
 class Verdict:
-    """One case. error, stated: of the stated measure; outcome: "pass"; "undecided", where two
-    topologies are the same answer to what is allowed and the certificate says so; "not judged",
-    where the truth is not known so well, or not within the time; "known" (fails, and why is known);
-    "FAIL".
+    """The result of one case.
+
+    `error` and `stated` are true and stated error. `outcome` is "pass"; "undecided" if two
+    topologies are the same answer within the allowed error, as the certificate says; "not judged"
+    if the reference solution is not accurate enough or takes too long; "known" for a failure whose
+    reason is known; or "FAIL".
     """
 
     group: str
@@ -46,14 +42,15 @@ class Verdict:
 
 
 def attempt(scene: Scene, allowed: float, patience: float) -> tuple[Solution | None, str, float]:
-    """(best solution, what went wrong, processor time of the last solve): asked for a tenth of what
-    is allowed, so that the tolerance is not what limits the error, and where that is refused for
-    just that.
+    """Return the best solution, what went wrong, and the processor time of the last solve.
+
+    The tolerance is a tenth of the allowed error, so that it does not limit the error. If that is
+    not reached, the tolerance is the allowed error.
     """
     best: Solution | None = None
     note = ""
     start = time.process_time()
-    for tol in (min(max(0.1 * allowed, FINEST), COARSEST), min(allowed, COARSEST)):
+    for tol in (float(np.clip(0.1 * allowed, 1e-13, 1e-2)), min(allowed, 1e-2)):
         start = time.process_time()
         try:
             return (
@@ -66,16 +63,17 @@ def attempt(scene: Scene, allowed: float, patience: float) -> tuple[Solution | N
             if failure.best is not None and (best is None or failure.best.error < best.error):
                 best = failure.best
             if best is None or not np.isfinite(best.error):
-                break  # it was not the tolerance
+                break  # a larger tolerance would not help
         except (ContactError, clock.TooLong) as failure:
             note = _short(failure)
             break
     return best, note, time.process_time() - start
 
 
-def run(case: Extreme, patience: float = PATIENCE) -> Verdict:
-    """Solve to what is allowed, and compare: the true error at most the allowed one and at most the
-    stated one.
+def run(case: Extreme, patience: float = 60.0) -> Verdict:
+    """Solve a case: it passes if the true error is at most the allowed and the stated one.
+
+    A solve that takes longer than `patience` [s] is given up.
     """
     try:
         scene, exact = clock.limited(case.make, patience)
@@ -87,7 +85,7 @@ def run(case: Extreme, patience: float = PATIENCE) -> Verdict:
     outcome = "FAIL"
     if found is not None:
         error, stated = truth.stated_measure(found, exact), found.error
-        # Another formulation is no better than it states itself.
+        # A reference by another formulation has an error of its own.
         known_to = getattr(exact, "error", 0.0)
         if error <= case.allowed and error <= stated + known_to < np.inf:
             outcome = "pass"
@@ -123,14 +121,12 @@ def _verdict(
 
 
 def _other_topology(found: Solution, exact: Exact) -> tuple[float, str]:
-    """Largest difference of the pressures at equal places, over the peak, and that in words."""
+    """The largest difference of the pressures at equal x over the peak, and a message."""
     x = truth.comb(exact)
     apart = truth.at_places(x, found.pressure(x), exact)[0]
     word = ", undecided" if found.certificate.undecided else ""
-    return (
-        apart,
-        f"{len(found.zones)} of {len(exact.zones)} zones{word}; pressures at equal places differ by {apart:.1e}",
-    )
+    zones = f"{len(found.zones)} of {len(exact.zones)} zones{word}"
+    return apart, f"{zones}; pressures at equal places differ by {apart:.1e}"
 
 
 def _short(error: Exception) -> str:
@@ -140,14 +136,14 @@ def _short(error: Exception) -> str:
 def run_matrix(
     quick: bool, progress: Callable[[str, int, int | None], None] | None = None
 ) -> list[Verdict]:
-    """Every case of the matrix."""
+    """Run every case."""
     cases = matrix(quick)
     out = []
     for k, case in enumerate(cases):
         if progress is not None:
             progress("scenes", k, len(cases))
         with warnings.catch_warnings():
-            # Scenes in units of their own, E* and a length one: their slopes are no surface's.
+            # Scenes with E* = 1 and a length of 1 may have slopes that no real surface has.
             warnings.simplefilter("ignore", ModelWarning)
             out.append(run(case))
     return out

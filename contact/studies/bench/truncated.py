@@ -1,11 +1,10 @@
-"""A wedge with a flat top, f = s max(|x| - d, 0), on a lone body: two corners 2d apart, in closed
-form.
+"""Closed form of an isolated wedge with a flat top, f = s max(|x| - d, 0): corners 2d apart.
 
-The superposition of flat punches (see contact.reference.exact.base) with P(a) = E* s sqrt(a^2 -
+By the superposition of flat punches (contact.reference.exact.base), with P(a) = E* s sqrt(a^2 -
 d^2), a > d:
 
-    p(x) = (1/pi) int_max(|x|, d)^a P'(s) ds / sqrt(s^2 - x^2) = (E* s/pi) ln[(sqrt(a^2 - d^2) +
-    sqrt(a^2 - x^2)) / sqrt|x^2 - d^2|]
+    p(x) = (1/pi) int_max(|x|, d)^a P'(s) ds / sqrt(s^2 - x^2)
+         = (E* s/pi) ln[(sqrt(a^2 - d^2) + sqrt(a^2 - x^2)) / sqrt|x^2 - d^2|]
 
 (derived here; d -> 0 gives the wedge's arcosh(a/|x|)).
 """
@@ -26,7 +25,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class TruncatedWedge(Profile):
-    """f = s max(|x| - d, 0), its corners declared."""
+    """f = s max(|x| - d, 0), with declared corners."""
 
     steepness: float
     half_top: float

@@ -1,9 +1,9 @@
-"""True errors: a solution against an exact one, or against one of another formulation.
+"""True errors: a solution against an exact one, or against one by another formulation.
 
-Two measures, both relative to the peak pressure (to the mean contact pressure where the peak is
-infinite). `stated_measure` is what `Solution.error` bounds: pressures at equal normalised position,
-ends over widths. `at_places` is what a grid can be judged by: pressures at the same x. Pressure
-leaves an end as a square root, so there an end off by d is an error ~ sqrt(d).
+Both measures are relative to the peak pressure, or to the mean contact pressure if the peak is
+infinite. `stated_measure` is what `Solution.error` bounds: pressures at equal normalised position,
+and ends over widths. `at_places` compares pressures at the same x, as grids need it. Pressure grows
+from an end as a square root, so that an end wrong by d makes an error of order sqrt(d) there.
 """
 
 from __future__ import annotations
@@ -15,16 +15,12 @@ from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
 
-# Normalised positions: close at the ends, and none at a tip in the middle, where a wedge's pressure
-# is infinite.
+# Normalised positions, dense near the ends; none in the middle, where wedges have p = inf.
 POSITIONS = np.cos((np.arange(24) + 0.5) * np.pi / 24)
-# Near a tip with infinite pressure a grid is not compared, within this part of the zone's half
-# width.
-TIP = 0.01
 
 
 class Exact(Protocol):
-    """What is compared of either side."""
+    """What both solutions of a comparison must have."""
 
     @property
     def zones(self) -> Array: ...
@@ -37,15 +33,16 @@ class Exact(Protocol):
 
 
 def scale(exact: Exact) -> float:
-    """Peak pressure, or the mean contact pressure where that is infinite."""
+    """Return the peak pressure, or the mean contact pressure if the peak is infinite."""
     if np.isfinite(exact.max_pressure):
         return float(exact.max_pressure)
     return float(exact.load / np.sum(np.diff(exact.zones, axis=1)))
 
 
 def stated_measure(found: Exact, exact: Exact) -> float:
-    """Largest of the pressure's error at equal normalised positions and of the ends' errors over
-    widths; inf where the number of zones differs.
+    """Return the larger error of pressures at equal normalised positions and of ends over widths.
+
+    It is inf if the number of zones differs.
     """
     if len(found.zones) != len(exact.zones):
         return float("inf")
@@ -59,20 +56,21 @@ def stated_measure(found: Exact, exact: Exact) -> float:
 
 
 def at_places(x: Array, pressure: Array, exact: Exact) -> tuple[float, float]:
-    """(largest, mean) error of pressures at positions x; a tip of infinite pressure is left out."""
+    """Return the largest and the mean error of pressures at positions x.
+
+    The middle hundredth of a zone is left out if its pressure is infinite.
+    """
     true = np.asarray(exact.pressure(x))
     keep = np.isfinite(true)
     if not np.isfinite(exact.max_pressure):
         half = 0.5 * float(np.min(np.diff(exact.zones, axis=1)))
-        keep &= np.min(np.abs(x[:, None] - np.mean(exact.zones, axis=1)), axis=1) > TIP * half
+        keep &= np.min(np.abs(x[:, None] - np.mean(exact.zones, axis=1)), axis=1) > 0.01 * half
     apart = np.abs(pressure[keep] - true[keep]) / scale(exact)
     return float(apart.max()), float(apart.mean())
 
 
 def comb(exact: Exact, points: int = 2048) -> Array:
-    """Places at which a solution of ours is compared as a grid is: an even grid over the hull of
-    the zones, and places close to every end.
-    """
+    """Return positions for `at_places`: an even grid, and points close to every end."""
     zones = np.asarray(exact.zones)
     low, high = zones[0, 0], zones[-1, 1]
     margin = 0.1 * (high - low)

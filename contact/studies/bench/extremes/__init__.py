@@ -1,4 +1,4 @@
-"""Stiff and extreme scenes, each with its exact answer and what rounding of its data allows."""
+"""Stiff and extreme scenes, each with its exact solution and the error that round-off allows."""
 
 from __future__ import annotations
 
@@ -31,5 +31,5 @@ GROUPS: tuple[Callable[[], Iterator[Extreme]], ...] = (
 
 
 def matrix(quick: bool) -> list[Extreme]:
-    """All cases, or those that take no more than about a second."""
+    """Return all cases, or those that take no more than about a second."""
     return [case for group in GROUPS for case in group() if not (quick and case.heavy)]

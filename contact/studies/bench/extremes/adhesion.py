@@ -1,6 +1,4 @@
-"""Adhesion: loads next to pull-off and to the jump into full contact, works from next to nothing to
-what closes a wave.
-"""
+"""Adhesion: loads close to pull-off and to the jump into full contact, and all works."""
 
 from __future__ import annotations
 
@@ -23,19 +21,16 @@ from contact.studies.bench.truth import Exact
 Curve = JKRWave | JKRCylinder | DugdaleWave | DugdaleCylinder
 
 _WHY = "of the closed form, by a difference"
-_AMPLITUDE = 0.01
-_WORK = 1e-5
-# Loads from which a condition is found lie so much closer than the next turning point of the load.
-_NEARER = 1e-3
 
 
 def jkr() -> Iterator[Extreme]:
-    """Johnson's wave and Barquins's cylinder, under a load. At a turning point of the load ends
-    move as its square root.
+    """Johnson's wave and Barquins's cylinder at a load.
+
+    At a turning point the ends move as the square root of the load's distance from it.
     """
     group = "JKR"
     for part in (1e-2, 1e-4, 1e-6):
-        for name, curve in (("wave", _wave(_WORK)), ("cylinder", JKRCylinder(1.0, 1.0, 1e-6))):
+        for name, curve in (("wave", _wave()), ("cylinder", JKRCylinder(1.0, 1.0, 1e-6))):
             load = (1 - part) * curve.pull_off().load
             yield Extreme(
                 group,
@@ -44,12 +39,12 @@ def jkr() -> Iterator[Extreme]:
                 _condition(curve, load, part),
                 _WHY,
             )
-        jump = (1 - part) * _wave(_WORK).jump_into_full_contact.load
+        jump = (1 - part) * _wave().jump_into_full_contact.load
         yield Extreme(
             group,
             f"wave, {part:g} from the jump into full contact",
-            partial(_scene, _wave(_WORK), jump),
-            _condition(_wave(_WORK), jump, part),
+            partial(_scene, _wave(), jump),
+            _condition(_wave(), jump, part),
             _WHY,
         )
     for work in (1e-16, 1e-12, 1e-8, 1e-4):
@@ -64,16 +59,14 @@ def jkr() -> Iterator[Extreme]:
 
 
 def dugdale() -> Iterator[Extreme]:
-    """Maugis's parameter from a tension far beyond the contact to one beside its very ends, under a
-    load, and loads next to pull-off.
-    """
+    """Tensions of long and of short range at a load, and loads close to pull-off."""
     group = "Dugdale"
     for ratio in (1e-2, 1e-1, 1.0, 10.0, 100.0):
-        # Tension over what closes a cylinder of this radius: (w E*^2/(pi R))^(1/3).
+        # The ratio is relative to (w E*^2/(pi R))^(1/3), where Maugis's parameter is of order 1.
         cylinder = DugdaleCylinder(1.0, 1.0, 1e-6, ratio * (1e-6 / pi) ** (1 / 3))
-        wave = DugdaleWave(
-            _AMPLITUDE, 1.0, 1.0, _WORK, ratio * (_WORK / pi) ** (1 / 3) * _AMPLITUDE ** (1 / 3)
-        )
+        plain = _wave()
+        stress = ratio * (plain.work * plain.amplitude / pi) ** (1 / 3)
+        wave = DugdaleWave(plain.amplitude, 1.0, 1.0, plain.work, stress)
         for name, curve, load in (("cylinder", cylinder, 1e-5), ("wave", wave, 1e-3)):
             yield _under_tension(group, f"{name}, tension {ratio:g}", curve, load, 1.0)
             for part in (1e-2, 1e-4, 1e-6) if ratio == 1.0 else (1e-6,):
@@ -87,8 +80,8 @@ def _under_tension(
     group: str, name: str, curve: DugdaleCylinder | DugdaleWave, load: float, part: float
 ) -> Extreme:
     here, by_load = curve.at_load(load), _condition(curve, load, part)
-    # Ends rounded by 1e-16 of the zone, over the interval in which the pressure falls to the
-    # tension: so is the reach there, and what that does to the ends.
+    # Round-off of the ends is relative to the zone, but the pressure varies over the narrow strip.
+    # The gap at the end of the strip, w/s, has that error too.
     narrow = (
         here.half_width
         / (here.cohesive_end - here.half_width)
@@ -105,8 +98,9 @@ def _under_tension(
     )
 
 
-def _wave(work: float) -> JKRWave:
-    return JKRWave(_AMPLITUDE, 1.0, 1.0, work)
+def _wave(work: float = 1e-5, amplitude: float = 0.01) -> JKRWave:
+    """Johnson's wave of period 1 and E* = 1."""
+    return JKRWave(amplitude, 1.0, 1.0, work)
 
 
 def _scene(curve: Curve, load: float) -> tuple[Scene, Exact]:
@@ -116,17 +110,18 @@ def _scene(curve: Curve, load: float) -> tuple[Scene, Exact]:
         else JKR(curve.work)
     )
     if isinstance(curve, JKRWave | DugdaleWave):
-        return Scene(Sinusoid(_AMPLITUDE, 1.0), 1.0, Periodic(), law=law, load=load), curve.at_load(
-            load
-        )
-    return Scene(Parabola(1.0), 1.0, Isolated(), law=law, load=load), curve.at_load(load)
+        scene = Scene(Sinusoid(curve.amplitude, 1.0), 1.0, Periodic(), law=law, load=load)
+    else:
+        scene = Scene(Parabola(1.0), 1.0, Isolated(), law=law, load=load)
+    return scene, curve.at_load(load)
 
 
 def _condition(curve: Curve, load: float, part: float, by: str = "load") -> float:
-    """By how much the stated measure changes for a relative change of the load, or of another datum
-    of the curve.
+    """Change of the result per relative change of the load, or of another datum of the curve.
+
+    It is a difference quotient whose step is much smaller than the distance to a turning point.
     """
-    change = _NEARER * part
+    change = 1e-3 * part
     other = curve if by == "load" else replace(curve, **{by: getattr(curve, by) * (1 + change)})
     here, there = curve.at_load(load), other.at_load(load * (1 - change) if by == "load" else load)
     zones = np.asarray(here.zones)

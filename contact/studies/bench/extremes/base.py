@@ -1,28 +1,25 @@
-"""What a stiff or extreme case is: a scene, its truth, and what rounding of its data allows."""
+"""`Extreme`: a scene, its exact solution, and the error that round-off of its data allows."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from contact.model.scene import Scene
 from contact.studies.bench.truth import Exact
-
-# What is allowed of a well-conditioned scene: the solver states no error below some 5e-14.
-FLOOR = 1e-13
-ROUNDINGS = 100
-EPS = 2.2e-16
 
 
 @dataclass(frozen=True, eq=False)
 class Extreme:
-    """One case.
+    """One extreme scene.
 
-    condition: by how much the stated measure (pressure over the peak, ends over widths) changes, at
-    most, for a relative change of the load, or of the slopes over the steepest; known in closed
-    form or bounded, as `why` says. What is allowed is 100 roundings times that. hair: the narrowest
-    gap over its zone; where it is less than what is allowed, two topologies are the same answer.
-    heavy: takes more than about a second. known: why it is known to fail, if it is.
+    `condition` bounds the change of the result (pressure over the peak, ends over widths) per
+    relative change of the load, or of the slopes over the steepest one; `why` says how it is known.
+    The allowed error is 100 round-offs times the condition. `hair` is the narrowest gap over its
+    zone: if the allowed error is larger, two topologies are the same answer. `heavy` scenes take
+    more than about a second. `known` is the reason of a known failure.
     """
 
     group: str
@@ -36,9 +33,10 @@ class Extreme:
 
     @property
     def allowed(self) -> float:
-        return max(FLOOR, ROUNDINGS * EPS * self.condition)
+        """The allowed error, at least 1e-13: the solver states none below some 5e-14."""
+        return max(1e-13, 100 * float(np.finfo(float).eps) * self.condition)
 
     @property
     def decidable(self) -> bool:
-        """Whether rounded data tell its topology from the next one."""
+        """Whether rounded data determine the topology."""
         return self.allowed < self.hair

@@ -20,9 +20,7 @@ from contact.studies.bench.truth import Exact
 
 
 def equal_zones() -> Iterator[Extreme]:
-    """n waves a period, each in contact on 2 % of its length. Shifted, the scene has no mirror that
-    the solver could use.
-    """
+    """n waves a period, each in contact on 2 %; a shift removes the mirror symmetry."""
     why = "positions are rounded to eps L, zones are L/50n wide"
     for count, shift in ((101, 0.0), (1001, 0.0), (1000, 0.3)):
         yield Extreme(
@@ -50,6 +48,7 @@ def _equal(zones: int, shift: float) -> tuple[Scene, Exact]:
 
 
 def noisy() -> Iterator[Extreme]:
+    """Samples of a parabola and of a rough profile, with noise."""
     group = "measured with noise"
     for samples, noise in ((2_001, 1e-8), (10_001, 1e-9), (100_001, 1e-9)):
         yield Extreme(
@@ -72,9 +71,7 @@ def noisy() -> Iterator[Extreme]:
 
 
 def _parabola(samples: int, noise: float) -> tuple[Scene, Exact]:
-    """f = x^2/2 with the same white noise on both sides; the contact takes four tenths of the
-    trace.
-    """
+    """f = x^2/2 with symmetric white noise, in contact on four tenths of the trace."""
     rng = np.random.default_rng(5)
     x = np.linspace(-1.0, 1.0, samples)
     x = 0.5 * (x - x[::-1])

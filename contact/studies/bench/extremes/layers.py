@@ -1,14 +1,14 @@
-"""Layers from as thick as a half-plane to far thinner than the zone.
+"""Elastic layers, from very thick to much thinner than the zone.
 
 The kernel (pi/2h) coth(pi r/2h), of symbol coth(q h), has a closed form on one zone. With v = pi
 x/2h and the end at v = V, (1/2h) PV int p coth(pi (x - xi)/2h) dxi = sinh(2v)/2 for p = cosh(v)
 sqrt(sinh^2 V - sinh^2 v) (map sinh v to an interval), so the profile is f = (h/pi E*) cosh(2v) and
 the load h sinh^2 V.
 
-An elastic layer is met by design: the half ellipse p = E* sqrt(1 - x^2)/2 on (-1, 1), whose cosine
-transform is pi E* J1(q)/2q, is the pressure below f' = x + int_0^inf (L(q) - 1) J1(q) sin(q x)/q
-dq. Half-planes need the first term; as L - 1 falls like exp(-2qh), the second is smooth, and what
-the surface lies below f beyond the ends is int sqrt(x^2 - 1), as without a layer.
+For an elastic layer the profile is designed. The half ellipse p = E* sqrt(1 - x^2)/2 on (-1, 1), of
+cosine transform pi E* J1(q)/2q, is the pressure under the profile with f' = x + int_0^inf (L(q) -
+1) J1(q) sin(q x)/q dq. The first term is that of a half-plane. As L - 1 falls like exp(-2qh), the
+second term is smooth, and the gap outside is int sqrt(x^2 - 1), as without a layer.
 """
 
 from __future__ import annotations
@@ -31,11 +31,12 @@ from contact.studies.bench.truth import Exact
 
 Array = NDArray[np.float64]
 
-# Base, Poisson's ratio, half width over thickness.
+# Base of the layer, Poisson's ratio, half width of the zone over thickness.
 ELASTIC = (
     ("smooth", 0.3, 0.01), ("smooth", 0.3, 1.0), ("smooth", 0.3, 10.0), ("smooth", 0.3, 100.0),
-    ("bonded", 0.0, 0.1), ("bonded", 0.3, 1.0), ("bonded", 0.3, 30.0), ("bonded", 0.3, 100.0), ("bonded", 0.49, 100.0),
-    ("bonded", 0.5, 1.0), ("bonded", 0.5, 10.0), ("bonded", 0.5, 30.0), ("bonded", 0.5, 100.0),
+    ("bonded", 0.0, 0.1), ("bonded", 0.3, 1.0), ("bonded", 0.3, 30.0), ("bonded", 0.3, 100.0),
+    ("bonded", 0.49, 100.0), ("bonded", 0.5, 1.0), ("bonded", 0.5, 10.0), ("bonded", 0.5, 30.0),
+    ("bonded", 0.5, 100.0),
 )  # fmt: skip
 
 
@@ -87,7 +88,7 @@ class CothZone(SymmetricZone):
 
     def _pressure(self, r: Array, d: Array) -> Array:
         unit = 0.5 * np.pi / self.h
-        # sinh^2 V - sinh^2 v without its cancellation beside an end.
+        # sinh^2 V - sinh^2 v = sinh(V - v) sinh(V + v), which does not cancel near an end.
         return np.asarray(
             np.cosh(unit * r) * np.sqrt(np.sinh(unit * d) * np.sinh(unit * (self.half_width + r)))
         )
@@ -100,14 +101,12 @@ class UnderEllipse(Profile):
     layer: Layer
     symmetric = True
     name = "under an ellipse"
-    # The quadrature resolves sin(q x) up to here.
+    # The quadrature resolves sin(q x) for these x.
     extent = (-3.0, 3.0)
 
     @cached_property
     def _waves(self) -> tuple[Array, Array]:
-        """q, and (L - 1) J1/q times the weights of a quadrature: exp(-2 q h) is rounded away at the
-        last q.
-        """
+        """Nodes q, up to exp(-2 q h) below round-off, and (L - 1) J1/q times the weights."""
         last = 22 / self.layer.thickness
         nodes, weights = np.polynomial.legendre.leggauss(16)
         half = 0.5 * last / np.ceil(last / min(2.0, 0.5 / self.layer.thickness))
@@ -127,7 +126,7 @@ class UnderEllipse(Profile):
         return self._summed(lambda x: x + np.sin(np.outer(x, q)) @ weights, x)
 
     def _summed(self, function: Callable[[Array], Array], x: ArrayLike) -> Array:
-        """A few places at a time, for the memory's sake."""
+        """A sum over all waves, for some positions at a time to save memory."""
         x = np.asarray(x, dtype=np.float64)
         parts = np.array_split(x.ravel(), 1 + x.size * len(self._waves[0]) // 2_000_000)
         return np.concatenate([function(part) for part in parts]).reshape(x.shape)
@@ -135,7 +134,7 @@ class UnderEllipse(Profile):
 
 @dataclass(frozen=True)
 class Ellipse(SymmetricZone):
-    """Its pressure."""
+    """The half ellipse of pressure."""
 
     load = 0.25 * np.pi  # type: ignore[assignment]
     max_pressure = 0.5  # type: ignore[assignment]
@@ -147,8 +146,10 @@ class Ellipse(SymmetricZone):
 
 
 def layers() -> Iterator[Extreme]:
-    """d ln(load)/d ln(a) = 2V coth V at least 2: a is no worse determined than of a half-plane. The
-    profile is as steep as sinh(2V) tells: at 30 thicknesses by 1e40, which no heights hold.
+    """Layers with the kernel coth, and elastic layers.
+
+    For coth, d ln(load)/d ln(a) = 2V coth V is at least 2. The profile's steepness is sinh(2V): at
+    30 thicknesses 1e40, more than heights in double precision can represent.
     """
     for ratio in (0.01, 0.1, 1.0, 3.0, 10.0):
         yield Extreme(
@@ -160,8 +161,8 @@ def layers() -> Iterator[Extreme]:
         )
     for base, nu, ratio in ELASTIC:
         layer = Layer(1 / ratio, nu, base)
-        # Slopes are sums of terms of size one, and of the waves that the zone holds the longest are
-        # divided by the least L.
+        # Slopes are sums of terms of order one; the longest waves in the zone are divided by the
+        # smallest L.
         condition = max(1.0, 1 / float(layer.symbol(np.ones(1))[0]))
         name = f"{base}, nu = {nu:g}, half width {ratio:g} thicknesses"
         yield Extreme(

@@ -1,4 +1,4 @@
-"""Contact from next to nothing to next to everything, and loads next to a merge or to full contact."""
+"""Very small and nearly full contact, and loads close to a merge or to full contact."""
 
 from __future__ import annotations
 
@@ -24,9 +24,11 @@ from contact.studies.bench.truth import Exact
 
 
 def fractions() -> Iterator[Extreme]:
-    """Westergaard: p/p* = sin^2 A, A = pi a/L, so d ln a / d ln p = tan(A)/2A. A row of wedges, p ~
-    artanh(sin A), or of parabolas, p ~ -ln cos A, fills its valleys, which are kinks, exponentially
-    late: there the derivative is below one.
+    """Contact fractions near 0 and near 1.
+
+    Westergaard's wave: p/p* = sin^2 A, A = pi a/L, so d ln a/d ln p = tan(A)/2A. The valleys of
+    periodic wedges, p ~ artanh(sin A), and of parabolas, p ~ -ln cos A, are kinks and close
+    exponentially late: the derivative is below one.
     """
     group = "contact of the period"
     for rest in (1e-6, 1e-3, 0.1):
@@ -35,8 +37,7 @@ def fractions() -> Iterator[Extreme]:
             group, f"wave, {rest:g}", partial(wave, rest), tan(angle) / (2 * angle), "tan(A)/2A"
         )
     for rest in (0.5, 1e-2, 1e-3, 1e-4, 1e-6):
-        # The exact half width comes from the same rounded load: the load, not the fraction, is the
-        # datum.
+        # The datum is the rounded load, so the exact half width is computed from it.
         angle = 0.5 * pi * (1 - rest)
         yield Extreme(
             group,
@@ -65,6 +66,7 @@ def fractions() -> Iterator[Extreme]:
 def wave(
     fraction: float, E_star: float = 1.0, period: float = 1.0, amplitude: float = 1e-2
 ) -> tuple[Scene, Exact]:
+    """Westergaard's wave at a contact fraction."""
     exact = Westergaard.from_contact_fraction(
         fraction, amplitude=amplitude, period=period, E_star=E_star
     )
@@ -74,21 +76,16 @@ def wave(
 
 
 def near_full(below: float) -> tuple[Scene, Exact]:
-    """The wave at the representable mean pressure p* (1 - below); its exact zone from what the
-    rounded pressure lacks.
-    """
-    amplitude = 1 / pi  # p* = E* pi A / L = 1 but for the rounding of pi
+    """The wave at the rounded mean pressure p* (1 - below), with the zone of that pressure."""
+    amplitude = 1 / pi  # p* = E* pi A / L = 1, up to the round-off of pi
     pressure = 1.0 - below
-    lack = _rounded_lack(amplitude, pressure)
-    half = 0.5 - np.arcsin(sqrt(lack)) / pi
+    half = 0.5 - np.arcsin(sqrt(_deficit(amplitude, pressure))) / pi
     exact = Westergaard(amplitude=amplitude, period=1.0, E_star=1.0, half_width=float(half))
     return Scene(Sinusoid(amplitude, 1.0), 1.0, Periodic(), mean_pressure=pressure), exact
 
 
-def _rounded_lack(amplitude: float, pressure: float) -> float:
-    """(p* - p) / p* of the doubles that are given, with pi to twice the digits: pi = math.pi +
-    1.2246e-16.
-    """
+def _deficit(amplitude: float, pressure: float) -> float:
+    """(p* - p)/p* of these doubles, with pi in extended precision."""
     high = np.longdouble(pi) + np.longdouble(1.2246467991473532e-16)
     full = high * np.longdouble(amplitude)
     return float((full - np.longdouble(pressure)) / full)
@@ -105,6 +102,7 @@ def _row_of_parabolas(fraction: float) -> tuple[Scene, Exact]:
 
 
 def loads_near_full() -> Iterator[Extreme]:
+    """Mean pressures just below that of full contact."""
     group = "load below full contact by"
     for part in (1e-6, 1e-9, 1e-12):
         yield Extreme(
@@ -125,7 +123,7 @@ def loads_near_full() -> Iterator[Extreme]:
 
 
 def _series_near_full(part: float) -> tuple[Scene, Exact]:
-    """Six harmonics, one gap."""
+    """Six random harmonics with one gap left."""
     rng = np.random.default_rng(1)
     profile = Fourier(1.0, 1e-3 * rng.normal(size=6), 1e-3 * rng.normal(size=6))
     full = solve(Scene(profile, 1.0, Periodic(), contact_fraction=1.0)).mean_pressure
@@ -135,13 +133,15 @@ def _series_near_full(part: float) -> tuple[Scene, Exact]:
 
 
 def merges() -> Iterator[Extreme]:
-    """The gap between the zones is g ~ sqrt(part) and its own square follows the load: d(g/w) = eps
-    w/g. Past the merge all is smooth in the load.
+    """Loads close to the merging load of two tips.
+
+    Below it the gap g ~ sqrt(part) between the zones of width w has d(g/w) = eps w/g. Above it the
+    solution is smooth in the load.
     """
-    near = ("load below a merge by", "load above a merge by")
+    groups = ("load below a merge by", "load above a merge by")
     for part in (1e-3, 1e-6, 1e-9, 1e-12):
         yield Extreme(
-            near[0],
+            groups[0],
             f"{part:g} of it",
             partial(_biquadratic, 1 - part),
             1 / sqrt(part),
@@ -150,12 +150,12 @@ def merges() -> Iterator[Extreme]:
         )
     for part in (1e-3, 1e-6, 1e-9, 1e-12):
         yield Extreme(
-            near[1], f"{part:g} of it", partial(_biquadratic, 1 + part), 1.0, "smooth in the load"
+            groups[1], f"{part:g} of it", partial(_biquadratic, 1 + part), 1.0, "smooth in the load"
         )
 
 
 def _biquadratic(share: float) -> tuple[Scene, Exact]:
-    """The isolated biquadratic at a part of the load at which its zones meet."""
+    """The isolated biquadratic at a fraction of its merging load."""
     merging = IsolatedBiquadratic(radius=1.0, spacing=2.0, E_star=1.0, load=1.0).merging_load
     exact = IsolatedBiquadratic(radius=1.0, spacing=2.0, E_star=1.0, load=share * merging)
     return Scene(Biquadratic(1.0, 2.0), 1.0, Isolated(), load=exact.load), exact

@@ -1,4 +1,4 @@
-"""Zones next to each other, and zones and heights of very different scale."""
+"""Narrow gaps between zones, and zones and heights of very different scale."""
 
 from __future__ import annotations
 
@@ -19,14 +19,17 @@ from contact.studies.bench.truth import Exact
 def designed(
     zones: list[list[float]], period: float | None, load: float = 0.05
 ) -> tuple[Scene, DesignedContact]:
+    """The inverse-designed contact of given zones."""
     exact = design(zones, 1.0, load, period)
     return Scene(exact.profile, 1.0, Isolated() if period is None else Periodic(), load=load), exact
 
 
 def gaps() -> Iterator[Extreme]:
-    """Between zones of width w a gap g lowers the pressure there by ~ (g/w)^2 of the peak. Slopes
-    known to eps change the pressure by eps, so that d(g^2/w^2) = eps: an end moves by eps w/g of
-    the width. Below g/w = sqrt(eps) merged and split are one answer.
+    """Narrow gaps between zones.
+
+    A gap g between zones of width w lowers the pressure by about (g/w)^2 of the peak. Slopes with
+    an error eps change the pressure by eps, so that d(g^2/w^2) = eps: an end moves by eps w/g of
+    the width. Below g/w = sqrt(eps), one zone and two zones are the same answer.
     """
     group, why = "gap between zones", "w/g"
     for gap in (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7):
@@ -39,9 +42,8 @@ def gaps() -> Iterator[Extreme]:
                 why,
                 hair=gap,
             )
-    # Between two such gaps r apart the pressure is ~ (x (r - x))^2: at a gap it takes d(g^2) r^2 =
-    # eps to close it, and an end off by eps/(g r^2) is off by 1/r times that of the zone of width
-    # r.
+    # Between two such gaps a distance r apart the pressure is about (x (r - x))^2. A gap then has
+    # d(g^2) r^2 = eps: its end moves by eps/(g r^2), which is 1/r times more of the width r.
     for gap in (1e-3, 1e-5):
         yield Extreme(
             group,
@@ -54,9 +56,11 @@ def gaps() -> Iterator[Extreme]:
 
 
 def scales() -> Iterator[Extreme]:
-    """A zone of width r beside one of width 1 is a cap of height ~ r^2. Slopes known to eps over a
-    distance of order 1 change its level by eps, and with it its width by eps/r^2 of itself. Its
-    pressure is about sqrt(r) of the peak: to more than that, one zone is the same answer.
+    """Zones and heights of very different scale.
+
+    A zone of width r next to one of width 1 is a cap of height about r^2. Slopes with an error eps
+    over a distance of order 1 change its level by eps, and so its width by eps/r^2 of itself. Its
+    pressure is about sqrt(r) of the peak: within a larger error, one zone is the same answer.
     """
     group = "zones of very different width"
     for ratio in (1e-2, 1e-4, 1e-6):

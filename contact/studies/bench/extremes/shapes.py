@@ -1,4 +1,4 @@
-"""Moduli and lengths far from one, and slopes that are steep or nearly jump."""
+"""Very large and small moduli and lengths, and slopes that are steep or nearly jump."""
 
 from __future__ import annotations
 
@@ -23,6 +23,7 @@ _UNITS = "a unit changes nothing"
 
 
 def units() -> Iterator[Extreme]:
+    """The same contacts in very different units."""
     for power in (-12, -6, 6, 12):
         yield Extreme("moduli", f"E* = 1e{power} Pa", partial(wave, 0.4, 10.0**power), 1.0, _UNITS)
         yield Extreme(
@@ -57,6 +58,7 @@ def _three(length: float, E_star: float) -> tuple[Scene, Exact]:
 
 
 def slopes() -> Iterator[Extreme]:
+    """Steep slopes, high powers, and corners, declared or rounded over a short length."""
     group = "slopes"
     for steep in (1e-6, 1e6):
         yield Extreme(
@@ -75,7 +77,10 @@ def slopes() -> Iterator[Extreme]:
             20.0,
             "p' ~ 1/d, compared no nearer to a corner than d = 0.05",
         )
-    undeclared = "an undeclared corner: its slope turns within less than 32,768 modes see; declare it as a kink"
+    undeclared = (
+        "an undeclared corner: its slope turns within less than 32,768 modes see; "
+        "declare it as a kink"
+    )
     for width in (1e-1, 1e-2, 1e-3, 1e-6):
         yield Extreme(
             group,
