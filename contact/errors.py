@@ -13,8 +13,6 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-_MAX_VALUE_LENGTH = 80
-
 
 class ContactError(Exception):
     """Base of every error the package raises on purpose.
@@ -31,6 +29,7 @@ class ContactError(Exception):
 
     # A longer message loses its middle: this is about five lines on a terminal.
     longest: ClassVar[int] = 400
+    longest_value: ClassVar[int] = 80  # of a value within a message
 
     def __str__(self) -> str:
         """The message, shortened to `longest` characters."""
@@ -189,7 +188,7 @@ def shown(value: Any) -> str:
         # Numbers of numpy appear as plain ones, in lists as well.
         with np.printoptions(legacy="1.25"):
             text = repr(value)
-    return _cut(" ".join(text.split()), _MAX_VALUE_LENGTH)
+    return _cut(" ".join(text.split()), ContactError.longest_value)
 
 
 def _cut(text: str, longest: int) -> str:

@@ -28,7 +28,7 @@ EXTRAS = {
 }
 
 # The folder with this package: the source, or the installed packages.
-SOURCE = Path(__file__).parents[1]
+SOURCE = Path(__file__).parent.parent
 
 
 def require(name: str) -> Any:

@@ -192,7 +192,7 @@ def _solved(
             scene,
             tol,
             near,
-            lambda loaded, tighter, beside: _solved(loaded, tighter, progress, beside, cache),
+            lambda loaded, tighter, near: _solved(loaded, tighter, progress, near, cache),
         )
     claims.of(scene.profile)
     direct = solve_closed(scene, tol)

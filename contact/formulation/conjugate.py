@@ -50,7 +50,6 @@ class ConjugateOptions:
     # Error of H f' over the largest residual of the slope: noise needs 2, a corner that is seen at
     # 1e-5 of the period 8.
     residual_margin: float = 8.0
-    noise_samples: int = 256  # places at which the noise of heights is estimated
     max_noise: float = 1e-9  # over the largest term: larger terms that do not decay are not noise
     no_decay: float = 0.6  # terms that fall by less than this factor in an octave do not decay
     checks: int = 32  # places at which a user's closed form is compared with the series
@@ -147,21 +146,21 @@ class Conjugate(sie.Kept):
         """
         x = self.profile.x0 + self.period * (np.arange(OPTIONS.checks) + 0.4142) / OPTIONS.checks
         here, there = closed(x), series.smooth(x)
-        off = np.abs(here - there)
-        worst = int(np.argmax(off))
+        difference = np.abs(here - there)
+        worst = int(np.argmax(difference))
         size = max(float(np.abs(there).max()), series.scale)
-        if not off[worst] <= OPTIONS.max_mismatch * size + 2 * series.error:
-            at, told, wanted = (float(values[worst]) for values in (x, here, there))
+        if not difference[worst] <= OPTIONS.max_mismatch * size + 2 * series.error:
+            at, given, wanted = (float(values[worst]) for values in (x, here, there))
             less = ", less the logarithms of the kinks," if len(self.kinks) else ""
             raise SceneError(
                 f"slope_conjugate disagrees with the slope: at x = {at:.6g} m it is "
-                f"{told:.6g}{less} "
+                f"{given:.6g}{less} "
                 f"and (1/L) PV int f'(xi) cot(pi (x - xi)/L) dxi is {wanted:.6g}; put it right or "
                 "leave it out",
                 "profile",
                 self.profile,
             )
-        return OPTIONS.residual_margin * float(off[worst])
+        return OPTIONS.residual_margin * float(difference[worst])
 
     def __call__(self, x: ArrayLike) -> Array:
         x = np.asarray(x, dtype=float)
@@ -376,15 +375,15 @@ def _less_logarithms(profile: Profile, kinks: Array, length: float) -> Callable[
 
     def smooth(x: Array) -> Array:
         x = np.asarray(x, dtype=float)
-        near = OPTIONS.kink_reach * length
+        reach = OPTIONS.kink_reach * length
         away = (x[..., None] - kinks[:, 0] + 0.5 * length) % length - 0.5 * length
         which = np.argmin(np.abs(away), axis=-1)
         nearest = np.take_along_axis(away, which[..., None], axis=-1)[..., 0]
-        beside = np.abs(nearest) < near
-        out = np.array(plain(np.where(beside, x - nearest + near, x)))
-        if np.any(beside):
-            share = 0.5 * (1 + nearest[beside] / near)
-            out[beside] = share * out[beside] + (1 - share) * plain((x - nearest - near)[beside])
+        close = np.abs(nearest) < reach
+        out = np.array(plain(np.where(close, x - nearest + reach, x)))
+        if np.any(close):
+            share = 0.5 * (1 + nearest[close] / reach)
+            out[close] = share * out[close] + (1 - share) * plain((x - nearest - reach)[close])
         return out
 
     return smooth

@@ -32,7 +32,6 @@ class FieldOptions:
     max_gap_panels: int = 4000  # of a quadrature over one gap
     solve_tolerance: float = 1e-13  # of solutions on the same zones: round-off x condition
     guess_tolerance: float = 1e-4  # of rates that only start a search
-    rounding_samples: int = 32  # ends of zones at which rounding of the shape is measured
 
 
 OPTIONS = FieldOptions()
@@ -252,7 +251,7 @@ class ZoneFields(sie.Kept):
         turns = np.round((table - (units.origin + at)) / period) * period
         terms = zip(at.ravel(), turns.ravel(), table.ravel(), strict=True)
         left = np.array(
-            [math.fsum((one, units.origin, turn, -told)) for one, turn, told in terms]
+            [math.fsum((one, units.origin, turn, -rounded)) for one, turn, rounded in terms]
         ).reshape(table.shape)
         return np.asarray(left + rest)
 
@@ -333,7 +332,7 @@ class ZoneFields(sie.Kept):
     def gap_rounding(self) -> float:
         """Scaled effect of rounding on the gap."""
         ends = np.concatenate((self.density.zones.a, self.density.zones.b))
-        some = ends[:: max(1, len(ends) // OPTIONS.rounding_samples)]
+        some = ends[:: max(1, len(ends) // (2 * OPTIONS.peak_zones))]
         return 64 * EPS * self.largest_shape + 8 * self.problem.shape_rounding(some)
 
     @cached_property

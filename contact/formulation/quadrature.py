@@ -77,10 +77,10 @@ def over_period(profile: Profile, least: int = 8) -> tuple[Array, Array, Array]:
     )
     inner = (np.asarray(profile.breakpoints) - profile.x0) / length
     points = (np.asarray(profile.algebraic_points)[:, :1] - profile.x0) / length
-    beside = (
+    graded = (
         points + np.outer([1.0, -1.0], 0.5 ** np.arange(1, _HALVINGS) / panels).ravel()
     ).ravel()
-    inner = np.concatenate((inner, beside, beside + 1.0))
+    inner = np.concatenate((inner, graded, graded + 1.0))
     cuts = np.unique(
         np.concatenate((np.arange(panels + 1) / panels, inner[(inner > 0) & (inner < 1)]))
     )

@@ -199,7 +199,7 @@ def harmonics(profile: Profile, count: int) -> Complex:
 def height_noise(profile: Profile) -> float:
     """Largest noise of the heights of a periodic profile [m]."""
     x = period_samples(profile)
-    x = x[:: max(1, len(x) // OPTIONS.noise_samples)]
+    x = x[:: max(1, len(x) // OPTIONS.min_samples)]
     return noise_at(profile.height, x, profile.resolution or profile.period or 1.0)
 
 

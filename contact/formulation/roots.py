@@ -84,8 +84,8 @@ def reaches(value: Array) -> Array:
 
     A peak may be twice as high above its sample as the parabola through it and its neighbours.
     """
-    beside = np.concatenate((value[..., :1], value, value[..., -1:]), axis=-1)
-    before, after = beside[..., :-2], beside[..., 2:]
+    padded = np.concatenate((value[..., :1], value, value[..., -1:]), axis=-1)
+    before, after = padded[..., :-2], padded[..., 2:]
     with np.errstate(invalid="ignore"):
         rise = 0.25 * (2 * value - before - after)
     rise = np.where(np.isfinite(rise), rise, 0.0)

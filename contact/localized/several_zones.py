@@ -123,7 +123,10 @@ class SeveralZones:
             centring=float(rates.approach[0] * follows[0]),
         )
         return replace(
-            at.strip, fields=fields, control=self.scaled.control, off=at.strip.off + ends
+            at.strip,
+            fields=fields,
+            control=self.scaled.control,
+            control_error=at.strip.control_error + ends,
         )
 
     def _width_error(self, at: At) -> float:

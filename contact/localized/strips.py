@@ -73,7 +73,9 @@ def centred(context: SolveContext, scaled: ScaledScene, start: Array | None) -> 
             or moved / 4 < abs(miss) < 1e-7 * width
         ):
             if certified:
-                found = replace(found, off=found.off + abs(miss) * follows / width)
+                found = replace(
+                    found, control_error=found.control_error + abs(miss) * follows / width
+                )
                 return _with_longer_series(context, scaled, found)
             found, certified, before, moved = (
                 _in_strip(context, replace(scaled, problem=problem), zones.table),

@@ -35,11 +35,10 @@ class LineLoadOptions:
     first_panel: float = (
         12.0  # end of the first panel of r, times the shortest wave number of L - 1
     )
-    max_panels: int = 120  # of r, each twice as wide as the one before
     max_summed_phase: float = 400.0  # q r up to which panels of q are summed
     panel_phase: float = 20.0  # of the longest panel of q
     panel_nodes: int = 32
-    halvings: int = 60  # of panels of q towards 0
+    halvings: int = 60  # of panels of q towards 0; panels of r double twice as often at most
 
 
 _OPTIONS = LineLoadOptions()
@@ -77,7 +76,7 @@ class SmoothPart:
         slow = _longest(symbol)
         panels: list[Array] = []
         lo, hi, limit = 0.0, first, 0.0
-        while len(panels) < _OPTIONS.max_panels:
+        while len(panels) < 2 * _OPTIONS.halvings:
             r = 0.5 * (lo + hi) + 0.5 * (hi - lo) * _POINTS
             values = integral(r)
             panels.append(_TO_SERIES @ (values * first))
@@ -134,10 +133,10 @@ class SmoothPart:
 
 def _shortest(symbol: Symbol) -> float | None:
     """The wave [1/m] above which L = 1; None if L = 1 everywhere."""
-    off = np.abs(np.asarray(symbol(WAVES)) - 1)
+    deviation = np.abs(np.asarray(symbol(WAVES)) - 1)
     # The shortest waves show the rounding of L.
-    level = max(ONE, 4 * float(off[-8:].max()))
-    seen = np.flatnonzero(off > level)
+    level = max(ONE, 4 * float(deviation[-8:].max()))
+    seen = np.flatnonzero(deviation > level)
     if len(seen) == 0:
         return None
     lo, hi = WAVES[seen[-1]], WAVES[min(seen[-1] + 1, len(WAVES) - 1)]

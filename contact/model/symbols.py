@@ -28,7 +28,7 @@ Symbol = Callable[[Array], Array]
 
 # Waves [1/m] at which a symbol is sampled: from the length of a planet to that of an atom.
 WAVES = 10.0 ** np.arange(-9, 12.01, 0.125)
-ONE = 1e-17  # |L - 1| below this counts as 0
+ONE = 1e-17  # L - 1 below this is 0 in double precision: where a decaying L - 1 ends
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class SymbolOptions:
 
     first_harmonics: int = 2**12
     max_harmonics: int = 2**16
-    rounding: float = 1e-15  # |L - 1| below this counts as 0 over a period
+    rounding: float = 1e-15  # |L - 1| below this is the rounding of L
     min_decaying: int = 16  # fewer harmonics do not show how fast they decay
 
 
@@ -80,10 +80,10 @@ def excess(symbol: Callable[[Array], Array], period: float, of: str) -> Array:
     while True:
         q = np.asarray(2 * np.pi / period * np.arange(1, count + 1), dtype=np.float64)
         found = checked(symbol, q, of)
-        off = np.asarray(found - 1.0, dtype=np.float64)
-        seen = np.flatnonzero(np.abs(off) > _OPTIONS.rounding)
+        deviation = np.asarray(found - 1.0, dtype=np.float64)
+        seen = np.flatnonzero(np.abs(deviation) > _OPTIONS.rounding)
         if len(seen) == 0 or seen[-1] < 0.9 * count:
-            return off[: seen[-1] + 1] if len(seen) else np.zeros(0)
+            return deviation[: seen[-1] + 1] if len(seen) else np.zeros(0)
         if count >= _OPTIONS.max_harmonics:
             allowed = (
                 f"1 for short waves: to {_OPTIONS.rounding:.0e} from harmonic "

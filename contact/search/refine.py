@@ -89,7 +89,7 @@ def _by_zones(context: SolveContext, found: SolvedGaps) -> SolvedZones | SolvedG
     That is not tried where the approach limits the error: near full contact the level of the zones
     is a difference of large numbers as well.
     """
-    if replace(found, off=0.0).error <= context.tol:
+    if replace(found, control_error=0.0).error <= context.tol:
         return found
     problem = found.fields.problem
     control, table = context.control(problem), found.fields.zones

@@ -7,6 +7,7 @@ import numpy as np
 
 from contact.formulation.roots import maximum
 from contact.model.scene import Scene
+from contact.verify.minima import SAMPLING
 from sie import Array, record
 
 
@@ -65,7 +66,6 @@ class PeakOptions:
 
     samples: int = 48  # of a zone with a smooth profile
     samples_per_length: int = 12  # added for each shortest length of the profile
-    max_samples: int = 2**14
 
 
 def peaks(
@@ -86,7 +86,7 @@ def peaks(
             found[zone] = np.inf
             continue
         more = options.samples_per_length * (right - left) / resolution
-        count = int(min(options.samples + more, options.max_samples))
+        count = int(min(options.samples + more, SAMPLING.max_gap_points))
 
         def over_angle(angle: Array, zone: int = zone) -> Array:
             return pressure_at(np.clip(np.cos(angle), -1.0, 1.0), zone)

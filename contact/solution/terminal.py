@@ -8,9 +8,6 @@ from typing import Any
 from contact.errors import MissingExtra
 from contact.extras import require
 
-# The width of the reader's window is unknown without a terminal; this breaks no cell.
-_WIDTH_OF_A_FILE = 200
-
 
 def show_table(
     title: str,
@@ -18,10 +15,12 @@ def show_table(
     rows: Iterable[Sequence[str]],
     numeric: Iterable[int] = (),
     close: bool = False,
+    file_width: int = 200,
 ) -> None:
     """Print a table; `numeric` columns align to the right.
 
-    close: one blank between columns instead of three.
+    close: one blank between columns instead of three. file_width: of a line where there is no
+    terminal; it breaks no cell.
     """
     right = set(numeric)
     padding = (0, 0) if close else (0, 1)
@@ -32,7 +31,7 @@ def show_table(
         table.add_column(name, justify="right" if place in right else "left", overflow="fold")
     for row in rows:
         table.add_row(*row)
-    width = None if sys.stdout.isatty() else _WIDTH_OF_A_FILE
+    width = None if sys.stdout.isatty() else file_width
     # Square brackets in a reason or a unit are text here, not markup of rich.
     require("rich.console").Console(
         file=sys.stdout, width=width, markup=False, highlight=False

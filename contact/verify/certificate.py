@@ -24,9 +24,6 @@ from contact.verify.minima import SAMPLING, Signs, lowest, signs_on
 from contact.verify.tolerances import TOLERANCES
 from sie import Array, Index, Mask, record
 
-# Distances from a concave kink, over the half width of its zone, at which the pressure is sampled.
-_KINK_DISTANCES = np.geomspace(NARROWEST, 0.1, SAMPLING.kink_distances)
-
 
 def _min_samples() -> Array:
     """The minimum number of points in (0, 1), with every second one in the middle left out."""
@@ -34,11 +31,11 @@ def _min_samples() -> Array:
         np.sin(0.5 * np.pi * (np.arange(n) + 0.5) / n) ** 2
         for n in (SAMPLING.min_gap_points, SAMPLING.min_gap_points // 2)
     )
-    beside = np.minimum(every, 1 - every) < SAMPLING.dense_part
+    at_ends = np.minimum(every, 1 - every) < SAMPLING.dense_part
     return np.asarray(
         np.sort(
             np.concatenate(
-                (every[beside], second[np.minimum(second, 1 - second) >= SAMPLING.dense_part])
+                (every[at_ends], second[np.minimum(second, 1 - second) >= SAMPLING.dense_part])
             )
         )
     )
@@ -286,11 +283,11 @@ def _intensity_error(fields: ZoneFields) -> float:
     """
     wanted, zones = fields.problem.end.intensity, fields.density.zones
     assert wanted
-    missed = np.array(fields.density.intensities) / wanted - 1.0
+    errors = np.array(fields.density.intensities) / wanted - 1.0
     given = np.array(
         [[end.intensity is not None for end in ends] for ends in (zones.left, zones.right)]
     )
-    return float(np.where(given, np.abs(missed), missed).max(initial=0.0))
+    return float(np.where(given, np.abs(errors), errors).max(initial=0.0))
 
 
 def least_eigenvalue(matrix: Array) -> float:
@@ -345,10 +342,11 @@ def _valleys(fields: ZoneFields) -> tuple[list[tuple[float, float]], int]:
     at, zone, inside = density.locate(kinks[heights < 0])
     found: list[tuple[float, float]] = []
     left_out = 0
+    distances = np.geomspace(NARROWEST, 1.0, SAMPLING.min_gap_points)
     for x, i in zip(at[inside], zone[inside], strict=True):
         half = density.zones.half[i]
         left, right = (x - density.zones.a[i]) / half, (density.zones.b[i] - x) / half
-        away = np.concatenate((-_KINK_DISTANCES, _KINK_DISTANCES))
+        away = np.concatenate((-distances, distances))
         away = away[(away > -left) & (away < right)]
         pulls = away[density.at(np.full(len(away), i), left + away, right - away) < 0]
         if len(pulls) == 0:
@@ -501,7 +499,7 @@ class Solved:
     """Intervals that a search has found, with their certificate.
 
     free: the result of Newton's method. fields: under the load of these intervals. rounds:
-    corrections of the number of intervals. tolerance: of the ends. off: possible error of the
+    corrections of the number of intervals. tolerance: of the ends. control_error: possible error of the
     control, of all intervals or of each end (n, 2), in units of the subclass.
     """
 
@@ -511,7 +509,7 @@ class Solved:
     rounds: int
     control: Control
     tolerance: float = 0.0
-    off: float | Array = 0.0
+    control_error: float | Array = 0.0
 
     @property
     def error(self) -> float:

@@ -30,7 +30,7 @@ from sie import Array, record, wrapped
 class SolvedZones(Solved):
     """Zones that passed the certificate.
 
-    off: possible error of the control, as errors of the ends over the width of their zones.
+    control_error: possible error of the control, as errors of the ends over the width of their zones.
     rounded: whether rounding keeps that from being smaller.
     """
 
@@ -40,7 +40,7 @@ class SolvedZones(Solved):
     @property
     def ends(self) -> Array:
         """Errors of the ends over the widths of their zones (Z, 2)."""
-        return np.asarray(self.free.end_error + self.free.end_truncation + self.off)
+        return np.asarray(self.free.end_error + self.free.end_truncation + self.control_error)
 
     @cached_property
     def error(self) -> float:
@@ -241,7 +241,7 @@ def limit(
 class SolvedGaps(Solved):
     """Gaps that passed the certificate.
 
-    off: possible error of the mean pressure, if it was found from another control.
+    control_error: possible error of the mean pressure, if it was found from another control.
     """
 
     fields: GapFields
@@ -271,9 +271,9 @@ class SolvedGaps(Solved):
         width = (gaps.b - gaps.a)[:, None]
         moved = self.free.end_error + state.end_truncation
         # An error of R moves the ends as a change of the mean pressure does, up to a small factor.
-        off = self.off + TOLERANCES.relief_shift * of_relief
-        if off:
-            moved = moved + off * self.widening / width
+        mean_error = self.control_error + TOLERANCES.relief_shift * of_relief
+        if mean_error:
+            moved = moved + mean_error * self.widening / width
         shift = np.maximum(moved * width, self._place_error[:, None])
         # The zone before the first gap is the last zone.
         zones = fields.zones[:, 1] - fields.zones[:, 0]
@@ -288,7 +288,7 @@ class SolvedGaps(Solved):
             np.minimum((gaps.b - gaps.a) / (TOLERANCES.unresolved_distance * fields.period), 1.0)
             ** 2
         )
-        beside = float((moved.sum(axis=1) * state.zone_sizes * seen).max()) / unit
+        near_gaps = float((moved.sum(axis=1) * state.zone_sizes * seen).max()) / unit
         # Next to a kink the logarithms that cancel are several times the pressure.
         rounding = (3 if len(fields.relief.at) else 1) * TOLERANCES.rounding * (
             1 + abs(fields.mean) / unit
@@ -297,7 +297,7 @@ class SolvedGaps(Solved):
         tips = (
             float((np.maximum(shift[:, 1], np.roll(shift[:, 0], -1)) * self._steepest).max()) / unit
         )
-        return 2 * (ends + float(shift.max()) * slope + beside + tips) + on_zones
+        return 2 * (ends + float(shift.max()) * slope + near_gaps + tips) + on_zones
 
     @property
     def _place_error(self) -> Array:
@@ -320,8 +320,11 @@ class SolvedGaps(Solved):
                 / 64
             )
             middle = gaps.middle[some]
-            top, beside = relief(middle), 0.5 * (relief(middle - step) + relief(middle + step))
-            curvature = 2 * np.maximum(top - beside, 0.0) / step**2
+            top, sides_of_top = (
+                relief(middle),
+                0.5 * (relief(middle - step) + relief(middle + step)),
+            )
+            curvature = 2 * np.maximum(top - sides_of_top, 0.0) / step**2
             rounding = 8 * EPS * (abs(fields.mean) + np.abs(top)) + relief.error
             reach = np.sqrt(2 * rounding / np.maximum(curvature, 2 * rounding / step**2))
             out[some] = np.where(reach > 0.5 * gaps.half[some], reach, 0.0)

@@ -144,10 +144,10 @@ def _sampled(fields: GapFields) -> _Samples:
         is_wide[inside] & (np.minimum(from_left, from_right) > SAMPLING.edge_lengths * spacing)
     )
     # Near the ends of wide zones, with some steps of overlap with the inner samples.
-    beside = 2 * np.arcsin(
+    edge_angle = 2 * np.arcsin(
         np.sqrt(0.5 * (SAMPLING.edge_lengths * spacing + 3 * (x[1] - x[0])) / half[wide])
     )
-    few = np.minimum(np.ceil(beside * counts[wide] / np.pi).astype(int) + 1, counts[wide])
+    few = np.minimum(np.ceil(edge_angle * counts[wide] / np.pi).astype(int) + 1, counts[wide])
     lengths = counts.copy()
     lengths[wide] = few
     of_run = np.concatenate((np.arange(len(zones)), wide))

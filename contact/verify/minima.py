@@ -29,7 +29,6 @@ class SamplingOptions:
     points_per_length: int = (
         64  # of a zone of nearly full contact; a shortest length of the profile
     )
-    kink_distances: int = 37  # samples next to a concave kink, in the log of the distance
     wide_zone: float = 16.0  # shortest lengths of the profile: wider zones have even samples inside
     edge_lengths: float = 2.0  # shortest lengths of the profile between even samples and the ends
 

@@ -211,9 +211,11 @@ def _at_jump(
     if isinstance(found, Failure):
         raise context.error(found, problem)
     if isinstance(found, SolvedGaps):
-        return replace(found, off=found.off + OPTIONS.closed * load.value / problem.period)
+        return replace(
+            found, control_error=found.control_error + OPTIONS.closed * load.value / problem.period
+        )
     narrowest = float(np.diff(found.free.density.zones.table, axis=1).min())
-    return replace(found, off=error * problem.period / narrowest)
+    return replace(found, control_error=error * problem.period / narrowest)
 
 
 def _from_solution(
