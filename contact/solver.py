@@ -244,7 +244,7 @@ def _solution(context: SolveContext, outcome: Outcome) -> Solution:
     if isinstance(outcome, SolvedGaps):
         return assemble.gap_solution(scene, outcome, plan, tol)
     find_pull_off = (
-        require("contact.adhesion.pull_off_of_solution").Parting(
+        require("contact.adhesion.pull_off_of_solution").PullOffFinder(
             context.control(outcome.fields.problem)
         )
         if followed

@@ -1,142 +1,121 @@
-"""Along the curve of equilibria, by its arc: an equilibrium is followed as the control rises or
-falls, to where it ceases to be.
+"""The arc-length follower: from an equilibrium along its curve, round turning points.
 
-There J = dr/ds has a zero eigenvalue, and along the arc the control has an extreme (a turning
-point). Motions are counted in the widths of the zones, the control in what moves an end by as much,
-so that a unit tangent tells both.
+At a turning point J = dr/ds has a zero eigenvalue and the control has an extreme along the arc.
+Motions are counted in the widths of the zones, and the control in what moves an end by as much,
+so that one unit tangent holds both.
 
-Where an end reaches a sharp corner, or one that is held there is driven no longer, the curve has a
-kink: a step ends there, and the next one begins with that end held, or free. If it is free but
-unstable it lets go, and the curve ends.
+Where an end reaches a sharp corner, or a pinned end is no longer driven, the curve has a kink. A
+step ends there, and the next one begins with that end pinned, or free. If it is free but
+unstable, it lets go, and the curve ends.
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from contact.adhesion.curve import NEUTRAL, Equilibria, NoState, Point
+from contact.adhesion.curve import TOLERANCES, Curve, NoState, State
+from contact.adhesion.limits import LIMITS
 from contact.errors import NotConverged
 from contact.formulation.roots import smooth_root
 from contact.formulation.tables import outward
 from sie import Array, record
 
-# First and longest step, Newton's steps in one, how small its last one is, and how many steps; a
-# step so small is none.
-_FIRST = 0.1
-_LONGEST = 0.5
-_CORRECTIONS = 8
-_TIGHT = 1e-11
-_MOST_STEPS = 3000
-_NO_STEP = 1e-9
-# Of a step: the angle that it is to turn the tangent by, how much longer it is at the most than the
-# one before, and how much shorter after one that failed.
-_TURN = 0.2
-_LONGER = 4.0
-_SHORTER = 0.3
-# The unit of the control over that of the step before, at the least.
-_SLOWER = 0.5
-# Of a step, how far from its tangent it begins at the most; places within it that others are told
-# from, and how far these are from one another at the least, over how far they are from it.
-_BENT = 0.3
-_NODES = 3
-_SEPARATE = 0.1
-# Of a step in which stability is lost, how short it is where there is no turn before or behind.
-_NO_TURN = 1e-6
-# Cosine of the angle by which a step may turn the tangent.
-_STRAIGHT = 0.85
-# Of equations that are met, what may be left of them, over what the control does to an end at the
-# most.
-_NOT_MET = 1e-8
-# What drives an end that is held by no more lets go together with one that is driven by nothing;
-# ends so near to a corner, over the widths, reach it together.
-_TOGETHER = 1e-7
-# Past a turning point ends are pushed on by this part of their zones, or of the gaps beside them.
-_PUSH = 0.03
-# A step that fails beyond where a zone vanishes goes so far towards it; the next one so far, past
-# it.
-_OF_VANISHING = 0.9
-_PAST_VANISHING = 2.0
-# A step past there that is slight.
-_SLIGHT = 1e-4
-# Of an extreme, how much of the growth at the ends of a step.
-_NO_GROWTH = 0.1
-# Of a step, halvings by which the loss of stability in it is located, and of the way to one within
-# it.
-_LOCATED = 40
-_HALVED = 4
-# So many steps without a length come after one another at sharp corners.
-_MOST_STANDS = 3
-# What rounding may leave of Newton's steps; and one that is none.
-_ROUNDED = 1e-6
-_STILL = 1e-12
-# So near a place in a step is told, over how far it is.
-NEAR = 1e-12
-# Where a curve is only to be followed: how tightly its states are solved, and how small Newton's
-# last step is; over the step, from how near a turning point ends that are pushed on go the way they
-# go from there; and what such a state may be off by.
-_ROUGH = 1e-9
-_ROUGHLY = 1e-9
-ABOUT = 1e-3
-_OFF = 1e-5
+
+@dataclass(frozen=True)
+class ArcOptions:
+    """How the curve of equilibria is followed. Lengths are arc lengths: zone widths moved."""
+
+    first_step: float = 0.1
+    longest_step: float = 0.5
+    # Angle that a step aims to turn the tangent by; a larger one is refused by its cosine.
+    aimed_turn: float = 0.2
+    least_cosine: float = 0.85
+    max_growth: float = 4.0
+    shrink: float = 0.3
+    # Largest deviation of the predictor from the tangent, over the step.
+    max_predictor_bend: float = 0.3
+    # Least share of its last value that the unit of the control may fall to in a step: at a turning
+    # point the unit without this limit falls to 0, and the tangent turns at once.
+    least_unit_ratio: float = 0.5
+    # Nodes of the interpolation inside a step, and their least relative separation.
+    interpolation_nodes: int = 3
+    node_separation: float = 0.1
+    max_bisections: int = 4
+    # Ends pushed off an unstable equilibrium, over the zone or the gap next to them.
+    push: float = 0.03
+    # Next to a point where contact vanishes, steps go this part of the way to it.
+    before_vanishing: float = 0.9
+    # Relative accuracy of a turning point that need not be located exactly.
+    rough_turning: float = 1e-3
+
+
+ARC_OPTIONS = ArcOptions()
 
 
 @record
-class Place:
-    """An equilibrium on the curve: what motions of its ends, their zones' widths, and the control
-    are counted in (2n + 1,), the unit tangent (2n + 1,), and about how the curve leaves it, over
-    the square and the cube of the length (2, 2n + 1).
+class CurvePoint:
+    """An equilibrium on the curve, with its tangent.
+
+    scales: units of the motions of the ends and of the control (2n + 1,). tangent: unit vector
+    (2n + 1,). leaves: coefficients of the square and the cube of the length, by which the curve
+    leaves the tangent (2, 2n + 1).
     """
 
-    at: Point
+    at: State
     scales: Array
     tangent: Array
     leaves: Array
 
     def ahead(self, length: float) -> Array:
-        """About where the curve is, in what the tangent is told in."""
+        """Predictor: where the curve is after a length, in the units of the tangent."""
         off = length**2 * self.leaves[0] + length**3 * self.leaves[1]
         return np.asarray(
-            length * self.tangent + (off if np.abs(off).max() <= _BENT * abs(length) else 0.0)
+            length * self.tangent
+            + (off if np.abs(off).max() <= ARC_OPTIONS.max_predictor_bend * abs(length) else 0.0)
         )
 
     @property
     def rises(self) -> float:
-        """Of the control, along the arc."""
+        """Derivative of the control along the arc."""
         return float(self.tangent[-1])
 
-    def moved(self, to: Point) -> Array:
-        """How far another equilibrium is, in what the tangent is told in (2n + 1,)."""
+    def moved(self, to: State) -> Array:
+        """Difference of another equilibrium, in the units of the tangent (2n + 1,)."""
         return np.append(outward(self.at.table, to.table), to.value - self.at.value) / self.scales
 
-    def length(self, to: Point) -> float:
-        """How far along the tangent another equilibrium is."""
+    def length(self, to: State) -> float:
+        """Distance of another equilibrium along the tangent."""
         return float(self.tangent @ self.moved(to))
 
 
 @record
 class Step:
-    """A step along the arc, of a length, from one equilibrium to another. after: the equilibrium at
-    its end with other ends held at sharp corners, from which the next one begins; None where these
-    are the same. known: the equilibria in it by how far they are, and whether they were solved
-    tightly.
+    """A step along the arc from one equilibrium to another.
+
+    after: the equilibrium at its end with other ends pinned, from which the next step begins;
+    None if the same ends are pinned. known: the equilibria inside the step by their length, and
+    whether they were solved to full accuracy.
     """
 
-    curve: Equilibria
-    start: Place
+    curve: Curve
+    start: CurvePoint
     length: float
-    end: Place
-    after: Point | None = None
-    known: dict[float, tuple[Point, bool]] = field(default_factory=dict)
+    end: CurvePoint
+    after: State | None = None
+    known: dict[float, tuple[State, bool]] = field(default_factory=dict)
 
-    def at(self, length: float, tight: bool = True, halvings: int = _HALVED) -> Point:
-        """The equilibrium at a part of the step, where need be by way of one nearer to one that is
-        known.
+    def at(
+        self, length: float, tight: bool = True, halvings: int = ARC_OPTIONS.max_bisections
+    ) -> State:
+        """The equilibrium at a length inside the step.
+
+        If Newton's method fails, the one half way to a known equilibrium is found first.
         """
         for place, (point, tightly) in self.known.items():
-            if abs(place - length) <= NEAR * length and tightly >= tight:
+            if abs(place - length) <= TOLERANCES.neutral * length and tightly >= tight:
                 return point
         found = _corrected(self.curve, self.start, self._about(length), self.start.tangent, tight)
         if found is None:
@@ -153,14 +132,12 @@ class Step:
         return found
 
     def _about(self, length: float) -> Array:
-        """About where the curve is at a length: the cubic that has both ends and their tangents,
-        and through what is known between them.
-        """
+        """Predictor inside the step: the cubic through both ends, corrected by what is known."""
         nodes: list[float] = []
         for node in sorted(self.known, key=lambda k: abs(k - length)):
-            if len(nodes) < _NODES and min(
+            if len(nodes) < ARC_OPTIONS.interpolation_nodes and min(
                 abs(node - one) for one in (0.0, self.length, *nodes)
-            ) > _SEPARATE * abs(node - length):
+            ) > ARC_OPTIONS.node_separation * abs(node - length):
                 nodes.append(node)
         off = [
             (self.start.moved(self.known[node][0]) - self._cubic(node))
@@ -176,6 +153,7 @@ class Step:
         )
 
     def _cubic(self, length: float) -> Array:
+        """The cubic that has both ends of the step and their tangents."""
         square, cube = self._leaves
         return np.asarray(length * self.start.tangent + length**2 * square + length**3 * cube)
 
@@ -189,53 +167,58 @@ class Step:
 
     @property
     def lets_go(self) -> bool:
-        """Whether ends let go of sharp corners at its end, where the curve breaks off."""
-        return self.after is not None and self.after.growth > NEUTRAL
+        """Whether ends let go of sharp corners at the end of the step, where the curve ends."""
+        return self.after is not None and self.after.growth > TOLERANCES.neutral
 
     @property
     def turned(self) -> float:
-        """By which angle the tangent has turned."""
+        """Angle between the tangents at both ends."""
         return float(np.arccos(np.clip(_alike(self.start, self.end), -1.0, 1.0)))
 
     @property
     def turns(self) -> bool:
-        """Whether the control has its extreme in this step."""
+        """Whether the control has an extreme in the step."""
         return self.start.rises * self.end.rises <= 0.0
 
     @property
     def turns_once(self) -> bool:
-        """Whether stability is lost where the control has its extreme: where there are several the
-        step is too long.
+        """Whether stability is lost where the control has its extreme.
+
+        If not, there are several extremes and the step is too long.
         """
         try:
             growth = self.at(self.turning(False), False).growth
         except NotConverged:
             return False
-        return abs(growth) < _NO_GROWTH * max(abs(self.start.at.growth), abs(self.end.at.growth))
+        return abs(growth) < ARC_OPTIONS.node_separation * max(
+            abs(self.start.at.growth), abs(self.end.at.growth)
+        )
 
     def turning(self, tight: bool = True) -> float:
-        """How far it is to there."""
-        near = NEAR if tight else ABOUT
+        """Length at which the control has its extreme."""
+        near = TOLERANCES.neutral if tight else ARC_OPTIONS.rough_turning
         return self.where(
             self._rising, self.start.rises, self._rising(self.end.at), None, near, tight
         )
 
-    def _rising(self, at: Point) -> float:
-        """Of the control, by the length."""
+    def _rising(self, at: State) -> float:
+        """Derivative of the control by the length."""
         tangent = _tangent(at, self.start.scales)
         return float(tangent[-1] / (tangent @ self.start.tangent))
 
     def where(
         self,
-        function: Callable[[Point], float],
+        function: Callable[[State], float],
         first: float,
         last: float,
         length: float | None = None,
-        near: float = NEAR,
+        near: float = TOLERANCES.neutral,
         tight: bool = True,
     ) -> float:
-        """How far it is to the zero of a function with these values of opposite signs at the start
-        and at the end (or at a length); near: so near, over itself.
+        """Length at which a function of the equilibrium is zero.
+
+        first, last: its values of opposite signs at the start and at the end (or at a length).
+        near: relative accuracy.
         """
         end = self.length if length is None else length
         known = {
@@ -246,9 +229,10 @@ class Step:
         values = {0.0: first, end: last} | known
         return float(smooth_root(lambda part: function(self.at(part, tight)), values, near))
 
-    def arriving(self, value: float) -> Point | None:
-        """The equilibrium in this step under a value of the control; None if Newton does not come
-        to it at once.
+    def arriving(self, value: float) -> State | None:
+        """The equilibrium in the step under a value of the control.
+
+        None if Newton's method does not reach it at once.
         """
         start, rises, (bend, twist) = self.start, self.start.rises, self._leaves[:, -1]
         wanted = (value - start.at.value) / start.scales[-1]
@@ -256,7 +240,9 @@ class Step:
             return None
         roots = np.roots((twist, bend, rises, -wanted))
         roots = roots.real[
-            (roots.imag == 0.0) & (roots.real >= 0.0) & (roots.real <= (1.0 + _OFF) * self.length)
+            (roots.imag == 0.0)
+            & (roots.real >= 0.0)
+            & (roots.real <= (1.0 + 10 * TOLERANCES.resting_step) * self.length)
         ]
         if len(roots) == 0:
             return None
@@ -270,19 +256,21 @@ class Step:
         )
 
 
-def steps(curve: Equilibria, here: Point, sense: float, tight: bool = True) -> Iterator[Step]:
-    """From an equilibrium, steps along the curve, the control first rising (sense 1) or falling
-    (-1). tight: whether their ends are states that are solved as tightly as there is.
+def steps(curve: Curve, here: State, sense: float, tight: bool = True) -> Iterator[Step]:
+    """Steps along the curve from an equilibrium.
+
+    The control first rises (sense 1) or falls (-1). tight: whether the states at their ends are
+    solved to full accuracy.
     """
     place, length, why, stands = (
         _stood_by(curve, here, sense),
-        _FIRST,
+        ARC_OPTIONS.first_step,
         "the curve of equilibria was not followed on",
         0,
     )
-    unstable: tuple[Place, float] | None = None
+    unstable: tuple[CurvePoint, float] | None = None
     vanishing = False
-    for _ in range(_MOST_STEPS):
+    for _ in range(LIMITS.max_steps):
         reached = _corner_within(curve, place, length)
         ahead = (
             along(curve, place, length, tight)
@@ -291,41 +279,52 @@ def steps(curve: Equilibria, here: Point, sense: float, tight: bool = True) -> I
         )
         end = None if ahead is None else onward(curve, place, ahead)
         if end is None or not (
-            _keeps(place, end) or (vanishing and length < _SLIGHT and _has_lost(place, end))
+            _keeps(place, end)
+            or (vanishing and length < 1e2 * TOLERANCES.resting_step and _has_lost(place, end))
         ):
             if end is not None and place.at.growth < 0.0 <= end.at.growth:
                 unstable = place, length
-                if length < _NO_TURN and not vanishing:
+                if length < TOLERANCES.resting_step and not vanishing:
                     break
             short = curve.vanishes(place.at, place.tangent * place.scales)
             length, vanishing = (
-                (_OF_VANISHING * short, True) if short < length else (_SHORTER * length, vanishing)
+                (ARC_OPTIONS.before_vanishing * short, True)
+                if short < length
+                else (ARC_OPTIONS.shrink * length, vanishing)
             )
-            if length < _NO_STEP:
+            if length < TOLERANCES.rough:
                 break
             continue
         step = _to_change(
             Step(curve, place, place.length(end.at) if reached is not None else length, end)
         )
         if step.turns and not step.turns_once:
-            length *= _SHORTER
+            length *= ARC_OPTIONS.shrink
             continue
         yield step
         if step.lets_go:
             why = "an end that was held at a sharp corner has let go"
             break
-        # Steps without any length would toggle between ends that are held and free.
-        stands = stands + 1 if step.length < _NO_STEP else 0
-        if stands > _MOST_STANDS:
+        # Steps of no length would toggle between ends that are pinned and free.
+        stands = stands + 1 if step.length < TOLERANCES.rough else 0
+        if stands > ARC_OPTIONS.interpolation_nodes:
             why = "ends at sharp corners are neither held nor free"
             break
         place = step.end if step.after is None else _stood_by(curve, step.after, step.end.rises)
-        length = min(min(_LONGER, _TURN / max(step.turned, _TURN / _LONGER)) * length, _LONGEST)
+        length = min(
+            min(
+                ARC_OPTIONS.max_growth,
+                ARC_OPTIONS.aimed_turn
+                / max(step.turned, ARC_OPTIONS.aimed_turn / ARC_OPTIONS.max_growth),
+            )
+            * length,
+            ARC_OPTIONS.longest_step,
+        )
         if vanishing:
             short = curve.vanishes(place.at, place.tangent * place.scales)
-            part = _PAST_VANISHING if len(place.at.contact) > 1 else _OF_VANISHING
-            length, vanishing = min(length, part * short), short < _LONGEST
-            if length < _NO_STEP:
+            part = 2.0 if len(place.at.contact) > 1 else ARC_OPTIONS.before_vanishing
+            length, vanishing = min(length, part * short), short < ARC_OPTIONS.longest_step
+            if length < TOLERANCES.rough:
                 break
     if unstable is not None:
         raise SymmetryLost(curve, *unstable)
@@ -333,24 +332,26 @@ def steps(curve: Equilibria, here: Point, sense: float, tight: bool = True) -> I
 
 
 class SymmetryLost(NotConverged):
-    """A curve goes on unstably, without a turn, within a step of a length. at: the last stable
-    equilibrium, told only where it was located.
+    """A curve goes on, unstable, without a turning point: a symmetry breaks.
+
+    at: the last stable equilibrium, set by `located` only.
     """
 
-    at: Point
+    at: State
 
-    def __init__(self, curve: Equilibria, place: Place, length: float, where: str = "") -> None:
+    def __init__(self, curve: Curve, place: CurvePoint, length: float, where: str = "") -> None:
         super().__init__(
-            f"a contact loses its stability without a turn of its curve, to a motion that breaks a symmetry{where}: it is not followed on, "
+            "a contact loses its stability without a turn of its curve, to a motion that breaks a "
+            f"symmetry{where}: it is not followed on, "
             "since the scene does not say which way it goes"
         )
         self.within = curve, place, length
 
     def located(self) -> "SymmetryLost":
-        """The same, of which it is told where."""
+        """The same error with the load and the approach at which it happens."""
         curve, place, length = self.within
         low, high, at = 0.0, length, place.at
-        for _ in range(_LOCATED):
+        for _ in range(10 * ARC_OPTIONS.max_bisections):
             middle = 0.5 * (low + high)
             found = along(curve, place, middle)
             if found is None:
@@ -367,17 +368,15 @@ class SymmetryLost(NotConverged):
         return lost
 
 
-def beside(here: Point) -> Array:
-    """Zones from which ends move on where a motion of theirs without a change of the control drives
-    them.
-    """
+def beside(here: State) -> Array:
+    """Intervals pushed off an equilibrium along its fastest growing motion."""
     growth, motions = here.motions(np.arange(len(here.residual)))
     motion = motions[:, int(np.argmax(growth))].real
-    return here.moved(np.asarray(_PUSH * motion / np.abs(motion / here.widths).max()))
+    return here.moved(np.asarray(ARC_OPTIONS.push * motion / np.abs(motion / here.widths).max()))
 
 
-def _corner_within(curve: Equilibria, here: Place, length: float) -> int | None:
-    """The end that reaches a sharp corner first within a step along the tangent; None if none does."""
+def _corner_within(curve: Curve, here: CurvePoint, length: float) -> int | None:
+    """Index of the end that reaches a sharp corner first within a step; None if none does."""
     if here.at.corners is None:
         return None
     moves = (here.tangent * here.scales)[:-1]
@@ -387,7 +386,7 @@ def _corner_within(curve: Equilibria, here: Place, length: float) -> int | None:
     return end if away[end] <= length else None
 
 
-def _to_corner(curve: Equilibria, here: Place, end: int) -> Point | None:
+def _to_corner(curve: Curve, here: CurvePoint, end: int) -> State | None:
     """The equilibrium at which an end is at its corner."""
     distance = curve.to_corners(here.at.table)[end] / here.scales[end]
     return _corrected(
@@ -400,65 +399,71 @@ def _to_corner(curve: Equilibria, here: Place, end: int) -> Point | None:
 
 
 def _to_change(step: Step) -> Step:
-    """The step up to where a held end is driven no longer; and what is held after it."""
+    """The step, cut where a pinned end is driven no longer; with what is pinned after it."""
     at = step.end.at
     if at.corners is None:
         return step
-    held = at.held
-    least = _least_held(at)
+    pinned = at.pinned
+    least = _least_pinned_drive(at)
     if least < 0.0:
-        first = max(_least_held(step.start.at), 0.0)
-        length = step.where(_least_held, first, least)
+        first = max(_least_pinned_drive(step.start.at), 0.0)
+        length = step.where(_least_pinned_drive, first, least)
         at = step.at(length)
         step = replace(step, length=length, end=onward(step.curve, step.start, at))
-        held = held & (at.whole.residual > _TOGETHER)
+        pinned = pinned & (at.whole.residual > TOLERANCES.resting_step)
     else:
         gap = step.curve.to_corners(at.table)
-        at_corner = gap < _TOGETHER * at.widths
-        if not np.any(gap[~held] == 0.0) or step.length < _NO_STEP:
+        at_corner = gap < TOLERANCES.resting_step * at.widths
+        if not np.any(gap[~pinned] == 0.0) or step.length < TOLERANCES.rough:
             return step
-        held = held | at_corner
+        pinned = pinned | at_corner
         at = step.curve.at(
-            step.curve.within(at.moved(np.where(at_corner, 2 * gap, 0.0))), at.value, held=held
+            step.curve.within(at.moved(np.where(at_corner, 2 * gap, 0.0))), at.value, pinned=pinned
         )
-    return replace(step, after=at.holding(held))
+    return replace(step, after=at.with_pinned(pinned))
 
 
-def _least_held(at: Point) -> float:
-    """What drives the held end least that is."""
+def _least_pinned_drive(at: State) -> float:
+    """Smallest drive of the pinned ends that are driven."""
     whole = at.whole
-    return float(whole.residual[whole.held].min(initial=np.inf))
+    return float(whole.residual[whole.pinned].min(initial=np.inf))
 
 
 def let_go(step: Step) -> Array:
-    """Zones from which ends move on that let go of sharp corners at the end of a step."""
+    """Intervals from which ends move on that let go of sharp corners at the end of a step."""
     assert step.after is not None
-    return step.after.moved(-_PUSH * step.after.widths * (step.end.at.held & ~step.after.held))
+    return step.after.moved(
+        -ARC_OPTIONS.push * step.after.widths * (step.end.at.pinned & ~step.after.pinned)
+    )
 
 
-def beyond(curve: Equilibria, turned: Point, sense: float) -> Array:
-    """Zones from which ends move on to another equilibrium at a turning point: inward where the
-    control falls.
-    """
+def beyond(curve: Curve, turned: State, sense: float) -> Array:
+    """Intervals pushed off a turning point, inward where the control falls."""
     move = _begun(curve, turned, sense).tangent[:-1] * turned.widths
     return turned.moved(
         np.asarray(
             move
-            * (sense * np.sign(move.sum()) * _PUSH / np.abs(move / curve.room(turned.table)).max())
+            * (
+                sense
+                * np.sign(move.sum())
+                * ARC_OPTIONS.push
+                / np.abs(move / curve.room(turned.table)).max()
+            )
         )
     )
 
 
-def _stood_by(curve: Equilibria, here: Point, sense: float) -> Place:
-    """A place to begin at, which a slight change of the control does not leave far behind."""
+def _stood_by(curve: Curve, here: State, sense: float) -> CurvePoint:
+    """The place of an equilibrium from which a curve begins."""
     here.refuse_neutral()
     return _begun(curve, here, sense)
 
 
-def _begun(curve: Equilibria, here: Point, sense: float) -> Place:
+def _begun(curve: Curve, here: State, sense: float) -> CurvePoint:
+    """The place of an equilibrium, with the tangent in the sense of the control."""
     scales = np.append(here.widths, _unit(curve, here))
     tangent = _tangent(here, scales)
-    return Place(
+    return CurvePoint(
         here,
         scales,
         tangent if tangent[-1] * sense >= 0.0 else -tangent,
@@ -466,16 +471,18 @@ def _begun(curve: Equilibria, here: Point, sense: float) -> Place:
     )
 
 
-def onward(curve: Equilibria, before: Place, ahead: Point) -> Place:
-    """The same sense of the curve at another equilibrium of it."""
-    # At a turning point motions are without bound: the unit follows by and by, or the turn would be
-    # all too sharp in it.
-    scales = np.append(ahead.widths, max(_unit(curve, ahead), _SLOWER * before.scales[-1]))
+def onward(curve: Curve, before: CurvePoint, ahead: State) -> CurvePoint:
+    """The place of another equilibrium of the curve, with the tangent in the same sense."""
+    # At a turning point motions are without bound. The unit follows slowly, or the turn would be
+    # too sharp in it.
+    scales = np.append(
+        ahead.widths, max(_unit(curve, ahead), ARC_OPTIONS.least_unit_ratio * before.scales[-1])
+    )
     tangent, carried = _tangent(ahead, scales), scales / before.scales
     tangent = tangent if before.tangent @ (tangent * carried) >= 0.0 else -tangent
-    here = Place(ahead, scales, tangent, np.zeros((2, len(tangent))))
+    here = CurvePoint(ahead, scales, tangent, np.zeros((2, len(tangent))))
     moved = here.moved(before.at)
-    # On as it has come from the one before.
+    # The curvature comes from the place before.
     return (
         replace(here, leaves=_leaving(tangent, moved, before.tangent / carried))
         if moved.any()
@@ -484,11 +491,12 @@ def onward(curve: Equilibria, before: Place, ahead: Point) -> Place:
 
 
 def _leaving(tangent: Array, moved: Array, there: Array) -> Array:
-    """How a curve leaves a place, over the square and the cube of the length (2, 2n + 1), as the
-    cubic does that is at another one, moved from it, and has a tangent along `there`.
+    """Coefficients of the square and the cube of the length (2, 2n + 1).
+
+    They are those of the cubic through another place, at `moved`, with a tangent along `there`.
     """
     length = float(tangent @ moved)
-    if abs(length) < _NO_STEP:
+    if abs(length) < TOLERANCES.rough:
         return np.zeros((2, len(tangent)))
     off, turned = (
         (moved - length * tangent) / length**2,
@@ -497,40 +505,46 @@ def _leaving(tangent: Array, moved: Array, there: Array) -> Array:
     return np.array((3 * off - turned, (turned - 2 * off) / length))
 
 
-def _alike(before: Place, ahead: Place) -> float:
+def _alike(before: CurvePoint, ahead: CurvePoint) -> float:
     """Cosine of the angle between the tangents of two places."""
     carried = ahead.tangent * (ahead.scales / before.scales)
     return float(before.tangent @ carried) / float(np.linalg.norm(carried))
 
 
-def _keeps(before: Place, ahead: Place) -> bool:
-    """Whether a step is short enough not to have left the curve: its tangents are alike, and
-    stability was not lost without a turn.
+def _keeps(before: CurvePoint, ahead: CurvePoint) -> bool:
+    """Whether a step has kept to the curve.
+
+    Its tangents are alike, and stability was not lost without a turning point.
     """
     kept = before.at.growth >= 0.0 or ahead.at.growth < 0.0 or before.rises * ahead.rises <= 0.0
-    return _alike(before, ahead) >= _STRAIGHT and kept
+    return _alike(before, ahead) >= ARC_OPTIONS.least_cosine and kept
 
 
-def _has_lost(before: Place, ahead: Place) -> bool:
-    """Whether contact is lost somewhere and nothing else has changed: its width vanishes as a root
-    does, and the curve bends at once.
+def _has_lost(before: CurvePoint, ahead: CurvePoint) -> bool:
+    """Whether a zone of contact was lost in the step and nothing else has changed.
+
+    Its width vanishes as a root does, so that the curve bends at once.
     """
     alike = before.rises * ahead.rises > 0.0 and before.at.growth * ahead.at.growth > 0.0
     return alike and len(ahead.at.contact) < len(before.at.contact)
 
 
-def _unit(curve: Equilibria, at: Point) -> float:
-    """What the control is counted in: by it some end moves by its zone's width; not less than what
-    drives one by the intensity asked.
+def _unit(curve: Curve, at: State) -> float:
+    """Unit of the control: by it some end moves by the width of its zone.
+
+    It is at least what changes a drive by the intensity of the law.
     """
     whole, least = at.whole, curve.unit(at)
     moves, _, rank, _ = np.linalg.lstsq(at.rates, at.by_value, rcond=None)
-    if rank < len(moves) and np.abs(at.rates @ moves - at.by_value).max() * least > _NOT_MET:
+    if (
+        rank < len(moves)
+        and np.abs(at.rates @ moves - at.by_value).max() * least > TOLERANCES.resting_step
+    ):
         # At a turning point the ends move while the control stands still.
         return least
-    # What drives a held end may double.
+    # The drive of a pinned end may double.
     driven = np.where(
-        whole.held,
+        whole.pinned,
         (whole.by_value - whole.rates @ moves) / np.maximum(1.0, np.abs(whole.residual)),
         0.0,
     )
@@ -538,29 +552,29 @@ def _unit(curve: Equilibria, at: Point) -> float:
     return max(least, 1.0 / most) if most > 0.0 else least
 
 
-def _tangent(at: Point, scales: Array) -> Array:
-    """Unit vector along the curve: motions of the ends and of the control over what they are
-    counted in.
-    """
+def _tangent(at: State, scales: Array) -> Array:
+    """Unit vector along the curve, in units of the scales."""
     return np.asarray(np.linalg.svd(np.column_stack((at.rates, at.by_value)) * scales)[2][-1])
 
 
-def along(curve: Equilibria, here: Place, length: float, tight: bool = True) -> Point | None:
-    """The equilibrium at a distance along the tangent, perpendicular to it; None if Newton does not
-    come to it at once.
+def along(curve: Curve, here: CurvePoint, length: float, tight: bool = True) -> State | None:
+    """The equilibrium at a distance along the tangent, in the plane perpendicular to it.
+
+    None if Newton's method does not reach it.
     """
     return _corrected(curve, here, here.ahead(length), here.tangent, tight)
 
 
 def _corrected(
-    curve: Equilibria, here: Place, start: Array, normal: Array, tight: bool
-) -> Point | None:
-    """The equilibrium from a start (2n + 1,) on, perpendicular to the normal; None if Newton does
-    not come to it at once.
+    curve: Curve, here: CurvePoint, start: Array, normal: Array, tight: bool
+) -> State | None:
+    """Corrector: the equilibrium in the plane through a start with this normal.
+
+    None if Newton's method does not reach it.
     """
     if curve.formally is curve:
         return _newton(curve, here, start, normal, tight)[0]
-    # As a rule the zones of contact stay what they are, and it is asked once whether they do.
+    # As a rule the zones of contact stay the same ones: they are tested once, at the end.
     found, reached = _newton(curve.formally, here, start, normal, tight, True)
     if found is not None and curve.has_right_zones(found):
         return found
@@ -568,10 +582,11 @@ def _corrected(
 
 
 def _newton(
-    curve: Equilibria, here: Place, start: Array, normal: Array, tight: bool, formal: bool = False
-) -> tuple[Point | None, Array | None]:
-    """(the same, how far Newton's steps have come (2n + 1,), None where it is no use to go on from
-    there). formal: of as many zones of contact as there are at the start, or of none.
+    curve: Curve, here: CurvePoint, start: Array, normal: Array, tight: bool, formal: bool = False
+) -> tuple[State | None, Array | None]:
+    """(the equilibrium or None, the last iterate or None where it is no use to go on).
+
+    formal: the zones of contact inside the intervals keep their number.
     """
     at_start, length, widths, unit = (
         here.at,
@@ -579,11 +594,11 @@ def _newton(
         here.scales[:-1],
         float(here.scales[-1]),
     )
-    how: dict[str, Any] = {} if tight else {"tolerance": _ROUGH}
+    how: dict[str, Any] = {} if tight else {"tolerance": TOLERANCES.rough}
     if at_start.corners is not None:
-        how["held"] = at_start.held
+        how["pinned"] = at_start.pinned
     before = np.inf
-    for k in range(_CORRECTIONS):
+    for k in range(TOLERANCES.max_newton_steps):
         table = at_start.moved(start[:-1] * widths)
         if at_start.corners is not None:
             table, start = curve.within(table), start.copy()
@@ -600,19 +615,24 @@ def _newton(
             matrix = np.vstack((np.column_stack((at.rates, at.by_value)) * here.scales, normal))
             step = np.linalg.solve(matrix, np.append(-at.residual, 0.0))
         except np.linalg.LinAlgError:
-            # Of zones on a level stretch.
+            # Zones on a level stretch.
             return None, None
         size = float(np.abs(step).max())
-        # The start, too, may have been solved roughly.
-        if size > (0.3 if k == 0 else 1.0) * max(abs(length), _OFF):
+        # The start may have been solved roughly, too.
+        if size > (0.3 if k == 0 else 1.0) * max(abs(length), 10 * TOLERANCES.resting_step):
             return None, None
-        rounded = 0.5 * before < size < _ROUNDED
-        if size < _STILL and "tolerance" not in how or not tight and (size < _ROUGHLY or rounded):
+        rounded = 0.5 * before < size < TOLERANCES.resting_step
+        if (
+            size < TOLERANCES.neutral
+            and "tolerance" not in how
+            or not tight
+            and (size < TOLERANCES.rough or rounded)
+        ):
             return at, start
         start = start + step
-        # What is left falls as the steps do, or faster. Of zones far narrower than others rounding
-        # leaves more: then they do not fall any more.
-        if size * min(size / before if k else 1.0, 1.0) < _TIGHT or rounded:
+        # The residual falls as the steps do, or faster. Between zones of very different widths
+        # round-off leaves more: then it does not fall any more.
+        if size * min(size / before if k else 1.0, 1.0) < TOLERANCES.newton_step or rounded:
             how.pop("tolerance", None)
             return curve.at(
                 at_start.moved(start[:-1] * widths), at_start.value + start[-1] * unit, **how

@@ -1,43 +1,53 @@
-"""Contact under a law with a tension beside it: the branch that is asked for is followed by the
-intervals where the gap is below its reach.
+"""Branches of contacts under a tension of finite range (Dugdale).
 
-    advancing    from these intervals of the contact under the bare law, or of the surfaces as they touch; where the gap elsewhere comes
-                 below the reach new intervals begin, and those that meet become one; under tension,
-                 or below first touch, from there at no load back again
-    receding     from one so wide that its ends are driven inward; with a period from tension everywhere
+The unknown intervals are those where the gap is below the reach of the tension.
 
-Tension everywhere moves no surface of a half-plane: that is the contact under the bare law at the
-load with the tension added.
+    advancing    from the intervals of the contact under the start law, or of the surfaces as they
+                 touch: new intervals begin where the gap falls below the reach, those that meet
+                 merge. Under tension, or below first touch, the contact advances under no load
+                 first, and recedes from there
+    receding     from an interval so wide that its ends are driven inward; with a period from
+                 tension everywhere
+
+Tension everywhere moves no surface of a half-plane: that contact is the one under the start law
+at the load with the tension added.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 import sie
-from contact.adhesion.cohesive_certificate import FoundBeside, certified, rounded_load, uncertain
-from contact.adhesion.cohesive_fields import PulledFields, PulledGapFields
+from contact.adhesion.cohesive_certificate import SolvedCohesive, certified, end_error, rounded_load
+from contact.adhesion.cohesive_fields import CohesiveFields, CohesiveGapFields
 from contact.adhesion.cohesive_flow import (
     TOO_NARROW,
     advanced,
     guide_down,
     guide_of,
-    left_of_all,
+    intervals_left,
     receded,
     settled,
 )
 from contact.adhesion.cohesive_pull_off import pull_off, pull_off_from_all
-from contact.adhesion.cohesive_zone import Cohesive, CohesivePoint
-from contact.adhesion.curve import Closed, Point
-from contact.adhesion.deformed_profile import Pulled
-from contact.adhesion.edge_branch import bare, frame, past, way
+from contact.adhesion.cohesive_zone import CohesiveCurve, CohesiveState
+from contact.adhesion.curve import TOLERANCES, Closed, State
+from contact.adhesion.deformed_profile import TractionLoaded
+from contact.adhesion.edge_branch import (
+    OPTIONS,
+    branch_scaling,
+    described_way,
+    past_pull_off,
+    start_contact,
+)
+from contact.adhesion.events import EVENTS
 from contact.adhesion.full_contact import closing_foreseen
-from contact.adhesion.gradient_flow import ROUGH
-from contact.adhesion.inner_contact import TIGHT, Lost, edge_slopes
+from contact.adhesion.inner_contact import TIGHT, ContactLost, edge_slopes
 from contact.adhesion.intervals import below, sample_points, united_about
+from contact.adhesion.limits import EPS, LIMITS
 from contact.errors import NotConverged, OutOfRange
 from contact.formulation.controls import Load
 from contact.formulation.fields import ZoneFields
@@ -57,47 +67,41 @@ from contact.verify.certificate import certify
 from contact.verify.error import SolvedZones
 from sie import Array
 
-# Tolerance of solutions under the bare law, from which the branch is followed.
-_BARE = 1e-6
-# Zones under the tension that was found: as tightly as they come to rest.
-_TIGHT = (1e-13, 1e-11)
-_LOOSE = 1e-9
-# Rounding of ends over their zones.
-_ROUNDED = 1e-15
-# First zones over the intervals in which the surfaces touch.
-_TOUCH = 1e-2
-# Adhesion on a strip below this part of a zone is nearly without range; of the intensity it would
-# have, and how far ends go for it.
-_THIN = 0.02
-_PART = 0.3
-_FIRST = 0.3
-# Zones under the bare law that a branch is followed from at the most.
-_MOST_ZONES = 400
-# Of a zone, the strips that are solved at the least; terms of a zone's pressure, times the root of
-# its strips over it.
-_NARROWEST = 5e-7
-_MODES = 16.0
-# Of the mean height of a profile: approaches above first touch.
-_PARTS = (0.5, 0.2, 0.05, 0.01, 1e-3, 1e-4)
-# Points at which the profile is looked at, and widenings of the window until the gap is above the
-# reach at its border.
-_LOOKS = 2049
-_WINDOWS = 60
-# The greatest contact is looked for in intervals ever wider by this, and is one that is driven
-# inward, as those so many times as wide are.
-_WIDENINGS = 120
-_WIDEN = 1.25
-_WIDER = (1.25, 1.5, 2.0, 3.0, 5.0, 8.0)
+
+@dataclass(frozen=True)
+class CohesiveBranchOptions:
+    """Where a branch under a tension begins, and how its end is solved."""
+
+    # Accuracy of the ends of zones under the tension that was found: the best first.
+    end_tolerances: tuple[float, ...] = (1e-13, 1e-11, 1e-9)
+    # Strips below this part of a zone act like an edge intensity. The ends then first move the next
+    # part of the way that it would drive them, at most that part of the room next to them.
+    narrow_strip: float = 0.02
+    first_move: float = 0.3
+    # Each step takes a matrix of all unknowns.
+    max_zones: int = 400
+    # Narrowest strip over the zone, and the terms of a pressure that it takes, times its root.
+    narrowest_strip: float = 5e-7
+    terms: float = 16.0
+    # Approaches above first touch, over the mean height, from which the contact is lowered.
+    first_approaches: tuple[float, ...] = (0.5, 0.2, 0.05, 0.01, 1e-3, 1e-4)
+    profile_samples: int = 2049
+
+
+_OPTIONS = CohesiveBranchOptions()
 
 
 def followed_under_tension(context: SolveContext) -> Outcome:
-    """The contact of the scene on the branch that the context asks for; OutOfRange past pull-off."""
+    """The contact of the scene on the branch that the context asks for.
+
+    Raises OutOfRange past pull-off.
+    """
     scene = context.scene
     work = scene.law.tension * scene.law.reach
-    scaled = frame(context, math.sqrt(scene.E_star * work / math.pi))
+    scaled = branch_scaling(context, math.sqrt(scene.E_star * work / math.pi))
     problem, held = scaled.problem, context.control(scaled.problem)
-    curve, value = Cohesive(problem, held), held.value
-    context.plan["branch"].detail = f"{context.branch}, {way(context)}"
+    curve, value = CohesiveCurve(problem, held), held.value
+    context.plan["branch"].detail = f"{context.branch}, {described_way(context)}"
     try:
         with context.plan.timed("zone ends"):
             if context.branch == "receding":
@@ -111,21 +115,23 @@ def followed_under_tension(context: SolveContext) -> Outcome:
     except Closed:
         return everywhere(context, problem)
     if rest is None:
-        raise OutOfRange(past(curve, _pulled_off(context, scaled, curve), context))
+        raise OutOfRange(past_pull_off(curve, _pulled_off(context, scaled, curve), context))
     return solved(context, curve, rest)
 
 
 def _greatest(
-    context: SolveContext, scaled: ScaledScene, curve: Cohesive, value: float
-) -> Point | None:
-    """Receded under the value, or below first touch from where zones under tension everywhere are
-    in contact, and then lowered to it.
+    context: SolveContext, scaled: ScaledScene, curve: CohesiveCurve, value: float
+) -> State | None:
+    """The receding contact under the value.
+
+    Below first touch it is first found at an approach with contact under tension everywhere, and
+    then lowered.
     """
     if curve.problem.round is None:
         return _receded(context, scaled, curve, value)
-    if curve.held.load is not None or value > 0.0:
+    if curve.control.load is not None or value > 0.0:
         return _receded_from_all(context, curve, value)
-    for part in _PARTS:
+    for part in _OPTIONS.first_approaches:
         above = part * mean_height(context.scene)
         higher = replace(context, scene=context.scene.under(context.scene.control[0], above))
         try:
@@ -137,9 +143,9 @@ def _greatest(
 
 
 def _lowered(
-    context: SolveContext, scaled: ScaledScene, curve: Cohesive, value: float
-) -> Point | None:
-    """Advanced under the value, or under none and then lowered to it."""
+    context: SolveContext, scaled: ScaledScene, curve: CohesiveCurve, value: float
+) -> State | None:
+    """The advancing contact under the value, or under no load and then lowered."""
     try:
         start = advancing(context, scaled, curve, max(value, 0.0))
     except Closed:
@@ -149,12 +155,12 @@ def _lowered(
     return start if value >= 0.0 else _lowered_to(curve, start, value)
 
 
-def _lowered_to(curve: Cohesive, start: Point, value: float) -> Point | None:
+def _lowered_to(curve: CohesiveCurve, start: State, value: float) -> State | None:
     return receded(curve, start.table, value, guide_down(curve, len(start.contact), start.table))
 
 
-def _pulled_off(context: SolveContext, scaled: ScaledScene, curve: Cohesive) -> Point:
-    """Where a contact comes apart that has advanced under no load."""
+def _pulled_off(context: SolveContext, scaled: ScaledScene, curve: CohesiveCurve) -> State:
+    """The pull-off of a contact that has advanced under no load."""
     try:
         return pull_off(curve, advancing(context, scaled, curve, 0.0))
     except Closed:
@@ -165,88 +171,100 @@ def _pulled_off(context: SolveContext, scaled: ScaledScene, curve: Cohesive) -> 
         return pull_off_from_all(curve, zones, 0.0)
 
 
-# starts
-# ---------------------------------------------------------------------------------------------------------------
 def advancing(
-    context: SolveContext, scaled: ScaledScene, curve: Cohesive, value: float
-) -> CohesivePoint:
-    """The least equilibrium about first touch under a value of the control, not negative."""
+    context: SolveContext, scaled: ScaledScene, curve: CohesiveCurve, value: float
+) -> CohesiveState:
+    """The least equilibrium about first touch under a value of the control, at least 0."""
     with closing_foreseen(context, curve, value):
         return _advanced_from_touch(context, scaled, curve, value)
 
 
 def _advanced_from_touch(
-    context: SolveContext, scaled: ScaledScene, curve: Cohesive, value: float
-) -> CohesivePoint:
+    context: SolveContext, scaled: ScaledScene, curve: CohesiveCurve, value: float
+) -> CohesiveState:
+    """The same equilibrium, by following the ends of its intervals."""
     problem = scaled.problem
     if value == 0.0:
-        table, zones = _touched(scaled, curve)
+        table, zones = _touch_intervals(scaled, curve)
         if problem.period is None:
-            # A lone body is scaled by about what its contact is under no load.
+            # A lone body is scaled by about its contact under no load.
             _refuse_narrow(context, problem.units.length)
     else:
-        found = bare(context)
+        found = start_contact(context)
         if len(found.zones) == 0:
             raise Closed
         _refuse_many(len(found.zones))
         _refuse_narrow(context, float(found.zone_widths.max()))
         zones = curve.within(placed(problem, found.zones))
-        fields, look = curve.contact_under(Pulled.of(problem, 0.0, np.zeros((0, 2))), value, zones)
+        fields, look = curve.contact_under(
+            TractionLoaded.of(problem, 0.0, np.zeros((0, 2))), value, zones
+        )
         zones, round_ = fields.density.zones.table, problem.round
-        look = _looked_on(curve, fields, look)
+        look = _sampled_farther(curve, fields, look)
         near = below(zones, look, curve.reach, round_, corners=problem.corners)
-        table = curve.within(united_about(near, curve.within(_begun(curve, fields)), round_))
+        table = curve.within(
+            united_about(near, curve.within(_moved_outward(curve, fields)), round_)
+        )
         zones = curve.fitted(zones, table)
     return advanced(curve, table, value, guide_of(curve, len(zones), table), zones)
 
 
 def _refuse_many(zones: int) -> None:
-    if zones > _MOST_ZONES:
+    if zones > _OPTIONS.max_zones:
         raise OutOfRange(
-            f"{zones} zones: under a tension beside the contact they are followed by steps that each take a matrix of all that is unknown "
-            f"on them, which is done for {_MOST_ZONES} zones at the most: take a coarser trace, a part of it, or adhesion without range"
+            f"{zones} zones: under a tension beside the contact they are followed by steps that "
+            "each take a matrix of all that is unknown "
+            f"on them, which is done for {_OPTIONS.max_zones} zones at the most: take a coarser "
+            "trace, a part of it, or adhesion without range"
         )
 
 
 def _refuse_narrow(context: SolveContext, width: float) -> None:
-    """Where the tension would act on strips too narrow beside zones as wide as this [m]."""
+    """Raise NotConverged where strips are too narrow next to zones of this width [m]."""
     scene = context.scene
     strip = 0.25 * math.pi * scene.E_star * scene.law.reach / scene.law.tension
-    if strip < _NARROWEST * width:
+    if strip < _OPTIONS.narrowest_strip * width:
         part = max(strip / width, np.finfo(np.float64).tiny)
         raise NotConverged(
-            f"{TOO_NARROW}. They are {strip:.2g} m beside {width:.2g} m, and the pressure, which bends within them, would take "
-            f"{_MODES / math.sqrt(part):.1g} terms a zone: without range its ends differ by {part:.0e} of the zone"
+            f"{TOO_NARROW}. They are {strip:.2g} m beside {width:.2g} m, and the pressure, which "
+            "bends within them, would take "
+            f"{_OPTIONS.terms / math.sqrt(part):.1g} terms a zone: without range its ends differ "
+            f"by {part:.0e} of the zone"
         )
 
 
-def _begun(curve: Cohesive, fields: ZoneFields) -> Array:
-    """Zones whose ends have gone a part of the way that adhesion without range would drive them
-    alone, where its tension would act on a narrow strip: from there on the strip is not too narrow
-    to be told, and the ends are still driven outward.
+def _moved_outward(curve: CohesiveCurve, fields: ZoneFields) -> Array:
+    """Zones whose ends have moved a part of the way that an edge intensity would drive them.
+
+    Only zones with narrow strips: from there on the strips are wide enough to be resolved, and
+    the ends are still driven outward.
     """
     problem, zones = curve.problem, fields.density.zones.table
     wanted = math.sqrt(2 * curve.stress * curve.reach / math.pi)
     strip, width = np.pi**2 / 4 * (wanted / curve.stress) ** 2, np.diff(zones, axis=1)
     slope = np.maximum(np.array(fields.density.edge_slopes).T, 1e-300)
     out = np.where(
-        strip < _THIN * width,
-        np.minimum(2 * _PART * wanted / slope, _FIRST * room_beside(zones, problem.round)),
+        strip < _OPTIONS.narrow_strip * width,
+        np.minimum(
+            2 * _OPTIONS.first_move * wanted / slope,
+            _OPTIONS.first_move * room_beside(zones, problem.round),
+        ),
         0.0,
     )
     return zones + np.column_stack((-out[:, 0], out[:, 1]))
 
 
-def _looked_on(
-    curve: Cohesive, fields: ZoneFields, look: tuple[Array, Array]
+def _sampled_farther(
+    curve: CohesiveCurve, fields: ZoneFields, look: tuple[Array, Array]
 ) -> tuple[Array, Array]:
-    """The gap beside the zones of a lone body, as far as it comes to the reach: under a light load
-    that is far from contact.
+    """Samples of the gap of a lone body, as far as it is below the reach.
+
+    Under a light load that is far from the contact.
     """
     problem, (x, gap) = curve.problem, look
     if problem.round is not None or np.isfinite(problem.corners[0]):
         return look
-    for _ in range(_WINDOWS):
+    for _ in range(LIMITS.max_bisections):
         lo, hi = (
             max(problem.borders[0], 2 * x[0] - x[-1]),
             min(problem.borders[1], 2 * x[-1] - x[0]),
@@ -264,10 +282,8 @@ def _looked_on(
     return x, gap
 
 
-def _touched(scaled: ScaledScene, curve: Cohesive) -> tuple[Array, Array]:
-    """(where the gap of the surfaces as they touch is below the reach, narrow zones about their
-    lowest places).
-    """
+def _touch_intervals(scaled: ScaledScene, curve: CohesiveCurve) -> tuple[Array, Array]:
+    """(intervals where the gap of touching surfaces is below the reach, first zones in them)."""
     problem, (lo, hi) = scaled.problem, scaled.problem.units.scaled(np.array(scaled.cell))
     profile, length, corners, round_ = (
         problem.profile,
@@ -278,11 +294,11 @@ def _touched(scaled: ScaledScene, curve: Cohesive) -> tuple[Array, Array]:
     border = problem.borders if round_ is None else (-math.inf, math.inf)
     if sharp := bool(np.isfinite(corners[0])):
         lo, hi = corners
-    for _ in range(_WINDOWS):
+    for _ in range(LIMITS.max_bisections):
         per_feature = (
             0.0 if profile.resolution is None else 8 * (hi - lo) * length / profile.resolution
         )
-        x = np.linspace(lo, hi, int(np.clip(per_feature, _LOOKS, 2**18)))
+        x = np.linspace(lo, hi, int(np.clip(per_feature, _OPTIONS.profile_samples, 2**18)))
         kinks = problem.forcing.kinks[0]
         x = np.unique(
             np.concatenate(
@@ -309,22 +325,26 @@ def _touched(scaled: ScaledScene, curve: Cohesive) -> tuple[Array, Array]:
         inner = places[(places >= a) & (places <= b)]
         if len(inner):
             away = [end - start for start, end in ((a, inner[0]), (inner[-1], b)) if end > start]
-            half = 0.5 * _TOUCH * min([b - a, *(2 * one for one in away)])
+            half = 0.5 * EVENTS.new_width * min([b - a, *(2 * one for one in away)])
             zones.append((inner[0] - half, inner[-1 if sharp else 0] + half))
     return curve.within(table), curve.within(np.array(zones))
 
 
 def _receded(
-    context: SolveContext, scaled: ScaledScene, curve: Cohesive, value: float
-) -> Point | None:
-    """From an interval about a lone body's least contact so wide that its ends are driven inward,
-    and those of wider ones.
+    context: SolveContext, scaled: ScaledScene, curve: CohesiveCurve, value: float
+) -> State | None:
+    """The contact that recedes from a wide interval about a lone body's least contact.
+
+    The ends of that interval, and of wider ones, are driven inward.
     """
     if np.isfinite(curve.problem.corners[0]):
         # All that lies between the corners.
         table = np.array([curve.problem.corners])
         curve.from_zones(
-            table, max(value, 0.0), advancing(context, scaled, curve, max(value, 0.0)).zones, ROUGH
+            table,
+            max(value, 0.0),
+            advancing(context, scaled, curve, max(value, 0.0)).zones,
+            TOLERANCES.rough,
         )
         rest = receded(curve, table, max(value, 0.0))
         return rest if rest is None or value >= 0.0 else _lowered_to(curve, rest, value)
@@ -338,9 +358,9 @@ def _receded(
         at = curve.at(np.array([[middle - half, middle + half]]), max(value, 0.0))
         return bool(np.all((at.residual < 0.0) | (at.by_value < 0.0)))
 
-    for _ in range(_WIDENINGS):
-        half *= _WIDEN
-        if inward(half) and all(inward(half * wider) for wider in _WIDER):
+    for _ in range(LIMITS.max_tries):
+        half *= OPTIONS.widening
+        if inward(half) and all(inward(half * wider) for wider in OPTIONS.multiples):
             table = np.array([[middle - half, middle + half]])
             rest = receded(curve, table, max(value, 0.0), guide_of(curve, len(here.contact), table))
             return rest if rest is None or value >= 0.0 else _lowered_to(curve, rest, value)
@@ -349,9 +369,10 @@ def _receded(
     )
 
 
-def _receded_from_all(context: SolveContext, curve: Cohesive, value: float) -> Point | None:
-    """From tension everywhere in a period; Closed where the gap stays below its reach, None where
-    nothing is left.
+def _receded_from_all(context: SolveContext, curve: CohesiveCurve, value: float) -> State | None:
+    """The contact that recedes from tension everywhere in a period.
+
+    None where nothing is left. Raises Closed where the gap stays below the reach.
     """
     problem = curve.problem
     try:
@@ -359,31 +380,34 @@ def _receded_from_all(context: SolveContext, curve: Cohesive, value: float) -> P
         if zones is None:
             raise Closed
         fields, look = curve.contact_under(curve.everywhere, value, zones)
-    except Lost:
+    except ContactLost:
         return None
     zones = fields.density.zones.table
     try:
-        table = left_of_all(curve, value, zones, look)
-    except Lost:
+        table = intervals_left(curve, value, zones, look)
+    except ContactLost:
         return None
     return receded(curve, table, value, guide_of(curve, len(zones), table))
 
 
 def under_all(context: SolveContext, problem: Problem) -> Array | None:
-    """Scaled zones under tension everywhere; None in full contact; Lost where there are none."""
+    """Scaled zones under tension everywhere; None in full contact.
+
+    Raises ContactLost where there are none.
+    """
     scene, period = context.scene, context.scene.period
     assert period is not None
     if scene.given_load is not None and scene.given_load + scene.law.tension * period <= 0.0:
-        raise Lost
-    scene = _bare_scene(context, problem)
+        raise ContactLost
+    scene = _start_scene(context, problem)
     if scene.approach is not None and scene.approach <= 0.0:
-        raise Lost
-    found = context.solve_scene(scene, _BARE)
+        raise ContactLost
+    found = context.solve_scene(scene, TOLERANCES.resting_step)
     return placed(problem, found.zones) if len(found.zones) else None
 
 
-def _bare_scene(context: SolveContext, problem: Problem) -> Scene:
-    """The scene with the tension everywhere put into its control, under the bare law."""
+def _start_scene(context: SolveContext, problem: Problem) -> Scene:
+    """The scene under the start law, its control raised by the tension everywhere."""
     scene, period = context.scene, context.scene.period
     assert period is not None and scene.law.bare is not None
     stress = scene.law.tension
@@ -396,81 +420,85 @@ def _bare_scene(context: SolveContext, problem: Problem) -> Scene:
     return replace(scene, law=scene.law.bare, approach=scene.approach + sunk)
 
 
-# what was found
-# -------------------------------------------------------------------------------------------------------
-def solved(context: SolveContext, curve: Cohesive, here: Point) -> SolvedZones:
-    """The equilibrium as tightly as there is."""
-    assert isinstance(here, CohesivePoint)
+def solved(context: SolveContext, curve: CohesiveCurve, here: State) -> SolvedZones:
+    """The equilibrium with its fields, its certificate and its error."""
+    assert isinstance(here, CohesiveState)
     problem = curve.problem
-    pulled = Pulled.of(problem, curve.stress, here.table).over(here.zones)
+    pulled = TractionLoaded.of(problem, curve.stress, here.table).over(here.zones)
     at_load = here
-    if curve.held.load is None:
-        at_load = Cohesive(problem, Load(0.0)).from_zones(here.table, here.load, here.zones)
-    fields, free, control = _tight(context, pulled, at_load.load + pulled.pulling.total, here.zones)
+    if curve.control.load is None:
+        at_load = CohesiveCurve(problem, Load(0.0)).from_zones(here.table, here.load, here.zones)
+    fields, free, control = _solved_zones(
+        context, pulled, at_load.load + pulled.pulling.total, here.zones
+    )
     certificate = certify(ZoneFields(pulled, fields.state), control.load)
     whole = replace(fields, law_problem=problem, rate=at_load.rate)
-    return FoundBeside(
+    return SolvedCohesive(
         free,
         whole,
         certified(certificate, curve, here),
         1,
         control,
         context.tolerance,
-        beside=uncertain(curve, here, fields),
+        beside=end_error(curve, here, fields),
     )
 
 
-def _tight(
-    context: SolveContext, pulled: Pulled, load: float, zones: Array
-) -> tuple[PulledFields, sie.Free, Load]:
-    """load: of q."""
+def _solved_zones(
+    context: SolveContext, pulled: TractionLoaded, load: float, zones: Array
+) -> tuple[CohesiveFields, sie.Free, Load]:
+    """(fields, search of the ends, control) of zones under a tension.
+
+    load: that of q.
+    """
     if pulled.pulling.spread != (None, None):
-        return _tight_at_corners(pulled, load - pulled.pulling.total, zones)
+        return _solved_at_corners(pulled, load - pulled.pulling.total, zones)
     control = Load(load)
-    kinds = whole(pulled, zones)
+    kinds = all_zones(pulled, zones)
     free = next(
         (
             found
-            for tolerance in _TIGHT
+            for tolerance in _OPTIONS.end_tolerances[:-1]
             if (found := sie.find_ends(pulled.equation(control), kinds, tolerance)).converged
         ),
         None,
-    ) or sie.find_ends(pulled.equation(control), kinds, _LOOSE)
+    ) or sie.find_ends(pulled.equation(control), kinds, _OPTIONS.end_tolerances[-1])
     if not free.converged:
         raise context.error(
             Failure(f"under the tension that was found {free.reason}", free), pulled
         )
-    return PulledFields(pulled, free.state), free, control
+    return CohesiveFields(pulled, free.state), free, control
 
 
-def _tight_at_corners(
-    pulled: Pulled, load: float, zones: Array
-) -> tuple[PulledFields, sie.Free, Load]:
-    """The same where a tension is spread over zones, and goes with their free ends. load: the given
-    one.
+def _solved_at_corners(
+    pulled: TractionLoaded, load: float, zones: Array
+) -> tuple[CohesiveFields, sie.Free, Load]:
+    """The same where a tension is spread over zones and follows their free ends.
+
+    load: the given one.
     """
     before = np.inf
     while True:
         pulled = pulled.over(zones)
         control = Load(load + pulled.pulling.total)
-        state = sie.solve_fixed(pulled.equation(control), whole(pulled, zones), TIGHT)
+        state = sie.solve_fixed(pulled.equation(control), all_zones(pulled, zones), TIGHT)
         free = state.density.zones.moves
         with np.errstate(divide="ignore", invalid="ignore"):
             step = np.where(
                 free, 2 * np.array(state.density.intensities) / edge_slopes(pulled, state), 0.0
             )
         off = np.abs(step).T / np.diff(zones, axis=1)
-        if not off.max() < 0.5 * before or before < _ROUNDED:
-            off += _ROUNDED * free.T
+        if not off.max() < 0.5 * before or before < 4 * EPS:
+            off += 4 * EPS * free.T
             found = sie.Free(
                 state, True, off, off, (), None, stable=True, reason="the ends are at rest"
             )
-            return PulledFields(pulled, state), found, control
+            return CohesiveFields(pulled, state), found, control
         zones, before = zones + np.column_stack((-step[0], step[1])), float(off.max())
 
 
-def whole(pulled: Pulled, zones: Array) -> sie.Zones:
-    """Zones that are all solved for, with the kinds of their ends."""
+def all_zones(pulled: TractionLoaded, zones: Array) -> sie.Zones:
+    """Zones with the kinds of their ends, every density unknown."""
     left, right = (
         [sie.SINGULAR if place == corner else pulled.end for place in ends]
         for ends, corner in zip(zones.T, pulled.corners, strict=True)
@@ -479,12 +507,14 @@ def whole(pulled: Pulled, zones: Array) -> sie.Zones:
 
 
 def everywhere(context: SolveContext, problem: Problem) -> Outcome:
-    """Tension in all of a period: the contact under the bare law, less the tension."""
-    scene = _bare_scene(context, problem)
+    """The contact under tension in all of a period: that of the start law, less the tension."""
+    scene = _start_scene(context, problem)
     alone = replace(context, scene=scene, cache=SceneCache(scene))
-    found = alone.solve_scene(scene, _BARE)
+    found = alone.solve_scene(scene, TOLERANCES.resting_step)
     stress = context.scene.law.tension
-    pulled = Pulled.of(problem, stress / problem.units.pressure, np.zeros((0, 2)), everywhere=True)
+    pulled = TractionLoaded.of(
+        problem, stress / problem.units.pressure, np.zeros((0, 2)), everywhere=True
+    )
     if len(found.zones) == 0:
         return closed(context)
     zones = placed(problem, found.zones)
@@ -495,16 +525,16 @@ def everywhere(context: SolveContext, problem: Problem) -> Outcome:
         if isinstance(gapped, Failure):
             raise context.error(gapped, plain)
         here = gapped.fields
-        lowered = PulledGapFields(
+        lowered = CohesiveGapFields(
             here.problem, here.state, here.mean, here.relief, stress / problem.units.pressure
         )
         return replace(gapped, fields=lowered)
-    fields, free, control = _tight(context, pulled, load, zones)
+    fields, free, control = _solved_zones(context, pulled, load, zones)
     certificate = certify(ZoneFields(pulled, fields.state), control.load)
-    curve = Cohesive(problem, Load(0.0))
+    curve = CohesiveCurve(problem, Load(0.0))
     fields = replace(fields, law_problem=problem)
     beside = 0.0 if context.scene.given_load is None else rounded_load(fields)
-    return FoundBeside(
+    return SolvedCohesive(
         free,
         fields,
         certified(certificate, curve, None, fields),

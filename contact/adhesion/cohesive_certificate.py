@@ -1,42 +1,48 @@
-"""What is checked of a contact with a tension beside it, beyond what its frictionless part is: the
-reach, and stability.
+"""The certificate of a contact under a tension: reach and stability, beyond its frictionless part.
 
-p >= -s inside the zones is q = p + s >= 0, which that part's certificate looks at, with overlaps
-and the balance of the whole load.
+p >= -s inside the zones is q = p + s >= 0. The certificate of the frictionless part tests that,
+with overlaps and the balance of the whole load.
 """
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
-from contact.adhesion.cohesive_fields import PulledFields, scaled_second_variation
-from contact.adhesion.cohesive_zone import Cohesive, CohesivePoint
-from contact.adhesion.inner_contact import look_at
+from contact.adhesion.cohesive_fields import CohesiveFields, scaled_second_variation
+from contact.adhesion.cohesive_zone import CohesiveCurve, CohesiveState
+from contact.adhesion.curve import TOLERANCES
+from contact.adhesion.inner_contact import sampled_gap
 from contact.formulation.fields import ZoneFields
 from contact.formulation.tables import gaps_between, located
 from contact.verify.certificate import Certificate, least_eigenvalue
 from contact.verify.error import SolvedZones, reference
 from sie import AnyDensity, Array, record, wrapped
 
-# A miss of the reach, over it, and what rounding of heights may make of it.
-_REACH = 1e-7
-# Beside the ends of the tension, over the width of its interval, gaps are not told apart from the
-# reach.
-_BESIDE = 1e-9
+
+@dataclass(frozen=True)
+class CohesiveLimits:
+    """What the certificate admits, and how the error of the pressure is bounded."""
+
+    # Error of the gap at an end of the tension, over the reach, beyond rounding of heights.
+    reach_error: float = 1e-7
+    # Error of the pressure at equal normalised position, over that of the ends: zones and strips
+    # move together, and the steepest pressure next to an end is below this.
+    pressure_factor: float = 16.0
+    # Samples of the slope of a zone's pressure, and their least angle from its ends.
+    slope_samples: int = 2048
+    least_angle: float = 0.3
 
 
-# Over what the ends of the tension are off by, what the pressure is off by at equal normalised
-# position: zones and strips move together.
-_MOVED = 16.0
-# Places of a zone at which its slope is looked at, and no nearer in the angle to its ends.
-_LOOKS = 2048
-_AWAY = 0.3
+LIMITS = CohesiveLimits()
 
 
 @record
-class FoundBeside(SolvedZones):
-    """Zones with a tension beside them. beside: what it adds to the error."""
+class SolvedCohesive(SolvedZones):
+    """Zones under a tension.
+
+    beside: what the ends of the tension add to the error.
+    """
 
     beside: float = 0.0
 
@@ -49,28 +55,33 @@ class FoundBeside(SolvedZones):
         if self.beside < 0.5 * self.error:
             return ""
         return (
-            f"the gap at the ends of the tension, known no closer to its reach than heights are rounded, adds {self.beside:.1e}; "
+            "the gap at the ends of the tension, known no closer to its reach than heights are "
+            f"rounded, adds {self.beside:.1e}; "
             "allow a larger tol, or give a law of less stress and longer reach"
         )
 
 
 def certified(
     plain: Certificate,
-    curve: Cohesive,
-    here: CohesivePoint | None,
-    fields: PulledFields | None = None,
+    curve: CohesiveCurve,
+    here: CohesiveState | None,
+    fields: CohesiveFields | None = None,
 ) -> Certificate:
-    """The certificate of the frictionless part, with what the tension adds; here: None where it
-    acts everywhere, on these fields.
+    """The certificate of the frictionless part with that of the tension.
+
+    here: None where the tension acts everywhere, on these fields.
     """
     stress = curve.stress * curve.problem.units.pressure
     least = plain.smallest_pressure - stress
-    held, name = plain.holds, curve.held.name
+    held, name = plain.holds, curve.control.name
     if here is None:
         assert fields is not None
-        _, gap = look_at(fields)
-        inside = bool(np.all(gap < curve.reach * (1 + _REACH)))
-        note = "the gap is below the reach of the tension everywhere: the frictionless contact, less the tension, and as stable"
+        _, gap = sampled_gap(fields)
+        inside = bool(np.all(gap < curve.reach * (1 + LIMITS.reach_error)))
+        note = (
+            "the gap is below the reach of the tension everywhere: the frictionless contact, less "
+            "the tension, and as stable"
+        )
         return replace(
             plain,
             smallest_pressure=least,
@@ -85,18 +96,23 @@ def certified(
         np.minimum(np.abs(place - table[i, 0]), np.abs(place - table[i, 1])),
         np.abs(next_one[i] - place),
     )
-    told = away > _BESIDE * (table[i, 1] - table[i, 0])
+    clear_of_ends = away > TOLERANCES.rough * (table[i, 1] - table[i, 0])
     assert here.q is not None
     rounding = here.q.gap_rounding
-    wrong = told & np.where(within, gap > curve.reach + rounding, gap < curve.reach - rounding)
-    missed = max(float(np.abs(here.residual).max()), float(-here.whole.residual.min()))
+    wrong_side = clear_of_ends & np.where(
+        within, gap > curve.reach + rounding, gap < curve.reach - rounding
+    )
+    reach_error = max(float(np.abs(here.residual).max()), float(-here.whole.residual.min()))
     stability = least_eigenvalue(scaled_second_variation(here))
     if not held:
         note = plain.note or "a sign or the balance fails"
-    elif missed > _REACH + 4 * rounding / curve.reach:
-        held, note = False, f"at an end of the tension the gap misses its reach by {missed:.1e}"
-    elif wrong.any():
-        at = float(curve.problem.units.x(place[wrong])[0])
+    elif reach_error > LIMITS.reach_error + 4 * rounding / curve.reach:
+        held, note = (
+            False,
+            f"at an end of the tension the gap misses its reach by {reach_error:.1e}",
+        )
+    elif wrong_side.any():
+        at = float(curve.problem.units.x(place[wrong_side])[0])
         held, note = (
             False,
             f"the gap is on the wrong side of the reach of the tension at x = {at:.6g} m",
@@ -108,22 +124,25 @@ def certified(
         )
     else:
         note = (
-            "one of several equilibria: pressure above minus the tension in contact, no overlap, balance, the gap below the reach where "
-            f"the tension acts, above it elsewhere and equal to it at its ends, locally stable under a held {name}"
+            "one of several equilibria: pressure above minus the tension in contact, no overlap, "
+            "balance, the gap below the reach where "
+            "the tension acts, above it elsewhere and equal to it at its ends, locally stable "
+            f"under a held {name}"
         )
     return replace(
         plain,
         smallest_pressure=least,
         holds=bool(held),
         note=note,
-        intensity=missed,
+        intensity=reach_error,
         stability=stability,
     )
 
 
-def uncertain(curve: Cohesive, here: CohesivePoint, fields: ZoneFields) -> float:
-    """What the ends of the tension may be off by, and the zones by it, over the width of either;
-    and what the pressure of these fields is by that.
+def end_error(curve: CohesiveCurve, here: CohesiveState, fields: ZoneFields) -> float:
+    """Bound of the error that the ends of the tension add.
+
+    The larger one of the error of the ends, over their intervals or zones, and of the pressure's.
     """
     assert here.q is not None
     rounding = here.q.gap_rounding / 16 / curve.reach
@@ -140,24 +159,26 @@ def uncertain(curve: Cohesive, here: CohesivePoint, fields: ZoneFields) -> float
     largest = max(
         reference(density, problem.end, problem.borne(density)), np.finfo(np.float64).tiny
     )
-    steep = np.maximum(_MOVED, _steepness(density) / largest)
+    steep = np.maximum(LIMITS.pressure_factor, _steepness(density) / largest)
     return max(
-        _MOVED * float((ends / here.widths).max()), float((steep * followed.max(axis=1)).max())
+        LIMITS.pressure_factor * float((ends / here.widths).max()),
+        float((steep * followed.max(axis=1)).max()),
     )
 
 
 def _steepness(density: AnyDensity) -> Array:
-    """The steepest slope of the pressure of each zone a width, away from its ends (Z,)."""
+    """Steepest slope of the pressure of each zone, times its width, away from its ends (Z,)."""
     out = np.zeros(len(density.zones))
-    for zone, count in enumerate(np.minimum(density.sampling, _LOOKS).tolist()):
-        theta = np.linspace(_AWAY, np.pi - _AWAY, count)
+    for zone, count in enumerate(np.minimum(density.sampling, LIMITS.slope_samples).tolist()):
+        theta = np.linspace(LIMITS.least_angle, np.pi - LIMITS.least_angle, count)
         out[zone] = 2 * float((np.abs(density.by_angle(zone, theta)[1]) / np.sin(theta)).max())
     return out
 
 
-def rounded_load(fields: PulledFields) -> float:
-    """What rounding may make of zones under tension in all of a period: the load of q is that of
-    the tension and the given one, which may nearly cancel.
+def rounded_load(fields: CohesiveFields) -> float:
+    """Rounding of zones under tension in all of a period.
+
+    The load of q is the sum of the tension's and the given one, which may nearly cancel.
     """
     total, pull = fields.density.total, fields.tension.total
     rounding = 2 * np.finfo(np.float64).eps * (abs(total - pull) + pull) / total

@@ -5,11 +5,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from contact.adhesion.cohesive_zone import Cohesive, CohesivePoint
-from contact.adhesion.curve import Point
-from contact.adhesion.deformed_profile import Pulled
-from contact.adhesion.separated_fields import LooseFields, beside, on_zones
-from contact.adhesion.uniform_tension import Tension
+from contact.adhesion.cohesive_zone import CohesiveCurve, CohesiveState
+from contact.adhesion.curve import State
+from contact.adhesion.deformed_profile import TractionLoaded
+from contact.adhesion.separated_fields import SeparatedFields, beside, on_zones
+from contact.adhesion.uniform_tension import UniformTension
 from contact.formulation.fields import ZoneFields, mean_shape
 from contact.formulation.gaps import GapFields
 from contact.formulation.problem import Problem
@@ -17,10 +17,10 @@ from sie import Array, record
 
 
 @record
-class PulledFields(ZoneFields):
+class CohesiveFields(ZoneFields):
     """The fields of a contact with tension around it.
 
-    problem: the deformed profile (`Pulled`), whose pressure is q; law_problem: the problem with the
+    problem: the deformed profile (`TractionLoaded`), whose pressure is q; law_problem: the problem with the
     scene's law; rate: d load/d approach, scaled, None under tension everywhere.
     """
 
@@ -28,12 +28,12 @@ class PulledFields(ZoneFields):
     rate: float | None = None
 
     @property
-    def pulled(self) -> Pulled:
-        assert isinstance(self.problem, Pulled)
+    def pulled(self) -> TractionLoaded:
+        assert isinstance(self.problem, TractionLoaded)
         return self.problem
 
     @property
-    def tension(self) -> Tension:
+    def tension(self) -> UniformTension:
         return self.pulled.pulling
 
     @property
@@ -144,30 +144,30 @@ class PulledFields(ZoneFields):
         )
 
 
-def fields_of(curve: Cohesive, here: Point) -> PulledFields | LooseFields:
+def fields_of(curve: CohesiveCurve, here: State) -> CohesiveFields | SeparatedFields:
     """The fields at a state of the curve, with or without contact."""
-    problem, everywhere = curve.problem, isinstance(here, CohesivePoint) and here.everywhere
-    if isinstance(here, CohesivePoint) and here.q is not None:
-        return PulledFields(here.q.problem, here.q.state, law_problem=problem)
-    return LooseFields(
+    problem, everywhere = curve.problem, isinstance(here, CohesiveState) and here.everywhere
+    if isinstance(here, CohesiveState) and here.q is not None:
+        return CohesiveFields(here.q.problem, here.q.state, law_problem=problem)
+    return SeparatedFields(
         problem,
-        curve.everywhere if everywhere else Pulled.of(problem, curve.stress, here.table),
+        curve.everywhere if everywhere else TractionLoaded.of(problem, curve.stress, here.table),
         here.level,
     )
 
 
-def scaled_second_variation(here: CohesivePoint) -> Array:
+def scaled_second_variation(here: CohesiveState) -> Array:
     """The scaled Hessian of the energy with respect to outward motions of the free tension ends.
 
     It is d^2 energy/ds_i ds_j times the square roots of the widths of both intervals, over 2 w.
     """
-    free = ~here.held
+    free = ~here.pinned
     root = np.sqrt(here.widths[free])
     return np.asarray(-0.5 * root[:, None] * here.rates[np.ix_(free, free)] * root)
 
 
 @record
-class PulledGapFields(GapFields):
+class CohesiveGapFields(GapFields):
     """Nearly full contact under tension everywhere, solved by its gaps.
 
     It is the frictionless contact with the uniform tension `stress` (scaled) subtracted.

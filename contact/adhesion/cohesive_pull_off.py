@@ -1,72 +1,81 @@
-"""Where contact under a tension comes apart as its control falls: at a turning point, or where the
-last zone has shrunk to a point.
-"""
+"""Pull-off under a tension: at a turning point, or where the last zone has shrunk to a point."""
+
+from dataclasses import dataclass
 
 import numpy as np
 
 from contact.adhesion import jkr_guide
 from contact.adhesion import pull_off as apart
 from contact.adhesion.cohesive_flow import (
-    FEW,
+    OPTIONS,
     TOO_NARROW,
     guide_down,
     guide_of,
     guided,
-    left_of_all,
+    intervals_left,
     receded,
 )
-from contact.adhesion.cohesive_zone import Cohesive, CohesivePoint, Loose
-from contact.adhesion.curve import Equilibria, NoState, Point
-from contact.adhesion.deformed_profile import Pulled
-from contact.adhesion.inner_contact import Covered, Lost
+from contact.adhesion.cohesive_zone import CohesiveCurve, CohesiveState, StateOutline
+from contact.adhesion.curve import Curve, NoState, State
+from contact.adhesion.deformed_profile import TractionLoaded
+from contact.adhesion.inner_contact import ContactLost, EndsCovered
 from contact.adhesion.intervals import within
+from contact.adhesion.limits import LIMITS
 from contact.errors import NotConverged
 from contact.formulation.roots import maximum, minimum
 from sie import Array
 
-# Newton's steps of a state without contact.
-_STEPS = 80
-# Of the control, until the gap somewhere comes to the reach.
-_HALVINGS = 60
-# Zones over their intervals: of contact that is all but lost.
-SHRUNK = 0.1
+
+@dataclass(frozen=True)
+class CohesivePullOffOptions:
+    """Where a contact under a tension is nearly lost."""
+
+    # Width of the contact over its interval below which the contact is nearly lost.
+    shrunk_zone: float = 0.1
 
 
-def pull_off(curve: Cohesive, here: Point) -> Point:
-    """Where the last zones come apart as the control falls: at a turning point, or where the last
-    of them has shrunk to a point. here: an equilibrium, of which what `Loose` tells is enough.
+SHRINKING = CohesivePullOffOptions()
+
+
+def pull_off(curve: CohesiveCurve, here: State) -> State:
+    """The last equilibrium as the control falls.
+
+    here: an equilibrium; what `StateOutline` holds is enough.
     """
 
-    def recede(under: Equilibria, table: Array, value: float) -> Point | None:
-        assert isinstance(under, Cohesive)
+    def recede(under: Curve, table: Array, value: float) -> State | None:
+        assert isinstance(under, CohesiveCurve)
         return receded(under, table, value, guide_down(under, len(under.known[-1].zones), table))
 
-    def near(under: Equilibria, at: Point) -> Point:
-        assert isinstance(under, Cohesive)
-        return apart.near_the_last(under, _about_to_part(under, at), recede)
+    def near(under: Curve, at: State) -> State:
+        assert isinstance(under, CohesiveCurve)
+        return apart.near_the_last(under, _near_pull_off(under, at), recede)
 
     try:
-        if curve.held.load is not None:
-            here = _about_to_part(curve, here)
+        if curve.control.load is not None:
+            here = _near_pull_off(curve, here)
         here = apart.lowered_by_load(curve, here, near)
         here = curve.again(here, here.value)
         return apart.pull_off(
             curve, here, recede, lambda at: _highest_within(curve, at) / curve.reach - 1.0
         )
-    except Covered as covered:
+    except EndsCovered as covered:
         raise NotConverged(TOO_NARROW) from covered
-    except (Lost, NotConverged):
+    except (ContactLost, NotConverged):
         last = curve.known[-1]
-        if not np.diff(last.zones, axis=1).sum() < SHRUNK * np.diff(last.table, axis=1).sum():
+        if (
+            not np.diff(last.zones, axis=1).sum()
+            < SHRINKING.shrunk_zone * np.diff(last.table, axis=1).sum()
+        ):
             raise
-    # Of several, one: where these are alike all of them touch.
+    # Of several zones the widest: if they are alike, all of them touch.
     widest = int(np.argmax(np.diff(last.zones, axis=1)))
     return touching(curve, last.table, float(last.zones[widest].mean()))
 
 
-def _highest_within(curve: Cohesive, here: Point) -> float:
-    """The largest gap within the intervals, but for what begins at their ends."""
-    assert isinstance(here, CohesivePoint)
+def _highest_within(curve: CohesiveCurve, here: State) -> float:
+    """The largest gap inside the intervals, away from their ends."""
+    assert isinstance(here, CohesiveState)
     (x, gap), period, highest = here.look, curve.problem.round, 0.0
     for a, b in here.table:
         inner, place = within(x, a, b, period)
@@ -86,13 +95,14 @@ def _highest_within(curve: Cohesive, here: Point) -> float:
     return highest
 
 
-def _about_to_part(curve: Cohesive, here: Point) -> Point:
-    """The equilibrium that this one has come to under a control a little above the least at which a
-    grid holds any; itself without one.
+def _near_pull_off(curve: CohesiveCurve, here: State) -> State:
+    """An equilibrium near the least control at which a guide still finds one.
+
+    The state itself where there is no guide.
     """
     if (
-        len(here.contact) > FEW
-        and (rest := jkr_guide.about_to_part(curve, here, receded)) is not None
+        len(here.contact) > OPTIONS.guided_zones
+        and (rest := jkr_guide.near_pull_off(curve, here, receded)) is not None
     ):
         return rest
     guide = guide_down(curve, len(here.contact), here.table)
@@ -101,32 +111,33 @@ def _about_to_part(curve: Cohesive, here: Point) -> Point:
     try:
         least = guide.least_value(here.table, here.value)
     except NotConverged:
-        # Under a held approach others are driven on by what recedes: it does not tell.
+        # Under a held approach, what recedes drives others on: the grid does not tell.
         return here
-    for control in apart.above(least, here.value):
+    for control in apart.controls_above(least, here.value):
         rest = receded(curve, here.table, control, guide)
         if rest is not None:
             return rest
     return here
 
 
-def pull_off_from_all(curve: Cohesive, zones: Array, value: float) -> Point:
-    """The same of a contact under tension everywhere: from where the gap somewhere comes to its
-    reach, or to the last touch.
+def pull_off_from_all(curve: CohesiveCurve, zones: Array, value: float) -> State:
+    """The last equilibrium of a contact under tension everywhere.
+
+    The gap somewhere exceeds the reach before it, or the surfaces touch last in one point.
     """
-    rest = _open_and_about_to_part(curve, zones, value)
+    rest = _cut_near_pull_off(curve, zones, value)
     if rest is not None:
         return pull_off(curve, rest)
     problem, pulled = curve.problem, curve.everywhere
-    # Without contact the load is the tension's, and the base gives way to it.
+    # Without contact the load is that of the tension, and the base gives way to it.
     load = -pulled.pulling.total
     lost = (
         load
-        if curve.held.load is not None
+        if curve.control.load is not None
         else (curve.yields * load - curve.stress * problem.compression)
     )
     low, high, found, opened = lost, value, curve.contact_under(pulled, value, zones), False
-    for _ in range(_HALVINGS):
+    for _ in range(LIMITS.max_bisections):
         middle = 0.5 * (low + high)
         if middle in (low, high) or high - low < 1e-14 * (value - lost):
             break
@@ -141,33 +152,35 @@ def pull_off_from_all(curve: Cohesive, zones: Array, value: float) -> Point:
             high, found = middle, here
     fields, (x, gap) = found
     inside = fields.density.zones.table
-    state = Loose.of(np.zeros((0, 2)), high, fields.density.total + load, fields.level, inside)
+    state = StateOutline.of(
+        np.zeros((0, 2)), high, fields.density.total + load, fields.level, inside
+    )
     if not opened:
         return state
-    # At the place that comes to the reach first the tension lets go.
+    # The tension is cut where the gap exceeds the reach first.
     try:
-        table = left_of_all(
+        table = intervals_left(
             curve, high, inside, (x, np.where(gap == gap.max(), 2 * curve.reach, gap))
         )
-    except Lost:
+    except ContactLost:
         return state
     rest = receded(curve, table, high - 1e-9 * (value - lost))
     return state if rest is None else pull_off(curve, rest)
 
 
-def _open_and_about_to_part(curve: Cohesive, zones: Array, value: float) -> Point | None:
-    """The equilibrium that a contact under tension everywhere has come to under a control a little
-    above the least at which a grid holds any; None where that does not tell, or where the tension
-    has not let go before.
+def _cut_near_pull_off(curve: CohesiveCurve, zones: Array, value: float) -> State | None:
+    """An equilibrium, its tension cut, near the least control at which a grid finds one.
+
+    None where the grid does not tell, or the tension is not cut before.
     """
     guide = guide_of(curve, len(zones), None)
     if guide is None:
         return None
     least = guide.least_value(None, value)
-    for control in apart.above(least, value):
+    for control in apart.controls_above(least, value):
         try:
             start = guided(curve, guide, None, control, -1.0)
-        except Lost:
+        except ContactLost:
             continue
         rest = None if start is None else receded(curve, start.table, control)
         if rest is not None:
@@ -175,14 +188,15 @@ def _open_and_about_to_part(curve: Cohesive, zones: Array, value: float) -> Poin
     return None
 
 
-def touching(curve: Cohesive, table: Array, at: float) -> Loose:
-    """The equilibrium in which the surfaces touch in one point, without pressure, beside one of
-    hardly any contact there.
+def touching(curve: CohesiveCurve, table: Array, at: float) -> StateOutline:
+    """The equilibrium in which the surfaces touch in one point without pressure.
+
+    It is next to a state with hardly any contact.
     """
     half = 0.02 * float(np.diff(table, axis=1).max())
     lowest = 0.0
-    for _ in range(_STEPS):
-        pulled = Pulled.of(curve.problem, curve.stress, table)
+    for _ in range(LIMITS.max_newton_steps):
+        pulled = TractionLoaded.of(curve.problem, curve.stress, table)
         at, lowest = minimum(pulled.shape, np.linspace(at - half, at + half, 65))
         ends, tension = np.concatenate((table[:, 0], table[:, 1])), pulled.pulling
         gap = pulled.shape(ends) - lowest
@@ -197,6 +211,6 @@ def touching(curve: Cohesive, table: Array, at: float) -> Loose:
             raise NotConverged("the place where the surfaces touch last was not found")
         if float(np.abs(step).max()) < 1e-14 * float(np.diff(table, axis=1).min()):
             break
-    load = -Pulled.of(curve.problem, curve.stress, table).pulling.total
-    value = load if curve.held.load is not None else curve.yields * load + lowest
-    return Loose.of(table, value, load, -lowest, np.array([[at, at]]))
+    load = -TractionLoaded.of(curve.problem, curve.stress, table).pulling.total
+    value = load if curve.control.load is not None else curve.yields * load + lowest
+    return StateOutline.of(table, value, load, -lowest, np.array([[at, at]]))

@@ -25,21 +25,22 @@ from functools import cached_property
 import numpy as np
 
 import sie
-from contact.adhesion.curve import HELD, Equilibria, Point
-from contact.adhesion.deformed_profile import Pulled
+from contact.adhesion.curve import TOLERANCES, Curve, State
+from contact.adhesion.deformed_profile import TractionLoaded
 from contact.adhesion.inner_contact import (
     TIGHT,
-    Covered,
-    Lost,
+    ContactLost,
+    EndsCovered,
     Tolerances,
     contact_under,
     edge_slopes,
-    look_around,
-    look_at,
-    looked,
+    sample_places,
+    sampled_gap,
+    samples_with_extremes,
     signs_hold,
 )
 from contact.adhesion.intervals import fitted, interval_of
+from contact.adhesion.limits import EPS
 from contact.errors import OutOfRange
 from contact.formulation.controls import Control
 from contact.formulation.fields import ZoneFields
@@ -52,23 +53,9 @@ from sie import Array, Mask, record
 class CohesiveOptions:
     """Tolerances of states on a curve of equilibria, and of Newton's method to one of them."""
 
-    # Overlap of surfaces over the reach that is round-off.
-    overlap: float = 1e-12
-    # Tolerance of the densities behind the rates if they are solved by iteration.
-    rate_tolerance: float = 1e-10
-    # The same for a state that is not an answer: Newton's method only needs rough rates.
-    rough_rate_tolerance: float = 1e-4
-    # Newton steps to an equilibrium from a state close to it.
-    max_newton_steps: int = 8
-    # Step over the widths that is round-off.
-    converged_step: float = 1e-15
-    # Step over the widths that leads to another equilibrium.
-    max_step: float = 1e-2
     # If strips of tension are narrower than this part of the widest zone, states are solved to
     # round-off: the error of rates is that of the ends times (zone width/strip width)^2.
     narrow_strip: float = 1e-3
-    # Step over the widths below which the rates of the previous state are kept.
-    reuse_rates_below: float = 1e-9
     # States remembered for warm starts.
     max_known: int = 256
 
@@ -77,7 +64,7 @@ _OPTIONS = CohesiveOptions()
 
 
 @record
-class CohesivePoint(Point):
+class CohesiveState(State):
     """A state of the curve.
 
     table: the intervals I (empty if the tension acts everywhere); zones: the contact (n, 2); q: its
@@ -102,7 +89,7 @@ class CohesivePoint(Point):
         zones: Array,
         q: ZoneFields | None,
         seen: tuple[Array, Array],
-    ) -> "CohesivePoint":
+    ) -> "CohesiveState":
         """A state under tension on the whole period, which has no ends."""
         none, still = np.zeros(0), np.zeros((2 * len(zones), 1))
         return cls(
@@ -127,7 +114,7 @@ class CohesivePoint(Point):
         if self.seen is not None:
             return self.seen
         assert self.q is not None
-        return look_at(self.q)
+        return sampled_gap(self.q)
 
     @property
     def rate(self) -> float:
@@ -146,7 +133,7 @@ class CohesivePoint(Point):
 
 
 @record
-class Known:
+class PastState:
     """The part of a state that is kept for warm starts."""
 
     table: Array
@@ -156,13 +143,15 @@ class Known:
 
 
 @record
-class Loose(Point):
+class StateOutline(State):
     """A state given by its intervals, zones (n, 2), load and level only."""
 
     zones: Array
 
     @classmethod
-    def of(cls, table: Array, value: float, load: float, level: float, zones: Array) -> "Loose":
+    def of(
+        cls, table: Array, value: float, load: float, level: float, zones: Array
+    ) -> "StateOutline":
         none = np.zeros(0)
         return cls(
             table, float(value), none, np.zeros((0, 0)), none, float(load), float(level), zones
@@ -174,7 +163,7 @@ class Loose(Point):
 
 
 @dataclass(frozen=True)
-class Cohesive(Equilibria):
+class CohesiveCurve(Curve):
     """The curve of equilibria of a cohesive law; tension and reach are scaled.
 
     known: earlier states for warm starts; recent: the last state with its curve and tolerance;
@@ -183,9 +172,9 @@ class Cohesive(Equilibria):
     """
 
     problem: Problem
-    held: Control
-    known: list[Known] = field(default_factory=list, compare=False, repr=False)
-    recent: "list[tuple[Cohesive, CohesivePoint, float]]" = field(
+    control: Control
+    known: list[PastState] = field(default_factory=list, compare=False, repr=False)
+    recent: "list[tuple[CohesiveCurve, CohesiveState, float]]" = field(
         default_factory=list, compare=False, repr=False
     )
     loose: bool = False
@@ -206,9 +195,9 @@ class Cohesive(Equilibria):
         return 0.25 * math.pi * units.E_star * law.reach / law.tension / units.length
 
     @property
-    def everywhere(self) -> Pulled:
+    def everywhere(self) -> TractionLoaded:
         """The problem under tension on the whole period."""
-        return Pulled.of(self.problem, self.stress, np.zeros((0, 2)), everywhere=True)
+        return TractionLoaded.of(self.problem, self.stress, np.zeros((0, 2)), everywhere=True)
 
     # One state.
 
@@ -217,12 +206,12 @@ class Cohesive(Equilibria):
         table: Array,
         value: float,
         tolerance: float = TIGHT,
-        held: Mask | None = None,
-        alike: CohesivePoint | None = None,
-    ) -> CohesivePoint:
+        pinned: Mask | None = None,
+        alike: CohesiveState | None = None,
+    ) -> CohesiveState:
         """The state with tension on given intervals, cut at sharp corners.
 
-        The zones start from those of the nearest known state. held: ends pinned at corners; None:
+        The zones start from those of the nearest known state. pinned: ends pinned at corners; None:
         all ends at corners that are not driven inward. alike: a state whose rates may be reused.
         """
         table = self.within(table)
@@ -230,7 +219,7 @@ class Cohesive(Equilibria):
         zones = np.zeros((0, 2)) if near is None else self._followed(near, table, value)
         try:
             here = self.from_zones(table, value, zones, tolerance, alike)
-        except Covered:
+        except EndsCovered:
             # The nearest state may have lost zones, and the others grow without end. The known
             # state with the most zones is tried.
             more = max(
@@ -241,21 +230,21 @@ class Cohesive(Equilibria):
             if near is None or more is None or len(more.zones) <= len(near.zones):
                 raise
             here = self.from_zones(table, value, self._followed(more, table, value), tolerance)
-        if held is None or here.corners is None or np.array_equal(held, here.held):
+        if pinned is None or here.corners is None or np.array_equal(pinned, here.pinned):
             return here
-        return here.holding(held)
+        return here.with_pinned(pinned)
 
-    def under(self, control: Control) -> "Cohesive":
-        return Cohesive(self.problem, control, loose=self.loose, formal=self.formal)
+    def under(self, control: Control) -> "CohesiveCurve":
+        return CohesiveCurve(self.problem, control, loose=self.loose, formal=self.formal)
 
-    def again(self, here: Point, value: float) -> CohesivePoint:
+    def again(self, here: State, value: float) -> CohesiveState:
         return self.from_zones(here.table, value, here.contact)
 
     def fitted(self, zones: Array, table: Array) -> Array:
         """Zones cut to lie within intervals."""
         return fitted(zones, table, self.problem.round, corners=self.problem.corners)
 
-    def _followed(self, before: Known, table: Array, value: float) -> Array:
+    def _followed(self, before: PastState, table: Array, value: float) -> Array:
         """The zones of a known state, extrapolated to other intervals and another value."""
         zones = before.zones
         if len(before.table) != len(table):
@@ -280,10 +269,10 @@ class Cohesive(Equilibria):
             return self.fitted(zones, table)
         return np.asarray(new)
 
-    def nearest(self, table: Array, value: float) -> Known:
+    def nearest(self, table: Array, value: float) -> PastState:
         """The known state with as many intervals and the nearest ends, then value; else the last."""
 
-        def away(one: Known) -> tuple[float, float]:
+        def away(one: PastState) -> tuple[float, float]:
             return float(np.abs(one.table - table).max()), abs(one.value - value)
 
         known = self.known
@@ -296,16 +285,16 @@ class Cohesive(Equilibria):
         value: float,
         zones: Array,
         tolerance: float = TIGHT,
-        alike: CohesivePoint | None = None,
-    ) -> CohesivePoint:
+        alike: CohesiveState | None = None,
+    ) -> CohesiveState:
         """The state with tension on given intervals, from a first guess of the zones."""
         table = self.within(table)
         narrow = self.strip / float(np.diff(zones, axis=1).max(initial=0.0) or np.inf)
-        asked, of_rates = tolerance, _OPTIONS.rough_rate_tolerance
+        asked, of_rates = tolerance, TOLERANCES.rough_rates
         if tolerance <= TIGHT:
-            of_rates = _OPTIONS.rate_tolerance
+            of_rates = TOLERANCES.rates
         if 0.0 < narrow < _OPTIONS.narrow_strip:
-            tolerance, of_rates = TIGHT, max(_OPTIONS.rate_tolerance, of_rates * narrow)
+            tolerance, of_rates = TIGHT, max(TOLERANCES.rates, of_rates * narrow)
         for curve, last, tightly in self.recent:
             if (
                 tightly <= asked
@@ -319,13 +308,13 @@ class Cohesive(Equilibria):
             raise OutOfRange(
                 "the tension reaches the border of the part of the profile that is known"
             )
-        pulled = Pulled.of(self.problem, self.stress, table)
+        pulled = TractionLoaded.of(self.problem, self.stress, table)
         point = (
             self._without_contact(table, value, pulled)
             if self._may_be_loose and len(zones) == 0
             else None
         )
-        overlap = -_OPTIONS.overlap * self.reach
+        overlap = -TOLERANCES.neutral * self.reach
         if point is None or (not self.formal and point.look[1].min() < overlap):
             try:
                 tolerances = (
@@ -338,106 +327,113 @@ class Cohesive(Equilibria):
                     of_rates,
                     alike,
                 )
-            except Lost:
+            except ContactLost:
                 if not self._may_be_loose:
                     raise
                 point = self._without_contact(table, value, pulled)
         self.recent[:] = [(self, point, asked)]
-        self.known.append(Known(table, value, point.zones, point.by_ends))
+        self.known.append(PastState(table, value, point.zones, point.by_ends))
         del self.known[: -_OPTIONS.max_known]
         return point
 
     @property
     def _may_be_loose(self) -> bool:
-        return self.loose and self.held.load is None
+        return self.loose and self.control.load is None
 
     def contact_under(
-        self, pulled: Pulled, value: float, zones: Array
+        self, pulled: TractionLoaded, value: float, zones: Array
     ) -> tuple[ZoneFields, tuple[Array, Array]]:
         """The fields of q under a tension at a value of the control, and the sampled gap."""
         fields, look = self._contact_under(pulled, value, zones, Tolerances())
-        return fields, look_at(fields) if look is None else look
+        return fields, sampled_gap(fields) if look is None else look
 
     def _contact_under(
-        self, pulled: Pulled, value: float, zones: Array, tolerances: Tolerances
+        self, pulled: TractionLoaded, value: float, zones: Array, tolerances: Tolerances
     ) -> tuple[ZoneFields, tuple[Array, Array] | None]:
         return contact_under(
-            pulled, lambda at: self.control(at, value), zones, self.formal, tolerances
+            pulled, lambda at: self.inner_control(at, value), zones, self.formal, tolerances
         )
 
-    def under_all(self, value: float, zones: Array) -> CohesivePoint:
+    def under_all(self, value: float, zones: Array) -> CohesiveState:
         """The state under tension on the whole period; it is stable like frictionless contact."""
         pulled, none = self.everywhere, np.zeros((0, 2))
         pull = pulled.pulling.total
-        loose: CohesivePoint | None = None
+        loose: CohesiveState | None = None
         if self._may_be_loose:
-            level, x = -value - self.yields * pull, look_around(pulled, none)
-            loose = CohesivePoint.under_all(
-                value, -pull, level, none, None, looked(lambda y: pulled.shape(y) + level, x)
+            level, x = -value - self.yields * pull, sample_places(pulled, none)
+            loose = CohesiveState.under_all(
+                value,
+                -pull,
+                level,
+                none,
+                None,
+                samples_with_extremes(lambda y: pulled.shape(y) + level, x),
             )
-            apart = loose.look[1].min() >= -_OPTIONS.overlap * self.reach
+            apart = loose.look[1].min() >= -TOLERANCES.neutral * self.reach
             if len(zones) == 0 and (self.formal or apart):
                 return loose
         try:
             fields, look = self.contact_under(pulled, value, zones)
-        except Lost:
+        except ContactLost:
             if loose is None:
                 raise
             return loose
         found = fields.density
-        return CohesivePoint.under_all(
+        return CohesiveState.under_all(
             value, found.total - pull, float(fields.level), found.zones.table, fields, look
         )
 
-    def control(self, pulled: Pulled, value: float) -> Control:
+    def inner_control(self, pulled: TractionLoaded, value: float) -> Control:
         """The control of q, whose load includes the tension."""
-        return replace(self.held, value=value + self.yields * pulled.pulling.total)
+        return replace(self.control, value=value + self.yields * pulled.pulling.total)
 
     @property
     def yields(self) -> float:
         """The change of the control's value per unit of load."""
-        if self.held.load is not None:
+        if self.control.load is not None:
             return 1.0
-        return float(self.held.yields or 0.0)
+        return float(self.control.yields or 0.0)
 
-    def fields(self, here: Point, tolerance: float = TIGHT) -> ZoneFields:
+    def fields(self, here: State, tolerance: float = TIGHT) -> ZoneFields:
         """The fields of a state, with the tolerance with which it was solved."""
-        assert isinstance(here, CohesivePoint) and here.q is not None
+        assert isinstance(here, CohesiveState) and here.q is not None
         return here.q
 
-    def gap(self, here: Point, x: Array) -> Array:
+    def gap(self, here: State, x: Array) -> Array:
         """The scaled gap at points x; in contact it is round-off, not exactly 0."""
-        assert isinstance(here, CohesivePoint)
+        assert isinstance(here, CohesiveState)
         if here.q is not None:
             return here.q.formal_gap(x)
         pulled = (
-            self.everywhere if here.everywhere else Pulled.of(self.problem, self.stress, here.table)
+            self.everywhere
+            if here.everywhere
+            else TractionLoaded.of(self.problem, self.stress, here.table)
         )
         return np.asarray(pulled.shape(x) + here.level)
 
-    def unit(self, here: Point) -> float:
+    def unit(self, here: State) -> float:
         if here.whole.by_value.any():
             return super().unit(here)
         # No end moves with the control: the scale is the force of the tension, or the reach.
         bears = self.stress * float(np.diff(here.table, axis=1).sum())
-        return bears if self.held.load is not None else self.reach + self.yields * bears
+        return bears if self.control.load is not None else self.reach + self.yields * bears
 
     @property
-    def formally(self) -> "Cohesive":
+    def formally(self) -> "CohesiveCurve":
         return self if self.formal else replace(self, formal=True)
 
-    def has_right_zones(self, here: Point) -> bool:
-        assert isinstance(here, CohesivePoint)
+    def has_right_zones(self, here: State) -> bool:
+        assert isinstance(here, CohesiveState)
         if here.q is None:
-            return bool(here.look[1].min() >= -_OPTIONS.overlap * self.reach)
+            return bool(here.look[1].min() >= -TOLERANCES.neutral * self.reach)
         return signs_hold(here.q, here.look)
 
-    def vanishes(self, here: Point, motion: Array) -> float:
+    def vanishes(self, here: State, motion: Array) -> float:
         """The part of a motion at which the first zone vanishes.
 
         The square of a zone's width is linear near the point where it vanishes.
         """
-        assert isinstance(here, CohesivePoint)
+        assert isinstance(here, CohesiveState)
         widths = np.diff(here.zones, axis=1)[:, 0]
         narrower = -(here.by_ends @ motion).reshape(2, -1).sum(axis=0)
         with np.errstate(divide="ignore"):
@@ -447,20 +443,20 @@ class Cohesive(Equilibria):
 
     # The rates.
 
-    def settled(self, here: Point) -> CohesivePoint:
+    def settled(self, here: State) -> CohesiveState:
         """The nearest equilibrium, solved to round-off."""
-        assert isinstance(here, CohesivePoint)
+        assert isinstance(here, CohesiveState)
         if not any(last is here for _, last, _ in self.recent):
             here = self.at(here.table, here.value)
         before = np.inf
-        for _ in range(_OPTIONS.max_newton_steps):
+        for _ in range(TOLERANCES.max_newton_steps):
             size, tight = float(np.abs(here.newton / here.widths).max()), self.recent[0][2] <= TIGHT
             # Steps that no longer decrease are round-off.
-            converged = tight and (size < _OPTIONS.converged_step or size > 0.5 * before)
-            if size > _OPTIONS.max_step or converged:
+            converged = tight and (size < 4 * EPS or size > 0.5 * before)
+            if size > TOLERANCES.other_equilibrium or converged:
                 break
             before = size if tight else np.inf
-            alike = here if tight and size < _OPTIONS.reuse_rates_below else None
+            alike = here if tight and size < TOLERANCES.rough else None
             here = self.at(here.moved(here.newton), here.value, alike=alike)
         return self.at(here.table, here.value)
 
@@ -471,14 +467,14 @@ class Cohesive(Equilibria):
         fields: ZoneFields,
         look: tuple[Array, Array] | None,
         of_rates: float,
-        alike: CohesivePoint | None,
-    ) -> CohesivePoint:
+        alike: CohesiveState | None,
+    ) -> CohesiveState:
         """The state made of given fields, with residual and rates.
 
         alike: a state so close that its rates are reused, if it has as many zones.
         """
         pulled, state = fields.problem, fields.state.whole
-        assert isinstance(pulled, Pulled)
+        assert isinstance(pulled, TractionLoaded)
         zones, load, level = (
             fields.density.zones.table,
             fields.density.total - pulled.pulling.total,
@@ -491,7 +487,7 @@ class Cohesive(Equilibria):
         if alike is not None and len(zones) == len(alike.zones):
             whole = alike.whole
             return self._at_corners(
-                CohesivePoint(
+                CohesiveState(
                     table,
                     value,
                     residual,
@@ -509,7 +505,7 @@ class Cohesive(Equilibria):
         if state.iteration is not None:
             # There are as many right sides as ends, so a matrix is factored instead of iterating.
             state = sie.solve_fixed(
-                pulled.equation(self.control(pulled, value)),
+                pulled.equation(self.inner_control(pulled, value)),
                 state.density.zones,
                 of_rates,
                 direct=True,
@@ -519,7 +515,7 @@ class Cohesive(Equilibria):
         strengths = np.hstack((self.stress * np.eye(len(free)), np.zeros((len(free), 1))))
         values = np.zeros((len(state.condition_scale), len(free) + 1))
         first = state.condition_index[0]
-        if self.held.load is not None:
+        if self.control.load is not None:
             values[first, :-1], values[first, -1] = self.stress, 1.0
         else:
             # Under approach control, the row of every zone has minus the value on its right side.
@@ -529,7 +525,7 @@ class Cohesive(Equilibria):
         answers = sie.answers(state, free, strengths, values, free)
         of_level = (
             np.append(np.zeros(len(free)), -1.0)
-            if self.held.approach is not None
+            if self.control.approach is not None
             else answers.levels.mean(axis=0)
         )
         change = of_level - answers.potentials
@@ -548,7 +544,7 @@ class Cohesive(Equilibria):
         rates[~beside], rates[:, ~beside] = 0.0, 0.0
         by_value = -by_value / self.reach
         return self._at_corners(
-            CohesivePoint(
+            CohesiveState(
                 table,
                 value,
                 residual,
@@ -564,25 +560,29 @@ class Cohesive(Equilibria):
             )
         )
 
-    def _at_corners(self, here: CohesivePoint) -> CohesivePoint:
+    def _at_corners(self, here: CohesiveState) -> CohesiveState:
         """The state with the ends pinned that are at sharp corners and not driven inward."""
         corners = np.array(self.problem.corners)
         if not np.isfinite(corners).all():
             return here
-        return here.holding((here.table == corners).T.ravel() & (here.residual >= -HELD))
+        return here.with_pinned(
+            (here.table == corners).T.ravel() & (here.residual >= -TOLERANCES.pinned)
+        )
 
-    def _without_contact(self, table: Array, value: float, pulled: Pulled) -> CohesivePoint:
+    def _without_contact(self, table: Array, value: float, pulled: TractionLoaded) -> CohesiveState:
         """The state without contact, if the load is not controlled; its gap is explicit."""
         count, pull = len(table), pulled.pulling.total
         at = np.concatenate((table[:, 0], table[:, 1]))
         level = -value - self.yields * pull
         gap = pulled.shape(at) + level
-        look = looked(lambda x: pulled.shape(x) + level, look_around(pulled, np.zeros((0, 2))))
+        look = samples_with_extremes(
+            lambda x: pulled.shape(x) + level, sample_places(pulled, np.zeros((0, 2)))
+        )
         rates = self.explicit(pulled, at, np.zeros(2 * count)) - self.yields * self.stress
         none, by_ends = np.zeros((0, 2)), np.zeros((0, 2 * count + 1))
         of_level = np.append(np.full(2 * count, -self.yields * self.stress), -1.0)
         return self._at_corners(
-            CohesivePoint(
+            CohesiveState(
                 table,
                 value,
                 1 - gap / self.reach,
@@ -598,7 +598,7 @@ class Cohesive(Equilibria):
             )
         )
 
-    def explicit(self, pulled: Pulled, at: Array, transform: Array) -> Array:
+    def explicit(self, pulled: TractionLoaded, at: Array, transform: Array) -> Array:
         """Rates of the gap at the ends of the tension by their outward motions, for fixed contact.
 
         transform: the transform of q at the ends.

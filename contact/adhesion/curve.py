@@ -1,14 +1,13 @@
-r"""Contact on given zones under a law of prescribed intensities: what drives its ends, and how that
-changes as they move.
+"""The curve of equilibria under a law of prescribed edge intensities (JKR).
 
-With r_i = K_i - K* at every end, K* < 0 of the law, an end is driven outward while r_i > 0: by ds
-the energy changes by (pi/E*)(K_i^2 - K*^2) ds. Equilibria have r = 0; they are followed in
-contact.adhesion.gradient_flow, by growing and shrinking, and in contact.adhesion.arc_length,
-along their curve.
+A state is a contact on given zones. With r_i = K_i - K* at every end, K* < 0 of the law, an end
+is driven outward while r_i > 0: when it moves by ds, the energy changes by (pi/E*)(K_i^2 - K*^2)
+ds. Equilibria have r = 0. They are found by growing and shrinking
+(contact.adhesion.gradient_flow) and followed along their curve (contact.adhesion.arc_length).
 
-A sharp corner, beyond which the profile ends, is an obstacle: an end that is driven outward there
-(r >= 0) is held, whatever r, and does not move; one that is driven inward leaves it. So an
-equilibrium has r = 0 at free ends and r >= 0 at held ones.
+A sharp corner, beyond which the profile ends, is an obstacle. An end that is driven outward there
+(r >= 0) is pinned and does not move; an end that is driven inward leaves it. So an equilibrium
+has r = 0 at free ends and r >= 0 at pinned ones.
 """
 
 from dataclasses import dataclass, field, replace
@@ -18,6 +17,7 @@ from typing import Self
 import numpy as np
 
 import sie
+from contact.adhesion.limits import EPS
 from contact.errors import NotConverged, OutOfRange
 from contact.formulation.controls import Control, Load
 from contact.formulation.fields import ZoneFields
@@ -25,33 +25,45 @@ from contact.formulation.problem import Problem
 from contact.formulation.tables import ascending, centred_on, gaps_between, room_beside
 from sie import Array, Index, Mask, record
 
-# Newton's steps to an equilibrium near by, and the last one's size over the widths; one so large is
-# of another.
-_STEPS = 8
-_TIGHT = 1e-11
-_ANOTHER = 1e-2
 
-# To which states are solved that are none on the way; and densities by which rates are told where
-# zones are many: of such a state, and of one on the way.
-_EXACT = 1e-13
-_OF_RATES = 1e-10
-_OF_ROUGH_RATES = 1e-4
+@dataclass(frozen=True)
+class StateTolerances:
+    """How a state on given intervals is solved, and when an equilibrium is reached.
+
+    Lengths are relative to the width of the interval of each end.
+    """
+
+    # Accuracy of the density of a final state: a few units of round-off above the engine's limit.
+    density: float = 1e-13
+    # Accuracy of the densities that rates are computed from, where the engine iterates: Newton's
+    # steps square the error of a state, whatever the rates are wrong by.
+    rates: float = 1e-10
+    rough_rates: float = 1e-4
+    # Accuracy of states on the way to an equilibrium, and of signs that rounding may change.
+    rough: float = 1e-9
+    # Newton's step at an equilibrium on the way, and rounding of Newton's steps.
+    resting_step: float = 1e-6
+    # Longest step of an end of an interval inward and outward.
+    max_inward: float = 0.3
+    max_outward: float = 0.5
+    # Longest step into the gap next to it; two ends that meet keep a fifth of it.
+    max_into_gap: float = 0.4
+    # Newton's step at an equilibrium; one more is taken, which squares it.
+    newton_step: float = 1e-11
+    # A longer Newton step leads to another equilibrium.
+    other_equilibrium: float = 1e-2
+    max_newton_steps: int = 8
+    # Inward drive below which an end at a corner stays pinned: round-off times a condition of 1e5.
+    pinned: float = 1e-10
+    # Round-off times a condition of 1e3: a growth rate, a width or a height below it is zero.
+    neutral: float = 1e-12
+    # Below this K/K* the energy no longer tells the rates; above it, an asymmetry of the second
+    # derivatives beyond the next number means that there is no energy.
+    least_gain: float = 1e-3
+    asymmetry: float = 1e-8
 
 
-# An end nearer to a sharp corner than this part of the body's width is there; and one that is
-# driven inward by so little is still held.
-_SNAP = 1e-14
-HELD = 1e-10
-
-
-# Growth within rounding of none.
-NEUTRAL = 1e-12
-
-
-# Rates over the slope of the energy are told by K over K* down to this part; second derivatives
-# that differ by more are of no energy.
-_TELLING = 1e-3
-_ALIKE = 1e-8
+TOLERANCES = StateTolerances()
 
 
 class Closed(Exception):
@@ -59,28 +71,30 @@ class Closed(Exception):
 
 
 class NoState(Exception):
-    """There is no contact on such intervals."""
+    """There is no contact on the given intervals."""
 
 
 @record
 class Corners:
-    """Of zones of a profile with sharp corners. held: which ends rest at one (2n,); residual,
-    rates, by_value: as if none did.
+    """Drive of the ends of a profile with sharp corners, as if no end were pinned.
+
+    pinned: which ends rest at a corner (2n,). residual, rates, by_value: as in `State`.
     """
 
-    held: Mask
+    pinned: Mask
     residual: Array
     rates: Array
     by_value: Array
 
 
 @record
-class Point:
-    """Zones (n, 2) under a value of the control. residual: r over |K*| of the left and then the
-    right ends (2n,); rates: dr/ds (2n, 2n); by_value: dr/d(value); load and level: scaled. At ends
-    that are held nothing drives them: the residual is 0, and stays so but for motions of their own,
-    against which they are stable. corners: None where the profile has none. solved: the density on
-    these zones, and to what it is; None where it is not kept.
+class State:
+    """A state: intervals under a value of the control, and what drives their ends.
+
+    table: the intervals (n, 2). residual: r/|K*| of the left and then the right ends (2n,).
+    rates: dr/ds (2n, 2n). by_value: dr/d(value) (2n,). load, level: scaled. The residual of a
+    pinned end is 0, and its rates make it stable. corners: None without sharp corners. solved:
+    the engine's state and its tolerance, None where it is not kept.
     """
 
     table: Array
@@ -95,60 +109,60 @@ class Point:
 
     @property
     def whole(self) -> Corners:
-        """What drives all ends, held or not."""
+        """Drive of all ends, as if none were pinned."""
         return self.corners or Corners(
             np.zeros(len(self.residual), dtype=bool), self.residual, self.rates, self.by_value
         )
 
     @property
-    def held(self) -> Mask:
-        """Which ends rest at sharp corners (2n,)."""
-        return self.whole.held
+    def pinned(self) -> Mask:
+        """Mask of the ends that are pinned at sharp corners (2n,)."""
+        return self.whole.pinned
 
-    def holding(self, held: Mask) -> Self:
-        """The same with these ends held, and no others."""
-        whole, free = self.whole, ~held
-        rates = np.where(free[:, None] & free, whole.rates, 0.0) - np.diag(held / self.widths)
-        corners = replace(whole, held=held)
+    def with_pinned(self, pinned: Mask) -> Self:
+        """The state with these ends pinned, and no others."""
+        whole, free = self.whole, ~pinned
+        rates = np.where(free[:, None] & free, whole.rates, 0.0) - np.diag(pinned / self.widths)
+        corners = replace(whole, pinned=pinned)
         return replace(
             self,
-            residual=np.where(held, 0.0, whole.residual),
+            residual=np.where(pinned, 0.0, whole.residual),
             rates=rates,
-            by_value=np.where(held, 0.0, whole.by_value),
+            by_value=np.where(pinned, 0.0, whole.by_value),
             corners=corners,
         )
 
     @property
     def contact(self) -> Array:
-        """The zones of contact."""
+        """The zones of contact (n, 2)."""
         return self.table
 
     @property
     def widths(self) -> Array:
-        """Of the zone of each end (2n,)."""
+        """Width of the interval of each end (2n,)."""
         return np.tile(np.diff(self.table, axis=1)[:, 0], 2)
 
     @property
     def weight(self) -> Array:
-        """What drives ends over their motion: in these, growing motions of wide and of narrow zones
-        are compared.
-        """
+        """Scale of the rate of each end, so that wide and narrow zones compare (2n,)."""
         return np.maximum(np.abs(np.diag(self.rates)), 1.0 / self.widths)
 
     @property
     def gains(self) -> Array:
-        """K over K* (2n,): the slope of the energy goes with its square, so that dr/ds times it is
-        the energy's second derivative.
+        """K/K* of each end (2n,).
+
+        The slope of the energy goes with its square, so that dr/ds times it is a second
+        derivative of the energy.
         """
         return 1.0 - self.residual
 
     @cached_property
     def growth(self) -> float:
-        """Largest eigenvalue of J over D: negative where an equilibrium is stable."""
+        """Largest eigenvalue of J over the weights; negative where an equilibrium is stable."""
         return self.growth_of(np.arange(len(self.residual)))
 
     def growth_of(self, ends: Index) -> float:
-        """The same where only these ends move."""
+        """Largest eigenvalue of J over the weights if only these ends move."""
         second = self._second(ends)
         values = (
             np.linalg.eigvals(self._driven(ends)).real
@@ -158,8 +172,9 @@ class Point:
         return float(values.max(initial=-1.0))
 
     def motions(self, ends: Index) -> tuple[Array, Array]:
-        """(eigenvalues of J over D where only these ends move, real parts; their motions, a column
-        each).
+        """(real parts of the eigenvalues of J over the weights, eigenvectors as columns).
+
+        Only the given ends move.
         """
         second = self._second(ends)
         if second is None:
@@ -169,64 +184,78 @@ class Point:
         return growth, second[1][:, None] * motions
 
     def _driven(self, ends: Index) -> Array:
+        """J over the weights, of these ends."""
         return np.asarray(self.rates[np.ix_(ends, ends)] / self.weight[ends, None])
 
     def _second(self, ends: Index) -> tuple[Array, Array] | None:
-        """(a symmetric matrix that has the eigenvalues of J over D, motions over its eigenvectors),
-        by the energy; None where an end is driven so hard that it does not tell, or where an
-        interaction has none.
+        """(symmetric matrix with the eigenvalues of J over the weights, scale of its vectors).
+
+        None where an end is driven so hard that the energy does not determine it, or where an
+        interaction has no energy.
         """
         gains = self.gains[ends]
-        if gains.min(initial=1.0) < _TELLING:
+        if gains.min(initial=1.0) < TOLERANCES.least_gain:
             return None
         scale = 1.0 / np.sqrt(gains * self.weight[ends])
         matrix = (gains * scale)[:, None] * self.rates[np.ix_(ends, ends)] * scale
-        if np.abs(matrix - matrix.T).max(initial=0.0) > _ALIKE:
+        if np.abs(matrix - matrix.T).max(initial=0.0) > TOLERANCES.asymmetry:
             return None
         return 0.5 * (matrix + matrix.T), scale
 
     def damped_step(self, by: Array | float) -> Array:
-        """All ends down the slope of the energy: a step of the implicit Euler method, damped by
-        what is above the largest growth.
+        """Implicit Euler step of all ends down the slope of the energy.
+
+        by: damping above the largest growth rate.
         """
         damped = np.diag((max(self.growth, 0.0) + by) * self.weight)
         return np.asarray(np.linalg.solve(damped - self.rates, self.residual), dtype=np.float64)
 
     def refuse_neutral(self) -> None:
-        """NotConverged where a motion of the ends drives none of them: there is not one contact,
-        but a row of them.
+        """Raise NotConverged if some motion of the ends changes nothing.
+
+        Then there is not one contact, but a row of them.
         """
-        if abs(self.growth) <= NEUTRAL:
+        if abs(self.growth) <= TOLERANCES.neutral:
             raise NotConverged(
-                "a zone on a level stretch may be anywhere along it, and no one place is that of the contact"
+                "a zone on a level stretch may be anywhere along it, and no one place is that of "
+                "the contact"
             )
 
     @cached_property
     def newton(self) -> Array:
-        """Newton's step of the ends, outward."""
+        """Newton's step of the ends, outward (2n,)."""
         return np.asarray(np.linalg.solve(-self.rates, self.residual), dtype=np.float64)
 
     def moved(self, outward: Array) -> Array:
-        """The zones with ends moved."""
+        """The intervals with their ends moved outward by these lengths (2n,)."""
         left, right = np.split(outward, 2)
         return self.table + np.column_stack((-left, right))
 
 
 @dataclass(frozen=True)
-class Equilibria:
-    """Those of a problem under one control at any value; held: at one of them."""
+class Curve:
+    """The states of a problem under one control at any value.
+
+    control: at the value that the scene asks for.
+    """
 
     problem: Problem
-    held: Control
+    control: Control
 
     def at(
-        self, table: Array, value: float, tolerance: float = _EXACT, held: Mask | None = None
-    ) -> Point:
-        """The state of given zones, no farther than to sharp corners: one linear solution and its
-        rates. held: at corners; None: those that are there and are not driven inward.
+        self,
+        table: Array,
+        value: float,
+        tolerance: float = TOLERANCES.density,
+        pinned: Mask | None = None,
+    ) -> State:
+        """The state on given zones: one linear solution and its rates.
+
+        Zones are cut at sharp corners. pinned: mask of the pinned ends; None: those at a corner
+        that are not driven inward.
         """
         table = self.within(table)
-        problem, control = self.problem, replace(self.held, value=value)
+        problem, control = self.problem, replace(self.control, value=value)
         lo, hi = problem.borders
         if table[0, 0] <= lo or table[-1, 1] >= hi:
             raise OutOfRange(
@@ -238,12 +267,12 @@ class Equilibria:
         state = solved.whole
         follows, wanted = state, problem.end.intensity
         if state.iteration is not None:
-            # There are as many right sides as ends: a matrix once, as small as rates are told by,
-            # not an iteration for each.
+            # There are as many right sides as ends: one matrix solves them all, as accurately as
+            # rates need.
             follows = sie.solve_fixed(
                 equation,
                 state.density.zones,
-                _OF_RATES if tolerance <= _EXACT else _OF_ROUGH_RATES,
+                TOLERANCES.rates if tolerance <= TOLERANCES.density else TOLERANCES.rough_rates,
                 direct=True,
             )
         rates = sie.end_rates(follows)
@@ -251,13 +280,13 @@ class Equilibria:
         size = abs(wanted)
         values = np.zeros(len(follows.condition_scale))
         first = follows.condition_index[0]
-        # The load is the total; else minus the value stands in the row of every zone.
+        # A load is the value of one row; minus an approach is the value in the row of every zone.
         by_load = control.load is not None
         values[first : first + (1 if by_load else len(table))] = 1.0 if by_load else -1.0
         unit = np.concatenate(follows.response(values).intensities)
         residual = (np.concatenate(state.density.intensities) - wanted) / size
         level = -value if control.approach is not None else float(state.levels.mean())
-        here = Point(
+        here = State(
             table,
             value,
             residual,
@@ -270,51 +299,49 @@ class Equilibria:
         corners = problem.corners
         if not np.isfinite(corners).all():
             return here
-        if held is None:
-            held = (table == np.array(corners)).T.ravel() & (residual >= -HELD)
-        return here.holding(held)
+        if pinned is None:
+            pinned = (table == np.array(corners)).T.ravel() & (residual >= -TOLERANCES.pinned)
+        return here.with_pinned(pinned)
 
-    def under(self, control: Control) -> "Equilibria":
-        """Those under another control."""
-        return Equilibria(self.problem, control)
+    def under(self, control: Control) -> "Curve":
+        """The same states under another control."""
+        return Curve(self.problem, control)
 
-    def again(self, here: Point, value: float) -> Point:
-        """A state that was found under another control, under a value of this one."""
+    def again(self, here: State, value: float) -> State:
+        """The state on the intervals of one found under another control."""
         return self.at(here.table, value)
 
-    def unit(self, here: Point) -> float:
-        """Of the value of the control: what changes that which drives some end by as much as is
-        asked of it.
-        """
+    def unit(self, here: State) -> float:
+        """Change of the control that changes the largest drive by the intensity of the law."""
         return 1.0 / float(np.abs(here.whole.by_value).max())
 
-    def vanishes(self, here: Point, motion: Array) -> float:
-        """How far along a motion of the ends and of the control (2n + 1,) contact within the zones
-        of a state vanishes.
+    def vanishes(self, here: State, motion: Array) -> float:
+        """Length along a motion (2n + 1,) at which contact inside the intervals vanishes.
+
+        Infinite where the intervals are the contact.
         """
         return np.inf
 
     @property
-    def formally(self) -> "Equilibria":
-        """The same of states of which it is not asked whether their zones of contact are the right
-        ones.
-        """
+    def formally(self) -> "Curve":
+        """The same curve without tests of the contact inside the intervals."""
         return self
 
-    def has_right_zones(self, here: Point) -> bool:
-        """Whether zones of contact that were not asked for are."""
+    def has_right_zones(self, here: State) -> bool:
+        """Whether the contact inside the intervals passes the tests left out by `formally`."""
         return True
 
     def within(self, table: Array) -> Array:
-        """The zones as far as sharp corners let them, and those so near to one up to it; of a body
-        that repeats, in its own period.
+        """The zones cut at sharp corners; ends next to one snap to it.
+
+        Zones of a body that repeats are moved to its own period.
         """
         lo, hi = self.problem.corners
         if not np.isfinite([lo, hi]).all():
             return table
         if (period := self.problem.period) is not None:
             table = ascending(centred_on(table, 0.5 * (lo + hi), period))
-        table, snap = np.clip(table, lo, hi), _SNAP * (hi - lo)
+        table, snap = np.clip(table, lo, hi), 64 * EPS * (hi - lo)
         table[:, 0], table[:, 1] = (
             np.where(table[:, 0] <= lo + snap, lo, table[:, 0]),
             np.where(table[:, 1] >= hi - snap, hi, table[:, 1]),
@@ -322,31 +349,35 @@ class Equilibria:
         return np.asarray(table)
 
     def to_corners(self, table: Array) -> Array:
-        """How far ends are from the sharp corners next to them, without end where there is none
-        (2n,).
-        """
+        """Distance of each end from its sharp corner (2n,); infinite without one."""
         away, (lo, hi) = np.full(table.size, np.inf), self.problem.corners
         away[0], away[-1] = table[0, 0] - lo, hi - table[-1, 1]
         return away
 
-    def settled(self, here: Point) -> Point:
-        """The equilibrium near by, tightly."""
-        rough = here.solved is not None and here.solved[1] > _EXACT and here.growth < -_ANOTHER
-        near = rough and float(np.abs(here.newton / here.widths).max()) < _ANOTHER
+    def settled(self, here: State) -> State:
+        """The equilibrium nearby, by Newton's method to full accuracy."""
+        rough = (
+            here.solved is not None
+            and here.solved[1] > TOLERANCES.density
+            and here.growth < -TOLERANCES.other_equilibrium
+        )
+        near = (
+            rough and float(np.abs(here.newton / here.widths).max()) < TOLERANCES.other_equilibrium
+        )
         here = self.at(here.moved(here.newton) if near else here.table, here.value)
         here.refuse_neutral()
-        for _ in range(_STEPS):
+        for _ in range(TOLERANCES.max_newton_steps):
             size = float(np.abs(here.newton / here.widths).max())
-            if size > _ANOTHER:
+            if size > TOLERANCES.other_equilibrium:
                 break
-            # The last step is taken, too: a digit more.
+            # The last step is taken, too: it squares the error.
             here = self.at(here.moved(here.newton), here.value)
-            if size < _TIGHT:
+            if size < TOLERANCES.newton_step:
                 break
         return here
 
-    def fields(self, here: Point, tolerance: float = _EXACT) -> ZoneFields:
-        """Pressure and gap on these zones, under the load that they have."""
+    def fields(self, here: State, tolerance: float = TOLERANCES.density) -> ZoneFields:
+        """Pressure and gap of a state."""
         if here.solved is not None and here.solved[1] <= tolerance:
             return ZoneFields(self.problem, here.solved[0])
         zones = sie.Zones.of(here.table, self.problem.end, self.problem.end)
@@ -355,9 +386,9 @@ class Equilibria:
         )
 
     def gaps(self, table: Array) -> Array:
-        """Right of each zone; infinite beyond the last without a period."""
+        """Width of the gap right of each zone (n,); infinite right of the last without a period."""
         return np.asarray(np.diff(gaps_between(table, self.problem.period))[:, 0])
 
     def room(self, table: Array) -> Array:
-        """The width of the zone of each end, or of the gap beside it, whichever is less (2n,)."""
+        """Smaller one of the width of each end's zone and of the gap next to it (2n,)."""
         return np.asarray(room_beside(table, self.problem.period).T.ravel())

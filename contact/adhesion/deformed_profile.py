@@ -22,25 +22,27 @@ from functools import cached_property
 import numpy as np
 
 import sie
-from contact.adhesion.spread_end import Spread
-from contact.adhesion.uniform_tension import Tension
+from contact.adhesion.spread_end import SpreadEnd
+from contact.adhesion.uniform_tension import UniformTension
 from contact.formulation.problem import Problem
 from sie import Array, Index, record
 
 
 @record
-class Pulled(Problem):
+class TractionLoaded(Problem):
     """The frictionless problem of the profile deformed by a tension; its pressure is q."""
 
-    tension: Tension | None = field(default=None)
+    tension: UniformTension | None = field(default=None)
 
     @classmethod
-    def of(cls, problem: Problem, stress: float, table: Array, everywhere: bool = False) -> Pulled:
+    def of(
+        cls, problem: Problem, stress: float, table: Array, everywhere: bool = False
+    ) -> TractionLoaded:
         """The problem under a scaled tension on intervals, or everywhere on a period."""
         operator = problem.operator
         # The kernel of a half-plane, alone or with images, has poles only.
         plain = operator.is_half_plane or problem.kernel.regular is None
-        tension = Tension(
+        tension = UniformTension(
             stress, np.asarray(table), problem.kernel, plain, everywhere, problem.compression
         )
         law = problem.law.bare
@@ -55,7 +57,7 @@ class Pulled(Problem):
             tension=tension,
         )
 
-    def over(self, zones: Array) -> Pulled:
+    def over(self, zones: Array) -> TractionLoaded:
         """The problem for given zones.
 
         If the first or the last zone is pinned at a sharp corner, the tension's end is spread over
@@ -64,8 +66,10 @@ class Pulled(Problem):
         tension, (lo, hi) = self.pulling, self.corners
         if len(tension.table) == 0 or len(zones) == 0 or not np.isfinite(lo):
             return self
-        left = Spread(*zones[0].tolist()) if zones[0, 0] == tension.table[0, 0] == lo else None
-        right = Spread(*zones[-1].tolist()) if zones[-1, 1] == tension.table[-1, 1] == hi else None
+        left = SpreadEnd(*zones[0].tolist()) if zones[0, 0] == tension.table[0, 0] == lo else None
+        right = (
+            SpreadEnd(*zones[-1].tolist()) if zones[-1, 1] == tension.table[-1, 1] == hi else None
+        )
         return (
             self
             if tension.spread == (left, right)
@@ -86,7 +90,7 @@ class Pulled(Problem):
         return density.total + tension.stress * sum(zone.half for _, zone in tension.spreads)
 
     @property
-    def pulling(self) -> Tension:
+    def pulling(self) -> UniformTension:
         assert self.tension is not None
         return self.tension
 

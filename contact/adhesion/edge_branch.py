@@ -1,25 +1,27 @@
-"""Contact under a law with several equilibria: the branch that is asked for is followed, from first
-touch or from the greatest contact.
+"""Branches of contacts without a range of adhesion (JKR), from first touch or the greatest
+contact.
 
-    advancing    from the zones of the bare law, which lie within it, or from first touch: ends advance under the control held, new
-                 zones begin where the surfaces would overlap, zones that meet become one; under
-                 tension, or below first touch, from there at no load back again
-    receding     from a zone as wide as it takes to be driven inward; with a period full contact, which stays closed
+    advancing    from the zones of the start law, which lie inside the contact, or from first
+                 touch: ends advance under the held control, zones begin where the surfaces would
+                 overlap, zones that meet merge. Under tension, or below first touch, the contact
+                 advances under no load first, and recedes from there
+    receding     from a zone so wide that its ends are driven inward; with a period from full
+                 contact, which stays closed
 
-Whatever is closed stays closed: an opening without width has no intensity. So there are no new gaps
-within zones.
+What is closed stays closed: an opening without width has no intensity. So zones get no new gaps.
 """
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from contact.adhesion.curve import Equilibria, Point
-from contact.adhesion.events import Following, Jump, Standing, followed_by_approach
+from contact.adhesion.curve import TOLERANCES, Curve, State
+from contact.adhesion.events import Events, Jump, PathState, moves_both_ways
 from contact.adhesion.full_contact import closing_foreseen
 from contact.adhesion.gradient_flow import Closed, receded
-from contact.adhesion.loading_path import History
+from contact.adhesion.limits import LIMITS
+from contact.adhesion.loading_path import LoadingPath
 from contact.adhesion.nucleation import grown, touched
 from contact.adhesion.pull_off import pull_off
 from contact.errors import NotConverged, OutOfRange, unwarned
@@ -33,30 +35,37 @@ from contact.search.topology.failure import Failure
 from contact.solution.solution import Solution
 from sie import Array
 
-# Tolerance of solutions under the bare law, from which the branch is followed.
-_BARE = 1e-6
-_SCALINGS = 6
-_WIDENINGS = 120
-# The greatest contact is looked for in zones ever wider by this, and is one that is driven inward,
-# as those so many times as wide are.
-_WIDEN = 1.25
-_WIDER = (1.25, 1.5, 2.0, 3.0, 5.0, 8.0)
-# How much farther a control is raised than it takes to hold all ends at sharp corners.
-_ABOVE = 1.0 + 1e-6
+
+@dataclass(frozen=True)
+class BranchOptions:
+    """Where a branch begins."""
+
+    # A lone body is scaled by its own contact: rounds until the scale is known to a factor of two.
+    max_scalings: int = 6
+    # The greatest contact is searched for in ever wider zones. It must be driven inward in all of
+    # these multiples of a width: a wider zone may be driven outward again.
+    widening: float = 1.25
+    multiples: tuple[float, ...] = (1.25, 1.5, 2.0, 3.0, 5.0, 8.0)
+
+
+OPTIONS = BranchOptions()
 
 
 def followed(context: SolveContext) -> Outcome:
-    """The contact of the scene on the branch that the context asks for; OutOfRange past pull-off."""
-    scene, told = context.scene, context.plan["branch"]
-    told.detail = f"{context.branch}, {way(context)}"
+    """The contact of the scene on the branch that the context asks for.
+
+    Raises OutOfRange past pull-off.
+    """
+    scene = context.scene
+    context.plan["branch"].detail = f"{context.branch}, {described_way(context)}"
     if context.branch == "receding" and _closes(scene):
         return closed(context)
-    scaled, curve = to_follow(context)
-    problem, control = curve.problem, curve.held
-    rest: Point | None
+    scaled, curve = curve_of(context)
+    problem, control = curve.problem, curve.control
+    rest: State | None
     try:
         with context.plan.timed("zone ends"):
-            if followed_by_approach(curve):
+            if moves_both_ways(curve):
                 rest = _lowered(context, scaled, curve)
             elif context.branch == "receding":
                 last = _greatest(curve, scaled, control.value)
@@ -69,7 +78,7 @@ def followed(context: SolveContext) -> Outcome:
         return closed(context)
     if rest is None:
         assert start is not None
-        raise OutOfRange(past(curve, pull_off(curve, start), context))
+        raise OutOfRange(past_pull_off(curve, pull_off(curve, start), context))
     found = context.refine_topology(
         problem, control, curve.settled(rest).table, abandon_if_far=True
     )
@@ -78,8 +87,8 @@ def followed(context: SolveContext) -> Outcome:
     return found
 
 
-def way(context: SolveContext) -> str:
-    """How the contact is come by, in words."""
+def described_way(context: SolveContext) -> str:
+    """How the contact is reached, in words."""
     scene = context.scene
     if context.branch == "receding":
         return (
@@ -94,18 +103,19 @@ def way(context: SolveContext) -> str:
 
 
 def _closes(scene: Scene) -> bool:
-    """Whether the greatest contact is that of a whole period; beyond sharp corners nothing touches."""
+    """Whether the greatest contact is all of a period; beyond sharp corners nothing touches."""
     return scene.period is not None and scene.profile.support is None
 
 
-def past(curve: Equilibria, last: Point, context: SolveContext) -> str:
+def past_pull_off(curve: Curve, last: State, context: SolveContext) -> str:
+    """The message of a control past pull-off."""
     units, (name, value) = curve.problem.units, context.scene.control
-    told = f"load {last.load * units.load:.10g} N/m"
+    text = f"load {last.load * units.load:.10g} N/m"
     if context.scene.mean_pressure is not None and context.scene.period is not None:
-        told += f", mean pressure {last.load * units.load / context.scene.period:.10g} Pa"
+        text += f", mean pressure {last.load * units.load / context.scene.period:.10g} Pa"
     if curve.problem.operator.has_approach:
-        told += f", approach {-last.level * units.height:.10g} m"
-    return f"{name} = {value:.6g} is past pull-off, which is at {told}: the surfaces come apart"
+        text += f", approach {-last.level * units.height:.10g} m"
+    return f"{name} = {value:.6g} is past pull-off, which is at {text}: the surfaces come apart"
 
 
 def closed(context: SolveContext) -> full_contact.Full:
@@ -116,22 +126,22 @@ def closed(context: SolveContext) -> full_contact.Full:
         raise OutOfRange(full_contact.no_inverse(context, "the surfaces close altogether"))
     if len(scene.profile.kinks) and np.any(scene.profile.kinks[:, 1] < 0):
         raise OutOfRange(
-            "the surfaces close altogether over valleys with kinks, where the pressure of full contact is infinite"
+            "the surfaces close altogether over valleys with kinks, where the pressure of full "
+            "contact is infinite"
         )
     return found
 
 
-def to_follow(context: SolveContext) -> tuple[ScaledScene, Equilibria]:
-    """The scaled scene, and its equilibria under its control."""
-    scaled = frame(context, abs(context.scene.law.intensity(context.scene.E_star)))
-    return scaled, Equilibria(scaled.problem, context.control(scaled.problem))
+def curve_of(context: SolveContext) -> tuple[ScaledScene, Curve]:
+    """(the scaled scene, the curve of equilibria under its control)."""
+    scaled = branch_scaling(context, abs(context.scene.law.intensity(context.scene.E_star)))
+    return scaled, Curve(scaled.problem, context.control(scaled.problem))
 
 
-# frames
-# ---------------------------------------------------------------------------------------------------------------
-def frame(context: SolveContext, intensity: float) -> ScaledScene:
-    """The scaled problem: of a lone body about the contact that it has under no load, or more.
-    intensity: with which its adhesion would act at the ends of zones.
+def branch_scaling(context: SolveContext, intensity: float) -> ScaledScene:
+    """The scaled scene; a lone body is scaled by its contact under no load, or more.
+
+    intensity: that of the adhesion at the ends of zones.
     """
     scene = context.scene
     if scene.profile.period is not None or scene.profile.support is not None:
@@ -141,9 +151,9 @@ def frame(context: SolveContext, intensity: float) -> ScaledScene:
 
 
 def _typical(context: SolveContext, intensity: float) -> Solution:
-    """A contact under the bare law about as wide as the adhesive one under no load, or under its
-    load: the tension of adhesion, sqrt(pi E* w times the width in contact), is borne there by the
-    profile.
+    """A contact under the start law about as wide as the adhesive one.
+
+    The tension of adhesion, sqrt(pi E* w times the width in contact), acts there as a load.
     """
     scene = context.scene
     strength = math.pi * intensity
@@ -152,9 +162,9 @@ def _typical(context: SolveContext, intensity: float) -> Solution:
     load = max(strength * math.sqrt(size), scene.given_load or 0.0)
     found: Solution | None = None
     failure: OutOfRange | None = None
-    for _ in range(_SCALINGS):
+    for _ in range(OPTIONS.max_scalings):
         try:
-            found = bare(context, load)
+            found = start_contact(context, load)
         except OutOfRange as refused:
             load, failure = 1e-3 * load, refused
             continue
@@ -170,8 +180,8 @@ def _typical(context: SolveContext, intensity: float) -> Solution:
     return found
 
 
-def bare(context: SolveContext, load: float | None = None) -> Solution:
-    """The contact under the bare law, under the scene's control or a load."""
+def start_contact(context: SolveContext, load: float | None = None) -> Solution:
+    """The contact under the start law, under the scene's control or a load."""
     scene = context.scene
     law = scene.law.bare
     assert law is not None
@@ -182,34 +192,33 @@ def bare(context: SolveContext, load: float | None = None) -> Solution:
     )
     with unwarned():
         try:
-            return context.solve_scene(alone, _BARE)
+            return context.solve_scene(alone, TOLERANCES.resting_step)
         except NotConverged as failure:
             if failure.best is None or not failure.best.error < 1e-2:
                 raise
             return failure.best  # type: ignore[no-any-return]
 
 
-# starts
-# ---------------------------------------------------------------------------------------------------------------
-def advancing(context: SolveContext, scaled: ScaledScene, curve: Equilibria, value: float) -> Point:
-    """The least equilibrium about first touch under a value of the control, not negative."""
+def advancing(context: SolveContext, scaled: ScaledScene, curve: Curve, value: float) -> State:
+    """The least equilibrium about first touch under a value of the control, at least 0."""
     with closing_foreseen(context, curve, value):
         table = touched(curve, scaled.cell) if value == 0.0 else _pressed(context, scaled)
         return grown(curve, table, value)
 
 
 def _pressed(context: SolveContext, scaled: ScaledScene) -> Array:
-    """The zones under the bare law, in which all ends are driven outward."""
-    found = bare(context)
+    """The zones under the start law, whose ends are all driven outward by adhesion."""
+    found = start_contact(context)
     if len(found.zones) == 0:
         raise Closed
     return placed(scaled.problem, found.zones)
 
 
-def _greatest(curve: Equilibria, scaled: ScaledScene, value: float) -> Array:
-    """A zone so wide that its ends are driven inward, and in wider ones still, as far as these feel
-    the control as a body does: under an approach from a datum, zones much wider than that are
-    lowered by a load. Between sharp corners it is all that lies there.
+def _greatest(curve: Curve, scaled: ScaledScene, value: float) -> Array:
+    """A zone so wide that its ends, and those of wider ones, are driven inward.
+
+    Under an approach from a datum, zones much wider than the datum are lowered by a load: the
+    search ends there. Between sharp corners it is all that lies there.
     """
     if curve.problem.profile.support is not None:
         return np.array([curve.problem.corners])
@@ -220,30 +229,33 @@ def _greatest(curve: Equilibria, scaled: ScaledScene, value: float) -> Array:
         here = curve.at(np.array([[middle - half, middle + half]]), value)
         return bool(np.all((here.residual < 0.0) | (here.by_value < 0.0)))
 
-    for _ in range(_WIDENINGS):
+    for _ in range(LIMITS.max_tries):
         table = np.array([[middle - half, middle + half]])
         if np.any(curve.at(table, value).by_value < 0.0):
             break
-        if driven_inward(half) and all(driven_inward(half * wider) for wider in _WIDER):
+        if driven_inward(half) and all(driven_inward(half * wider) for wider in OPTIONS.multiples):
             return table
-        half *= _WIDEN
+        half *= OPTIONS.widening
     raise OutOfRange("no zone is so wide that its ends recede: there is no greatest contact")
 
 
-def _lowered(context: SolveContext, scaled: ScaledScene, curve: Equilibria) -> Point:
-    """Under a held approach, where ends that recede may drive others on: followed from where the
-    branch begins through all jumps.
+def _lowered(context: SolveContext, scaled: ScaledScene, curve: Curve) -> State:
+    """The contact under a held approach, where receding ends may drive others on.
+
+    It is followed from where the branch begins, through all jumps.
     """
-    value = curve.held.value
+    value = curve.control.value
     if context.branch == "receding":
         here = curve.at(_greatest(curve, scaled, value), value)
-        # Under so large a value all ends are held at the corners.
+        # Under so large a value all ends are pinned at the corners.
         slack = here.whole.residual / here.whole.by_value
-        here = curve.at(here.table, value - min(0.0, float(slack.min()) * _ABOVE))
+        here = curve.at(
+            here.table, value - min(0.0, float(slack.min()) * (1.0 + TOLERANCES.resting_step))
+        )
     else:
         here = advancing(context, scaled, curve, max(value, 0.0))
-    last: Point | None = None
-    for found in History(Following(curve, scaled.cell)).to(Standing(here.value, here), value):
+    last: State | None = None
+    for found in LoadingPath(Events(curve, scaled.cell)).to(PathState(here.value, here), value):
         if isinstance(found, Jump):
             last = found.before.point
         elif found.point is not None:
@@ -251,13 +263,13 @@ def _lowered(context: SolveContext, scaled: ScaledScene, curve: Equilibria) -> P
         elif found.closed:
             raise Closed
     assert last is not None
-    raise OutOfRange(past(curve, last, context))
+    raise OutOfRange(past_pull_off(curve, last, context))
 
 
-def _held_higher(curve: Equilibria, table: Array, value: float) -> Point:
-    """An equilibrium under a larger value of the control, within zones from which it recedes."""
+def _held_higher(curve: Curve, table: Array, value: float) -> State:
+    """An equilibrium under a larger control, inside zones from which it recedes."""
     step = max(abs(value), curve.unit(curve.at(table, value)))
-    for _ in range(_WIDENINGS):
+    for _ in range(LIMITS.max_tries):
         value += step
         rest = receded(curve, table, value)
         if rest is not None:

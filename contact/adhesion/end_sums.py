@@ -13,6 +13,7 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 import sie
+from contact.adhesion.limits import LIMITS
 from sie import Array, Index, Mask, nearest_image, record, wrapped
 
 
@@ -24,8 +25,6 @@ class EndSumOptions:
     terms: int = 20
     # Ends that may be near a cell; more of them halve it.
     near_ends: int = 6
-    # Halvings of a cell: ends closer than 2^-40 of the largest cell are summed directly.
-    max_halvings: int = 40
     # With fewer ends, everything is summed directly.
     min_ends: int = 16
     # Pairs of points and ends evaluated together; bounds the memory.
@@ -53,7 +52,7 @@ class Cells(sie.Kept):
             self.ends if self.period is None else np.append(self.ends, self.ends[0] + self.period)
         )
         edges = np.unique(ends)
-        for _ in range(_OPTIONS.max_halvings):
+        for _ in range(LIMITS.max_bisections):
             long = np.diff(edges) > self.longest
             dense = np.flatnonzero(long | (self._is_near(edges).sum(axis=1) > _OPTIONS.near_ends))
             middle = 0.5 * (edges[dense] + edges[dense + 1])

@@ -1,8 +1,8 @@
-"""What happens on the way along a curve of equilibria, by its law: what surfaces do that come
-together, and where something begins.
+"""The events that interrupt a curve of equilibria: where something begins, closes or is lost.
 
-Here of adhesion without range. A zone begins where surfaces touch, and takes a width at once: every
-change of the zones is a jump.
+`Events` holds those of adhesion without range. A zone begins where surfaces touch and jumps to a
+finite width, so that every change of the zones is a jump. contact.adhesion.cohesive_events
+derives those of a tension from it.
 """
 
 from collections.abc import Callable, Iterator
@@ -11,32 +11,38 @@ from dataclasses import dataclass
 import numpy as np
 
 from contact.adhesion.arc_length import Step
-from contact.adhesion.curve import Closed, Equilibria, Point
+from contact.adhesion.curve import TOLERANCES, Closed, Curve, State
 from contact.adhesion.energy_descent import relaxed
-from contact.adhesion.gradient_flow import ROUGH, receded
+from contact.adhesion.gradient_flow import receded
 from contact.adhesion.nucleation import grown, touched
 from contact.errors import NotConverged
 from contact.formulation.roots import minimum
 from contact.verify.certificate import openings
 from sie import Array, record
 
-# Of the width that a new zone comes to, how much it begins with.
-_OF_REST = 0.5
-# A new zone over the overlap that was seen beyond its first touch; how narrow at the least; and
-# what drives its ends that is nothing.
-NEW = 1e-2
-LEAST = 1e-12
-SLIGHT = 1e-6
+
+@dataclass(frozen=True)
+class EventOptions:
+    """Where a zone, or an interval, begins and how."""
+
+    # Width of what begins, over the overlap that was seen, and its least width.
+    new_width: float = 1e-2
+    # First width over the one that a touch at one point grows to.
+    part_of_rest: float = 0.5
+
+
+EVENTS = EventOptions()
 
 
 @record
-class Standing:
-    """What there is under a value of the control: an equilibrium, or surfaces closed over the whole
-    period, or apart.
+class PathState:
+    """What there is under a value of the control.
+
+    An equilibrium, or surfaces closed over the whole period, or surfaces apart.
     """
 
     value: float
-    point: Point | None = None
+    point: State | None = None
     closed: bool = False
 
     @property
@@ -45,195 +51,206 @@ class Standing:
 
     @property
     def count(self) -> int:
-        """Of zones."""
+        """Number of zones."""
         return 0 if self.point is None else len(self.point.contact)
 
 
 @record
 class Jump:
-    """What happens to the zones: kind (contact.sweeps.adhesive); place: scaled, where it begins;
-    smooth: nothing jumps, nothing is lost.
+    """An event of the zones.
+
+    kind: see contact.sweeps.adhesive. place: scaled, where it begins. smooth: nothing jumps, and
+    no energy is lost.
     """
 
     kind: str
     place: float
-    before: Standing
-    after: Standing
+    before: PathState
+    after: PathState
     smooth: bool = False
 
 
-def followed_by_approach(curve: Equilibria) -> bool:
-    """Whether ends may hold back, or drive on, one another from one end of a body to the other, as
-    its approach is held: a change of the control is followed then through all jumps.
+def moves_both_ways(curve: Curve) -> bool:
+    """Whether ends may drive each other back under this control.
+
+    They do where an approach is held over all of a body: then every change of the control is
+    followed through all jumps.
     """
-    return curve.held.load is None and (
+    return curve.control.load is None and (
         curve.problem.period is not None or curve.problem.profile.support is not None
     )
 
 
 @dataclass(frozen=True)
-class Following:
-    """cell: [m], where the surfaces touch first."""
+class Events:
+    """Events of adhesion without range.
 
-    curve: Equilibria
+    cell: where the surfaces touch first [m].
+    """
+
+    curve: Curve
     cell: tuple[float, float]
 
     @property
     def first(self) -> float:
-        """Value of the control at which surfaces that are apart come together."""
+        """Value of the control at which surfaces apart come together."""
         return 0.0
 
     @property
     def by_load(self) -> bool:
         """Whether the load is held."""
-        return self.curve.held.load is not None
+        return self.curve.control.load is not None
 
-    def begun(self) -> Jump:
-        """What they come to there."""
+    def jump_in(self) -> Jump:
+        """The jump of surfaces that come together."""
         table = touched(self.curve, self.cell, self.first)
         after = self.grown(table, self.first)
         return Jump(
             "full" if after.closed else "jump-in",
             float(table[0].mean()),
-            Standing(self.first),
+            PathState(self.first),
             after,
         )
 
-    def opened(self, here: Standing, value: float) -> Jump | None:
-        """Where surfaces that are closed over the whole period open as the control falls to a
-        value; None if they stay closed.
+    def reopening(self, here: PathState, value: float) -> Jump | None:
+        """The jump by which closed surfaces open as the control falls to a value; None if they do
+        not.
         """
         return None
 
-    def beside_curve(self, here: Point, value: float) -> Iterator[Jump | Standing] | None:
-        """Of an equilibrium that is none of the curve that is followed by the motions of ends: what
-        happens on its way to a value, up to a jump, or the standing there. None of others.
-        """
+    def off_curve(self, here: State, value: float) -> Iterator[Jump | PathState] | None:
+        """Events of a state without free ends, up to a jump or the value; None for others."""
         return None
 
-    def grown(self, table: Array, value: float) -> Standing:
-        """What ends that advance from these places come to."""
+    def grown(self, table: Array, value: float) -> PathState:
+        """The path state that ends reach which advance from these zones."""
         try:
             try:
                 return self._at_rest(grown(self.curve, table, value))
             except NotConverged:
-                # Under a held approach ends that advance may hold back one another.
+                # Under a held approach ends that advance may hold back each other.
                 rest = None if self.by_load else relaxed(self.curve, table, value)
                 if rest is None:
                     raise
                 return self._at_rest(rest)
         except Closed:
-            return Standing(value, closed=True)
+            return PathState(value, closed=True)
 
-    def shrunk(self, table: Array, value: float) -> Standing:
-        """What ends that recede from these places come to. Under a held approach a tension that is
-        lost raises the surface of a period elsewhere, where it may come to overlap.
+    def shrunk(self, table: Array, value: float) -> PathState:
+        """The path state that ends reach which recede from these zones.
+
+        Under a held approach, tension that is lost raises the surface of a period elsewhere,
+        where zones may begin.
         """
         try:
             rest = (receded if self.by_load else relaxed)(self.curve, table, value)
         except Closed:
-            return Standing(value, closed=True)
+            return PathState(value, closed=True)
         if rest is None:
             return (
-                Standing(value)
+                PathState(value)
                 if self.by_load or value <= self.first
                 else self.grown(touched(self.curve, self.cell, value), value)
             )
         return self._at_rest(rest)
 
-    def _at_rest(self, here: Point) -> Standing:
+    def _at_rest(self, here: State) -> PathState:
         rest = self.curve.settled(here)
-        if not float(np.abs(rest.residual).max()) < SLIGHT:
+        if not float(np.abs(rest.residual).max()) < TOLERANCES.resting_step:
             raise NotConverged(
-                "after a jump ends of zones hold back one another, and do not come to rest: it is not followed on"
+                "after a jump ends of zones hold back one another, and do not come to rest: it is "
+                "not followed on"
             )
-        return Standing(rest.value, rest)
+        return PathState(rest.value, rest)
 
-    def kind(self, before: Standing, after: Standing, rises: bool) -> str:
-        """Of a jump past a turning point."""
+    def kind(self, before: PathState, after: PathState, rises: bool) -> str:
+        """Kind of the jump past a turning point."""
         if after.apart:
             return "pull-off"
         if after.closed:
             return "full"
         return ("merge" if rises else "death") if after.count < before.count else "jump"
 
-    def jump(self, here: Point, place: float, after: Standing, rises: bool) -> Jump:
-        """From an equilibrium past a turning point."""
-        before = Standing(here.value, here)
+    def jump(self, here: State, place: float, after: PathState, rises: bool) -> Jump:
+        """The jump from an equilibrium past a turning point."""
+        before = PathState(here.value, here)
         return Jump(self.kind(before, after, rises), place, before, after)
 
-    def gone(self, here: Point, sense: float) -> Jump | None:
-        """The end of a curve that is none of its turning points, beside an equilibrium; None if
-        there is none.
-        """
+    def vanishing(self, here: State, sense: float) -> Jump | None:
+        """The end of a curve near a state that is no turning point; None without one."""
         return None
 
-    def passed(self, step: Step, length: float, last: Point) -> Iterator[Jump]:
-        """What happens without a jump within a step."""
+    def smooth_changes(self, step: Step, length: float, last: State) -> Iterator[Jump]:
+        """Events in a step at which nothing jumps."""
         return iter(())
 
-    def interrupted(self, step: Step, length: float, last: Point, sense: float) -> Jump | None:
-        """The first jump within a step that is no turn: of all touches, where surfaces came to
-        overlap.
-        """
+    def first_jump(self, step: Step, length: float, last: State, sense: float) -> Jump | None:
+        """The first jump inside a step that is no turning point: a touch; None without one."""
         looks = sense > 0.0 or not self.by_load
-        overlaps = openings(self.curve.fields(last, ROUGH)).overlaps if looks else np.zeros((0, 2))
+        overlaps = (
+            openings(self.curve.fields(last, TOLERANCES.rough)).overlaps
+            if looks
+            else np.zeros((0, 2))
+        )
         if len(overlaps) == 0:
             return None
         curve = self.curve
 
-        def least(at: Point, lo: float, hi: float) -> tuple[float, float]:
-            return minimum(curve.fields(at, ROUGH).formal_gap, np.linspace(lo, hi, 17))
+        def least(at: State, lo: float, hi: float) -> tuple[float, float]:
+            return minimum(curve.fields(at, TOLERANCES.rough).formal_gap, np.linspace(lo, hi, 17))
 
-        length, place, width = first_of(
+        length, place, width = first_zero(
             step,
             length,
             last,
             overlaps,
             least,
-            lambda at: openings(curve.fields(at, ROUGH)).overlaps,
+            lambda at: openings(curve.fields(at, TOLERANCES.rough)).overlaps,
         )
         here = step.at(length)
-        after = self.grown(self._with_new(here, place, 0.5 * NEW * width), here.value)
-        return Jump("full" if after.closed else "birth", place, Standing(here.value, here), after)
+        after = self.grown(self._with_new(here, place, 0.5 * EVENTS.new_width * width), here.value)
+        return Jump("full" if after.closed else "birth", place, PathState(here.value, here), after)
 
-    def _with_new(self, here: Point, place: float, half: float) -> Array:
-        """The zones with one that begins at a place, all of whose ends are driven outward: a narrow
-        one, or one about as wide as it is to be where they are driven so there, too.
+    def _with_new(self, here: State, place: float, half: float) -> Array:
+        """The zones and a new one at a place, such that all ends are driven outward.
+
+        It is narrow, or about as wide as it will be if its ends are driven outward there, too.
         """
         table = here.table
 
         def driven(half: float) -> tuple[Array, float]:
             new = np.concatenate((table, [[place - half, place + half]]))
             order = np.argsort(new[:, 0])
-            at = self.curve.at(new[order], here.value, ROUGH).residual
+            at = self.curve.at(new[order], here.value, TOLERANCES.rough).residual
             own = int(np.argmax(order))
             return new[order], float(
                 at[[own, own + len(new)]].min()
-            ) if at.min() > -SLIGHT else -1.0
+            ) if at.min() > -TOLERANCES.resting_step else -1.0
 
         new, most = driven(half)
-        while most < 0.0 and half >= LEAST:
+        while most < 0.0 and half >= TOLERANCES.neutral:
             half *= 0.1
             new, most = driven(half)
         if 0.0 < most < 1.0:
-            # Of surfaces that only touch what drives the ends falls by the power 3/2 of the width.
-            wider, left = driven(_OF_REST * (1.0 - most) ** (-2.0 / 3.0) * half)
+            # For surfaces that only touch, the drive falls with the power 3/2 of the width.
+            wider, left = driven(EVENTS.part_of_rest * (1.0 - most) ** (-2.0 / 3.0) * half)
             new = wider if left > 0.0 else new
         return new
 
 
-def first_of(
+def first_zero(
     step: Step,
     length: float,
-    end: Point,
+    end: State,
     seen: Array,
-    least: Callable[[Point, float, float], tuple[float, float]],
-    others: Callable[[Point], Array],
+    least: Callable[[State, float, float], tuple[float, float]],
+    others: Callable[[State], Array],
 ) -> tuple[float, float, float]:
-    """(how far within a step it is to where something is zero first, its place, the width in which
-    it was seen). end: the state at the length; seen: intervals (n, 2) in which it is negative
-    there; least: its (place, value) in an interval; others: intervals in which it is negative.
+    """(length to the first zero of a condition inside a step, its place, width of what was seen).
+
+    end: the state at the length. seen: intervals (n, 2) in which the condition is negative there.
+    least: its (place, value) in an interval. others: intervals in which it is negative at a
+    state.
     """
     place, width = 0.0, 0.0
     while len(seen):
@@ -242,10 +259,14 @@ def first_of(
         first, last = least(step.start.at, lo, hi)[1], least(end, lo, hi)[1]
         if not first > 0.0 > last:
             break
-        length = step.where(lambda at, lo=lo, hi=hi: least(at, lo, hi)[1], first, last, length)  # type: ignore[misc]
+
+        def condition(at: State, lo: float = lo, hi: float = hi) -> float:
+            return least(at, lo, hi)[1]
+
+        length = step.where(condition, first, last, length)
         end = step.at(length)
         place = least(end, lo, hi)[0]
-        # Elsewhere it may have been before.
+        # Elsewhere the condition may have been negative before.
         seen = others(end)
         seen = seen[(seen[:, 0] > place) | (seen[:, 1] < place)]
     return length, place, width

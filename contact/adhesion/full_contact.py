@@ -23,8 +23,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contact.adhesion.curve import Closed, Equilibria
-from contact.adhesion.grid_guide import shares_below
+from contact.adhesion.curve import Closed, Curve
+from contact.adhesion.grid_guide import GRID, shares_below
+from contact.adhesion.limits import LIMITS
 from contact.errors import ContactError, NotConverged
 from contact.formulation.full_contact import FullLimit
 from contact.search.context import SolveContext
@@ -49,21 +50,17 @@ class SnapOptions:
     cells_per_wave: float = 32.0
     # Width of the strip of attraction, in cells; at 3 cells the grid pins the ends.
     strip_cells: float = 6.0
-    max_points: int = 2**17
-    # Each round moves the ends by about a strip; 20 to 100 rounds are usual.
-    max_rounds: int = 1000
-    # Change of a cell's share below which the ends are at rest.
-    resting_change: float = 0.02
-    contact_tolerance: float = 1e-3
 
 
 _OPTIONS = SnapOptions()
 
 
 @contextmanager
-def closing_foreseen(context: SolveContext, curve: Equilibria, value: float) -> Iterator[None]:
-    """Raise `Closed` if the contact that advances under a value of the control ends in full contact:
-    before it is followed where that takes long, or after it could not be followed.
+def closing_foreseen(context: SolveContext, curve: Curve, value: float) -> Iterator[None]:
+    """Raise `Closed` if the contact that advances under a value of the control ends full.
+
+    This is tested before it is followed where that takes long, and after it could not be
+    followed.
     """
     if _is_followed_slowly(context) and _closes(context, curve, value, _OPTIONS.work_share):
         raise Closed
@@ -90,6 +87,7 @@ def as_not_converged() -> Iterator[None]:
 
 
 def _is_followed_slowly(context: SolveContext) -> bool:
+    """Whether following the contact takes longer than the test on a grid."""
     profile = context.scene.profile
     return (
         profile.period is not None
@@ -101,10 +99,10 @@ def _is_followed_slowly(context: SolveContext) -> bool:
     )
 
 
-def _closes(context: SolveContext, curve: Equilibria, value: float, work_share: float) -> bool:
+def _closes(context: SolveContext, curve: Curve, value: float, work_share: float) -> bool:
     """Whether a contact that grows from first touch under a held load ends in full contact."""
     scene, period = context.scene, context.scene.profile.period
-    if period is None or curve.held.load is None or scene.profile.support is not None:
+    if period is None or curve.control.load is None or scene.profile.support is not None:
         return False
     law, operator = scene.law, context.operator
     assert law.bare is not None
@@ -118,7 +116,7 @@ def _closes(context: SolveContext, curve: Equilibria, value: float, work_share: 
     feature = scene.profile.feature or period
     points = 2 ** math.ceil(math.log2(_OPTIONS.cells_per_wave * period / feature))
     points = max(points, 2 ** math.ceil(math.log2(16 * _OPTIONS.strip_cells)))
-    if points > _OPTIONS.max_points:
+    if points > GRID.max_points:
         return False
     cell = period / points
     x = scene.profile.x0 + cell * (np.arange(points) + 0.5)
@@ -134,19 +132,19 @@ def _closes(context: SolveContext, curve: Equilibria, value: float, work_share: 
     stress = min(stress, law.tension or math.inf)
     reach = work / stress
     share, pressure = shares_below(height - reach), None
-    for _ in range(_OPTIONS.max_rounds):
+    for _ in range(LIMITS.max_steps):
         state = solve_grid(
             height - influence.apply(stress * share),
             influence,
             load=mean_pressure * period + stress * float(share.sum()) * cell,
             start=pressure,
-            tol=_OPTIONS.contact_tolerance,
+            tol=GRID.tolerance,
         )
         if np.all(state.gap < reach):
             return True
         grown = np.maximum(share, shares_below(state.gap - reach))
         change = float((grown - share).max())
         share, pressure = grown, state.pressure
-        if change < _OPTIONS.resting_change:
+        if change < GRID.resting_share:
             break
     return False

@@ -1,109 +1,118 @@
-r"""Ends of zones that are driven outward advance, and those driven inward recede, to the nearest
-equilibrium under a held control.
+"""The gradient flow: ends that are driven outward advance, ends driven inward recede, to the
+nearest equilibrium under a held control.
 
-With r_i = K_i - K* at every end (contact.adhesion.curve), on a half-plane under a held load
-the other ends only gain by one that advances, d r_j/ds_i >= 0, since what an end pulls down comes
-nearer for the others. So the ends that are driven outward everywhere advance, together and without
-turning back, to the least equilibrium that holds them, and those that are driven inward everywhere
-recede to the greatest one within them: what a slowly changed control leads to, too (cooperative
-systems: M. W. Hirsch, SIAM J. Math. Anal. 13, 1982, 167). Under a held approach, and on a layer, an
-end that advances may hold back others: there the same steps are taken, and the same certificate is
-asked for, but the branch is not proved to be the least. Steps that keep to that are those of
+Under a held load on a half-plane, an end that advances only adds to the drive of the others,
+dr_j/ds_i >= 0: what it pulls down comes nearer to them. Ends that are all driven outward then
+advance together, without turning back, to the least equilibrium that holds them. Ends that are
+all driven inward recede to the greatest equilibrium inside. A slowly changed control leads to the
+same ones (cooperative systems: M. W. Hirsch, SIAM J. Math. Anal. 13, 1982, 167).
+
+Under a held approach, and on a layer, an end that advances may hold back others. The same steps
+are taken and the same certificate is asked for, but the branch is not proved to be the least.
+
+The steps are Newton's,
 
     -J ds = r,   J = dr/ds,
 
-Newton's, over the ends that go no farther than they are let, given what the others do; where J has
-growing motions, mu D - J in place of -J, D diagonal, mu above their growth.
+with every end bounded by its limits. Where J has growing motions, mu D - J takes the place of -J,
+D diagonal and mu above their growth.
 """
+
+from dataclasses import dataclass
 
 import numpy as np
 
-from contact.adhesion.curve import NEUTRAL, Closed, Equilibria, Point
+from contact.adhesion.curve import TOLERANCES, Closed, Curve, State
 from contact.adhesion.intervals import joined
-from contact.adhesion.predictor import Foretold
+from contact.adhesion.limits import LIMITS
+from contact.adhesion.predictor import Predictor
 from contact.errors import NotConverged
 from sie import Array, Mask
 
-# A step moves an end by at most these parts of its zone's width and of the gap beside it, and by
-# this part of the profile's detail.
-_INWARD = 0.3
-_OUTWARD = 0.5
-_INTO_GAP = 0.4
-_OF_DETAIL = 1.0
-# On the way the states are solved to this; ends at rest: the last step over the widths.
-ROUGH = 1e-9
-REST = 1e-6
-_SETTLED = 1e-5
-# By how much of r, and of K*, a step may pass a place of rest, the second where an end would run on
-# from there; from how near an equilibrium Newton's step is taken as it is.
-_OVERSHOT = 0.1
-_RUN_ON = 1e-3
-SLIGHT = 1e-4
-_NEAR = 0.02
-_FAR = 0.05
-# Of the way to a place of rest, by the chord.
-_SHORT_OF = 0.8
-# Of the largest in a growing motion, ends that run away.
-_SHARE = 0.3
-# A gap below this part of the zones beside it whose ends are driven by this part of K* has closed;
-# likewise a zone has opened.
-CLOSED = 1e-2
-DRIVEN = 0.5
-_OPENED = 0.02
-# Zones from which on it is foretold what ends are driven by that are driven by so much, and how
-# often a step by that is shortened.
-_MANY = 12
-_HARD = 0.1
-_FORETOLD_TRIES = 4
-MOST_STEPS = 3000
-MOST_TRIES = 40
-_PLACES = np.linspace(0.05, 0.95, 10)
 
+@dataclass(frozen=True)
+class FlowOptions:
+    """Steps of ends that advance or recede under a held control.
 
-def advanced(curve: Equilibria, table: Array, value: float, rest: float = REST) -> Point:
-    """The least equilibrium that holds these zones, of which all ends are driven outward; `Closed`
-    if there is none. rest: Newton's step over the widths at which stable ends are at rest.
+    Drives are in units of the law's own: |K*|, or the reach. Lengths are over the interval.
     """
-    found = _flowed(curve, table, value, 1.0, rest)
+
+    # Longest step back of an end that the others relieve.
+    max_back: float = 0.02
+    resting_drive: float = 1e-4
+    # How far past an equilibrium a step may end, over the drive at its start and in all; a further
+    # limit where an end would run on from there.
+    overshoot: float = 0.1
+    max_drive_back: float = 0.05
+    runaway_overshoot: float = 1e-3
+    # Part of the chord to an equilibrium that a step which overshoots it takes.
+    chord_part: float = 0.8
+    # Share of the largest motion from which on an end belongs to a growing motion.
+    runaway_share: float = 0.3
+    # A gap below this part of its zones whose ends are driven by more than the next number has
+    # closed; likewise a zone has come apart.
+    closed_gap: float = 1e-2
+    hard_drive: float = 0.5
+    lost_zone: float = 0.02
+    # The predictor is used from so many zones on, if some end is driven by more than that.
+    predictor_zones: int = 12
+    predictor_drive: float = 0.1
+    predictor_tries: int = 4
+
+
+FLOW = FlowOptions()
+# Places inside a step at which the cubic of the drive is tested.
+_INNER_PLACES = np.linspace(0.05, 0.95, 10)
+
+
+def advanced(
+    curve: Curve, table: Array, value: float, rest: float = TOLERANCES.resting_step
+) -> State:
+    """The least equilibrium that holds these intervals, whose ends are all driven outward.
+
+    Raises `Closed` if there is none. rest: Newton's step, over the widths, of ends at rest.
+    """
+    found = _flow(curve, table, value, 1.0, rest)
     assert found is not None
     return found
 
 
-def receded(curve: Equilibria, table: Array, value: float) -> Point | None:
-    """The greatest equilibrium within these zones, of which all ends are driven inward; None: all
-    have come apart.
+def receded(curve: Curve, table: Array, value: float) -> State | None:
+    """The greatest equilibrium inside these intervals, whose ends are all driven inward.
+
+    None if all have come apart.
     """
-    return _flowed(curve, table, value, -1.0)
+    return _flow(curve, table, value, -1.0)
 
 
-def _flowed(
-    curve: Equilibria, table: Array, value: float, sign: float, rest: float = REST
-) -> Point | None:
-    here = curve.at(table, value, ROUGH)
+def _flow(
+    curve: Curve, table: Array, value: float, sign: float, rest: float = TOLERANCES.resting_step
+) -> State | None:
+    here = curve.at(table, value, TOLERANCES.rough)
     widths, residual = here.widths, here.residual
-    for _ in range(MOST_STEPS):
-        told = _foretold(curve, here, sign)
-        if sign > 0 and (merged := closing(curve, here, told)) is not None:
-            here = curve.at(merged, value, ROUGH)
+    for _ in range(LIMITS.max_steps):
+        predicted = _predictor(curve, here, sign)
+        if sign > 0 and (merged := closing(curve, here, predicted)) is not None:
+            here = curve.at(merged, value, TOLERANCES.rough)
             continue
-        if sign < 0 and (apart := come_apart(here, widths, residual)).any():
+        if sign < 0 and (apart := lost_zones(here, widths, residual)).any():
             if apart.all():
                 return None
             stays = np.tile(~apart, 2)
             here, widths, residual = (
-                curve.at(here.table[~apart], value, ROUGH),
+                curve.at(here.table[~apart], value, TOLERANCES.rough),
                 widths[stays],
                 residual[stays],
             )
             continue
-        ahead = None if told is None else _step_as_told(curve, here, sign, told)
+        ahead = None if predicted is None else _predicted_step(curve, here, sign, predicted)
         here, move = (ahead, np.inf) if ahead is not None else _step(curve, here, sign)
         if at_rest(here, move, rest):
             return here
         if move == 0.0:
             break
         if sign < 0:
-            # A zone that others relieve on the way narrows anew from there.
+            # A zone that the others relieve on the way narrows anew from there.
             relieved = here.residual > residual
             widths, residual = (
                 np.where(relieved, here.widths, widths),
@@ -114,115 +123,125 @@ def _flowed(
     )
 
 
-def at_rest(here: Point, move: float, rest: float = REST) -> bool:
-    """Whether ends are at rest after a step of this largest move over the widths: Newton's next one
-    is none either, as one may be short since another end has come to its corner. rest: that step
-    over the widths.
+def at_rest(here: State, move: float, rest: float = TOLERANCES.resting_step) -> bool:
+    """Whether ends are at rest after a step.
+
+    move: largest part of a width moved. rest: largest Newton step of ends at rest. A step may be
+    short only because another end reached its corner: then Newton's next step is longer.
     """
     driven = float(np.abs(here.residual).max())
-    if here.growth < 0.0 and driven <= DRIVEN:
+    if here.growth < 0.0 and driven <= FLOW.hard_drive:
         newton = float(np.abs(here.newton / here.widths).max())
-        return newton <= rest or (move <= REST and newton <= _SETTLED)
-    return move <= REST and driven <= SLIGHT
+        return newton <= rest or (
+            move <= TOLERANCES.resting_step and newton <= 10 * TOLERANCES.resting_step
+        )
+    return move <= TOLERANCES.resting_step and driven <= FLOW.resting_drive
 
 
-def _foretold(curve: Equilibria, here: Point, sign: float) -> Foretold | None:
-    """What ends are driven by as they move on; None where Newton's step is the better one, or zones
-    are few.
+def _predictor(curve: Curve, here: State, sign: float) -> Predictor | None:
+    """The predictor of the drives on the way.
+
+    None where zones are few, or where Newton's step is better.
     """
     if (
-        len(here.table) < _MANY
+        len(here.table) < FLOW.predictor_zones
         or here.corners is not None
-        or float((sign * here.residual).max()) < _HARD
+        or float((sign * here.residual).max()) < FLOW.predictor_drive
     ):
         return None
-    return Foretold.of(curve, here, curve.fields(here, ROUGH), sign)
+    return Predictor.of(curve, here, curve.fields(here, TOLERANCES.rough), sign)
 
 
-def _step_as_told(curve: Equilibria, here: Point, sign: float, told: Foretold) -> Point | None:
-    """Next state where it was told well enough."""
+def _predicted_step(curve: Curve, here: State, sign: float, predicted: Predictor) -> State | None:
+    """The state after a predicted step; None if the prediction was wrong."""
     inward, outward = inward_and_outward(curve, here, detailed=False)
     limit = outward if sign > 0 else inward
-    for _ in range(_FORETOLD_TRIES):
-        step = told.step(limit)
-        ahead = curve.at(here.moved(sign * step), here.value, ROUGH)
-        astray = told.astray(step, sign * ahead.residual)
+    for _ in range(FLOW.predictor_tries):
+        step = predicted.step(limit)
+        ahead = curve.at(here.moved(sign * step), here.value, TOLERANCES.rough)
+        astray = predicted.astray(step, sign * ahead.residual)
         if not astray.any():
             return ahead
         limit = np.where(astray, 0.5 * step, limit)
     return None
 
 
-def _step(curve: Equilibria, here: Point, sign: float) -> tuple[Point, float]:
+def _step(curve: Curve, here: State, sign: float) -> tuple[State, float]:
     """(next state, largest move over the widths)."""
     limit, back = limits(curve, here, sign)
     runaway: Mask | None = running_away(here)
-    if np.any(runaway) and float(np.abs(here.residual).max()) <= SLIGHT:
-        # Next to a turning point they leave by the motion that grows, not each as far as it may.
+    if np.any(runaway) and float(np.abs(here.residual).max()) <= FLOW.resting_drive:
+        # Next to a turning point ends leave by the growing motion, not each as far as it may.
         runaway = None
-    for _ in range(MOST_TRIES):
-        step = kept_step(here, sign, limit, back, runaway)
-        # Of ends that are driven hard, little must be left out to know how those at rest are.
+    for _ in range(LIMITS.max_bisections):
+        step = bounded_step(here, sign, limit, back, runaway)
+        # Ends at rest are accurate only if the residual of those driven hard is small.
         ahead = curve.at(
             here.moved(step),
             here.value,
-            max(1e-14, ROUGH / max(1.0, float(np.abs(here.residual).max()))),
+            max(1e-14, TOLERANCES.rough / max(1.0, float(np.abs(here.residual).max()))),
         )
-        gone_past = passed(here, ahead, step, sign)
-        if not gone_past.any():
+        over = overshoots(here, ahead, step, sign)
+        if not over.any():
             return ahead, float(np.abs(step / here.widths).max())
-        # What has passed an equilibrium goes to where it is about; if that is of no avail, all
-        # others move less, too.
+        # An end that has passed an equilibrium goes back to about there. All others move less,
+        # too, in case that does not help.
         before, after = here.whole.residual, ahead.whole.residual
         part = np.divide(
-            _SHORT_OF * before, before - after, out=np.full(len(before), 0.5), where=before != after
+            FLOW.chord_part * before,
+            before - after,
+            out=np.full(len(before), 0.5),
+            where=before != after,
         )
-        shorter = np.where(gone_past, np.clip(np.where(part > 0.0, part, 0.5), 0.01, 0.5), 0.9)
+        shorter = np.where(over, np.clip(np.where(part > 0.0, part, 0.5), 0.01, 0.5), 0.9)
         limit = shorter * np.minimum(limit, np.maximum(np.abs(step), 1e-12 * here.widths))
     raise NotConverged("no step of the ends keeps to the branch")
 
 
-def limits(curve: Equilibria, here: Point, sign: float) -> tuple[Array, Array]:
+def limits(curve: Curve, here: State, sign: float) -> tuple[Array, Array]:
     """How far ends may move onward, and back, in a step (2n,)."""
     inward, outward = inward_and_outward(curve, here)
     if here.corners is not None:
-        # At a sharp corner it rests; one that is held there asks for no step.
-        beside = np.maximum(curve.to_corners(here.table), REST * here.widths)
-        outward = np.where(here.held, outward, np.minimum(outward, beside))
+        # An end rests at a sharp corner; a pinned end needs no step.
+        beside = np.maximum(curve.to_corners(here.table), TOLERANCES.resting_step * here.widths)
+        outward = np.where(here.pinned, outward, np.minimum(outward, beside))
     onward, back = (outward, inward) if sign > 0 else (inward, outward)
-    return onward, np.minimum(back, _NEAR * here.widths)
+    return onward, np.minimum(back, FLOW.max_back * here.widths)
 
 
-def inward_and_outward(
-    curve: Equilibria, here: Point, detailed: bool = True
-) -> tuple[Array, Array]:
-    """How far ends may move in a step whatever they are driven by, sharp corners left aside (2n,).
-    detailed: no farther than the detail of the profile is.
+def inward_and_outward(curve: Curve, here: State, detailed: bool = True) -> tuple[Array, Array]:
+    """How far ends may move inward and outward in a step, corners apart (2n,).
+
+    detailed: no farther than the smallest feature of the profile.
     """
-    known = _OF_DETAIL * curve.problem.detail if detailed else np.inf
+    known = curve.problem.detail if detailed else np.inf
     gaps = curve.gaps(here.table)
-    room = _INTO_GAP * np.concatenate((np.roll(gaps, 1), gaps))
-    # An end may reach the border, and is told of it then.
+    room = TOLERANCES.max_into_gap * np.concatenate((np.roll(gaps, 1), gaps))
+    # An end may reach the border, and then raises the error that says so.
     lo, hi = curve.problem.borders
     room[0], room[-1] = (
         min(room[0], 1.1 * (here.table[0, 0] - lo)),
         min(room[-1], 1.1 * (hi - here.table[-1, 1])),
     )
-    return np.minimum(_INWARD * here.widths, known), np.minimum(
-        np.minimum(_OUTWARD * here.widths, room), known
+    return np.minimum(TOLERANCES.max_inward * here.widths, known), np.minimum(
+        np.minimum(TOLERANCES.max_outward * here.widths, room), known
     )
 
 
-def closing(curve: Equilibria, here: Point, told: Foretold | None = None) -> Array | None:
-    """The zones without gaps that have closed, or of which it is foretold; None if there is none."""
+def closing(curve: Curve, here: State, predicted: Predictor | None = None) -> Array | None:
+    """The intervals with closed gaps joined, or gaps predicted to close; None if no gap closes."""
     table = here.table
     left, right = np.split(here.residual, 2)
     widths = np.diff(table, axis=1)[:, 0]
     gap = curve.gaps(table)
     beside = np.minimum(widths, np.roll(widths, -1))
-    closes = (gap < CLOSED * beside) & (right > DRIVEN) & (np.roll(left, -1) > DRIVEN)
-    if told is not None:
-        closes |= told.closes(gap, beside)
+    closes = (
+        (gap < FLOW.closed_gap * beside)
+        & (right > FLOW.hard_drive)
+        & (np.roll(left, -1) > FLOW.hard_drive)
+    )
+    if predicted is not None:
+        closes |= predicted.closes(gap, beside)
     if not closes.any():
         return None
     if closes.all():
@@ -230,46 +249,49 @@ def closing(curve: Equilibria, here: Point, told: Foretold | None = None) -> Arr
     return joined(table, closes, [], curve.problem.period)
 
 
-def come_apart(here: Point, widths: Array, residual: Array) -> Mask:
-    """Which zones have come apart that were so wide when they were driven least: the narrower they
-    are the more they are driven.
+def lost_zones(here: State, widths: Array, residual: Array) -> Mask:
+    """Mask of the zones past the point of no return.
+
+    They have shrunk below a part of their width at their smallest drive, and the force that
+    shrinks them grows.
     """
-    driven = here.residual < np.minimum(-DRIVEN, 1.5 * residual)
-    return np.logical_and(*np.split(driven & (here.widths < _OPENED * widths), 2))
+    driven = here.residual < np.minimum(-FLOW.hard_drive, 1.5 * residual)
+    return np.logical_and(*np.split(driven & (here.widths < FLOW.lost_zone * widths), 2))
 
 
-def running_away(here: Point) -> Mask:
-    """The ends without which no motion of the others grows (2n,): those of gaps that snap shut, of
-    zones that come apart.
+def running_away(here: State) -> Mask:
+    """Mask of the ends without which no motion of the others grows (2n,).
+
+    They belong to gaps that snap shut, or to zones that come apart.
     """
     away = np.zeros(len(here.residual), dtype=bool)
-    if here.growth < -NEUTRAL:
+    if here.growth < -TOLERANCES.neutral:
         return away
     while not away.all():
         stays = np.flatnonzero(~away)
         growth, motions = here.motions(stays)
-        grows = growth >= -NEUTRAL
+        grows = growth >= -TOLERANCES.neutral
         if not grows.any():
             break
         size = np.abs(motions[:, grows])
-        away[stays[(size > _SHARE * size.max(axis=0)).any(axis=1)]] = True
+        away[stays[(size > FLOW.runaway_share * size.max(axis=0)).any(axis=1)]] = True
     return away
 
 
-def kept_step(
-    here: Point, sign: float, limit: Array, most_back: Array, runaway: Mask | None = None
+def bounded_step(
+    here: State, sign: float, limit: Array, most_back: Array, runaway: Mask | None = None
 ) -> Array:
-    """Newton's step, in which ends go no farther than their limits, nor back but a little; where
-    there are motions that run away, damped by as much as keeps these within the limits, or, told
-    which, with these ends going as far as they may.
+    """Bound-constrained Newton step; shifted by mu D if J is indefinite.
+
+    runaway: ends that move as far as their limits, while the others follow by Newton's step.
     """
     rates, residual = here.rates, here.residual
-    if here.growth >= -NEUTRAL and runaway is None:
+    if here.growth >= -TOLERANCES.neutral and runaway is None:
         return _damped_step(here, sign, limit)
     away = np.zeros(len(residual), dtype=bool) if runaway is None else runaway
     free, released = ~away, np.zeros(len(residual), dtype=bool)
-    # One that has gone a little beyond its rest, to where it would run on, goes back.
-    step = sign * np.where(sign * residual > -SLIGHT, limit, -most_back)
+    # An end a little beyond its equilibrium goes back, so that it does not run on.
+    step = sign * np.where(sign * residual > -FLOW.resting_drive, limit, -most_back)
     while True:
         step[free] = np.linalg.solve(
             -rates[np.ix_(free, free)], residual[free] + rates[np.ix_(free, ~free)] @ step[~free]
@@ -281,8 +303,7 @@ def kept_step(
         step[far], step[back] = sign * limit[far], -sign * most_back[back]
         free &= ~(far | back)
         if not (far | back).any():
-            # One that others were to drive so far, before they were kept from it, need not go
-            # there.
+            # An end need not stay at its bound if others, bounded too, no longer drive it there.
             driven = np.sign(step) * (residual + rates @ step)
             late = ~(free | away | released) & (driven < 0.0)
             if not late.any():
@@ -290,10 +311,12 @@ def kept_step(
             free, released = free | late, released | late
 
 
-def _damped_step(here: Point, sign: float, limit: Array) -> Array:
-    """(mu D - J) ds = r, mu above the fastest growth and as near to it as the limits let it."""
-    # An end that has gone too far waits for what the others do.
-    free = sign * here.residual > -SLIGHT
+def _damped_step(here: State, sign: float, limit: Array) -> Array:
+    """Solution of (mu D - J) ds = r; mu is above the fastest growth and as small as the limits
+    allow.
+    """
+    # An end that has gone too far waits for the others.
+    free = sign * here.residual > -FLOW.resting_drive
     weight, rates, above = here.weight[free], here.rates[np.ix_(free, free)], 1e-6
     growth = max(here.growth_of(np.flatnonzero(free)), -above)
     step = np.zeros_like(here.residual)
@@ -305,29 +328,33 @@ def _damped_step(here: Point, sign: float, limit: Array) -> Array:
         above *= 2.0
 
 
-def passed(here: Point, ahead: Point, step: Array, sign: float) -> Mask:
-    """Which ends have passed a place of rest in a step: they are driven the other way at its end
-    or, by a cubic, on the way.
+def overshoots(here: State, ahead: State, step: Array, sign: float) -> Mask:
+    """Mask of the ends that have passed an equilibrium in a step.
+
+    They are driven the other way at its end or, by the cubic of the drive, on the way.
     """
     first, last = here.whole, ahead.whole
     before, after = sign * first.residual, sign * last.residual
     allowed = np.minimum(
-        -_OVERSHOT * np.minimum(np.abs(before), 1.0) - SLIGHT, 1.1 * before - SLIGHT
+        -FLOW.overshoot * np.minimum(np.abs(before), 1.0) - FLOW.resting_drive,
+        1.1 * before - FLOW.resting_drive,
     )
-    # Beside a stable equilibrium an end that has gone a little too far comes back.
+    # Near a stable equilibrium an end that has gone a little too far comes back.
     far = (
-        (np.abs(step) > _NEAR * here.widths) | (here.growth < 0.0 <= ahead.growth) | (after < -_FAR)
+        (np.abs(step) > FLOW.max_back * here.widths)
+        | (here.growth < 0.0 <= ahead.growth)
+        | (after < -FLOW.max_drive_back)
     )
-    # Where motions grow for most of the way it would run on, or be put back for ever.
+    # Where motions grow for most of the way, it would run on, or be put back forever.
     if 0.0 < -here.growth <= ahead.growth:
-        allowed = np.where(before > 0.0, -_RUN_ON, allowed)
-    # One that was held was at rest.
-    far &= ~first.held
+        allowed = np.where(before > 0.0, -FLOW.runaway_overshoot, allowed)
+    # A pinned end was at rest.
+    far &= ~first.pinned
     over = (after < allowed) & far
-    if float(np.abs(step / here.widths).max()) < _NEAR:
+    if float(np.abs(step / here.widths).max()) < FLOW.max_back:
         return np.asarray(over)
     rise, fall = sign * (first.rates @ step), sign * (last.rates @ step)
-    u = _PLACES[:, None]
+    u = _INNER_PLACES[:, None]
     way = (
         (1 + 2 * u) * (1 - u) ** 2 * before
         + u * (1 - u) ** 2 * rise

@@ -1,26 +1,27 @@
-r"""A constant tension beside the contact, on a grid: its intervals as they grow or shrink to rest,
-many ends and places at once.
+"""The grid guide: intervals of tension that grow or shrink to rest on a grid, all at once.
 
-Under the tension on intervals I the contact is that of the surfaces which the tension has deformed
-(conjugate_gradient.py), and
+Under the tension on intervals I the contact is that of the deformed surfaces
+(contact.search.grid.conjugate_gradient), and the map
 
     I -> {gap < h}
 
-keeps order on a half-plane under a held load, h the reach: from intervals all of whose ends are
-driven outward it grows to the least equilibrium that holds them, from such as are driven inward it
-shrinks to the greatest within. On a grid that costs a few transforms a round. A reach taken a
-little smaller as they grow, and a little larger as they shrink, makes up for what the grid is wrong
-by: then these intervals lie within the ones that are looked for, or hold them.
+keeps order on a half-plane under a held load, h the reach. Intervals whose ends are all driven
+outward grow to the least equilibrium that holds them; those driven inward shrink to the greatest
+one inside. On a grid a round costs a few transforms. A reach a little smaller for growth, and a
+little larger for shrinking, makes up for the error of the grid: the intervals then lie inside the
+ones that are searched for, or hold them.
 """
 
 import math
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 import sie
 from contact.adhesion.curve import Closed
-from contact.adhesion.inner_contact import Lost
+from contact.adhesion.inner_contact import ContactLost
+from contact.adhesion.limits import LIMITS
 from contact.errors import NotConverged
 from contact.formulation.problem import Problem
 from contact.formulation.tables import runs_of
@@ -29,29 +30,34 @@ from contact.search.grid.nested_grids import MOST_POINTS, grid_height, zones_of
 from contact.search.grid.proposals import placed, whole_response
 from sie import Array, Mask, record
 
-# Cells to a length over which the profile varies, to the strip that adhesion without range would
-# leave, and in all at the least; so many are few, so many times as many as the profile asks for may
-# be asked for by strips, and so many at the most.
-_PER_FEATURE = 16
-_PER_STRIP = 32
-_FEWEST = 256.0
-_FEW = 2**14
-_FINER = 8
-_MOST = 2**18
-# Beside the intervals of a lone body, over what they span, the window of the grid.
-_AROUND = 0.25
-# Rounds, the change of a cell's share that ends them, and the tolerance of a contact on the way.
-_ROUNDS = 400
-_STILL = 0.02
-_TOL = 1e-4
-# Of the control, between a value that holds a contact and one that does not.
-_HALVINGS = 12
-_DOUBLINGS = 60
+
+@dataclass(frozen=True)
+class GridOptions:
+    """The grid on which intervals of tension are guided."""
+
+    # Cells for each feature of the profile, and for the strip that adhesion without range leaves.
+    cells_per_feature: int = 16
+    cells_per_strip: int = 32
+    least_points: float = 256.0
+    # A grid is too fine beyond few points if the strips ask for so many times the profile's points.
+    few_points: int = 2**14
+    max_refinement: int = 8
+    max_points: int = 2**18
+    # Window on either side of the intervals of a lone body, over their span.
+    window: float = 0.25
+    # Change of a cell's share at rest, and accuracy of a contact on the way.
+    resting_share: float = 0.02
+    tolerance: float = 1e-4
+    # Halvings between a control with a contact and one without.
+    max_halvings: int = 12
+
+
+GRID = GridOptions()
 
 
 @record
-class Resting:
-    """Scaled intervals (m, 2), ascending, and the zones of contact within them."""
+class GridRest:
+    """Scaled intervals at rest (m, 2), ascending, and the zones of contact inside them."""
 
     table: Array
     zones: Array
@@ -59,9 +65,11 @@ class Resting:
 
 
 @record
-class GridTension(sie.Kept):
-    """problem: with the law that has the tension; x0, width: the period, or the window of a lone
-    body, that the cells are parts of [m]; by_load: whether the control is a load, else an approach.
+class GridGuide(sie.Kept):
+    """A problem whose law has a tension, on a grid.
+
+    x0, width: the period, or the window of a lone body [m]. by_load: whether the control is a
+    load, else an approach.
     """
 
     problem: Problem
@@ -71,16 +79,14 @@ class GridTension(sie.Kept):
     by_load: bool
 
     @classmethod
-    def of(cls, problem: Problem, table: Array | None, by_load: bool) -> "GridTension | None":
-        """table: scaled intervals from which ends are to move; None where what the tension acts on
-        is too narrow for a grid.
-        """
+    def of(cls, problem: Problem, table: Array | None, by_load: bool) -> "GridGuide | None":
+        """The grid for intervals that are to move (scaled); None if their strips are too narrow."""
         profile, law, units = problem.profile, problem.law, problem.units
         if problem.period is not None and profile.period is not None:
             x0, width = profile.x0, profile.period
         else:
             assert table is not None
-            around = _AROUND * float(table[-1, 1] - table[0, 0])
+            around = GRID.window * float(table[-1, 1] - table[0, 0])
             lo, hi = problem.borders
             window = units.x(
                 np.array([max(lo, table[0, 0] - around), min(hi, table[-1, 1] + around)])
@@ -88,16 +94,22 @@ class GridTension(sie.Kept):
             x0, width = float(window[0]), float(window[1] - window[0])
         feature = width if profile.feature is None else profile.feature
         strip = 0.25 * math.pi * units.E_star * law.reach / law.tension
-        least = _PER_FEATURE * width / feature
-        wanted = max(least, _PER_STRIP * width / strip)
-        # Of few zones on narrow strips the way itself is shorter than so fine a grid.
-        if not wanted <= max(_FEW, min(_FINER * least, _MOST), min(least, MOST_POINTS)):
+        least = GRID.cells_per_feature * width / feature
+        wanted = max(least, GRID.cells_per_strip * width / strip)
+        # For few zones on narrow strips the flow itself takes less time than so fine a grid.
+        if not wanted <= max(
+            GRID.few_points,
+            min(GRID.max_refinement * least, GRID.max_points),
+            min(least, MOST_POINTS),
+        ):
             return None
-        return cls(problem, x0, width, 2 ** math.ceil(math.log2(max(wanted, _FEWEST))), by_load)
+        return cls(
+            problem, x0, width, 2 ** math.ceil(math.log2(max(wanted, GRID.least_points))), by_load
+        )
 
     @property
     def cell(self) -> float:
-        """Width of one [m]."""
+        """Width of a cell [m]."""
         return self.width / self.points
 
     @property
@@ -106,7 +118,7 @@ class GridTension(sie.Kept):
 
     @cached_property
     def x(self) -> Array:
-        """Their middles [m]."""
+        """Middles of the cells [m]."""
         return np.asarray(self.x0 + self.cell * (np.arange(self.points) + 0.5))
 
     @cached_property
@@ -129,32 +141,33 @@ class GridTension(sie.Kept):
         sign: float,
         reach: float,
         near: GridState | None = None,
-    ) -> Resting:
-        """Where intervals, or the whole period, come to that grow (sign 1) or shrink (-1), for so
-        many times the reach. Lost, Closed; NotConverged where they come to the border of the
-        window.
+    ) -> GridRest:
+        """Where intervals come to rest that grow (sign 1) or shrink (-1).
+
+        reach: factor of the law's reach. table: None for tension in all of a period. Raises ContactLost,
+        Closed, or NotConverged at the border of the window.
         """
         limit = reach * self.problem.law.reach
         share = np.ones(self.points) if table is None else self._shares(table)
         start = None if near is None else near.pressure
-        for _ in range(_ROUNDS):
+        for _ in range(LIMITS.max_steps):
             state = self._contact(share, value, start)
             new = shares_below(state.gap - limit)
             new = np.maximum(share, new) if sign > 0 else np.minimum(share, new)
             change, share, start = float(np.abs(new - share).max()), new, state.pressure
-            if change < _STILL:
+            if change < GRID.resting_share:
                 break
         below = state.gap < limit
         if np.any(~below & (share == 1.0) if sign > 0 else below & (share == 0.0)):
             raise NotConverged("the ends of the tension are not all driven one way")
         found = self._table(below, state.gap - limit)
-        return Resting(found, placed(self.problem, zones_of(state, self.x)), state)
+        return GridRest(found, placed(self.problem, zones_of(state, self.x)), state)
 
     def least_value(self, table: Array | None, value: float) -> float:
-        """About the lowest value of the control at which intervals that shrink still come to rest."""
+        """About the lowest value of the control at which shrinking intervals come to rest."""
         high, low = value, self._lost(value)
-        near: Resting | None = None
-        for _ in range(_HALVINGS):
+        near: GridRest | None = None
+        for _ in range(GRID.max_halvings):
             middle = 0.5 * (high + low)
             try:
                 near = self.resting(
@@ -167,20 +180,20 @@ class GridTension(sie.Kept):
                 high = middle
             except Closed:
                 high = middle
-            except Lost:
+            except ContactLost:
                 low = middle
         return high
 
     def _lost(self, value: float) -> float:
-        """A value of the control at which nothing is left."""
+        """A value of the control at which no contact is left."""
         problem, law = self.problem, self.problem.law
         if self.by_load:
             return -law.tension * self.width / problem.units.load
         step = law.reach / problem.units.height
-        for _ in range(_DOUBLINGS):
+        for _ in range(LIMITS.max_bisections):
             try:
                 self.resting(None, value - step, -1.0, 1.0)
-            except Lost:
+            except ContactLost:
                 return value - step
             except Closed:
                 pass
@@ -193,22 +206,22 @@ class GridTension(sie.Kept):
         if self.by_load:
             load = value * units.load + tension * float(share.sum()) * self.cell
             if not load > 0.0:
-                raise Lost
-            state = solve_grid(deformed, self.influence, load=load, start=start, tol=_TOL)
+                raise ContactLost
+            state = solve_grid(deformed, self.influence, load=load, start=start, tol=GRID.tolerance)
         else:
             state = solve_grid(
                 deformed,
                 self.influence,
                 level=self.problem.lowest + value * units.height,
                 start=start,
-                tol=_TOL,
+                tol=GRID.tolerance,
             )
         if not state.load > 0.0:
-            raise Lost
+            raise ContactLost
         return state
 
     def _shares(self, table: Array) -> Array:
-        """What intervals take of each cell."""
+        """Part of each cell that intervals cover."""
         rows = np.asarray(self.problem.units.x(table)) - self.x0
         edges = self.cell * np.arange(self.points + 1)
         out = np.zeros(self.points)
@@ -222,11 +235,14 @@ class GridTension(sie.Kept):
         return np.minimum(out, 1.0)
 
     def _table(self, below: Mask, above: Array) -> Array:
-        """Scaled intervals in which the gap is below the limit; above: what it has more than that."""
+        """Scaled intervals in which the gap is below the limit.
+
+        above: the gap less the limit.
+        """
         if self.repeats and below.all():
             raise Closed
         if not below.any():
-            raise Lost
+            raise ContactLost
         if not self.repeats and (below[0] or below[-1]):
             raise NotConverged("the tension comes to the border of the window")
         n = self.points
@@ -240,15 +256,13 @@ class GridTension(sie.Kept):
 
 
 def shares_below(above: Array) -> Array:
-    """What of each cell lies where a function, linear between the middles of the cells, is below
-    zero.
-    """
+    """Part of each cell where a function, linear between their middles, is negative."""
     half = 0.5 * (above + np.roll(above, -1))
     return 0.5 * (_part_below(above, half) + np.roll(_part_below(half, np.roll(above, -1)), 1))
 
 
 def _part_below(a: Array, b: Array) -> Array:
-    """Part of a length on which what goes from a to b is below zero."""
+    """Part of a length on which a linear function from a to b is negative."""
     with np.errstate(divide="ignore", invalid="ignore"):
         crossing = a / (a - b)
     return np.where(

@@ -13,9 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 
 import sie
-from contact.adhesion.curve import NoState
-from contact.adhesion.deformed_profile import Pulled
+from contact.adhesion.curve import TOLERANCES, NoState
+from contact.adhesion.deformed_profile import TractionLoaded
 from contact.adhesion.intervals import fitted, interval_of, sample_points
+from contact.adhesion.limits import LIMITS
 from contact.errors import NotConverged
 from contact.formulation.controls import Control
 from contact.formulation.fields import ZoneFields
@@ -36,22 +37,10 @@ _OUTER_PARTS = np.array([0.25, 1.0, 4.0, 16.0, 64.0])
 class InnerContactOptions:
     """Newton's method for the zones within the intervals of tension, and the correction of signs."""
 
-    max_newton_steps: int = 80
-    # Changes of the number of zones.
-    max_rounds: int = 16
-    # Largest motion of an end inward and outward, over the width of its zone.
-    max_inward: float = 0.3
-    max_outward: float = 0.5
-    # Largest motion of an end into a gap to another zone, over the gap: both ends may move.
-    max_into_gap: float = 0.45
     # Part of the distance to the end of its interval that a step leaves.
     left_of_room: float = 0.25
     # If a step overshoots and leaves more than this part of the residual, the secant is used.
     max_overshoot: float = 0.3
-    # A stagnating step below this part of the strip of tension is round-off.
-    max_round_off: float = 1e-5
-    # A growing zone closer than this (over its width) to the end of its interval covers it.
-    covered_below: float = 1e-6
     # Zones (or gaps) that have shrunk to this part of their width (or of their zones) vanish.
     vanished_below: float = 1e-3
     # Width of a new zone over that of the overlap of the surfaces.
@@ -60,8 +49,6 @@ class InnerContactOptions:
     far: float = 1e3
     # Refinements of samples about extrema.
     refinements: int = 3
-    # q is negative below minus this part of its largest value: round-off of the density.
-    negative_below: float = 1e-9
     # Largest number of samples of q on a zone, unless the profile varies faster.
     sign_samples: int = 128
 
@@ -69,11 +56,11 @@ class InnerContactOptions:
 _OPTIONS = InnerContactOptions()
 
 
-class Lost(NoState):
+class ContactLost(NoState):
     """No contact is left under a tension."""
 
 
-class Covered(NoState):
+class EndsCovered(NoState):
     """A zone reaches ends of intervals of tension; ends: their mask (2m,)."""
 
     def __init__(self, ends: Mask) -> None:
@@ -91,8 +78,8 @@ class Tolerances:
     """
 
     density: float = TIGHT
-    ends: float = 1e-11
-    last: float = 1e-9
+    ends: float = TOLERANCES.newton_step
+    last: float = TOLERANCES.rough
 
     @classmethod
     def intermediate(cls, density: float) -> Tolerances:
@@ -101,8 +88,8 @@ class Tolerances:
 
 
 def contact_under(
-    pulled: Pulled,
-    control: Callable[[Pulled], Control],
+    pulled: TractionLoaded,
+    control: Callable[[TractionLoaded], Control],
     zones: Array,
     formal: bool,
     tolerances: Tolerances,
@@ -114,14 +101,14 @@ def contact_under(
     """
     load = control(pulled).load
     if load is not None and not load > 0.0:
-        raise Lost
+        raise ContactLost
     if len(zones) == 0:
         zones = _lowest(pulled)
-    for done in range(_OPTIONS.max_rounds):
+    for done in range(LIMITS.max_bisections):
         fields = ZoneFields(*_with_ends(pulled, control, zones, tolerances, done == 0))
         if formal:
             return fields, None
-        look = look_at(fields)
+        look = sampled_gap(fields)
         found = _corrected(fields, look)
         if found is None:
             return fields, look
@@ -129,17 +116,17 @@ def contact_under(
             found, pulled.pulling.table, pulled.round, pulled.pulling.everywhere, pulled.corners
         )
         if len(zones) == 0:
-            raise Lost
+            raise ContactLost
     raise NotConverged("the zones under a given tension did not settle")
 
 
 def _with_ends(
-    pulled: Pulled,
-    control: Callable[[Pulled], Control],
+    pulled: TractionLoaded,
+    control: Callable[[TractionLoaded], Control],
     zones: Array,
     tolerances: Tolerances,
     plain: bool,
-) -> tuple[Pulled, sie.AnyState]:
+) -> tuple[TractionLoaded, sie.AnyState]:
     """The zones found from a first guess, and their state.
 
     Plain Newton steps are tried first if `plain` is set. If they fail, the engine's search is used:
@@ -155,7 +142,7 @@ def _with_ends(
     return _searched(pulled, control, zones, tolerances)
 
 
-def _lowest(pulled: Pulled) -> Array:
+def _lowest(pulled: TractionLoaded) -> Array:
     """A narrow zone about the lowest sampled point of the deformed profile."""
     tension, count = pulled.pulling, _OPTIONS.sign_samples
     table = np.array([[0.0, tension.width]]) if tension.everywhere else tension.table
@@ -166,8 +153,11 @@ def _lowest(pulled: Pulled) -> Array:
 
 
 def _settled(
-    pulled: Pulled, control: Callable[[Pulled], Control], zones: Array, tolerances: Tolerances
-) -> tuple[Pulled, sie.State]:
+    pulled: TractionLoaded,
+    control: Callable[[TractionLoaded], Control],
+    zones: Array,
+    tolerances: Tolerances,
+) -> tuple[TractionLoaded, sie.State]:
     """Newton's method for the ends of the zones; returns the problem for these zones and its state.
 
     The number of zones may only fall.
@@ -176,7 +166,7 @@ def _settled(
     before: tuple[Array, Array] | None = None
     best, stuck = np.inf, 0
 
-    def solved(zones: Array) -> tuple[Pulled, sie.State]:
+    def solved(zones: Array) -> tuple[TractionLoaded, sie.State]:
         here = pulled.over(zones)
         try:
             return here, sie.solve_fixed(
@@ -189,23 +179,23 @@ def _settled(
                 "zones under a given tension came too near to one another, or to its ends"
             ) from failure
 
-    for _ in range(_OPTIONS.max_newton_steps):
+    for _ in range(LIMITS.max_newton_steps):
         here, state = solved(zones)
         width, (room, shared) = np.diff(zones, axis=1)[:, 0], _room(pulled, zones)
-        held, rests = _held(here, zones, np.array(state.density.intensities))
-        k, step = _steps((here, state), zones, before, (room, shared), (held, rests))
+        pinned, rests = _pinned(here, zones, np.array(state.density.intensities))
+        k, step = _steps((here, state), zones, before, (room, shared), (pinned, rests))
         before = zones, k
-        least = np.minimum(width, np.where(shared | held, np.inf, np.maximum(room, 1e-300)))
+        least = np.minimum(width, np.where(shared | pinned, np.inf, np.maximum(room, 1e-300)))
         miss = float(np.abs(step / least).max())
         best, stuck = min(best, miss), stuck + 1 if miss > 0.5 * best else 0
         # Next to narrow strips of tension, round-off may exceed the tolerance.
-        if miss < tolerances.ends or (stuck > 2 and miss < _OPTIONS.max_round_off):
+        if miss < tolerances.ends or (stuck > 2 and miss < 10 * TOLERANCES.resting_step):
             return here, state
         reaches = _reaches(here, zones, k, step, room, shared)
         # A strip of tension that ends at a sharp corner may be arbitrarily narrow.
         covers = (
             ~shared
-            & (room < _OPTIONS.covered_below * width)
+            & (room < TOLERANCES.resting_step * width)
             & (step > 0.5 * room)
             & ~_beside_corners(here, zones)
         )
@@ -214,19 +204,19 @@ def _settled(
             ends = np.zeros((2, len(pulled.pulling.table)), dtype=bool)
             for side in (0, 1):
                 ends[side, i[covers[side]]] = True
-            raise Covered(ends.ravel())
-        share = np.where(shared, _OPTIONS.max_into_gap, 1 - _OPTIONS.left_of_room)
-        limit = np.minimum(_OPTIONS.max_outward * width, share * room)
-        inward = _OPTIONS.max_inward * width
+            raise EndsCovered(ends.ravel())
+        share = np.where(shared, TOLERANCES.max_into_gap, 1 - _OPTIONS.left_of_room)
+        limit = np.minimum(TOLERANCES.max_outward * width, share * room)
+        inward = TOLERANCES.max_inward * width
         moved = np.where(reaches, room, np.clip(step, -inward, limit))
         # Newton's method squares the error: one more step suffices and is not checked.
         if float(np.abs(moved / least).max()) < tolerances.last and not reaches.any():
             return solved(_moved(here, zones, moved, reaches))
-        shrinks = ((step < -inward) | (held & rests)).all(axis=0)
+        shrinks = ((step < -inward) | (pinned & rests)).all(axis=0)
         lost = (width < _OPTIONS.vanished_below * first) & shrinks
         if lost.any():
             if lost.all():
-                raise Lost
+                raise ContactLost
             zones, first = zones[~lost], first[~lost]
             continue
         zones = _moved(here, zones, moved, reaches)
@@ -235,7 +225,7 @@ def _settled(
 
 
 def _steps(
-    found: tuple[Pulled, sie.State],
+    found: tuple[TractionLoaded, sie.State],
     zones: Array,
     before: tuple[Array, Array] | None,
     around: tuple[Array, Mask],
@@ -246,7 +236,7 @@ def _steps(
     before: zones and K of the previous step; around: distance to the next obstacle, and whether that
     is a zone (`_room`); corners: ends at sharp corners, and those that stay there (`_held`).
     """
-    (here, state), (room, shared), (held, rests) = found, around, corners
+    (here, state), (room, shared), (pinned, rests) = found, around, corners
     k, slope = np.array(state.density.intensities), edge_slopes(here, state)
     with np.errstate(divide="ignore", invalid="ignore"):
         step = np.where(slope > 0, 2 * k / slope, np.copysign(np.inf, k))
@@ -254,7 +244,7 @@ def _steps(
         # After an overshoot the end lies between its last two positions: the secant is used.
         back = np.array([zones[:, 0] - before[0][:, 0], before[0][:, 1] - zones[:, 1]])
         overshot = np.abs(k) > _OPTIONS.max_overshoot * np.abs(before[1])
-        turned = (k * before[1] < 0) & overshot & ~held
+        turned = (k * before[1] < 0) & overshot & ~pinned
         step = np.where(turned, back * k / np.where(turned, k - before[1], 1.0), step)
     # Near the end of an interval, K is linear in the square root of the distance from it: the
     # Newton step is made in that root.
@@ -264,17 +254,17 @@ def _steps(
     root = np.clip(1 - np.where(alone, step, 0.0) / (2 * own), least_root, 4.0)
     rooted = np.where(alone, own * (1 - root**2), step)
     step = np.where(np.abs(step) < 0.1 * room, step, rooted)
-    step = np.where(held, np.where(rests, 0.0, _released(here, k, step)), step)
+    step = np.where(pinned, np.where(rests, 0.0, _released(here, k, step)), step)
     return k, step
 
 
-def _moved(pulled: Pulled, zones: Array, moved: Array, reaches: Mask) -> Array:
+def _moved(pulled: TractionLoaded, zones: Array, moved: Array, reaches: Mask) -> Array:
     """The zones with ends moved outward; ends that reach a sharp corner are put on it."""
     zones = zones + np.column_stack((-moved[0], moved[1]))
     return np.where(reaches.T, np.broadcast_to(pulled.corners, zones.shape), zones)
 
 
-def edge_slopes(pulled: Pulled, state: sie.AnyState) -> Array:
+def edge_slopes(pulled: TractionLoaded, state: sie.AnyState) -> Array:
     """The edge slopes A of p + s at the ends (2, Z).
 
     In a zone pinned at a corner, q has a smaller slope at the other end than p + s.
@@ -286,16 +276,16 @@ def edge_slopes(pulled: Pulled, state: sie.AnyState) -> Array:
     return slope
 
 
-def _held(pulled: Pulled, zones: Array, k: Array) -> tuple[Mask, Mask]:
+def _pinned(pulled: TractionLoaded, zones: Array, k: Array) -> tuple[Mask, Mask]:
     """Masks (2, n) of the ends at sharp corners, and of those that stay there.
 
     An end stays if its K is compressive, up to round-off.
     """
-    held = (zones == np.array(pulled.corners)).T
-    return held, held & (k >= -_OPTIONS.negative_below * np.abs(k).max())
+    pinned = (zones == np.array(pulled.corners)).T
+    return pinned, pinned & (k >= -TOLERANCES.rough * np.abs(k).max())
 
 
-def _released(pulled: Pulled, k: Array, step: Array) -> Array:
+def _released(pulled: TractionLoaded, k: Array, step: Array) -> Array:
     """Steps of ends that leave a corner.
 
     A narrow strip of width (pi K/2 s)^2 under the tension s has the intensity -K.
@@ -308,13 +298,13 @@ def _released(pulled: Pulled, k: Array, step: Array) -> Array:
     )
 
 
-def _beside_corners(pulled: Pulled, zones: Array) -> Mask:
+def _beside_corners(pulled: TractionLoaded, zones: Array) -> Mask:
     """Mask (2, n) of the ends whose interval ends at a sharp corner."""
     return np.asarray((_own(pulled, zones) == np.array(pulled.corners)).T)
 
 
 def _reaches(
-    pulled: Pulled, zones: Array, k: Array, step: Array, room: Array, shared: Mask
+    pulled: TractionLoaded, zones: Array, k: Array, step: Array, room: Array, shared: Mask
 ) -> Mask:
     """Mask (2, n) of the ends that move to the sharp corner next to them.
 
@@ -331,7 +321,7 @@ def _reaches(
     )
     for side, i, corner in ((0, 0, lo), (1, -1, hi)):
         if zones[i, side] != corner and not shared[side, i] and beside[side, i]:
-            narrow = room[side, i] < _OPTIONS.max_inward * (zones[i, 1] - zones[i, 0])
+            narrow = room[side, i] < TOLERANCES.max_inward * (zones[i, 1] - zones[i, 0])
             part = 2 / np.pi * pulled.pulling.stress * np.sqrt(room[side, i]) if len(table) else 0.0
             out[side, i] = (
                 narrow
@@ -342,16 +332,19 @@ def _reaches(
 
 
 def _searched(
-    pulled: Pulled, control: Callable[[Pulled], Control], zones: Array, tolerances: Tolerances
-) -> tuple[Pulled, sie.AnyState]:
+    pulled: TractionLoaded,
+    control: Callable[[TractionLoaded], Control],
+    zones: Array,
+    tolerances: Tolerances,
+) -> tuple[TractionLoaded, sie.AnyState]:
     """The zones found by the engine's search, if they stay within their intervals."""
     equation = pulled.equation(control(pulled))
-    for _ in range(_OPTIONS.max_rounds):
+    for _ in range(LIMITS.max_bisections):
         free = sie.find_ends(equation, sie.Zones.of(zones, pulled.end, pulled.end), 1e-10)
         ended = free.density.zones.table
         if len(free.lost):
             if len(free.lost) == len(ended):
-                raise Lost
+                raise ContactLost
             zones = np.delete(ended, free.lost, axis=0)
         elif len(free.met):
             zones = joined_where(ended, np.isin(np.arange(len(ended) - 1), free.met))
@@ -366,7 +359,7 @@ def _searched(
     raise NotConverged("the number of zones under a given tension did not settle")
 
 
-def _room(pulled: Pulled, zones: Array) -> tuple[Array, Mask]:
+def _room(pulled: TractionLoaded, zones: Array) -> tuple[Array, Mask]:
     """The distance of each end (2, n) to the next obstacle, and whether that is another zone.
 
     The other obstacle is the end of its interval.
@@ -377,7 +370,7 @@ def _room(pulled: Pulled, zones: Array) -> tuple[Array, Mask]:
     return np.minimum(beside, away), beside <= away
 
 
-def _own(pulled: Pulled, zones: Array) -> Array:
+def _own(pulled: TractionLoaded, zones: Array) -> Array:
     """The interval of tension around each zone (n, 2); without tension, the sharp corners."""
     table = pulled.pulling.table
     return (
@@ -399,14 +392,16 @@ def _joined(zones: Array, first: Array, step: Array) -> tuple[Array, Array]:
     return joined_where(zones, meets), first[np.append(True, ~meets)]
 
 
-def look_at(fields: ZoneFields) -> tuple[Array, Array]:
+def sampled_gap(fields: ZoneFields) -> tuple[Array, Array]:
     """(sample points without contact, ascending; the gap there)."""
     pulled = fields.problem
-    assert isinstance(pulled, Pulled)
-    return looked(fields.formal_gap, look_around(pulled, fields.density.zones.table))
+    assert isinstance(pulled, TractionLoaded)
+    return samples_with_extremes(
+        fields.formal_gap, sample_places(pulled, fields.density.zones.table)
+    )
 
 
-def looked(gap: Callable[[Array], Array], x: Array) -> tuple[Array, Array]:
+def samples_with_extremes(gap: Callable[[Array], Array], x: Array) -> tuple[Array, Array]:
     """Samples of the gap, refined at its extrema by parabolas.
 
     A new zone or interval begins at an extremum with no width, so samples alone would miss it.
@@ -429,7 +424,7 @@ def looked(gap: Callable[[Array], Array], x: Array) -> tuple[Array, Array]:
     return x, value
 
 
-def look_around(pulled: Pulled, zones: Array) -> Array:
+def sample_places(pulled: TractionLoaded, zones: Array) -> Array:
     """Sample points without contact, denser near the ends of zones and of the tension."""
     table, period = pulled.pulling.table, pulled.round
     lo, hi = (
@@ -503,7 +498,7 @@ def _corrected(fields: ZoneFields, look: tuple[Array, Array]) -> Array | None:
 
     None if there are no such places.
     """
-    assert isinstance(fields.problem, Pulled)
+    assert isinstance(fields.problem, TractionLoaded)
     density, (x, gap) = fields.density, look
     zones, out, changed = density.zones, [], False
     varies = fields.spacing if fields.problem.profile.resolution is not None else np.inf
@@ -516,7 +511,7 @@ def _corrected(fields: ZoneFields, look: tuple[Array, Array]) -> Array | None:
     borne = fields.problem.bearing(density, zone, left, right) / np.sqrt(left * right)
     for i, (q, far) in enumerate(zip(_by_zone(borne, counts), _by_zone(left, counts), strict=True)):
         q, place = q[::-1], zones.a[i] + zones.half[i] * far[::-1]
-        begin, least = float(zones.a[i]), -_OPTIONS.negative_below * np.abs(q).max()
+        begin, least = float(zones.a[i]), -TOLERANCES.rough * np.abs(q).max()
         place, q = _refined(fields, int(i), place, q, least)
         for s, e in runs_of(q < least):
             changed = True

@@ -1,18 +1,18 @@
-"""Contact from first touch on: zones advance, and where the surfaces would overlap on the way new
-ones begin.
+"""Nucleation: zones that begin at first touch, and where surfaces overlap as others advance.
 
-Within intervals of tension zones change on the way from one state to another: without a jump, where
-a gap or a pressure is zero.
+Inside intervals of tension zones change from one state to the next without a jump, where a gap or
+a pressure is zero.
 """
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
 
-from contact.adhesion.cohesive_zone import Cohesive, CohesivePoint
-from contact.adhesion.curve import Equilibria, Point
-from contact.adhesion.gradient_flow import REST, ROUGH, advanced
+from contact.adhesion.cohesive_zone import CohesiveCurve, CohesiveState
+from contact.adhesion.curve import TOLERANCES, Curve, State
+from contact.adhesion.gradient_flow import advanced
+from contact.adhesion.limits import LIMITS
 from contact.errors import NotConverged
 from contact.formulation.roots import minimum
 from contact.formulation.tables import ascending, runs_of
@@ -20,38 +20,47 @@ from contact.search.topology.changes import Change, changes, held
 from contact.verify.certificate import openings
 from sie import Array
 
-# First touch over the width that adhesion makes of it, and a new zone over the overlap it begins
-# in.
-_TOUCH = 1e-3
-_NEW = 0.1
-# Heights that differ by this part of their range touch together; so many samples of them on end are
-# level.
-_TOGETHER = 1e-12
-_LEVEL = 5
-_ROUNDS = 60
+
+@dataclass(frozen=True)
+class NucleationOptions:
+    """How narrow a zone begins."""
+
+    # First width of a touch, over the period or a few samples: smaller ones change nothing.
+    touch_width: float = 1e-3
+    # Width of a new zone over the overlap that it begins in.
+    new_width: float = 0.1
+    # So many equal samples in a row are a level stretch.
+    level_samples: int = 5
+    # Samples of an interval in which a least gap or pressure is searched for.
+    samples: int = 33
 
 
-def grown(curve: Equilibria, table: Array, value: float, rest: float = REST) -> Point:
-    """The least equilibrium without overlap that holds these zones, of which all ends are driven
-    outward; `Closed` if there is none. rest: Newton's step over the widths at which stable ends are
-    at rest.
+_OPTIONS = NucleationOptions()
+
+
+def grown(curve: Curve, table: Array, value: float, rest: float = TOLERANCES.resting_step) -> State:
+    """The least equilibrium without overlap that holds these zones.
+
+    Their ends are all driven outward. Raises `Closed` if there is none. rest: Newton's step over
+    the widths of ends at rest.
     """
-    for _ in range(_ROUNDS):
+    for _ in range(LIMITS.max_bisections):
         here = advanced(curve, table, value, rest)
-        new = curve.within(openings(curve.fields(here, ROUGH)).overlaps)
+        new = curve.within(openings(curve.fields(here, TOLERANCES.rough)).overlaps)
         if len(new) == 0:
             return here
         table = _driven_outward(curve, here, new)
     raise NotConverged("ever more zones begin under adhesion")
 
 
-def _driven_outward(curve: Equilibria, here: Point, overlaps: Array) -> Array:
-    """The zones of a state with narrow ones in its overlaps, without those that the others relieve
-    so much that they would come apart.
+def _driven_outward(curve: Curve, here: State, overlaps: Array) -> Array:
+    """The zones of a state and new ones in its overlaps.
+
+    An overlap that the other new zones relieve gets none.
     """
     while True:
         table = with_new(here.table, overlaps)
-        left, right = np.split(curve.at(table, here.value, ROUGH).whole.residual, 2)
+        left, right = np.split(curve.at(table, here.value, TOLERANCES.rough).whole.residual, 2)
         away = table[(left < 0.0) & (right < 0.0)].mean(axis=1)
         stays = ~np.array([np.any((away > lo) & (away < hi)) for lo, hi in overlaps])
         if stays.all() or not stays.any():
@@ -60,15 +69,16 @@ def _driven_outward(curve: Equilibria, here: Point, overlaps: Array) -> Array:
 
 
 def with_new(table: Array, overlaps: Array) -> Array:
-    """The zones with narrow ones in the middle of overlaps."""
-    middle, half = overlaps.mean(axis=1), 0.5 * _NEW * np.diff(overlaps, axis=1)[:, 0]
+    """The zones and narrow ones in the middle of overlaps."""
+    middle, half = overlaps.mean(axis=1), 0.5 * _OPTIONS.new_width * np.diff(overlaps, axis=1)[:, 0]
     return ascending(np.concatenate((table, np.column_stack((middle - half, middle + half)))))
 
 
-def touched(curve: Equilibria, cell: tuple[float, float], value: float = 0.0) -> Array:
-    """Narrow intervals about the lowest places of a cell [m], of which all ends are driven outward
-    under a value of the control, or held at sharp corners; where the profile is level they are as
-    wide as that.
+def touched(curve: Curve, cell: tuple[float, float], value: float = 0.0) -> Array:
+    """Narrow intervals about the lowest places of a cell [m].
+
+    Their ends are all driven outward under a value of the control, or pinned at sharp corners. On
+    a level stretch the interval is as wide as that.
     """
     problem, (lo, hi) = (
         curve.problem,
@@ -87,12 +97,16 @@ def touched(curve: Equilibria, cell: tuple[float, float], value: float = 0.0) ->
     ends = np.array([0, len(x) - 1])
     if profile.support is not None:
         low = np.append(low, ends[[f[0] <= f[1], f[-1] <= f[-2]]])
-    together = _TOGETHER * max(float(np.ptp(f)), 1.0)
-    # Across the border of the cell it would be two.
+    together = TOLERANCES.neutral * max(float(np.ptp(f)), 1.0)
+    # A stretch across the border of the cell would be two.
     whole = profile.support is not None or not (
         f[0] - least <= together and f[-1] - least <= together
     )
-    level = [(x[s], x[e]) for s, e in runs_of(f - least <= together) if e - s >= _LEVEL and whole]
+    level = [
+        (x[s], x[e])
+        for s, e in runs_of(f - least <= together)
+        if e - s >= _OPTIONS.level_samples and whole
+    ]
     low = low[[all(not s <= x[i] <= e for s, e in level) for i in low]]
     step = float(np.diff(x).max())
     tips = []
@@ -106,7 +120,7 @@ def touched(curve: Equilibria, cell: tuple[float, float], value: float = 0.0) ->
         places = places[:-1]
     if problem.profile.symmetric and problem.units.origin == 0.0:
         places = [0.0 if abs(p) < 1e-6 * step else p for p in places]
-    half = 0.25 * _TOUCH * (1.0 if period is None else min(period, step * 1e3))
+    half = 0.25 * _OPTIONS.touch_width * (1.0 if period is None else min(period, step * 1e3))
     while True:
         narrow = [(place - half, place + half) for place in places]
         table = curve.within(np.array(sorted(narrow + [(s - half, e + half) for s, e in level])))
@@ -115,14 +129,10 @@ def touched(curve: Equilibria, cell: tuple[float, float], value: float = 0.0) ->
         half *= 0.1
 
 
-# A least gap or pressure is looked for at so many places.
-_PLACES = 33
-
-
 def changes_between(
-    before: CohesivePoint, after: CohesivePoint, period: float | None
+    before: CohesiveState, after: CohesiveState, period: float | None
 ) -> list[Change]:
-    """What changes between two states, and about where zones that are not there yet are looked for."""
+    """Changes of the zones between two states, with the places where new zones are searched for."""
     if len(before.zones) == len(after.zones) and all(
         len(held(before.zones, a, b, period)) == 1 for a, b in after.zones
     ):
@@ -137,7 +147,7 @@ def changes_between(
 
 
 def about(zones: Array, a: float, b: float, period: float | None) -> tuple[float, float]:
-    """Places about a zone that is not there yet, and away from others."""
+    """Places about a zone that does not exist yet, away from the others."""
     lo, hi = 1.5 * a - 0.5 * b, 1.5 * b - 0.5 * a
     for shift in (0.0,) if period is None else (-period, 0.0, period):
         for left, right in zones + shift:
@@ -148,9 +158,9 @@ def about(zones: Array, a: float, b: float, period: float | None) -> tuple[float
     return float(lo), float(hi)
 
 
-def condition(curve: Cohesive, here: CohesivePoint, change: Change) -> tuple[float, float]:
-    """(place, value) of the least gap where a zone begins, or of the least q where two meet."""
-    x = np.linspace(*change.where, _PLACES)
+def condition(curve: CohesiveCurve, here: CohesiveState, change: Change) -> tuple[float, float]:
+    """(place, value) of the least gap where a zone begins, or of the least q where two merge."""
+    x = np.linspace(*change.where, _OPTIONS.samples)
     if change.of_gap:
         return minimum(partial(curve.gap, here), x)
     assert here.q is not None
@@ -158,7 +168,7 @@ def condition(curve: Cohesive, here: CohesivePoint, change: Change) -> tuple[flo
 
 
 def with_change(zones: Array, change: Change, place: float) -> Array:
-    """The zones just on the other side of a change, from those with which its condition is smooth."""
+    """The zones just past a change."""
     if change.of_gap:
         return ascending(np.concatenate((zones, [[place, place]])))
     out = []

@@ -1,6 +1,4 @@
-"""What a path of surfaces that adhere is followed by: where it begins, how it goes on, and the
-solution where it stands.
-"""
+"""How a loading path of surfaces that adhere begins, goes on, and is solved where it stands."""
 
 import math
 from collections.abc import Callable
@@ -10,16 +8,16 @@ from functools import cached_property
 import numpy as np
 
 from contact.adhesion import cohesive_branch
-from contact.adhesion.cohesive_events import FollowingUnderTension
+from contact.adhesion.cohesive_events import CohesiveEvents
 from contact.adhesion.cohesive_fields import fields_of
-from contact.adhesion.cohesive_zone import Cohesive, CohesivePoint
-from contact.adhesion.curve import Closed, Equilibria, Point
-from contact.adhesion.edge_branch import advancing, frame, to_follow
-from contact.adhesion.events import Following, Jump, Standing
-from contact.adhesion.inner_contact import Lost
-from contact.adhesion.loading_path import History
+from contact.adhesion.cohesive_zone import CohesiveCurve, CohesiveState
+from contact.adhesion.curve import Closed, Curve, State
+from contact.adhesion.edge_branch import advancing, branch_scaling, curve_of
+from contact.adhesion.events import Events, Jump, PathState
+from contact.adhesion.inner_contact import ContactLost
+from contact.adhesion.loading_path import LoadingPath
 from contact.adhesion.pull_off import pull_off
-from contact.adhesion.separated_fields import LooseFields
+from contact.adhesion.separated_fields import SeparatedFields
 from contact.errors import NotConverged, OutOfRange
 from contact.formulation.controls import Approach
 from contact.formulation.fields import ZoneFields
@@ -32,78 +30,80 @@ from contact.search.topology.failure import Failure
 from contact.solution import assemble
 from sie import Array
 
-# How far an approach is lowered for surfaces to let go, over its size and the reach of the tension.
-_FAR = 1e6
+# An approach is lowered at most to this multiple of its size and of the reach.
+_FARTHEST = 1e6
 
 
 @dataclass(frozen=True)
-class Followed:
-    """law: what happens on the way; started: the standing at a value of the control, not below
-    first touch; fields: of an equilibrium; outcome: what is solved where a path stands; let_go:
-    where a contact held by its approach alone comes apart, None where it was not followed so far.
+class PathRoute:
+    """What a path needs of its law.
+
+    law: its events. started: the path state at a value of the control, not below first touch.
+    fields: of an equilibrium. outcome: what is solved where the path stands. separation: where a
+    contact held by its approach alone is lost; None where it was not followed so far.
     """
 
-    law: Following
-    started: Callable[[Scene, float], Standing]
-    fields: Callable[[Point], ZoneFields | LooseFields]
-    outcome: Callable[[SolveContext, Point], Outcome]
-    let_go: Callable[[Point], Point | None]
+    law: Events
+    started: Callable[[Scene, float], PathState]
+    fields: Callable[[State], ZoneFields | SeparatedFields]
+    outcome: Callable[[SolveContext, State], Outcome]
+    separation: Callable[[State], State | None]
 
 
-def followed(context: SolveContext) -> Followed:
-    """By the law of the context's scene, which is under no load or no approach."""
-    return _under_tension(context) if context.scene.law.tension else _without_range(context)
+def route_of(context: SolveContext) -> PathRoute:
+    """The route of a context under no load or no approach, by its law."""
+    return _by_cohesive_zone(context) if context.scene.law.tension else _by_edge_intensity(context)
 
 
-def _without_range(context: SolveContext) -> Followed:
-    scaled, curve = to_follow(context)
+def _by_edge_intensity(context: SolveContext) -> PathRoute:
+    scaled, curve = curve_of(context)
 
-    def started(scene: Scene, value: float) -> Standing:
+    def started(scene: Scene, value: float) -> PathState:
         try:
-            return Standing(
+            return PathState(
                 value, curve.settled(advancing(replace(context, scene=scene), scaled, curve, value))
             )
         except Closed:
-            return Standing(value, closed=True)
+            return PathState(value, closed=True)
 
-    def outcome(context: SolveContext, here: Point) -> Outcome:
+    def outcome(context: SolveContext, here: State) -> Outcome:
         found = context.refine_topology(
-            curve.problem, replace(curve.held, value=here.value), here.table, abandon_if_far=True
+            curve.problem, replace(curve.control, value=here.value), here.table, abandon_if_far=True
         )
         if isinstance(found, Failure):
             raise context.error(found, curve.problem)
         return found
 
-    def let_go(here: Point) -> Point | None:
-        held = Equilibria(curve.problem, Approach(-here.level))
+    def separation(here: State) -> State | None:
+        held = Curve(curve.problem, Approach(-here.level))
         try:
             return pull_off(held, held.at(here.table, -here.level))
         except NotConverged:
             return None
 
-    return Followed(Following(curve, scaled.cell), started, curve.fields, outcome, let_go)
+    return PathRoute(Events(curve, scaled.cell), started, curve.fields, outcome, separation)
 
 
-def _under_tension(context: SolveContext) -> Followed:
+def _by_cohesive_zone(context: SolveContext) -> PathRoute:
     scene, law = context.scene, context.scene.law
-    scaled = frame(context, math.sqrt(scene.E_star * law.tension * law.reach / math.pi))
+    scaled = branch_scaling(context, math.sqrt(scene.E_star * law.tension * law.reach / math.pi))
     problem = scaled.problem
-    curve = Cohesive(problem, context.control(problem), loose=True)
-    following = _Tension(context, scaled, curve).following
+    curve = CohesiveCurve(problem, context.control(problem), loose=True)
+    events = _CohesivePath(context, scaled, curve).events
 
-    def started(scene: Scene, value: float) -> Standing:
+    def started(scene: Scene, value: float) -> PathState:
         try:
-            return Standing(
+            return PathState(
                 value,
                 curve.settled(
                     cohesive_branch.advancing(replace(context, scene=scene), scaled, curve, value)
                 ),
             )
         except Closed:
-            return following.under_all(value)
+            return events.under_all(value)
 
-    def outcome(context: SolveContext, here: Point) -> Outcome:
-        assert isinstance(here, CohesivePoint)
+    def outcome(context: SolveContext, here: State) -> Outcome:
+        assert isinstance(here, CohesiveState)
         if not here.everywhere:
             return cohesive_branch.solved(context, curve, here)
         if context.spring_compliance is not None:
@@ -114,25 +114,25 @@ def _under_tension(context: SolveContext) -> Followed:
             )
         return cohesive_branch.everywhere(context, problem)
 
-    def let_go(here: Point) -> Point | None:
+    def separation(here: State) -> State | None:
         held = replace(context, scene=scene.under("approach", 0.0), spring_compliance=None)
-        return _Tension(held, scaled, Cohesive(problem, Approach(-here.level), loose=True)).let_go(
-            here
-        )
+        return _CohesivePath(
+            held, scaled, CohesiveCurve(problem, Approach(-here.level), loose=True)
+        ).separation(here)
 
-    return Followed(following, started, lambda here: fields_of(curve, here), outcome, let_go)
+    return PathRoute(events, started, lambda here: fields_of(curve, here), outcome, separation)
 
 
 @dataclass(frozen=True)
-class _Tension:
+class _CohesivePath:
     context: SolveContext
     scaled: ScaledScene
-    curve: Cohesive
+    curve: CohesiveCurve
 
     @property
-    def following(self) -> FollowingUnderTension:
+    def events(self) -> CohesiveEvents:
         full, size = self._full
-        return FollowingUnderTension(
+        return CohesiveEvents(
             self.curve,
             self.scaled.cell,
             lambda: cohesive_branch.advancing(self._at(0.0), self.scaled, self.curve, 0.0),
@@ -142,8 +142,8 @@ class _Tension:
         )
 
     def _at(self, value: float) -> SolveContext:
-        """Under a value of a load or of an approach."""
-        held = self.curve.held
+        """The context under a value of a load or of an approach."""
+        held = self.curve.control
         name = "approach" if held.load is None else "load"
         return replace(
             self.context,
@@ -155,10 +155,10 @@ class _Tension:
         """Zones under tension in all of a period, or a guess of them."""
         problem, known = self.scaled.problem, self.curve.known
         context = self._at(value)
-        if self.curve.held.yields:
+        if self.curve.control.yields:
             if known and len(known[-1].zones) and value < self._full[0] - self._full[1]:
                 return known[-1].zones
-            # Short of full contact what the spring holds is about the load there.
+            # Below full contact the spring holds about the load there.
             scene = context.scene
             assert scene.period is not None and scene.law.bare is not None
             full = FullLimit(scene.profile, scene.E_star, context.operator, scene.law.bare).pressure
@@ -168,16 +168,16 @@ class _Tension:
             )
         try:
             zones = cohesive_branch.under_all(context, problem)
-        except (Lost, OutOfRange):
+        except (ContactLost, OutOfRange):
             return np.zeros((0, 2))
         return np.zeros((0, 2)) if zones is None else zones
 
     @cached_property
     def _full(self) -> tuple[float, float]:
-        """(value of the control from which surfaces under tension everywhere are closed, what such
-        values are counted in).
+        """(value of the control at which surfaces under tension everywhere close, unit of such
+        values).
         """
-        scene, held, units = self.context.scene, self.curve.held, self.scaled.problem.units
+        scene, held, units = self.context.scene, self.curve.control, self.scaled.problem.units
         period, law = scene.period, scene.law
         if period is None:
             return math.inf, 0.0
@@ -195,21 +195,22 @@ class _Tension:
         mean = assemble.mean_height(scene)
         return (mean + (base + give) * load) / units.height, mean / units.height
 
-    def let_go(self, here: Point) -> Point | None:
-        """Where the surfaces let go as the approach falls from an equilibrium; None where that was
-        not followed so far.
+    def separation(self, here: State) -> State | None:
+        """The state at which the surfaces separate as the approach falls.
+
+        None where it was not followed so far.
         """
         value = -here.level
-        if isinstance(here, CohesivePoint) and here.everywhere:
-            start: Point = self.curve.under_all(
+        if isinstance(here, CohesiveState) and here.everywhere:
+            start: State = self.curve.under_all(
                 value, here.zones[np.diff(here.zones, axis=1)[:, 0] > 0.0]
             )
         else:
             zones = here.contact[np.diff(here.contact, axis=1)[:, 0] > 0.0]
             start = self.curve.from_zones(here.table, value, zones)
-        far = value - _FAR * (self.curve.reach + abs(value))
+        far = value - _FARTHEST * (self.curve.reach + abs(value))
         try:
-            for found in History(self.following).to(Standing(value, start), far):
+            for found in LoadingPath(self.events).to(PathState(value, start), far):
                 if isinstance(found, Jump) and found.kind == "pull-off":
                     return found.before.point
         except NotConverged:

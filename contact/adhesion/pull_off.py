@@ -1,54 +1,63 @@
-"""Where a contact comes apart as its control falls, zone after zone: by turning points of the curve
-of equilibria, from near the last.
+"""Pull-off: where the last contact is lost as its control falls, event after event.
+
+Each zone is lost at a turning point of the curve of equilibria. The last turning point is
+followed from an equilibrium near it.
 """
 
 from collections.abc import Callable
 from contextlib import suppress
+from dataclasses import dataclass
 
-from contact.adhesion.arc_length import ABOUT, Step, beyond, let_go, steps
-from contact.adhesion.curve import Closed, Equilibria, NoState, Point
+from contact.adhesion.arc_length import ARC_OPTIONS, Step, beyond, let_go, steps
+from contact.adhesion.curve import Closed, Curve, NoState, State
 from contact.adhesion.gradient_flow import receded
+from contact.adhesion.limits import LIMITS
 from contact.errors import NotConverged
 from contact.formulation.controls import Load
 from sie import Array, record
 
-Recede = Callable[[Equilibria, Array, float], Point | None]
+Recede = Callable[[Curve, Array, float], State | None]
 
-# Of the control, before the last turning point is looked for; and of steps of the control.
-_HALVINGS = 5
-_MOST_TRIES = 160
-# Of the control, above the least at which there may be an equilibrium, from where one is followed
-# to where it comes apart.
-_ABOVE = (0.005, 0.02, 0.08, 0.3)
-# Ends that one zone is followed to before that, at the most; zones that come apart one after the
-# other from there on.
-_MOST_DIRECT = 3
-_MOST_TURNS = 200
+
+@dataclass(frozen=True)
+class PullOffOptions:
+    """How the last equilibrium is approached as a control falls."""
+
+    # Halvings between the last control with a contact and the first without.
+    max_halvings: int = 5
+    # Controls controls_above the least one with an equilibrium, over the way to it, that are tried.
+    starts_above: tuple[float, ...] = (0.005, 0.02, 0.08, 0.3)
+    # Events of one zone that are followed along the curve at once.
+    max_direct: int = 3
+
+
+OPTIONS = PullOffOptions()
 
 
 def pull_off(
-    curve: Equilibria,
-    here: Point,
+    curve: Curve,
+    here: State,
     recede: Recede = receded,
-    torn: Callable[[Point], float] = lambda at: -1.0,
-) -> Point:
-    """Where the last zones come apart as the control falls from an equilibrium; those before do so
-    one after the other. recede: how ends that are driven inward come to rest; torn: above zero for
-    a state of the curve that is none, its intervals having been cut before.
+    torn: Callable[[State], float] = lambda at: -1.0,
+) -> State:
+    """The last equilibrium as the control falls.
+
+    recede: brings ends that are driven inward to rest. torn: positive for a state past the cut of
+    one of its intervals.
     """
     with suppress(NotConverged):
-        for _ in range(_MOST_DIRECT):
+        for _ in range(OPTIONS.max_direct):
             if len(here.contact) > 1:
                 break
-            # One zone is followed to its end at once, as a rule the last one: that takes fewer
-            # states than to learn where there is none.
+            # One zone is followed to the end of its curve at once, usually the last one. That
+            # takes fewer states than to learn where there is none.
             end = _end(curve, here, torn)
             rest = recede(curve, end.table, end.about.value)
             if rest is None:
                 return end.exactly()
             here = rest
     here = near_the_last(curve, here, recede)
-    for _ in range(_MOST_TURNS):
+    for _ in range(LIMITS.max_tries):
         end = _end(curve, here, torn)
         rest = recede(curve, end.table, end.about.value)
         if rest is None:
@@ -57,16 +66,14 @@ def pull_off(
     raise NotConverged("ever more zones come apart as the control falls")
 
 
-def lowered_by_load(
-    curve: Equilibria, here: Point, near: Callable[[Equilibria, Point], Point]
-) -> Point:
-    """The equilibrium under a held approach that a contact comes to as its load falls to a little
-    above the least, where few of its zones are left; itself where that does not lead down, or of
-    one zone, or under a held load. near: to that load. Under a load what is left does not depend on
-    the way there, and ends go one way; under an approach each zone that comes apart drives others
-    on.
+def lowered_by_load(curve: Curve, here: State, near: Callable[[Curve, State], State]) -> State:
+    """The equilibrium under a held approach near the least load, with few zones left.
+
+    Under a load what is left does not depend on the way, and ends move one way; under an approach
+    each lost zone drives others on. The state itself is returned for one zone, under a held load,
+    and where this does not lead down. near: leads to that load.
     """
-    if curve.held.load is not None or len(here.contact) < 2:
+    if curve.control.load is not None or len(here.contact) < 2:
         return here
     loaded = curve.under(Load(here.load))
     try:
@@ -79,17 +86,17 @@ def lowered_by_load(
 
 @record
 class _End:
-    """Where an equilibrium ceases to be: about, and exactly; table: from where ends move on."""
+    """The end of a curve: about where it is, exactly where, and the intervals after it."""
 
-    about: Point
+    about: State
     table: Array
-    exactly: Callable[[], Point]
+    exactly: Callable[[], State]
 
 
-def _end(curve: Equilibria, here: Point, torn: Callable[[Point], float]) -> _End:
-    """As the control falls: by a turn of the curve, as ends let go, or where it is torn."""
+def _end(curve: Curve, here: State, torn: Callable[[State], float]) -> _End:
+    """The end of the curve as the control falls: a turn, a released corner, or a cut interval."""
     for step in steps(curve, curve.settled(here), -1.0, False):
-        # Of those before the last it is enough to know where they are about.
+        # The ends before the last one need not be located exactly.
         length = step.turning(False) if step.turns else step.length
         last = step.at(length, False) if step.turns else step.end.at
         if step.turns or step.lets_go or torn(step.start.at) < 0.0 < torn(last):
@@ -98,50 +105,44 @@ def _end(curve: Equilibria, here: Point, torn: Callable[[Point], float]) -> _End
 
 
 def _end_in(
-    curve: Equilibria, step: Step, length: float, last: Point, torn: Callable[[Point], float]
+    curve: Curve, step: Step, length: float, last: State, torn: Callable[[State], float]
 ) -> _End:
-    """That in a step; last: the equilibrium at the length."""
+    """The end inside a step; last: the equilibrium at the length."""
     if step.lets_go and not step.turns:
         return _End(last, let_go(step), lambda: last)
     first = torn(step.start.at)
     if not first < 0.0 < torn(last):
         return _End(last, beyond(curve, last, -1.0), lambda: step.at(step.turning()))
-    until = step.where(torn, first, torn(last), length, ABOUT, False)
-    length = min(until + 2 * ABOUT * length, length)
+    until = step.where(torn, first, torn(last), length, ARC_OPTIONS.rough_turning, False)
+    length = min(until + 2 * ARC_OPTIONS.rough_turning * length, length)
     about = step.at(length, False)
     return _End(about, about.table, lambda: step.at(step.where(torn, first, torn(about), length)))
 
 
-def above(least: float, value: float) -> tuple[float, ...]:
-    """Controls a little above the least at which something else tells that there is an equilibrium,
-    and ever nearer to one where it is.
-    """
-    return tuple(least + part * (value - least) for part in _ABOVE)
+def controls_above(least: float, value: float) -> tuple[float, ...]:
+    """Controls a little above the least one, ever nearer to one with an equilibrium."""
+    return tuple(least + part * (value - least) for part in OPTIONS.starts_above)
 
 
-def near_the_last(curve: Equilibria, here: Point, recede: Recede = receded) -> Point:
-    """The equilibrium under a value not far above one under which there is none: near enough for
-    the arc to have one turning point.
-    """
-    here, high = _apart(curve, here, recede)
-    for _ in range(_HALVINGS):
+def near_the_last(curve: Curve, here: State, recede: Recede = receded) -> State:
+    """An equilibrium so near the last one that the curve has one turning point between them."""
+    here, high = _bracket(curve, here, recede)
+    for _ in range(OPTIONS.max_halvings):
         middle = 0.5 * (here.value + high)
         rest = recede(curve, here.table, middle)
         here, high = (rest, high) if rest is not None else (here, middle)
     return here
 
 
-def _apart(curve: Equilibria, here: Point, recede: Recede) -> tuple[Point, float]:
-    """(an equilibrium, a lower value of the control under which there is none) as the control
-    falls.
-    """
-    # Under a load what is left does not depend on the way there.
+def _bracket(curve: Curve, here: State, recede: Recede) -> tuple[State, float]:
+    """(an equilibrium, a lower control without one)."""
+    # Under a load what is left does not depend on the way.
     step = (
         curve.unit(here)
-        if curve.held.load is None
+        if curve.control.load is None
         else max(curve.unit(here), 0.5 * abs(here.value))
     )
-    for _ in range(_MOST_TRIES):
+    for _ in range(LIMITS.max_tries):
         rest = recede(curve, here.table, here.value - step)
         if rest is None:
             return here, here.value - step

@@ -6,8 +6,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from contact.adhesion.deformed_profile import Pulled
-from contact.adhesion.uniform_tension import Tension
+from contact.adhesion.deformed_profile import TractionLoaded
+from contact.adhesion.uniform_tension import UniformTension
 from contact.formulation.fields import NoZones, mean_shape
 from contact.formulation.problem import Problem
 from contact.formulation.quadrature import cuts_between, panels
@@ -15,7 +15,7 @@ from sie import Array, record, wrapped
 
 
 def beside(
-    function: Callable[[Array], Array], pulled: Pulled, zones: Array, spacing: float
+    function: Callable[[Array], Array], pulled: TractionLoaded, zones: Array, spacing: float
 ) -> float:
     """Scaled integral of a function over the intervals of tension without the zones.
 
@@ -26,13 +26,13 @@ def beside(
 
 
 def on_zones(
-    function: Callable[[Array], Array], pulled: Pulled, zones: Array, spacing: float
+    function: Callable[[Array], Array], pulled: TractionLoaded, zones: Array, spacing: float
 ) -> float:
     """Scaled integral of a function over the zones."""
     return sum(_integral(function, pulled, float(a), float(b), spacing) for a, b in zones)
 
 
-def _parts_beside(pulled: Pulled, zones: Array) -> list[tuple[float, float]]:
+def _parts_beside(pulled: TractionLoaded, zones: Array) -> list[tuple[float, float]]:
     """The parts of the intervals outside the zones."""
     tension, parts = pulled.pulling, []
     for lo, hi in _intervals(tension, zones):
@@ -48,7 +48,7 @@ def _parts_beside(pulled: Pulled, zones: Array) -> list[tuple[float, float]]:
     return parts
 
 
-def _intervals(tension: Tension, zones: Array) -> list[tuple[float, float]]:
+def _intervals(tension: UniformTension, zones: Array) -> list[tuple[float, float]]:
     if not tension.everywhere:
         return [(float(a), float(b)) for a, b in tension.table]
     first = float(zones[0, 1]) if len(zones) else 0.0
@@ -56,7 +56,7 @@ def _intervals(tension: Tension, zones: Array) -> list[tuple[float, float]]:
 
 
 def _integral(
-    function: Callable[[Array], Array], pulled: Pulled, a: float, b: float, spacing: float
+    function: Callable[[Array], Array], pulled: TractionLoaded, a: float, b: float, spacing: float
 ) -> float:
     breaks = wrapped(pulled.forcing.jumps.broken_at, a, pulled.period)
     x, weight = panels(cuts_between(a, b, spacing, breaks))
@@ -64,7 +64,7 @@ def _integral(
 
 
 @record
-class LooseFields(NoZones):
+class SeparatedFields(NoZones):
     """The fields of surfaces without contact under a tension.
 
     problem: with the scene's law; pulled: with the tension that acts; level: minus the scaled
@@ -72,13 +72,13 @@ class LooseFields(NoZones):
     """
 
     problem: Problem
-    pulled: Pulled
+    pulled: TractionLoaded
     level: float
     pressure_bound = max_pressure = contact_fraction = 0.0
     stiffness = None
 
     @property
-    def tension(self) -> Tension:
+    def tension(self) -> UniformTension:
         return self.pulled.pulling
 
     def pressure(self, x: ArrayLike) -> Array:

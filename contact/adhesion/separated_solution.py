@@ -6,8 +6,8 @@ Only scenes with a cohesive law import this module.
 import numpy as np
 
 from contact.adhesion.cohesive_fields import scaled_second_variation
-from contact.adhesion.cohesive_zone import CohesivePoint
-from contact.adhesion.separated_fields import LooseFields
+from contact.adhesion.cohesive_zone import CohesiveState
+from contact.adhesion.separated_fields import SeparatedFields
 from contact.model.scene import Scene
 from contact.solution.plan import Plan
 from contact.solution.solution import Solution
@@ -18,7 +18,7 @@ _MAX_RESIDUAL = 1e-7
 
 
 def separated_solution(
-    scene: Scene, fields: LooseFields, here: CohesivePoint, plan: Plan, branch: str
+    scene: Scene, fields: SeparatedFields, here: CohesiveState, plan: Plan, branch: str
 ) -> Solution:
     """The certified solution at an equilibrium without contact."""
     for name in ("zone ends", "coarse search"):

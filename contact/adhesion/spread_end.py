@@ -27,7 +27,7 @@ _PANEL_NODES = 16
 
 
 @dataclass(frozen=True)
-class Spread:
+class SpreadEnd:
     """An end of tension spread over the zone (a, b)."""
 
     a: float

@@ -15,7 +15,7 @@ import numpy as np
 
 import sie
 from contact.adhesion.end_sums import Cells, EndSum
-from contact.adhesion.spread_end import Spread
+from contact.adhesion.spread_end import SpreadEnd
 from contact.formulation.conjugate import clausen2
 from contact.formulation.quadrature import gauss
 from contact.formulation.tables import located
@@ -28,7 +28,7 @@ _PANELS_PER_LENGTH = 4.0
 
 
 @record
-class Tension(sie.Kept):
+class UniformTension(sie.Kept):
     """A uniform tension on intervals; all quantities are scaled.
 
     table: the intervals (m, 2), ascending; everywhere: whether it acts on the whole period; plain:
@@ -42,14 +42,14 @@ class Tension(sie.Kept):
     plain: bool
     everywhere: bool = False
     compression: float = 0.0
-    spread: tuple[Spread | None, Spread | None] = (None, None)
+    spread: tuple[SpreadEnd | None, SpreadEnd | None] = (None, None)
 
     @property
     def period(self) -> float | None:
         return self.kernel.period
 
     @property
-    def spreads(self) -> list[tuple[int, Spread]]:
+    def spreads(self) -> list[tuple[int, SpreadEnd]]:
         """The spread ends: (0 for the first end or -1 for the last one, its zone)."""
         return [
             (end, zone) for end, zone in zip((0, -1), self.spread, strict=True) if zone is not None
@@ -149,7 +149,7 @@ class Tension(sie.Kept):
         return signs
 
     def _between(
-        self, of_ends: EndSum, spread: Callable[[Array, Spread], Array], x: Array
+        self, of_ends: EndSum, spread: Callable[[Array, SpreadEnd], Array], x: Array
     ) -> Array:
         """The sum over intervals of a function at the left end minus that at the right end."""
         x = np.asarray(x, dtype=float)
@@ -159,7 +159,7 @@ class Tension(sie.Kept):
             out = out - one if end else out + one
         return out
 
-    def _spread_log(self, x: Array, zone: Spread) -> Array:
+    def _spread_log(self, x: Array, zone: SpreadEnd) -> Array:
         if self.period is not None:
             out = zone.periodic_log(x, self.period)
         else:
@@ -173,7 +173,7 @@ class Tension(sie.Kept):
             else out + zone.mean(self._regular_log, nearest_image(x, zone.middle, self.period))
         )
 
-    def _spread_primitive(self, x: Array, zone: Spread) -> Array:
+    def _spread_primitive(self, x: Array, zone: SpreadEnd) -> Array:
         if self.period is not None:
             return zone.periodic_primitive(x, self.period, self._primitive)
         scale = np.log(self.kernel.datum)

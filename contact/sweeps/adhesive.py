@@ -1,9 +1,8 @@
-"""Paths of surfaces that adhere: up and down a list of values of a control, through every jump,
-with the energy that each loses.
+"""Loading paths of surfaces that adhere: up and down a list of values, through every jump.
 
-What happens between two values is followed (contact.adhesion.loading_path); at the values
-themselves the contact is solved, with its stated error and certificate, from where it was followed
-to.
+Each jump has the energy that it loses. Between two values the contact is followed
+(contact.adhesion.loading_path). At the values it is solved, with its stated error and
+certificate.
 """
 
 from dataclasses import dataclass, field, replace
@@ -13,14 +12,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from contact.adhesion.cohesive_zone import CohesivePoint
-from contact.adhesion.curve import Point
+from contact.adhesion.cohesive_zone import CohesiveState
+from contact.adhesion.curve import State
 from contact.adhesion.edge_branch import closed
-from contact.adhesion.events import Jump, Standing
+from contact.adhesion.events import Jump, PathState
 from contact.adhesion.full_contact import as_not_converged
-from contact.adhesion.loading_path import History
-from contact.adhesion.path_start import followed
-from contact.adhesion.separated_fields import LooseFields
+from contact.adhesion.loading_path import LoadingPath
+from contact.adhesion.path_start import route_of
+from contact.adhesion.separated_fields import SeparatedFields
 from contact.adhesion.separated_solution import separated_solution
 from contact.errors import OutOfRange, unwarned, warn
 from contact.formulation.energy import elastic_energy
@@ -45,9 +44,9 @@ from contact.sweeps.path_table import Event
 from contact.sweeps.paths import Path
 from sie import Array
 
-# Of a figure: points, and how much is shown beside the zones, over what they span.
+# Places of a drawn surface, and what is drawn on either side of the zones, over their span.
 _PLACES = 601
-_AROUND = 1.5
+_MARGIN = 1.5
 # The controls that a path may have, and what their values are called.
 VALUES = {"load": "loads", "mean_pressure": "mean pressures", "approach": "approaches"}
 
@@ -90,7 +89,13 @@ class AdhesiveEvent(Event):
     A cylinder is pulled off at -3 (pi E* w^2 R/16)^(1/3), and what had been stored is lost.
 
     >>> import contact
-    >>> scene = contact.Scene(contact.Parabola(1e-3), 1e9, contact.Isolated(datum=1e-2), law=contact.JKR(0.05), load=0.0)
+    >>> scene = contact.Scene(
+    ...     contact.Parabola(1e-3),
+    ...     1e9,
+    ...     contact.Isolated(datum=1e-2),
+    ...     law=contact.JKR(0.05),
+    ...     load=0.0,
+    ... )
     >>> (event,) = contact.path(scene, [0.0, -30.0]).events
     >>> event.kind, round(event.load, 6), event.lost > 0
     ('pull-off', -23.665257, True)
@@ -135,7 +140,8 @@ class AdhesivePath(Path):
     the work done.
 
     >>> import contact
-    >>> wave = contact.Scene(contact.Sinusoid(0.01, 1.0), 1.0, contact.Periodic(), law=contact.JKR(1e-5), load=0.0)
+    >>> profile, law = contact.Sinusoid(0.01, 1.0), contact.JKR(1e-5)
+    >>> wave = contact.Scene(profile, 1.0, contact.Periodic(), law=law, load=0.0)
     >>> loop = contact.path(wave, [-2e-3, 4e-3, -2e-3])
     >>> [event.kind for event in loop.events], abs(loop.work - loop.dissipated) < 1e-9 * loop.work
     (['jump-in', 'pull-off'], True)
@@ -148,14 +154,14 @@ class AdhesivePath(Path):
 
     @property
     def approaches(self) -> Array:
-        """[m]; nan where there is none."""
+        """Approach of each solution [m]; nan where there is none."""
         return np.array(
             [np.nan if s.approach is None else s.approach for s in self.solutions], dtype=float
         )
 
     @property
     def dissipated(self) -> float | None:
-        """Energy lost in all jumps [J/m], per period where there is one; None without an approach."""
+        """Energy lost in all jumps [J/m], per period if there is one; None without an approach."""
         lost = [event.lost for event in self.events if isinstance(event, AdhesiveEvent)]
         return (
             None
@@ -165,8 +171,10 @@ class AdhesivePath(Path):
 
     @property
     def work(self) -> float | None:
-        """Work of the load from the first value to the last [J/m]: the energy of the last less that
-        of the first, and what was lost. Of a closed loop it is what was lost.
+        """Work of the load from the first value to the last [J/m].
+
+        It is the difference of their energies and what was lost; of a closed loop it is what was
+        lost.
         """
         dissipated = self.dissipated
         return (
@@ -231,7 +239,7 @@ class AdhesivePath(Path):
         return figure
 
     def _surfaces(self) -> tuple[str, Array, Array, Array, Array]:
-        """(of what, places, surface, body, zones) [m]."""
+        """(what is drawn, places, surface, body, zones) [m]."""
         parted = [
             event
             for event in self.events
@@ -243,7 +251,7 @@ class AdhesivePath(Path):
             return (
                 "just before pull-off",
                 *event.surfaces,
-                _images(event.before, self.solutions[0].scene.period),
+                _with_images(event.before, self.solutions[0].scene.period),
             )
         touching = [s for s in self.solutions if np.isfinite(s.gap(0.0)).all()] or list(
             self.solutions
@@ -252,11 +260,11 @@ class AdhesivePath(Path):
         x = _places(last.scene, last.zones)
         surface, body = surfaces(last, x)
         closed = len(last.zones) == 0 and last.load != 0.0
-        zones = np.array([[x[0], x[-1]]]) if closed else _images(last.zones, last.scene.period)
+        zones = np.array([[x[0], x[-1]]]) if closed else _with_images(last.zones, last.scene.period)
         return f"at load {quantity(last.load, 'N/m')}", x, surface, body, zones
 
     def to_dict(self) -> dict[str, Any]:
-        """Of a path, and its control, what was lost and the work of the load."""
+        """A dictionary of the path, its control, what was lost and the work of the load."""
         units = {
             "lost": "J/m",
             "dissipated": "J/m",
@@ -264,9 +272,9 @@ class AdhesivePath(Path):
             "load_after": "N/m",
             "approach_after": "m",
         }
-        told = super().to_dict()
-        told["units"] |= units
-        return told | {
+        described = super().to_dict()
+        described["units"] |= units
+        return described | {
             "control": self.control,
             "values": self.values.tolist(),
             "dissipated": self.dissipated,
@@ -290,7 +298,7 @@ def adhesive_path(
     """See `contact.path`."""
     given = finite_array("values", values)
     give = None if stiffness is None else 1.0 / positive("stiffness", stiffness)
-    run = _Run(scene.under(control, 0.0), control, tol, give)
+    run = _PathRun(scene.under(control, 0.0), control, tol, give)
     run.refuse(given)
     solutions: list[Solution] = []
     passed: list[tuple[Event, ...]] = []
@@ -327,53 +335,57 @@ def _width(zones: Array) -> float:
     return float(np.sum(zones[:, 1] - zones[:, 0]))
 
 
-def _images(zones: Array, period: float | None) -> Array:
-    """With those of the period on either side."""
+def _with_images(zones: Array, period: float | None) -> Array:
+    """The zones and those of the periods on either side."""
     return zones if period is None else np.concatenate((zones - period, zones, zones + period))
 
 
 def _places(scene: Scene, zones: Array) -> Array:
-    """Where surfaces are drawn: about the zones, as far as the profile is known, and no more than a
-    period.
+    """Places at which surfaces are drawn: about the zones, where the profile is known.
+
+    At most a period.
     """
     lo, hi = scene.profile.x0, scene.profile.x0 + (scene.period or 1.0)
     if len(zones):
         first, last = float(zones[0, 0]), float(zones[-1, 1])
         known = known_part(scene.profile) or (-np.inf, np.inf)
         around = (
-            max(known[0], first - _AROUND * (last - first)),
-            min(known[1], last + _AROUND * (last - first)),
+            max(known[0], first - _MARGIN * (last - first)),
+            min(known[1], last + _MARGIN * (last - first)),
         )
         lo, hi = (
             around if scene.period is None or around[1] - around[0] < scene.period else (lo, hi)
         )
     even, angles = np.linspace(lo, hi, _PLACES), np.linspace(0.0, np.pi, 33)
-    beside = [a + (b - a) * np.sin(0.5 * angles) ** 2 for a, b in _images(zones, scene.period)]
+    beside = [a + (b - a) * np.sin(0.5 * angles) ** 2 for a, b in _with_images(zones, scene.period)]
     x = np.unique(np.concatenate([even, *beside]))
     return np.asarray(x[(x >= lo) & (x <= hi)])
 
 
-class _Run:
-    """scene: under the control, at no value. give: of the spring [m per N/m]."""
+class _PathRun:
+    """A path that is being followed.
+
+    scene: under the control, at no value. give: of the spring [m per N/m].
+    """
 
     def __init__(self, scene: Scene, control: str, tol: float, give: float | None) -> None:
         self.scene, self.control, self.tol = scene, control, tol
         self.context = replace(context_of(scene, tol), spring_compliance=give)
-        self.by = followed(self.context)
+        self.by = route_of(self.context)
         self.curve = self.by.law.curve
         self.problem = self.curve.problem
-        self.history = History(self.by.law, self.note)
+        self.history = LoadingPath(self.by.law, self.note)
         self.followed: list[tuple[float, float, float, float]] = []
         self.rises = 1.0
 
-    def note(self, point: Point | None, value: float = 0.0) -> None:
-        """An equilibrium on the way, or surfaces apart at a value."""
+    def note(self, point: State | None, value: float = 0.0) -> None:
+        """Record an equilibrium on the way, or surfaces apart at a value."""
         units = self.problem.units
         if point is not None:
             approach = -point.level * units.height if self.problem.operator.has_approach else np.nan
             width = float(np.diff(point.contact).sum()) * units.length
             self.followed.append((point.load * units.load, approach, width, self.rises))
-        elif self.curve.held.yields is not None:
+        elif self.curve.control.yields is not None:
             self.followed.append((0.0, value * units.height, 0.0, self.rises))
 
     def jumped(self, jump: Jump) -> None:
@@ -381,14 +393,14 @@ class _Run:
         self.followed.append((np.nan,) * 3 + (self.rises,))
         self.stood(jump.after)
 
-    def stood(self, standing: Standing) -> None:
+    def stood(self, standing: PathState) -> None:
         if not standing.closed:
             self.note(standing.point, standing.value)
 
     @property
     def unit(self) -> float:
-        """Of the control's values over its scaled ones."""
-        unit = self.curve.held.unit(self.problem.units)
+        """Factor from the scaled control to its values."""
+        unit = self.curve.control.unit(self.problem.units)
         return (
             unit / self.scene.profile.period
             if self.control == "mean_pressure" and self.scene.profile.period
@@ -396,7 +408,7 @@ class _Run:
         )
 
     def refuse(self, values: Array) -> None:
-        """Approaches that no equilibrium has."""
+        """Raise OutOfRange for approaches that no equilibrium has."""
         if (
             self.control != "approach"
             or self.context.spring_compliance is not None
@@ -407,45 +419,47 @@ class _Run:
         highest = assemble.mean_height(self.scene)
         if values.max() >= highest:
             raise OutOfRange(
-                f"approach {values.max():.6g} m is not below {highest:.6g} m, the mean of the profile: under a held approach the surfaces "
+                f"approach {values.max():.6g} m is not below {highest:.6g} m, the mean of the "
+                "profile: under a held approach the surfaces "
                 "come ever nearer to it, and close at none below"
             )
 
-    def first(self, value: float) -> Standing:
-        """Where the path begins: below first touch the surfaces are apart, else it is the advancing
-        contact.
-        """
+    def first(self, value: float) -> PathState:
+        """Where the path begins: below first touch the surfaces are apart, else they advance."""
         scaled, first = value / self.unit, self.by.law.first
         if scaled < min(first, 0.0) or value < 0.0 == first:
-            return Standing(scaled)
+            return PathState(scaled)
         if self.context.spring_compliance is not None or value < 0.0:
-            # The contact without adhesion under an approach of the far end need not lie within.
-            *_, found = self.history.to(Standing(min(-1.0, 2.0 * first)), scaled)
-            assert isinstance(found, Standing)
+            # The contact without adhesion under an approach of the far end need not lie inside.
+            *_, found = self.history.to(PathState(min(-1.0, 2.0 * first)), scaled)
+            assert isinstance(found, PathState)
             return found
         return self.by.started(self.scene.under(self.control, value), scaled)
 
-    def solved(self, here: Standing, value: float, before: float) -> Solution:
+    def solved(self, here: PathState, value: float, before: float) -> Solution:
         """The solution where the path stands."""
         scene = self.scene.under(self.control, value)
         way = "advancing" if self.rises else "receding"
-        told = f"{way}, {'raised' if self.rises else 'lowered'} from {self.control} {before * self.unit:.6g}"
+        described = (
+            f"{way}, {'raised' if self.rises else 'lowered'} from {self.control} "
+            f"{before * self.unit:.6g}"
+        )
         context = replace(self.context, scene=scene, plan=plan(scene), branch=way)
         if here.point is None:
             return self._without_zones(context, here)
         fields = self.by.fields(here.point)
-        if isinstance(fields, LooseFields):
-            assert isinstance(here.point, CohesivePoint)
+        if isinstance(fields, SeparatedFields):
+            assert isinstance(here.point, CohesiveState)
             return separated_solution(context.scene, fields, here.point, context.plan, way)
-        solution = solved_at(context, self.by.outcome(context, here.point), told)
+        solution = solved_at(context, self.by.outcome(context, here.point), described)
         return (
             solution
             if context.spring_compliance is None
             else replace(solution, scene=self.scene.under("load", solution.load))
         )
 
-    def _without_zones(self, context: SolveContext, here: Standing) -> Solution:
-        held, units = self.curve.held, self.problem.units
+    def _without_zones(self, context: SolveContext, here: PathState) -> Solution:
+        held, units = self.curve.control, self.problem.units
         if here.closed:
             mean_pressure = closed(context).mean_pressure
             scene = (
@@ -464,7 +478,7 @@ class _Run:
         )
 
     def _closed_load(self, value: float) -> float:
-        """Of surfaces closed altogether [N/m]."""
+        """Load of surfaces that are closed over the whole period [N/m]."""
         assert self.scene.period is not None
         scene = self.scene.under(self.control, value * self.unit)
         return closed(replace(self.context, scene=scene)).mean_pressure * self.scene.period
@@ -473,12 +487,12 @@ class _Run:
         units = self.problem.units
         load, approach, energy, zones = self._state(jump.before)
         load_after, approach_after, energy_after, zones_after = self._state(jump.after)
-        by_load = self.curve.held.load is not None
+        by_load = self.curve.control.load is not None
         if jump.kind == "pull-off" and by_load and approach is not None:
-            # Drawn apart by a dead load: the contact follows the approach, as the load is slow to
-            # move, until no contact answers it.
+            # A dead load draws the surfaces apart. The contact follows the approach, since the
+            # load is slow to move, until no contact answers it.
             assert jump.before.point is not None
-            apart = self.by.let_go(jump.before.point)
+            apart = self.by.separation(jump.before.point)
             approach_after = None if apart is None else float(-apart.level * units.height)
         lost = None
         if (
@@ -511,7 +525,7 @@ class _Run:
             drawn,
         )
 
-    def _state(self, standing: Standing) -> tuple[float, float | None, float | None, Array]:
+    def _state(self, standing: PathState) -> tuple[float, float | None, float | None, Array]:
         """(load, approach, energy, zones) [N/m, m, J/m, m]."""
         units, none = self.problem.units, np.zeros((0, 2))
         if (point := standing.point) is not None:
@@ -533,11 +547,11 @@ class _Run:
                 assemble.mean_height(self.scene),
             )
             return load, full.approach, self._energy(full, self.scene.period), none
-        held = self.curve.held
+        held = self.curve.control
         approach: float | None = 0.0 if held.yields is None else standing.value * units.height
         return 0.0, approach if self.problem.operator.has_approach else None, 0.0, none
 
     def _energy(self, fields: Any, width: float) -> float | None:
-        """Elastic and of the interface, of so wide a contact [J/m]."""
+        """Elastic energy and that of the interface, of a contact of this width [J/m]."""
         elastic = elastic_energy(fields)
         return None if elastic is None else elastic + self.scene.law.surface_energy(fields, width)

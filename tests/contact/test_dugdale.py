@@ -13,10 +13,11 @@ import pytest
 import contact
 import sie
 from contact import exact
-from contact.adhesion.cohesive_zone import Cohesive
-from contact.adhesion.curve import Equilibria
-from contact.adhesion.grid_guide import GridTension
-from contact.adhesion.uniform_tension import Tension
+from contact.adhesion import cohesive_branch
+from contact.adhesion.cohesive_zone import CohesiveCurve
+from contact.adhesion.curve import Curve
+from contact.adhesion.grid_guide import GridGuide
+from contact.adhesion.uniform_tension import UniformTension
 from contact.formulation.conjugate import clausen2
 from contact.formulation.controls import Approach, Load, scaled_control
 from contact.search.grid.scaling import scaled_scene_about
@@ -267,11 +268,11 @@ def test_rates_are_those_of_moved_ends_and_symmetric(kind):
     first = np.array([[-0.23, -0.17], [0.18, 0.22]])
     scaled = scaled_scene_about(scene, 0.0, first)
     units, held = scaled.problem.units, scaled_control(scene, scaled.problem.units)
-    curve = Cohesive(scaled.problem, held)
+    curve = CohesiveCurve(scaled.problem, held)
     table = units.scaled(np.array([[-0.26, -0.14], [0.14, 0.25]]))
     here = curve.from_zones(table, held.value, units.scaled(first))
     if kind is Approach:
-        curve, zones = Cohesive(scaled.problem, Approach(-here.level)), here.zones
+        curve, zones = CohesiveCurve(scaled.problem, Approach(-here.level)), here.zones
         here = curve.from_zones(table, -here.level, zones)
     assert here.rates == pytest.approx(here.rates.T, rel=1e-9)
     assert np.all(here.rates - np.diag(np.diag(here.rates)) >= 0.0)
@@ -311,7 +312,7 @@ def test_clausens_integral_and_the_potential_of_a_tension_have_their_slopes():
     assert clausen2(np.array([1 / 4, 1 / 6, 1 / 3, -1 / 4])) == pytest.approx(known, rel=1e-14)
     x, step = np.array([-0.41, 0.05, 0.3]), 1e-5
     for kernel in (sie.hilbert(1.0), sie.cauchy(0.7)):
-        tension = Tension(2.0, np.array([[-0.2, -0.1], [0.1, 0.25]]), kernel, True)
+        tension = UniformTension(2.0, np.array([[-0.2, -0.1], [0.1, 0.25]]), kernel, True)
         slope = (tension.height(x + step) - tension.height(x - step)) / (2 * step)
         assert slope == pytest.approx(tension.slope(x), rel=1e-7)
 
@@ -380,7 +381,9 @@ def test_strips_that_are_too_narrow_and_zones_that_are_too_many_are_refused_at_o
         match=r"narrower than a millionth.*They are 2\.7e-10 m beside .* terms a zone",
     ):
         cylinder(1e4, load=1e-5)
-    monkeypatch.setattr("contact.adhesion.cohesive_branch._MOST_ZONES", 5)
+    monkeypatch.setattr(
+        "contact.adhesion.cohesive_branch._OPTIONS", replace(cohesive_branch._OPTIONS, max_zones=5)
+    )
     with pytest.raises(
         contact.OutOfRange, match="zones: under a tension beside the contact .* 5 zones at the most"
     ):
@@ -392,7 +395,7 @@ def test_strips_that_are_too_narrow_and_zones_that_are_too_many_are_refused_at_o
 
 
 def test_what_the_ends_of_the_tension_leave_open_is_named_where_it_is_too_much(monkeypatch):
-    monkeypatch.setattr("contact.adhesion.cohesive_branch.uncertain", lambda *_: 1e-6)
+    monkeypatch.setattr("contact.adhesion.cohesive_branch.end_error", lambda *_: 1e-6)
     with pytest.raises(
         contact.NotConverged,
         match=r"at the ends of the tension, .* adds 1\.0e-06; allow a larger tol",
@@ -415,7 +418,7 @@ def test_a_grid_guides_the_ends_to_the_equilibrium_that_they_come_to_by_themselv
 ):
     scene = many_zones(mean_pressure=2e7)
     guided = contact.solve(scene, branch=branch)
-    monkeypatch.setattr(GridTension, "of", classmethod(lambda *given: None))
+    monkeypatch.setattr(GridGuide, "of", classmethod(lambda *given: None))
     alone = contact.solve(scene, branch=branch)
     assert len(guided.zones) == len(alone.zones) >= 8
     assert guided.cohesive == pytest.approx(
@@ -424,8 +427,8 @@ def test_a_grid_guides_the_ends_to_the_equilibrium_that_they_come_to_by_themselv
 
 
 def test_ends_guided_by_a_grid_take_a_few_states(monkeypatch):
-    taken, at = [], Cohesive._point
-    monkeypatch.setattr(Cohesive, "_point", lambda *given: taken.append(0) or at(*given))
+    taken, at = [], CohesiveCurve._point
+    monkeypatch.setattr(CohesiveCurve, "_point", lambda *given: taken.append(0) or at(*given))
     assert len(contact.solve(many_zones(mean_pressure=2e7)).zones) >= 8
     assert len(taken) <= 10
 
@@ -440,7 +443,7 @@ def test_a_law_without_range_leads_narrow_strips_to_where_they_come_by_themselve
     led = contact.solve(scene)
     last = led.pull_off.load
     monkeypatch.setattr(contact.Dugdale, "without_range", lambda *given: None)
-    monkeypatch.setattr(GridTension, "of", classmethod(lambda *given: None))
+    monkeypatch.setattr(GridGuide, "of", classmethod(lambda *given: None))
     alone = contact.solve(scene)
     assert len(led.zones) == len(alone.zones) >= 8
     assert led.cohesive == pytest.approx(
@@ -496,8 +499,8 @@ def test_traces_come_to_pull_off_past_zones_that_vanish_and_gaps_that_close(
 
 
 def test_narrow_strips_take_a_few_states(monkeypatch):
-    taken, at = [], Cohesive._point
-    monkeypatch.setattr(Cohesive, "_point", lambda *given: taken.append(0) or at(*given))
+    taken, at = [], CohesiveCurve._point
+    monkeypatch.setattr(CohesiveCurve, "_point", lambda *given: taken.append(0) or at(*given))
     assert len(contact.solve(many_zones(stress=5e7, mean_pressure=2e7)).zones) >= 8
     assert len(taken) <= 12
 
@@ -609,9 +612,9 @@ def test_a_zone_on_a_level_top_beside_narrow_strips_is_followed_to_pull_off():
 def test_pull_off_of_one_zone_takes_the_states_of_its_curve(monkeypatch):
     # 230 states, most of them to learn again and again where there is no contact left.
     states = []
-    real = Cohesive.from_zones
+    real = CohesiveCurve.from_zones
     monkeypatch.setattr(
-        Cohesive,
+        CohesiveCurve,
         "from_zones",
         lambda self, *given, **named: states.append(1) or real(self, *given, **named),
     )
@@ -692,14 +695,14 @@ def test_a_zone_that_snaps_shut_among_a_hundred_is_led_to_its_width_by_a_law_wit
         base, profile=profile, mean_pressure=7 * 6.473e6, law=contact.Dugdale(1e-3, 1e8)
     )
     states, tips = [], []
-    real, at = Cohesive.from_zones, Equilibria.at
+    real, at = CohesiveCurve.from_zones, Curve.at
     monkeypatch.setattr(
-        Cohesive,
+        CohesiveCurve,
         "from_zones",
         lambda self, *given, **named: states.append(1) or real(self, *given, **named),
     )
     monkeypatch.setattr(
-        Equilibria,
+        Curve,
         "at",
         lambda self, *given, **named: tips.append(len(given[0])) or at(self, *given, **named),
     )

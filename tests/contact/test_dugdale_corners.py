@@ -12,7 +12,7 @@ import pytest
 from scipy.optimize import brentq
 
 import contact
-from contact.adhesion.spread_end import Spread
+from contact.adhesion.spread_end import SpreadEnd
 from contact.formulation.conjugate import clausen2
 from tests.tiers import quick
 
@@ -233,7 +233,7 @@ def test_ends_of_the_tension_come_to_corners_and_leave_them_on_the_way():
 
 
 def test_an_end_spread_over_a_zone_has_the_mean_of_its_potentials():
-    zone, period = Spread(0.1, 0.7), 1.3
+    zone, period = SpreadEnd(0.1, 0.7), 1.3
     xi = zone.middle + zone.half * np.cos((np.arange(4000) + 0.5) * pi / 4000)
 
     def whole(y):

@@ -16,7 +16,7 @@ import contact
 from contact import exact, inverse
 from contact.adhesion import arc_length, gradient_flow, pull_off_of_solution
 from contact.adhesion import pull_off as apart
-from contact.adhesion.curve import Equilibria, Point
+from contact.adhesion.curve import Curve, State
 from contact.reference.inverse.adhesive import second_variation
 from tests.contact.strategies import adhesive_designs
 from tests.tiers import quick
@@ -310,10 +310,10 @@ def test_a_step_over_a_place_of_rest_is_noticed_by_its_ends_and_by_the_cubic_bet
 ):
     table, step = np.array([[-1.0, 1.0]]), np.full(2, 0.5)
     here, ahead = (
-        Point(table, 0.0, np.full(2, residual), slope * np.eye(2), np.ones(2), 0.0, 0.0)
+        State(table, 0.0, np.full(2, residual), slope * np.eye(2), np.ones(2), 0.0, 0.0)
         for residual, slope in zip((0.1, after), slopes, strict=True)
     )
-    assert gradient_flow.passed(here, ahead, step, 1.0).all() == passed
+    assert gradient_flow.overshoots(here, ahead, step, 1.0).all() == passed
 
 
 class Stiff:
@@ -323,14 +323,14 @@ class Stiff:
 
     problem = SimpleNamespace(detail=np.inf, borders=(-np.inf, np.inf), period=None)
     start = np.array([[-2.0, -1.0], [1.0, 2.0]])
-    unit, gaps, room = Equilibria.unit, Equilibria.gaps, Equilibria.room
+    unit, gaps, room = Curve.unit, Curve.gaps, Curve.room
 
     def at(self, table, value, tolerance=0.0):
         moved = np.concatenate((self.start[:, 0] - table[:, 0], table[:, 1] - self.start[:, 1]))
         residual, rates = 5e-5 * np.array([1.0, 0.0, 0.0, 0.0]) - moved, -np.eye(4)
         d = -moved[1]
         residual[1], rates[1, 1] = 8 * d**2 - 0.5 * d - 0.02, 0.5 - 16 * d
-        return Point(table, value, residual, rates, np.ones(4), 0.0, 0.0)
+        return State(table, value, residual, rates, np.ones(4), 0.0, 0.0)
 
 
 def test_an_end_that_is_at_rest_does_not_hold_up_one_that_runs():
@@ -357,7 +357,7 @@ class Relieved(Stiff):
             else np.maximum(-2.0 * width**-0.5, -60.0)
         )
         count = 2 * len(table)
-        return Point(table, value, np.tile(driven, 2), np.eye(count), np.ones(count), 0.0, 0.0)
+        return State(table, value, np.tile(driven, 2), np.eye(count), np.ones(count), 0.0, 0.0)
 
 
 def test_a_zone_that_is_relieved_by_one_that_is_lost_has_come_apart_once_it_is_narrow_and_driven_ever_more():
@@ -374,7 +374,7 @@ def test_a_zone_that_slides_as_it_comes_off_does_so_next_to_its_turning_point():
     scene = contact.Scene(profile, E, contact.Periodic(), law=contact.JKR(1e-7), mean_pressure=1e-3)
     solution = contact.solve(scene)
     assert len(solution.zones) == 3
-    curve = Equilibria(solution.fields.problem, solution.find_pull_off.held)
+    curve = Curve(solution.fields.problem, solution.find_pull_off.control)
     # A little within where the last zone comes off, under the control at which it does.
     assert (
         gradient_flow.receded(curve, np.array([[0.157164, 0.168935]]), -0.0016022921712400835)
@@ -384,7 +384,7 @@ def test_a_zone_that_slides_as_it_comes_off_does_so_next_to_its_turning_point():
 
 def test_past_a_turning_point_ends_are_pushed_no_farther_than_the_narrow_gap_between_them_holds():
     table = np.array([[-1.0, -1e-3], [1e-3, 1.0]])
-    turned = Point(
+    turned = State(
         table, 0.0, np.zeros(4), 0.25 * np.ones((4, 4)) - np.eye(4), np.ones(4), 0.0, 0.0
     )
     wider, narrower = (
@@ -448,10 +448,10 @@ def test_growth_and_motions_are_those_of_the_rates_whichever_way_they_are_told(l
     )
     solution = contact.solve(scene)
     curve, zones = (
-        Equilibria(solution.fields.problem, solution.find_pull_off.held),
+        Curve(solution.fields.problem, solution.find_pull_off.control),
         solution.fields.density.zones.table,
     )
-    here = curve.at(zones, part * curve.held.value)
+    here = curve.at(zones, part * curve.control.value)
     assert len(zones) > 2 and (here.gains.min() > 0.0) == (part <= 1.0)
     growth, motions = here.motions(np.arange(2 * len(zones)))
     wanted = np.linalg.eigvals(here.rates / here.weight[:, None]).real

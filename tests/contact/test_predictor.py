@@ -12,8 +12,8 @@ import pytest
 
 import contact
 from contact.adhesion import gradient_flow
-from contact.adhesion.curve import Equilibria
-from contact.adhesion.predictor import Foretold
+from contact.adhesion.curve import Curve
+from contact.adhesion.predictor import Predictor
 from contact.studies.trace_kinds import self_affine_heights
 from tests.tiers import quick
 
@@ -38,8 +38,8 @@ def rough(seed, hurst=0.7, **more):
 
 def state(scene):
     solution = contact.solve(scene)
-    return Equilibria(
-        solution.fields.problem, solution.find_pull_off.held
+    return Curve(
+        solution.fields.problem, solution.find_pull_off.control
     ), solution.fields.density.zones.table
 
 
@@ -48,8 +48,8 @@ def state(scene):
 def test_what_an_end_is_driven_by_farther_on_is_told_the_better_the_nearer_that_is(sign, layer):
     scene, _ = rough(1, **({"substrate": contact.Layer(1e-5, 0.3)} if layer else {}))
     curve, table = state(scene)
-    here = curve.at(table, curve.held.value)
-    told = Foretold.of(curve, here, curve.fields(here), sign)
+    here = curve.at(table, curve.control.value)
+    told = Predictor.of(curve, here, curve.fields(here), sign)
     ends = np.argsort(-np.tile(np.diff(table, axis=1)[:, 0], 2))[:6]
     missed = []
     for place in (32, 16, 8):
@@ -78,14 +78,14 @@ def test_ends_come_to_the_same_equilibrium_whether_it_is_foretold_or_not(
     scene, bare = rough(seed, hurst)
     scene = scene.under(control, getattr(bare, control))
     counted = []
-    real = gradient_flow._step_as_told
+    real = gradient_flow._predicted_step
     monkeypatch.setattr(
-        gradient_flow, "_step_as_told", lambda *given: counted.append(1) or real(*given)
+        gradient_flow, "_predicted_step", lambda *given: counted.append(1) or real(*given)
     )
     with_it = contact.solve(scene)
     assert counted
     last = with_it.pull_off
-    monkeypatch.setattr(gradient_flow, "_MANY", 10**9)
+    monkeypatch.setattr(gradient_flow, "FLOW", replace(gradient_flow.FLOW, predictor_zones=10**9))
     counted.clear()
     without = contact.solve(scene)
     assert not counted
@@ -96,7 +96,7 @@ def test_ends_come_to_the_same_equilibrium_whether_it_is_foretold_or_not(
 def test_ends_that_are_driven_the_other_way_alone_are_not_told_to_stand_still():
     scene, _ = rough(0, 0.3)
     curve, table = state(scene)
-    value = 1.3 * curve.held.value
+    value = 1.3 * curve.control.value
     assert curve.at(table, value).residual.min() > 0.1
     rest = gradient_flow.receded(curve, table, value)
     assert np.abs(rest.residual).max() < 1e-4 and rest.growth < 0.0
@@ -109,10 +109,10 @@ def test_an_end_that_runs_over_forty_samples_is_not_stopped_at_each(monkeypatch)
     profile = base.profile.varied({"profile": {"taper": 0.05}})
     scene = replace(base, profile=profile, mean_pressure=7 * 6.473e6, law=contact.JKR(1e-3))
     states = []
-    real = gradient_flow._flowed
-    at = Equilibria.at
+    real = gradient_flow._flow
+    at = Curve.at
     monkeypatch.setattr(
-        Equilibria, "at", lambda *given, **more: states.append(given[1]) or at(*given, **more)
+        Curve, "at", lambda *given, **more: states.append(given[1]) or at(*given, **more)
     )
     flows = []
 
@@ -129,7 +129,7 @@ def test_an_end_that_runs_over_forty_samples_is_not_stopped_at_each(monkeypatch)
         flows.append((ran, len(states) - before))
         return found
 
-    monkeypatch.setattr(gradient_flow, "_flowed", flowed)
+    monkeypatch.setattr(gradient_flow, "_flow", flowed)
     assert contact.solve(scene).certificate.holds
     ran, count = max(flows)
     assert ran > 20 and count < 30

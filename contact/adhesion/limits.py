@@ -1,0 +1,23 @@
+"""Numbers that all of the room shares: caps of its loops, and round-off."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+EPS = float(np.finfo(np.float64).eps)
+
+
+@dataclass(frozen=True)
+class SearchLimits:
+    """Caps of loops that converge or fail long before: larger ones only delay a failure."""
+
+    max_newton_steps: int = 80
+    # Halvings and doublings: about as many as a double has bits.
+    max_bisections: int = 60
+    # Steps of a search that widens or lowers something by a factor, and events in a row.
+    max_tries: int = 200
+    # Steps of a flow, of a curve and of growth on a grid.
+    max_steps: int = 3000
+
+
+LIMITS = SearchLimits()
